@@ -1,0 +1,44 @@
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready
+export MPLBACKEND := Agg
+
+.DEFAULT_GOAL := help
+.PHONY: help setup study test fast check bench report clean
+
+help:    ## show what each target does
+	@grep -hE '^[a-z]+: .*##|^[a-z]+:  +##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+
+setup: $(READY) ## make .venv from the project's own files (pinned by constraints.txt)
+
+$(READY): pyproject.toml constraints.txt
+	$(PYTHON) -c 'import sys; assert sys.version_info >= (3, 11), "casingfem needs Python 3.11 or newer, found " + sys.version; sys.exit(0)'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@touch $(READY)
+
+study: $(READY) ## measured frequencies -> updated shells -> reduced bases -> rub -> reports/out/report.html
+	$(BIN)/python -m reports.rig
+
+test: $(READY) ## every test
+	$(BIN)/python -m pytest
+
+fast: $(READY) ## the tests that take seconds
+	$(BIN)/python -m pytest -m 'not slow'
+
+check: $(READY) ## lint, format, types, layers, doctests
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m pytest --doctest-modules casingfem contact
+
+bench: $(READY) ## speed tables
+	$(BIN)/python -m reports.speed
+
+report: $(READY) ## every table and figure of reports/
+	$(BIN)/python -m reports.run
+
+clean:   ## remove what is generated
+	rm -rf reports/out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

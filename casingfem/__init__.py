@@ -1,0 +1,1 @@
+"""casingfem: shell modes with imperfections, model updating and modal reduction."""

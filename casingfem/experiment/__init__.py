@@ -1,0 +1,1 @@
+"""What was measured: frequency tables and their correlation with a model."""

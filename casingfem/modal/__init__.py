@@ -1,0 +1,1 @@
+"""Modes, their labels, and reduction to a modal basis."""

@@ -1,0 +1,1 @@
+"""Structures: charts, fields, supports, shells and their matrices."""

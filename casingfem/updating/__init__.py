@@ -1,0 +1,1 @@
+"""Least-squares updating of a model against measured frequencies."""

@@ -1,0 +1,1 @@
+"""contact: dynamic unilateral contact on rods, modal bodies and rotating rims."""

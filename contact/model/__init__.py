@@ -1,0 +1,1 @@
+"""Bodies, gaps and laws."""

@@ -1,0 +1,1 @@
+"""Time schemes, one file each."""

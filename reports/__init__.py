@@ -1,0 +1,1 @@
+"""Tables and figures, each a script with `main(out, quick=False)`."""
