@@ -1,0 +1,178 @@
+"""Fields: exact derivatives, rotation, complex coefficients, sums."""
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from casingfem.structure.field import Field, FieldValues, FourierField, SumField
+
+Z, THETA = np.linspace(-0.1, 0.3, 7)[:, None], np.linspace(0.0, 6.0, 11)
+
+
+def random_field(seed: int, harmonics: int = 6, degrees: int = 4) -> FourierField:
+    rng = np.random.default_rng(seed)
+    p = rng.choice(np.arange(1, 30), harmonics, replace=False)
+    cos, sin = rng.normal(size=(2, harmonics, degrees))
+    return FourierField(p=p, cos=cos, sin=sin, z_mid=0.1, z_half=0.2)
+
+
+def assert_equal_fields(a: Field, b: Field, tolerance: float = 1e-12) -> None:
+    for name, x, y in zip(FieldValues._fields, a.derivatives(Z, THETA), b.derivatives(Z, THETA), strict=True):
+        scale = max(1.0, float(np.abs(y).max()))
+        np.testing.assert_allclose(x, y, rtol=0, atol=tolerance * scale, err_msg=name)
+
+
+def test_value_is_the_series():
+    field = random_field(7, harmonics=3, degrees=3)
+    zeta = (Z - 0.1) / 0.2
+    expected = sum(
+        (field.cos[h, d] * np.cos(p * THETA) + field.sin[h, d] * np.sin(p * THETA)) * zeta**d
+        for h, p in enumerate(field.harmonics)
+        for d in range(3)
+    )
+    np.testing.assert_allclose(field.derivatives(Z, THETA).value, expected, atol=1e-13)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10_000), st.integers(1, 5))
+def test_derivatives_agree_with_central_differences(seed, degrees):
+    field, h = random_field(seed, degrees=degrees), 1e-5
+    f = field.derivatives(Z, THETA)
+    plus_z, minus_z = field.derivatives(Z + h, THETA), field.derivatives(Z - h, THETA)
+    plus_t, minus_t = field.derivatives(Z, THETA + h), field.derivatives(Z, THETA - h)
+
+    def close(exact, plus, minus):
+        np.testing.assert_allclose(exact, (plus - minus) / (2 * h), atol=3e-6 * (1 + np.abs(exact).max()))
+
+    close(f.d_z, plus_z.value, minus_z.value)
+    close(f.d_theta, plus_t.value, minus_t.value)
+    close(f.d_zz, plus_z.d_z, minus_z.d_z)
+    close(f.d_z_theta, plus_z.d_theta, minus_z.d_theta)
+    close(f.d_z_theta, plus_t.d_z, minus_t.d_z)
+    close(f.d_theta_theta, plus_t.d_theta, minus_t.d_theta)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10_000), st.floats(-7.0, 7.0))
+def test_rotation_moves_crests_forward_and_back(seed, angle):
+    field = random_field(seed)
+    turned = field.rotated(angle)
+    for a, b in zip(turned.derivatives(Z, THETA), field.derivatives(Z, THETA - angle), strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-11 * (1 + np.abs(b).max()))
+    assert_equal_fields(turned.rotated(-angle), field)
+
+
+def test_complex_step_through_a_coefficient_is_the_exact_sensitivity():
+    field = random_field(11)
+    p, step = field.harmonics[2], 1e-30
+    cos, _ = field.coefficients(p)
+    shape = FourierField.of({p: 1.0}).derivatives(Z, THETA)
+    for moved, exact in zip(
+        field.with_harmonic(p, cos=cos + 1j * step).derivatives(Z, THETA), shape, strict=True
+    ):
+        np.testing.assert_allclose(moved.imag / step, np.broadcast_to(exact, moved.shape), atol=1e-12 * p**2)
+    turned = field.with_harmonic(p, cos=cos + 1j * step).rotated(0.3)
+    assert turned.cos.dtype == complex
+    assert turned.derivatives(0.1, p * 0.0 + 0.3).value.imag == pytest.approx(step)
+
+
+def test_shapes_broadcast_from_z_and_theta():
+    field = random_field(3)
+    assert field.derivatives(0.1, 0.2).value.shape == ()
+    assert all(x.shape == (7, 11) for x in field.derivatives(Z, THETA))
+    assert field.derivatives(np.zeros((3, 1)), np.zeros((2, 1, 5))).d_zz.shape == (2, 3, 5)
+    assert FourierField.of({8: 0.1}).derivatives(Z, 0.0).value.shape == (7, 1)
+    assert not np.any(FourierField.of({}).derivatives(Z, THETA).value)
+
+
+def test_with_harmonic_replaces_only_the_constant_term():
+    field = random_field(5)
+    p = field.harmonics[1]
+    changed = field.with_harmonic(p, sin=0.25)
+    assert changed.coefficients(p) == (field.coefficients(p)[0], 0.25)
+    np.testing.assert_array_equal(changed.sin[:, 1:], field.sin[:, 1:])
+    np.testing.assert_array_equal(changed.cos, field.cos)
+    added = field.with_harmonic(31, cos=0.5)
+    assert added.coefficients(31) == (0.5, 0.0)
+    assert (added.z_mid, added.z_half, added.max_harmonic) == (0.1, 0.2, 31)
+    assert field.coefficients(31) == (0.0, 0.0)
+    assert field.amplitude(31) == 0.0
+
+
+def test_sums_merge_when_they_can_and_agree_when_they_cannot():
+    a, b = random_field(1), random_field(2)
+    merged = a + b
+    assert isinstance(merged, FourierField)
+    assert_equal_fields(merged, SumField((a, b)))
+    constant = FourierField.of({4: 0.1, 40: (0.0, 0.2)})
+    assert isinstance(constant + a, FourierField)
+    assert_equal_fields(constant + a, SumField((a, constant)))
+    other = FourierField(p=np.array([2]), cos=np.ones((1, 2)), sin=np.ones((1, 2)), z_half=3.0)
+    both = a + other
+    assert isinstance(both, SumField)
+    assert isinstance(both, Field)
+    assert both.max_harmonic == max(a.max_harmonic, 2)
+    assert_equal_fields(both.rotated(0.4), SumField((a.rotated(0.4), other.rotated(0.4))))
+    assert len((both + a).fields) == 3
+
+
+def test_a_users_own_field_joins_a_sum():
+    class Dent:
+        def derivatives(self, z, theta):
+            bump = np.exp(-np.square(theta)) + 0.0 * np.asarray(z)
+            return FieldValues(bump, 0 * bump, -2 * theta * bump, 0 * bump, 0 * bump, bump)
+
+        def rotated(self, angle):
+            raise NotImplementedError
+
+    total = FourierField.of({2: 0.1}) + Dent()
+    assert total.derivatives(0.0, 0.0).value == pytest.approx(1.1)
+    assert total.max_harmonic is None
+
+
+def test_arrays_are_read_only_and_not_shared():
+    p, cos = np.array([2]), np.ones((1, 1))
+    field = FourierField(p=p, cos=cos, sin=np.zeros((1, 1)))
+    cos[0] = 5.0
+    assert field.amplitude(2) == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        field.cos[0, 0] = 2.0
+
+
+def test_repr_names_the_largest_harmonics_first():
+    text = repr(FourierField.of({2: 1e-4, 8: (0.0, 0.004)}))
+    assert text.splitlines()[2].split() == ["8", "4.000e-03", "11.25"]
+    assert "degree 3 along z on 0.1 +- 0.2 m" in repr(random_field(1))
+    assert "and 8 smaller" in repr(random_field(1, harmonics=20))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"p": [-1]}, ">= 0, found -1"),
+        ({"p": [1.5]}, "whole numbers"),
+        ({"p": [2, 2], "cos": np.ones((2, 1)), "sin": np.ones((2, 1))}, "harmonic 2 is given twice"),
+        ({"cos": [1.0]}, r"cos must have shape \(harmonics, degrees\), not \(1,\)"),
+        ({"cos": np.ones((1, 2))}, r"cos \(1, 2\) and sin \(1, 1\) must both"),
+        ({"cos": [[np.nan]]}, "cos holds values that are not finite"),
+        ({"p": [0], "sin": [[0.1]]}, "use cos for the mean"),
+        ({"z_half": 0.0}, "z_half > 0"),
+        ({"z_mid": np.inf}, "finite z_mid"),
+    ],
+)
+def test_nonsense_is_refused_by_name(arguments, message):
+    good = {"p": [3], "cos": [[1.0]], "sin": [[0.0]]}
+    with pytest.raises(ValueError, match=message):
+        FourierField(**(good | arguments))
+
+
+def test_thirty_harmonics_on_a_mesh_take_milliseconds():
+    field = random_field(1, harmonics=29, degrees=1)
+    z, theta = np.random.default_rng(9).uniform(size=(2, 21, 100))
+    field.derivatives(z, theta)
+    start = time.perf_counter()
+    field.derivatives(z, theta)
+    assert time.perf_counter() - start < 0.1
