@@ -1,0 +1,213 @@
+"""Shell -> stiffness and mass matrices.
+
+    a(U, V) = int [t eps:C:eps + t^3/12 chi:C:chi + (5/6) G t gamma.gamma] J
+    m(U, V) = int rho [t u.v + t^3/12 w.w] J
+
+Element stiffness is the product of a weighted strain table with itself, batched over the elements. The mass
+uses the Lobatto rule whose points are the nodes, so M is diagonal. Dofs of a node held in the frame of an
+edge are rotated in the element matrices, and held dofs are left out.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_array, csc_array
+
+from casingfem.arrays import Array, FloatArray, IntArray
+from casingfem.structure.element import ElementQuadLobatto, lobatto
+from casingfem.structure.kinematics import DOFS, STRAINS, frame, strain_slots
+from casingfem.structure.material import Material
+from casingfem.structure.mesh import Edge, Grid, make_grid
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import ElasticEdge
+
+SHEAR_CORRECTION = 5.0 / 6.0
+CHUNK = 6_000_000  # strain table entries held at a time
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Matrices of a supported shell on its free dofs.
+
+    Attributes
+    ----------
+    shell, grid
+        What was assembled, and on which mesh.
+    K
+        Stiffness, (free, free), symmetric [SI].
+    mass
+        The diagonal of M, (free,).
+    free
+        Numbers of the free dofs among 5 * nodes.
+    frames
+        Rotation of the displacement dofs at nodes held in an edge's frame, (nodes, 3, 3); identity elsewhere.
+    """
+
+    shell: Shell
+    grid: Grid
+    K: csc_array
+    mass: FloatArray
+    free: IntArray
+    frames: FloatArray
+
+    @property
+    def size(self) -> int:
+        """Number of free dofs."""
+        return len(self.free)
+
+    @cached_property
+    def points(self) -> FloatArray:
+        """Positions of the nodes, (nodes, 3)."""
+        return np.asarray(self.shell.geometry(*self.grid.nodes).surface.x.T)
+
+    def expand(self, vectors: Array) -> Array:
+        """Free dofs (free, columns) -> nodal fields in Cartesian axes, (nodes, 5, columns)."""
+        full = np.zeros((len(self.frames) * DOFS, vectors.shape[1]), dtype=vectors.dtype)
+        full[self.free] = vectors
+        fields = full.reshape(len(self.frames), DOFS, -1)
+        fields[:, :3] = np.einsum("nij,njk->nik", self.frames, fields[:, :3])
+        return fields
+
+    def restrict(self, forces: Array) -> Array:
+        """Nodal forces in Cartesian axes (nodes, 5, columns) -> work-conjugate free dofs (free, columns)."""
+        turned = forces.copy()
+        turned[:, :3] = np.einsum("nji,njk->nik", self.frames, forces[:, :3])
+        return turned.reshape(len(self.frames) * DOFS, -1)[self.free]
+
+
+def constitutive(material: Material, thickness: Array) -> Array:
+    """Section stiffness D on the eight strains at points, (8, 8, ...)."""
+    C = material.plane_stress()
+    D = np.zeros((STRAINS, STRAINS, *thickness.shape), dtype=np.result_type(C, thickness))
+    D[:3, :3] = C[:, :, None, None] * thickness
+    D[3:6, 3:6] = C[:, :, None, None] * thickness**3 / 12.0
+    D[6, 6] = D[7, 7] = SHEAR_CORRECTION * material.shear_modulus * thickness
+    return D
+
+
+def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
+    """Element stiffness matrices, (elements, 5 functions, 5 functions)."""
+    geometry = shell.geometry(*grid.parameters)
+    L, basis = strain_slots(geometry.surface)
+    L[1:] /= grid.size[:, None, None, :, None]
+    D = constitutive(shell.material, geometry.thickness) * (basis.jacobian * grid.measure)
+    root = np.linalg.cholesky(np.moveaxis(D, (0, 1), (-2, -1)))  # D = root root^T
+    slots = np.einsum("eqts,kteqc->kceqs", root, np.moveaxis(L, 2, 4), optimize=True)
+    functions, points = grid.table.shape[1:]
+    elements = len(grid.elements)
+    step = max(1, CHUNK // (points * STRAINS * functions * DOFS))
+    matrices = np.empty((elements, functions * DOFS, functions * DOFS))
+    for start in range(0, elements, step):
+        part = slots[:, :, start : start + step]
+        strain = np.zeros((part.shape[2], points, STRAINS, functions, DOFS))
+        for k in range(3):
+            weights = np.ascontiguousarray(part[k].transpose(1, 2, 3, 0))[:, :, :, None, :]
+            strain += grid.table[k].T[None, :, None, :, None] * weights
+        flat = strain.reshape(part.shape[2], points * STRAINS, functions * DOFS)
+        np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[start : start + step])
+    return matrices
+
+
+def nodal_mass(shell: Shell, grid: Grid) -> Array:
+    """Lobatto mass at the nodes: (nodes, 2) for displacements and rotations [kg, kg m^2]."""
+    area = node_area(grid)
+    geometry = shell.geometry(*grid.nodes)
+    density = shell.material.rho * geometry.thickness * frame(geometry.surface).jacobian * area
+    return np.stack([density, density * geometry.thickness**2 / 12.0], axis=-1)
+
+
+def node_area(grid: Grid) -> FloatArray:
+    """Parameter area that the Lobatto rule gives each node, (nodes,)."""
+    _, w = lobatto(grid.mesh.order)
+    i, j = ElementQuadLobatto(grid.mesh.order).pairs.T
+    area = np.zeros(grid.nodes.shape[1])
+    np.add.at(area, grid.elements, (grid.size[0] * grid.size[1])[:, None] * (w[i] * w[j]))
+    return area
+
+
+def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> FloatArray:
+    """Orthonormal (across, along, normal) of an edge as columns at parameters (2, nodes), (nodes, 3, 3)."""
+    surface = shell.geometry(*parameters).surface
+    normal = frame(surface).normal
+    tangent = surface.x2 if along == 1 else surface.x1
+    tangent = tangent / np.linalg.norm(tangent, axis=0)
+    columns = np.stack([np.cross(tangent, normal, axis=0), tangent, normal], axis=-1)
+    return np.asarray(columns.transpose(1, 0, 2))
+
+
+def edge_springs(shell: Shell, grid: Grid, name: str, support: ElasticEdge) -> tuple[Array, Array]:
+    """Nodal springs of an elastic edge: displacement blocks (nodes, 3, 3) and rotation (nodes,)."""
+    edge = grid.edges[name]
+    a, b = grid.nodes[:, edge.nodes]
+    geometry = shell.geometry(a, b)
+    tangent = geometry.surface.x2 if edge.along == 1 else geometry.surface.x1
+    length = np.sqrt(np.einsum("i...,i...->...", tangent, tangent)) * edge.weights
+    along = b if edge.along == 1 else a
+    blocks, rotation = support.line_stiffness(shell.chart.directions(a, b), along, geometry.thickness)
+    return blocks * length[:, None, None], rotation * length
+
+
+def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
+    """Free dof numbers, and the frames (nodes, 3, 3) in which the displacements of a node are expressed."""
+    nodes = grid.nodes.shape[1]
+    held = np.zeros((nodes, DOFS), dtype=bool)
+    frames = np.tile(np.eye(3), (nodes, 1, 1))
+    for name, support in sorted(shell.supports.items(), key=lambda item: len(item[1].held)):
+        edge = grid.edges[name]
+        if support.frame == "edge":
+            frames[edge.nodes] = edge_rotation(shell, grid.nodes[:, edge.nodes], edge.along)
+        # the rotations are already in the surface's frame: w_1 across and w_2 along a curved edge
+        dofs = [d if d < 3 or edge.along == 1 else 7 - d for d in support.held]
+        held[np.ix_(edge.nodes, dofs)] = True
+    return np.flatnonzero(~held.ravel()), frames
+
+
+def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> None:
+    """Express the displacement rows and columns of the element matrices in the nodal frames, in place."""
+    turned = np.any(frames != np.eye(3), axis=(1, 2))
+    for e in np.flatnonzero(turned[grid.elements].any(axis=1)):  # only elements on edges with a frame
+        R = frames[grid.elements[e]]
+        K = matrices[e].reshape(len(R), DOFS, len(R), DOFS)
+        K[:, :3] = np.einsum("nji,njmd->nimd", R, K[:, :3])
+        K[:, :, :, :3] = np.einsum("ncmj,mji->ncmi", K[:, :, :, :3], R)
+
+
+def assemble(shell: Shell) -> System:
+    """Assemble stiffness and lumped mass of a supported shell.
+
+    >>> from casingfem.structure.chart import Plate
+    >>> from casingfem.structure.support import Clamped
+    >>> steel = Material(E=210e9, nu=0.3, rho=7800.0)
+    >>> plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel,
+    ...               supports={"root": Clamped()})
+    >>> system = assemble(plate)
+    >>> bool(abs(system.K - system.K.T).max() < 1e-9 * abs(system.K).max())
+    True
+    """
+    grid = make_grid(shell.chart, shell.mesh)
+    free, frames = held_dofs(shell, grid)
+    matrices = element_matrices(shell, grid)
+    rotate_elements(matrices, grid, frames)
+    number = np.full(grid.nodes.shape[1] * DOFS, -1)
+    number[free] = np.arange(len(free))
+    dofs = number[(grid.elements[:, :, None] * DOFS + np.arange(DOFS)).reshape(len(grid.elements), -1)]
+    rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
+    data = [matrices.ravel()]
+    index = [(rows.ravel(), columns.ravel())]
+    for name, support in shell.supports.items():
+        if isinstance(support, ElasticEdge):
+            blocks, rotation = edge_springs(shell, grid, name, support)
+            nodes = grid.edges[name].nodes
+            R = frames[nodes]
+            blocks = np.einsum("nji,njk,nkl->nil", R, blocks, R)
+            local = number[nodes[:, None] * DOFS + np.arange(DOFS)]
+            i, j = np.broadcast_arrays(local[:, :3, None], local[:, None, :3])
+            data += [blocks.ravel(), np.repeat(rotation, 2)]
+            index += [(i.ravel(), j.ravel()), (local[:, 3:].ravel(), local[:, 3:].ravel())]
+    values = np.concatenate(data)
+    i, j = (np.concatenate(parts) for parts in zip(*index, strict=True))
+    kept = (i >= 0) & (j >= 0)
+    K = coo_array((values[kept], (i[kept], j[kept])), shape=(len(free), len(free))).tocsc()
+    mass = np.repeat(nodal_mass(shell, grid), (3, 2), axis=1).ravel()[free]
+    return System(shell=shell, grid=grid, K=K, mass=mass, free=free, frames=frames)

@@ -1,0 +1,119 @@
+"""A perfect casing, one small problem per number of nodal diameters.
+
+With u = u^(z) e^(i n theta) in cylindrical components, the same strain slots as the two-dimensional shell
+give, at theta = 0, strain = (L0 + L1 d_z + L2 (i n + e_z x)) u^. Multiplying the hoop displacement and the
+hoop rotation by i makes stiffness and mass real: the reference of the two-dimensional shell, and the fast
+path where nothing varies around.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.structure.assembly import constitutive, edge_rotation
+from casingfem.structure.element import gauss, lagrange, lobatto
+from casingfem.structure.kinematics import DOFS, STRAINS, frame, strain_slots
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import ElasticEdge
+
+HOOP = np.array([1.0, 1j, 1.0, 1.0, 1j])  # hoop motions are in quadrature
+SPIN = np.zeros((DOFS, DOFS))  # d/d theta of the cylindrical unit vectors at theta = 0
+SPIN[1, 0], SPIN[0, 1] = 1.0, -1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Meridian:
+    """Matrices of one harmonic on the free dofs of a meridian.
+
+    K is (free, free), `mass` its diagonal mass (free,), both per unit angle; `free` numbers the dofs among
+    5 * nodes; `z` holds the nodes; `turn` the (nodes, 3, 3) frames of edges held in their own frame.
+    """
+
+    n: int
+    K: FloatArray
+    mass: FloatArray
+    free: FloatArray
+    z: FloatArray
+    turn: FloatArray
+
+    def expand(self, vectors: FloatArray) -> FloatArray:
+        """Free dofs (free, modes) -> (nodes, 5, modes): u_r, u_theta, u_z, w_1, w_2 amplitudes.
+
+        The motion is (u_r, -u_theta, u_z, w_1, -w_2) times (cos, sin, cos, cos, sin) of n theta.
+        """
+        full = np.zeros((len(self.z) * DOFS, vectors.shape[1]))
+        full[self.free] = vectors
+        fields = full.reshape(len(self.z), DOFS, -1)
+        fields[:, :3] = np.einsum("nij,njk->nik", self.turn, fields[:, :3])
+        return fields
+
+
+def harmonic_matrices(shell: Shell, n: int) -> Meridian:
+    """Stiffness and mass of n nodal diameters of an axisymmetric shell, on its mesh's meridian.
+
+    Raises
+    ------
+    ValueError
+        If anything varies around the shell.
+    """
+    if not shell.axisymmetric:
+        raise ValueError("one problem per harmonic needs a casing on which nothing varies around")
+    order = shell.mesh.order
+    (z0, z1), _ = shell.chart.bounds
+    lines = z0 + (z1 - z0) * shell.mesh.breaks
+    size = np.diff(lines)
+    rows = len(size)
+    x, w = gauss(order + 1)
+    z = lines[:-1, None] + size[:, None] * x
+    geometry = shell.geometry(z, np.zeros_like(z))
+    L, basis = strain_slots(geometry.surface)
+    D = constitutive(shell.material, geometry.thickness) * (basis.jacobian * size[:, None] * w)
+    values, slopes = lagrange(order, x)
+    still = np.einsum("sceq,fq->eqsfc", L[0] + n * 1j * L[2], values)
+    still += np.einsum("sceq,cd,fq->eqsfd", L[2], SPIN, values)
+    strain = still + np.einsum("sceq,fq,e->eqsfc", L[1], slopes, 1.0 / size)
+    strain = (strain * HOOP).reshape(rows, len(x), STRAINS, -1)
+    elements = np.einsum("eqsi,steq,eqtj->eij", strain.conj(), D, strain, optimize=True).real
+
+    nodes = rows * order + 1
+    at = np.arange(rows)[:, None] * order + np.arange(order + 1)
+    dofs = (at[:, :, None] * DOFS + np.arange(DOFS)).reshape(rows, -1)
+    K = np.zeros((nodes * DOFS, nodes * DOFS))
+    for e in range(rows):
+        K[np.ix_(dofs[e], dofs[e])] += elements[e]
+    points, weights = lobatto(order)
+    node_z = np.append((lines[:-1, None] + size[:, None] * points[:-1]).ravel(), lines[-1])
+    length = np.zeros(nodes)
+    np.add.at(length, at, size[:, None] * weights)
+    return supported(shell, n, K, node_z, length)
+
+
+def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, length: FloatArray) -> Meridian:
+    """Add springs, turn edges into their frames, and leave out what is held."""
+    geometry = shell.geometry(z, np.zeros_like(z))
+    mass = shell.material.rho * geometry.thickness * frame(geometry.surface).jacobian * length
+    inertia = np.repeat(np.stack([mass, mass * geometry.thickness**2 / 12.0], axis=1), (3, 2), axis=1)
+    turn = np.tile(np.eye(3), (len(z), 1, 1))
+    held = np.zeros((len(z), DOFS), dtype=bool)
+    for name, support in shell.supports.items():
+        node = 0 if shell.chart.edges[name][1] == 0 else len(z) - 1
+        dofs = slice(node * DOFS, node * DOFS + DOFS)
+        if isinstance(support, ElasticEdge):
+            here = np.array([z[node]]), np.zeros(1)
+            local = shell.geometry(*here)
+            block, rotation = support.line_stiffness(shell.chart.directions(*here), here[1], local.thickness)
+            arc = np.linalg.norm(local.surface.x2[:, 0])
+            springs = np.zeros((DOFS, DOFS))
+            springs[:3, :3], springs[3, 3], springs[4, 4] = block[0], rotation[0], rotation[0]
+            K[dofs, dofs] += arc * springs
+        elif support.frame == "edge":
+            turn[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0]
+        held[node, list(support.held)] = True
+    for node in np.flatnonzero(np.any(turn != np.eye(3), axis=(1, 2))):
+        dofs = slice(node * DOFS, node * DOFS + 3)
+        # across and normal lie in the meridian plane, along is the hoop direction: K stays real
+        K[dofs] = turn[node].T @ K[dofs]
+        K[:, dofs] = K[:, dofs] @ turn[node]
+    free = np.flatnonzero(~held.ravel())
+    return Meridian(n=n, K=K[np.ix_(free, free)], mass=inertia.ravel()[free], free=free, z=z, turn=turn)

@@ -1,0 +1,51 @@
+"""Isotropic linear elastic material."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Material:
+    """Isotropic material: Young's modulus E [Pa], Poisson's ratio nu, density rho [kg/m^3].
+
+    Raises
+    ------
+    ValueError
+        If E or rho is not positive and finite, or nu lies outside (-1, 0.5).
+
+    Examples
+    --------
+    >>> steel = Material(E=210e9, nu=0.3, rho=7800.0)
+    >>> round(steel.shear_modulus / 1e9, 2)
+    80.77
+    """
+
+    E: float
+    nu: float
+    rho: float
+
+    def __post_init__(self) -> None:
+        for name in ("E", "rho"):
+            value = np.real(getattr(self, name))
+            if not (np.isfinite(value) and value > 0.0):
+                raise ValueError(f"material.{name} must be positive and finite, found {value!r}")
+        nu = np.real(self.nu)
+        if not -1.0 < nu < 0.5:
+            raise ValueError(f"material.nu must lie between -1 and 0.5 (exclusive), found {nu!r}")
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E / (2 (1 + nu)) [Pa]."""
+        return self.E / (2.0 * (1.0 + self.nu))
+
+    def plane_stress(self) -> Array:
+        """Plane-stress stiffness on (eps_11, eps_22, 2 eps_12) [Pa], shape (3, 3).
+
+        C = E / (1 - nu^2) [[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu)/2]]
+        """
+        nu = self.nu
+        shape = np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, (1.0 - nu) / 2.0]])
+        return shape * (self.E / (1.0 - nu**2))
