@@ -1,0 +1,234 @@
+"""Surveys: the fit gives back what was measured, and says no to what it cannot use."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from casingfem.structure.field import Field, FourierField
+from casingfem.structure.strict_csv import CsvError, parse
+from casingfem.structure.survey import SampledField, SurveyError
+
+DEFECT = FourierField(
+    p=np.array([2, 8, 20]),
+    cos=np.array([[1e-3, 2e-4], [4e-3, 0.0], [3e-3, -1e-4]]),
+    sin=np.array([[5e-4, 0.0], [0.0, 3e-4], [0.0, 0.0]]),
+    z_mid=0.125,
+    z_half=0.125,
+)
+
+
+def rings(heights=(0.0, 0.125, 0.25), points=72, first_deg=0.0):
+    theta = np.radians(first_deg + np.arange(points) * 360.0 / points)
+    z, theta = np.meshgrid(heights, theta, indexing="ij")
+    return theta.ravel(), z.ravel()
+
+
+def casing(theta, z, defect: Field = DEFECT):
+    return (0.5 - 0.2 * z) * (1 + defect.derivatives(z, theta).value)
+
+
+def write(path, theta, z, radius, header="theta_deg,z_m,radius_m", card="# lathe, dial gauge\n"):
+    rows = zip(np.degrees(theta), z, radius, strict=True)
+    path.write_text(f"{card}{header}\n" + "".join(f"{t!r},{h!r},{r!r}\n" for t, h, r in map(floats, rows)))
+    return path
+
+
+def floats(row):
+    return tuple(float(x) for x in row)
+
+
+def test_rings_give_back_the_cone_and_the_defect():
+    theta, z = rings()
+    survey = SampledField.from_points(theta, z, casing(theta, z))
+    assert survey.mean == pytest.approx((0.5, -0.2), rel=1e-12)
+    np.testing.assert_allclose(survey.mean_radius([0.0, 0.25]), [0.5, 0.45], rtol=1e-12)
+    assert survey.residual_rms < 1e-14
+    assert (survey.coverage_deg, survey.n_resolved, survey.max_harmonic) == (pytest.approx(5.0), 35, 28)
+    assert survey.z_range == (0.0, 0.25)
+    points = np.array([[0.03], [0.2]]), np.linspace(0, 6, 9)
+    for got, exact in zip(survey.derivatives(*points), DEFECT.derivatives(*points), strict=True):
+        np.testing.assert_allclose(got, exact, atol=1e-9)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 10_000), st.sampled_from([0, 1, 2]))
+def test_scattered_points_with_repeats_give_back_their_own_field(seed, degree):
+    rng = np.random.default_rng(seed)
+    theta, z = rng.uniform(0, 2 * np.pi, 600), rng.uniform(0.0, 0.25, 600)
+    theta, z = np.append(theta, theta[:50]), np.append(z, z[:50])
+    cos, sin = rng.normal(scale=1e-3, size=(2, 8, degree + 1))
+    made = FourierField(p=np.arange(1, 9), cos=cos, sin=sin, z_mid=z.mean(), z_half=0.2)
+    survey = SampledField.from_points(theta, z, casing(theta, z, made), n_max=10, degree=degree)
+    got, exact = survey.derivatives(z, theta), made.derivatives(z, theta)
+    np.testing.assert_allclose(got.value, exact.value, atol=1e-11)
+    assert survey.mean == pytest.approx((0.5, -0.2), rel=1e-9)
+
+
+def test_turning_the_survey_turns_the_fit():
+    theta, z = rings()
+    turned = SampledField.from_points(theta + 0.7, z, casing(theta, z))
+    still = SampledField.from_points(theta, z, casing(theta, z)).rotated(0.7)
+    for a, b in zip(turned.derivatives(z, theta), still.derivatives(z, theta), strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-9)
+
+
+def test_residual_is_the_noise_that_was_put_in():
+    theta, z = rings(points=180)
+    noise = np.random.default_rng(31).normal(scale=2e-5, size=z.size)
+    survey = SampledField.from_points(theta, z, casing(theta, z) + noise, n_max=30, degree=1)
+    free = 1 - 122 / z.size
+    assert survey.residual_rms_m == pytest.approx(2e-5 * np.sqrt(free), rel=0.1)
+    assert survey.fit.amplitude(8) == pytest.approx(4e-3, abs=2e-5)
+
+
+def test_csv_units_card_and_repr(tmp_path):
+    theta, z = rings()
+    radius = casing(theta, z)
+    plain = SampledField.from_csv(write(tmp_path / "a.csv", theta, z, radius))
+    milli = SampledField.from_csv(
+        write(tmp_path / "b.csv", theta, 1e3 * z, 1e3 * radius, "theta_deg,z_mm,radius_mm")
+    )
+    radian = SampledField.from_csv(
+        write(tmp_path / "c.csv", np.radians(theta), z, radius, "theta_rad,z_m,radius_m")
+    )
+    for other in (milli, radian):
+        np.testing.assert_allclose(other.fit.cos, plain.fit.cos, atol=1e-13)
+        assert other.mean == pytest.approx(plain.mean)
+    assert plain.card == ("lathe, dial gauge",)
+    text = repr(plain)
+    assert "216 points, 3 heights" in text
+    assert "residual  rms" in text
+    assert "resolves harmonic 35" in text
+    assert isinstance(plain, Field)
+
+
+def test_thickness_survey_keeps_its_taper_in_the_field(tmp_path):
+    theta, z = rings(heights=(0.0, 0.1, 0.2))
+    zeta = (z - 0.1) / 0.1
+    thickness = 3e-3 * (1 + 0.02 * zeta + 0.01 * np.cos(2 * theta))
+    path = write(tmp_path / "t.csv", theta, z, 1e3 * thickness, "theta_deg,z_m,thickness_mm")
+    survey = SampledField.from_csv(path)
+    assert survey.quantity == "thickness"
+    assert survey.mean_thickness == pytest.approx(3e-3, rel=1e-12)
+    np.testing.assert_allclose(survey.derivatives(z, theta).value, thickness / 3e-3 - 1, atol=1e-12)
+    with pytest.raises(ValueError, match="no mean radius"):
+        survey.mean_radius(0.0)
+
+
+def test_one_height_has_no_slope_even_when_the_probe_wobbles():
+    theta, z = rings(heights=(0.2,))
+    z = z + 1e-5 * np.sin(9 * theta)
+    survey = SampledField.from_points(theta, z, casing(theta, z, FourierField.of({8: 4e-3})))
+    assert (survey.heights, survey.mean[1], survey.fit.cos.shape[1]) == (1, 0.0, 1)
+    assert survey.fit.amplitude(8) == pytest.approx(4e-3, rel=1e-4)
+
+
+def test_few_points_lower_the_default_fit_instead_of_overfitting():
+    theta, z = rings(heights=(0.0, 0.1, 0.2, 0.3), points=12)
+    survey = SampledField.from_points(theta, z, 0.5 + 0.0 * z)
+    unknowns = 2 + 2 * survey.max_harmonic * survey.fit.cos.shape[1]
+    assert unknowns <= 0.8 * 48
+    assert survey.max_harmonic == 4
+
+
+def test_one_bad_ring_decides_the_coverage():
+    theta, z = rings()
+    hole = (z == 0.125) & (theta > 1.0) & (theta < 2.0)
+    survey = SampledField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=3, degree=0)
+    assert survey.coverage_deg == pytest.approx(60.0)
+    with pytest.raises(SurveyError, match="gap of 60 deg"):
+        SampledField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=4)
+
+
+def csv_rows(count=36, value="0.5"):
+    return "".join(f"{10 * k},0.0,{value}\n" for k in range(count))
+
+
+GOOD = "theta_deg,z_m,radius_m\n"
+BAD = {
+    "empty file": (b"", "no header row"),
+    "only a card": (b"# survey\n", "no header row"),
+    "no rows": (GOOD.encode(), "line 1: found no rows"),
+    "not UTF-8": (b"# r\xe9seau\n" + GOOD.encode(), "line 1: found byte 0xe9"),
+    "UTF-16": (("\ufeff" + GOOD).encode("utf-16-le"), "not UTF-8"),
+    "binary": (b"theta_deg,z_m,\x00radius_m\n", "line 1: found the character"),
+    "no unit": (b"theta_deg,z_m,radius\n0,0,1\n", "column 'radius': found a column without a known unit"),
+    "inches": (b"theta_deg,z_m,radius_in\n1,2,3\n", "expected one column radius_m or radius_mm"),
+    "theta missing": (b"z_m,radius_m\n0,1\n", "expected one column theta_deg or theta_rad"),
+    "two radii": (b"theta_deg,z_m,radius_m,radius_mm\n1,0,1,1\n", "found both radius_m and radius_mm"),
+    "twice": (b"theta_deg,z_m,z_m,radius_m\n", "line 1, column 'z_m': found this column twice"),
+    "unknown": (b"theta_deg,z_m,radius_m,temp\n1,0,1,1\n", "column 'temp': found an unknown column"),
+    "no name": (b"theta_deg,z_m,radius_m,\n1,0,1,\n", "no name for column 4"),
+    "no header": (csv_rows().encode(), "found numbers"),
+    "semicolons": (b"theta_deg;z_m;radius_m\n", "separated by semicolons"),
+    "ragged": ((GOOD + csv_rows(3) + "30,0.0\n").encode(), "line 5: found 2 cells"),
+    "decimal comma": ((GOOD + "0,0.0,0,5\n").encode(), "line 2: found 4 cells .* decimal point"),
+    "NaN": ((GOOD + csv_rows(3) + "30,0.0,nan\n").encode(), "line 5, column 'radius_m': found 'nan'"),
+    "infinite": ((GOOD + "30,0.0,1e999\n").encode(), "line 2, column 'radius_m': found '1e999'"),
+    "blank": (("# c\n\n" + GOOD + "0,,0.5\n").encode(), "line 4, column 'z_m': found an empty cell"),
+    "text": ((GOOD + "0,0.0,0.5 mm\n").encode(), "line 2, column 'radius_m': found '0.5 mm'"),
+    "underscore": ((GOOD + "0,0.0,0_5\n").encode(), "found '0_5'"),
+    "open quote": ((GOOD + '0,0.0,"0.5\n').encode(), "line 2: found quotes"),
+    "comment below": ((GOOD + "0,0,0.5\n#10,0,0.5\n").encode(), "line 3: found a '#' line"),
+    "radius 0": ((GOOD + csv_rows(2) + "20,0.0,0\n").encode(), "line 4, column 'radius_m': found 0"),
+    "negative": ((GOOD + "20,0.0,-0.5\n").encode(), "found -0.5; expected a value > 0"),
+    "mm as m": ((GOOD + csv_rows(value="500")).encode(), "median radius of 500 m.* radius_mm"),
+    "m as mm": (("theta_deg,z_m,radius_mm\n" + csv_rows()).encode(), "median radius of 0.0005 m.* radius_m"),
+    "z in mm": ((GOOD + csv_rows() + csv_rows().replace(",0.0,", ",250,")).encode(), "z_mm"),
+    "z in m": (
+        ("theta_deg,z_mm,radius_m\n" + csv_rows() + csv_rows().replace(",0.0,", ",0.25,")).encode(),
+        "column 'z_mm': found heights over 0.00025 m",
+    ),
+    "degrees as radians": (
+        ("theta_rad,z_m,radius_m\n" + csv_rows()).encode(),
+        "belong in a column theta_deg",
+    ),
+    "radians as degrees": ((GOOD + "0,0,1\n3,0,1\n6.2,0,1\n").encode(), "are these radians"),
+    "half a circle": ((GOOD + csv_rows(19)).encode(), "gap of 180 deg"),
+    "thickness in mm": (
+        ("theta_deg,z_m,thickness_m\n" + csv_rows(value="3.0")).encode(),
+        "median thickness of 3 m",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_surveys_are_refused_with_their_place(tmp_path, name):
+    content, message = BAD[name]
+    path = tmp_path / "bad.csv"
+    path.write_bytes(content)
+    with pytest.raises(SurveyError, match=message) as caught:
+        SampledField.from_csv(path)
+    assert "bad.csv" in str(caught.value)
+
+
+def test_fits_beyond_the_points_are_refused():
+    theta, z = rings(heights=(0.0,), points=24)
+    SampledField.from_points(theta, z, 0.5 + 0 * z, n_max=11)
+    with pytest.raises(SurveyError, match="24 points for 25 unknowns"):
+        SampledField.from_points(theta, z, 0.5 + 0 * z, n_max=12)
+    with pytest.raises(SurveyError, match="gap of 15 deg"):
+        SampledField.from_points(theta, z, 0.5 + 0 * z, n_max=13)
+    with pytest.raises(SurveyError, match="24 points for 45 unknowns"):
+        SampledField.from_points(theta, z, 0.5 + 0 * z, n_max=11, degree=1)
+    with pytest.raises(ValueError, match="n_max must be a whole number >= 1"):
+        SampledField.from_points(theta, z, 0.5 + 0 * z, n_max=0)
+    with pytest.raises(SurveyError, match="one common length"):
+        SampledField.from_points(theta, z[:-1], z)
+    with pytest.raises(SurveyError, match="value = nan"):
+        SampledField.from_points(theta, z, np.where(theta > 3, np.nan, 0.5))
+
+
+def test_strict_csv_accepts_what_spreadsheets_write():
+    table = parse('"a","b"\r\n 1 ,2.\r\n\r\n+.5,-3e2\r\n', "sheet.csv", CsvError)
+    np.testing.assert_array_equal(table.numbers("a"), [1.0, 0.5])
+    np.testing.assert_array_equal(table.numbers("b"), [2.0, -300.0])
+    assert table.lines.tolist() == [2, 4]
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=5))
+def test_strict_csv_reads_back_every_float_bit_for_bit(values):
+    text = "x\n" + "".join(f"{v!r}\n" for v in values)
+    assert [v.hex() for v in parse(text, "t", CsvError).numbers("x").tolist()] == [v.hex() for v in values]
