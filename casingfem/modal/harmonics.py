@@ -1,0 +1,119 @@
+"""Circumferential content of mode shapes: nodal diameters, purity, orientation, partners.
+
+On every ring of nodes the cylindrical displacements are interpolated to equally spaced angles, four times as
+many as nodes, and Fourier transformed: u(theta) = Re sum_n c_n e^(i n theta). The energy of each n, summed
+over the rings and the three components, labels the mode; its share is the purity.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import Array, FloatArray, IntArray
+from casingfem.structure.chart import Chart
+from casingfem.structure.element import lobatto
+from casingfem.structure.mesh import Grid, rim_values
+
+DOUBLE = 1e-7  # a pair closer than this, relative, has no orientation of its own
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rings:
+    """Fourier amplitudes of modes on the rings of a casing.
+
+    `amplitudes` is (n, rings, 3, modes) complex, for (radial, hoop, axial); `weights` (rings,) sum to 1.
+    """
+
+    amplitudes: Array
+    weights: FloatArray
+
+    def label(self) -> tuple[IntArray, FloatArray]:
+        """Nodal diameters with the largest energy, and that energy's share, each (modes,)."""
+        energy = np.einsum("nrcm,r->nm", np.abs(self.amplitudes) ** 2, self.weights)
+        energy[0] *= 2.0  # a cosine's mean square is one half, a constant's is one
+        n = energy.argmax(axis=0)
+        return n, energy[n, np.arange(len(n))] / energy.sum(axis=0)
+
+    def profile(self, mode: int, n: int) -> Array:
+        """Weighted amplitudes of one mode at one n: (3 rings,) complex, radial first."""
+        return (self.amplitudes[n, :, :, mode] * np.sqrt(self.weights)[:, None]).T.ravel()
+
+
+def ring_transform(chart: Chart, grid: Grid, n_max: int) -> tuple[IntArray, Array]:
+    """Ring nodes (rings, around) sorted by angle, and the transform (n_max + 1, around) to Fourier amplitudes."""
+    z, theta = grid.nodes
+    edge = next(name for name, (held, _) in chart.edges.items() if held == 0)
+    around = len(grid.edges[edge].nodes)
+    order = np.lexsort((theta, np.round(z / np.ptp(z), 9)))
+    rings = order.reshape(-1, around)
+    samples = 2.0 * np.pi * np.arange(4 * around) / (4 * around)
+    nodes, weights = rim_values(grid, edge, samples)
+    place = np.full(len(theta), -1)
+    place[grid.edges[edge].nodes] = np.arange(around)
+    spread = np.zeros((len(samples), around))
+    np.add.at(spread, (np.arange(len(samples))[:, None], place[nodes]), weights)
+    n = np.arange(n_max + 1)
+    kernel = np.exp(-1j * np.outer(n, samples)) / len(samples)
+    kernel[1:] *= 2.0
+    return rings, kernel @ spread
+
+
+def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int) -> Rings:
+    """Fourier amplitudes of nodal fields (nodes, 5, modes) up to n_max nodal diameters."""
+    rings, transform = ring_transform(chart, grid, n_max)
+    theta = grid.nodes[1]
+    c, s = np.cos(theta)[:, None], np.sin(theta)[:, None]
+    x, y, axial = fields[:, 0], fields[:, 1], fields[:, 2]
+    cylindrical = np.stack([x * c + y * s, y * c - x * s, axial], axis=1)
+    amplitudes = np.einsum("nk,rkcm->nrcm", transform, cylindrical[rings], optimize=True)
+    breaks, (_, w) = grid.mesh.breaks, lobatto(grid.mesh.order)
+    weights = np.zeros(len(rings))
+    for row, width in enumerate(np.diff(breaks)):
+        start = row * (len(w) - 1)
+        weights[start : start + len(w)] += width * w
+    return Rings(amplitudes=amplitudes, weights=weights)
+
+
+def orientation(profile: Array, n: int) -> float:
+    """Angle of an antinode of the radial displacement [rad], in [0, pi/n); nan where n = 0.
+
+    u_r ~ cos n (theta - psi) has amplitude e^(-i n psi); squaring makes the rings' signs immaterial.
+    """
+    if n == 0:
+        return float("nan")
+    radial = profile[: len(profile) // 3]
+    angle = -np.angle(np.sum(radial**2)) / (2.0 * n)
+    return float(np.mod(angle, np.pi / n))
+
+
+def quadrature(a: Array, b: Array) -> float:
+    """How well b is a turned by a quarter wave: 1 for the members of a perfect pair."""
+    return float(abs(np.real(np.vdot(1j * a, b))) / (np.linalg.norm(a) * np.linalg.norm(b)))
+
+
+def find_doublets(rings: Rings, n: IntArray) -> list[tuple[int, int]]:
+    """Pairs of modes that belong together: the same n >= 1, a quarter wave apart, nearest in frequency."""
+    pairs = []
+    for label in np.unique(n[n > 0]):
+        waiting = np.flatnonzero(n == label).tolist()
+        while waiting:
+            mode = waiting.pop(0)
+            own = rings.profile(mode, label)
+            partner = next((k for k in waiting if quadrature(own, rings.profile(k, label)) > 0.5), None)
+            if partner is not None:
+                waiting.remove(partner)
+                pairs.append((mode, partner))
+    return sorted(pairs)
+
+
+def align_pair(first: Array, second: Array) -> FloatArray:
+    """Rotation (2, 2) that turns a degenerate pair into its cosine and sine members.
+
+    The cosine member has the least imaginary part; columns are (cosine, sine), signs with positive peaks.
+    """
+    profiles = np.stack([first, second], axis=1)
+    radial = profiles[: len(profiles) // 3]
+    _, turn = np.linalg.eigh(radial.imag.T @ radial.imag)
+    peak = np.abs(radial @ turn[:, 0]).argmax()
+    signs = np.sign([(radial @ turn[:, 0])[peak].real, -(radial @ turn[:, 1])[peak].imag])
+    return np.asarray(turn * np.where(signs == 0.0, 1.0, signs))
