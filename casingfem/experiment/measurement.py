@@ -1,0 +1,258 @@
+"""The experimental frequency table: what a modal test hands to the updater."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from casingfem.experiment.grouping import Group, grouped
+from casingfem.structure.strict_csv import CsvError, StrictCsv, read
+
+COLUMNS = ("mode", "n", "freq_hz", "sigma_hz", "angle_deg", "zeta")
+_REQUIRED = {
+    "mode": "mode numbers 1, 2, ...",
+    "freq_hz": "frequencies in Hz",
+    "sigma_hz": "the standard uncertainty of each frequency in Hz; add a column sigma_hz with the test's"
+    " repeatability, or half the frequency resolution where that is not known",
+}
+_BLANK = {"n": -1, "angle_deg": np.nan, "zeta": np.nan}
+_EXPECTED = {
+    "mode": "mode numbers >= 1, each once",
+    "n": "a number of nodal diameters >= 0, or an empty cell",
+    "freq_hz": "a frequency > 0",
+    "sigma_hz": "0 < sigma_hz < freq_hz",
+    "angle_deg": "0 <= angle_deg < 360, or an empty cell",
+    "zeta": "a damping ratio in [0, 1), not per cent, or an empty cell",
+}
+
+
+class TableError(CsvError):
+    """A frequency table that cannot be used: names file, line, column, found and expected."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class FrequencyTable:
+    """Measured modes: arrays (rows,), read-only.
+
+    Parameters
+    ----------
+    mode : the test's own mode numbers, each once
+    n : nodal diameters, -1 where the test does not say
+    freq_hz, sigma_hz : frequency and its standard uncertainty, Hz
+    angle_deg : orientation of an antinode, deg, nan where unknown
+    zeta : damping ratio, nan where unknown
+    card : source lines, without the '#'; the first one says SYNTHETIC when nobody measured it
+    path : where it was read from
+
+    Raises
+    ------
+    TableError
+        Values out of range, repeated mode numbers, arrays of different lengths, no rows.
+
+    Examples
+    --------
+    >>> FrequencyTable.from_arrays(freq_hz=[367.9, 368.4], sigma_hz=0.2, n=[8, 8])
+    FrequencyTable(2 modes, 1 doublet)
+      mode   n    freq [Hz]  sigma [Hz]  angle [deg]     zeta
+         1   8     367.9000      0.2000            -        -
+         2   8     368.4000      0.2000            -        -
+    """
+
+    mode: NDArray[np.int64]
+    n: NDArray[np.int64]
+    freq_hz: NDArray[np.float64]
+    sigma_hz: NDArray[np.float64]
+    angle_deg: NDArray[np.float64]
+    zeta: NDArray[np.float64]
+    card: tuple[str, ...] = ()
+    path: str = "table"
+
+    def __post_init__(self) -> None:
+        for name in COLUMNS:
+            array = np.array(getattr(self, name), np.int64 if name in ("mode", "n") else np.float64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        lines = [line.strip() for text in self.card for line in (text.splitlines() or [""])]
+        object.__setattr__(self, "card", tuple(lines))
+        shapes = {getattr(self, name).shape for name in COLUMNS}
+        if len(shapes) != 1 or self.mode.ndim != 1 or self.mode.size == 0:
+            found = ", ".join(f"{name} {getattr(self, name).shape}" for name in COLUMNS)
+            raise TableError(self.path, found=found, expected="arrays of one common length >= 1")
+        for row, name in _faults({name: getattr(self, name) for name in COLUMNS})[:1]:
+            found = f"{name} = {getattr(self, name)[row]} in row {row + 1}"
+            raise TableError(self.path, found=found, expected=_EXPECTED[name])
+
+    @classmethod
+    def from_arrays(
+        cls,
+        *,
+        freq_hz: ArrayLike,
+        sigma_hz: ArrayLike,
+        mode: ArrayLike | None = None,
+        n: ArrayLike = -1,
+        angle_deg: ArrayLike = np.nan,
+        zeta: ArrayLike = np.nan,
+        card: Sequence[str] = (),
+        synthetic: bool = False,
+        path: str = "table",
+    ) -> FrequencyTable:
+        """Build from arrays or scalars broadcast to the frequencies; ``synthetic`` marks the card."""
+        freq = np.atleast_1d(np.asarray(freq_hz, float))
+        lines = tuple(card)
+        if synthetic and not (lines and _says_synthetic(lines[0])):
+            lines = ("SYNTHETIC: made by a program, not measured", *lines)
+        whole = {"mode": np.arange(1, freq.size + 1) if mode is None else mode, "n": n}
+        for name, values in whole.items():
+            if np.any(np.asarray(values) != np.trunc(values)):
+                raise TableError(path, found=f"{name} = {values!r}", expected="whole numbers")
+        numbers = whole | {"sigma_hz": sigma_hz, "angle_deg": angle_deg, "zeta": zeta}
+        rest: dict[str, Any] = {
+            name: np.broadcast_to(values, freq.shape) if np.ndim(values) == 0 else values
+            for name, values in numbers.items()
+        }
+        return cls(freq_hz=freq, card=lines, path=path, **rest)
+
+    @classmethod
+    def from_csv(cls, path: str | os.PathLike[str]) -> FrequencyTable:
+        """Read mode,n,freq_hz,sigma_hz,angle_deg,zeta; n, angle_deg, zeta may be empty or absent.
+
+        Raises
+        ------
+        TableError
+            Everything that is not exactly such a table, with file, line and column.
+        """
+        csv = read(path, TableError)
+        _check_columns(csv)
+        rows = len(csv.lines)
+        columns: dict[str, NDArray[Any]] = {}
+        for name in COLUMNS:
+            blank = _BLANK.get(name)
+            if name not in csv.header:
+                columns[name] = np.full(rows, blank)
+            elif name in ("mode", "n"):
+                columns[name] = csv.integers(name, blank=None if blank is None else -1)
+            else:
+                columns[name] = csv.numbers(name, blank=blank)
+        _check_values(csv, columns)
+        return cls(**columns, card=csv.card, path=csv.path)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the table, whole or not at all; reading it back gives every number bit for bit."""
+        lines = [f"# {line}".rstrip() for line in self.card]
+        lines.append(",".join(COLUMNS))
+        for row in range(len(self)):
+            cells = (getattr(self, name)[row].item() for name in COLUMNS)
+            lines.append(
+                ",".join(
+                    "" if value != value or (name == "n" and value < 0) else repr(value)
+                    for name, value in zip(COLUMNS, cells, strict=True)
+                )
+            )
+        target = Path(path)
+        temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+        try:
+            temporary.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+            os.replace(temporary, target)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+    @property
+    def synthetic(self) -> bool:
+        """Whether the card's first line says SYNTHETIC: no one measured this."""
+        return bool(self.card) and _says_synthetic(self.card[0])
+
+    def groups(self) -> tuple[Group, ...]:
+        """Doublets and singles of the table; the rule is that of ``grouping.grouped``."""
+        return grouped(self.n, self.freq_hz, self.angle_deg)
+
+    def without(self, *modes: int) -> FrequencyTable:
+        """Leave out the rows with these mode numbers.
+
+        Raises
+        ------
+        ValueError
+            A mode number the table does not have; leaving out all rows.
+        """
+        missing = sorted(set(modes) - set(self.mode.tolist()))
+        if missing:
+            raise ValueError(f"{self.path} has no mode {missing[0]}; it has {self.mode.tolist()}")
+        kept = ~np.isin(self.mode, modes)
+        arrays = {name: getattr(self, name)[kept] for name in COLUMNS}
+        return FrequencyTable(**arrays, card=self.card, path=self.path)
+
+    def __len__(self) -> int:
+        return int(self.mode.size)
+
+    def __repr__(self) -> str:
+        doublets = sum(len(group.rows) == 2 for group in self.groups())
+        title = f"FrequencyTable({len(self)} modes" + (", SYNTHETIC" if self.synthetic else "")
+        if doublets:
+            title += f", {doublets} doublet" + ("s" if doublets > 1 else "")
+        lines = [title + ")", "  mode   n    freq [Hz]  sigma [Hz]  angle [deg]     zeta"]
+        for row in range(len(self)):
+            n = "-" if self.n[row] < 0 else str(self.n[row])
+            angle = "-" if np.isnan(self.angle_deg[row]) else f"{self.angle_deg[row]:.2f}"
+            zeta = "-" if np.isnan(self.zeta[row]) else f"{self.zeta[row]:.5f}"
+            lines.append(
+                f"{self.mode[row]:6d} {n:>3} {self.freq_hz[row]:12.4f} {self.sigma_hz[row]:11.4f}"
+                f" {angle:>12} {zeta:>8}"
+            )
+        return "\n".join(lines)
+
+
+def _says_synthetic(line: str) -> bool:
+    return re.search(r"\bSYNTHETIC\b", line) is not None
+
+
+def _check_columns(csv: StrictCsv) -> None:
+    """Refuse unknown columns first: a misnamed one explains what is missing."""
+    for name in csv.header:
+        if name not in COLUMNS:
+            stem = re.split(r"[_\[( ]", name.lower())[0]
+            near = [
+                c for c in COLUMNS if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))
+            ]
+            expected = f"{near[0]}, unit and all" if near else f"only {', '.join(COLUMNS)}"
+            raise csv.error(
+                csv.path, line=csv.header_line, column=name, found="an unknown column", expected=expected
+            )
+    for name, meaning in _REQUIRED.items():
+        if name not in csv.header:
+            raise csv.error(
+                csv.path, line=csv.header_line, column=name, found="no such column", expected=meaning
+            )
+
+
+def _check_values(csv: StrictCsv, columns: dict[str, NDArray[Any]]) -> None:
+    """Refuse the first value out of range, with its line; -1 stands for an empty n only in memory."""
+    written = [(row, "n") for row, text in enumerate(csv.cells.get("n", ())) if text.startswith("-")]
+    for row, name in sorted(_faults(columns) + written)[:1]:
+        found = csv.cells[name][row]
+        if name == "mode" and csv.cells[name].index(found) < row:
+            found += " again"
+        raise csv.refuse(row=row, column=name, found=found, expected=_EXPECTED[name])
+
+
+def _faults(columns: Mapping[str, NDArray[Any]]) -> list[tuple[int, str]]:
+    """List (row, column) of the values out of range, by row."""
+    mode, n, freq, sigma, angle, zeta = (columns[name] for name in COLUMNS)
+    first = np.zeros(mode.size, bool)
+    first[np.unique(mode, return_index=True)[1]] = True
+    good = (
+        (mode >= 1) & first,
+        n >= -1,
+        (freq > 0) & (freq < np.inf),
+        (sigma > 0) & (sigma < freq),
+        np.isnan(angle) | ((angle >= 0) & (angle < 360)),
+        np.isnan(zeta) | ((zeta >= 0) & (zeta < 1)),
+    )
+    return sorted(
+        (int(row), name) for name, fine in zip(COLUMNS, good, strict=True) for row in np.flatnonzero(~fine)
+    )
