@@ -1,1 +1,1 @@
-"""One-step contact problems."""
+"""One-step contact problems; compiled, so imported only when a run starts."""

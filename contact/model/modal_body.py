@@ -1,0 +1,176 @@
+"""A body in modal coordinates with its residual compliance: arrays only, read from npz without pickle."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import zipfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact.errors import InputError
+from contact.model.arrays import Array, readonly, require_not_negative, require_shape
+
+FORMAT = "casingfem-modal-basis-1"
+REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
+OPTIONAL = ("recovery", "recovery_S", "recovery_points")
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ModalBody:
+    """m mass-normalised modes, seen through K interface channels.
+
+    q'' + 2 zeta omega q' + omega^2 q = rows^T lam,  u = rows q + S lam  (lam: forces on the channels).
+
+    `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance of
+    everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN, then
+    tangential.cos0 .. tangential.sinN, with `n_max` = N and `radius` [m]. `recovery` (R, m), `recovery_S`
+    (R, K) and `recovery_points` (R, 3) give displacements elsewhere.
+
+    Raises InputError for shapes that do not fit, NaN, negative frequencies or an asymmetric S.
+
+    >>> body = ModalBody(omega=[100.0], zeta=[0.01], channels=("span",), rows=[[2.0]], S=[[0.0]])
+    >>> body
+    ModalBody(point, 1 modes, 15.92 .. 15.92 Hz, 1 channels)
+    """
+
+    omega: Array
+    zeta: Array
+    channels: tuple[str, ...]
+    rows: Array
+    S: Array
+    kind: str = "point"
+    n_max: int = 0
+    radius: float = 0.0
+    provenance: str = "{}"
+    recovery: Array | None = None
+    recovery_S: Array | None = None
+    recovery_points: Array | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("omega", "zeta", "rows", "S", *OPTIONAL):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, readonly(getattr(self, name)))
+        object.__setattr__(self, "channels", tuple(str(name) for name in self.channels))
+        m, K = self.omega.size, len(self.channels)
+        for name, shape in (("omega", (m,)), ("zeta", (m,)), ("rows", (K, m)), ("S", (K, K))):
+            require_shape(name, getattr(self, name), shape)
+        _require_modes(self.omega, self.zeta)
+        scale = float(np.abs(self.S).max(initial=0.0))
+        skew = float(np.abs(self.S - self.S.T).max(initial=0.0))
+        if skew > 1e-8 * scale:
+            raise InputError(f"S: found asymmetry {skew / scale:.2e} of its scale, expected a symmetric matrix")
+        self._require_kind()
+
+    def _require_kind(self) -> None:
+        if self.kind == "point":
+            return
+        if self.kind != "rim":
+            raise InputError(f"kind: found {self.kind!r}, expected 'rim' or 'point'")
+        require_not_negative(n_max=self.n_max, radius=self.radius)
+        expected = rim_channels(self.n_max)
+        if self.channels != expected:
+            found = ", ".join(self.channels[:3])
+            raise InputError(
+                f"channels: found {len(self.channels)} ({found}, ...), expected the {len(expected)} channels of "
+                f"a rim with n_max = {self.n_max}: radial.cos0, radial.cos1, ..., tangential.sin{self.n_max}"
+            )
+
+    def __repr__(self) -> str:
+        freq = self.omega / (2.0 * np.pi)
+        band = f"{freq.min():.4g} .. {freq.max():.4g} Hz" if freq.size else "rigid"
+        return f"ModalBody({self.kind}, {self.omega.size} modes, {band}, {len(self.channels)} channels)"
+
+    def channel(self, name: str) -> int:
+        """Row number of a channel; raises InputError listing the channels there are."""
+        if name not in self.channels:
+            raise InputError(f"channel: found {name!r}, expected one of {', '.join(self.channels)}")
+        return self.channels.index(name)
+
+    def truncated(self, omega_max: float) -> ModalBody:
+        """Drop modes above `omega_max` [rad/s]; their static compliance rows rows^T / omega^2 goes into S."""
+        keep = self.omega <= omega_max
+        gone = self.rows[:, ~keep] / self.omega[~keep]
+        recovery, recovery_S = self.recovery, self.recovery_S
+        if recovery is not None:
+            lost = recovery[:, ~keep] / self.omega[~keep] @ gone.T
+            recovery_S = lost if recovery_S is None else recovery_S + lost
+            recovery = recovery[:, keep]
+        return replace(
+            self, omega=self.omega[keep], zeta=self.zeta[keep], rows=self.rows[:, keep],
+            S=self.S + gone @ gone.T, recovery=recovery, recovery_S=recovery_S,
+        )  # fmt: skip
+
+    def save(self, path: str | Path) -> None:
+        """Write npz without pickle, complete or not at all (temporary name, then `os.replace`)."""
+        data: dict[str, Any] = {
+            "format": FORMAT, "omega": self.omega, "zeta": self.zeta, "channels": np.array(self.channels),
+            "rows": self.rows, "S": self.S, "kind": self.kind, "n_max": self.n_max, "radius": self.radius,
+            "provenance": self.provenance,
+        }  # fmt: skip
+        data |= {name: getattr(self, name) for name in OPTIONAL if getattr(self, name) is not None}
+        write_npz(Path(path), data)
+
+    @staticmethod
+    def load(path: str | Path) -> ModalBody:
+        """Read a modal basis file; raises InputError that names the file and the key."""
+        data = read_npz(Path(path), FORMAT, REQUIRED)
+        try:
+            return ModalBody(
+                omega=data["omega"], zeta=data["zeta"], rows=data["rows"], S=data["S"],
+                channels=tuple(str(name) for name in np.atleast_1d(data["channels"])), kind=str(data["kind"]),
+                n_max=int(data.get("n_max", np.array(0))), radius=float(data.get("radius", np.array(0.0))),
+                provenance=str(data.get("provenance", "{}")), **{n: data[n] for n in OPTIONAL if n in data},
+            )  # fmt: skip
+        except (InputError, TypeError, ValueError) as error:
+            raise InputError(f"{path}: {error}") from error
+
+
+def rim_channels(n_max: int) -> tuple[str, ...]:
+    """Channel names of a rim, direction-major: cos0, cos1 .. cosN, sin1 .. sinN, radial then tangential.
+
+    >>> rim_channels(1)[:3]
+    ('radial.cos0', 'radial.cos1', 'radial.sin1')
+    """
+    waves = [f"cos{n}" for n in range(n_max + 1)] + [f"sin{n}" for n in range(1, n_max + 1)]
+    return tuple(f"{direction}.{wave}" for direction in ("radial", "tangential") for wave in waves)
+
+
+def _require_modes(omega: Array, zeta: Array) -> None:
+    if omega.size and float(omega.min()) < 0.0:
+        raise InputError(f"omega: found {omega.min():g} rad/s, expected every frequency >= 0")
+    if zeta.size and not 0.0 <= float(zeta.min()) <= float(zeta.max()) < 1.0:
+        raise InputError(f"zeta: found {zeta.min():g} .. {zeta.max():g}, expected 0 <= zeta < 1")
+
+
+def write_npz(path: Path, data: dict[str, Any]) -> None:
+    """Write arrays to a temporary name beside `path`, then move it there in one step."""
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.name, suffix=".part", delete=False) as file:
+        try:
+            np.savez(file, **data)
+            file.close()
+            os.replace(file.name, path)
+        except BaseException:
+            os.unlink(file.name)
+            raise
+
+
+def read_npz(path: Path, wanted: str, required: tuple[str, ...]) -> dict[str, Any]:
+    """Read every array of an npz file of this format; raises InputError naming file and key."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            data = {name: file[name] for name in file.files}
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: found no such file, expected an npz file") from error
+    except (OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path}: not a readable npz file without pickled objects ({error})") from error
+    found = str(data.get("format", "no key 'format'"))
+    if found != wanted:
+        raise InputError(f"{path}: key 'format': found {found!r}, expected {wanted!r}")
+    missing = [name for name in required if name not in data]
+    if missing:
+        raise InputError(f"{path}: missing keys {', '.join(missing)}")
+    return data

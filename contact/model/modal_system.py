@@ -1,0 +1,139 @@
+"""Modal bodies and their gap, brought to the one form the propagator integrates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.model.arrays import Array, Indices, readonly
+from contact.model.gap import PointGap, RotatingRim
+from contact.model.trig import Trig, fourier, quadratic
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class RowTable:
+    """Rows that turn with the contact point, as a sparse table.
+
+    Q_i(phi) = sum_j q_cos[j] cos(n_j phi) + q_sin[j] sin(n_j phi), j = start[i] .. start[i+1]-1;
+    T_i(phi) alike with t_cos, t_sin. A mode of a perfect casing has one entry.
+    """
+
+    start: Indices
+    harmonic: Indices
+    q_cos: Array
+    q_sin: Array
+    t_cos: Array
+    t_sin: Array
+
+    def rows(self, phi: float) -> tuple[Array, Array]:
+        """Q(phi) and T(phi), (m,) each: the reference the compiled loop is tested against."""
+        c, s = np.cos(self.harmonic * phi), np.sin(self.harmonic * phi)
+        total = np.zeros((2, self.harmonic.size + 1))
+        total[0, 1:] = np.cumsum(self.q_cos * c + self.q_sin * s)
+        total[1, 1:] = np.cumsum(self.t_cos * c + self.t_sin * s)
+        Q, T = total[:, self.start[1:]] - total[:, self.start[:-1]]
+        return Q, T
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ModalSystem:
+    """q'' + 2 zeta omega q' + omega^2 q = load + W^T lam, one contact.
+
+    Fixed point: g = clearance + Q q + S lam. Rim (`table` is given): Q, T, S = S_nn - mu s S_nt and the clearance
+    depend on phi. `first` are the bodies' offsets into q.
+    """
+
+    omega: Array
+    zeta: Array
+    load: Array
+    velocity: Array
+    first: Indices
+    names: tuple[str, ...]
+    masses: tuple[float, ...]
+    Q: Array
+    clearance: Trig
+    S_nn: Trig
+    S_nt: Trig
+    table: RowTable | None = None
+    speed: float = 0.0
+    angle: float = 0.0
+    radius: float = 0.0
+
+
+def point_system(gap: PointGap) -> ModalSystem:
+    """Concatenate the sides of a gap at a fixed point."""
+    sides = gap.sides
+    Q = np.concatenate([side.sign * side.body.rows[side.body.channel(side.channel)] for side in sides])
+    S = sum(float(s.body.S[s.body.channel(s.channel), s.body.channel(s.channel)]) for s in sides)
+    sizes = [side.body.omega.size for side in sides]
+    return ModalSystem(
+        omega=readonly(np.concatenate([s.body.omega for s in sides])),
+        zeta=readonly(np.concatenate([s.body.zeta for s in sides])),
+        load=readonly(np.concatenate([_given(s.load, n) for s, n in zip(sides, sizes, strict=True)])),
+        velocity=readonly(np.concatenate([_given(s.velocity, n) for s, n in zip(sides, sizes, strict=True)])),
+        first=np.concatenate(([0], np.cumsum(sizes))).astype(np.int64),
+        names=tuple(s.name for s in sides), masses=tuple(s.mass for s in sides), Q=readonly(Q),
+        clearance=fourier([(0, gap.clearance, 0.0)]), S_nn=fourier([(0, S, 0.0)]), S_nt=fourier([]),
+    )  # fmt: skip
+
+
+def rim_system(rim: RotatingRim) -> ModalSystem:
+    """Casing modes, then blade modes; the blade's rows enter with harmonic 0 and the sign of the gap."""
+    casing, blade, N = rim.casing, rim.blade, rim.casing.n_max
+    size = 2 * N + 1
+    a = math.radians(rim.lean_deg)
+    span, flap = blade.channel("span"), blade.channel("flap")
+    normal, tangent = np.zeros(len(blade.channels)), np.zeros(len(blade.channels))
+    normal[[span, flap]] = math.cos(a), math.sin(a)
+    tangent[[span, flap]] = -math.sin(a), math.cos(a)
+    table = _table(casing.rows[:size], casing.rows[size:], -normal @ blade.rows, -tangent @ blade.rows, N)
+    S_nn = quadratic(casing.S[:size, :size], N)
+    S_nt = quadratic(casing.S[:size, size:], N)
+    return ModalSystem(
+        omega=readonly(np.concatenate([casing.omega, blade.omega])),
+        zeta=readonly(np.concatenate([casing.zeta, blade.zeta])),
+        load=readonly(np.zeros(casing.omega.size + blade.omega.size)),
+        velocity=readonly(np.zeros(casing.omega.size + blade.omega.size)),
+        first=np.array([0, casing.omega.size, casing.omega.size + blade.omega.size]),
+        names=("casing", "blade"), masses=(math.nan, math.nan),
+        Q=readonly(table.rows(math.radians(rim.angle_deg))[0]),
+        clearance=fourier([(0, rim.clearance, 0.0), *rim.terms]),
+        S_nn=_raised(S_nn, float(normal @ blade.S @ normal)),
+        S_nt=_raised(S_nt, float(normal @ blade.S @ tangent)),
+        table=table, speed=rim.speed, angle=math.radians(rim.angle_deg), radius=casing.radius,
+    )  # fmt: skip
+
+
+def _given(values: Array | None, size: int) -> Array:
+    return np.zeros(size) if values is None else values
+
+
+def _raised(polynomial: Trig, constant: float) -> Trig:
+    terms = zip(polynomial.harmonic, polynomial.cos, polynomial.sin, strict=True)
+    return fourier([(0, constant, 0.0), *((int(n), float(c), float(s)) for n, c, s in terms)])
+
+
+def _table(radial: Array, tangential: Array, blade_n: Array, blade_t: Array, N: int) -> RowTable:
+    """Keep, per mode, the harmonics above round-off of the largest row entry."""
+    start, harmonic, entries = [0], [], []
+    scale = max(float(np.abs(radial).max(initial=0.0)), float(np.abs(tangential).max(initial=0.0)))
+    for i in range(radial.shape[1]):
+        for n in range(N + 1):
+            sine = (radial[N + n, i], tangential[N + n, i]) if n else (0.0, 0.0)
+            entry = (radial[n, i], sine[0], tangential[n, i], sine[1])
+            if max(map(abs, entry)) > 1e-13 * scale:
+                harmonic.append(n)
+                entries.append(entry)
+        start.append(len(harmonic))
+    for normal, tangent in zip(blade_n, blade_t, strict=True):
+        harmonic.append(0)
+        entries.append((normal, 0.0, tangent, 0.0))
+        start.append(len(harmonic))
+    columns = np.array(entries).reshape(-1, 4).T
+    return RowTable(
+        start=np.array(start, dtype=np.int64), harmonic=np.array(harmonic, dtype=np.int64),
+        q_cos=readonly(columns[0]), q_sin=readonly(columns[1]), t_cos=readonly(columns[2]),
+        t_sin=readonly(columns[3]),
+    )  # fmt: skip

@@ -1,0 +1,73 @@
+"""Trigonometric polynomials of the contact angle: out-of-roundness and compliance at a moving point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.model.arrays import Array, Indices, readonly
+
+PRUNE = 1e-13  # of the largest value: below this a coefficient is round-off
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Trig:
+    """p(phi) = sum_j cos[j] cos(harmonic[j] phi) + sin[j] sin(harmonic[j] phi); only terms that matter."""
+
+    harmonic: Indices
+    cos: Array
+    sin: Array
+
+    def __call__(self, phi: float) -> float:
+        return float(self.cos @ np.cos(self.harmonic * phi) + self.sin @ np.sin(self.harmonic * phi))
+
+    @property
+    def degree(self) -> int:
+        """Highest harmonic."""
+        return int(self.harmonic.max(initial=0))
+
+
+def trig(cos: Array, sin: Array) -> Trig:
+    """Trigonometric polynomial from coefficients by harmonic 0, 1, ..., pruned at round-off.
+
+    >>> trig(np.array([1.0, 0.0, 2.0]), np.array([0.0, 0.0, 1e-16])).harmonic.tolist()
+    [0, 2]
+    """
+    size = np.maximum(np.abs(cos), np.abs(sin))
+    kept = np.flatnonzero(size > PRUNE * size.max(initial=0.0))
+    return Trig(harmonic=kept.astype(np.int64), cos=readonly(cos[kept]), sin=readonly(sin[kept]))
+
+
+def harmonics(n_max: int, phi: float) -> Array:
+    """Interface functions h(phi) = (1, cos phi .. cos N phi, sin phi .. sin N phi), shape (2N + 1,)."""
+    n = np.arange(n_max + 1)
+    return np.concatenate([np.cos(n * phi), np.sin(n[1:] * phi)])
+
+
+def quadratic(block: Array, n_max: int) -> Trig:
+    """h(phi)^T block h(phi) as a polynomial of degree 2N: sampled and transformed, exact to round-off.
+
+    >>> quadratic(np.eye(3), 1)(0.3)
+    2.0
+    """
+    points = 4 * n_max + 4
+    angles = 2.0 * np.pi * np.arange(points) / points
+    h = np.array([harmonics(n_max, angle) for angle in angles])
+    values = np.einsum("pi,ij,pj->p", h, block, h)
+    spectrum = np.fft.rfft(values) / points
+    cos, sin = 2.0 * spectrum.real[: 2 * n_max + 1], -2.0 * spectrum.imag[: 2 * n_max + 1]
+    cos[0] /= 2.0
+    noise = PRUNE * float(np.abs(block).max(initial=0.0))
+    clean = np.maximum(np.abs(cos), np.abs(sin)) > noise
+    return trig(np.where(clean, cos, 0.0), np.where(clean, sin, 0.0))
+
+
+def fourier(terms: list[tuple[int, float, float]]) -> Trig:
+    """Trigonometric polynomial from (harmonic, cos, sin) terms, repeated harmonics added."""
+    top = max((p for p, _, _ in terms), default=0)
+    cos, sin = np.zeros(top + 1), np.zeros(top + 1)
+    for p, a, b in terms:
+        cos[p] += a
+        sin[p] += b
+    return trig(cos, sin)

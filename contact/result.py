@@ -1,0 +1,200 @@
+"""What a run returns: forces, intervals, impulses, energy budget, and how far the law was violated."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from contact.energy import EnergyBudget, Stored
+from contact.model.arrays import Array, readonly
+from contact.model.law import pressure
+from contact.model.modal_body import read_npz, write_npz
+from contact.record import Samples
+from contact.scheme.protocol import Motion, Stepper
+
+FORMAT = "contact-result-1"
+ARRAYS = (
+    "time", "force", "gap", "impulse_history", "impulse", "peak_force", "max_penetration", "residual",
+    "contact_steps", "reversals", "state_time", "state",
+)  # fmt: skip
+
+Intervals = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Result:
+    """One run: n samples, K contacts. Forces are compressive >= 0 [N]; `lam` = -force is the public sign.
+
+    `time` (n,) [s]; `force`, `gap` (n, K); `impulse_history` (n, K): impulse up to time + dt/2 [N s]; `intervals`
+    of contact per contact [s]; `impulse`, `peak_force`, `max_penetration` [m], `residual` =
+    max|min(-lam W_ii, g)| [m], `contact_steps` and `reversals` (steps in which the slip changed sign) (K,), all
+    over every step whatever was stored. `state` (ns, N) displacements or modal coordinates at `state_time`.
+
+    The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
+    """
+
+    time: Array
+    force: Array
+    gap: Array
+    impulse_history: Array
+    intervals: tuple[Intervals, ...]
+    impulse: Array
+    peak_force: Array
+    max_penetration: Array
+    residual: Array
+    contact_steps: Array
+    reversals: Array
+    state_time: Array
+    state: Array
+    energy: EnergyBudget
+    motions: tuple[Motion, ...]
+    steps: int
+    dt: float
+    window: float
+    seconds: float
+    scheme: str
+    source: dict[str, str]
+
+    @property
+    def lam(self) -> Array:
+        """Contact pressure in the public sign, <= 0, (n, K)."""
+        return pressure(self.force)
+
+    def windowed_force(self, window: float | None = None) -> Array:
+        """Force averaged over `window` [s] centred on each sample, (n, K); by default 1/f_max of the model."""
+        width = max(self.window if window is None else window, self.dt)
+        ends = self.time + 0.5 * self.dt
+        grid, early, late = np.concatenate(([-0.5 * self.dt], ends)), self.time - 0.5 * width, self.time + 0.5 * width
+        columns = []
+        for k in range(self.force.shape[1]):
+            history = np.concatenate(([0.0], self.impulse_history[:, k]))
+            columns.append((np.interp(late, grid, history) - np.interp(early, grid, history)) / width)
+        return np.stack(columns, axis=1)
+
+    def merged_intervals(self, pause: float | None = None) -> tuple[Intervals, ...]:
+        """Intervals of contact, joined across openings shorter than `pause` [s] (default: the window)."""
+        limit = self.window if pause is None else pause
+        merged = []
+        for intervals in self.intervals:
+            joined: list[tuple[float, float]] = []
+            for start, end in intervals:
+                if joined and start - joined[-1][1] < limit:
+                    joined[-1] = (joined[-1][0], end)
+                else:
+                    joined.append((start, end))
+            merged.append(tuple(joined))
+        return tuple(merged)
+
+    def __repr__(self) -> str:
+        energy, scale = self.energy, max(self.energy.scale, math.ulp(0.0))
+        span = self.steps * self.dt
+        lines = [
+            f"{self.steps} steps of {self.dt:.4g} s to {span:.6g} s in {self.seconds:.3g} s: {self.scheme}",
+            "contact  closings  time closed [s]  impulse [N s]  peak [N]  windowed [N]  penetration [m]  residual [m]",
+        ]
+        windowed = self.windowed_force().max(axis=0, initial=0.0)
+        for k in range(self.impulse.size):
+            lines.append(
+                f"{k + 1:7d}  {len(self.intervals[k]):8d}  {self.contact_steps[k] * self.dt:15.6g}  "
+                f"{self.impulse[k]:13.6g}  {self.peak_force[k]:8.4g}  {windowed[k]:12.4g}  "
+                f"{self.max_penetration[k]:15.3g}  {self.residual[k]:12.3g}"
+            )
+        lines.append(
+            f"energy [J]: start {energy.start.total:.6g}, end {energy.end.total:.6g}, lost in contact "
+            f"{energy.lost_in_contact:.4g}, rotation {energy.rotation:.4g}, friction {energy.friction:.4g}, damping "
+            f"{energy.damping:.4g}, numerical {energy.numerical:.3g}, unaccounted {energy.unaccounted / scale:.1e} "
+            "of the largest"
+        )
+        if self.reversals.any():
+            lines.append(f"slip changed sign in {int(self.reversals.sum())} steps: sticking is not modelled there")
+        return "\n".join(lines)
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the document of `casingfem contact --json`: contacts, bodies, energy, steps, seconds."""
+        contacts = []
+        windowed = self.windowed_force()
+        for k in range(self.impulse.size):
+            contacts.append({
+                "time": self.time.tolist(), "force": self.force[:, k].tolist(), "gap": self.gap[:, k].tolist(),
+                "windowed_force": windowed[:, k].tolist(), "intervals": [list(pair) for pair in self.intervals[k]],
+                "impulse": float(self.impulse[k]), "max_penetration": float(self.max_penetration[k]),
+                "residual": float(self.residual[k]), "peak_force": float(self.peak_force[k]),
+            })  # fmt: skip
+        return {
+            "contacts": contacts, "bodies": [_finite(asdict(motion)) for motion in self.motions],
+            "energy": self.energy.to_dict(), "steps": self.steps, "dt": self.dt, "window": self.window,
+            "scheme": self.scheme, "source": self.source, "seconds": self.seconds,
+        }  # fmt: skip
+
+    def save(self, path: str | Path) -> None:
+        """Write npz without pickle, complete or not at all."""
+        rest = {
+            "intervals": self.intervals, "energy": asdict(self.energy), "motions": [asdict(m) for m in self.motions],
+            "steps": self.steps, "dt": self.dt, "window": self.window, "seconds": self.seconds,
+            "scheme": self.scheme, "source": self.source,
+        }  # fmt: skip
+        data = {name: getattr(self, name) for name in ARRAYS}
+        write_npz(Path(path), {"format": FORMAT, "document": json.dumps(rest), **data})
+
+    @staticmethod
+    def load(path: str | Path) -> Result:
+        """Read a saved result; raises InputError naming file and key."""
+        data = read_npz(Path(path), FORMAT, ("document", *ARRAYS))
+        rest = json.loads(str(data["document"]))
+        energy = rest.pop("energy")
+        stored = {name: Stored(**energy.pop(name)) for name in ("start", "end")}
+        rest["intervals"] = tuple(tuple((a, b) for a, b in pairs) for pairs in rest["intervals"])
+        rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
+        arrays = {name: readonly(data[name]) for name in ARRAYS}
+        return Result(**arrays, **rest, energy=EnergyBudget(**stored, **energy))
+
+
+def collect(
+    stepper: Stepper, parts: Sequence[Samples], energy: EnergyBudget, steps: int, seconds: float,
+    source: dict[str, str],
+) -> Result:  # fmt: skip
+    """Join the samples of all chunks with the sums of the run."""
+    sums = stepper.sums
+
+    def joined(name: str) -> Array:
+        return readonly(np.concatenate([getattr(part, name) for part in parts]))
+
+    events = [np.concatenate([getattr(p, f"event_{name}") for p in parts]) for name in ("contact", "kind", "time")]
+    end = steps * stepper.dt
+    intervals = tuple(_intervals(*(column[events[0] == k] for column in events[1:]), end) for k in range(sums.closed.size))
+    return Result(
+        time=joined("time"), force=joined("force"), gap=joined("gap"), impulse_history=joined("impulse"),
+        intervals=intervals, impulse=readonly(sums.impulse), peak_force=readonly(sums.peak),
+        max_penetration=readonly(np.maximum(sums.penetration, 0.0)), residual=readonly(sums.residual),
+        contact_steps=readonly(sums.contact_steps), reversals=readonly(sums.reversals),
+        state_time=joined("state_time"), state=joined("state"), energy=energy,
+        motions=tuple(sorted(stepper.motions(), key=lambda m: (m.kind == "rod", m.number))),
+        steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds, scheme=stepper.label,
+        source={**versions(), **source},
+    )  # fmt: skip
+
+
+def versions() -> dict[str, str]:
+    """Versions of the packages a result depends on."""
+    import importlib.metadata
+    import platform
+
+    found = {name: importlib.metadata.version(name) for name in ("casingfem", "numpy", "numba")}
+    return {"python": platform.python_version(), **found}
+
+
+def _intervals(kind: Array, time: Array, end: float) -> Intervals:
+    """Pair closings with openings; a contact still closed ends with the run."""
+    starts, ends = time[kind == 1].tolist(), time[kind == 0].tolist()
+    if len(ends) < len(starts):
+        ends.append(end)
+    return tuple((a, max(a, b)) for a, b in zip(starts, ends, strict=True))
+
+
+def _finite(record: dict[str, object]) -> dict[str, object]:
+    return {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in record.items()}

@@ -1,0 +1,165 @@
+"""The only time loop: `steps` yields chunks of compiled steps, `run` collects them into a Result."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.energy import EnergyBudget
+from contact.errors import InputError, NumericsError
+from contact.model.arrays import require_positive
+from contact.model.body import Body, PointMass, Rod, Wall
+from contact.model.chain import assemble
+from contact.model.gap import PointGap, RotatingRim
+from contact.model.law import Law, Penalty, Unilateral
+from contact.record import Record, Samples, samples
+from contact.result import Result, collect
+from contact.scheme.central_difference import CentralDifference
+from contact.scheme.exact_modal import ExactModal
+from contact.scheme.penalty import PenaltyDifference
+from contact.scheme.protocol import Problem, Scheme, Stepper
+
+if TYPE_CHECKING:
+    from contact.scene import Scene
+
+CHUNK = 20_000  # steps per compiled call
+
+What = Sequence[Body] | PointGap | RotatingRim
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Chunk:
+    """Samples of one compiled call, cut to what was filled; `done` is the fraction of the run."""
+
+    samples: Samples
+    steps: int
+    failed: int
+    done: float
+
+
+def steps(stepper: Stepper, count: int, *, record: Record) -> Iterator[Chunk]:
+    """Yield the chunks of a run of `count` steps; ends early after a chunk whose `failed` >= 0."""
+    first = 0
+    while first < count:
+        size = min(CHUNK, count - first)
+        out = samples(record, size, stepper.sums.closed.size, stepper.size)
+        stepper.sums.count[:] = 0
+        failed = stepper.advance(out, first, size)
+        n, states, events = (int(value) for value in stepper.sums.count)
+        filled = out._replace(
+            time=out.time[:n], force=out.force[:n], gap=out.gap[:n], impulse=out.impulse[:n],
+            state_time=out.state_time[:states], state=out.state[:states], event_time=out.event_time[:events],
+            event_kind=out.event_kind[:events], event_contact=out.event_contact[:events],
+        )  # fmt: skip
+        taken = size if failed < 0 else failed - first
+        first += taken
+        yield Chunk(samples=filled, steps=taken, failed=failed, done=first / count)
+        if failed >= 0:
+            return
+
+
+def run(
+    what: What | Scene,
+    *,
+    law: Law | None = None,
+    scheme: Scheme | None = None,
+    t_end: float | None = None,
+    dt: float | None = None,
+    courant: float | None = None,
+    gravity: float | None = None,
+    record: Record | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """Run a scene from t = 0 to the first step at or after `t_end` [s].
+
+    `what`: bodies on one axis (Rod, PointMass, Wall), a PointGap, a RotatingRim, or a Scene read from a file,
+    whose own settings these arguments override. `scheme` defaults to CentralDifference for bodies (with
+    PenaltyDifference for a Penalty law) and ExactModal otherwise; `dt` [s] or `courant` sets the step;
+    `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done.
+
+    Raises InputError and LimitError before the first step, NumericsError (which carries the result so far)
+    at the step that failed.
+
+    >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
+    >>> result = run([rod, Wall(x=0.0)], t_end=2.0, courant=0.9)
+    >>> result.steps, round(float(result.impulse[0]))
+    (134, 199)
+    """
+    problem, settings = _problem(what, gravity)
+    law = law or settings.law or Unilateral()
+    scheme = scheme or settings.scheme or _default_scheme(problem, law)
+    end = settings.t_end if t_end is None else t_end
+    if end is None:
+        raise InputError("t_end: found none, expected the end of the run in seconds")
+    require_positive(t_end=end)
+    if dt is None and courant is None:
+        dt, courant = settings.dt, settings.courant
+    record = record or settings.record or Record()
+    stepper = scheme.prepare(problem, law, dt=dt, courant=courant)
+    count = max(1, math.ceil(end / stepper.dt * (1.0 - 1e-12) - 1e-9))
+    return _collect(stepper, count, record, progress, settings.source)
+
+
+def _collect(
+    stepper: Stepper, count: int, record: Record, progress: Progress | None, source: dict[str, str]
+) -> Result:
+    start, began, chunks = stepper.stored(), time.perf_counter(), []
+    for chunk in steps(stepper, count, record=record):
+        chunks.append(chunk)
+        if progress is not None:
+            progress(chunk.done)
+    seconds = time.perf_counter() - began
+    sums = stepper.sums
+    energy = EnergyBudget(
+        start=start, end=stepper.stored(), contact=float(np.sum(sums.work)), rotation=float(np.sum(sums.rotation)),
+        friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]),
+    )  # fmt: skip
+    taken = sum(chunk.steps for chunk in chunks)
+    result = collect(stepper, [chunk.samples for chunk in chunks], energy, taken, seconds, source)
+    if chunks[-1].failed >= 0:
+        at = chunks[-1].failed
+        error = NumericsError(f"step {at} (t = {at * stepper.dt:.6g} s): {stepper.why()}")
+        error.result = result
+        raise error
+    return result
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Settings:
+    law: Law | None = None
+    scheme: Scheme | None = None
+    t_end: float | None = None
+    dt: float | None = None
+    courant: float | None = None
+    record: Record | None = None
+    source: dict[str, str]
+
+
+def _problem(what: What | Scene, gravity: float | None) -> tuple[Problem, _Settings]:
+    """Bring what was given to a problem and the settings that came with it."""
+    if isinstance(what, PointGap | RotatingRim):
+        if gravity:
+            raise InputError("gravity: found with modal bodies, expected it as the load of a Side")
+        return what, _Settings(source={})
+    if isinstance(what, Sequence):
+        for body in what:
+            if not isinstance(body, Rod | PointMass | Wall):
+                raise InputError(f"bodies: found {type(body).__name__}, expected Rod, PointMass or Wall")
+        return assemble(what, gravity=gravity or 0.0), _Settings(source={})
+    settings = _Settings(
+        law=what.law, scheme=what.scheme, t_end=what.t_end, dt=what.dt, courant=what.courant, source=what.source
+    )
+    inner, _ = _problem(what.what, what.gravity if gravity is None else gravity)
+    return inner, settings
+
+
+def _default_scheme(problem: Problem, law: Law) -> Scheme:
+    if isinstance(problem, PointGap | RotatingRim):
+        return ExactModal()
+    return PenaltyDifference() if isinstance(law, Penalty) else CentralDifference()

@@ -1,0 +1,139 @@
+"""Central differences with exact modal coefficients (Gautschi form), residual compliance and one contact.
+
+D* = al D - be q + c f;  g* = g_0(t+h) + Q(t+h)(q + D*);  H_d = Q(t+h) diag(c) W(t), W = Q - mu sgn(v_t) T;
+ forward:  (H_d + S) force = -g*                                 (Carpenter's law with S; safe down to S = 0)
+ averaged: (H_d/4 + S) force = -(g*/4 + g_n/2 + g_{n-1}/4)       (second order, keeps the energy; rho = H_d/S <= 1)
+then D = D* + c W force, q += D. g_n is the gap of q alone, without S force. Limits, checked here:
+omega_max h <= 2.5 (a step resonance sits at pi; put higher modes into S), rho <= 1 for the averaged law,
+n_max Omega h <= .3.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from contact.errors import InputError, LimitError
+from contact.model.arrays import require_positive
+from contact.model.chain import Chain
+from contact.model.gap import PointGap
+from contact.model.law import Coulomb, Law, Penalty
+from contact.model.modal_system import ModalSystem, point_system, rim_system
+from contact.model.rod_modes import chain_gap
+from contact.scheme.modal_stepper import ModalStepper, modal_stepper
+from contact.scheme.propagator import Propagator, propagator
+from contact.scheme.protocol import Problem
+
+ANGLES = 180  # where rho is sampled around a rim
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExactModal:
+    """Exact-modal propagator with a unilateral law; for modal bodies, or two rods by their first `modes` modes.
+
+    `law` "forward", "averaged" (refused when rho = H_d/S > 1) or "auto": averaged where it is allowed, else
+    forward; the result says which. `omega_h_limit` is the largest omega_max h accepted, below pi.
+
+    >>> ExactModal(law="averaged").modes
+    50
+    """
+
+    law: Literal["auto", "forward", "averaged"] = "auto"
+    modes: int = 50
+    omega_h_limit: float = 2.5
+
+    def __post_init__(self) -> None:
+        if self.law not in ("auto", "forward", "averaged"):
+            raise InputError(f"law: found {self.law!r}, expected 'auto', 'forward' or 'averaged'")
+        if not 0.0 < self.omega_h_limit < 3.1:
+            raise InputError(f"omega_h_limit: found {self.omega_h_limit!r}, expected between 0 and 3.1 (below pi)")
+        require_positive(modes=self.modes)
+
+    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> ModalStepper:
+        """Bring the scene to modal form, check the limits; raises InputError, LimitError.
+
+        `courant` means omega_max h/2, as for central differences; with neither, omega_max h = .8.
+        """
+        if isinstance(law, Penalty):
+            raise InputError(f"law: found {law!r}, expected Unilateral() or Coulomb(mu=...) with ExactModal")
+        mu = law.mu if isinstance(law, Coulomb) else 0.0
+        system = _system(problem, self.modes)
+        if mu > 0.0 and system.table is None:
+            raise InputError("law: found Coulomb friction on a scene without tangential motion, expected a rim")
+        h = _step(system, dt, courant)
+        parts = propagator(system.omega, system.zeta, system.load, h)
+        self._require_resolved(system, h)
+        H, S, rho = delassus(system, parts, mu)
+        averaged = self.law == "averaged" or (self.law == "auto" and rho <= 1.0)
+        if averaged and rho > 1.0:
+            raise LimitError(
+                f"law: found rho = H_d/S = {rho:.4g} (H_d = {H:.4g}, S = {S:.4g} m/N), expected <= 1 for the averaged "
+                f"law: reduce dt (H_d falls as dt^2), keep fewer modes, or take law = 'forward'"
+            )
+        top = float(system.omega.max(initial=0.0))
+        chosen = "averaged" if averaged else "forward"
+        label = f"exact modal, {chosen} law, dt omega_max = {h * top:.3g} (limit {self.omega_h_limit:g}), rho = {rho:.3g}"
+        return modal_stepper(system, parts, averaged=averaged, mu=mu, label=label)
+
+    def _require_resolved(self, system: ModalSystem, h: float) -> None:
+        top = float(system.omega.max(initial=0.0))
+        if h * top > self.omega_h_limit * (1.0 + 1e-12):
+            raise LimitError(
+                f"dt: found omega_max dt = {h * top:.4g}, expected <= {self.omega_h_limit:g} (step resonance at pi): "
+                f"take dt <= {self.omega_h_limit / top:.4g} s, or ModalBody.truncated({self.omega_h_limit / h:.5g})"
+            )
+        if system.table is not None:
+            n_max = int(max(system.table.harmonic.max(initial=0), system.clearance.degree))
+            angle = n_max * abs(system.speed) * h
+            if angle > 0.3:
+                raise LimitError(
+                    f"dt: found n_max Omega dt = {angle:.4g} rad with n_max = {n_max}, expected <= 0.3: "
+                    f"take dt <= {0.3 * h / angle:.4g} s"
+                )
+
+
+def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, float, float]:
+    """Return H_d, S and rho = |H_d|/S where rho is largest over the contact angle (rho = inf when S is 0).
+
+    Raises LimitError where sliding friction turns H_d + S negative: the blade digs in and no force opens it.
+    """
+    worst = (0.0, 0.0, -1.0)
+    angles = np.arange(ANGLES) * (2.0 * math.pi / ANGLES) if system.table is not None else np.zeros(1)
+    sign = math.copysign(mu, system.speed) if system.speed else 0.0
+    for angle in angles:
+        phi = float(angle)
+        Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q)
+        H = float(np.sum(parts.c * Q * (Q - sign * T)))
+        S = system.S_nn(phi) - sign * system.S_nt(phi)
+        if H + S <= 0.0:
+            raise LimitError(
+                f"law: found H_d + S = {H + S:.4g} m/N at {math.degrees(phi):.0f} deg with mu = {mu:g}, expected > 0: the "
+                "blade jams (friction exceeds the lean); reduce mu or the lean, or trail the blade"
+            )
+        rho = abs(H) / S if S > 0.0 else math.inf
+        if rho > worst[2]:
+            worst = (H, S, rho)
+    return worst
+
+
+def _system(problem: Problem, modes: int) -> ModalSystem:
+    if isinstance(problem, Chain):
+        return point_system(chain_gap(problem, modes=modes))
+    return point_system(problem) if isinstance(problem, PointGap) else rim_system(problem)
+
+
+def _step(system: ModalSystem, dt: float | None, courant: float | None) -> float:
+    if dt is not None and courant is not None:
+        raise InputError("dt: found both dt and courant, expected one of them")
+    if dt is not None:
+        require_positive(dt=dt)
+        return dt
+    top = float(system.omega.max(initial=0.0))
+    if top == 0.0:
+        raise InputError("dt: found none with rigid bodies only, expected a time step")
+    product = 0.8 if courant is None else 2.0 * courant
+    require_positive(courant=product)
+    return product / top

@@ -1,0 +1,158 @@
+"""The exact-modal run in progress: state, loop and readings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.energy import Stored
+from contact.model.arrays import Array
+from contact.model.modal_system import ModalSystem
+from contact.model.trig import Trig
+from contact.record import Samples, Tally, tally
+from contact.scheme.propagator import Propagator
+from contact.scheme.protocol import Motion
+
+if TYPE_CHECKING:
+    from contact.scheme.loop_modal import ModalState
+    from contact.scheme.loop_rim import RimRows
+
+Loop = Callable[["ModalState", Tally, Samples, int, int], int]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ModalStepper:
+    """State of an exact-modal run; see `exact_modal` for the equations."""
+
+    system: ModalSystem
+    parts: Propagator
+    state: ModalState
+    sums: Tally
+    loop: Loop
+    label: str
+    steps: list[int]  # steps taken so far, one entry
+
+    @property
+    def dt(self) -> float:
+        """Time step [s]."""
+        return self.parts.h
+
+    @property
+    def window(self) -> float:
+        """Period of the highest mode [s]."""
+        top = float(self.system.omega.max(initial=0.0))
+        return max(2.0 * math.pi / top, self.dt) if top > 0.0 else self.dt
+
+    @property
+    def size(self) -> int:
+        """Number of modes."""
+        return self.state.q.size
+
+    def advance(self, out: Samples, first: int, steps: int) -> int:
+        """Advance by whole steps; -1, or the step that failed."""
+        failed = self.loop(self.state, self.sums, out, first, steps)
+        self.steps[0] = first + steps
+        return failed
+
+    def why(self) -> str:
+        """Explain a failed step."""
+        if np.isnan(self.state.q).any() or np.isnan(self.state.d).any():
+            return "the motion is not a number"
+        H, scale = self.state.memory[2:4]
+        return (
+            f"the contact jams: Delassus number {scale:.4g} m/N (modes {H:.4g}), expected > 0; friction exceeds "
+            "what the lean of the blade allows: reduce mu or the lean"
+        )
+
+    def stored(self) -> Stored:
+        """Energy at t_n; lam^2 S/2 counts as residual."""
+        system, memory = self.system, self.state.memory
+        phi = system.angle - system.speed * self.steps[0] * self.dt
+        force, pull = float(memory[2]), float(memory[3])
+        Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q * 0.0)
+        residual = 0.5 * force**2 * (system.S_nn(phi) - pull * system.S_nt(phi))
+        return self.parts.stored(self.state.q, self.state.d, (Q - pull * T) * force, residual)
+
+    def motions(self) -> tuple[Motion, ...]:
+        """Rigid motion of each body: from its mode of frequency zero, NaN without one."""
+        found = []
+        for b, (name, mass) in enumerate(zip(self.system.names, self.system.masses, strict=True)):
+            modes = slice(int(self.system.first[b]), int(self.system.first[b + 1]))
+            rigid = self.system.omega[modes] == 0.0
+            speed = float(np.sum(self.state.d[modes][rigid])) / self.dt if np.count_nonzero(rigid) == 1 else math.nan
+            velocity = speed / math.sqrt(mass) if mass > 0.0 else math.nan
+            found.append(Motion(kind=name, number=b, mean_velocity=velocity, momentum=velocity * mass))
+        return tuple(found)
+
+
+def modal_stepper(
+    system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str
+) -> ModalStepper:
+    """Stepper at t = 0, with the compiled loop that this scene needs and no other."""
+    q = np.zeros(system.omega.size)
+    d = parts.backward(q, system.velocity)
+    state = _state(system, parts, q, d)
+    damped = bool(system.zeta.any())
+    loop = _rim_loop(system, parts.h, averaged, damped, mu) if system.table else _point_loop(system, parts, averaged, damped)
+    return ModalStepper(
+        system=system, parts=parts, state=state, sums=tally(1), loop=loop, label=label, steps=[0]
+    )
+
+
+def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalState:
+    from contact.scheme.loop_modal import ModalState
+
+    def gap(steps: int, q: Array) -> float:
+        phi = system.angle - system.speed * parts.h * steps
+        rows = system.table.rows(phi)[0] if system.table is not None else system.Q
+        return system.clearance(phi) + float(rows @ q)
+
+    return ModalState(
+        q=q, d=d, old=np.zeros(q.size), al=parts.al, be=parts.be, c=parts.c, kick=parts.c * system.load,
+        weight=(1.0 - parts.al) / (2.0 * parts.c), memory=np.array([gap(0, q), gap(-1, q - d), 0.0, 0.0]),
+        force=np.zeros(1), gap=np.zeros(1),
+    )  # fmt: skip
+
+
+def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: bool) -> Loop:
+    from contact.scheme.loop_modal import advance_modal
+
+    clearance, S, h, Q = system.clearance(0.0), system.S_nn(0.0), parts.h, system.Q
+
+    def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
+        return advance_modal(state, Q, clearance, S, averaged, damped, sums, out, h, first, steps)
+
+    return loop
+
+
+def _rim_loop(system: ModalSystem, h: float, averaged: bool, damped: bool, mu: float) -> Loop:
+    from contact.scheme.loop_rim import advance_rim
+
+    rows, m = _rim_rows(system, mu), system.omega.size
+    Q, Q_next, T = np.zeros(m), np.zeros(m), np.zeros(m)
+
+    def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
+        return advance_rim(state, rows, Q, Q_next, T, averaged, damped, sums, out, h, first, steps)
+
+    return loop
+
+
+def _rim_rows(system: ModalSystem, mu: float) -> RimRows:
+    from contact.scheme.loop_rim import RimRows, Terms
+
+    def terms(p: Trig) -> Terms:
+        return Terms(p.harmonic, p.cos, p.sin)
+
+    table = system.table
+    assert table is not None
+    degree = max(system.clearance.degree, system.S_nn.degree, system.S_nt.degree, int(table.harmonic.max(initial=0)))
+    return RimRows(
+        start=table.start, harmonic=table.harmonic, q_cos=table.q_cos, q_sin=table.q_sin, t_cos=table.t_cos,
+        t_sin=table.t_sin, clearance=terms(system.clearance), S_nn=terms(system.S_nn), S_nt=terms(system.S_nt),
+        S_turns=max(system.S_nn.degree, system.S_nt.degree) > 0, angle=system.angle, speed=system.speed,
+        surface=system.radius * system.speed, mu=mu, cosines=np.zeros(degree + 1), sines=np.zeros(degree + 1),
+    )  # fmt: skip

@@ -1,0 +1,78 @@
+"""What a scheme is, to `run`: numbered contract, two small protocols.
+
+1. `Scheme.prepare` takes the physics and the law, checks its limits and refuses with numbers (LimitError) or
+   an InputError when law or scene are not its own; it returns a Stepper at t = 0.
+2. `Stepper.advance(out, first, steps)` takes whole steps first .. first + steps - 1 in one compiled call, fills
+   `out`, adds to `sums`, and returns -1, or the step that failed.
+3. The force of step n acts at t_n = n h and makes the law hold for the gap stored beside it.
+4. `stored()` and `motions()` read the present state and change nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from contact.energy import Stored
+from contact.model.chain import Chain
+from contact.model.gap import PointGap, RotatingRim
+from contact.model.law import Law
+from contact.record import Samples, Tally
+
+Problem = Chain | PointGap | RotatingRim
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """Rigid part of one body's motion: `mean_velocity` [m/s], `momentum` [kg m/s]; NaN where it has none.
+
+    `number` is the body's place in the user's list, `kind` mass | rod | casing | blade | body.
+    """
+
+    kind: str
+    number: int
+    mean_velocity: float
+    momentum: float
+
+
+class Stepper(Protocol):
+    """A run in progress; see the module's contract."""
+
+    @property
+    def dt(self) -> float:
+        """Time step [s]."""
+
+    @property
+    def label(self) -> str:
+        """Scheme, law and limits in words."""
+
+    @property
+    def window(self) -> float:
+        """Period of the highest frequency [s]: forces averaged over it converge, raw ones do not."""
+
+    @property
+    def sums(self) -> Tally:
+        """Sums of all steps so far."""
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+
+    def advance(self, out: Samples, first: int, steps: int) -> int:
+        """Advance by whole steps; -1, or the step that failed."""
+
+    def why(self) -> str:
+        """Explain a failed step."""
+
+    def stored(self) -> Stored:
+        """Energy now."""
+
+    def motions(self) -> tuple[Motion, ...]:
+        """Rigid motion of each body now."""
+
+
+class Scheme(Protocol):
+    """A time scheme: a frozen value that prepares runs."""
+
+    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> Stepper:
+        """Check the limits and return a Stepper at t = 0."""
