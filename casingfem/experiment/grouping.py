@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+
+from casingfem.arrays import FloatArray, IntArray
 
 WIDEST_SPLIT = 0.15
 """Two rows further apart than this, relative to their mean, are not taken for one doublet."""
@@ -36,9 +37,7 @@ class Doublet:
 Group: TypeAlias = Single | Doublet
 
 
-def grouped(
-    n: NDArray[np.int64], freq_hz: NDArray[np.float64], angle_deg: NDArray[np.float64]
-) -> tuple[Group, ...]:
+def grouped(n: IntArray, freq_hz: FloatArray, angle_deg: FloatArray) -> tuple[Group, ...]:
     """Group rows (rows,) into doublets and singles, ascending in frequency.
 
     Among the rows of one n >= 1 in ascending order, neighbours closer than 15 % may be a

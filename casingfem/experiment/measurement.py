@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from casingfem.arrays import Array, FloatArray, IntArray
 from casingfem.experiment.grouping import Group, grouped
 from casingfem.structure.strict_csv import CsvError, StrictCsv, read
 
@@ -65,12 +66,12 @@ class FrequencyTable:
          2   8     368.4000      0.2000            -        -
     """
 
-    mode: NDArray[np.int64]
-    n: NDArray[np.int64]
-    freq_hz: NDArray[np.float64]
-    sigma_hz: NDArray[np.float64]
-    angle_deg: NDArray[np.float64]
-    zeta: NDArray[np.float64]
+    mode: IntArray
+    n: IntArray
+    freq_hz: FloatArray
+    sigma_hz: FloatArray
+    angle_deg: FloatArray
+    zeta: FloatArray
     card: tuple[str, ...] = ()
     path: str = "table"
 
@@ -131,7 +132,7 @@ class FrequencyTable:
         csv = read(path, TableError)
         _check_columns(csv)
         rows = len(csv.lines)
-        columns: dict[str, NDArray[Any]] = {}
+        columns: dict[str, Array] = {}
         for name in COLUMNS:
             blank = _BLANK.get(name)
             if name not in csv.header:
@@ -230,7 +231,7 @@ def _check_columns(csv: StrictCsv) -> None:
             )
 
 
-def _check_values(csv: StrictCsv, columns: dict[str, NDArray[Any]]) -> None:
+def _check_values(csv: StrictCsv, columns: dict[str, Array]) -> None:
     """Refuse the first value out of range, with its line; -1 stands for an empty n only in memory."""
     written = [(row, "n") for row, text in enumerate(csv.cells.get("n", ())) if text.startswith("-")]
     for row, name in sorted(_faults(columns) + written)[:1]:
@@ -240,7 +241,7 @@ def _check_values(csv: StrictCsv, columns: dict[str, NDArray[Any]]) -> None:
         raise csv.refuse(row=row, column=name, found=found, expected=_EXPECTED[name])
 
 
-def _faults(columns: Mapping[str, NDArray[Any]]) -> list[tuple[int, str]]:
+def _faults(columns: Mapping[str, Array]) -> list[tuple[int, str]]:
     """List (row, column) of the values out of range, by row."""
     mode, n, freq, sigma, angle, zeta = (columns[name] for name in COLUMNS)
     first = np.zeros(mode.size, bool)

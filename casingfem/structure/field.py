@@ -11,13 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, TypeAlias, runtime_checkable
+from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array: TypeAlias = NDArray[Any]
-"""A float64 array, or complex128 while a sensitivity is taken by complex step."""
+from casingfem.arrays import Array, IntArray
 
 Coefficient: TypeAlias = float | complex
 
@@ -81,7 +80,7 @@ class FourierField:
       4   0.000e+00         0.00
     """
 
-    p: NDArray[np.int64]
+    p: IntArray
     cos: Array
     sin: Array
     z_mid: float = 0.0
@@ -275,7 +274,7 @@ def _contract(around: Array, along: Array) -> Array:
     return product
 
 
-def _harmonics(p: ArrayLike) -> NDArray[np.int64]:
+def _harmonics(p: ArrayLike) -> IntArray:
     given = np.array(p)
     if given.ndim != 1 or (given.size and not np.issubdtype(given.dtype, np.integer)):
         raise ValueError(f"FourierField: p must be a list of whole numbers, not {p!r}")

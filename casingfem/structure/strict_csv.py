@@ -17,7 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+
+from casingfem.arrays import FloatArray, IntArray
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
@@ -51,7 +52,7 @@ class StrictCsv:
     header: tuple[str, ...]
     header_line: int
     cells: Mapping[str, tuple[str, ...]]
-    lines: NDArray[np.int64]
+    lines: IntArray
     error: type[CsvError]
 
     def refuse(
@@ -61,7 +62,7 @@ class StrictCsv:
         line = None if row is None else int(self.lines[row])
         return self.error(self.path, found=found, expected=expected, line=line, column=column)
 
-    def numbers(self, column: str, *, blank: float | None = None) -> NDArray[np.float64]:
+    def numbers(self, column: str, *, blank: float | None = None) -> FloatArray:
         """Return a column as finite numbers; ``blank`` stands for empty cells, refused when None."""
         values = np.empty(len(self.lines))
         for row, text in enumerate(self.cells[column]):
@@ -79,7 +80,7 @@ class StrictCsv:
             raise self.refuse(row=row, column=column, found=repr(text), expected=expected)
         return value
 
-    def integers(self, column: str, *, blank: int | None = None) -> NDArray[np.int64]:
+    def integers(self, column: str, *, blank: int | None = None) -> IntArray:
         """Return a column as whole numbers; ``blank`` stands for empty cells, refused when None."""
         values = np.empty(len(self.lines), np.int64)
         for row, text in enumerate(self.cells[column]):

@@ -6,8 +6,9 @@ import os
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from casingfem.arrays import FloatArray
 from casingfem.structure.field import Coefficient, Field, FieldValues, FourierField
 from casingfem.structure.survey_fit import fit_points, resolved_harmonic
 from casingfem.structure.survey_points import Quantity, SurveyError, SurveyPoints, read_points
@@ -123,7 +124,7 @@ class SampledField:
         """Replace one harmonic of the fit: what an updater varies is no longer the survey."""
         return self.fit.with_harmonic(p, cos=cos, sin=sin)
 
-    def mean_radius(self, z: ArrayLike) -> NDArray[np.float64]:
+    def mean_radius(self, z: ArrayLike) -> FloatArray:
         """Return the mean cone's radius a + b z [m] at z [m]."""
         if self.quantity != "radius":
             raise ValueError("a thickness survey has no mean radius; see mean_thickness")

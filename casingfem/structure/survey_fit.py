@@ -6,8 +6,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from casingfem.arrays import FloatArray
 from casingfem.structure.field import FourierField
 from casingfem.structure.survey_points import SurveyError, SurveyPoints
 
@@ -22,7 +22,7 @@ class SurveyFit(NamedTuple):
 
     field: FourierField
     mean: tuple[float, float]
-    residual: NDArray[np.float64]
+    residual: FloatArray
     gap_deg: float
     heights: int
 
@@ -96,7 +96,7 @@ class _Problem:
         self.mean_columns = zeta[:, None] ** np.arange(trend + 1)
         self.columns = (around[:, :, None] * power[:, None, :]).reshape(len(points), -1)
 
-    def design(self, mean: NDArray[np.float64] | float) -> NDArray[np.float64]:
+    def design(self, mean: FloatArray | float) -> FloatArray:
         """Columns for value = mean_columns alpha + mean (columns beta)."""
         scale = np.broadcast_to(mean, len(self.points))[:, None]
         return np.concatenate([self.mean_columns, scale * self.columns], axis=1)
@@ -117,7 +117,7 @@ class _Problem:
         spectrum = np.linalg.eigvalsh(design.T @ design)
         return bool(spectrum[0] > spectrum[-1] / _WORST_CONDITION**2)
 
-    def solved(self) -> tuple[FourierField, tuple[float, float], NDArray[np.float64]]:
+    def solved(self) -> tuple[FourierField, tuple[float, float], FloatArray]:
         """Fit r = alpha + beta z + c(z) f, c being the cone itself: linear, repeated until c stands."""
         value, trend = self.points.value, self.mean_columns.shape[1]
         cone = np.full(len(self.points), value.mean())
@@ -131,7 +131,7 @@ class _Problem:
         slope = 0.0 if self.tapered or trend == 1 else float(alpha[1]) / self.z_half
         return self._field(alpha, beta), (float(alpha[0]) - slope * self.z_mid, slope), residual
 
-    def _field(self, alpha: NDArray[np.float64], beta: NDArray[np.float64]) -> FourierField:
+    def _field(self, alpha: FloatArray, beta: FloatArray) -> FourierField:
         p = np.arange(1, self.n + 1)
         cos, sin = beta.reshape(2, self.n, self.degree + 1)
         if self.tapered and self.degree > 0:

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from casingfem.arrays import FloatArray, IntArray
 from casingfem.structure.strict_csv import CsvError, StrictCsv, read
 
 Quantity: TypeAlias = Literal["radius", "thickness"]
@@ -37,9 +37,9 @@ class SurveyPoints:
         Values that are not finite or positive, arrays of different lengths.
     """
 
-    theta: NDArray[np.float64]
-    z: NDArray[np.float64]
-    value: NDArray[np.float64]
+    theta: FloatArray
+    z: FloatArray
+    value: FloatArray
     quantity: Quantity = "radius"
     path: str = "survey"
     card: tuple[str, ...] = field(default=())
@@ -60,7 +60,7 @@ class SurveyPoints:
     def __len__(self) -> int:
         return int(np.size(self.z))
 
-    def rings(self) -> NDArray[np.int64]:
+    def rings(self) -> IntArray:
         """Number the heights from the lowest: points within half a millimetre share a ring; (points,)."""
         order = np.argsort(self.z, kind="stable")
         ring = np.zeros(len(self), np.int64)
@@ -85,7 +85,7 @@ class SurveyPoints:
         return largest_gap_deg(self.theta), int(counts.size)
 
 
-def largest_gap_deg(theta: NDArray[np.float64]) -> float:
+def largest_gap_deg(theta: FloatArray) -> float:
     """Return the largest angle [deg] between neighbouring points around the circle.
 
     Examples
@@ -154,7 +154,7 @@ def _column(table: StrictCsv, choices: dict[str, float]) -> tuple[str, float]:
     )
 
 
-def _check_angle_unit(table: StrictCsv, name: str, theta: NDArray[np.float64]) -> None:
+def _check_angle_unit(table: StrictCsv, name: str, theta: FloatArray) -> None:
     if name != "theta_rad":
         return
     for row in np.flatnonzero(np.abs(theta) > 4 * np.pi)[:1]:
@@ -171,9 +171,7 @@ def _check_length_unit(table: StrictCsv, name: str, quantity: Quantity, median: 
         raise SurveyError(table.path, line=table.header_line, column=name, found=found, expected=expected)
 
 
-def _check_height_unit(
-    table: StrictCsv, name: str, z: NDArray[np.float64], value: float, quantity: Quantity
-) -> None:
+def _check_height_unit(table: StrictCsv, name: str, z: FloatArray, value: float, quantity: Quantity) -> None:
     span, scale = float(np.ptp(z)), value if quantity == "radius" else 0.5
     low, high = 1e-3 * scale, 50.0 * scale
     if span > high or (name == "z_mm" and 0.0 < span < low):
