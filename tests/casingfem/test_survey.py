@@ -130,6 +130,9 @@ def test_few_points_lower_the_default_fit_instead_of_overfitting():
     unknowns = 2 + 2 * survey.max_harmonic * survey.fit.cos.shape[1]
     assert unknowns <= 0.8 * 48
     assert survey.max_harmonic == 4
+    staggered = np.arange(28) * 2 * np.pi / 28
+    survey = SampledField.from_points(staggered, 0.1 * (np.arange(28) % 4), np.full(28, 0.5))
+    assert (survey.n_resolved, survey.max_harmonic, survey.fit.cos.shape[1]) == (13, 10, 1)
 
 
 def test_one_bad_ring_decides_the_coverage():
