@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
 
 from casingfem.arrays import FloatArray, IntArray, frozen
-from casingfem.modal.eigen import EigenError, solve_modes
+from casingfem.modal.eigen import EigenError, scaled, solve_modes, sturm_count
 from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.axisymmetric import HOOP, Meridian, harmonic_matrices
@@ -39,8 +39,16 @@ class Modes:
     angle_deg
         Orientation: an antinode of the radial displacement, in [0, 180/n); nan where it means nothing,
         as for a perfect double mode.
+    rigid
+        Number of rigid motions, which come first.
     sturm_count
         Modes up to the last one returned, by inertia: equal to len(modes) unless the cut splits a pair.
+    dofs
+        Unknowns of the eigenproblem (over all harmonics for a perfect casing).
+    rings
+        Circumferential Fourier amplitudes of the shapes, None on open shells.
+    seconds
+        Run time by part.
     """
 
     shell: Shell
@@ -55,6 +63,7 @@ class Modes:
     rigid: int
     sturm_count: int
     dofs: int
+    rings: Rings | None = field(default=None, repr=False)
     seconds: dict[str, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -207,7 +216,7 @@ def labelled(
     started = time.perf_counter()
     rigid = int(np.count_nonzero(2.0 * np.pi * freq < RIGID * frequency_scale(shell)))
     total = len(freq)
-    fields = fields.copy()
+    rings: Rings | None = None
     n, purity = np.full(total, -1), np.full(total, np.nan)
     angle = np.full(total, np.nan)
     pairs: list[tuple[int, int]] = []
@@ -218,9 +227,11 @@ def labelled(
         n[:rigid], purity[:rigid] = -1, np.nan
         pairs = find_doublets(rings, n)
         angle = np.array([orientation(rings.profile(k, n[k]), n[k]) if n[k] > 0 else np.nan for k in range(total)])
-        align_doubles(rings, n, freq, fields, angle, pairs)
+        fields = align_doubles(rings, n, freq, fields, angle, pairs)
     fields *= peak_signs(fields)
     kept = min(count, total)
+    if shell.chart.periodic:
+        rings = ring_content(shell.chart, grid, fields[:, :, :kept], n_max=max(2, nodes_around // 3))
     return Modes(
         shell=shell,
         grid=grid,
@@ -234,6 +245,7 @@ def labelled(
         rigid=rigid,
         sturm_count=sturm,
         dofs=dofs,
+        rings=rings,
         seconds=seconds | {"label": time.perf_counter() - started},
     )
 
@@ -245,13 +257,15 @@ def align_doubles(
     fields: FloatArray,
     angle: FloatArray,
     pairs: list[tuple[int, int]],
-) -> None:
-    """Turn perfect double modes into cosine and sine, in place; they have no orientation of their own."""
+) -> FloatArray:
+    """Turn perfect double modes into cosine and sine, and clear their angles: they have none of their own."""
+    fields = fields.copy()
     for low, high in pairs:
         if freq[high] - freq[low] <= DOUBLE * freq[high]:
             turn = align_pair(rings.profile(low, n[low]), rings.profile(high, n[low]))
             fields[:, :, [low, high]] = fields[:, :, [low, high]] @ turn
             angle[[low, high]] = np.nan
+    return fields
 
 
 def peak_signs(fields: FloatArray) -> FloatArray:
@@ -273,6 +287,12 @@ def ranks(n: IntArray, pairs: list[tuple[int, int]]) -> IntArray:
             seen[label] = seen.get(label, 0) + 1
             m[mode] = seen[label]
     return m
+
+
+def count_below(shell: Shell, freq: float) -> int:
+    """Number of modes below a frequency [Hz], by one factorisation and its inertia."""
+    system = assemble(shell)
+    return sturm_count(scaled(system.K, system.mass), (2.0 * np.pi * freq) ** 2)
 
 
 def fourier_modes(shell: Shell, count: int) -> Modes:

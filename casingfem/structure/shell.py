@@ -27,8 +27,8 @@ def default_mesh(shell: "Shell") -> ShellMesh:
 
     Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as
     .46 R/sqrt(t h); 12 where something varies around, so that the mesh splits no doublet by more than 1e-9,
-    and 6 nodes a wave of the fields themselves. Along the meridian: the shear layer of an
-    edge that is not held, about 2 t wide, takes a row of its own; the rest is divided by the bending
+    and 6 nodes a wave of the fields themselves. Along the meridian: the shear layer of a
+    free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending
     length sqrt(R t).
     """
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
@@ -41,12 +41,12 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
     lowest = 0.46 * radius / np.sqrt(t * length)
-    finest = max((getattr(f, "max_harmonic", 0) for f in (shell.radius_defect, shell.thickness_defect)))
+    finest = max((getattr(f, "max_harmonic", 0) or 0 for f in (shell.radius_defect, shell.thickness_defect)))
     elements = max((16.0 if shell.axisymmetric else 24.0) * lowest, 6.0 * finest) / order
     around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
     layer = float(np.clip(2.5 * t / length, 1e-3, 0.1))
     inner = int(np.clip(np.ceil(length / (10.0 * np.sqrt(radius * t))), 1, 4))
-    held = {shell.chart.edges[edge] for edge, support in shell.supports.items() if support.held}
+    held = {shell.chart.edges[edge] for edge in shell.supports}
     low, high = (0.0 if (0, 0) in held else layer), (1.0 if (0, 1) in held else 1.0 - layer)
     breaks = {0.0, 1.0, *np.linspace(low, high, inner + 1).tolist()}
     return ShellMesh(order=order, rows=tuple(sorted(breaks)), around=around)

@@ -1,0 +1,162 @@
+"""What an update may vary: a named number of a structure, its bounds and its prior.
+
+Names are paths: material.E | nu | rho, shell.thickness, chart.<field>, radius.p8.cos, thickness.p2.sin,
+support.<edge>.k_face | k_r | k_theta | k_z | k_rot, support.<edge>.k_face.p4.cos (the circumferential
+pattern of that edge, relative; all its springs share it).
+"""
+
+import re
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from casingfem.structure.field import FourierField
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import ElasticEdge
+
+HARMONIC = re.compile(r"p(\d+)$")
+FIELDS = {"radius": "radius_defect", "thickness": "thickness_defect"}
+
+
+class ParameterError(ValueError):
+    """A parameter that does not exist on this structure, or whose bounds make no sense."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter:
+    """One number an update may vary.
+
+    Parameters
+    ----------
+    name
+        Path of the number (module docstring); `updating.parameters.get_value` reads it.
+    lower, upper
+        Bounds, in the parameter's own unit.
+    sigma
+        Prior standard deviation about the start value; in decades for a log parameter; None for no prior.
+    log
+        Vary the decimal logarithm; bounds and values stay as they are.
+
+    >>> Parameter(name="material.E", lower=150e9, upper=250e9, sigma=10e9).lower
+    150000000000.0
+    """
+
+    name: str
+    lower: float
+    upper: float
+    sigma: float | None = None
+    log: bool = False
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.lower) and np.isfinite(self.upper) and self.lower < self.upper):
+            raise ParameterError(
+                f"{self.name}: bounds must be finite with lower < upper, found {self.lower!r}, {self.upper!r}"
+            )
+        if self.log and self.lower <= 0.0:
+            raise ParameterError(f"{self.name}: a log parameter needs lower > 0, found {self.lower!r}")
+        if self.sigma is not None and not self.sigma > 0.0:
+            raise ParameterError(f"{self.name}: sigma must be positive, found {self.sigma!r}")
+
+    def to_internal(self, value: Any) -> Any:
+        """Value -> the number the solver sees (log10 for a log parameter)."""
+        return np.log10(value) if self.log else value
+
+    def from_internal(self, x: Any) -> Any:
+        """The solver's number -> value."""
+        return 10.0**x if self.log else x
+
+
+def _split(name: str) -> list[str]:
+    parts = name.split(".")
+    if len(parts) < 2:
+        raise ParameterError(f"{name!r} is no parameter name; expected a path such as material.E")
+    return parts
+
+
+def _harmonic(name: str, parts: list[str]) -> tuple[int, str]:
+    match = HARMONIC.match(parts[0]) if len(parts) == 2 else None
+    if match is None or parts[1] not in ("cos", "sin"):
+        raise ParameterError(f"{name!r}: expected a harmonic such as p8.cos, found {'.'.join(parts)!r}")
+    return int(match[1]), parts[1]
+
+
+def _edge(shell: Shell, name: str, parts: list[str]) -> tuple[str, ElasticEdge]:
+    support = shell.supports.get(parts[1])
+    if not isinstance(support, ElasticEdge):
+        found = "no support" if support is None else type(support).__name__
+        raise ParameterError(f"{name!r}: edge {parts[1]!r} has {found}; only elastic edges have stiffnesses")
+    if len(parts) not in (3, 5) or parts[2] not in ElasticEdge.stiffness_names:
+        raise ParameterError(f"{name!r}: an elastic edge has {', '.join(ElasticEdge.stiffness_names)}")
+    return parts[1], support
+
+
+def _plain(shell: Shell, name: str, parts: list[str]) -> tuple[Any, str]:
+    owners = {"material": shell.material, "chart": shell.chart, "shell": shell}
+    owner = owners.get(parts[0])
+    if owner is None or len(parts) != 2:
+        raise ParameterError(
+            f"{name!r}: a parameter starts with material, shell, chart, radius, thickness or support"
+        )
+    numbers = (
+        ["thickness"] if owner is shell else [f.name for f in fields(owner)] if is_dataclass(owner) else []
+    )
+    if parts[1] not in numbers:
+        raise ParameterError(f"{name!r}: {parts[0]} has {', '.join(numbers)}, not {parts[1]!r}")
+    return owner, parts[1]
+
+
+def get_value(shell: Shell, name: str) -> Any:
+    """The present value of a named number of a shell.
+
+    Raises
+    ------
+    ParameterError
+        If the structure has no such number.
+    """
+    parts = _split(name)
+    if parts[0] in FIELDS and len(parts) == 3:
+        p, part = _harmonic(name, parts[1:])
+        field = getattr(shell, FIELDS[parts[0]])
+        series = getattr(field, "fit", field)
+        if series is None:
+            return 0.0
+        if not isinstance(series, FourierField):
+            raise ParameterError(f"{name!r}: the {parts[0]} field is no Fourier series but {type(field).__name__}")
+        return series.coefficients(p)[part == "sin"]
+    if parts[0] == "support" and len(parts) > 2:
+        _, support = _edge(shell, name, parts)
+        return support.around.coefficient(*_harmonic(name, parts[3:])) if parts[3:] else getattr(support, parts[2])
+    owner, attribute = _plain(shell, name, parts)
+    return getattr(owner, attribute)
+
+
+def with_value(shell: Shell, name: str, value: Any) -> Shell:
+    """The same shell with one named number replaced; its mesh is kept.
+
+    >>> from casingfem.structure.chart import Plate
+    >>> from casingfem.structure.material import Material
+    >>> plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01,
+    ...               material=Material(E=210e9, nu=0.3, rho=7800.0))
+    >>> with_value(plate, "material.E", 200e9).material.E
+    200000000000.0
+    """
+    get_value(shell, name)  # raises where there is no such number
+    parts = _split(name)
+    if parts[0] in FIELDS and len(parts) == 3:
+        p, part = _harmonic(name, parts[1:])
+        field = getattr(shell, FIELDS[parts[0]]) or FourierField.of({})
+        series = field.with_harmonic(p, **{part: value})
+        return replace(shell, **{FIELDS[parts[0]]: series})  # type: ignore[arg-type]
+    if parts[0] == "support" and len(parts) > 2:
+        edge, support = _edge(shell, name, parts)
+        if parts[3:]:
+            pattern = support.around.with_coefficient(*_harmonic(name, parts[3:]), value)
+            changed = replace(support, around=pattern)
+        else:
+            changed = replace(support, **{parts[2]: value})
+        return replace(shell, supports={**shell.supports, edge: changed})
+    owner, attribute = _plain(shell, name, parts)
+    if owner is shell:
+        return replace(shell, thickness=value)
+    return replace(shell, **{parts[0]: replace(owner, **{attribute: value})})

@@ -1,0 +1,174 @@
+"""What an update found: values with their uncertainties, before and after, and what the data cannot tell."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.experiment.correlation import Pairing
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.modal.modes import Modes
+from casingfem.structure.shell import Shell
+from casingfem.updating.parameters import Parameter
+
+ALIKE = 0.95  # correlations above this: the data cannot tell the two apart
+UNINFORMED = 0.9  # a posterior sigma above this part of the prior's: the data say little
+
+
+def weak_priors(vary: Sequence[Parameter], jacobian: FloatArray) -> tuple[bool, ...]:
+    """Which parameters with a prior the data alone determine worse than the prior does."""
+    information = np.sum(jacobian**2, axis=0)
+    return tuple(
+        p.sigma is not None and info < (1.0 / p.sigma**2) * (1.0 / UNINFORMED**2 - 1.0)
+        for p, info in zip(vary, information, strict=True)
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class UpdateResult:
+    """An updated structure and how sure it is.
+
+    Attributes
+    ----------
+    structure
+        The shell at the solution.
+    start, value
+        Parameter values before and after, in their own units.
+    covariance
+        (J^T J)^-1 in the solver's variables (decades for log parameters), (parameters, parameters).
+    at_bound
+        Parameters that ended on a bound: the model or the bound is wrong.
+    chi2, residuals
+        Sum of squared weighted residuals of the data, and their number.
+    history
+        RMS of the weighted residuals at each evaluation.
+    """
+
+    structure: Shell
+    parameters: tuple[Parameter, ...]
+    start: tuple[float, ...]
+    value: tuple[float, ...]
+    covariance: FloatArray
+    at_bound: tuple[bool, ...]
+    prior_only: tuple[bool, ...]
+    before: Modes
+    after: Modes
+    table: FrequencyTable
+    pairing_before: Pairing
+    pairing: Pairing
+    chi2: float
+    residuals: int
+    history: tuple[float, ...]
+    stopped: str
+
+    @property
+    def sigma(self) -> FloatArray:
+        """Standard deviations, in decades for log parameters, (parameters,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlation matrix of the parameters."""
+        sigma = np.where(self.sigma > 0.0, self.sigma, 1.0)
+        return np.asarray(self.covariance / np.outer(sigma, sigma))
+
+    @property
+    def misfit(self) -> float:
+        """sqrt(chi^2 / degrees of freedom): 1 when model and stated sigma agree; inflate sigma by it above 1."""
+        return float(np.sqrt(self.chi2 / max(self.residuals - len(self.parameters), 1)))
+
+    def rows(self, pairing: Pairing, modes: Modes) -> dict[int, float]:
+        """Table row -> computed frequency [Hz] under a pairing."""
+        return {
+            row: float(modes.freq[mode])
+            for match in pairing.matches
+            for row, mode in zip(match.rows, match.modes, strict=False)
+        }
+
+    def rms(self, pairing: Pairing, modes: Modes) -> float:
+        """RMS relative frequency error over the rows that pair."""
+        computed = self.rows(pairing, modes)
+        errors = [freq / self.table.freq_hz[row] - 1.0 for row, freq in computed.items()]
+        return float(np.sqrt(np.mean(np.square(errors))))
+
+    @property
+    def rms_before(self) -> float:
+        """RMS relative frequency error of the model as it came."""
+        return self.rms(self.pairing_before, self.before)
+
+    @property
+    def rms_after(self) -> float:
+        """RMS relative frequency error of the updated model."""
+        return self.rms(self.pairing, self.after)
+
+    def pairs(self) -> list[dict[str, object]]:
+        """One dictionary a paired row: mode, n, measured_hz, before_hz, after_hz, sigma_hz."""
+        before = self.rows(self.pairing_before, self.before)
+        after = self.rows(self.pairing, self.after)
+        return [
+            {
+                "mode": int(self.table.mode[row]),
+                "n": int(self.table.n[row]) if self.table.n[row] >= 0 else None,
+                "measured_hz": float(self.table.freq_hz[row]),
+                "before_hz": before.get(row),
+                "after_hz": freq,
+                "sigma_hz": float(self.table.sigma_hz[row]),
+            }
+            for row, freq in sorted(after.items())
+        ]
+
+    def indistinct(self) -> list[tuple[str, str, float]]:
+        """Pairs of parameters whose correlation exceeds .95 in magnitude."""
+        names, R = [p.name for p in self.parameters], self.correlation
+        return [
+            (names[i], names[j], float(R[i, j]))
+            for i in range(len(names))
+            for j in range(i)
+            if abs(R[i, j]) > ALIKE
+        ]
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data, as `casingfem update --json` prints it (without the run time)."""
+        return {
+            "parameters": [
+                {"name": p.name, "start": a, "value": b, "sigma": float(s), "log": p.log, "at_bound": bound}
+                for p, a, b, s, bound in zip(
+                    self.parameters, self.start, self.value, self.sigma, self.at_bound, strict=True
+                )
+            ],
+            "pairs": self.pairs(),
+            "rms_before": self.rms_before,
+            "rms_after": self.rms_after,
+            "misfit": self.misfit,
+            "iterations": len(self.history),
+            "correlation": self.correlation.tolist(),
+            "stopped": self.stopped,
+        }
+
+    def __repr__(self) -> str:
+        """Parameters with sigma, the before/after table, and warnings."""
+        lines = [f"{'parameter':<34} {'start':>12} {'value':>12} {'sigma':>10}"]
+        for p, a, b, s, bound in zip(
+            self.parameters, self.start, self.value, self.sigma, self.at_bound, strict=True
+        ):
+            unit = " dec" if p.log else ""
+            lines.append(f"{p.name:<34} {a:>12.6g} {b:>12.6g} {s:>10.2g}{unit}{'  AT BOUND' if bound else ''}")
+        lines.append(f"{'mode':>4} {'n':>3} {'measured':>10} {'before':>10} {'after':>10} {'error [%]':>9}")
+        for row in self.pairs():
+            measured, after = float(str(row["measured_hz"])), float(str(row["after_hz"]))
+            before = "-" if row["before_hz"] is None else f"{row['before_hz']:.3f}"
+            n = "-" if row["n"] is None else row["n"]
+            lines.append(
+                f"{row['mode']:>4} {n:>3} {measured:>10.3f} {before:>10} {after:>10.3f} "
+                f"{100.0 * (after / measured - 1.0):>9.3f}"
+            )
+        lines.append(
+            f"RMS {100.0 * self.rms_before:.3f} % -> {100.0 * self.rms_after:.3f} %, "
+            f"misfit {self.misfit:.2f} sigma, {len(self.history)} evaluations"
+        )
+        lines += [f"the data cannot tell {a} from {b} (correlation {r:+.2f})" for a, b, r in self.indistinct()]
+        lines += [
+            f"{p.name}: known from its prior only" for p, weak in zip(self.parameters, self.prior_only, strict=True) if weak
+        ]
+        return "\n".join(lines)

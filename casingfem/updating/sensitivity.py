@@ -1,0 +1,105 @@
+"""Exact derivatives of the eigenvalue problem restricted to some modes, without assembling a matrix.
+
+For modes Phi the products Phi^T K(p) Phi and Phi^T M(p) Phi are sums over quadrature points of strain and
+kinetic energies. They are analytic in every parameter, so one evaluation at p + i h gives
+
+    Phi^T K_p Phi = Im(Phi^T K(p + i h) Phi)/h
+
+to round-off (complex step: Squire & Trapp, SIAM Review 40, 1998, 110), for moduli, thickness, radius harmonics
+and springs alike. Held directions of a diaphragm edge are taken as they stand.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import Array, FloatArray
+from casingfem.modal.modes import Modes
+from casingfem.structure.assembly import constitutive, edge_springs, nodal_mass
+from casingfem.structure.kinematics import DOFS, STRAINS, strain_slots
+from casingfem.structure.mesh import Grid
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import ElasticEdge
+from casingfem.updating.parameters import Parameter, get_value, with_value
+
+STEP = 1e-30
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ModalProducts:
+    """Phi^T K Phi and Phi^T M Phi of some modes, (modes, modes) each; complex for a complex shell."""
+
+    K: Array
+    M: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointFields:
+    """Modes at the quadrature points and nodes: what all parameters share.
+
+    `jets` holds U, d_1 U, d_2 U: (elements, points, 3 * 5, modes); `strain`, `jacobian` belong to the shell the
+    modes were computed on and serve every parameter that leaves the surface alone.
+    """
+
+    shell: Shell
+    grid: Grid
+    fields: FloatArray
+    jets: FloatArray
+    strain: FloatArray
+    jacobian: FloatArray
+
+
+def point_fields(shell: Shell, grid: Grid, fields: FloatArray) -> PointFields:
+    """Evaluate modes (nodes, 5, modes) and their parameter derivatives at all quadrature points."""
+    local = fields[grid.elements]
+    elements, points = len(grid.elements), grid.table.shape[2]
+    flat = local.reshape(elements, grid.table.shape[1], -1)
+    jets = np.stack([np.matmul(table.T, flat) for table in grid.table], axis=2)
+    jets[:, :, 1:] /= grid.size.T[:, None, :, None]
+    jets = jets.reshape(elements, points, 3 * DOFS, fields.shape[2])
+    strain, jacobian = point_strains(shell, grid, jets)
+    return PointFields(shell=shell, grid=grid, fields=fields, jets=jets, strain=strain, jacobian=jacobian)
+
+
+def point_strains(shell: Shell, grid: Grid, jets: FloatArray) -> tuple[Array, Array]:
+    """Strains (elements, points, 8, modes) and area Jacobian (elements, points) on a shell's surface."""
+    L, basis = strain_slots(shell.geometry(*grid.parameters).surface)
+    coefficients = np.moveaxis(L, (3, 4), (0, 1)).transpose(0, 1, 3, 2, 4)
+    coefficients = coefficients.reshape(*jets.shape[:2], STRAINS, 3 * DOFS)
+    return np.matmul(coefficients, jets), basis.jacobian
+
+
+def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
+    """Phi^T K Phi and Phi^T M Phi of a shell whose parameters may be complex, for given modes."""
+    same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
+    strain, jacobian = (at.strain, at.jacobian) if same else point_strains(shell, at.grid, at.jets)
+    thickness = shell.geometry(*at.grid.parameters).thickness
+    D = constitutive(shell.material, thickness) * (jacobian * at.grid.measure)
+    stress = np.matmul(np.moveaxis(D, (0, 1), (2, 3)), strain)
+    modes = at.fields.shape[2]
+    K = strain.reshape(-1, modes).T @ stress.reshape(-1, modes)
+    for name, support in shell.supports.items():
+        if isinstance(support, ElasticEdge):
+            blocks, rotation = edge_springs(shell, at.grid, name, support)
+            moved = at.fields[at.grid.edges[name].nodes]
+            u, w = moved[:, :3], moved[:, 3:]
+            K = K + np.einsum("nim,nij,njk->mk", u, blocks, u, optimize=True)
+            K = K + np.einsum("nim,n,nik->mk", w, rotation, w, optimize=True)
+    inertia = np.repeat(nodal_mass(shell, at.grid), (3, 2), axis=1).ravel()
+    flat = at.fields.reshape(-1, modes)
+    return ModalProducts(K=K, M=flat.T @ (inertia[:, None] * flat))
+
+
+def eigen_derivatives(modes: Modes, vary: list[Parameter]) -> FloatArray:
+    """G[p, i, j] = phi_i^T (K_p - omega_i^2 M_p) phi_j, (parameters, modes, modes) [rad^2/s^2 per unit].
+
+    The diagonal is d(omega_i^2)/dp; G[p, i, j]/(omega_i^2 - omega_j^2) is mode j's share in the change of mode i.
+    Units are those of the solver: per decade for a log parameter.
+    """
+    at = point_fields(modes.shell, modes.grid, modes.fields)
+    derivatives = np.empty((len(vary), len(modes), len(modes)))
+    for k, parameter in enumerate(vary):
+        x = parameter.to_internal(get_value(modes.shell, parameter.name)) + 1j * STEP
+        products = modal_products(with_value(modes.shell, parameter.name, parameter.from_internal(x)), at)
+        derivatives[k] = (products.K.imag - modes.omega[:, None] ** 2 * products.M.imag) / STEP
+    return derivatives
