@@ -172,7 +172,9 @@ def test_nonsense_is_refused_by_name(arguments, message):
 def test_thirty_harmonics_on_a_mesh_take_milliseconds():
     field = random_field(1, harmonics=29, degrees=1)
     z, theta = np.random.default_rng(9).uniform(size=(2, 21, 100))
-    field.derivatives(z, theta)
-    start = time.perf_counter()
-    field.derivatives(z, theta)
-    assert time.perf_counter() - start < 0.1
+    seconds = []
+    for _ in range(5):
+        start = time.perf_counter()
+        field.derivatives(z, theta)
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 0.05
