@@ -1,15 +1,15 @@
 """contact: dynamic unilateral contact on rods, modal bodies and rotating rims.
 
-Bodies (Rod, PointMass, Wall, ModalBody), gaps (PointGap, RotatingRim), laws (Unilateral, Penalty, Coulomb) and
-schemes (CentralDifference, PenaltyDifference, ExactModal) are frozen values; `run` brings them together and
-returns a Result. Scene files: `load_scene`.
+Bodies (Rod, PointMass, Wall, ModalBody), gaps (PointGap, RotatingRim), laws (Unilateral, Penalty, Coulomb)
+and schemes (CentralDifference, PenaltyDifference, ExactModal) are frozen values; `run` brings them together
+and returns a Result. Scene files: `load_scene`.
 
 >>> import contact as ct
 >>> left = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=20, x=-1.1, velocity=1.0)
 >>> right = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=20)
 >>> result = ct.run([left, right], law=ct.Unilateral(), scheme=ct.CentralDifference(), t_end=4.0, courant=0.9)
 >>> round(float(result.impulse[0]), 2)
-1.0
+0.98
 """
 
 from contact.energy import EnergyBudget
@@ -21,7 +21,8 @@ from contact.model.modal_body import ModalBody
 from contact.model.rod_modes import rod_modes
 from contact.record import Record
 from contact.result import Result
-from contact.run import run
+from contact.run import Scene, run
+from contact.scene import SceneError, load_scene, scene_schema
 from contact.scheme.central_difference import CentralDifference
 from contact.scheme.exact_modal import ExactModal
 from contact.scheme.penalty import PenaltyDifference
@@ -29,5 +30,6 @@ from contact.scheme.penalty import PenaltyDifference
 __all__ = [
     "CentralDifference", "Coulomb", "EnergyBudget", "ExactModal", "InputError", "LimitError", "ModalBody",
     "NumericsError", "Penalty", "PenaltyDifference", "PointGap", "PointMass", "Record", "Result", "Rod",
-    "RotatingRim", "Side", "Unilateral", "Wall", "rod_modes", "run",
+    "RotatingRim", "Scene", "SceneError", "Side", "Unilateral", "Wall", "load_scene", "rod_modes", "run",
+    "scene_schema",
 ]  # fmt: skip

@@ -9,8 +9,9 @@ from dataclasses import asdict, dataclass
 class Stored:
     """Energy at one instant [J]. `residual` = lam S lam/2 sits in the compliance of modes left out.
 
-    `discrete` is the same kinetic + strain + potential energy in the scheme's own quadratic form, the one whose
-    balance is an identity: D^T M D/(2 h^2) + u_{n-1}^T K u_n/2 - f^T (u_n + u_{n-1})/2, D = u_n - u_{n-1}.
+    `discrete` is the same kinetic + strain + potential energy in the scheme's own quadratic form, the one
+    whose balance is an identity: D^T M D/(2 h^2) + u_{n-1}^T K u_n/2 - f^T (u_n + u_{n-1})/2, D = u_n -
+    u_{n-1}.
     """
 
     kinetic: float

@@ -63,17 +63,22 @@ class Tally(NamedTuple):
     closed: Indices
     contact_steps: Indices
     reversals: Indices
-    count: Indices  # (3,): samples, states and events in the present chunk
+    filled: Indices  # (3,): samples, states and events in the present chunk
 
 
 def tally(contacts: int) -> Tally:
     """Empty sums for this many contacts."""
-    real = [np.zeros(contacts) for _ in range(7)]
-    whole = [np.zeros(contacts, dtype=np.int64) for _ in range(3)]
-    impulse, work, rotation, friction, peak, penetration, residual = real
+
+    def real() -> Array:
+        return np.zeros(contacts)
+
+    def whole() -> Indices:
+        return np.zeros(contacts, dtype=np.int64)
+
     return Tally(
-        impulse, work, rotation, friction, np.zeros(1), peak, penetration, residual, *whole,
-        np.zeros(3, dtype=np.int64),
+        impulse=real(), work=real(), rotation=real(), friction=real(), damping=np.zeros(1), peak=real(),
+        penetration=real(), residual=real(), closed=whole(), contact_steps=whole(), reversals=whole(),
+        filled=np.zeros(3, dtype=np.int64),
     )  # fmt: skip
 
 

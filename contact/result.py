@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,10 +31,11 @@ Intervals = tuple[tuple[float, float], ...]
 class Result:
     """One run: n samples, K contacts. Forces are compressive >= 0 [N]; `lam` = -force is the public sign.
 
-    `time` (n,) [s]; `force`, `gap` (n, K); `impulse_history` (n, K): impulse up to time + dt/2 [N s]; `intervals`
-    of contact per contact [s]; `impulse`, `peak_force`, `max_penetration` [m], `residual` =
-    max|min(-lam W_ii, g)| [m], `contact_steps` and `reversals` (steps in which the slip changed sign) (K,), all
-    over every step whatever was stored. `state` (ns, N) displacements or modal coordinates at `state_time`.
+    `time` (n,) [s]; `force`, `gap` (n, K); `impulse_history` (n, K): impulse up to time + dt/2 [N s];
+    `intervals` of contact per contact [s]; `impulse`, `peak_force`, `max_penetration` [m], `residual` =
+    max|min(-lam W_ii, g)| [m], `contact_steps` and `reversals` (steps in which the slip changed sign) (K,),
+    all over every step whatever was stored. `state` (ns, N) displacements or modal coordinates at
+    `state_time`.
 
     The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
     """
@@ -66,10 +68,14 @@ class Result:
         return pressure(self.force)
 
     def windowed_force(self, window: float | None = None) -> Array:
-        """Force averaged over `window` [s] centred on each sample, (n, K); by default 1/f_max of the model."""
+        """Force averaged over `window` [s] centred on each sample, (n, K); default 1/f_max of the model."""
         width = max(self.window if window is None else window, self.dt)
         ends = self.time + 0.5 * self.dt
-        grid, early, late = np.concatenate(([-0.5 * self.dt], ends)), self.time - 0.5 * width, self.time + 0.5 * width
+        grid, early, late = (
+            np.concatenate(([-0.5 * self.dt], ends)),
+            self.time - 0.5 * width,
+            self.time + 0.5 * width,
+        )
         columns = []
         for k in range(self.force.shape[1]):
             history = np.concatenate(([0.0], self.impulse_history[:, k]))
@@ -95,7 +101,8 @@ class Result:
         span = self.steps * self.dt
         lines = [
             f"{self.steps} steps of {self.dt:.4g} s to {span:.6g} s in {self.seconds:.3g} s: {self.scheme}",
-            "contact  closings  time closed [s]  impulse [N s]  peak [N]  windowed [N]  penetration [m]  residual [m]",
+            "contact  closings  time closed [s]  impulse [N s]  peak [N]  windowed [N]  "
+            "penetration [m]  residual [m]",
         ]
         windowed = self.windowed_force().max(axis=0, initial=0.0)
         for k in range(self.impulse.size):
@@ -106,9 +113,9 @@ class Result:
             )
         lines.append(
             f"energy [J]: start {energy.start.total:.6g}, end {energy.end.total:.6g}, lost in contact "
-            f"{energy.lost_in_contact:.4g}, rotation {energy.rotation:.4g}, friction {energy.friction:.4g}, damping "
-            f"{energy.damping:.4g}, numerical {energy.numerical:.3g}, unaccounted {energy.unaccounted / scale:.1e} "
-            "of the largest"
+            f"{energy.lost_in_contact:.4g}, rotation {energy.rotation:.4g}, friction {energy.friction:.4g}, "
+            f"damping {energy.damping:.4g}, numerical {energy.numerical:.3g}, "
+            f"unaccounted {energy.unaccounted / scale:.1e} of the largest"
         )
         if self.reversals.any():
             lines.append(f"slip changed sign in {int(self.reversals.sum())} steps: sticking is not modelled there")
@@ -120,8 +127,10 @@ class Result:
         windowed = self.windowed_force()
         for k in range(self.impulse.size):
             contacts.append({
-                "time": self.time.tolist(), "force": self.force[:, k].tolist(), "gap": self.gap[:, k].tolist(),
-                "windowed_force": windowed[:, k].tolist(), "intervals": [list(pair) for pair in self.intervals[k]],
+                "time": self.time.tolist(), "force": self.force[:, k].tolist(),
+                "gap": self.gap[:, k].tolist(),
+                "windowed_force": windowed[:, k].tolist(),
+                "intervals": [list(pair) for pair in self.intervals[k]],
                 "impulse": float(self.impulse[k]), "max_penetration": float(self.max_penetration[k]),
                 "residual": float(self.residual[k]), "peak_force": float(self.peak_force[k]),
             })  # fmt: skip
@@ -134,7 +143,8 @@ class Result:
     def save(self, path: str | Path) -> None:
         """Write npz without pickle, complete or not at all."""
         rest = {
-            "intervals": self.intervals, "energy": asdict(self.energy), "motions": [asdict(m) for m in self.motions],
+            "intervals": self.intervals, "energy": asdict(self.energy),
+            "motions": [asdict(m) for m in self.motions],
             "steps": self.steps, "dt": self.dt, "window": self.window, "seconds": self.seconds,
             "scheme": self.scheme, "source": self.source,
         }  # fmt: skip
@@ -145,13 +155,13 @@ class Result:
     def load(path: str | Path) -> Result:
         """Read a saved result; raises InputError naming file and key."""
         data = read_npz(Path(path), FORMAT, ("document", *ARRAYS))
-        rest = json.loads(str(data["document"]))
-        energy = rest.pop("energy")
-        stored = {name: Stored(**energy.pop(name)) for name in ("start", "end")}
+        rest: dict[str, Any] = json.loads(str(data["document"]))
+        energy: dict[str, Any] = rest.pop("energy")
+        energy |= {name: Stored(**energy[name]) for name in ("start", "end")}
         rest["intervals"] = tuple(tuple((a, b) for a, b in pairs) for pairs in rest["intervals"])
         rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
-        arrays = {name: readonly(data[name]) for name in ARRAYS}
-        return Result(**arrays, **rest, energy=EnergyBudget(**stored, **energy))
+        rest |= {name: readonly(data[name]) for name in ARRAYS}
+        return Result(**rest, energy=EnergyBudget(**energy))
 
 
 def collect(
@@ -164,9 +174,9 @@ def collect(
     def joined(name: str) -> Array:
         return readonly(np.concatenate([getattr(part, name) for part in parts]))
 
-    events = [np.concatenate([getattr(p, f"event_{name}") for p in parts]) for name in ("contact", "kind", "time")]
+    contact, kind, when = joined("event_contact"), joined("event_kind"), joined("event_time")
     end = steps * stepper.dt
-    intervals = tuple(_intervals(*(column[events[0] == k] for column in events[1:]), end) for k in range(sums.closed.size))
+    intervals = tuple(_intervals(kind[contact == k], when[contact == k], end) for k in range(sums.closed.size))
     return Result(
         time=joined("time"), force=joined("force"), gap=joined("gap"), impulse_history=joined("impulse"),
         intervals=intervals, impulse=readonly(sums.impulse), peak_force=readonly(sums.peak),

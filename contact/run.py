@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -24,13 +23,25 @@ from contact.scheme.exact_modal import ExactModal
 from contact.scheme.penalty import PenaltyDifference
 from contact.scheme.protocol import Problem, Scheme, Stepper
 
-if TYPE_CHECKING:
-    from contact.scene import Scene
-
 CHUNK = 20_000  # steps per compiled call
 
 What = Sequence[Body] | PointGap | RotatingRim
 Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Scene:
+    """What to run and how, as a scene file says it; every setting may be left out or overridden in `run`."""
+
+    what: What
+    law: Law | None = None
+    scheme: Scheme | None = None
+    t_end: float | None = None
+    dt: float | None = None
+    courant: float | None = None
+    gravity: float = 0.0
+    record: Record | None = None
+    source: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -49,9 +60,9 @@ def steps(stepper: Stepper, count: int, *, record: Record) -> Iterator[Chunk]:
     while first < count:
         size = min(CHUNK, count - first)
         out = samples(record, size, stepper.sums.closed.size, stepper.size)
-        stepper.sums.count[:] = 0
+        stepper.sums.filled[:] = 0
         failed = stepper.advance(out, first, size)
-        n, states, events = (int(value) for value in stepper.sums.count)
+        n, states, events = (int(value) for value in stepper.sums.filled)
         filled = out._replace(
             time=out.time[:n], force=out.force[:n], gap=out.gap[:n], impulse=out.impulse[:n],
             state_time=out.state_time[:states], state=out.state[:states], event_time=out.event_time[:events],
@@ -89,9 +100,10 @@ def run(
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
     >>> result = run([rod, Wall(x=0.0)], t_end=2.0, courant=0.9)
     >>> result.steps, round(float(result.impulse[0]))
-    (134, 199)
+    (134, 197)
     """
-    problem, settings = _problem(what, gravity)
+    settings = what if isinstance(what, Scene) else Scene(what=what)
+    problem = _problem(settings.what, settings.gravity if gravity is None else gravity)
     law = law or settings.law or Unilateral()
     scheme = scheme or settings.scheme or _default_scheme(problem, law)
     end = settings.t_end if t_end is None else t_end
@@ -117,7 +129,8 @@ def _collect(
     seconds = time.perf_counter() - began
     sums = stepper.sums
     energy = EnergyBudget(
-        start=start, end=stepper.stored(), contact=float(np.sum(sums.work)), rotation=float(np.sum(sums.rotation)),
+        start=start, end=stepper.stored(), contact=float(np.sum(sums.work)),
+        rotation=float(np.sum(sums.rotation)),
         friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]),
     )  # fmt: skip
     taken = sum(chunk.steps for chunk in chunks)
@@ -130,33 +143,16 @@ def _collect(
     return result
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Settings:
-    law: Law | None = None
-    scheme: Scheme | None = None
-    t_end: float | None = None
-    dt: float | None = None
-    courant: float | None = None
-    record: Record | None = None
-    source: dict[str, str]
-
-
-def _problem(what: What | Scene, gravity: float | None) -> tuple[Problem, _Settings]:
-    """Bring what was given to a problem and the settings that came with it."""
+def _problem(what: What, gravity: float) -> Problem:
+    """Bring what was given to the form schemes take."""
     if isinstance(what, PointGap | RotatingRim):
         if gravity:
             raise InputError("gravity: found with modal bodies, expected it as the load of a Side")
-        return what, _Settings(source={})
-    if isinstance(what, Sequence):
-        for body in what:
-            if not isinstance(body, Rod | PointMass | Wall):
-                raise InputError(f"bodies: found {type(body).__name__}, expected Rod, PointMass or Wall")
-        return assemble(what, gravity=gravity or 0.0), _Settings(source={})
-    settings = _Settings(
-        law=what.law, scheme=what.scheme, t_end=what.t_end, dt=what.dt, courant=what.courant, source=what.source
-    )
-    inner, _ = _problem(what.what, what.gravity if gravity is None else gravity)
-    return inner, settings
+        return what
+    for body in what:
+        if not isinstance(body, Rod | PointMass | Wall):
+            raise InputError(f"bodies: found {type(body).__name__}, expected Rod, PointMass or Wall")
+    return assemble(what, gravity=gravity)
 
 
 def _default_scheme(problem: Problem, law: Law) -> Scheme:

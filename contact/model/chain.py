@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact.errors import InputError
 from contact.model.arrays import Array, Indices, readonly, require_finite
@@ -17,9 +18,9 @@ from contact.model.body import Body, PointMass, Rod, Wall
 class Chain:
     """Nodes from left to right; body b owns nodes first[b] .. first[b+1]-1.
 
-    m_i u_i'' = k_i (u_{i+1} - u_i) - k_{i-1} (u_i - u_{i-1}) + f_i;  contact j lies between node left[j] and the
-    next one: g_j = x_{l+1} + u_{l+1} - x_l - u_l. Shapes: N nodes, N - 1 springs (zero between bodies).
-    Walls and fixed ends have `inverse_mass` zero.
+    m_i u_i'' = k_i (u_{i+1} - u_i) - k_{i-1} (u_i - u_{i-1}) + f_i;  contact j lies between node left[j]
+    and the next one: g_j = x_{l+1} + u_{l+1} - x_l - u_l. Shapes: N nodes, N - 1 springs (zero between
+    bodies). Walls and fixed ends have `inverse_mass` zero.
     """
 
     bodies: tuple[Body, ...]
@@ -114,11 +115,11 @@ def _require_contacts(ordered: Sequence[Body], numbers: Sequence[int], left: Ind
             )
 
 
-def _nodes(body: Body, *, has_left: bool, has_right: bool) -> tuple[Array, Array, Array, Array]:
+def _nodes(body: Body, *, has_left: bool, has_right: bool) -> tuple[Array, Array, NDArray[np.bool_], Array]:
     """Positions, masses, held flags and springs to the next node of one body."""
     if not isinstance(body, Rod):
-        mass = body.mass if isinstance(body, PointMass) else 0.0
-        return np.array([body.x]), np.array([mass]), np.array([mass == 0.0]), np.zeros(1)
+        point = body.mass if isinstance(body, PointMass) else 0.0
+        return np.array([body.x]), np.array([point]), np.array([point == 0.0]), np.zeros(1)
     n = body.elements
     mass = np.full(n + 1, body.mass / n)
     mass[[0, n]] *= 0.5
@@ -137,7 +138,5 @@ def contact_end(rod: Rod, *, has_left: bool, has_right: bool) -> str:
     if rod.fixed != "none":
         return "right" if rod.fixed == "left" else "left"
     if has_left and has_right:
-        raise InputError(
-            "end_mass: found on a free rod between two bodies, expected a rod with one contact end"
-        )
+        raise InputError("end_mass: found on a free rod between two bodies, expected a rod with one contact end")
     return "left" if has_left else "right"

@@ -7,7 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 
 from contact.errors import InputError
-from contact.model.arrays import Array, readonly, require_finite, require_not_negative, require_positive, require_shape
+from contact.model.arrays import (
+    Array,
+    readonly,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_shape,
+)
 from contact.model.modal_body import ModalBody
 
 
@@ -16,7 +23,8 @@ class Side:
     """One modal body at a contact: its gap share is sign * (rows[channel] q + S[channel, channel] lam).
 
     `sign` +1 when a positive displacement opens the gap, -1 when it closes it. `velocity` (m,) initial modal
-    velocities, `load` (m,) constant modal forces; zero when left out.
+    velocities, `load` (m,) constant modal forces; zero when left out. `mass` [kg] (for its
+    mean velocity) and `potential` [J] of the load at t = 0 are only reported.
 
     >>> rod = ModalBody(omega=[0.0], zeta=[0.0], channels=("left",), rows=[[1.0]], S=[[0.0]])
     >>> Side(body=rod, channel="left", sign=1, velocity=[-2.0]).velocity.tolist()
@@ -30,6 +38,7 @@ class Side:
     load: Array | None = None
     name: str = "body"
     mass: float = math.nan
+    potential: float = 0.0
 
     def __post_init__(self) -> None:
         self.body.channel(self.channel)
@@ -61,11 +70,12 @@ class PointGap:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class RotatingRim:
-    """Casing rim turning at `speed_hz` in front of one fixed blade; the contact point is phi = phi_0 - Omega t.
+    """Casing rim turning at `speed_hz` in front of one fixed blade; contact at phi = phi_0 - Omega t.
 
-    g = clearance + d(phi) + u_r(phi) - (cos a u_span + sin a u_flap), a the lean; d the out-of-roundness in the
-    casing frame, terms {p, cos, sin} in metres, positive where the radius is larger. The tangent of the blade
-    is cos a flap - sin a span, along +theta. `clearance` [m], `angle_deg` = phi_0.
+    g = clearance + d(phi) + u_r(phi) - (cos a u_span + sin a u_flap), a the lean; d the out-of-roundness
+    in the casing frame, terms {p, cos, sin} in metres, positive where the radius is larger. The tangent of
+    the blade is cos a flap - sin a span, along +theta. `clearance` [m], `angle_deg` = phi_0; modal
+    velocities at t = 0 are zero when left out.
 
     Raises InputError when a basis is of the wrong kind or lacks a channel.
     """
@@ -78,6 +88,8 @@ class RotatingRim:
     lean_deg: float = 0.0
     out_of_roundness: Sequence[Mapping[str, float]] = ()
     angle_deg: float = 0.0
+    casing_velocity: Array | None = None
+    blade_velocity: Array | None = None
 
     def __post_init__(self) -> None:
         if self.casing.kind != "rim":
@@ -90,6 +102,10 @@ class RotatingRim:
         require_finite(clearance=self.clearance, speed_hz=self.speed_hz, angle_deg=self.angle_deg)
         if not -90.0 < self.lean_deg < 90.0:
             raise InputError(f"lean_deg: found {self.lean_deg!r}, expected an angle between -90 and 90")
+        for name, body in (("casing_velocity", self.casing), ("blade_velocity", self.blade)):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, readonly(getattr(self, name)))
+                require_shape(name, getattr(self, name), (body.omega.size,))
         terms = tuple(dict(term) for term in self.out_of_roundness)
         for term in terms:
             _require_term(term)

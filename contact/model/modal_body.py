@@ -25,10 +25,10 @@ class ModalBody:
 
     q'' + 2 zeta omega q' + omega^2 q = rows^T lam,  u = rows q + S lam  (lam: forces on the channels).
 
-    `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance of
-    everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN, then
-    tangential.cos0 .. tangential.sinN, with `n_max` = N and `radius` [m]. `recovery` (R, m), `recovery_S`
-    (R, K) and `recovery_points` (R, 3) give displacements elsewhere.
+    `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance
+    of everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN,
+    then tangential.cos0 .. tangential.sinN, with `n_max` = N and `radius` [m]. `recovery` (R, m),
+    `recovery_S` (R, K) and `recovery_points` (R, 3) give displacements elsewhere.
 
     Raises InputError for shapes that do not fit, NaN, negative frequencies or an asymmetric S.
 
@@ -75,8 +75,8 @@ class ModalBody:
         if self.channels != expected:
             found = ", ".join(self.channels[:3])
             raise InputError(
-                f"channels: found {len(self.channels)} ({found}, ...), expected the {len(expected)} channels of "
-                f"a rim with n_max = {self.n_max}: radial.cos0, radial.cos1, ..., tangential.sin{self.n_max}"
+                f"channels: found {len(self.channels)} ({found}, ...), expected the {len(expected)} channels "
+                f"of a rim with n_max = {self.n_max}: radial.cos0, ..., tangential.sin{self.n_max}"
             )
 
     def __repr__(self) -> str:
@@ -161,7 +161,7 @@ def write_npz(path: Path, data: dict[str, Any]) -> None:
 def read_npz(path: Path, wanted: str, required: tuple[str, ...]) -> dict[str, Any]:
     """Read every array of an npz file of this format; raises InputError naming file and key."""
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as handle, np.load(handle, allow_pickle=False) as file:
             data = {name: file[name] for name in file.files}
     except FileNotFoundError as error:
         raise InputError(f"{path}: found no such file, expected an npz file") from error

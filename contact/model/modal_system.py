@@ -41,8 +41,8 @@ class RowTable:
 class ModalSystem:
     """q'' + 2 zeta omega q' + omega^2 q = load + W^T lam, one contact.
 
-    Fixed point: g = clearance + Q q + S lam. Rim (`table` is given): Q, T, S = S_nn - mu s S_nt and the clearance
-    depend on phi. `first` are the bodies' offsets into q.
+    Fixed point: g = clearance + Q q + S lam. Rim (`table` is given): Q, T, S = S_nn - mu s S_nt and the
+    clearance depend on phi. `first` are the bodies' offsets into q.
     """
 
     omega: Array
@@ -56,6 +56,7 @@ class ModalSystem:
     clearance: Trig
     S_nn: Trig
     S_nt: Trig
+    potential: float = 0.0  # at t = 0
     table: RowTable | None = None
     speed: float = 0.0
     angle: float = 0.0
@@ -76,6 +77,7 @@ def point_system(gap: PointGap) -> ModalSystem:
         first=np.concatenate(([0], np.cumsum(sizes))).astype(np.int64),
         names=tuple(s.name for s in sides), masses=tuple(s.mass for s in sides), Q=readonly(Q),
         clearance=fourier([(0, gap.clearance, 0.0)]), S_nn=fourier([(0, S, 0.0)]), S_nt=fourier([]),
+        potential=sum(s.potential for s in sides),
     )  # fmt: skip
 
 
@@ -95,7 +97,9 @@ def rim_system(rim: RotatingRim) -> ModalSystem:
         omega=readonly(np.concatenate([casing.omega, blade.omega])),
         zeta=readonly(np.concatenate([casing.zeta, blade.zeta])),
         load=readonly(np.zeros(casing.omega.size + blade.omega.size)),
-        velocity=readonly(np.zeros(casing.omega.size + blade.omega.size)),
+        velocity=readonly(np.concatenate([
+            _given(rim.casing_velocity, casing.omega.size), _given(rim.blade_velocity, blade.omega.size),
+        ])),
         first=np.array([0, casing.omega.size, casing.omega.size + blade.omega.size]),
         names=("casing", "blade"), masses=(math.nan, math.nan),
         Q=readonly(table.rows(math.radians(rim.angle_deg))[0]),

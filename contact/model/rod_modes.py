@@ -99,19 +99,26 @@ def side(body: Body, face: str, sign: int, *, modes: int, gravity: float) -> Sid
     if isinstance(body, PointMass):
         root = math.sqrt(body.mass)
         point = ModalBody(
-            omega=np.zeros(1), zeta=np.zeros(1), channels=(face,), rows=np.array([[1.0 / root]]), S=np.zeros((1, 1))
+            omega=np.zeros(1),
+            zeta=np.zeros(1),
+            channels=(face,),
+            rows=np.array([[1.0 / root]]),
+            S=np.zeros((1, 1)),
         )
         return Side(
             body=point, channel=face, sign=sign, velocity=np.array([root * body.velocity]),
             load=np.array([-root * gravity]), name="mass", mass=body.mass,
+            potential=body.mass * gravity * body.x,
         )  # fmt: skip
     if body.fixed == face:
         raise InputError(f"fixed: found {face!r} on the rod's contact end, expected the other end or 'none'")
     basis = rod_modes(body, modes=modes, end=face)
     momentum = _momentum(body, basis)
+    tip = body.x if face == "left" else body.x + body.length
     return Side(
         body=basis, channel=face, sign=sign, velocity=body.velocity * momentum, load=-gravity * momentum,
         name="rod", mass=body.mass + body.end_mass,
+        potential=gravity * (body.mass * (body.x + 0.5 * body.length) + body.end_mass * tip),
     )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ class Trig:
     sin: Array
 
     def __call__(self, phi: float) -> float:
+        """Value at one angle [rad]."""
         return float(self.cos @ np.cos(self.harmonic * phi) + self.sin @ np.sin(self.harmonic * phi))
 
     @property

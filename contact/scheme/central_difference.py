@@ -2,9 +2,9 @@
 
 M (u_{n+1} - 2 u_n + u_{n-1})/h^2 + K u_n = f + Q^T force_n,  g(u_{n+1}) >= 0, force_n >= 0, complementary
 (Carpenter, Taylor, Katona, Int. J. Numer. Meth. Eng. 32, 1991, 103). One scalar per contact:
-force = -g*/(h^2/m_l + h^2/m_r), g* the gap of the free step. Explicit, h omega_max <= 2, second order in smooth
-motion; no penetration; the nodes that meet lose the energy of their own mass at each impact, and the first
-force is a spike that grows as 1/h.
+force = -g*/(h^2/m_l + h^2/m_r), g* the gap of the free step. Explicit, h omega_max <= 2, second order in
+smooth motion; no penetration; the nodes that meet lose the energy of their own mass at each impact, and the
+first force is a spike that grows as 1/h.
 """
 
 from __future__ import annotations

@@ -66,11 +66,10 @@ class ChainStepper:
                 nodes = slice(int(self.chain.first[b]), int(self.chain.first[b + 1]))
                 mass = self.chain.mass[nodes]
                 momentum = float(mass @ self.state.d[nodes]) / self.dt
+                kind = "rod" if isinstance(body, Rod) else "mass"
+                speed = momentum / float(mass.sum())
                 found.append(
-                    Motion(
-                        kind="rod" if isinstance(body, Rod) else "mass", number=self.chain.numbers[b],
-                        mean_velocity=momentum / float(mass.sum()), momentum=momentum,
-                    )  # fmt: skip
+                    Motion(kind=kind, number=self.chain.numbers[b], mean_velocity=speed, momentum=momentum)
                 )
         return tuple(found)
 
@@ -108,8 +107,8 @@ def chain_step(chain: Chain, dt: float | None, courant: float | None, *, contact
     product = h * chain.omega_max(contact_stiffness)
     if product > 2.0 * (1.0 + 1e-9):
         raise LimitError(
-            f"dt: found {h:.6g} s, dt * omega_max = {product:.4g}, expected <= 2 (stability of central differences): "
-            f"take dt <= {2.0 * h / product:.6g} s"
+            f"dt: found {h:.6g} s, dt * omega_max = {product:.4g}, expected <= 2 (stability of central "
+            f"differences): take dt <= {2.0 * h / product:.6g} s"
         )
     return h
 

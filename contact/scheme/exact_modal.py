@@ -2,7 +2,8 @@
 
 D* = al D - be q + c f;  g* = g_0(t+h) + Q(t+h)(q + D*);  H_d = Q(t+h) diag(c) W(t), W = Q - mu sgn(v_t) T;
  forward:  (H_d + S) force = -g*                                 (Carpenter's law with S; safe down to S = 0)
- averaged: (H_d/4 + S) force = -(g*/4 + g_n/2 + g_{n-1}/4)       (second order, keeps the energy; rho = H_d/S <= 1)
+ averaged: (H_d/4 + S) force = -(g*/4 + g_n/2 + g_{n-1}/4)       (second order, keeps the energy; rho =
+ H_d/S <= 1)
 then D = D* + c W force, q += D. g_n is the gap of q alone, without S force. Limits, checked here:
 omega_max h <= 2.5 (a step resonance sits at pi; put higher modes into S), rho <= 1 for the averaged law,
 n_max Omega h <= .3.
@@ -32,7 +33,7 @@ ANGLES = 180  # where rho is sampled around a rim
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExactModal:
-    """Exact-modal propagator with a unilateral law; for modal bodies, or two rods by their first `modes` modes.
+    """Exact-modal propagator; for modal bodies, or two rods by their first `modes` modes.
 
     `law` "forward", "averaged" (refused when rho = H_d/S > 1) or "auto": averaged where it is allowed, else
     forward; the result says which. `omega_h_limit` is the largest omega_max h accepted, below pi.
@@ -70,20 +71,22 @@ class ExactModal:
         averaged = self.law == "averaged" or (self.law == "auto" and rho <= 1.0)
         if averaged and rho > 1.0:
             raise LimitError(
-                f"law: found rho = H_d/S = {rho:.4g} (H_d = {H:.4g}, S = {S:.4g} m/N), expected <= 1 for the averaged "
-                f"law: reduce dt (H_d falls as dt^2), keep fewer modes, or take law = 'forward'"
+                f"law: found rho = H_d/S = {rho:.4g} (H_d = {H:.4g}, S = {S:.4g} m/N), expected <= 1 for the "
+                f"averaged law: reduce dt (H_d falls as dt^2), keep fewer modes, or take law = 'forward'"
             )
         top = float(system.omega.max(initial=0.0))
         chosen = "averaged" if averaged else "forward"
-        label = f"exact modal, {chosen} law, dt omega_max = {h * top:.3g} (limit {self.omega_h_limit:g}), rho = {rho:.3g}"
+        reached = f"dt omega_max = {h * top:.3g} (limit {self.omega_h_limit:g}), rho = {rho:.3g}"
+        label = f"exact modal, {chosen} law, {reached}"
         return modal_stepper(system, parts, averaged=averaged, mu=mu, label=label)
 
     def _require_resolved(self, system: ModalSystem, h: float) -> None:
         top = float(system.omega.max(initial=0.0))
         if h * top > self.omega_h_limit * (1.0 + 1e-12):
             raise LimitError(
-                f"dt: found omega_max dt = {h * top:.4g}, expected <= {self.omega_h_limit:g} (step resonance at pi): "
-                f"take dt <= {self.omega_h_limit / top:.4g} s, or ModalBody.truncated({self.omega_h_limit / h:.5g})"
+                f"dt: found omega_max dt = {h * top:.4g}, expected <= {self.omega_h_limit:g} (step "
+                f"resonance at pi): take dt <= {self.omega_h_limit / top:.4g} s, or keep modes up to "
+                f"{self.omega_h_limit / h:.5g} rad/s (ModalBody.truncated)"
             )
         if system.table is not None:
             n_max = int(max(system.table.harmonic.max(initial=0), system.clearance.degree))
@@ -110,8 +113,8 @@ def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, 
         S = system.S_nn(phi) - sign * system.S_nt(phi)
         if H + S <= 0.0:
             raise LimitError(
-                f"law: found H_d + S = {H + S:.4g} m/N at {math.degrees(phi):.0f} deg with mu = {mu:g}, expected > 0: the "
-                "blade jams (friction exceeds the lean); reduce mu or the lean, or trail the blade"
+                f"law: found H_d + S = {H + S:.4g} m/N at {math.degrees(phi):.0f} deg, mu = {mu:g}, expected "
+                "> 0: the blade jams (friction exceeds the lean); reduce mu or the lean, or trail the blade"
             )
         rho = abs(H) / S if S > 0.0 else math.inf
         if rho > worst[2]:

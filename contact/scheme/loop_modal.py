@@ -12,7 +12,7 @@ from contact.solver.scalar import scalar_force
 
 
 class ModalState(NamedTuple):
-    """q_n, D = q_n - q_{n-1} (m,), coefficients of the step, and `memory` = (g_n, g_{n-1} of q alone, force, friction)."""
+    """q_n, D = q_n - q_{n-1} (m,), coefficients, `memory` = (g_n, g_{n-1} of q, force, friction, S)."""
 
     q: Array
     d: Array

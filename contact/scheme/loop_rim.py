@@ -97,6 +97,7 @@ def advance_rim(
     if rubs:
         fill(rows, rows.t_cos, rows.t_sin, T)
     S_nn, S_nt = polynomial(rows, rows.S_nn), polynomial(rows, rows.S_nt)
+    S_last = s.memory[4]
     for step in range(first, first + steps):
         store_state(sums, out, step, step * h, s.q)
         old, new = new, old
@@ -132,6 +133,8 @@ def advance_rim(
             for i in range(m):
                 normal += Q[i] * (old[i] + new[i])
             work = 0.5 * force * (free + H * force - last)
+            if rows.S_turns:  # what S(phi) stores changes because the point moves, not because force does
+                work += 0.5 * force * force * (S_nn - pull * S_nt - S_last)
             sums.work[0] += work
             sums.rotation[0] += 0.5 * force * normal - work
             sums.friction[0] -= 0.5 * force * pull * tangent
@@ -150,8 +153,9 @@ def advance_rim(
         if rubs:
             fill(rows, rows.t_cos, rows.t_sin, T)
         if rows.S_turns:
+            S_last = S_nn - pull * S_nt
             S_nn, S_nt = polynomial(rows, rows.S_nn), polynomial(rows, rows.S_nt)
-    s.memory[0], s.memory[1] = now, last
+    s.memory[0], s.memory[1], s.memory[4] = now, last, S_last
     if steps % 2 == 1:  # the two buffers changed places an odd number of times
         for i in range(m):
             s.d[i] = s.old[i]

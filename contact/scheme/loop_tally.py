@@ -32,32 +32,32 @@ def note_contact(sums: Tally, out: Samples, k: int, h: float, time: float, force
 def note_event(sums: Tally, out: Samples, k: int, kind: int, time: float) -> None:
     """Append a closing (1) or an opening (0)."""
     sums.closed[k] = kind
-    row = sums.count[2]
+    row = sums.filled[2]
     out.event_contact[row] = k
     out.event_kind[row] = kind
     out.event_time[row] = time
-    sums.count[2] = row + 1
+    sums.filled[2] = row + 1
 
 
 @jit
 def store(sums: Tally, out: Samples, step: int, time: float, force: Array, gap: Array) -> None:
     """Store force, gap and impulse when this step is to be recorded."""
     if step % out.every == 0:
-        row = sums.count[0]
+        row = sums.filled[0]
         out.time[row] = time
         for k in range(force.size):
             out.force[row, k] = force[k]
             out.gap[row, k] = gap[k]
             out.impulse[row, k] = sums.impulse[k]
-        sums.count[0] = row + 1
+        sums.filled[0] = row + 1
 
 
 @jit
 def store_state(sums: Tally, out: Samples, step: int, time: float, state: Array) -> None:
     """Store the displacements at the start of this step when they are to be recorded."""
     if out.state_every > 0 and step % out.state_every == 0:
-        row = sums.count[1]
+        row = sums.filled[1]
         out.state_time[row] = time
         for i in range(state.size):
             out.state[row, i] = state[i]
-        sums.count[1] = row + 1
+        sums.filled[1] = row + 1

@@ -64,8 +64,8 @@ class ModalStepper:
             return "the motion is not a number"
         H, scale = self.state.memory[2:4]
         return (
-            f"the contact jams: Delassus number {scale:.4g} m/N (modes {H:.4g}), expected > 0; friction exceeds "
-            "what the lean of the blade allows: reduce mu or the lean"
+            f"the contact jams: Delassus number {scale:.4g} m/N (modes {H:.4g}), expected > 0; friction "
+            "exceeds what the lean of the blade allows: reduce mu or the lean"
         )
 
     def stored(self) -> Stored:
@@ -75,7 +75,7 @@ class ModalStepper:
         force, pull = float(memory[2]), float(memory[3])
         Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q * 0.0)
         residual = 0.5 * force**2 * (system.S_nn(phi) - pull * system.S_nt(phi))
-        return self.parts.stored(self.state.q, self.state.d, (Q - pull * T) * force, residual)
+        return self.parts.stored(self.state.q, self.state.d, (Q - pull * T) * force, residual, system.potential)
 
     def motions(self) -> tuple[Motion, ...]:
         """Rigid motion of each body: from its mode of frequency zero, NaN without one."""
@@ -83,7 +83,9 @@ class ModalStepper:
         for b, (name, mass) in enumerate(zip(self.system.names, self.system.masses, strict=True)):
             modes = slice(int(self.system.first[b]), int(self.system.first[b + 1]))
             rigid = self.system.omega[modes] == 0.0
-            speed = float(np.sum(self.state.d[modes][rigid])) / self.dt if np.count_nonzero(rigid) == 1 else math.nan
+            speed = (
+                float(np.sum(self.state.d[modes][rigid])) / self.dt if np.count_nonzero(rigid) == 1 else math.nan
+            )
             velocity = speed / math.sqrt(mass) if mass > 0.0 else math.nan
             found.append(Motion(kind=name, number=b, mean_velocity=velocity, momentum=velocity * mass))
         return tuple(found)
@@ -97,10 +99,12 @@ def modal_stepper(
     d = parts.backward(q, system.velocity)
     state = _state(system, parts, q, d)
     damped = bool(system.zeta.any())
-    loop = _rim_loop(system, parts.h, averaged, damped, mu) if system.table else _point_loop(system, parts, averaged, damped)
-    return ModalStepper(
-        system=system, parts=parts, state=state, sums=tally(1), loop=loop, label=label, steps=[0]
+    loop = (
+        _rim_loop(system, parts.h, averaged, damped, mu)
+        if system.table
+        else _point_loop(system, parts, averaged, damped)
     )
+    return ModalStepper(system=system, parts=parts, state=state, sums=tally(1), loop=loop, label=label, steps=[0])
 
 
 def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalState:
@@ -113,7 +117,8 @@ def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalS
 
     return ModalState(
         q=q, d=d, old=np.zeros(q.size), al=parts.al, be=parts.be, c=parts.c, kick=parts.c * system.load,
-        weight=(1.0 - parts.al) / (2.0 * parts.c), memory=np.array([gap(0, q), gap(-1, q - d), 0.0, 0.0]),
+        weight=(1.0 - parts.al) / (2.0 * parts.c),
+        memory=np.array([gap(0, q), gap(-1, q - d), 0.0, 0.0, system.S_nn(system.angle)]),
         force=np.zeros(1), gap=np.zeros(1),
     )  # fmt: skip
 
@@ -149,10 +154,13 @@ def _rim_rows(system: ModalSystem, mu: float) -> RimRows:
 
     table = system.table
     assert table is not None
-    degree = max(system.clearance.degree, system.S_nn.degree, system.S_nt.degree, int(table.harmonic.max(initial=0)))
+    degree = max(
+        system.clearance.degree, system.S_nn.degree, system.S_nt.degree, int(table.harmonic.max(initial=0))
+    )
     return RimRows(
         start=table.start, harmonic=table.harmonic, q_cos=table.q_cos, q_sin=table.q_sin, t_cos=table.t_cos,
-        t_sin=table.t_sin, clearance=terms(system.clearance), S_nn=terms(system.S_nn), S_nt=terms(system.S_nt),
+        t_sin=table.t_sin, clearance=terms(system.clearance),
+        S_nn=terms(system.S_nn), S_nt=terms(system.S_nt),
         S_turns=max(system.S_nn.degree, system.S_nt.degree) > 0, angle=system.angle, speed=system.speed,
         surface=system.radius * system.speed, mu=mu, cosines=np.zeros(degree + 1), sines=np.zeros(degree + 1),
     )  # fmt: skip

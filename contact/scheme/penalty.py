@@ -1,8 +1,8 @@
 """Central differences with an explicit contact spring, on rods with lumped mass.
 
-M (u_{n+1} - 2 u_n + u_{n-1})/h^2 + K u_n = f + Q^T force_n,  force_n = stiffness <-g(u_n)>. The spring counts in
-the stability limit h omega_max <= 2, taken with every contact closed. The force error does not fall with the
-mesh, and energy grows at the limit: kept for comparison.
+M (u_{n+1} - 2 u_n + u_{n-1})/h^2 + K u_n = f + Q^T force_n,  force_n = stiffness <-g(u_n)>. The spring
+counts in the stability limit h omega_max <= 2, taken with every contact closed. The force error does not
+fall with the mesh, and energy grows at the limit: kept for comparison.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Exact coefficients of damped modes over one step, and the energy of a two-step state.
 
 D <- al D - be q + c f;  q <- q + D, with a = zeta omega, w_d = omega sqrt(1 - zeta^2), al = exp(-2 a h),
-be = (1 - e^{-a h})^2 + 4 e^{-a h} sin^2(w_d h/2), c = be/omega^2 (h^2 if omega = 0): Gautschi's form (Numer. Math.
-3, 1961, 381). Free motion and statics are exact for any h.
+be = (1 - e^{-a h})^2 + 4 e^{-a h} sin^2(w_d h/2), c = be/omega^2 (h^2 if omega = 0): Gautschi's form (Numer.
+Math. 3, 1961, 381). Free motion and statics are exact for any h.
 """
 
 from __future__ import annotations
@@ -47,15 +47,15 @@ class Propagator:
         elastic = ratio * (now - self.fade * (q - d - rest))
         return np.asarray(np.where(self.omega > 0.0, elastic, d / self.h + 0.5 * self.h * force))
 
-    def stored(self, q: Array, d: Array, contact: Array, residual: float) -> Stored:
-        """Energies at t_n, and the discrete form D^T D/(2 c) + omega^2 q_{n-1} q_n/2 - f (q_{n-1} + q_n)/2."""
+    def stored(self, q: Array, d: Array, contact: Array, residual: float, potential: float) -> Stored:
+        """Energies at t_n; discrete form D^T D/(2 c) + omega^2 q_{n-1} q_n/2 - f (q_{n-1} + q_n)/2."""
         v = self.velocity(q, d, self.load + contact)
         old = q - d
         discrete = 0.5 * np.sum(d * d / self.c) + 0.5 * np.sum(self.omega**2 * old * q)
         return Stored(
             kinetic=0.5 * float(v @ v), strain=0.5 * float(np.sum((self.omega * q) ** 2)),
-            potential=-float(self.load @ q), residual=residual,
-            discrete=float(discrete - 0.5 * self.load @ (q + old)),
+            potential=potential - float(self.load @ q), residual=residual,
+            discrete=float(potential + discrete - 0.5 * self.load @ (q + old)),
         )  # fmt: skip
 
 
@@ -73,7 +73,8 @@ def propagator(omega: Array, zeta: Array, load: Array, h: float) -> Propagator:
     elastic = omega > 0.0
     c = np.where(elastic, be / np.where(elastic, omega, 1.0) ** 2, h * h)
     return Propagator(
-        h=h, omega=omega, load=load, al=readonly(fade**2), be=readonly(be), c=readonly(c), fade=readonly(fade),
+        h=h, omega=omega, load=load, al=readonly(fade**2), be=readonly(be), c=readonly(c),
+        fade=readonly(fade),
         turn=readonly(turn), slope=readonly(zeta / np.sqrt(1.0 - zeta**2)),
     )  # fmt: skip
 

@@ -2,7 +2,8 @@
 
 1. `Scheme.prepare` takes the physics and the law, checks its limits and refuses with numbers (LimitError) or
    an InputError when law or scene are not its own; it returns a Stepper at t = 0.
-2. `Stepper.advance(out, first, steps)` takes whole steps first .. first + steps - 1 in one compiled call, fills
+2. `Stepper.advance(out, first, steps)` takes whole steps first .. first + steps - 1 in one compiled call,
+fills
    `out`, adds to `sums`, and returns -1, or the step that failed.
 3. The force of step n acts at t_n = n h and makes the law hold for the gap stored beside it.
 4. `stored()` and `motions()` read the present state and change nothing.

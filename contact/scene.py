@@ -1,0 +1,160 @@
+"""Scene files: scene.toml -> Scene, with every problem of the file reported at once."""
+
+from __future__ import annotations
+
+import hashlib
+import tomllib
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from contact.errors import InputError
+from contact.model.body import Body, PointMass, Rod, Wall
+from contact.model.chain import assemble
+from contact.model.gap import RotatingRim
+from contact.model.law import Coulomb, Law, Penalty, Unilateral
+from contact.model.modal_body import ModalBody
+from contact.run import Scene
+from contact.scheme.central_difference import CentralDifference
+from contact.scheme.exact_modal import ExactModal
+from contact.scheme.penalty import PenaltyDifference
+from contact.scheme.protocol import Scheme
+
+if TYPE_CHECKING:
+    from contact.scene_tables import RimFile, RodsFile, SchemeTable
+
+Built = TypeVar("Built")
+
+
+class SceneError(InputError):
+    """A scene file that cannot be run: `problems` lists them all, each with file and key."""
+
+    def __init__(self, problems: list[str]) -> None:
+        self.problems = problems
+        super().__init__("\n".join(problems))
+
+
+def load_scene(path: str | Path) -> Scene:
+    """Read a scene file of kind "rods" or "rim"; basis files are found relative to it.
+
+    Raises SceneError, which lists every problem with file, key, what was found and what is expected.
+    """
+    file = Path(path)
+    try:
+        text = file.read_bytes()
+        data = tomllib.loads(text.decode("utf-8"))
+    except OSError as error:
+        raise SceneError([f"{file}: cannot be read ({error.strerror}), expected a scene.toml"]) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SceneError([f"{file}: not TOML: {error}"]) from error
+    from contact.scene_tables import RimFile
+
+    table = _validated(data, file)
+    if isinstance(table, RimFile):
+        return _rim(table, file, text)
+    return _rods(table, file, text)
+
+
+def scene_schema() -> dict[str, Any]:
+    """JSON schema of both kinds of scene files, by kind."""
+    from contact.scene_tables import FILES
+
+    return {kind: model.model_json_schema() for kind, model in FILES.items()}
+
+
+def _validated(data: dict[str, Any], file: Path) -> RodsFile | RimFile:
+    from pydantic import ValidationError
+
+    from contact.scene_tables import FILES
+
+    head = data.get("scene")
+    kind = head.get("kind") if isinstance(head, dict) else None
+    if not isinstance(kind, str) or kind not in FILES:
+        found = "nothing" if kind is None else repr(kind)
+        raise SceneError([f"{file}: scene.kind: found {found}, expected one of {', '.join(map(repr, FILES))}"])
+    try:
+        return FILES[kind].model_validate(data)
+    except ValidationError as error:
+        raise SceneError([_problem(file, detail) for detail in error.errors()]) from error
+
+
+def _problem(file: Path, detail: Any) -> str:
+    """Write one pydantic error as file: key: found, expected."""
+    key = ""
+    for part in detail["loc"]:
+        key += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if key else str(part)
+    if detail["type"] == "extra_forbidden":
+        return f"{file}: {key}: unknown key"
+    if detail["type"] == "missing":
+        return f"{file}: {key}: missing"
+    message = detail["msg"].removeprefix("Value error, ")
+    if isinstance(detail["input"], dict):
+        return f"{file}: {key}: {message}"
+    expected = message.removeprefix("Input should be ")
+    return f"{file}: {key}: found {detail['input']!r}, expected {expected}"
+
+
+def _rods(table: RodsFile, file: Path, text: bytes) -> Scene:
+    bodies: list[Body] = [
+        *(PointMass(**mass.model_dump()) for mass in table.mass),
+        *(Rod(**rod.model_dump()) for rod in table.rod),
+        *(Wall(**wall.model_dump()) for wall in table.wall),
+    ]
+    problems: list[str] = []
+    _tried(lambda: assemble(bodies, gravity=table.scene.gravity), file, problems)
+    if problems:
+        raise SceneError(problems)
+    law, scheme = _method(table.scheme)
+    return Scene(
+        what=bodies, law=law, scheme=scheme, t_end=table.scene.t_end, dt=table.scheme.dt,
+        courant=table.scheme.courant, gravity=table.scene.gravity, source=_source(file, text),
+    )  # fmt: skip
+
+
+def _method(table: SchemeTable) -> tuple[Law, Scheme]:
+    if table.kind == "penalty":
+        assert table.stiffness is not None
+        return Penalty(stiffness=table.stiffness), PenaltyDifference()
+    if table.kind == "exact-modal":
+        return Unilateral(), ExactModal(law=table.law or "auto", modes=table.modes or 50)
+    return Unilateral(), CentralDifference()
+
+
+def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
+    problems: list[str] = []
+    paths = {"casing.basis": file.parent / table.casing.basis, "blade.basis": file.parent / table.blade.basis}
+    casing, blade = (_tried(partial(ModalBody.load, path), file, problems, key) for key, path in paths.items())
+    if casing is None or blade is None:
+        raise SceneError(problems)
+    contact = table.contact
+    rim = _tried(
+        lambda: RotatingRim(
+            casing, blade, clearance=contact.clearance, speed_hz=table.speed.hz,
+            lean_deg=table.blade.lean_deg,
+            out_of_roundness=[term.model_dump() for term in contact.out_of_roundness],
+            angle_deg=contact.angle_deg,
+        ),
+        file, problems,
+    )  # fmt: skip
+    if rim is None:
+        raise SceneError(problems)
+    return Scene(
+        what=rim, law=Coulomb(mu=contact.friction) if contact.friction > 0.0 else Unilateral(),
+        scheme=ExactModal(law=table.scheme.law), t_end=table.scene.t_end, dt=table.scheme.dt,
+        source=_source(file, text, *(path.read_bytes() for path in paths.values())),
+    )  # fmt: skip
+
+
+def _tried(build: Callable[[], Built], file: Path, problems: list[str], key: str = "") -> Built | None:
+    """Build a part; on bad input add the problem, with file and key, and return None."""
+    try:
+        return build()
+    except InputError as error:
+        problems.append(f"{file}: {key}: {error}" if key else f"{file}: {error}")
+        return None
+
+
+def _source(file: Path, *contents: bytes) -> dict[str, str]:
+    """Name and hash of the input, for the result."""
+    return {"scene": file.name, "sha256": hashlib.sha256(b"\0".join(contents)).hexdigest()}

@@ -1,0 +1,154 @@
+"""Schema of scene.toml (pydantic): imported only when a scene file is read."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, model_validator
+
+Positive = Annotated[FiniteFloat, Field(gt=0)]
+NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+
+
+class Table(BaseModel):
+    """A table of the file: unknown keys are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class RodTable(Table):
+    """[[rod]]: the fields of `Rod`."""
+
+    length: Positive
+    area: Positive
+    E: Positive
+    rho: Positive
+    elements: Annotated[int, Field(ge=1)] = 100
+    x: FiniteFloat = 0.0
+    velocity: FiniteFloat = 0.0
+    fixed: Literal["none", "left", "right"] = "none"
+    end_mass: NotNegative = 0.0
+
+
+class MassTable(Table):
+    """[[mass]]: the fields of `PointMass`."""
+
+    mass: Positive
+    x: FiniteFloat = 0.0
+    velocity: FiniteFloat = 0.0
+
+
+class WallTable(Table):
+    """[wall] or [[wall]]."""
+
+    x: FiniteFloat = 0.0
+
+
+class RodsHead(Table):
+    """[scene] of kind "rods"; gravity > 0 pulls towards -x."""
+
+    kind: Literal["rods"]
+    t_end: Positive
+    gravity: FiniteFloat = 0.0
+
+
+class SchemeTable(Table):
+    """[scheme]: kind and step; `stiffness` for penalty, `modes` and `law` for exact-modal."""
+
+    kind: Literal["forward-lagrange", "penalty", "exact-modal"]
+    courant: Positive | None = None
+    dt: Positive | None = None
+    stiffness: Positive | None = None
+    modes: Annotated[int, Field(ge=1)] | None = None
+    law: Literal["auto", "forward", "averaged"] | None = None
+
+    @model_validator(mode="after")
+    def _fits(self) -> SchemeTable:
+        if self.courant is not None and self.dt is not None:
+            raise ValueError("courant and dt both given, expected one of them")
+        if self.courant is None and self.dt is None and self.kind != "exact-modal":
+            raise ValueError("neither courant nor dt given, expected one of them")
+        if (self.stiffness is not None) != (self.kind == "penalty"):
+            raise ValueError("stiffness [N/m] belongs to kind = 'penalty', which needs it")
+        if self.kind != "exact-modal" and (self.modes is not None or self.law is not None):
+            raise ValueError(f"modes and law belong to kind = 'exact-modal', not to {self.kind!r}")
+        return self
+
+
+def _listed(value: object) -> object:
+    return [value] if isinstance(value, dict) else value
+
+
+class RodsFile(Table):
+    """A scene of rods, masses and walls on one axis."""
+
+    scene: RodsHead
+    rod: list[RodTable] = []
+    mass: list[MassTable] = []
+    wall: Annotated[list[WallTable], BeforeValidator(_listed)] = []
+    scheme: SchemeTable
+
+
+class RimHead(Table):
+    """[scene] of kind "rim"."""
+
+    kind: Literal["rim"]
+    t_end: Positive
+
+
+class CasingTable(Table):
+    """[casing]: modal basis file of kind "rim", relative to the scene file."""
+
+    basis: str
+
+
+class BladeTable(Table):
+    """[blade]: modal basis file of kind "point" with channels span and flap; lean in degrees."""
+
+    basis: str
+    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = 0.0
+
+
+class Waviness(Table):
+    """One harmonic of the rim's radius [m], positive where the gap is larger."""
+
+    p: Annotated[int, Field(ge=0)]
+    cos: FiniteFloat = 0.0
+    sin: FiniteFloat = 0.0
+
+
+class RimContact(Table):
+    """[contact] of a rim: clearance [m], friction coefficient, out-of-roundness."""
+
+    clearance: FiniteFloat
+    friction: NotNegative = 0.0
+    out_of_roundness: list[Waviness] = []
+    angle_deg: FiniteFloat = 0.0
+
+
+class SpeedTable(Table):
+    """[speed]: turns per second."""
+
+    hz: FiniteFloat
+
+
+class RimScheme(Table):
+    """[scheme] of a rim: exact-modal."""
+
+    kind: Literal["exact-modal"]
+    law: Literal["auto", "forward", "averaged"] = "auto"
+    dt: Positive
+
+
+class RimFile(Table):
+    """A rotating casing rim against one fixed blade."""
+
+    scene: RimHead
+    casing: CasingTable
+    blade: BladeTable
+    contact: RimContact
+    speed: SpeedTable
+    scheme: RimScheme
+
+
+FILES: dict[str, type[RodsFile] | type[RimFile]] = {"rods": RodsFile, "rim": RimFile}

@@ -1,0 +1,122 @@
+"""run and Result: chunks, recording, files, determinism, what import costs."""
+
+import importlib
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from synthetic_rim import blade, ring
+
+import contact as ct
+from contact.scheme import exact_modal
+
+BAR = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=5.0, velocity=-10.0, elements=40)
+
+
+def rub(**options):
+    scene = ct.RotatingRim(ring(imperfect=0.05), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=20.0)
+    return ct.run(scene, law=ct.Coulomb(mu=0.2), t_end=0.05, dt=1e-5, **options)
+
+
+def impact(**options):
+    return ct.run([BAR, ct.Wall(x=0.0)], t_end=2.0, courant=0.9, **options)
+
+
+def modal(**options):
+    return ct.run([BAR, ct.Wall(x=0.0)], t_end=2.0, dt=1e-3, scheme=ct.ExactModal(law="forward"), **options)
+
+
+@pytest.mark.parametrize("make", [impact, modal, rub])
+def test_chunks_and_recording_change_no_bit(make, monkeypatch):
+    whole = make()
+    monkeypatch.setattr(importlib.import_module("contact.run"), "CHUNK", 37)
+    done = []
+    parts = make(record=ct.Record(every=5, state_every=10), progress=done.append)
+    assert np.array_equal(parts.force, whole.force[::5])
+    assert np.array_equal(parts.impulse_history, whole.impulse_history[::5])
+    assert parts.intervals == whole.intervals
+    assert np.array_equal(parts.impulse, whole.impulse)
+    assert parts.energy == whole.energy
+    assert parts.state.shape[0] == (whole.steps - 1) // 10 + 1
+    assert done[-1] == 1.0
+    assert done == sorted(done)
+
+
+def test_the_same_input_gives_the_same_bits():
+    assert np.array_equal(rub().force, rub().force)
+
+
+def test_a_result_is_saved_whole_and_read_back(tmp_path):
+    result = rub(record=ct.Record(every=2, state_every=4))
+    result.save(tmp_path / "rub.npz")
+    again = ct.Result.load(tmp_path / "rub.npz")
+    assert np.array_equal(again.force, result.force)
+    assert again.energy == result.energy
+    assert again.intervals == result.intervals
+    assert repr(again) == repr(result)
+    assert again.source["numpy"] == np.__version__
+    assert [file.name for file in tmp_path.iterdir()] == ["rub.npz"]
+    with pytest.raises(ct.InputError, match="format"):
+        ct.ModalBody.load(tmp_path / "rub.npz")
+
+
+def test_the_printed_result_answers_the_first_questions():
+    text = repr(impact())
+    for word in ("267 steps", "closings", "impulse", "residual", "lost in contact", "unaccounted"):
+        assert word in text
+
+
+def test_the_json_document():
+    document = json.loads(json.dumps(rub().to_dict(), allow_nan=False))
+    assert set(document) >= {"contacts", "bodies", "energy", "steps", "seconds"}
+    assert set(document["contacts"][0]) >= {
+        "time", "force", "intervals", "impulse", "max_penetration", "residual"
+    }  # fmt: skip
+    assert document["bodies"][0]["mean_velocity"] is None
+    energy = impact().to_dict()["energy"]
+    assert energy["end"] == pytest.approx(energy["start"] - energy["lost_in_contact"], rel=1e-12)
+
+
+def test_bodies_come_masses_first():
+    mass, rod = (
+        ct.PointMass(mass=1.0, velocity=1.0),
+        ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10),
+    )
+    result = ct.run([rod, mass], t_end=1.0, courant=0.5)
+    assert [(m.kind, m.number) for m in result.motions] == [("mass", 1), ("rod", 0)]
+
+
+def test_signs_and_windows():
+    result = impact()
+    assert (result.lam <= 0.0).all()
+    assert np.array_equal(result.lam, -result.force)
+    total = np.sum(result.windowed_force()[:, 0]) * result.dt
+    assert total == pytest.approx(result.impulse[0], rel=1e-3)
+    assert np.allclose(result.windowed_force(result.dt), result.force, atol=1e-9 * 300.0)
+
+
+def test_intervals_can_be_joined():
+    result = rub()
+    many, few = result.merged_intervals(0.0)[0], result.merged_intervals(0.02)[0]
+    assert len(few) < len(many) == len(result.intervals[0])
+    assert few[0][0] == many[0][0]
+
+
+def test_a_failed_run_keeps_what_it_recorded(monkeypatch):
+    monkeypatch.setattr(exact_modal, "delassus", lambda *_: (1.0, 1.0, 1.0))  # the check that would refuse it
+    scene = ct.RotatingRim(
+        ring(S=0.0), blade(S=0.0), clearance=1e-5, speed_hz=5.0, lean_deg=45.0, blade_velocity=[0.01, 0.0]
+    )
+    with pytest.raises(ct.NumericsError, match=r"step \d+ \(t = .* jams: Delassus number -") as caught:
+        ct.run(scene, law=ct.Coulomb(mu=20.0), t_end=1.0, dt=1e-5)
+    kept = caught.value.result
+    assert 0 < kept.steps == kept.time.size < 100_000
+
+
+def test_import_contact_is_light():
+    heavy = "numba", "skfem", "matplotlib", "pandas", "pydantic", "scipy", "casingfem"
+    code = f"import sys, contact; sys.exit(', '.join(m for m in {heavy} if m in sys.modules) or 0)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

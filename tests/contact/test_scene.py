@@ -1,0 +1,145 @@
+"""Scene files: the shipped ones run, the broken ones list every problem with file and key."""
+
+from pathlib import Path
+
+import pytest
+from synthetic_rim import blade, ring
+
+import contact as ct
+
+SCENES = Path(__file__).parents[2] / "data" / "scenes"
+IMPULSE = {
+    "two_rods.toml": 1.4842, "rod_on_wall.toml": 200.0, "bouncing_bar.toml": 533.333, "mass_on_rod.toml": 1.687619,
+    "modal_rod_on_wall.toml": 200.0, "two_rods_penalty.toml": 1.4842,
+}  # fmt: skip
+
+RODS = """
+[scene]
+kind = "rods"
+t_end = 1.0
+[[rod]]
+length = 1.0
+area = 1.0
+E = 1.0
+rho = 1.0
+velocity = -1.0
+[wall]
+x = -0.1
+[scheme]
+kind = "forward-lagrange"
+courant = 0.9
+"""
+
+RIM = """
+[scene]
+kind = "rim"
+t_end = 0.02
+[casing]
+basis = "casing.npz"
+[blade]
+basis = "blade.npz"
+lean_deg = 10.0
+[contact]
+clearance = -1e-5
+friction = 0.3
+out_of_roundness = [{p = 2, cos = 2e-5}, {p = 3, cos = 5e-6}]
+[speed]
+hz = 5.0
+[scheme]
+kind = "exact-modal"
+law = "averaged"
+dt = 1e-5
+"""
+
+
+def problems(tmp_path, text):
+    file = tmp_path / "scene.toml"
+    file.write_text(text)
+    with pytest.raises(ct.SceneError) as caught:
+        ct.load_scene(file)
+    assert all("scene.toml" in problem for problem in caught.value.problems)
+    return caught.value.problems
+
+
+@pytest.mark.parametrize("file", sorted(SCENES.glob("*.toml")), ids=lambda file: file.name)
+def test_shipped_scenes_run(file):
+    result = ct.run(ct.load_scene(file))
+    assert result.impulse[0] == pytest.approx(IMPULSE[file.name], rel=0.012)
+    assert result.source["scene"] == file.name
+    assert len(result.source["sha256"]) == 64
+
+
+def test_rim_scene(tmp_path):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    (tmp_path / "scene.toml").write_text(RIM)
+    result = ct.run(ct.load_scene(tmp_path / "scene.toml"))
+    assert result.steps == 2000
+    assert "averaged law" in result.scheme
+    assert result.impulse[0] > 0.0
+    assert result.energy.friction != 0.0
+
+
+def test_arguments_override_the_file(tmp_path):
+    (tmp_path / "scene.toml").write_text(RODS)
+    scene = ct.load_scene(tmp_path / "scene.toml")
+    assert ct.run(scene, t_end=0.5, courant=0.1).steps == 500
+    assert "penalty" in ct.run(scene, law=ct.Penalty(stiffness=10.0), scheme=ct.PenaltyDifference()).scheme
+
+
+def test_every_problem_is_reported_at_once(tmp_path):
+    text = RODS.replace("t_end = 1.0", "t_end = -1.0").replace("area = 1.0", 'area = -2.0\ncolour = "red"')
+    found = "\n".join(problems(tmp_path, text))
+    for words in (
+        "scene.t_end: found -1.0, expected",
+        "rod[1].area: found -2.0, expected",
+        "rod[1].colour: unknown",
+    ):
+        assert words in found
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('kind = "rods"', 'kind = "disk"', "scene.kind: found 'disk', expected one of 'rods', 'rim'"),
+        ("rho = 1.0", "", "rod[1].rho: missing"),
+        ("E = 1.0", 'E = "stiff"', "rod[1].E: found 'stiff', expected"),
+        ("t_end = 1.0", "t_end = inf", "scene.t_end: found inf, expected a finite number"),
+        ("x = -0.1", "x = 0.5", "overlap by 0.5 m"),
+        ("courant = 0.9", "courant = 0.9\ndt = 0.1", "courant and dt both given"),
+        ("courant = 0.9", "", "neither courant nor dt given"),
+        ('"forward-lagrange"', '"penalty"', "stiffness [N/m] belongs to kind = 'penalty'"),
+        ('"forward-lagrange"', '"newmark"', "scheme.kind: found 'newmark', expected"),
+        ("courant = 0.9", "courant = 0.9\nmodes = 5", "modes and law belong to kind = 'exact-modal'"),
+        ('[scheme]\nkind = "forward-lagrange"\ncourant = 0.9', "", "scheme: missing"),
+        ("[wall]\nx = -0.1", "", "expected at least two"),
+        ("[scene]", "[scene", "not TOML"),
+    ],
+)
+def test_broken_rod_scenes(tmp_path, old, new, words):
+    assert old in RODS
+    assert words in "\n".join(problems(tmp_path, RODS.replace(old, new)))
+
+
+def test_missing_bases_are_all_named(tmp_path):
+    found = problems(tmp_path, RIM)
+    assert len(found) == 2
+    assert "casing.basis" in found[0]
+    assert "blade.npz: found no such file" in found[1]
+
+
+def test_swapped_bases(tmp_path):
+    ring().save(tmp_path / "blade.npz")
+    blade().save(tmp_path / "casing.npz")
+    assert "casing: found a basis of kind 'point', expected 'rim'" in problems(tmp_path, RIM)[0]
+
+
+def test_no_such_file(tmp_path):
+    with pytest.raises(ct.SceneError, match=r"none.toml: cannot be read"):
+        ct.load_scene(tmp_path / "none.toml")
+
+
+def test_schema_is_there_for_both_kinds():
+    schema = ct.scene_schema()
+    assert set(schema) == {"rods", "rim"}
+    assert "scheme" in schema["rods"]["properties"]
