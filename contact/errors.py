@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from contact.result import Result
+from typing import Any
 
 
 class InputError(ValueError):
@@ -17,6 +14,6 @@ class LimitError(InputError):
 
 
 class NumericsError(RuntimeError):
-    """A run failed midway: `result` keeps everything recorded up to the step that failed."""
+    """A run failed midway: `result`, a Result, keeps everything recorded up to the step that failed."""
 
-    result: Result | None = None
+    result: Any = None
