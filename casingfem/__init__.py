@@ -1,1 +1,68 @@
-"""casingfem: shell modes with imperfections, model updating and modal reduction."""
+"""casingfem: shell modes with imperfections, model updating and modal reduction.
+
+import casingfem as cf
+
+casing = cf.Shell(chart=cf.Frustum(r_base=0.50, r_top=0.45, height=0.25), thickness=3e-3,
+material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
+print(cf.modes(casing, count=40))
+"""
+
+from casingfem.experiment.correlation import Pairing, mac, pair, subspace_mac
+from casingfem.experiment.measurement import FrequencyTable, TableError
+from casingfem.modal.basis import BasisError, ModalBasis
+from casingfem.modal.eigen import EigenError
+from casingfem.modal.interface import Rim, Tip
+from casingfem.modal.modes import Modes, modes
+from casingfem.modal.reduction import reduce
+from casingfem.structure.assembly import System, assemble
+from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
+from casingfem.structure.field import Field, FourierField, SumField
+from casingfem.structure.material import Material
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.survey import SampledField, SurveyError
+from casingfem.updating.parameters import Parameter, ParameterError
+from casingfem.updating.result import UpdateResult
+from casingfem.updating.updating import UpdateError, update
+
+__all__ = [
+    "BasisError",
+    "Chart",
+    "Circumferential",
+    "Clamped",
+    "Cylinder",
+    "EigenError",
+    "ElasticEdge",
+    "Field",
+    "FourierField",
+    "FrequencyTable",
+    "Frustum",
+    "Material",
+    "ModalBasis",
+    "Modes",
+    "Pairing",
+    "Panel",
+    "Parameter",
+    "ParameterError",
+    "Plate",
+    "Rim",
+    "SampledField",
+    "ShearDiaphragm",
+    "Shell",
+    "ShellMesh",
+    "SumField",
+    "SurveyError",
+    "System",
+    "TableError",
+    "Tip",
+    "UpdateError",
+    "UpdateResult",
+    "assemble",
+    "mac",
+    "modes",
+    "pair",
+    "reduce",
+    "subspace_mac",
+    "update",
+]

@@ -115,9 +115,7 @@ def pair(
 class _Cost:
     """What it costs to say that rows are modes; inf where the labels or the reach forbid it."""
 
-    def __init__(
-        self, modes: ModeSet, table: FrequencyTable, reach: float, shape_mac: ArrayLike | None
-    ) -> None:
+    def __init__(self, modes: ModeSet, table: FrequencyTable, reach: float, shape_mac: ArrayLike | None) -> None:
         if not reach > 0.0:
             raise ValueError(f"reach must be > 0, not {reach!r}")
         if np.any(np.diff(modes.freq) < 0.0):

@@ -217,18 +217,14 @@ def _check_columns(csv: StrictCsv) -> None:
     for name in csv.header:
         if name not in COLUMNS:
             stem = re.split(r"[_\[( ]", name.lower())[0]
-            near = [
-                c for c in COLUMNS if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))
-            ]
+            near = [c for c in COLUMNS if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))]
             expected = f"{near[0]}, unit and all" if near else f"only {', '.join(COLUMNS)}"
             raise csv.error(
                 csv.path, line=csv.header_line, column=name, found="an unknown column", expected=expected
             )
     for name, meaning in _REQUIRED.items():
         if name not in csv.header:
-            raise csv.error(
-                csv.path, line=csv.header_line, column=name, found="no such column", expected=meaning
-            )
+            raise csv.error(csv.path, line=csv.header_line, column=name, found="no such column", expected=meaning)
 
 
 def _check_values(csv: StrictCsv, columns: dict[str, Array]) -> None:

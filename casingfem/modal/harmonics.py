@@ -83,7 +83,8 @@ def orientation(profile: Array, n: int) -> float:
         return float("nan")
     radial = profile[: len(profile) // 3]
     angle = -np.angle(np.sum(radial**2)) / (2.0 * n)
-    return float(np.mod(angle, np.pi / n))
+    angle = float(np.mod(angle, np.pi / n))
+    return angle if np.pi / n - angle > 1e-9 else 0.0
 
 
 def quadrature(a: Array, b: Array) -> float:

@@ -108,7 +108,9 @@ class Modes:
 
     def __repr__(self) -> str:
         """Table: mode, frequency, n, purity, m, split, orientation."""
-        lines = [f"{'mode':>4} {'freq [Hz]':>11} {'n':>3} {'pure':>5} {'m':>2} {'split [%]':>9} {'angle [deg]':>11}"]
+        lines = [
+            f"{'mode':>4} {'freq [Hz]':>11} {'n':>3} {'pure':>5} {'m':>2} {'split [%]':>9} {'angle [deg]':>11}"
+        ]
         for row in self.records():
             n = row["n"] if row["n"] != -1 else "-"
             purity = "-" if row["n_purity"] is None else f"{row['n_purity']:.2f}"
@@ -173,7 +175,7 @@ def modes(shell: Shell, count: int = 40, *, method: str = "auto", system: System
     ...                material=Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": Clamped()})
     >>> low = modes(casing, 4)
     >>> low.freq.round(1).tolist(), low.nodal_diameters.tolist()
-    ([367.8, 367.8, 382.8, 382.8], [8, 8, 7, 7])
+    ([367.9, 367.9, 382.8, 382.8], [8, 8, 7, 7])
     """
     if method not in ("auto", "shell", "fourier"):
         raise ValueError(f'method must be "auto", "shell" or "fourier", found {method!r}')

@@ -17,12 +17,10 @@ from scipy.sparse import coo_array, csc_array
 from casingfem.arrays import Array, FloatArray, IntArray
 from casingfem.structure.element import ElementQuadLobatto, lobatto
 from casingfem.structure.kinematics import DOFS, STRAINS, frame, strain_slots
-from casingfem.structure.material import Material
-from casingfem.structure.mesh import Edge, Grid, make_grid
+from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import ElasticEdge
 
-SHEAR_CORRECTION = 5.0 / 6.0
 CHUNK = 6_000_000  # strain table entries held at a time
 
 
@@ -76,13 +74,13 @@ class System:
         return turned.reshape(len(self.frames) * DOFS, -1)[self.free]
 
 
-def constitutive(material: Material, thickness: Array) -> Array:
+def constitutive(shell: Shell, thickness: Array) -> Array:
     """Section stiffness D on the eight strains at points, (8, 8, ...)."""
-    C = material.plane_stress()
+    C = shell.material.plane_stress()
     D = np.zeros((STRAINS, STRAINS, *thickness.shape), dtype=np.result_type(C, thickness))
     D[:3, :3] = C[:, :, None, None] * thickness
     D[3:6, 3:6] = C[:, :, None, None] * thickness**3 / 12.0
-    D[6, 6] = D[7, 7] = SHEAR_CORRECTION * material.shear_modulus * thickness
+    D[6, 6] = D[7, 7] = shell.shear_correction * shell.material.shear_modulus * thickness
     return D
 
 
@@ -91,7 +89,7 @@ def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
     geometry = shell.geometry(*grid.parameters)
     L, basis = strain_slots(geometry.surface)
     L[1:] /= grid.size[:, None, None, :, None]
-    D = constitutive(shell.material, geometry.thickness) * (basis.jacobian * grid.measure)
+    D = constitutive(shell, geometry.thickness) * (basis.jacobian * grid.measure)
     root = np.linalg.cholesky(np.moveaxis(D, (0, 1), (-2, -1)))  # D = root root^T
     slots = np.einsum("eqts,kteqc->kceqs", root, np.moveaxis(L, 2, 4), optimize=True)
     functions, points = grid.table.shape[1:]
@@ -159,7 +157,7 @@ def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
             frames[edge.nodes] = edge_rotation(shell, grid.nodes[:, edge.nodes], edge.along)
         # the rotations are already in the surface's frame: w_1 across and w_2 along a curved edge
         dofs = [d if d < 3 or edge.along == 1 else 7 - d for d in support.held]
-        held[np.ix_(edge.nodes, dofs)] = True
+        held[edge.nodes[:, None], dofs] = True
     return np.flatnonzero(~held.ravel()), frames
 
 
@@ -178,6 +176,7 @@ def assemble(shell: Shell) -> System:
 
     >>> from casingfem.structure.chart import Plate
     >>> from casingfem.structure.support import Clamped
+    >>> from casingfem.structure.material import Material
     >>> steel = Material(E=210e9, nu=0.3, rho=7800.0)
     >>> plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel,
     ...               supports={"root": Clamped()})

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
+from casingfem.arrays import FloatArray, IntArray
 from casingfem.structure.assembly import constitutive, edge_rotation
 from casingfem.structure.element import gauss, lagrange, lobatto
 from casingfem.structure.kinematics import DOFS, STRAINS, frame, strain_slots
@@ -33,7 +33,7 @@ class Meridian:
     n: int
     K: FloatArray
     mass: FloatArray
-    free: FloatArray
+    free: IntArray
     z: FloatArray
     turn: FloatArray
 
@@ -68,7 +68,7 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
     z = lines[:-1, None] + size[:, None] * x
     geometry = shell.geometry(z, np.zeros_like(z))
     L, basis = strain_slots(geometry.surface)
-    D = constitutive(shell.material, geometry.thickness) * (basis.jacobian * size[:, None] * w)
+    D = constitutive(shell, geometry.thickness) * (basis.jacobian * size[:, None] * w)
     values, slopes = lagrange(order, x)
     still = np.einsum("sceq,fq->eqsfc", L[0] + n * 1j * L[2], values)
     still += np.einsum("sceq,cd,fq->eqsfd", L[2], SPIN, values)
@@ -110,10 +110,10 @@ def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, length: FloatA
         elif support.frame == "edge":
             turn[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0]
         held[node, list(support.held)] = True
-    for node in np.flatnonzero(np.any(turn != np.eye(3), axis=(1, 2))):
-        dofs = slice(node * DOFS, node * DOFS + 3)
+    for turned in np.flatnonzero(np.any(turn != np.eye(3), axis=(1, 2))).tolist():
+        dofs = slice(turned * DOFS, turned * DOFS + 3)
         # across and normal lie in the meridian plane, along is the hoop direction: K stays real
-        K[dofs] = turn[node].T @ K[dofs]
-        K[:, dofs] = K[:, dofs] @ turn[node]
+        K[dofs] = turn[turned].T @ K[dofs]
+        K[:, dofs] = K[:, dofs] @ turn[turned]
     free = np.flatnonzero(~held.ravel())
     return Meridian(n=n, K=K[np.ix_(free, free)], mass=inertia.ravel()[free], free=free, z=z, turn=turn)

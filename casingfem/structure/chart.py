@@ -124,7 +124,7 @@ class Frustum:
 
     @property
     def bounds(self) -> Bounds:
-        """z from 0 to height, theta once around."""
+        """Z from 0 to height, theta once around."""
         return (0.0, self.height), (0.0, 2.0 * np.pi)
 
     @property
@@ -166,7 +166,7 @@ class Cylinder:
 
     @property
     def bounds(self) -> Bounds:
-        """z from 0 to height, theta once around."""
+        """Z from 0 to height, theta once around."""
         return (0.0, self.height), (0.0, 2.0 * np.pi)
 
     @property
@@ -211,7 +211,7 @@ class Panel:
 
     @property
     def bounds(self) -> Bounds:
-        """z from 0 to length, theta across the opening angle."""
+        """Z from 0 to length, theta across the opening angle."""
         return (0.0, self.length), (-self.angle / 2.0, self.angle / 2.0)
 
     @property
@@ -252,7 +252,7 @@ class Plate:
 
     @property
     def bounds(self) -> Bounds:
-        """x from 0 to length, y across the width."""
+        """X from 0 to length, y across the width."""
         return (0.0, self.length), (-self.width / 2.0, self.width / 2.0)
 
     @property

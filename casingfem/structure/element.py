@@ -38,8 +38,8 @@ def lobatto(order: int) -> tuple[FloatArray, FloatArray]:
 def gauss(count: int) -> tuple[FloatArray, FloatArray]:
     """Gauss-Legendre points and weights on [0, 1].
 
-    >>> float(gauss(3)[1].sum())
-    1.0
+    >>> gauss(2)[0].round(6).tolist()
+    [0.211325, 0.788675]
     """
     x, w = legendre.leggauss(count)
     return 0.5 * (x + 1.0), 0.5 * w

@@ -96,9 +96,7 @@ class FourierField:
         if np.any(sin[p == 0]):
             raise ValueError("FourierField: sin at p = 0 multiplies sin(0) = 0; use cos for the mean")
         if not (np.isfinite(self.z_mid) and np.isfinite(self.z_half) and self.z_half > 0.0):
-            raise ValueError(
-                f"FourierField: need finite z_mid, z_half > 0, not {self.z_mid!r}, {self.z_half!r}"
-            )
+            raise ValueError(f"FourierField: need finite z_mid, z_half > 0, not {self.z_mid!r}, {self.z_half!r}")
         for name, array in (("p", p), ("cos", cos), ("sin", sin)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)

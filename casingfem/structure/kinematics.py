@@ -33,7 +33,7 @@ class Frame(NamedTuple):
 
 def dot(a: Array, b: Array) -> Array:
     """Scalar product over the first axis, without conjugation."""
-    return np.einsum("i...,i...->...", a, b)
+    return np.asarray(np.einsum("i...,i...->...", a, b))
 
 
 def frame(surface: Surface) -> Frame:

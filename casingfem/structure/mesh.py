@@ -153,9 +153,7 @@ def make_grid(chart: Chart, mesh: ShellMesh) -> Grid:
     if chart.periodic:
         places, elements = merge_seam(places, elements, mesh.around)
     cell = np.minimum(places.astype(int), [[rows - 1], [mesh.around - 1]])
-    nodes = np.stack(
-        [lines[k][cell[k]] + np.diff(lines[k])[cell[k]] * (places[k] - cell[k]) for k in range(2)]
-    )
+    nodes = np.stack([lines[k][cell[k]] + np.diff(lines[k])[cell[k]] * (places[k] - cell[k]) for k in range(2)])
     i, j = (index.ravel() for index in np.indices((rows, mesh.around)))
     x, points, weights = tensor_rule(mesh.order)
     ends = ((0.0, float(rows)), (0.0, float(mesh.around)))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from casingfem.structure.field import Field
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
+
+SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, ElasticEdge)
 
 
 class ShellGeometry(NamedTuple):
@@ -25,24 +27,24 @@ class ShellGeometry(NamedTuple):
 def default_mesh(shell: "Shell") -> ShellMesh:
     """The mesh used when none is given; `python -m reports.frustum_convergence` measures the choice.
 
-    Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as
-    .46 R/sqrt(t h); 12 where something varies around, so that the mesh splits no doublet by more than 1e-9,
-    and 6 nodes a wave of the fields themselves. Along the meridian: the shear layer of a
-    free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending
-    length sqrt(R t).
+    Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
+    12 where something varies around, so that the mesh splits no doublet by more than 1e-9; and 14 nodes a wave of
+    the fields themselves, harmonics below 2 % of their largest left aside. Along the meridian: the shear layer
+    of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
     """
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
-    t, length, span = np.real(shell.thickness), a1 - a0, b1 - b0
+    t, length, span = float(np.real(shell.thickness)), float(a1 - a0), float(b1 - b0)
     if not shell.chart.periodic:
-        size = float(np.linalg.norm(shell.chart.surface(*np.array([[a0], [b1]]), None).x2)) * span
+        corner = shell.chart.surface(np.array([a0]), np.array([b1]), None)
+        size = float(np.linalg.norm(np.real(corner.x2))) * span
         around = int(np.clip(round(2.0 * size / length), 2, 8))
         return ShellMesh(order=8, rows=int(np.clip(round(2.0 * length / size), 2, 8)), around=around)
     order = 7
     middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
     lowest = 0.46 * radius / np.sqrt(t * length)
-    finest = max((getattr(f, "max_harmonic", 0) or 0 for f in (shell.radius_defect, shell.thickness_defect)))
-    elements = max((16.0 if shell.axisymmetric else 24.0) * lowest, 6.0 * finest) / order
+    finest = max(finest_harmonic(shell, f) for f in (shell.radius_defect, shell.thickness_defect))
+    elements = max((16.0 if shell.axisymmetric else 24.0) * lowest, 14.0 * finest) / order
     around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
     layer = float(np.clip(2.5 * t / length, 1e-3, 0.1))
     inner = int(np.clip(np.ceil(length / (10.0 * np.sqrt(radius * t))), 1, 4))
@@ -50,6 +52,18 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     low, high = (0.0 if (0, 0) in held else layer), (1.0 if (0, 1) in held else 1.0 - layer)
     breaks = {0.0, 1.0, *np.linspace(low, high, inner + 1).tolist()}
     return ShellMesh(order=order, rows=tuple(sorted(breaks)), around=around)
+
+
+def finest_harmonic(shell: "Shell", defect: Field | None, floor: float = 0.02) -> int:
+    """The highest circumferential harmonic of a field above `floor` times its largest, by sampling."""
+    if defect is None:
+        return 0
+    (a0, a1), _ = shell.chart.bounds
+    theta = 2.0 * np.pi * np.arange(256) / 256
+    values = np.real(defect.derivatives(np.linspace(a0, a1, 5)[:, None], theta[None, :]).value)
+    amplitude = np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1:]
+    above = np.flatnonzero(amplitude > floor * amplitude.max())
+    return int(above[-1]) + 1 if amplitude.max() > 0.0 else 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -70,6 +84,8 @@ class Shell:
         Relative radius field f: r = r0 (1 + f).
     thickness_defect
         Relative thickness field: t (1 + field).
+    shear_correction
+        Factor of the transverse shear stiffness; a large one gives the thin-shell (Kirchhoff-Love) limit.
     mesh
         Order and element counts; a default for the kind of chart if left out.
 
@@ -94,23 +110,22 @@ class Shell:
     supports: Mapping[str, Support] = field(default_factory=dict)
     radius_defect: Field | None = None
     thickness_defect: Field | None = None
-    mesh: ShellMesh = None  # type: ignore[assignment]  # a default is chosen in __post_init__
+    shear_correction: float = 5.0 / 6.0
+    mesh: ShellMesh = None  # type: ignore[assignment]  # chosen in __post_init__ where left out
 
     def __post_init__(self) -> None:
-        require_positive("shell", thickness=self.thickness)
+        require_positive("shell", thickness=self.thickness, shear_correction=self.shear_correction)
         known = self.chart.edges
         for edge, support in self.supports.items():
             if edge not in known:
-                raise ValueError(
-                    f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}"
-                )
-            if not isinstance(support, Clamped | ShearDiaphragm | ElasticEdge):
+                raise ValueError(f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}")
+            if not isinstance(support, SUPPORTS):
                 raise ValueError(
                     f"support.{edge}: expected Clamped, ShearDiaphragm or ElasticEdge, "
                     f"found {type(support).__name__}"
                 )
         object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
-        if self.mesh is None:
+        if cast(ShellMesh | None, self.mesh) is None:
             object.__setattr__(self, "mesh", default_mesh(self))
         for name in ("radius_defect", "thickness_defect"):
             self._check_field(name)
@@ -132,9 +147,7 @@ class Shell:
     def axisymmetric(self) -> bool:
         """Whether nothing varies around: no fields, and springs equal all along their edges."""
         even = all(
-            not support.around.harmonics
-            for support in self.supports.values()
-            if isinstance(support, ElasticEdge)
+            not support.around.harmonics for support in self.supports.values() if isinstance(support, ElasticEdge)
         )
         return self.chart.periodic and even and self.radius_defect is None and self.thickness_defect is None
 

@@ -55,9 +55,7 @@ class StrictCsv:
     lines: IntArray
     error: type[CsvError]
 
-    def refuse(
-        self, *, found: str, expected: str, row: int | None = None, column: str | None = None
-    ) -> CsvError:
+    def refuse(self, *, found: str, expected: str, row: int | None = None, column: str | None = None) -> CsvError:
         """Return the reader's error for a row (from 0) and column, to be raised."""
         line = None if row is None else int(self.lines[row])
         return self.error(self.path, found=found, expected=expected, line=line, column=column)
@@ -182,7 +180,5 @@ def _checked_header(cells: tuple[str, ...], number: int, path: str, error: type[
             found = f"no name for column {index + 1}"
             raise error(path, line=number, found=found, expected="a name for every column")
         if cell in cells[:index]:
-            raise error(
-                path, line=number, column=cell, found="this column twice", expected="distinct columns"
-            )
+            raise error(path, line=number, column=cell, found="this column twice", expected="distinct columns")
     return cells

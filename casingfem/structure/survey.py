@@ -91,9 +91,7 @@ class SampledField:
         return cls.fitted(points, n_max=n_max, degree=degree)
 
     @classmethod
-    def fitted(
-        cls, points: SurveyPoints, *, n_max: int | None = None, degree: int | None = None
-    ) -> SampledField:
+    def fitted(cls, points: SurveyPoints, *, n_max: int | None = None, degree: int | None = None) -> SampledField:
         """Fit points already read; n_max and degree as in from_csv."""
         fit = fit_points(points, n_max, degree)
         return cls(

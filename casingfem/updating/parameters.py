@@ -98,9 +98,7 @@ def _plain(shell: Shell, name: str, parts: list[str]) -> tuple[Any, str]:
         raise ParameterError(
             f"{name!r}: a parameter starts with material, shell, chart, radius, thickness or support"
         )
-    numbers = (
-        ["thickness"] if owner is shell else [f.name for f in fields(owner)] if is_dataclass(owner) else []
-    )
+    numbers = ["thickness"] if owner is shell else [f.name for f in fields(owner)] if is_dataclass(owner) else []
     if parts[1] not in numbers:
         raise ParameterError(f"{name!r}: {parts[0]} has {', '.join(numbers)}, not {parts[1]!r}")
     return owner, parts[1]
@@ -147,7 +145,8 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
         p, part = _harmonic(name, parts[1:])
         field = getattr(shell, FIELDS[parts[0]]) or FourierField.of({})
         series = field.with_harmonic(p, **{part: value})
-        return replace(shell, **{FIELDS[parts[0]]: series})  # type: ignore[arg-type]
+        defects: dict[str, Any] = {FIELDS[parts[0]]: series}
+        return replace(shell, **defects)
     if parts[0] == "support" and len(parts) > 2:
         edge, support = _edge(shell, name, parts)
         if parts[3:]:
@@ -157,6 +156,7 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
             changed = replace(support, **{parts[2]: value})
         return replace(shell, supports={**shell.supports, edge: changed})
     owner, attribute = _plain(shell, name, parts)
-    if owner is shell:
-        return replace(shell, thickness=value)
-    return replace(shell, **{parts[0]: replace(owner, **{attribute: value})})
+    changes: dict[str, Any] = {attribute: value}
+    if owner is not shell:
+        changes = {parts[0]: replace(owner, **changes)}
+    return replace(shell, **changes)

@@ -169,6 +169,8 @@ class UpdateResult:
         )
         lines += [f"the data cannot tell {a} from {b} (correlation {r:+.2f})" for a, b, r in self.indistinct()]
         lines += [
-            f"{p.name}: known from its prior only" for p, weak in zip(self.parameters, self.prior_only, strict=True) if weak
+            f"{p.name}: known from its prior only"
+            for p, weak in zip(self.parameters, self.prior_only, strict=True)
+            if weak
         ]
         return "\n".join(lines)

@@ -109,7 +109,7 @@ class Problem:
         return np.vstack([self.state(x).residual.jacobian, self._prior()[0]])
 
 
-class _Repaired(Exception):
+class RepairedError(Exception):
     """The pairing changed its shape during a solve; start again from here."""
 
     def __init__(self, x: FloatArray) -> None:
@@ -204,9 +204,7 @@ def covariance(jacobian: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.pinv(columns.T @ columns, hermitian=True) * np.outer(scale, scale))
 
 
-def solve(
-    problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations: int
-) -> tuple[FloatArray, str]:
+def solve(problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations: int) -> tuple[FloatArray, str]:
     """Run least_squares, restarting where the pairing changes the number of residuals."""
     x = problem.start
     for _ in range(5):
@@ -215,7 +213,7 @@ def solve(
         def fun(point: FloatArray, shape: int = shape) -> FloatArray:
             values = problem.fun(point)
             if len(values) != shape:
-                raise _Repaired(point)
+                raise RepairedError(point)
             return values
 
         try:
@@ -233,7 +231,7 @@ def solve(
                 xtol=1e-9,
                 gtol=1e-10,
             )
-        except _Repaired as change:
+        except RepairedError as change:
             x = change.x
             continue
         return np.asarray(found.x), str(found.message)

@@ -1,0 +1,157 @@
+"""The reduced modal basis: plain arrays in a file, the only thing handed on to contact.
+
+    q'' + 2 zeta omega q' + omega^2 q = rows^T lam,    u = rows q + S lam
+
+with mass-normalised modes, u the interface displacements by channel and S the static compliance of all that
+is not kept.
+"""
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from casingfem.arrays import FloatArray, frozen
+
+FORMAT = "casingfem-modal-basis-1"
+
+
+class BasisError(ValueError):
+    """A modal basis, or a file said to hold one, that is not in order."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModalBasis:
+    """A reduced body seen from its interface.
+
+    Attributes
+    ----------
+    omega, zeta
+        Angular frequencies [rad/s] and damping ratios, (modes,).
+    channels
+        Names of the interface displacements, (channels,).
+    rows
+        Interface displacement of each mode, (channels, modes).
+    S
+        Residual compliance [m/N], (channels, channels), symmetric.
+    kind
+        "rim": Fourier amplitudes around an edge; "point": displacements of one place.
+    n_max, radius
+        Of a rim: highest harmonic and mean radius [m].
+    recovery, recovery_S, recovery_points
+        Displacements elsewhere, u = recovery q + recovery_S lam: (3 points, modes), (3 points, channels),
+        (points, 3); empty unless asked for.
+    provenance
+        Where it comes from: method, versions, hash of the matrices.
+    """
+
+    omega: FloatArray
+    zeta: FloatArray
+    channels: tuple[str, ...]
+    rows: FloatArray
+    S: FloatArray
+    kind: str
+    n_max: int = 0
+    radius: float = 0.0
+    recovery: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    recovery_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    recovery_points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    provenance: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        modes, channels = len(self.omega), len(self.channels)
+        shapes = {"zeta": (modes,), "rows": (channels, modes), "S": (channels, channels)}
+        for name, shape in shapes.items():
+            if getattr(self, name).shape != shape:
+                raise BasisError(f"{name} must have shape {shape}, found {getattr(self, name).shape}")
+        for name in ("omega", "zeta", "rows", "S"):
+            if not np.all(np.isfinite(getattr(self, name))):
+                raise BasisError(f"{name} holds values that are not finite")
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        if self.kind not in ("rim", "point"):
+            raise BasisError(f'kind must be "rim" or "point", found {self.kind!r}')
+
+    def __len__(self) -> int:
+        """Return the number of modes."""
+        return len(self.omega)
+
+    @property
+    def freq(self) -> FloatArray:
+        """Frequencies [Hz]."""
+        return self.omega / (2.0 * np.pi)
+
+    @property
+    def compliance(self) -> FloatArray:
+        """Static compliance of the interface [m/N]: rows diag(1/omega^2) rows^T + S."""
+        return np.asarray((self.rows / self.omega**2) @ self.rows.T + self.S)
+
+    def save(self, path: str | Path) -> Path:
+        """Write an npz without pickle, to a temporary name first; returns the path."""
+        target = Path(path)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        waiting = target.with_name(f".{target.name}.part")
+        with waiting.open("wb") as stream:
+            np.savez(
+                stream,
+                format=np.array(FORMAT),
+                omega=self.omega,
+                zeta=self.zeta,
+                channels=np.array(self.channels),
+                rows=self.rows,
+                S=self.S,
+                kind=np.array(self.kind),
+                n_max=np.array(self.n_max),
+                radius=np.array(self.radius),
+                recovery=self.recovery,
+                recovery_S=self.recovery_S,
+                recovery_points=self.recovery_points,
+                provenance=np.array(json.dumps(self.provenance, sort_keys=True)),
+            )
+        os.replace(waiting, target)
+        return target
+
+    @classmethod
+    def load(cls, path: str | Path) -> "ModalBasis":
+        """Read a file written by `save`.
+
+        Raises
+        ------
+        BasisError
+            If the file is missing, is no modal basis, or lacks an array.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                data = {name: stored[name] for name in stored.files}
+        except (OSError, ValueError) as error:
+            raise BasisError(f"{path}: not a readable npz file ({error})") from error
+        if str(data.get("format")) != FORMAT:
+            raise BasisError(f"{path}: expected format {FORMAT!r}, found {str(data.get('format'))!r}")
+        missing = {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys()
+        if missing:
+            raise BasisError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
+        extra = {name: data[name] for name in ("recovery", "recovery_S", "recovery_points") if name in data}
+        return cls(
+            omega=data["omega"],
+            zeta=data["zeta"],
+            channels=tuple(str(name) for name in data["channels"]),
+            rows=data["rows"],
+            S=data["S"],
+            kind=str(data["kind"]),
+            n_max=int(data.get("n_max", 0)),
+            radius=float(data.get("radius", 0.0)),
+            provenance=json.loads(str(data.get("provenance", "{}"))),
+            **extra,
+        )
+
+    def __repr__(self) -> str:
+        """One line: modes, band, channels, the part of the compliance that S carries."""
+        if len(self) == 0:
+            return f"ModalBasis({self.kind}, no modes, {len(self.channels)} channels)"
+        share = np.trace(self.S) / np.trace(self.compliance)
+        return (
+            f"ModalBasis({self.kind}, {len(self)} modes {self.freq[0]:.1f}-{self.freq[-1]:.1f} Hz, "
+            f"{len(self.channels)} channels, S carries {100.0 * share:.1f} % of the static compliance)"
+        )

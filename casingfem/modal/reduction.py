@@ -1,0 +1,164 @@
+"""Reduction of a shell to a modal basis seen from its interface.
+
+Free modes with residual compliance (MacNeal, Computers & Structures 1, 1971, 581): the modes of the supported
+shell, and S = P^T K^-1 P - (P^T Phi) Lambda^-1 (Phi^T P) for all that they leave out, P the interface's load
+columns. Craig-Bampton (AIAA J. 6, 1968, 1313): static shapes of unit interface displacements and the modes of
+the shell held there, diagonalised; exact in statics with S = 0, but the interface then carries mass. Both answer a
+static push at the interface exactly as the full model does.
+"""
+
+import hashlib
+from importlib.metadata import PackageNotFoundError, version
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, eigh
+from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh
+
+from casingfem.arrays import Array, FloatArray
+from casingfem.modal.basis import ModalBasis
+from casingfem.modal.eigen import START_SEED, factorise
+from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
+from casingfem.modal.modes import modes as lowest_modes
+from casingfem.structure.assembly import System, assemble
+from casingfem.structure.kinematics import DOFS
+from casingfem.structure.shell import Shell
+
+METHODS = ("free", "craig-bampton")
+
+
+def reduce(
+    structure: Shell,
+    interface: Rim | Tip,
+    *,
+    modes: int = 40,
+    method: str = "free",
+    zeta: float = 0.0,
+    recovery: bool = False,
+    system: System | None = None,
+) -> ModalBasis:
+    """Reduce a supported shell to `modes` modes seen from an interface.
+
+    Parameters
+    ----------
+    structure
+        The shell, supported.
+    interface
+        `Rim` of a casing or `Tip` of a blade.
+    modes
+        Free modes kept, or fixed-interface modes beside the static shapes.
+    method
+        "free" (with residual compliance) or "craig-bampton".
+    zeta
+        Damping ratio given to every mode.
+    recovery
+        Also store what recovers all displacements of the shell.
+    system
+        The assembled shell, if there is one already.
+
+    Raises
+    ------
+    ValueError
+        Unknown method, negative damping, an interface the shell does not have, or rigid motions.
+    EigenError
+        If the stiffness is singular.
+    """
+    if method not in METHODS:
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, found {method!r}")
+    if not 0.0 <= zeta < 1.0:
+        raise ValueError(f"zeta must lie in [0, 1), found {zeta!r}")
+    if not any(structure.supports.values()):
+        raise ValueError("an unsupported shell has rigid motions: support it before reducing")
+    system = system or assemble(structure)
+    rows, channels = rim_rows(system, interface) if isinstance(interface, Rim) else tip_rows(system, interface)
+    P = load_columns(system, rows)
+    factor = factorise(system.K)
+    attachment = factor.solve(P)
+    vectors, omega = (free_vectors if method == "free" else craig_bampton_vectors)(
+        system, factor, P, attachment, modes
+    )
+    at_interface = P.T @ vectors
+    S = np.zeros((len(channels), len(channels)))
+    if method == "free":
+        S = P.T @ attachment - (at_interface / omega**2) @ at_interface.T
+        S = 0.5 * (S + S.T)
+    stored: dict[str, Array] = {}
+    if recovery:
+        left = attachment - (vectors / omega**2) @ at_interface.T
+        stored = {
+            "recovery": system.expand(vectors)[:, :3].reshape(-1, len(omega)),
+            "recovery_S": system.expand(left)[:, :3].reshape(-1, len(channels)),
+            "recovery_points": system.points,
+        }
+    return ModalBasis(
+        omega=omega,
+        zeta=np.full(len(omega), zeta),
+        channels=channels,
+        rows=at_interface,
+        S=S,
+        kind="rim" if isinstance(interface, Rim) else "point",
+        n_max=interface.n_max if isinstance(interface, Rim) else 0,
+        radius=rim_radius(system, interface) if isinstance(interface, Rim) else 0.0,
+        provenance=provenance(system, method, modes),
+        **stored,
+    )
+
+
+def load_columns(system: System, rows: FloatArray) -> FloatArray:
+    """Interface rows over nodal fields -> load columns on the free dofs, (free, channels)."""
+    return np.asarray(system.restrict(rows.T.reshape(-1, DOFS, len(rows))))
+
+
+def rim_radius(system: System, rim: Rim) -> float:
+    """Mean radius of a rim [m]."""
+    return float(np.linalg.norm(system.points[system.grid.edges[rim.edge].nodes, :2], axis=1).mean())
+
+
+def free_vectors(
+    system: System, factor: SuperLU, P: FloatArray, attachment: FloatArray, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Mass-normalised modes of the supported shell on its free dofs, and their omega."""
+    found = lowest_modes(system.shell, count, method="shell", system=system)
+    if found.rigid:
+        raise ValueError(f"the shell has {found.rigid} rigid motions: support it before reducing")
+    turned = found.fields.copy()
+    turned[:, :3] = np.einsum("nji,njk->nik", system.frames, found.fields[:, :3])
+    return turned.reshape(-1, len(found))[system.free], found.omega
+
+
+def craig_bampton_vectors(
+    system: System, factor: SuperLU, P: FloatArray, attachment: FloatArray, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Diagonalised Craig-Bampton basis: static interface shapes and `count` fixed-interface modes.
+
+    The inverse of K under P^T u = 0 is K^-1 - K^-1 P (P^T K^-1 P)^-1 P^T K^-1; its largest eigenvalues are the
+    fixed-interface modes, so one factorisation serves both parts.
+    """
+    compliance = P.T @ attachment
+    held = cho_factor(0.5 * (compliance + compliance.T))
+    root = np.sqrt(system.mass)
+
+    def constrained(x: FloatArray) -> FloatArray:
+        loaded = root * np.ravel(x)
+        return np.asarray(root * (factor.solve(loaded) - attachment @ cho_solve(held, attachment.T @ loaded)))
+
+    start = constrained(np.random.default_rng(START_SEED).standard_normal(system.size))
+    operator = LinearOperator((system.size, system.size), matvec=constrained, dtype=float)
+    _, inner = eigsh(operator, count, which="LM", v0=start)
+    static = cho_solve(held, attachment.T).T
+    V = np.hstack([static, inner / root[:, None]])
+    V /= np.sqrt(np.einsum("ij,i,ij->j", V, system.mass, V))
+    K, M = V.T @ (system.K @ V), V.T @ (system.mass[:, None] * V)
+    values, turn = eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
+    return V @ turn, np.sqrt(values)
+
+
+def provenance(system: System, method: str, count: int) -> dict[str, object]:
+    """Method, package versions, and a hash of the matrices the basis was made from."""
+    digest = hashlib.sha256(system.K.data.tobytes() + system.mass.tobytes()).hexdigest()
+    versions = {}
+    for package in ("casingfem", "numpy", "scipy", "scikit-fem"):
+        try:
+            versions[package] = version(package)
+        except PackageNotFoundError:
+            versions[package] = "not installed"
+    return {"method": method, "modes": count, "dofs": system.size, "matrices": digest, "versions": versions}
