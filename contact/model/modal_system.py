@@ -36,6 +36,12 @@ class RowTable:
         Q, T = total[:, self.start[1:]] - total[:, self.start[:-1]]
         return Q, T
 
+    def by_harmonic(self, values: Array) -> Array:
+        """One of the columns as a full table, (highest harmonic + 1, m)."""
+        full = np.zeros((int(self.harmonic.max(initial=0)) + 1, self.start.size - 1))
+        full[self.harmonic, np.repeat(np.arange(self.start.size - 1), np.diff(self.start))] = values
+        return full
+
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class ModalSystem:

@@ -21,15 +21,26 @@ class Terms(NamedTuple):
     sin: Array
 
 
-class RimRows(NamedTuple):
-    """Row table of the modes, polynomials of clearance and compliance, and the speeds of the rim."""
+class RowEntries(NamedTuple):
+    """Rows of all modes: mode-major entries (`start`, `harmonic`, `cos`, `sin`), or full tables by harmonic.
+
+    `cos_table`, `sin_table` (harmonics, m) are empty when few entries matter (a nearly perfect casing); when
+    they are given they are used instead, because the loop over modes is then contiguous.
+    """
 
     start: Indices
     harmonic: Indices
-    q_cos: Array
-    q_sin: Array
-    t_cos: Array
-    t_sin: Array
+    cos: Array
+    sin: Array
+    cos_table: Array
+    sin_table: Array
+
+
+class RimRows(NamedTuple):
+    """Rows of the modes, polynomials of clearance and compliance, the speeds of the rim, and work space."""
+
+    normal: RowEntries
+    tangent: RowEntries
     clearance: Terms
     S_nn: Terms
     S_nt: Terms
@@ -38,38 +49,46 @@ class RimRows(NamedTuple):
     speed: float
     surface: float  # R Omega
     mu: float
-    cosines: Array  # cos n phi, n = 0 .. highest harmonic in use
-    sines: Array
+    waves: Array  # (2, highest harmonic + 1): cos n phi, sin n phi
+    waves_next: Array
 
 
 @jit
-def turn(rows: RimRows, phi: float) -> None:
+def turn(waves: Array, phi: float) -> None:
     """Cos n phi and sin n phi from one sine and cosine by the addition theorem: no drift over steps."""
     c, s = math.cos(phi), math.sin(phi)
-    rows.cosines[0], rows.sines[0] = 1.0, 0.0
-    for n in range(1, rows.cosines.size):
-        rows.cosines[n] = c * rows.cosines[n - 1] - s * rows.sines[n - 1]
-        rows.sines[n] = s * rows.cosines[n - 1] + c * rows.sines[n - 1]
+    waves[0, 0], waves[1, 0] = 1.0, 0.0
+    for n in range(1, waves.shape[1]):
+        waves[0, n] = c * waves[0, n - 1] - s * waves[1, n - 1]
+        waves[1, n] = s * waves[0, n - 1] + c * waves[1, n - 1]
 
 
 @jit
-def polynomial(rows: RimRows, terms: Terms) -> float:
-    """Value at the present angle."""
+def polynomial(terms: Terms, waves: Array) -> float:
+    """Value at the angle of `waves`."""
     total = 0.0
     for j in range(terms.harmonic.size):
         n = terms.harmonic[j]
-        total += terms.cos[j] * rows.cosines[n] + terms.sin[j] * rows.sines[n]
+        total += terms.cos[j] * waves[0, n] + terms.sin[j] * waves[1, n]
     return total
 
 
 @jit
-def fill(rows: RimRows, cos: Array, sin: Array, row: Array) -> None:
-    """Rows of all modes at the present angle."""
+def fill(entries: RowEntries, waves: Array, row: Array) -> None:
+    """Rows of all modes at the angle of `waves`."""
+    if entries.cos_table.size > 0:
+        row[:] = 0.0
+        for n in range(entries.cos_table.shape[0]):
+            c, s = waves[0, n], waves[1, n]
+            cos, sin = entries.cos_table[n], entries.sin_table[n]
+            for i in range(row.size):
+                row[i] += c * cos[i] + s * sin[i]
+        return
     for i in range(row.size):
         total = 0.0
-        for j in range(rows.start[i], rows.start[i + 1]):
-            n = rows.harmonic[j]
-            total += cos[j] * rows.cosines[n] + sin[j] * rows.sines[n]
+        for j in range(entries.start[i], entries.start[i + 1]):
+            n = entries.harmonic[j]
+            total += entries.cos[j] * waves[0, n] + entries.sin[j] * waves[1, n]
         row[i] = total
 
 
@@ -92,22 +111,22 @@ def advance_rim(
     m = s.q.size
     rubs = rows.mu > 0.0
     now, last = s.memory[0], s.memory[1]
-    turn(rows, rows.angle - rows.speed * first * h)
-    fill(rows, rows.q_cos, rows.q_sin, Q)
-    if rubs:
-        fill(rows, rows.t_cos, rows.t_sin, T)
-    S_nn, S_nt = polynomial(rows, rows.S_nn), polynomial(rows, rows.S_nt)
+    waves, ahead = rows.waves, rows.waves_next
+    turn(waves, rows.angle - rows.speed * first * h)
+    fill(rows.normal, waves, Q)
+    S_nn, S_nt = polynomial(rows.S_nn, waves), polynomial(rows.S_nt, waves)
     S_last = s.memory[4]
     for step in range(first, first + steps):
         store_state(sums, out, step, step * h, s.q)
         old, new = new, old
-        turn(rows, rows.angle - rows.speed * (step + 1) * h)
-        fill(rows, rows.q_cos, rows.q_sin, Q_next)
-        free = polynomial(rows, rows.clearance) + free_gap(s, Q_next, old, new)
+        turn(ahead, rows.angle - rows.speed * (step + 1) * h)
+        fill(rows.normal, ahead, Q_next)
+        free = polynomial(rows.clearance, ahead) + free_gap(s, Q_next, old, new)
         test = 0.25 * (free + 2.0 * now + last) if averaged else free
         force, scale, pull, H = 0.0, 1.0, 0.0, 0.0
         if not test >= 0.0:
             if rubs:
+                fill(rows.tangent, waves, T)
                 slide = rows.surface + dot(T, old) / h
                 pull = rows.mu if slide > 0.0 else (-rows.mu if slide < 0.0 else 0.0)
                 if slide * rows.surface < 0.0:
@@ -150,11 +169,10 @@ def advance_rim(
         last, now = now, free + H * force
         store(sums, out, step, step * h, s.force, s.gap)
         Q, Q_next = Q_next, Q
-        if rubs:
-            fill(rows, rows.t_cos, rows.t_sin, T)
+        waves, ahead = ahead, waves
         if rows.S_turns:
             S_last = S_nn - pull * S_nt
-            S_nn, S_nt = polynomial(rows, rows.S_nn), polynomial(rows, rows.S_nt)
+            S_nn, S_nt = polynomial(rows.S_nn, waves), polynomial(rows.S_nt, waves)
     s.memory[0], s.memory[1], s.memory[4] = now, last, S_last
     if steps % 2 == 1:  # the two buffers changed places an odd number of times
         for i in range(m):

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from contact.scheme.loop_modal import ModalState
     from contact.scheme.loop_rim import RimRows
 
+FULL = 0.15  # share of entries above which full tables are faster (they vectorise)
+
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
 
 
@@ -147,20 +149,25 @@ def _rim_loop(system: ModalSystem, h: float, averaged: bool, damped: bool, mu: f
 
 
 def _rim_rows(system: ModalSystem, mu: float) -> RimRows:
-    from contact.scheme.loop_rim import RimRows, Terms
+    from contact.scheme.loop_rim import RimRows, RowEntries, Terms
 
     def terms(p: Trig) -> Terms:
         return Terms(p.harmonic, p.cos, p.sin)
 
     table = system.table
     assert table is not None
-    degree = max(
-        system.clearance.degree, system.S_nn.degree, system.S_nt.degree, int(table.harmonic.max(initial=0))
-    )
+    top = int(table.harmonic.max(initial=0))
+    full = table.harmonic.size > FULL * (top + 1) * system.omega.size
+
+    def entries(cos: Array, sin: Array) -> RowEntries:
+        tables = [table.by_harmonic(values) if full else np.zeros((0, 0)) for values in (cos, sin)]
+        return RowEntries(table.start, table.harmonic, cos, sin, *tables)
+
+    degree = max(top, system.clearance.degree, system.S_nn.degree, system.S_nt.degree)
     return RimRows(
-        start=table.start, harmonic=table.harmonic, q_cos=table.q_cos, q_sin=table.q_sin, t_cos=table.t_cos,
-        t_sin=table.t_sin, clearance=terms(system.clearance),
-        S_nn=terms(system.S_nn), S_nt=terms(system.S_nt),
+        normal=entries(table.q_cos, table.q_sin), tangent=entries(table.t_cos, table.t_sin),
+        clearance=terms(system.clearance), S_nn=terms(system.S_nn), S_nt=terms(system.S_nt),
         S_turns=max(system.S_nn.degree, system.S_nt.degree) > 0, angle=system.angle, speed=system.speed,
-        surface=system.radius * system.speed, mu=mu, cosines=np.zeros(degree + 1), sines=np.zeros(degree + 1),
+        surface=system.radius * system.speed, mu=mu, waves=np.zeros((2, degree + 1)),
+        waves_next=np.zeros((2, degree + 1)),
     )  # fmt: skip
