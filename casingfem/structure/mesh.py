@@ -37,7 +37,7 @@ class ShellMesh:
                 raise ValueError(f"mesh.rows must be at least 1, found {self.rows}")
         else:
             breaks = np.asarray(self.rows, dtype=float)
-            if len(breaks) < 2 or breaks[0] != 0.0 or breaks[-1] != 1.0 or np.any(np.diff(breaks) <= 0.0):
+            if len(breaks) < 2 or breaks[0] != 0.0 or breaks[-1] != 1.0 or not np.all(np.diff(breaks) > 0.0):
                 raise ValueError(f"mesh.rows must increase from 0 to 1, found {self.rows}")
 
     @property
