@@ -1,0 +1,122 @@
+"""The Shell value: what it refuses, when it is axisymmetric, the mesh it chooses."""
+
+from dataclasses import FrozenInstanceError
+
+import numpy as np
+import pytest
+
+from casingfem.structure.chart import Cylinder, Panel, Plate
+from casingfem.structure.field import FieldValues, FourierField
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell, finest_harmonic
+from casingfem.structure.support import Circumferential, Clamped, ElasticEdge
+
+PATTERN = Circumferential(harmonics=((4, 0.2, 0.0),))
+
+
+@pytest.mark.parametrize("value", [0.0, -3e-3, np.nan, np.inf])
+def test_refuses_a_thickness_that_is_none(frustum, value):
+    with pytest.raises(ValueError, match=r"shell\.thickness must be positive"):
+        frustum(thickness=value)
+
+
+def test_refuses_a_shear_correction_that_is_none(frustum):
+    with pytest.raises(ValueError, match=r"shell\.shear_correction"):
+        frustum(shear_correction=0.0)
+
+
+def test_names_the_edges_there_are(frustum):
+    with pytest.raises(ValueError, match="no edge 'tip'; it has base, top"):
+        frustum(supports={"tip": Clamped()})
+
+
+def test_refuses_a_support_of_another_kind(frustum):
+    with pytest.raises(ValueError, match=r"support\.base: expected .* found str"):
+        frustum(supports={"base": "clamped"})
+
+
+@pytest.mark.parametrize("name", ["radius_defect", "thickness_defect"])
+def test_refuses_a_field_that_eats_the_shell(frustum, name):
+    with pytest.raises(ValueError, match=f"{name}: the field reaches -0.95"):
+        frustum(**{name: FourierField.of({3: 0.95})})
+
+
+class NotFinite:
+    def derivatives(self, z, theta):
+        value = np.full(np.broadcast(z, theta).shape, np.nan)
+        return FieldValues(*[value] * 6)
+
+    def rotated(self, angle):
+        return self
+
+
+def test_refuses_a_field_that_is_not_finite(frustum):
+    with pytest.raises(ValueError, match="radius_defect: the field is not finite"):
+        frustum(radius_defect=NotFinite(), mesh=ShellMesh())
+
+
+def test_is_a_value(frustum):
+    shell, supports = frustum(), {"base": Clamped()}
+    with pytest.raises(FrozenInstanceError):
+        shell.thickness = 1.0
+    kept = frustum(supports=supports)
+    supports.clear()
+    assert list(kept.supports) == ["base"]
+    with pytest.raises(TypeError):
+        kept.supports["top"] = Clamped()
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({}, True),
+        ({"supports": {}}, True),
+        ({"supports": {"base": ElasticEdge(k_r=1e6)}}, True),
+        ({"supports": {"base": ElasticEdge(k_r=1e6, around=PATTERN)}}, False),
+        ({"radius_defect": FourierField.of({3: 0.001})}, False),
+        ({"thickness_defect": FourierField.of({3: 0.001})}, False),
+        ({"chart": Panel(radius=0.5, length=0.3, angle=1.0), "supports": {}}, False),
+    ],
+)
+def test_axisymmetric_means_nothing_varies_around(frustum, changes, expected):
+    assert frustum(**changes).axisymmetric is expected
+
+
+def test_thickness_field_is_relative(frustum):
+    shell = frustum(thickness_defect=FourierField.of({4: 0.1}))
+    theta = np.linspace(0, 6, 9)
+    t = shell.geometry(np.full(9, 0.1), theta).thickness
+    np.testing.assert_allclose(t, 3e-3 * (1 + 0.1 * np.cos(4 * theta)), rtol=1e-14)
+
+
+def test_default_mesh_is_odd_around_and_finer_for_finer_fields(frustum):
+    plain, wavy = frustum().mesh, frustum(radius_defect=FourierField.of({24: 0.001})).mesh
+    assert plain.around % 2 == wavy.around % 2 == 1
+    assert wavy.around * wavy.order >= 14 * 24
+    assert wavy.around > plain.around
+
+
+def test_default_mesh_grades_free_edges_only(frustum):
+    assert frustum().mesh.rows == (0.0, 0.97, 1.0)
+    assert frustum(supports={}).mesh.rows == (0.0, 0.03, 0.97, 1.0)
+    assert frustum(supports={"base": Clamped(), "top": Clamped()}).mesh.rows == (0.0, 1.0)
+
+
+def test_default_mesh_of_a_plate_follows_its_shape(steel):
+    wide = Shell(chart=Plate(length=0.2, width=0.8), thickness=0.01, material=steel).mesh
+    assert (wide.rows, wide.around) == (2, 8)
+
+
+def test_the_finest_harmonic_leaves_small_ones_aside(frustum):
+    shell = frustum()
+    assert finest_harmonic(shell, FourierField.of({3: 0.01, 16: 0.001})) == 16
+    assert finest_harmonic(shell, FourierField.of({3: 0.01, 16: 0.0001})) == 3
+    assert finest_harmonic(shell, None) == 0
+    assert finest_harmonic(shell, FourierField.of({})) == 0
+
+
+def test_a_thin_casing_gets_more_elements(steel):
+    def around(t):
+        return Shell(chart=Cylinder(radius=0.5, height=0.3), thickness=t, material=steel).mesh.around
+
+    assert around(1e-4) > around(1e-3) >= around(5e-3)

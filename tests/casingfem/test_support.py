@@ -1,0 +1,135 @@
+"""Supports: what is held, how springs vary around an edge, refusals; and what they do to a shell."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casingfem.modal.eigen import solve_modes
+from casingfem.structure.assembly import assemble, held_dofs
+from casingfem.structure.chart import Cylinder, Plate
+from casingfem.structure.mesh import ShellMesh, make_grid
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm
+
+
+def frequencies(shell, count=8):
+    system = assemble(shell)
+    return np.sqrt(np.maximum(solve_modes(system.K, system.mass, count, shift=-1e3).eigenvalues[:count], 0.0))
+
+
+def test_pattern_is_one_plus_its_harmonics():
+    theta = np.linspace(0, 6, 13)
+    pattern = Circumferential(harmonics=((4, 0.3, -0.1), (8, 0.0, 0.2)))
+    expected = 1 + 0.3 * np.cos(4 * theta) - 0.1 * np.sin(4 * theta) + 0.2 * np.sin(8 * theta)
+    np.testing.assert_allclose(pattern(theta), expected, rtol=1e-14)
+    assert pattern.coefficient(4, "sin") == -0.1
+    assert pattern.coefficient(5, "cos") == 0.0
+
+
+def test_pattern_with_one_coefficient_replaced_keeps_the_rest():
+    pattern = Circumferential(harmonics=((4, 0.3, -0.1), (8, 0.0, 0.2))).with_coefficient(4, "cos", 0.5)
+    values = [pattern.coefficient(p, part) for p in (4, 8) for part in ("cos", "sin")]
+    assert values == [0.5, -0.1, 0.0, 0.2]
+    assert pattern.with_coefficient(2, "sin", 0.1).coefficient(2, "sin") == 0.1
+
+
+def test_line_springs_act_along_their_directions():
+    edge = ElasticEdge(
+        k_r=1.0, k_theta=2.0, k_z=3.0, k_rot=4.0, around=Circumferential(harmonics=((2, 0.5, 0.0),))
+    )
+    theta = np.array([0.0, 0.4, 2.0])
+    d = Cylinder(radius=1.0, height=1.0).directions(np.zeros(3), theta)
+    blocks, rotation = edge.line_stiffness(d, theta, np.full(3, 0.01))
+    factor = 1 + 0.5 * np.cos(2 * theta)
+    for k, stiffness in enumerate((1.0, 2.0, 3.0)):
+        felt = np.einsum("ip,pij,jp->p", d[k], blocks, d[k])
+        np.testing.assert_allclose(felt, stiffness * factor, rtol=1e-14)
+    np.testing.assert_allclose(rotation, 4.0 * factor, rtol=1e-14)
+
+
+def test_face_foundation_is_felt_over_the_thickness():
+    t, theta = np.array([0.01, 0.02]), np.zeros(2)
+    d = Cylinder(radius=1.0, height=1.0).directions(np.zeros(2), theta)
+    blocks, rotation = ElasticEdge(k_face=5e12).line_stiffness(d, theta, t)
+    np.testing.assert_allclose(blocks, 5e12 * t[:, None, None] * np.eye(3), rtol=1e-14)
+    np.testing.assert_allclose(rotation, 5e12 * t**3 / 12, rtol=1e-14)
+
+
+def test_energy_of_the_springs_in_a_translation(frustum, coarse):
+    """A translation of 1 m across strains nothing but the springs: pi R (k_r + k_theta) + 2 pi R t k_face."""
+    springs = ElasticEdge(k_r=2e6, k_theta=1e6, k_z=7e6, k_rot=3e3, k_face=1e8)
+    system = assemble(frustum(supports={"base": springs}, mesh=coarse))
+    fields = np.zeros((len(system.frames), 5, 2))
+    fields[:, 0, 0] = fields[:, 2, 1] = 1.0
+    vectors = system.restrict(fields)  # nothing is turned here: forces and motions alike
+    energy = vectors.T @ (system.K @ vectors)
+    face = 2 * np.pi * 0.5 * 3e-3 * 1e8
+    np.testing.assert_allclose(
+        energy, np.diag([np.pi * 0.5 * 3e6 + face, 2 * np.pi * 0.5 * 7e6 + face]), rtol=1e-6, atol=1.0
+    )
+
+
+def test_stiff_springs_approach_the_clamp_from_below(frustum):
+    coarse = ShellMesh(order=5, rows=1, around=7)
+    clamped = frequencies(frustum(mesh=coarse), count=4)
+    last = np.zeros_like(clamped)
+    for k in (1e10, 1e13, 1e17):
+        now = frequencies(frustum(supports={"base": ElasticEdge(k_face=k)}, mesh=coarse), count=4)
+        assert np.all(now > last)
+        last = now
+    assert np.all(last < clamped)
+    np.testing.assert_allclose(last, clamped, rtol=1e-4)
+
+
+def test_shear_diaphragm_holds_its_own_plane(steel):
+    shell = Shell(
+        chart=Cylinder(radius=0.5, height=0.4),
+        thickness=5e-3,
+        material=steel,
+        supports={"base": ShearDiaphragm()},
+        mesh=ShellMesh(order=4, rows=1, around=5),
+    )
+    system = assemble(shell)
+    fields = system.expand(np.random.default_rng(11).normal(size=(system.size, 3)))
+    edge = system.grid.edges["base"].nodes
+    assert np.abs(fields[edge, :2]).max() < 1e-15  # radial and hoop
+    assert np.abs(fields[edge, 4]).max() == 0.0
+    assert np.abs(fields[edge, 2]).min() > 0.0
+    assert np.abs(fields[edge, 3]).min() > 0.0
+
+
+def test_where_edges_meet_the_stricter_one_holds(steel):
+    shell = Shell(
+        chart=Plate(length=1.0, width=1.0),
+        thickness=0.01,
+        material=steel,
+        supports={"root": Clamped(), "left": ShearDiaphragm()},
+        mesh=ShellMesh(order=3, rows=1, around=1),
+    )
+    grid = make_grid(shell.chart, shell.mesh)
+    free, _ = held_dofs(shell, grid)
+    corner = np.intersect1d(grid.edges["root"].nodes, grid.edges["left"].nodes)
+    assert not np.any(np.isin(free // 5, corner))
+    assert len(free) == 5 * 16 - 4 * 5 - 3 * 3
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({}, "at least one"),
+        ({"k_r": -1.0}, r"support\.k_r must be finite"),
+        ({"k_face": float("nan")}, r"support\.k_face must be finite"),
+        ({"k_rot": float("inf")}, r"support\.k_rot must be finite"),
+        ({"k_r": 1.0, "around": Circumferential(harmonics=((4, 0.8, 0.7),))}, "negative"),
+    ],
+)
+def test_refuses_springs_that_are_none(values, message):
+    with pytest.raises(ValueError, match=message):
+        ElasticEdge(**values)
+
+
+def test_an_edge_without_springs_for_a_motion_leaves_it_free(frustum, coarse):
+    axial_only = frequencies(frustum(supports={"base": ElasticEdge(k_z=1e12)}, mesh=coarse), count=3)
+    assert np.all(axial_only < 1.0)  # two translations and the turn about the axis
+    assert replace(ElasticEdge(k_z=1.0), k_r=2.0).k_r == 2.0
