@@ -1,0 +1,26 @@
+"""The command line: `casingfem COMMAND FILE`. The only place that knows both packages."""
+
+import click
+
+from casingfem.cli.contact import contact, rub
+from casingfem.cli.doctor import doctor
+from casingfem.cli.study import modes, reduce, report, schema, update
+
+__all__ = ["main"]
+
+
+@click.group(
+    name="casingfem",
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Exit codes: 0 done, 2 bad input, 3 the numerics failed.",
+)
+@click.version_option(package_name="casingfem", prog_name="casingfem")
+def main() -> None:
+    """Modes, updating, reduction and rubbing of casings and blades with imperfections.
+
+    STUDY and SCENE are TOML files; `casingfem schema` lists their keys.
+    """
+
+
+for command in (modes, update, reduce, contact, rub, report, schema, doctor):
+    main.add_command(command)

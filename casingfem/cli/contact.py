@@ -1,0 +1,41 @@
+"""Commands on scene.toml: contact and rub."""
+
+from pathlib import Path
+
+import click
+
+from casingfem.cli.running import Working, deliver, options
+from casingfem.outfiles import Content, json_text
+
+SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
+
+
+@click.command()
+@SCENE
+@options
+def contact(file: Path, as_json: bool, out: Path | None) -> None:
+    """Run SCENE: rods, masses and walls, or a rim against a blade."""
+    run_scene(file, "contact", as_json, out)
+
+
+@click.command()
+@SCENE
+@options
+def rub(file: Path, as_json: bool, out: Path | None) -> None:
+    """Run SCENE: a rotating casing rim against a fixed blade."""
+    run_scene(file, "rub", as_json, out)
+
+
+def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None:
+    """Load, run, deliver."""
+    from contact import RotatingRim, SceneError, load_scene
+    from contact import run as run_contact
+
+    scene = load_scene(file)
+    if command == "rub" and not isinstance(scene.what, RotatingRim):
+        raise SceneError([f"{file}: scene.kind: found 'rods', expected 'rim' (casingfem contact runs rods)"])
+    with Working(f"{command} {file.name}") as working:
+        result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
+    document = result.to_dict()
+    files: dict[str, Content] = {f"{command}.npz": result.save, f"{command}.json": json_text(document)}
+    deliver(document, repr(result), as_json=as_json, out=out, files=files)

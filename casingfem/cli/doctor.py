@@ -1,0 +1,84 @@
+"""`casingfem doctor`: what this installation runs on."""
+
+import os
+import platform
+import time
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import click
+
+from casingfem.cli.running import deliver, options
+from casingfem.outfiles import json_text
+
+PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem", "numba", "pydantic", "pandas", "matplotlib", "jinja2")
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+@click.command()
+@options
+def doctor(as_json: bool, out: Path | None) -> None:
+    """Versions, cores, BLAS and its threads, and whether numba compiles."""
+    document: dict[str, object] = {
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "versions": {name: installed(name) for name in PACKAGES},
+        "cores": {"machine": os.cpu_count(), "usable": usable_cores()},
+        "blas": blas(),
+        "threads": {name: os.environ.get(name) for name in THREADS},
+        "numba": numba_compiles(),
+    }
+    deliver(document, text(document), as_json=as_json, out=out, files={"doctor.json": json_text(document)})
+
+
+def installed(name: str) -> str | None:
+    """Version of a package, None if it is not there."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None
+
+
+def usable_cores() -> int | None:
+    """Cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+
+
+def blas() -> str:
+    """Name and version of numpy's BLAS."""
+    import numpy as np
+
+    config: Any = np.show_config(mode="dicts")  # type: ignore[func-returns-value]
+    found = config.get("Build Dependencies", {}).get("blas", {})
+    return f"{found.get('name', 'unknown')} {found.get('version', '')}".strip()
+
+
+def numba_compiles() -> dict[str, object]:
+    """Compile and call a small loop."""
+    started = time.perf_counter()
+    try:
+        from numba import njit
+
+        def total(n: int) -> float:
+            sum_ = 0.0
+            for k in range(n):
+                sum_ += k
+            return sum_
+
+        compiled: Any = njit(total)
+        right = compiled(5) == 10.0
+    except Exception as error:  # whatever a broken compiler raises is the finding
+        return {"compiles": False, "why": f"{type(error).__name__}: {error}"}
+    return {"compiles": right, "seconds": time.perf_counter() - started}
+
+
+def text(document: dict[str, object]) -> str:
+    """The findings, one a line."""
+    lines = []
+    for key, value in document.items():
+        if isinstance(value, dict):
+            lines += [f"{key + '.' + str(name):<30} {'-' if v is None else v}" for name, v in value.items()]
+        else:
+            lines.append(f"{key:<30} {value}")
+    return "\n".join(lines)

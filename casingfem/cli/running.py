@@ -1,0 +1,130 @@
+"""What all commands share: --json and --out, what goes to stdout and stderr, exit codes, progress."""
+
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping
+from functools import wraps
+from pathlib import Path
+from types import TracebackType
+from typing import Any, NoReturn, ParamSpec, TypeVar
+
+import click
+import numpy as np
+
+from casingfem.modal.eigen import EigenError
+from casingfem.outfiles import Content, json_text, write_files
+
+BAD_INPUT, NUMERICS_FAILED = 2, 3
+PATIENCE = 1.0  # seconds before a terminal is told what takes so long
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def options(command: Callable[P, R]) -> Callable[P, R]:
+    """Add --json and --out DIR, and the exit codes."""
+    folder = click.Path(file_okay=False, path_type=Path)
+    decorated = click.option("--out", "out", type=folder, metavar="DIR", help="Write result files there.")(
+        guarded(command)
+    )
+    return click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")(
+        decorated
+    )
+
+
+def guarded(command: Callable[P, R]) -> Callable[P, R]:
+    """Turn errors into messages on stderr and exit codes; nothing else is caught."""
+
+    @wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            return command(*args, **kwargs)
+        except ValueError as error:
+            if not known(error):
+                raise
+            fail(str(error), BAD_INPUT)
+        except OSError as error:
+            if isinstance(error, BrokenPipeError):
+                raise
+            fail(f"{error.filename}: {error.strerror}", BAD_INPUT)
+        except (EigenError, np.linalg.LinAlgError, RuntimeError) as error:
+            if not known(error):
+                raise
+            where = click.get_current_context().info_name
+            fail(f"{where} {kwargs.get('file', '')}: the numerics failed: {error}", NUMERICS_FAILED)
+
+    return run
+
+
+def known(error: Exception) -> bool:
+    """Whether an error is one of the two packages' own, meant for the user."""
+    modules = {base.__module__.partition(".")[0] for base in type(error).__mro__}
+    return bool(modules & {"casingfem", "contact"}) or isinstance(error, np.linalg.LinAlgError)
+
+
+def fail(message: str, code: int) -> NoReturn:
+    """Write a message to stderr and exit."""
+    click.echo(message, err=True)
+    raise SystemExit(code)
+
+
+def deliver(
+    document: Mapping[str, Any], text: str, *, as_json: bool, out: Path | None, files: Mapping[str, Content]
+) -> None:
+    """Write the files, then print the document or the text and where the files went."""
+    written = write_files(out, files) if out is not None and files else []
+    if as_json:
+        click.echo(json_text(document), nl=False)
+        return
+    click.echo(text)
+    for path in written:
+        click.echo(f"wrote {path}")
+
+
+class Working:
+    """Says on a terminal what is being done and for how long, once it takes longer than a second.
+
+    >>> with Working("modes") as working:
+    ...     working.say("modes: assembling")
+    """
+
+    def __init__(self, what: str) -> None:
+        self.what = what
+        self.started = time.perf_counter()
+        self._status: Any = None
+        self._lock = threading.Lock()
+        self._timer = threading.Timer(PATIENCE, self._show)
+        self._timer.daemon = True
+
+    def __enter__(self) -> "Working":
+        if sys.stderr.isatty():
+            self._timer.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._timer.cancel()
+        with self._lock:
+            if self._status is not None:
+                self._status.stop()
+
+    @property
+    def seconds(self) -> float:
+        """Time since the start."""
+        return time.perf_counter() - self.started
+
+    def say(self, what: str) -> None:
+        """Change what is said."""
+        self.what = what
+        with self._lock:
+            if self._status is not None:
+                self._status.update(what)
+
+    def _show(self) -> None:
+        from rich.console import Console
+
+        with self._lock:
+            self._status = Console(stderr=True).status(self.what)
+            self._status.start()

@@ -1,0 +1,133 @@
+"""Commands on study.toml: modes, update, reduce, report, schema."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from casingfem.cli.running import Working, deliver, options
+from casingfem.outfiles import json_text
+
+if TYPE_CHECKING:
+    from casingfem.modal.modes import Modes
+    from casingfem.study import Study
+
+STUDY = click.argument("file", metavar="STUDY", type=click.Path(path_type=Path))
+
+
+@click.command()
+@STUDY
+@options
+def modes(file: Path, as_json: bool, out: Path | None) -> None:
+    """Modes of the structure of STUDY, labelled and counted."""
+    from casingfem.modal.modes import modes as compute
+    from casingfem.study import load_study
+
+    study = load_study(file)
+    with Working(f"modes of {file.name}"):
+        found = compute(study.shell, study.file.modes.count)
+    if found.rigid and study.file.modes.elastic_only:
+        what = f"true, and {found.rigid} rigid modes"
+        raise study.error("modes.elastic_only", what, "a structure whose supports leave no rigid motion")
+    document = {
+        "modes": found.records(),
+        "dofs": found.dofs,
+        "seconds": found.seconds,
+        "sturm_count": found.sturm_count,
+        "rigid": found.rigid,
+        "source": study.source,
+    }
+    files = {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study)}
+    deliver(document, repr(found), as_json=as_json, out=out, files=files)
+
+
+def modes_csv(found: "Modes", study: "Study") -> str:
+    """The modes as a table with its card."""
+    source = study.source
+    versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())
+    lines = [f"# COMPUTED: modes of {source['study']} (sha256 {source['sha256']})", f"# by {versions}"]
+    rows = found.records()
+    lines.append(",".join(rows[0]))
+    lines += [",".join("" if cell is None else str(cell) for cell in row.values()) for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+@click.command()
+@STUDY
+@options
+def update(file: Path, as_json: bool, out: Path | None) -> None:
+    """Fit the parameters of STUDY to its measured frequency table."""
+    from casingfem.study import load_study, updated_toml
+    from casingfem.study.tasks import run_update
+
+    study = load_study(file)
+    with Working(f"update of {file.name}") as working:
+        fit = run_update(study, lambda k, rms: working.say(f"evaluation {k}: rms {rms:.3g} sigma"))
+    document = {**fit.to_json(), "seconds": working.seconds, "source": study.source}
+    files = {"update.json": json_text(document, indent=1)}
+    if out is not None:
+        values = {p.name: value for p, value in zip(fit.parameters, fit.value, strict=True)}
+        files[f"{file.stem}_updated.toml"] = updated_toml(study, values, out)
+    deliver(document, repr(fit), as_json=as_json, out=out, files=files)
+
+
+@click.command()
+@STUDY
+@options
+def reduce(file: Path, as_json: bool, out: Path | None) -> None:
+    """Reduce the structure of STUDY to a modal basis at its interface.
+
+    The basis is written to --out DIR, else beside STUDY if its key reduce.out names the file.
+    """
+    from casingfem.study import load_study
+    from casingfem.study.tasks import run_reduce
+
+    study = load_study(file)
+    with Working(f"reduction of {file.name}") as working:
+        basis = run_reduce(study)
+    wanted = study.file.reduce.out if study.file.reduce is not None else None
+    folder = out if out is not None else file.parent if wanted is not None else None
+    name = wanted or f"{file.stem}.npz"
+    document = {
+        "file": None if folder is None else str(folder / name),
+        "kind": basis.kind,
+        "freq_hz": basis.freq.tolist(),
+        "zeta": basis.zeta.tolist(),
+        "channels": list(basis.channels),
+        "n_max": basis.n_max,
+        "radius": basis.radius,
+        "seconds": working.seconds,
+        "provenance": basis.provenance,
+        "source": study.source,
+    }
+    text = repr(basis) + ("" if folder is not None else "\nnot written: give --out DIR")
+    deliver(document, text, as_json=as_json, out=folder, files={name: basis.save})
+
+
+@click.command()
+@STUDY
+@options
+def report(file: Path, as_json: bool, out: Path | None) -> None:
+    """Write report.html on STUDY, self-contained, to --out DIR (here if left out)."""
+    from casingfem.study import load_study
+
+    study = load_study(file)
+    folder = out if out is not None else Path()
+    with Working(f"report on {file.name}") as working:
+        from casingfem.plot_report import study_report
+
+        html = study_report(study, working.say)
+    document = {"report": str(folder / "report.html"), "seconds": working.seconds, "source": study.source}
+    deliver(document, f"{working.seconds:.1f} s", as_json=as_json, out=folder, files={"report.html": html})
+
+
+@click.command()
+@options
+def schema(as_json: bool, out: Path | None) -> None:
+    """JSON schemas of study.toml and scene.toml."""
+    from casingfem.study import schema as study_schema
+    from contact.scene import scene_schema
+
+    document = {"study": study_schema(), "scene": scene_schema()}
+    files = {f"{name}.schema.json": json_text(part, indent=1) for name, part in document.items()}
+    deliver(document, json_text(document, indent=2).rstrip(), as_json=as_json, out=out, files=files)

@@ -1,0 +1,136 @@
+"""From the tables of a study file to a shell: each part is tried, and what fails is noted with its key."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
+from casingfem.structure.field import Field, FourierField
+from casingfem.structure.material import Material
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm, Support
+from casingfem.structure.survey import SampledField
+from casingfem.study.problems import Problems
+from casingfem.study.schema import ChartTable, ElasticTable, ImperfectionTable, MeshTable, StudyFile, SupportTable
+
+CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
+ALIKE = 0.1  # a survey's mean and the study's nominal radius or thickness may differ by this part
+
+
+def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
+    """The shell a study describes, or None with the reasons noted."""
+    before = len(problems)
+    chart = None if tables.chart is None else build_chart(tables.chart)
+    material = None
+    if tables.material is not None:
+        with problems.at("material"):
+            material = Material(**tables.material.model_dump())
+    supports = build_supports(tables.support, chart, problems)
+    fields: dict[str, Field] = {}
+    for k, table in enumerate(tables.imperfection):
+        field = build_field(table, f"imperfection[{k + 1}]", tables, problems)
+        if field is not None:
+            fields[table.of] = fields[table.of] + field if table.of in fields else field  # type: ignore[operator]
+    if chart is None or material is None or tables.shell is None or len(problems) > before:
+        return None
+    shell = None
+    with problems.at("imperfection" if fields else "shell"):
+        shell = Shell(
+            chart=chart,
+            thickness=tables.shell.thickness,
+            material=material,
+            supports=supports,
+            radius_defect=fields.get("radius"),
+            thickness_defect=fields.get("thickness"),
+        )
+        shell.geometry(*(np.array([ends[0]]) for ends in chart.bounds))
+    if shell is not None:
+        with problems.at("mesh"):
+            return replace(shell, mesh=build_mesh(tables.mesh, shell.mesh))
+    return None
+
+
+def build_chart(table: ChartTable) -> Chart:
+    """The chart of a [chart] table."""
+    chart: Chart = CHARTS[table.kind](**table.model_dump(exclude={"kind"}))
+    return chart
+
+
+def build_mesh(table: MeshTable, default: ShellMesh) -> ShellMesh:
+    """The default mesh with what [mesh] says put in its place."""
+    rows = tuple(table.rows) if isinstance(table.rows, list) else table.rows
+    return ShellMesh(
+        order=table.order or default.order,
+        rows=default.rows if rows is None else rows,
+        around=table.around or default.around,
+    )
+
+
+def build_supports(tables: dict[str, SupportTable], chart: Chart | None, problems: Problems) -> dict[str, Support]:
+    """Supports by edge; edges the chart does not have are noted."""
+    supports: dict[str, Support] = {}
+    for edge, table in tables.items():
+        if chart is not None and edge not in chart.edges:
+            problems.add(f"support.{edge}", f"edge {edge!r}", f"one of the chart's edges {', '.join(chart.edges)}")
+            continue
+        with problems.at(f"support.{edge}"):
+            supports[edge] = build_support(table)
+    return supports
+
+
+def build_support(table: SupportTable) -> Support:
+    """The support of a [support.EDGE] table."""
+    if isinstance(table, ElasticTable):
+        waves = [h.p for h in table.around]
+        if 0 in waves or len(set(waves)) < len(waves):
+            raise ValueError(f"around: found harmonics {waves}, expected each p >= 1 once")
+        pattern = Circumferential(harmonics=tuple((h.p, h.cos, h.sin) for h in table.around))
+        return ElasticEdge(**table.model_dump(exclude={"kind", "around"}), around=pattern)
+    return Clamped() if table.kind == "clamped" else ShearDiaphragm()
+
+
+def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems: Problems) -> Field | None:
+    """One imperfection field, or None with the reason noted."""
+    if tables.chart is not None and tables.chart.kind == "plate" and table.of == "radius":
+        problems.add(f"{key}.of", "'radius' on a plate, which has none", "thickness, or a chart with a radius")
+        return None
+    if table.harmonics is not None:
+        with problems.at(f"{key}.harmonics"):
+            waves = [h.p for h in table.harmonics]
+            if len(set(waves)) < len(waves):
+                raise ValueError(f"found harmonics {waves}, expected each p once")
+            return FourierField.of({h.p: (h.cos, h.sin) for h in table.harmonics})
+    elif table.survey is not None:
+        with problems.at(f"{key}.survey"):
+            survey = SampledField.from_csv(problems.file.parent / table.survey, table.n_max, table.degree)
+            check_survey(survey, table, tables)
+            return survey
+    return None
+
+
+def check_survey(survey: SampledField, table: ImperfectionTable, tables: StudyFile) -> None:
+    """Refuse a survey of another quantity or of another casing than the study's."""
+    name = Path(survey.path).name
+    if survey.quantity != table.of:
+        raise ValueError(f"{name}: found a survey of {survey.quantity}, expected one of {table.of}")
+    chart = None if tables.chart is None else build_chart(tables.chart)
+    if table.of == "thickness" or chart is None:
+        nominal = None if tables.shell is None else tables.shell.thickness
+        mean = survey.mean[0]
+    else:
+        middle = np.array([np.mean(chart.bounds[0])]), np.zeros(1)
+        nominal = float(np.linalg.norm(chart.surface(*middle, None).x[:2]))
+        mean = float(survey.mean_radius(middle[0][0]))
+    if nominal is not None and abs(mean / nominal - 1.0) > ALIKE:
+        raise ValueError(
+            f"{name}: found a mean {table.of} of {mean:.4g} m, expected about {nominal:.4g} m as the study has it"
+        )
+    if chart is not None and survey.heights > 1:
+        (low, high), (z0, z1) = survey.z_range, chart.bounds[0]
+        if min(high, z1) - max(low, z0) < 0.5 * (z1 - z0):
+            raise ValueError(
+                f"{name}: found z from {low:g} to {high:g} m, "
+                f"expected at least half of the shell's {z0:g} to {z1:g} m"
+            )

@@ -1,0 +1,177 @@
+"""study.toml -> Study: the objects a study describes, or every problem of the file at once."""
+
+import hashlib
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.modal.eigen import START_SEED
+from casingfem.modal.interface import Rim, Tip
+from casingfem.structure.chart import Chart
+from casingfem.structure.shell import Shell
+from casingfem.study.build import build_chart, build_shell
+from casingfem.study.problems import Problems, StudyError
+from casingfem.study.schema import REQUIRED, ParameterTable, ReduceTable, StudyFile
+from casingfem.updating.parameters import Parameter, get_value, with_value
+
+PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Study:
+    """What a study file describes.
+
+    Attributes
+    ----------
+    path, file
+        Where it was read from, and its tables as written.
+    shell
+        The structure.
+    table, parameters
+        Of [update]: the measured frequencies and what may vary; None and () without.
+    start
+        The structure with the parameters' start values put in: where an update begins.
+    interface
+        Of [reduce]: the rim or tip that contact sees; None without.
+    source
+        Name and hash of the input (the file and all it refers to), versions, seed: what a result carries.
+    """
+
+    path: Path
+    file: StudyFile
+    shell: Shell
+    start: Shell
+    table: FrequencyTable | None
+    parameters: tuple[Parameter, ...]
+    interface: Rim | Tip | None
+    source: dict[str, Any]
+
+    def error(self, key: str, found: str, expected: str) -> StudyError:
+        """An error that names this file and a key of it, to be raised."""
+        problems = Problems(self.path)
+        problems.add(key, found, expected)
+        return StudyError(problems)
+
+
+def load_study(path: str | Path) -> Study:
+    """Read a study file; surveys and tables are found relative to it.
+
+    Raises
+    ------
+    StudyError
+        With all problems, one a line: file: key: found X, expected Y.
+    """
+    file = Path(path)
+    problems = Problems(file)
+    text, data = read_toml(file)
+    tables = validated(data, problems)
+    shell = build_shell(tables, problems)
+    table, parameters, start = load_update(tables, shell, problems)
+    chart = None if tables.chart is None else build_chart(tables.chart)
+    interface = load_interface(tables.reduce, chart, problems)
+    if problems or shell is None or start is None:
+        raise StudyError(problems)
+    return Study(
+        path=file,
+        file=tables,
+        shell=shell,
+        start=start,
+        table=table,
+        parameters=parameters,
+        interface=interface,
+        source=source(file, text, tables),
+    )
+
+
+def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
+    """The bytes and the tables of a TOML file."""
+    try:
+        text = file.read_bytes()
+        return text, tomllib.loads(text.decode("utf-8"))
+    except OSError as error:
+        raise StudyError([f"{file}: found {error.strerror}, expected a study.toml"]) from None
+    except UnicodeDecodeError as error:
+        line = text.count(b"\n", 0, error.start) + 1
+        found = f"byte 0x{text[error.start]:02x}, which is not UTF-8"
+        raise StudyError([f"{file}: line {line}: found {found}, expected a UTF-8 text file"]) from None
+    except tomllib.TOMLDecodeError as error:
+        raise StudyError([f"{file}: not TOML: {error}"]) from None
+
+
+def validated(data: dict[str, Any], problems: Problems) -> StudyFile:
+    """The tables that are in order; the problems of the others are noted."""
+    for name in REQUIRED:
+        if name not in data:
+            meaning = StudyFile.model_fields[name].description
+            problems.add(name, "nothing", f"a table [{name}]: {meaning}")
+    try:
+        return StudyFile.model_validate(data)
+    except ValidationError as error:
+        bad = problems.add_invalid(error, data)
+    return StudyFile.model_validate({key: value for key, value in data.items() if key not in bad})
+
+
+def load_update(
+    tables: StudyFile, shell: Shell | None, problems: Problems
+) -> tuple[FrequencyTable | None, tuple[Parameter, ...], Shell | None]:
+    """The frequency table, the parameters, and the shell with their start values."""
+    if tables.update is None:
+        return None, (), shell
+    table = None
+    with problems.at("update.table"):
+        table = FrequencyTable.from_csv(problems.file.parent / tables.update.table)
+    parameters: list[Parameter] = []
+    start = shell
+    for k, entry in enumerate(tables.update.parameter):
+        with problems.at(f"update.parameter[{k + 1}]"):
+            if entry.name in (p.name for p in parameters):
+                raise ValueError(f"name: found {entry.name} again, expected each parameter once")
+            parameters.append(Parameter(**entry.model_dump(exclude={"start"})))
+            if start is not None:
+                start = started(start, entry)
+    return table, tuple(parameters), start
+
+
+def started(shell: Shell, entry: ParameterTable) -> Shell:
+    """The shell with a parameter at its start value, which must lie within the bounds."""
+    own = float(np.real(get_value(shell, entry.name)))
+    value = own if entry.start is None else entry.start
+    if not entry.lower <= value <= entry.upper:
+        raise ValueError(
+            f"{entry.name}: found the start {value:.6g}, expected it within [{entry.lower:.6g}, {entry.upper:.6g}]"
+        )
+    return shell if entry.start is None else with_value(shell, entry.name, entry.start)
+
+
+def load_interface(table: ReduceTable | None, chart: Chart | None, problems: Problems) -> Rim | Tip | None:
+    """The rim or tip that [reduce] names."""
+    if table is None or chart is None:
+        return None
+    curved = [edge for edge, (held, _) in chart.edges.items() if held == 0]
+    if table.interface not in curved:
+        problems.add("reduce.interface", repr(table.interface), f"one of the chart's edges {', '.join(curved)}")
+    if chart.periodic:
+        return Rim(table.interface, 40 if table.n_max is None else table.n_max)
+    if table.n_max is not None:
+        problems.add("reduce.n_max", str(table.n_max), "no such key: an open chart has no harmonics around")
+    return Tip(table.interface)
+
+
+def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:
+    """Name and hash of the input, package versions, seed."""
+    names: Sequence[str | None] = [entry.survey for entry in tables.imperfection]
+    names = [*names, tables.update.table if tables.update is not None else None]
+    contents = [text, *((file.parent / name).read_bytes() for name in names if name is not None)]
+    return {
+        "study": file.name,
+        "sha256": hashlib.sha256(b"\0".join(contents)).hexdigest(),
+        "versions": {name: version(name) for name in PACKAGES},
+        "seed": START_SEED,
+    }

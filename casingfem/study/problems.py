@@ -1,0 +1,166 @@
+"""What is wrong with a study file, said once for all: file, key, what was found, what was expected."""
+
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from casingfem.study.schema import StudyFile
+
+
+class StudyError(ValueError):
+    """A study that cannot be used: `problems` lists them all, one line each, with file and key."""
+
+    def __init__(self, problems: Sequence[str]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(self.problems))
+
+
+class Problems(list[str]):
+    """The problems found so far in one file.
+
+    >>> found = Problems(Path("study.toml"))
+    >>> found.add("shell.thickness", "-3", "a number above 0")
+    >>> found
+    ['study.toml: shell.thickness: found -3, expected a number above 0']
+    """
+
+    def __init__(self, file: Path) -> None:
+        super().__init__()
+        self.file = file
+
+    def add(self, key: str, found: str, expected: str) -> None:
+        """Note one problem."""
+        self.append(f"{self.file}: {key}: found {found}, expected {expected}")
+
+    def at(self, key: str) -> "Attempt":
+        """Note a ValueError or OSError raised inside as a problem of this key, and go on."""
+        return Attempt(self, key)
+
+    def add_invalid(self, error: ValidationError, data: Mapping[str, Any]) -> set[str]:
+        """Note all problems of a validation; returns the top-level tables that have some."""
+        for detail in error.errors():
+            self.append(f"{self.file}: {sentence(detail, data)}")
+        return {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]}
+
+
+class Attempt:
+    """A part that may fail: its error becomes a problem, and the rest of the file is still looked at."""
+
+    def __init__(self, problems: Problems, key: str) -> None:
+        self.problems, self.key = problems, key
+
+    def __enter__(self) -> None:
+        """Begin."""
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> bool:
+        """Note an error of the input; everything else passes through."""
+        if isinstance(error, OSError):
+            self.problems.add(self.key, f"{error.filename!s} ({error.strerror})", "a file that can be read")
+        elif isinstance(error, ValueError):
+            for line in str(error).splitlines():
+                line = line.removeprefix(f"{self.key} ").removeprefix(f"{self.key}: ")
+                self.problems.append(f"{self.problems.file}: {self.key}: {line}")
+        return isinstance(error, OSError | ValueError)
+
+
+def sentence(detail: Any, data: Mapping[str, Any]) -> str:
+    """One pydantic error as `key: found X, expected Y`."""
+    loc, kind, message = resolved(detail["loc"], detail["type"], data), detail["type"], detail["msg"]
+    key = written(loc)
+    models = models_at(loc[:-1], data)
+    info = next((m.model_fields[str(loc[-1])] for m in models if str(loc[-1]) in m.model_fields), None)
+    meaning = "" if info is None or info.description is None else info.description
+    if kind == "extra_forbidden":
+        known = list(dict.fromkeys(name for m in models for name in m.model_fields))
+        near = get_close_matches(str(loc[-1]), known, n=1)
+        hint = f" (did you mean {near[0]}?)" if near else ""
+        return f"{key}: found an unknown key, expected one of {', '.join(known)}{hint}"
+    if kind == "missing":
+        return f"{key}: found nothing, expected {f'its {meaning}' if meaning else choices(info)}"
+    if kind == "union_tag_not_found":
+        known = [name for m in models_at(loc, data) for name in kinds(m)]
+        return f"{key}.kind: found nothing, expected one of {', '.join(known)}"
+    if kind == "too_short":
+        return f"{key}: found {shown(detail['input'])}, expected {meaning or 'at least one entry'}"
+    if kind == "union_tag_invalid":
+        tags = detail["ctx"]["expected_tags"].replace("'", "")
+        return f"{key}.kind: found {detail['ctx']['tag']!r}, expected one of {tags}"
+    if kind == "value_error":
+        return f"{key}: {message.removeprefix('Value error, ')}"
+    expected = message.removeprefix("Input should be ").replace("a valid integer", "a whole number")
+    expected = expected.replace("a valid ", "a ").replace("string", "text in quotes")
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        expected = "a table of keys"
+    if kind == "string_pattern_mismatch" and meaning:
+        return f"{key}: found {detail['input']!r}, expected {meaning}"
+    return f"{key}: found {shown(detail['input'])}, expected {expected}{f' ({meaning})' if meaning else ''}"
+
+
+def shown(value: object) -> str:
+    """A value as the file has it, cut short."""
+    text = str(value).lower() if isinstance(value, bool) else repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def choices(info: FieldInfo | None) -> str:
+    """What a missing key may hold, from its type."""
+    options = get_args(info.annotation) if info is not None else ()
+    return "one of " + ", ".join(map(str, options)) if options else "a value"
+
+
+def resolved(loc: tuple[str | int, ...], kind: str, data: Any) -> tuple[str | int, ...]:
+    """The key path without the tags that pydantic puts in for the members of a union."""
+    path: list[str | int] = []
+    here = data
+    for k, part in enumerate(loc):
+        inside = isinstance(here, dict) and part in here
+        indexed = isinstance(here, list) and isinstance(part, int)
+        if inside or indexed:
+            here = here[part]
+            path.append(part)
+        elif k == len(loc) - 1 and kind == "missing":
+            path.append(part)
+    return tuple(path)
+
+
+def written(loc: Sequence[str | int]) -> str:
+    """The key path as text, entries of arrays counted from 1.
+
+    >>> written(("imperfection", 0, "harmonics", 2, "p"))
+    'imperfection[1].harmonics[3].p'
+    """
+    text = ""
+    for part in loc:
+        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
+
+
+def models_at(loc: Sequence[str | int], data: Any) -> list[type[BaseModel]]:
+    """The table models a key path may belong to, by the kinds the file names."""
+    models: list[type[BaseModel]] = [StudyFile]
+    here = data
+    for part in loc:
+        here = here[part]
+        if isinstance(part, int):
+            continue
+        fields = [m.model_fields[part] for m in models if part in m.model_fields]
+        models = [m for field in fields for m in members(field.annotation)] or models
+        if isinstance(here, dict) and isinstance(here.get("kind"), str):
+            models = [m for m in models if here["kind"] in kinds(m)] or models
+    return models
+
+
+def members(annotation: Any) -> list[type[BaseModel]]:
+    """All table models inside a type."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in members(part)]
+
+
+def kinds(model: type[BaseModel]) -> tuple[Any, ...]:
+    """The values a table's `kind` may have; empty for a table without."""
+    return get_args(model.model_fields["kind"].annotation) if "kind" in model.model_fields else ()

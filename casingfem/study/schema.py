@@ -1,0 +1,197 @@
+"""Schema of study.toml (pydantic): the keys, their types and ranges, all SI.
+
+Every table may be missing here, so that one bad table does not hide the problems of the others; `REQUIRED`
+names those a study cannot do without.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+REQUIRED = ("material", "chart", "shell")
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+Edge = str
+
+
+class Table(BaseModel):
+    """A table of the file: unknown keys, inf and nan are errors; nothing is converted."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class MaterialTable(Table):
+    """[material]: the fields of `Material`."""
+
+    E: Positive = Field(description="Young's modulus [Pa]")
+    nu: float = Field(gt=-1, lt=0.5, description="Poisson's ratio")
+    rho: Positive = Field(description="density [kg/m^3]")
+
+
+class FrustumTable(Table):
+    """[chart] of kind "frustum"."""
+
+    kind: Literal["frustum"]
+    r_base: Positive = Field(description="mean radius at z = 0 [m]")
+    r_top: Positive = Field(description="mean radius at z = height [m]")
+    height: Positive = Field(description="length along the axis [m]")
+
+
+class CylinderTable(Table):
+    """[chart] of kind "cylinder"."""
+
+    kind: Literal["cylinder"]
+    radius: Positive = Field(description="mean radius [m]")
+    height: Positive = Field(description="length along the axis [m]")
+
+
+class PanelTable(Table):
+    """[chart] of kind "panel"."""
+
+    kind: Literal["panel"]
+    radius: Positive = Field(description="mean radius [m]")
+    length: Positive = Field(description="length along the axis [m]")
+    angle: Positive = Field(lt=6.283185307179586, description="opening angle [rad]")
+
+
+class PlateTable(Table):
+    """[chart] of kind "plate"."""
+
+    kind: Literal["plate"]
+    length: Positive = Field(description="length from root to tip [m]")
+    width: Positive = Field(description="width [m]")
+
+
+class ShellTable(Table):
+    """[shell]."""
+
+    thickness: Positive = Field(description="nominal wall thickness [m]")
+
+
+class Harmonic(Table):
+    """cos p theta and sin p theta, relative."""
+
+    p: int = Field(ge=0, description="number of waves around")
+    cos: float = Field(default=0.0, description="relative amplitude of cos p theta")
+    sin: float = Field(default=0.0, description="relative amplitude of sin p theta")
+
+
+class ImperfectionTable(Table):
+    """[[imperfection]]: harmonics, or the fit of a survey; several of them add up."""
+
+    of: Literal["radius", "thickness"]
+    harmonics: list[Harmonic] | None = Field(default=None, description="[{p, cos, sin}], relative")
+    survey: str | None = Field(default=None, min_length=1, description="survey CSV, relative to this file")
+    n_max: int | None = Field(default=None, ge=1, description="highest harmonic fitted to the survey")
+    degree: int | None = Field(default=None, ge=0, description="degree of the fit along z")
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "ImperfectionTable":
+        if (self.harmonics is None) == (self.survey is None):
+            found = "neither harmonics nor survey" if self.survey is None else "both harmonics and survey"
+            raise ValueError(f"found {found}, expected one of them")
+        if self.survey is None and (self.n_max is not None or self.degree is not None):
+            raise ValueError("found n_max or degree beside harmonics, expected them with a survey only")
+        return self
+
+
+class ClampedTable(Table):
+    """[support.EDGE] of kind "clamped"."""
+
+    kind: Literal["clamped"]
+
+
+class DiaphragmTable(Table):
+    """[support.EDGE] of kind "shear-diaphragm"."""
+
+    kind: Literal["shear-diaphragm"]
+
+
+class ElasticTable(Table):
+    """[support.EDGE] of kind "elastic"; `around` multiplies all springs by 1 + its harmonics."""
+
+    kind: Literal["elastic"]
+    k_r: NotNegative = Field(default=0.0, description="radial springs [N/m per m]")
+    k_theta: NotNegative = Field(default=0.0, description="tangential springs [N/m per m]")
+    k_z: NotNegative = Field(default=0.0, description="axial springs [N/m per m]")
+    k_rot: NotNegative = Field(default=0.0, description="rotational springs [N m/rad per m]")
+    k_face: NotNegative = Field(default=0.0, description="foundation modulus of the end face [N/m^3]")
+    around: list[Harmonic] = Field(default=[], description="[{p, cos, sin}], relative")
+
+
+class ModesTable(Table):
+    """[modes]."""
+
+    count: int = Field(default=40, ge=1, description="number of modes")
+    elastic_only: bool = Field(default=False, description="rigid modes are an error")
+
+
+class MeshTable(Table):
+    """[mesh]: what is left out is chosen for the shell."""
+
+    order: int | None = Field(default=None, ge=2, le=20, description="polynomial order")
+    rows: Annotated[int, Field(ge=1)] | list[float] | None = Field(
+        default=None, description="number of equal rows, or breaks from 0 to 1"
+    )
+    around: int | None = Field(default=None, ge=1, description="elements around")
+
+
+class ParameterTable(Table):
+    """[[update.parameter]]."""
+
+    name: str = Field(min_length=1, description="path of a number, such as material.E")
+    lower: float = Field(description="lower bound, in the parameter's unit")
+    upper: float = Field(description="upper bound, in the parameter's unit")
+    sigma: Positive | None = Field(default=None, description="prior standard deviation; decades if log")
+    log: bool = Field(default=False, description="vary the decimal logarithm")
+    start: float | None = Field(default=None, description="start value; the study's own if left out")
+
+
+class UpdateTable(Table):
+    """[update]."""
+
+    table: str = Field(min_length=1, description="frequency table CSV, relative to this file")
+    reach: Positive = Field(default=0.5, description="largest relative frequency error of a pair")
+    count: int | None = Field(default=None, ge=1, description="modes computed; from the table if left out")
+    parameter: list[ParameterTable] = Field(min_length=1, description="at least one [[update.parameter]]")
+
+
+class ReduceTable(Table):
+    """[reduce]."""
+
+    interface: Edge = Field(min_length=1, description="the edge that contact sees")
+    n_max: int | None = Field(default=None, ge=1, description="highest harmonic of a casing's rim")
+    modes: int = Field(default=40, ge=1, description="number of modes kept")
+    method: Literal["free", "craig-bampton"] = "free"
+    zeta: float = Field(default=0.0, ge=0, lt=1, description="damping ratio of every mode")
+    out: str | None = Field(default=None, pattern=r"^[^/\\]+\.npz$", description="a file name ending in .npz")
+
+
+ChartTable = Annotated[FrustumTable | CylinderTable | PanelTable | PlateTable, Field(discriminator="kind")]
+SupportTable = Annotated[ClampedTable | DiaphragmTable | ElasticTable, Field(discriminator="kind")]
+
+
+class StudyFile(Table):
+    """A whole study.toml."""
+
+    model_config = ConfigDict(json_schema_extra={"required": list(REQUIRED)}, title="study.toml")
+
+    material: MaterialTable | None = Field(default=None, description="E, nu, rho")
+    chart: ChartTable | None = Field(default=None, description="kind and dimensions")
+    shell: ShellTable | None = Field(default=None, description="thickness")
+    imperfection: list[ImperfectionTable] = []
+    support: dict[Edge, SupportTable] = Field(default={}, description="edge -> kind and stiffnesses")
+    modes: ModesTable = ModesTable()
+    mesh: MeshTable = MeshTable()
+    update: UpdateTable | None = None
+    reduce: ReduceTable | None = None
+
+
+def schema() -> dict[str, Any]:
+    """JSON schema of study.toml.
+
+    >>> sorted(schema()["properties"])[:4]
+    ['chart', 'imperfection', 'material', 'mesh']
+    """
+    return StudyFile.model_json_schema()

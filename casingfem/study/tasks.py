@@ -1,0 +1,58 @@
+"""What a study asks for: the update and the reduction it describes, with errors that name its keys."""
+
+from casingfem.modal.basis import ModalBasis
+from casingfem.modal.reduction import reduce
+from casingfem.structure.assembly import System
+from casingfem.structure.shell import Shell
+from casingfem.study.load import Study
+from casingfem.study.problems import StudyError
+from casingfem.updating.result import UpdateResult
+from casingfem.updating.updating import Progress, update
+
+
+def run_update(study: Study, progress: Progress | None = None) -> UpdateResult:
+    """The update a study describes.
+
+    Raises
+    ------
+    StudyError
+        Without [update], or when its table and parameters do not make an update.
+    """
+    tables = study.file.update
+    if tables is None or study.table is None:
+        raise study.error("update", "nothing", "a table [update]: table, [[update.parameter]]")
+    try:
+        return update(
+            study.start,
+            study.table,
+            list(study.parameters),
+            count=tables.count,
+            reach=tables.reach,
+            progress=progress,
+        )
+    except ValueError as error:
+        raise StudyError([f"{study.path}: update: {error}"]) from error
+
+
+def run_reduce(study: Study, shell: Shell | None = None, system: System | None = None) -> ModalBasis:
+    """The reduction a study describes, of its own shell or of another (an updated one).
+
+    Raises
+    ------
+    StudyError
+        Without [reduce], or when the structure cannot be reduced so.
+    """
+    tables = study.file.reduce
+    if tables is None or study.interface is None:
+        raise study.error("reduce", "nothing", "a table [reduce]: interface, modes")
+    try:
+        return reduce(
+            study.shell if shell is None else shell,
+            study.interface,
+            modes=tables.modes,
+            method=tables.method,
+            zeta=tables.zeta,
+            system=system,
+        )
+    except ValueError as error:
+        raise StudyError([f"{study.path}: reduce: {error}"]) from error

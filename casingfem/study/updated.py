@@ -1,0 +1,132 @@
+"""An updated study, written as a study again; and the perfect structure behind an imperfect one."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Circumferential, ElasticEdge
+from casingfem.study.load import Study
+from casingfem.updating.parameters import get_value
+
+
+def perfect(shell: Shell) -> Shell:
+    """The same shell without imperfections: no fields, springs equal all along their edges; its mesh is kept.
+
+    >>> from casingfem import Frustum, FourierField, Material
+    >>> casing = Shell(chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=3e-3,
+    ...                material=Material(E=210e9, nu=0.3, rho=7800.0), radius_defect=FourierField.of({8: 0.004}))
+    >>> perfect(casing).axisymmetric
+    True
+    """
+    supports = {
+        edge: replace(support, around=Circumferential()) if isinstance(support, ElasticEdge) else support
+        for edge, support in shell.supports.items()
+    }
+    return replace(shell, radius_defect=None, thickness_defect=None, supports=supports)
+
+
+def updated_toml(study: Study, values: Mapping[str, float], folder: Path) -> str:
+    """The study's text with parameters at new values, its file references seen from another folder.
+
+    A harmonic that the study has from a survey is changed by an [[imperfection]] of its own that adds to it.
+    """
+    tables = study.file.model_dump(exclude_none=True, exclude_unset=True)
+    for name, value in values.items():
+        put(tables, study.shell, name, value)
+    owners = [*tables.get("imperfection", []), tables.get("update", {})]
+    for owner in owners:
+        for key in owner.keys() & {"survey", "table"}:
+            owner[key] = Path(os.path.relpath(study.path.parent / owner[key], folder)).as_posix()
+    for entry in tables.get("update", {}).get("parameter", []):
+        entry.pop("start", None)
+    version, digest = study.source["versions"]["casingfem"], study.source["sha256"]
+    head = f"# {study.path.name} (sha256 {digest}) as updated by casingfem {version}\n"
+    return head + toml(tables)
+
+
+def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
+    """Set one parameter in the tables of a study file."""
+    parts = name.split(".")
+    if parts[0] in ("radius", "thickness"):
+        p, part, change = int(parts[1][1:]), parts[2], value - float(get_value(shell, name))
+        add_harmonic(tables.setdefault("imperfection", []), parts[0], p, part, change)
+    elif parts[0] == "support" and len(parts) == 5:
+        waves = tables["support"][parts[1]].setdefault("around", [])
+        harmonic(waves, int(parts[3][1:]))[parts[4]] = value
+    else:
+        owner = tables
+        for part in parts[:-1]:
+            owner = owner[part]
+        owner[parts[-1]] = value
+
+
+def add_harmonic(imperfections: list[dict[str, Any]], of: str, p: int, part: str, change: float) -> None:
+    """Add to a harmonic where the study has it, else in an imperfection of its own."""
+    same = [entry for entry in imperfections if entry["of"] == of and "harmonics" in entry]
+    owner = next((entry for entry in same if any(h["p"] == p for h in entry["harmonics"])), None)
+    owner = owner or (same[-1] if same else None)
+    if owner is None:
+        owner = {"of": of, "harmonics": []}
+        imperfections.append(owner)
+    wave = harmonic(owner["harmonics"], p)
+    wave[part] = wave.get(part, 0.0) + change
+
+
+def harmonic(waves: list[dict[str, Any]], p: int) -> dict[str, Any]:
+    """The entry of harmonic p, made if need be."""
+    found = next((wave for wave in waves if wave["p"] == p), None)
+    if found is None:
+        found = {"p": p}
+        waves.append(found)
+    return found
+
+
+def toml(tables: Mapping[str, Any], path: str = "") -> str:
+    """Nested tables as TOML; lists of tables of plain numbers stay inline.
+
+    >>> print(toml({"modes": {"count": 4}, "imperfection": [{"of": "radius", "harmonics": [{"p": 8}]}]}))
+    [modes]
+    count = 4
+    <BLANKLINE>
+    [[imperfection]]
+    of = "radius"
+    harmonics = [{p = 8}]
+    <BLANKLINE>
+    """
+    plain = {key: value for key, value in tables.items() if not nested(value)}
+    lines = [f"{bare(key)} = {literal(value)}" for key, value in plain.items()]
+    blocks = ["\n".join(lines) + "\n"] if lines else []
+    for key, value in tables.items():
+        name = f"{path}{bare(key)}"
+        if isinstance(value, Mapping):
+            own = any(not nested(entry) for entry in value.values()) or not value
+            blocks.append((f"[{name}]\n" if own else "") + toml(value, f"{name}."))
+        elif nested(value):
+            blocks += [f"[[{name}]]\n" + toml(entry, f"{name}.") for entry in value]
+    return "\n".join(blocks)
+
+
+def nested(value: object) -> bool:
+    """Whether a value is written as a table or tables of its own."""
+    if isinstance(value, list) and value and isinstance(value[0], Mapping):
+        return "p" not in value[0]
+    return isinstance(value, Mapping)
+
+
+def bare(key: str) -> str:
+    """A key as TOML writes it."""
+    plain = key.replace("-", "").replace("_", "")
+    return key if plain.isascii() and plain.isalnum() else json.dumps(key)
+
+
+def literal(value: object) -> str:
+    """A plain value as TOML writes it."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{bare(key)} = {literal(entry)}" for key, entry in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(literal, value)) + "]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else repr(value)
