@@ -1,13 +1,38 @@
-"""The only doorway to numba: one typed decorator, imported when a run starts and not before."""
+"""The only doorway to numba: one typed decorator, imported when a run starts and not before.
+
+Numba's disk cache watches the file of a function but not the files of what it calls. The cache directory is
+therefore named after the contents of every compiled source, so that no change can leave stale machine code.
+"""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
-from typing import TypeVar, cast
+from pathlib import Path
+from typing import Any, TypeVar, cast
 
 import numba
 
+config: Any = numba.config
 Function = TypeVar("Function", bound=Callable[..., object])
+
+ROOT = Path(__file__).parent
+SOURCES = (
+    Path(__file__),
+    ROOT / "record.py",
+    *sorted((ROOT / "scheme").glob("loop_*.py")),
+    ROOT / "solver/scalar.py",
+)
+
+
+def cache_directory() -> Path:
+    """Directory of the machine code of exactly these sources."""
+    digest = hashlib.sha256(b"\0".join(source.read_bytes() for source in SOURCES)).hexdigest()
+    base = config.CACHE_DIR or ROOT / "__pycache__"
+    return Path(base) / f"contact-{digest[:12]}"
+
+
+CACHE = str(cache_directory())
 
 
 def jit(function: Function) -> Function:
@@ -16,5 +41,10 @@ def jit(function: Function) -> Function:
     Sums may be reassociated and products contracted, so that reductions vectorise; NaN keeps its meaning,
     so that a run that diverges is seen. The same input gives bit-identical results on one machine.
     """
-    compiled = numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
-    return cast(Function, compiled(function))
+    before = config.CACHE_DIR
+    config.CACHE_DIR = CACHE
+    try:
+        compiled = numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})(function)
+    finally:
+        config.CACHE_DIR = before
+    return cast(Function, compiled)

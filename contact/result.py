@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from contact.energy import EnergyBudget, Stored
+from contact.errors import InputError
 from contact.model.arrays import Array, readonly
 from contact.model.law import pressure
 from contact.model.modal_body import read_npz, write_npz
 from contact.record import Samples
-from contact.scheme.protocol import Motion, Stepper
+from contact.scheme.protocol import Block, Motion, Stepper
 
 FORMAT = "contact-result-1"
 ARRAYS = (
@@ -55,6 +56,7 @@ class Result:
     state: Array
     energy: EnergyBudget
     motions: tuple[Motion, ...]
+    blocks: tuple[Block, ...]
     steps: int
     dt: float
     window: float
@@ -66,6 +68,17 @@ class Result:
     def lam(self) -> Array:
         """Contact pressure in the public sign, <= 0, (n, K)."""
         return pressure(self.force)
+
+    def state_of(self, name: str) -> Array:
+        """Columns of `state` that belong to one body, (ns, its coordinates); raises InputError listing names."""
+        found = [slice(start, end) for body, start, end in self.blocks if body == name]
+        if not found:
+            raise InputError(f"name: found {name!r}, expected one of {', '.join(b[0] for b in self.blocks)}")
+        return self.state[:, found[0]]
+
+    def state_force(self) -> Array:
+        """Force of the samples at which `state` was stored, (ns, K)."""
+        return self.force[np.searchsorted(self.time, self.state_time - 0.5 * self.dt)]
 
     def windowed_force(self, window: float | None = None) -> Array:
         """Force averaged over `window` [s] centred on each sample, (n, K); default 1/f_max of the model."""
@@ -117,6 +130,8 @@ class Result:
             f"damping {energy.damping:.4g}, numerical {energy.numerical:.3g}, "
             f"unaccounted {energy.unaccounted / scale:.1e} of the largest"
         )
+        if energy.lost_in_contact < -0.01 * scale:
+            lines.append("contact added energy, which it cannot: reduce dt, or take the forward law")
         if self.reversals.any():
             lines.append(f"slip changed sign in {int(self.reversals.sum())} steps: sticking is not modelled there")
         return "\n".join(lines)
@@ -145,7 +160,8 @@ class Result:
         rest = {
             "intervals": self.intervals, "energy": asdict(self.energy),
             "motions": [asdict(m) for m in self.motions],
-            "steps": self.steps, "dt": self.dt, "window": self.window, "seconds": self.seconds,
+            "blocks": self.blocks, "steps": self.steps, "dt": self.dt, "window": self.window,
+            "seconds": self.seconds,
             "scheme": self.scheme, "source": self.source,
         }  # fmt: skip
         data = {name: getattr(self, name) for name in ARRAYS}
@@ -159,6 +175,7 @@ class Result:
         energy: dict[str, Any] = rest.pop("energy")
         energy |= {name: Stored(**energy[name]) for name in ("start", "end")}
         rest["intervals"] = tuple(tuple((a, b) for a, b in pairs) for pairs in rest["intervals"])
+        rest["blocks"] = tuple((name, start, end) for name, start, end in rest["blocks"])
         rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
         rest |= {name: readonly(data[name]) for name in ARRAYS}
         return Result(**rest, energy=EnergyBudget(**energy))
@@ -184,7 +201,8 @@ def collect(
         contact_steps=readonly(sums.contact_steps), reversals=readonly(sums.reversals),
         state_time=joined("state_time"), state=joined("state"), energy=energy,
         motions=tuple(sorted(stepper.motions(), key=lambda m: (m.kind == "rod", m.number))),
-        steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds, scheme=stepper.label,
+        blocks=stepper.blocks, steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds,
+        scheme=stepper.label,
         source={**versions(), **source},
     )  # fmt: skip
 

@@ -15,7 +15,7 @@ from contact.model.arrays import require_positive
 from contact.model.body import PointMass, Rod
 from contact.model.chain import Chain
 from contact.record import Samples, Tally, tally
-from contact.scheme.protocol import Motion
+from contact.scheme.protocol import Block, Motion
 
 if TYPE_CHECKING:
     from contact.scheme.loop_chain import ChainState
@@ -39,6 +39,16 @@ class ChainStepper:
     def size(self) -> int:
         """Number of nodes."""
         return self.state.u.size
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """Nodes of each body, from left to right."""
+        names = [
+            f"{type(body).__name__.lower()} {n + 1}"
+            for body, n in zip(self.chain.bodies, self.chain.numbers, strict=True)
+        ]
+        first = self.chain.first.tolist()
+        return tuple(zip(names, first[:-1], first[1:], strict=True))
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""

@@ -1,12 +1,14 @@
 """Central differences with exact modal coefficients (Gautschi form), residual compliance and one contact.
 
 D* = al D - be q + c f;  g* = g_0(t+h) + Q(t+h)(q + D*);  H_d = Q(t+h) diag(c) W(t), W = Q - mu sgn(v_t) T;
- forward:  (H_d + S) force = -g*                                 (Carpenter's law with S; safe down to S = 0)
- averaged: (H_d/4 + S) force = -(g*/4 + g_n/2 + g_{n-1}/4)       (second order, keeps the energy; rho =
- H_d/S <= 1)
-then D = D* + c W force, q += D. g_n is the gap of q alone, without S force. Limits, checked here:
-omega_max h <= 2.5 (a step resonance sits at pi; put higher modes into S), rho <= 1 for the averaged law,
-n_max Omega h <= .3.
+ forward:  (H_d + S) force = -g*                          (Carpenter's law with S; safe down to S = 0)
+ averaged: (H_d/4 + S) force = -(g*/4 + g_n/2 + g_{n-1}/4)   (second order; rho = H_d/S <= 1)
+then D = D* + c W force, q += D. g_n is the gap of q alone, without S force.
+
+A rod of 50 modes loses 1 % of its energy per impact with the forward law; with the averaged law the error is
+4e-4 at rho = .64 and 3e-5 at rho = .04, of either sign, and after a shock the massless end rings on S: read impulses
+and windowed forces. Limits, checked here: omega_max h <= 2.5 (a step resonance sits at pi; put higher modes
+into S), rho <= 1 for the averaged law, n_max Omega h <= .3.
 """
 
 from __future__ import annotations
@@ -29,14 +31,15 @@ from contact.scheme.propagator import Propagator, propagator
 from contact.scheme.protocol import Problem
 
 ANGLES = 180  # where rho is sampled around a rim
+AUTO_RHO = 0.1  # "auto" takes the averaged law up to here: beyond, long series of impacts gain energy
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExactModal:
     """Exact-modal propagator; for modal bodies, or two rods by their first `modes` modes.
 
-    `law` "forward", "averaged" (refused when rho = H_d/S > 1) or "auto": averaged where it is allowed, else
-    forward; the result says which. `omega_h_limit` is the largest omega_max h accepted, below pi.
+    `law` "forward", "averaged" (refused when rho = H_d/S > 1) or "auto": averaged up to rho = .1, else forward;
+    the result says which. `omega_h_limit` is the largest omega_max h accepted, below pi.
 
     >>> ExactModal(law="averaged").modes
     50
@@ -68,7 +71,7 @@ class ExactModal:
         parts = propagator(system.omega, system.zeta, system.load, h)
         self._require_resolved(system, h)
         H, S, rho = delassus(system, parts, mu)
-        averaged = self.law == "averaged" or (self.law == "auto" and rho <= 1.0)
+        averaged = self.law == "averaged" or (self.law == "auto" and rho <= AUTO_RHO)
         if averaged and rho > 1.0:
             raise LimitError(
                 f"law: found rho = H_d/S = {rho:.4g} (H_d = {H:.4g}, S = {S:.4g} m/N), expected <= 1 for the "

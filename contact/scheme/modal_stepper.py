@@ -15,7 +15,7 @@ from contact.model.modal_system import ModalSystem
 from contact.model.trig import Trig
 from contact.record import Samples, Tally, tally
 from contact.scheme.propagator import Propagator
-from contact.scheme.protocol import Motion
+from contact.scheme.protocol import Block, Motion
 
 if TYPE_CHECKING:
     from contact.scheme.loop_modal import ModalState
@@ -53,6 +53,12 @@ class ModalStepper:
     def size(self) -> int:
         """Number of modes."""
         return self.state.q.size
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """Modes of each body."""
+        first = self.system.first.tolist()
+        return tuple(zip(self.system.names, first[:-1], first[1:], strict=True))
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""

@@ -36,6 +36,9 @@ class Motion:
     momentum: float
 
 
+Block = tuple[str, int, int]
+
+
 class Stepper(Protocol):
     """A run in progress; see the module's contract."""
 
@@ -58,6 +61,10 @@ class Stepper(Protocol):
     @property
     def size(self) -> int:
         """Number of coordinates."""
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """Name, first and one past the last coordinate of each body."""
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""

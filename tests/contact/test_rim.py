@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 from synthetic_rim import N_MAX, SIZE, blade, flap_blade, ring
 
 import contact as ct
+from contact import recovery
 from contact.model.modal_system import rim_system
 from contact.model.trig import harmonics
 
@@ -170,3 +171,47 @@ def test_without_residual_compliance_the_forward_law_runs():
     assert "forward law" in result.scheme
     assert result.max_penetration[0] <= 1e-17
     assert abs(result.energy.unaccounted) <= 1e-11 * result.energy.scale
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.4])
+def test_the_stored_gap_is_the_gap_of_the_bodies(mu):
+    """Forward law, S = 0: clearance + Q q one step later, from the definition, is the gap stored."""
+    scene = ct.RotatingRim(
+        ring(S=0.0, imperfect=0.05),
+        blade(S=0.0),
+        clearance=-1e-5,
+        speed_hz=5.0,
+        lean_deg=25.0,
+        out_of_roundness=ROUND,
+    )
+    result = ct.run(scene, law=law(mu), t_end=0.02, dt=1e-5, record=ct.Record(state_every=1))
+    system = rim_system(scene)
+    for n in range(1, result.steps):
+        phi = -scene.speed * n * result.dt
+        gap = system.clearance(phi) + dense_rows(scene, phi)[0] @ result.state[n]
+        assert gap == pytest.approx(result.gap[n - 1, 0], abs=1e-17)
+    assert result.contact_steps[0] > 100
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_recovered_surfaces_touch_where_the_contact_is_closed(mu):
+    """clearance + u_r(phi) - n.u_tip = 0 with the residual term."""
+    scene = rim(imperfect=0.05, S=4e-7)
+    record = ct.Record(every=2, state_every=4)
+    result = ct.run(scene, law=law(mu), t_end=0.05, dt=5e-6, record=record)
+    casing_force, blade_force = recovery.channel_forces(scene, result, law=law(mu))
+    casing = recovery.at_channels(scene.casing, result.state_of("casing"), casing_force)
+    tip = recovery.at_channels(scene.blade, result.state_of("blade"), blade_force)
+    a, gap = np.radians(scene.lean_deg), []
+    system = rim_system(scene)
+    for t, u, (span, flap) in zip(result.state_time, casing, tip, strict=True):
+        phi = -scene.speed * t
+        radial = harmonics(N_MAX, phi) @ u[:SIZE]
+        gap.append(system.clearance(phi) + radial - np.cos(a) * span - np.sin(a) * flap)
+    closed = result.state_force()[:, 0] > 0.2 * result.force.max()
+    assert closed.sum() > 100
+    assert np.abs(np.array(gap)[closed]).max() <= 1e-3 * np.abs(tip).max()
+    with pytest.raises(ct.InputError, match="recovery: found none"):
+        recovery.at_points(scene.blade, result.state_of("blade"), blade_force)
+    with pytest.raises(ct.InputError, match="expected one of casing, blade"):
+        result.state_of("ring")
