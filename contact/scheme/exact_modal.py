@@ -6,9 +6,9 @@ D* = al D - be q + c f;  g* = g_0(t+h) + Q(t+h)(q + D*);  H_d = Q(t+h) diag(c) W
 then D = D* + c W force, q += D. g_n is the gap of q alone, without S force.
 
 A rod of 50 modes loses 1 % of its energy per impact with the forward law; with the averaged law the error is
-4e-4 at rho = .64 and 3e-5 at rho = .04, of either sign, and after a shock the massless end rings on S: read impulses
-and windowed forces. Limits, checked here: omega_max h <= 2.5 (a step resonance sits at pi; put higher modes
-into S), rho <= 1 for the averaged law, n_max Omega h <= .3.
+4e-4 at rho = .64 and 3e-5 at rho = .04, of either sign, and after a shock the massless end rings on S: read
+impulses and windowed forces. Limits, checked here: omega_max h <= 2.5 (a step resonance sits at pi; put higher
+modes into S), rho <= 1 for the averaged law, n_max Omega h <= .3.
 """
 
 from __future__ import annotations

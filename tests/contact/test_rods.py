@@ -154,3 +154,24 @@ def test_options_that_do_not_fit():
         ct.run(pair, t_end=1.0)
     with pytest.raises(ct.InputError, match="Coulomb"):
         ct.run(pair, t_end=1.0, courant=0.9, law=ct.Coulomb(mu=0.3))
+
+
+@pytest.mark.parametrize("ratio", [1e-8, 1.0, 1e8])
+@pytest.mark.parametrize("gap", [0.0, 1e-12])
+def test_extreme_masses_and_gaps_stay_finite(ratio, gap):
+    rod = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=50, x=gap, fixed="right")
+    result = ct.run([ct.PointMass(mass=ratio, velocity=1.0), rod], t_end=2.0, courant=0.9)
+    assert np.isfinite(result.force).all()
+    assert result.max_penetration[0] <= 1e-12
+    assert result.residual[0] <= 1e-12
+    assert abs(result.energy.unaccounted) <= 1e-9 * result.energy.scale
+
+
+def test_resting_contact_stays_at_rest():
+    """Dropped from zero height: the force settles around the weight, nothing creeps in over 2e5 steps."""
+    bar = ct.Rod(**{**BAR, "x": 0.0}, elements=10)
+    result = ct.run([bar, ct.Wall(x=0.0)], t_end=6000.0, courant=0.9, gravity=10.0, record=ct.Record(every=10))
+    assert result.steps > 190_000
+    assert result.impulse[0] / 6000.0 == pytest.approx(100.0, rel=1e-3)
+    assert result.max_penetration[0] <= 1e-12
+    assert abs(result.energy.unaccounted) <= 1e-9 * result.energy.start.total
