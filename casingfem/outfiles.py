@@ -46,7 +46,7 @@ def json_text(document: Any, *, indent: int | None = None) -> str:
     r"""One JSON document, ending in a newline; numbers that JSON has no word for become null.
 
     >>> json_text({"freq_hz": 371.2, "zeta": float("nan")})
-    '{"freq_hz": 371.2, "zeta": null}\\n'
+    '{"freq_hz": 371.2, "zeta": null}\n'
     """
     return json.dumps(finite(document), indent=indent, allow_nan=False, ensure_ascii=False) + "\n"
 

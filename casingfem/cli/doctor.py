@@ -49,7 +49,7 @@ def blas() -> str:
     """Name and version of numpy's BLAS."""
     import numpy as np
 
-    config: Any = np.show_config(mode="dicts")  # type: ignore[func-returns-value]
+    config: Any = np.show_config(mode="dicts")
     found = config.get("Build Dependencies", {}).get("blas", {})
     return f"{found.get('name', 'unknown')} {found.get('version', '')}".strip()
 
