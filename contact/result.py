@@ -78,7 +78,7 @@ class Result:
 
     def state_force(self) -> Array:
         """Force of the samples at which `state` was stored, (ns, K)."""
-        return self.force[np.searchsorted(self.time, self.state_time - 0.5 * self.dt)]
+        return self.force[np.searchsorted(self.time, self.state_time - 0.25 * self.dt)]
 
     def windowed_force(self, window: float | None = None) -> Array:
         """Force averaged over `window` [s] centred on each sample, (n, K); default 1/f_max of the model."""

@@ -60,7 +60,7 @@ class SchemeTable(Table):
     dt: Positive | None = None
     stiffness: Positive | None = None
     modes: Annotated[int, Field(ge=1)] | None = None
-    law: Literal["auto", "forward", "averaged"] | None = None
+    law: Literal["auto", "forward", "averaged", "energy"] | None = None
 
     @model_validator(mode="after")
     def _fits(self) -> SchemeTable:

@@ -26,11 +26,13 @@ from contact.model.gap import PointGap
 from contact.model.law import Coulomb, Law, Penalty
 from contact.model.modal_system import ModalSystem, point_system, rim_system
 from contact.model.rod_modes import chain_gap
-from contact.scheme.modal_stepper import ModalStepper, modal_stepper
+from contact.scheme.energy_stepper import energy_stepper
+from contact.scheme.modal_stepper import modal_stepper
 from contact.scheme.propagator import Propagator, propagator
-from contact.scheme.protocol import Problem
+from contact.scheme.protocol import Problem, Stepper
 
 ANGLES = 180  # where rho is sampled around a rim
+LAWS = ("auto", "forward", "averaged", "energy")
 AUTO_RHO = 0.1  # "auto" takes the averaged law up to here: beyond, long series of impacts gain energy
 
 
@@ -38,25 +40,26 @@ AUTO_RHO = 0.1  # "auto" takes the averaged law up to here: beyond, long series 
 class ExactModal:
     """Exact-modal propagator; for modal bodies, or two rods by their first `modes` modes.
 
-    `law` "forward", "averaged" (refused when rho = H_d/S > 1) or "auto": averaged up to rho = .1, else forward;
-    the result says which. `omega_h_limit` is the largest omega_max h accepted, below pi.
+    `law` "forward", "averaged" (refused when rho = H_d/S > 1), "auto" (averaged up to rho = .1, else forward; the
+    result says which) or "energy", the discrete gradient of `energy_stepper`, for undamped fixed points.
+    `omega_h_limit` is the largest omega_max h accepted by the first two, below pi.
 
     >>> ExactModal(law="averaged").modes
     50
     """
 
-    law: Literal["auto", "forward", "averaged"] = "auto"
+    law: Literal["auto", "forward", "averaged", "energy"] = "auto"
     modes: int = 50
     omega_h_limit: float = 2.5
 
     def __post_init__(self) -> None:
-        if self.law not in ("auto", "forward", "averaged"):
-            raise InputError(f"law: found {self.law!r}, expected 'auto', 'forward' or 'averaged'")
+        if self.law not in LAWS:
+            raise InputError(f"law: found {self.law!r}, expected one of {', '.join(map(repr, LAWS))}")
         if not 0.0 < self.omega_h_limit < 3.1:
             raise InputError(f"omega_h_limit: found {self.omega_h_limit!r}, expected between 0 and 3.1 (below pi)")
         require_positive(modes=self.modes)
 
-    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> ModalStepper:
+    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> Stepper:
         """Bring the scene to modal form, check the limits; raises InputError, LimitError.
 
         `courant` means omega_max h/2, as for central differences; with neither, omega_max h = .8.
@@ -69,6 +72,8 @@ class ExactModal:
             raise InputError("law: found Coulomb friction on a scene without tangential motion, expected a rim")
         h = _step(system, dt, courant)
         parts = propagator(system.omega, system.zeta, system.load, h)
+        if self.law == "energy":
+            return energy_stepper(system, parts)
         self._require_resolved(system, h)
         H, S, rho = delassus(system, parts, mu)
         averaged = self.law == "averaged" or (self.law == "auto" and rho <= AUTO_RHO)

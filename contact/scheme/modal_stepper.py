@@ -57,8 +57,7 @@ class ModalStepper:
     @property
     def blocks(self) -> tuple[Block, ...]:
         """Modes of each body."""
-        first = self.system.first.tolist()
-        return tuple(zip(self.system.names, first[:-1], first[1:], strict=True))
+        return blocks_of(self.system)
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
@@ -87,16 +86,26 @@ class ModalStepper:
 
     def motions(self) -> tuple[Motion, ...]:
         """Rigid motion of each body: from its mode of frequency zero, NaN without one."""
-        found = []
-        for b, (name, mass) in enumerate(zip(self.system.names, self.system.masses, strict=True)):
-            modes = slice(int(self.system.first[b]), int(self.system.first[b + 1]))
-            rigid = self.system.omega[modes] == 0.0
-            speed = (
-                float(np.sum(self.state.d[modes][rigid])) / self.dt if np.count_nonzero(rigid) == 1 else math.nan
-            )
-            velocity = speed / math.sqrt(mass) if mass > 0.0 else math.nan
-            found.append(Motion(kind=name, number=b, mean_velocity=velocity, momentum=velocity * mass))
-        return tuple(found)
+        return motions_of(self.system, self.state.d / self.dt)
+
+
+def blocks_of(system: ModalSystem) -> tuple[Block, ...]:
+    """Name, first and one past the last mode of each body."""
+    first = system.first.tolist()
+    return tuple(zip(system.names, first[:-1], first[1:], strict=True))
+
+
+def motions_of(system: ModalSystem, velocity: Array) -> tuple[Motion, ...]:
+    """Mean velocity and momentum of each body that has one rigid mode."""
+    found = []
+    for b, (name, mass) in enumerate(zip(system.names, system.masses, strict=True)):
+        modes = slice(int(system.first[b]), int(system.first[b + 1]))
+        rigid = system.omega[modes] == 0.0
+        speed = math.nan
+        if np.count_nonzero(rigid) == 1 and mass > 0.0:
+            speed = float(np.sum(velocity[modes][rigid])) / math.sqrt(mass)
+        found.append(Motion(kind=name, number=b, mean_velocity=speed, momentum=speed * mass))
+    return tuple(found)
 
 
 def modal_stepper(

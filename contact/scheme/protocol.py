@@ -5,7 +5,8 @@
 2. `Stepper.advance(out, first, steps)` takes whole steps first .. first + steps - 1 in one compiled call,
 fills
    `out`, adds to `sums`, and returns -1, or the step that failed.
-3. The force of step n acts at t_n = n h and makes the law hold for the gap stored beside it.
+3. The force of step n acts at the time of its sample (t_n = n h; t_n + h/2 with the energy law) and makes the
+   law hold for the gap stored beside it.
 4. `stored()` and `motions()` read the present state and change nothing.
 """
 

@@ -28,7 +28,11 @@ def modal(**options):
     return ct.run([BAR, ct.Wall(x=0.0)], t_end=2.0, dt=1e-3, scheme=ct.ExactModal(law="forward"), **options)
 
 
-@pytest.mark.parametrize("make", [impact, modal, rub])
+def kept(**options):
+    return ct.run([BAR, ct.Wall(x=0.0)], t_end=2.0, dt=1e-3, scheme=ct.ExactModal(law="energy"), **options)
+
+
+@pytest.mark.parametrize("make", [impact, modal, kept, rub])
 def test_chunks_and_recording_change_no_bit(make, monkeypatch):
     whole = make()
     monkeypatch.setattr(importlib.import_module("contact.run"), "CHUNK", 37)
