@@ -74,7 +74,8 @@ def _rows(quick: bool) -> Iterator[Row]:
         ("forward", 2.5),
         ("forward", 3.0),
         ("averaged", 0.8),
-        ("averaged", 0.2),
+        ("energy", 0.8),
+        ("energy", 3.0),
     ):
         scheme = ct.ExactModal(law=law, modes=50, omega_h_limit=3.05)
         yield _bar_shot("50 modes + S", product, elements=1, dt=product / (49 * SPACING), scheme=scheme)
