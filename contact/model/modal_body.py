@@ -54,10 +54,17 @@ class ModalBody:
         for name in ("omega", "zeta", "rows", "S", *OPTIONAL):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, readonly(getattr(self, name)))
+        for name in OPTIONAL:
+            if getattr(self, name) is not None and getattr(self, name).size == 0:
+                object.__setattr__(self, name, None)
         object.__setattr__(self, "channels", tuple(str(name) for name in self.channels))
         m, K = self.omega.size, len(self.channels)
         for name, shape in (("omega", (m,)), ("zeta", (m,)), ("rows", (K, m)), ("S", (K, K))):
             require_shape(name, getattr(self, name), shape)
+        if self.recovery is not None:
+            require_shape("recovery", self.recovery, (len(self.recovery), m))
+            if self.recovery_S is not None:
+                require_shape("recovery_S", self.recovery_S, (len(self.recovery), K))
         _require_modes(self.omega, self.zeta)
         scale = float(np.abs(self.S).max(initial=0.0))
         skew = float(np.abs(self.S - self.S.T).max(initial=0.0))

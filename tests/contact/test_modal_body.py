@@ -42,6 +42,14 @@ def test_recovery_is_kept(tmp_path):
     assert np.allclose(short.recovery_S, [[0.0, 0.1 + 2.0 / 81.0]])
 
 
+def test_empty_recovery_counts_as_none(tmp_path):
+    none = np.zeros((0, 0))
+    file = written(tmp_path / "casing.npz", recovery=none, recovery_S=none, recovery_points=np.zeros((0, 3)))
+    body = ct.ModalBody.load(file)
+    assert body.recovery is None
+    assert body.truncated(1e3).omega.size < body.omega.size
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -52,6 +60,7 @@ def test_recovery_is_kept(tmp_path):
         ({"omega": -np.ones(10)}, "omega: found -1 rad/s"),
         ({"zeta": np.full(10, 2.0)}, "zeta: found 2 .. 2, expected 0 <= zeta < 1"),
         ({"S": np.triu(np.ones((26, 26)))}, "S: found asymmetry"),
+        ({"recovery": np.ones((3, 4))}, r"recovery: found shape \(3, 4\), expected \(3, 10\)"),
         ({"kind": "disk"}, "kind: found 'disk', expected 'rim' or 'point'"),
         ({"n_max": 5}, "expected the 22 channels of a rim with n_max = 5"),
     ],
