@@ -11,6 +11,8 @@ from contact.model.arrays import Array, Indices, readonly
 from contact.model.gap import PointGap, RotatingRim
 from contact.model.trig import Trig, fourier, quadratic
 
+NOISE = 1e-10  # of the largest row entry: smaller ones come from the eigen solver, not from the casing
+
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RowTable:
@@ -126,14 +128,14 @@ def _raised(polynomial: Trig, constant: float) -> Trig:
 
 
 def _table(radial: Array, tangential: Array, blade_n: Array, blade_t: Array, N: int) -> RowTable:
-    """Keep, per mode, the harmonics above round-off of the largest row entry."""
+    """Keep, per mode, the harmonics above the noise of an eigen solver."""
     start, harmonic, entries = [0], [], []
     scale = max(float(np.abs(radial).max(initial=0.0)), float(np.abs(tangential).max(initial=0.0)))
     for i in range(radial.shape[1]):
         for n in range(N + 1):
             sine = (radial[N + n, i], tangential[N + n, i]) if n else (0.0, 0.0)
             entry = (radial[n, i], sine[0], tangential[n, i], sine[1])
-            if max(map(abs, entry)) > 1e-13 * scale:
+            if max(map(abs, entry)) > NOISE * scale:
                 harmonic.append(n)
                 entries.append(entry)
         start.append(len(harmonic))
