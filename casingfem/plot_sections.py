@@ -10,6 +10,8 @@ from casingfem.plot_page import Cell, Picture, Section, Table
 from casingfem.structure.shell import Shell
 from casingfem.study import Study
 
+UNITS = {"angle": "rad", "k_r": "N/m²", "k_theta": "N/m²", "k_z": "N/m²", "k_rot": "N", "k_face": "N/m³"}
+
 
 def inputs_section(study: Study) -> Section:
     """The structure in one table, and the card of the measured table."""
@@ -48,7 +50,9 @@ def values_of(owner: object) -> str:
     if not is_dataclass(owner):
         return repr(owner)
     numbers = {f.name: getattr(owner, f.name) for f in fields(owner)}
-    plain = [f"{k} = {v:g}" for k, v in numbers.items() if isinstance(v, int | float) and v != 0.0]
+    plain = [
+        f"{k} = {v:g} {UNITS.get(k, 'm')}" for k, v in numbers.items() if isinstance(v, int | float) and v != 0.0
+    ]
     around = getattr(owner, "around", None)
     waves = [f"p = {p}: {cos:+.3g} cos {sin:+.3g} sin" for p, cos, sin in around.harmonics] if around else []
     return ", ".join(plain) + (f"; around: {'; '.join(waves)}" if waves else "")

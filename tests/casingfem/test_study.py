@@ -1,0 +1,207 @@
+"""Studies: what a file says becomes objects; what is wrong with it is said all at once, by key."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.study import StudyError, load_study, perfect, schema, updated_toml
+
+STUDIES = Path(__file__).parents[2] / "data" / "studies"
+
+# the study of design.md, on a mesh that suits a test
+FRUSTUM = """
+[material]
+E = 210e9
+nu = 0.3
+rho = 7800.0
+[chart]
+kind = "frustum"
+r_base = 0.50
+r_top = 0.45
+height = 0.25
+[shell]
+thickness = 3.0e-3
+[[imperfection]]
+of = "radius"
+harmonics = [{p = 8, cos = 0.004}, {p = 20, cos = 0.003}, {p = 4, cos = 0.0019, sin = 0.0006}]
+[support.base]
+kind = "clamped"
+[modes]
+count = 6
+[mesh]
+order = 4
+rows = [0.0, 0.5, 1.0]
+around = 11
+"""
+
+UPDATE = """
+[update]
+table = "table.csv"
+[[update.parameter]]
+name = "material.E"
+lower = 150e9
+upper = 250e9
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "study.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def problems_of(folder: Path, text: str) -> tuple[str, ...]:
+    with pytest.raises(StudyError) as caught:
+        load_study(written(folder, text))
+    assert str(caught.value) == "\n".join(caught.value.problems)
+    return caught.value.problems
+
+
+def test_the_study_of_the_manual_becomes_its_shell(tmp_path):
+    shell = load_study(written(tmp_path, FRUSTUM)).shell
+    assert (shell.chart.r_base, shell.chart.r_top, shell.chart.height) == (0.50, 0.45, 0.25)
+    assert (shell.thickness, shell.material.E) == (3e-3, 210e9)
+    assert isinstance(shell.supports["base"], cf.Clamped)
+    assert shell.radius_defect.coefficients(4) == (0.0019, 0.0006)
+    assert (shell.mesh.order, shell.mesh.rows, shell.mesh.around) == (4, (0.0, 0.5, 1.0), 11)
+
+
+@pytest.mark.parametrize("file", sorted(STUDIES.glob("*.toml")), ids=lambda file: file.stem)
+def test_every_study_of_the_repository_loads(file):
+    assert load_study(file).shell.thickness > 0.0
+
+
+@pytest.mark.parametrize(
+    ("chart", "edge", "kind"),
+    [
+        ('kind = "cylinder"\nradius = 0.3\nheight = 0.4', "top", cf.Cylinder),
+        ('kind = "panel"\nradius = 0.3\nlength = 0.4\nangle = 0.5', "root", cf.Panel),
+        ('kind = "plate"\nlength = 0.4\nwidth = 0.2', "left", cf.Plate),
+    ],
+)
+def test_every_chart(tmp_path, chart, edge, kind):
+    head = "[material]\nE = 1e9\nnu = 0\nrho = 1000\n[shell]\nthickness = 0.002\n"
+    shell = load_study(
+        written(tmp_path, f'{head}[chart]\n{chart}\n[support.{edge}]\nkind = "shear-diaphragm"')
+    ).shell
+    assert isinstance(shell.chart, kind)
+    assert isinstance(shell.supports[edge], cf.ShearDiaphragm)
+
+
+def test_an_elastic_edge_with_its_pattern(tmp_path):
+    spring = 'kind = "elastic"\nk_face = 1e13\nk_r = 2e8\naround = [{p = 4, cos = 0.3, sin = -0.1}]'
+    support = load_study(written(tmp_path, FRUSTUM.replace('kind = "clamped"', spring))).shell.supports["base"]
+    assert (support.k_face, support.k_r, support.around.harmonics) == (1e13, 2e8, ((4, 0.3, -0.1),))
+
+
+def test_imperfections_of_one_quantity_add_up(tmp_path):
+    more = '[[imperfection]]\nof = "radius"\nharmonics = [{p = 8, cos = 0.001}]\n'
+    more += '[[imperfection]]\nof = "thickness"\nharmonics = [{p = 2, sin = 0.01}]\n'
+    shell = load_study(written(tmp_path, FRUSTUM + more)).shell
+    assert shell.radius_defect.coefficients(8)[0] == pytest.approx(0.005)
+    assert shell.thickness_defect.coefficients(2) == (0.0, 0.01)
+
+
+def survey(folder: Path, radius: float = 0.5, taper: float = -0.2) -> None:
+    theta, z = np.meshgrid(np.arange(0.0, 360.0, 5.0), [0.0, 0.12, 0.25])
+    r = (radius + taper * z) * (1.0 + 0.004 * np.cos(8 * np.radians(theta)))
+    rows = "\n".join(f"{a},{b},{c!r}" for a, b, c in zip(theta.flat, z.flat, r.ravel().tolist(), strict=True))
+    (folder / "survey.csv").write_text(f"# SYNTHETIC\ntheta_deg,z_m,radius_m\n{rows}\n")
+
+
+SURVEYED = FRUSTUM.replace(
+    FRUSTUM[FRUSTUM.index("harmonics") :].splitlines()[0], 'survey = "survey.csv"\nn_max = 12'
+)
+
+
+def test_a_survey_is_found_beside_the_study(tmp_path):
+    survey(tmp_path)
+    assert load_study(written(tmp_path, SURVEYED)).shell.radius_defect.fit.amplitude(8) == pytest.approx(0.004)
+
+
+def test_a_survey_of_another_casing_is_refused(tmp_path):
+    survey(tmp_path, radius=0.8)
+    (problem,) = problems_of(tmp_path, SURVEYED)
+    assert "imperfection[1].survey" in problem
+    assert "expected about 0.475 m" in problem
+
+
+def test_all_problems_of_a_file_come_together(tmp_path):
+    text = FRUSTUM.replace("nu = 0.3", "nu = 0.5").replace("thickness = 3.0e-3", "thickness = -3.0e-3")
+    text = text.replace("[support.base]", "[support.bottom]") + UPDATE
+    found = problems_of(tmp_path, text)
+    assert [problem.split(": ")[1] for problem in found] == [
+        "material.nu", "shell.thickness", "support.bottom", "update.table",
+    ]  # fmt: skip
+    assert all(problem.startswith(str(tmp_path / "study.toml")) for problem in found)
+
+
+def test_an_unknown_key_suggests_the_known_one(tmp_path):
+    (problem, missing) = sorted(problems_of(tmp_path, FRUSTUM.replace("r_top", "rtop")), key=len, reverse=True)
+    assert "chart.rtop: found an unknown key" in problem
+    assert "did you mean r_top?" in problem
+    assert "chart.r_top: found nothing, expected its mean radius at z = height [m]" in missing
+
+
+def test_start_values_move_the_start_but_not_the_study(tmp_path):
+    cf.FrequencyTable.from_arrays(freq_hz=[370.0], sigma_hz=1.0, n=[8]).to_csv(tmp_path / "table.csv")
+    study = load_study(written(tmp_path, FRUSTUM + UPDATE + "start = 200e9\n"))
+    assert (study.shell.material.E, study.start.material.E) == (210e9, 200e9)
+    assert study.parameters == (cf.Parameter(name="material.E", lower=150e9, upper=250e9),)
+
+
+def test_the_source_changes_with_every_file_it_depends_on(tmp_path):
+    survey(tmp_path)
+    first = load_study(written(tmp_path, SURVEYED)).source["sha256"]
+    survey(tmp_path, taper=-0.21)
+    assert load_study(tmp_path / "study.toml").source["sha256"] != first
+
+
+def test_an_updated_study_is_a_study_with_the_new_values(tmp_path):
+    survey(tmp_path)
+    spring = 'kind = "elastic"\nk_face = 1e13\n[support.top]\nkind = "clamped"'
+    cf.FrequencyTable.from_arrays(freq_hz=[370.0], sigma_hz=1.0, n=[8]).to_csv(tmp_path / "table.csv")
+    study = load_study(written(tmp_path, SURVEYED.replace('kind = "clamped"', spring) + UPDATE))
+    values = {
+        "material.E": 2.05e11,
+        "shell.thickness": 3.1e-3,
+        "chart.height": 0.251,
+        "radius.p8.cos": 0.0035,
+        "thickness.p2.sin": 0.01,
+        "support.base.k_face": 3e12,
+        "support.base.k_face.p4.cos": 0.2,
+    }
+    out = tmp_path / "out" / "deeper"
+    out.mkdir(parents=True)
+    (out / "study.toml").write_text(updated_toml(study, values, out), encoding="utf-8")
+    again = load_study(out / "study.toml")
+    from casingfem.updating.parameters import get_value
+
+    for name, value in values.items():
+        assert get_value(again.shell, name) == pytest.approx(value, rel=1e-12), name
+    assert again.table is not None
+
+
+def test_toml_of_odd_keys_and_text_reads_back(tmp_path):
+    from casingfem.study.updated import toml
+
+    tables = {"a b": 'say "hi" \\ é', "on": True, "t": {"x-y": [1, 2.5], "u": {"v": 1e300}}, "l": [{"k": "z"}]}
+    assert tomllib.loads(toml(tables)) == tables
+
+
+def test_perfect_takes_all_variation_away(tmp_path):
+    spring = 'kind = "elastic"\nk_face = 1e13\naround = [{p = 4, cos = 0.3}]'
+    shell = load_study(written(tmp_path, FRUSTUM.replace('kind = "clamped"', spring))).shell
+    assert not shell.axisymmetric
+    assert perfect(shell).axisymmetric
+    assert perfect(shell).supports["base"].k_face == 1e13
+
+
+def test_the_schema_knows_every_table():
+    assert set(schema()["properties"]) == {
+        "material", "chart", "shell", "imperfection", "support", "modes", "mesh", "update", "reduce",
+    }  # fmt: skip
+    assert schema()["required"] == ["material", "chart", "shell"]
