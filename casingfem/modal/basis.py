@@ -8,9 +8,11 @@ is not kept.
 
 import json
 import os
+import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -123,9 +125,9 @@ class ModalBasis:
             If the file is missing, is no modal basis, or lacks an array.
         """
         try:
-            with np.load(path, allow_pickle=False) as stored:
+            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
                 data = {name: stored[name] for name in stored.files}
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, EOFError, BadZipFile, zlib.error) as error:
             raise BasisError(f"{path}: not a readable npz file ({error})") from error
         if str(data.get("format")) != FORMAT:
             raise BasisError(f"{path}: expected format {FORMAT!r}, found {str(data.get('format'))!r}")
@@ -133,6 +135,10 @@ class ModalBasis:
         if missing:
             raise BasisError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
         extra = {name: data[name] for name in ("recovery", "recovery_S", "recovery_points") if name in data}
+        try:
+            provenance = json.loads(str(data.get("provenance", "{}")))
+        except ValueError as error:
+            raise BasisError(f"{path}: the provenance is not JSON ({error})") from error
         return cls(
             omega=data["omega"],
             zeta=data["zeta"],
@@ -142,7 +148,7 @@ class ModalBasis:
             kind=str(data["kind"]),
             n_max=int(data.get("n_max", 0)),
             radius=float(data.get("radius", 0.0)),
-            provenance=json.loads(str(data.get("provenance", "{}"))),
+            provenance=provenance,
             **extra,
         )
 

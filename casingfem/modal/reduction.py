@@ -16,8 +16,9 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.eigen import START_SEED, factorise
+from casingfem.modal.eigen import START_SEED, factorise, scaled, sturm_count
 from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
+from casingfem.modal.modes import RIGID, frequency_scale
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.kinematics import DOFS
@@ -69,6 +70,8 @@ def reduce(
     if not any(structure.supports.values()):
         raise ValueError("an unsupported shell has rigid motions: support it before reducing")
     system = system or assemble(structure)
+    if not 1 <= modes < system.size // 2:
+        raise ValueError(f"modes must lie between 1 and {system.size // 2 - 1} here, found {modes!r}")
     rows, channels = rim_rows(system, interface) if isinstance(interface, Rim) else tip_rows(system, interface)
     P = load_columns(system, rows)
     factor = factorise(system.K)
@@ -133,6 +136,9 @@ def craig_bampton_vectors(
     The inverse of K under P^T u = 0 is K^-1 - K^-1 P (P^T K^-1 P)^-1 P^T K^-1; its largest eigenvalues are the
     fixed-interface modes, so one factorisation serves both parts.
     """
+    rigid = sturm_count(scaled(system.K, system.mass), (RIGID * frequency_scale(system.shell)) ** 2)
+    if rigid:
+        raise ValueError(f"the shell has {rigid} rigid motions: support it before reducing")
     compliance = P.T @ attachment
     held = cho_factor(0.5 * (compliance + compliance.T))
     root = np.sqrt(system.mass)
