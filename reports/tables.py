@@ -1,0 +1,50 @@
+"""Print a table and write it as CSV; read the command line every report shares."""
+
+import argparse
+import csv
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+Row = dict[str, object]
+OUT = Path(__file__).parent / "out"
+
+
+def text(value: object) -> str:
+    """A cell: floats to four significant digits, None as a dash."""
+    if value is None:
+        return "-"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def show(title: str, rows: Sequence[Row]) -> None:
+    """Print rows under their column names, numbers to the right."""
+    names = list(rows[0])
+    cells = [names, *([text(row.get(name)) for name in names] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    left = [isinstance(rows[0][name], str) for name in names]
+    print(f"\n{title}")
+    for line in cells:
+        print(
+            "  ".join(
+                cell.ljust(width) if to_left else cell.rjust(width)
+                for cell, width, to_left in zip(line, widths, left, strict=True)
+            ).rstrip()
+        )
+
+
+def write(path: Path, rows: Sequence[Row]) -> None:
+    """Write rows as CSV."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.DictWriter(stream, fieldnames=list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def command_line(description: str | None, main: Callable[[Path, bool], object]) -> None:
+    """Run a report's `main(out, quick)` with --out and --quick."""
+    parser = argparse.ArgumentParser(description=(description or "").partition("\n")[0])
+    parser.add_argument("--quick", action="store_true", help="leave out what takes long")
+    parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
+    arguments = parser.parse_args()
+    main(arguments.out, arguments.quick)

@@ -1,0 +1,147 @@
+"""ModalBasis: a round trip through its file, and what it refuses."""
+
+import os
+
+import numpy as np
+import pytest
+
+from casingfem.modal.basis import FORMAT, BasisError, ModalBasis
+
+
+def basis(**changes):
+    rng = np.random.default_rng(23)
+    parts = {
+        "omega": np.array([100.0, 250.0, 251.0]),
+        "zeta": np.array([0.002, 0.002, 0.004]),
+        "channels": ("radial.cos0", "radial.cos1"),
+        "rows": rng.normal(size=(2, 3)),
+        "S": np.array([[2e-9, 1e-10], [1e-10, 3e-9]]),
+        "kind": "rim",
+        "n_max": 1,
+        "radius": 0.45,
+        "recovery": rng.normal(size=(6, 3)),
+        "recovery_S": rng.normal(size=(6, 2)),
+        "recovery_points": rng.normal(size=(2, 3)),
+        "provenance": {"method": "free", "versions": {"numpy": "2"}},
+    }
+    return ModalBasis(**(parts | changes))
+
+
+def test_file_gives_everything_back_bit_for_bit(tmp_path):
+    first = basis()
+    path = first.save(tmp_path / "deep" / "casing.npz")
+    again = ModalBasis.load(path)
+    for name in ("omega", "zeta", "rows", "S", "recovery", "recovery_S", "recovery_points"):
+        assert getattr(again, name).tobytes() == getattr(first, name).tobytes()
+    for name in ("channels", "kind", "n_max", "radius", "provenance"):
+        assert getattr(again, name) == getattr(first, name)
+    assert os.listdir(path.parent) == ["casing.npz"]
+
+
+def test_file_needs_no_pickle(tmp_path):
+    path = basis().save(tmp_path / "casing.npz")
+    with np.load(path, allow_pickle=False) as stored:
+        assert all(stored[name].dtype != object for name in stored.files)
+
+
+def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
+    path = basis().save(tmp_path / "casing.npz")
+    before = path.read_bytes()
+
+    def failing(*args, **arrays):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(np, "savez", failing)
+    with pytest.raises(OSError, match="disk full"):
+        basis(n_max=2).save(path)
+    assert path.read_bytes() == before
+
+
+def test_arrays_are_copies_and_read_only():
+    omega = np.array([1.0, 2.0, 3.0])
+    made = basis(omega=omega)
+    omega[0] = 7.0
+    assert made.omega[0] == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        made.rows[0, 0] = 1.0
+
+
+def test_compliance_is_that_of_the_modes_and_of_the_rest():
+    made = basis()
+    expected = made.rows @ np.diag(1 / made.omega**2) @ made.rows.T + made.S
+    np.testing.assert_allclose(made.compliance, expected, rtol=1e-14)
+    np.testing.assert_allclose(made.freq, made.omega / 2 / np.pi, rtol=1e-15)
+
+
+def test_repr_tells_modes_band_and_the_share_of_S():
+    made = basis()
+    share = 100 * np.trace(made.S) / np.trace(made.compliance)
+    assert repr(made) == f"ModalBasis(rim, 3 modes 15.9-39.9 Hz, 2 channels, S carries {share:.1f} % of the " + (
+        "static compliance)"
+    )
+    empty = basis(omega=np.zeros(0), zeta=np.zeros(0), rows=np.zeros((2, 0)))
+    assert "no modes" in repr(empty)
+    assert len(empty) == 0
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"zeta": np.zeros(2)}, r"zeta must have shape \(3,\), found \(2,\)"),
+        ({"rows": np.zeros((3, 2))}, r"rows must have shape \(2, 3\)"),
+        ({"S": np.zeros((2, 3))}, r"S must have shape \(2, 2\)"),
+        ({"omega": np.array([1.0, np.nan, 2.0])}, "omega holds values that are not finite"),
+        ({"S": np.full((2, 2), np.inf)}, "S holds values that are not finite"),
+        ({"kind": "ring"}, "kind must be"),
+    ],
+)
+def test_refuses_arrays_that_do_not_fit(changes, message):
+    with pytest.raises(BasisError, match=message):
+        basis(**changes)
+
+
+def stored_without(path, *names, **replaced):
+    with np.load(path) as file:
+        data = {name: file[name] for name in file.files if name not in names}
+    np.savez(path, **(data | replaced))
+    return path
+
+
+def test_refuses_files_that_hold_no_basis(tmp_path):
+    path = basis().save(tmp_path / "casing.npz")
+    with pytest.raises(BasisError, match="arrays missing: S, rows"):
+        ModalBasis.load(stored_without(path, "rows", "S"))
+    with pytest.raises(BasisError, match=f"expected format '{FORMAT}', found 'other'"):
+        ModalBasis.load(stored_without(path, format=np.array("other")))
+    with pytest.raises(BasisError, match="found 'None'"):
+        ModalBasis.load(stored_without(path, "format"))
+    with pytest.raises(BasisError, match="not a readable npz"):
+        ModalBasis.load(tmp_path / "absent.npz")
+    text = tmp_path / "text.npz"
+    text.write_text("omega, zeta")
+    with pytest.raises(BasisError, match="not a readable npz"):
+        ModalBasis.load(text)
+
+
+@pytest.mark.parametrize("kept", [0, 10, 200, 900])
+def test_refuses_a_file_cut_short(tmp_path, kept):
+    path = basis().save(tmp_path / "casing.npz")
+    path.write_bytes(path.read_bytes()[:kept])
+    with pytest.raises(BasisError):
+        ModalBasis.load(path)
+
+
+def test_refuses_a_file_with_a_flipped_byte_in_an_array(tmp_path):
+    path = basis().save(tmp_path / "casing.npz")
+    data = bytearray(path.read_bytes())
+    place = data.find(np.float64(250.0).tobytes())
+    data[place + 3] ^= 0xFF
+    path.write_bytes(data)
+    with pytest.raises(BasisError):
+        ModalBasis.load(path)
+
+
+def test_refuses_provenance_that_is_not_json(tmp_path):
+    path = stored_without(basis().save(tmp_path / "casing.npz"), provenance=np.array("{not json"))
+    with pytest.raises(BasisError):
+        ModalBasis.load(path)

@@ -1,0 +1,133 @@
+"""Eigen solver: Sturm count against dense eigenvalues, recovery of missed modes, refusals."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import eigh
+from scipy.sparse import csc_array, diags_array
+from scipy.sparse.linalg import ArpackError, eigsh
+
+from casingfem.modal import eigen
+from casingfem.modal.eigen import EigenError, factorise, gap_after, scaled, solve_modes, sturm_count
+from casingfem.structure.assembly import assemble
+
+
+def chain(size, ends=1.0):
+    """Springs and unit masses in a line, held at both ends by `ends`: eigenvalues 4 sin^2(k pi/2/(size + 1))."""
+    K = diags_array([np.full(size, 2.0), np.full(size - 1, -1.0), np.full(size - 1, -1.0)], offsets=[0, 1, -1])
+    K = csc_array(K).tolil()
+    K[0, 0] = K[size - 1, size - 1] = 1.0 + ends
+    return csc_array(K)
+
+
+def random_pair(size, seed):
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(size, size))
+    return A @ A.T + 0.1 * np.eye(size), rng.uniform(0.5, 2.0, size)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(5, 30), st.integers(0, 2**31), st.floats(0.01, 0.99))
+def test_sturm_count_equals_the_dense_count(size, seed, place):
+    K, mass = random_pair(size, seed)
+    values = eigh(K, np.diag(mass), eigvals_only=True)
+    sigma = values[0] + place * (values[-1] - values[0])
+    if np.abs(values - sigma).min() < 1e-6 * values[-1]:
+        return
+    assert sturm_count(scaled(csc_array(K), mass), sigma) == np.count_nonzero(values < sigma)
+
+
+def test_sturm_count_on_a_chain_of_known_eigenvalues():
+    exact = 4 * np.sin(np.arange(1, 201) * np.pi / 402) ** 2
+    for below in (0, 1, 57, 199, 200):
+        sigma = 0.5 * (np.append(0, exact)[below] + np.append(exact, 5)[below])
+        assert sturm_count(chain(200), sigma) == below
+
+
+def test_modes_equal_the_dense_solution():
+    exact = 4 * np.sin(np.arange(1, 301) * np.pi / 602) ** 2
+    found = solve_modes(chain(300), np.ones(300), 12, shift=-1e-6)
+    np.testing.assert_allclose(found.eigenvalues, exact[:12], rtol=1e-10)
+    assert found.sturm_count == 12
+    assert found.residuals.max() < 1e-9
+
+
+def test_modes_of_a_shell_equal_the_dense_solution(frustum, coarse):
+    system = assemble(frustum(mesh=coarse))
+    found = solve_modes(system.K, system.mass, 10, shift=-1e3)
+    exact = eigh(scaled(system.K, system.mass).toarray(), subset_by_index=[0, 9], eigvals_only=True)
+    np.testing.assert_allclose(found.eigenvalues, exact, rtol=1e-9)
+    gram = found.vectors.T @ (system.mass[:, None] * found.vectors)
+    np.testing.assert_allclose(gram, np.eye(10), atol=1e-10)
+    np.testing.assert_allclose(found.vectors.T @ (system.K @ found.vectors), np.diag(exact), atol=1e-9 * exact[-1])
+
+
+def blind(misses, count=1):
+    """An eigsh that loses its second eigenpair in the first `misses` calls."""
+    calls = []
+
+    def solver(A, k, **options):
+        calls.append(k)
+        values, vectors = eigsh(A, k, **options)
+        if len(calls) > misses:
+            return values, vectors
+        kept = np.argsort(values)[np.r_[0, 1 + count : k]]
+        return values[kept], vectors[:, kept]
+
+    return solver, calls
+
+
+def test_a_missed_mode_shows_in_the_count_and_is_found(monkeypatch):
+    solver, calls = blind(misses=1)
+    monkeypatch.setattr(eigen, "eigsh", solver)
+    found = solve_modes(chain(300), np.ones(300), 6, shift=-1e-6)
+    exact = 4 * np.sin(np.arange(1, 7) * np.pi / 602) ** 2
+    np.testing.assert_allclose(found.eigenvalues, exact, rtol=1e-10)
+    assert len(calls) == 2
+    assert calls[1] > calls[0]
+
+
+def test_modes_missed_again_and_again_are_an_error(monkeypatch):
+    solver, calls = blind(misses=99)
+    monkeypatch.setattr(eigen, "eigsh", solver)
+    with pytest.raises(EigenError, match="7 modes lie below .* Hz, 6 were found"):
+        solve_modes(chain(300), np.ones(300), 6, shift=-1e-6)
+    assert len(calls) == 3
+
+
+def test_arpack_failure_is_an_eigen_error(monkeypatch):
+    def failing(*args, **options):
+        raise ArpackError(-9999)
+
+    monkeypatch.setattr(eigen, "eigsh", failing)
+    with pytest.raises(EigenError, match="ARPACK did not converge on 10 modes"):
+        solve_modes(chain(30), np.ones(30), 6, shift=-1e-6)
+
+
+def test_free_body_is_solved_by_the_shift():
+    found = solve_modes(chain(100, ends=0.0), np.ones(100), 3, shift=-1e-4)
+    np.testing.assert_allclose(found.eigenvalues, 4 * np.sin(np.arange(3) * np.pi / 200) ** 2, atol=1e-13)
+
+
+def test_singular_matrix_is_refused():
+    with pytest.raises(EigenError, match="singular: the structure is not supported"):
+        factorise(csc_array(np.zeros((4, 4))))
+
+
+@pytest.mark.parametrize("count", [0, -3, 27, 500])
+def test_refuses_a_count_there_is_not(count):
+    with pytest.raises(EigenError, match=f"count must lie between 1 and 25, found {count}"):
+        solve_modes(chain(30), np.ones(30), count, shift=-1e-6)
+
+
+def test_gap_after_goes_past_a_double():
+    values = np.array([1.0, 2.0, 2.0 + 1e-12, 3.0, 4.0])
+    assert gap_after(values, 1) == (1, 1.5)
+    assert gap_after(values, 2) == (3, pytest.approx(2.5))
+    assert gap_after(values, 3)[0] == 3
+
+
+def test_no_gap_is_an_error():
+    with pytest.raises(EigenError, match="no gap among eigenvalues 2 to 4"):
+        gap_after(np.array([1.0, 2.0, 2.0, 2.0]), 2)

@@ -1,0 +1,94 @@
+"""Interfaces: Fourier amplitudes of a rim, the mean motion of a tip."""
+
+import numpy as np
+import pytest
+
+from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
+from casingfem.structure.assembly import assemble
+from casingfem.structure.chart import Panel, Plate
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Clamped
+
+
+@pytest.fixture(scope="module")
+def casing(frustum):
+    return assemble(frustum(mesh=ShellMesh(order=6, rows=1, around=11)))
+
+
+def motion(system, radial, tangential):
+    theta = system.grid.nodes[1]
+    c, s = np.cos(theta), np.sin(theta)
+    r, t = radial(theta), tangential(theta)
+    return np.stack([r * c - t * s, r * s + t * c, *np.zeros((3, len(theta)))], axis=1).ravel()
+
+
+def test_rim_rows_give_the_fourier_amplitudes_of_both_directions(casing):
+    rows, names = rim_rows(casing, Rim("top", n_max=6))
+    found = rows @ motion(
+        casing,
+        lambda x: 0.5 + 2 * np.cos(3 * x) - np.sin(5 * x),
+        lambda x: 3 * np.sin(x) + 0.25 * np.cos(6 * x),
+    )
+    expected = dict.fromkeys(names, 0.0) | {
+        "radial.cos0": 0.5,
+        "radial.cos3": 2.0,
+        "radial.sin5": -1.0,
+        "tangential.sin1": 3.0,
+        "tangential.cos6": 0.25,
+    }
+    np.testing.assert_allclose(found, [expected[name] for name in names], atol=1e-5)
+
+
+def test_rim_rows_touch_only_their_edge(casing):
+    rows, _ = rim_rows(casing, Rim("top", n_max=4))
+    touched = np.flatnonzero(np.abs(rows).max(axis=0)) // 5
+    assert set(touched) == set(casing.grid.edges["top"].nodes)
+
+
+@pytest.mark.parametrize(
+    ("rim", "message"),
+    [
+        (Rim("tip"), "edge 'tip'"),
+        (Rim("top", n_max=0), "between 1 and 22"),
+        (Rim("top", n_max=23), "found 23"),
+    ],
+)
+def test_refuses_a_rim_that_is_none(casing, rim, message):
+    with pytest.raises(ValueError, match=message):
+        rim_rows(casing, rim)
+
+
+def test_tip_rows_are_the_mean_over_the_edge(steel):
+    plate = Shell(
+        chart=Plate(length=0.3, width=0.1), thickness=2e-3, material=steel, supports={"root": Clamped()},
+        mesh=ShellMesh(order=4, rows=2, around=2),
+    )  # fmt: skip
+    system = assemble(plate)
+    rows, names = tip_rows(system, Tip())
+    x, y = system.points.T[:2]
+    fields = np.stack([x + 3 * y**2, 0 * x, 5 * x + y, 0 * x, 0 * x], axis=1).ravel()
+    assert names == ("span", "flap")
+    np.testing.assert_allclose(rows @ fields, [0.3 + 3 * 0.1**2 / 12, 1.5], rtol=1e-12)
+
+
+def test_tip_of_a_panel_flaps_along_its_normal(steel):
+    panel = Shell(
+        chart=Panel(radius=0.6, length=0.3, angle=0.5), thickness=3e-3, material=steel, supports={"root": Clamped()},
+        mesh=ShellMesh(order=4, rows=1, around=2),
+    )  # fmt: skip
+    system = assemble(panel)
+    rows, _ = tip_rows(system, Tip())
+    shift = np.zeros((len(system.frames), 5))
+    shift[:, 0] = 1.0  # the normal at mid-edge is -+x, z the span
+    assert np.abs(rows @ shift.ravel()) == pytest.approx([0.0, 1.0], abs=1e-12)
+
+
+def test_a_rim_needs_a_casing_and_a_tip_a_blade(steel, casing):
+    plate = Shell(chart=Plate(length=1.0, width=1.0), thickness=0.01, material=steel, mesh=ShellMesh(order=2))
+    with pytest.raises(ValueError, match="closed casing"):
+        rim_rows(assemble(plate), Rim("tip"))
+    with pytest.raises(ValueError, match="open panel or plate"):
+        tip_rows(casing, Tip("top"))
+    with pytest.raises(ValueError, match="edge 'nose'"):
+        tip_rows(assemble(plate), Tip("nose"))

@@ -1,0 +1,303 @@
+"""Modes: the table, doublets, splitting rules, orientation, rigid motions, refusals, determinism."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casingfem.modal.eigen import EigenError
+from casingfem.modal.modes import count_below, modes
+from casingfem.structure.assembly import assemble
+from casingfem.structure.chart import Cylinder, Plate
+from casingfem.structure.field import FourierField
+from casingfem.structure.mesh import ShellMesh, rim_values
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Circumferential, Clamped, ElasticEdge
+
+MEDIUM = ShellMesh(order=6, rows=1, around=17)
+EIGHT = ShellMesh(order=6, rows=1, around=16)  # as symmetric as an imperfection of period 45 degrees
+
+
+def splits(found):
+    """Nodal diameters and relative split of each doublet."""
+    return found.nodal_diameters[[low for low, _ in found.doublets]], found.splits
+
+
+# --- what is split, what is not -------------------------------------------------------------------------------
+
+
+def test_cos_8_theta_in_the_radius_splits_4_and_8_and_leaves_odd_n_double(split_modes):
+    n, split = splits(split_modes)
+    assert np.all(split[np.isin(n, [4, 8])] > 5e-3)
+    assert np.all(split[n == 12] > 1e-3)  # at third order
+    assert split[n % 4 != 0].max() < 1e-9
+    assert set(n[n % 4 != 0]) >= {3, 5, 6, 7, 9, 10, 11, 13, 14, 15}
+
+
+def test_split_falls_with_the_imperfection_at_the_order_of_the_rule(frustum):
+    """2 n = k p: n = 4 at first order in cos 8 theta, n = 8 at second."""
+    small, large = (modes(frustum(radius_defect=FourierField.of({8: a}), mesh=MEDIUM), 20) for a in (1e-4, 2e-4))
+    ratio = {
+        n: splits(large)[1][splits(large)[0] == n][0] / splits(small)[1][splits(small)[0] == n][0] for n in (4, 8)
+    }
+    assert ratio[4] == pytest.approx(2.0, rel=0.02)
+    assert ratio[8] == pytest.approx(4.0, rel=0.05)
+
+
+def assert_turned(turned, still, angle, tolerance):
+    """The same frequencies, and orientations moved by the angle where a pair is split."""
+    np.testing.assert_allclose(turned.freq, still.freq, rtol=tolerance)
+    n, split = still.nodal_diameters, np.zeros(len(still))
+    for pair, own in zip(still.doublets, still.splits, strict=True):
+        split[list(pair)] = own
+    known = split > 1e-4
+    assert np.count_nonzero(known) >= 4
+    period = 180.0 / n[known]
+    off = turned.angle_deg[known] - still.angle_deg[known] - np.degrees(angle)
+    np.testing.assert_allclose(np.mod(off + period / 2, period) - period / 2, 0.0, atol=1e-3)
+
+
+def test_turning_the_field_changes_no_frequency_and_turns_the_shapes(frustum, split_modes):
+    """Default mesh: 1e-11."""
+    field = FourierField.of({8: 0.002}).rotated(0.3)
+    assert_turned(modes(frustum(radius_defect=field), 40), split_modes, 0.3, 1e-9)
+
+
+@pytest.mark.slow
+def test_turning_a_mixed_field_changes_no_frequency(frustum):
+    """Five harmonics up to .2 %, default mesh: 5e-9; harmonics of this size couple n and n +- p through the mesh."""
+    field = FourierField.of({2: 0.002, 3: (0.001, 0.0005), 5: 0.0005, 8: 0.001, 4: 0.001})
+    still = modes(frustum(radius_defect=field), 24)
+    for angle in (0.3, -1.7):
+        assert_turned(modes(frustum(radius_defect=field.rotated(angle)), 24), still, angle, 1e-8)
+
+
+@pytest.mark.parametrize("around", [8, 4])
+def test_equal_springs_split_n_only_if_their_number_divides_2n(frustum, around):
+    """Springs k(1 + .9 cos N theta), as N bolts give: N = 8 splits 4, 8, 12; N = 4 also 6 and 10."""
+    bolts = ElasticEdge(k_face=1e11, around=Circumferential(harmonics=((around, 0.9, 0.0),)))
+    n, split = splits(modes(frustum(supports={"base": bolts}, mesh=EIGHT), 24))
+    allowed = (2 * n) % around == 0
+    assert split[~allowed].max() < 1e-10
+    # order k = 2n/N of the pattern: the first two are plain to see
+    plain = allowed & (2 * n // around <= 2)
+    assert split[plain].min() > 1e-6
+    assert split[n == 4][0] == split.max()
+
+
+def test_a_thickness_field_splits_by_the_same_rule(frustum):
+    n, split = splits(modes(frustum(thickness_defect=FourierField.of({8: 0.05}), mesh=EIGHT), 20))
+    assert split[n == 4][0] > 1e-3
+    assert split[(2 * n) % 8 != 0].max() < 1e-10
+
+
+# --- labels and orientation -----------------------------------------------------------------------------------
+
+
+def test_lower_member_of_a_split_pair_has_its_antinode_where_it_says(split_modes):
+    """Against a plain FFT of the radial displacement at 256 equal angles of the rim."""
+    grid = split_modes.grid
+    theta = 2 * np.pi * np.arange(256) / 256
+    nodes, weights = rim_values(grid, "top", theta)
+    here = np.einsum("pk,pkcm->pcm", weights, split_modes.fields[nodes][:, :, :2])
+    radial = here[:, 0] * np.cos(theta)[:, None] + here[:, 1] * np.sin(theta)[:, None]
+    spectrum = np.fft.rfft(radial, axis=0)
+    checked = 0
+    for k, n in enumerate(split_modes.nodal_diameters):
+        assert np.abs(spectrum[:, k]).argmax() == n
+        if np.isfinite(split_modes.angle_deg[k]):
+            psi = np.mod(-np.angle(spectrum[n, k]) / n, np.pi / n)  # cos n(theta - psi), either sign
+            off = np.degrees(psi) - split_modes.angle_deg[k]
+            assert abs(np.mod(off + 90 / n, 180 / n) - 90 / n) < 1e-2
+            checked += 1
+    assert checked >= 8
+
+
+def test_members_of_a_split_pair_stand_a_quarter_wave_apart(split_modes):
+    for low, high in split_modes.doublets:
+        n = split_modes.nodal_diameters[low]
+        if np.isfinite(split_modes.angle_deg[low]):
+            off = split_modes.angle_deg[high] - split_modes.angle_deg[low]
+            assert np.mod(off, 180 / n) == pytest.approx(90 / n, abs=1e-3)
+
+
+def test_a_perfect_pair_has_no_orientation_and_stands_as_cosine_and_sine(perfect_modes):
+    assert np.all(np.isnan(perfect_modes.angle_deg))
+    grid = perfect_modes.grid
+    at_zero = np.flatnonzero((grid.nodes[1] == 0.0) & (grid.nodes[0] == 0.25))[0]
+    radial = perfect_modes.fields[at_zero, 0]
+    cosine, sine = np.array(perfect_modes.doublets).T
+    assert np.abs(radial[sine]).max() < 1e-6 * np.abs(radial[cosine]).min()
+
+
+def test_shapes_are_mass_normalised_and_orthogonal(split_modes):
+    system = assemble(split_modes.shell)
+    phi = system.restrict(split_modes.fields)
+    np.testing.assert_allclose(phi.T @ (system.mass[:, None] * phi), np.eye(40), atol=1e-9)
+    lam = split_modes.omega**2
+    np.testing.assert_allclose(phi.T @ (system.K @ phi) / lam[-1], np.diag(lam) / lam[-1], atol=1e-9)
+
+
+def test_fourier_shapes_are_the_shells_own(frustum):
+    """The fast path's nodal fields are mass-normalised modes of the assembled matrices."""
+    mesh = ShellMesh(order=8, rows=1, around=17)
+    fast = modes(frustum(mesh=mesh), 8, method="fourier")
+    system = assemble(frustum(mesh=mesh))
+    phi = system.restrict(fast.fields)
+    np.testing.assert_allclose(phi.T @ (system.mass[:, None] * phi), np.eye(8), atol=1e-6)
+    slow = system.restrict(modes(frustum(mesh=mesh), 8, method="shell").fields)
+    np.testing.assert_allclose(np.abs(phi.T @ (system.mass[:, None] * slow)), np.eye(8), atol=1e-5)
+
+
+def test_meridional_rank_counts_a_doublet_once(perfect_modes):
+    for n in (8, 9, 10):
+        own = perfect_modes.meridional[perfect_modes.nodal_diameters == n]
+        assert own.tolist() == [1, 1, 2, 2]
+
+
+# --- free bodies, open shells ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["shell", "fourier"])
+def test_free_casing_shows_its_six_rigid_motions(frustum, coarse, method):
+    found = modes(frustum(supports={}, mesh=coarse), 10, method=method)
+    assert found.rigid == 6
+    assert found.freq[:6].max() < 0.05
+    assert found.freq[6] > 5.0
+    assert found.nodal_diameters.tolist() == [-1] * 6 + [2, 2, 2, 2]
+    assert [row["rigid"] for row in found.records()] == [True] * 6 + [False] * 4
+    assert repr(found).count("rigid") == 6
+
+
+def test_free_methods_agree(frustum, coarse):
+    """Elastic modes of a free thin ring lie five decades below the stiffness: still five digits."""
+    shell = frustum(supports={}, mesh=coarse)
+    a, b = (modes(shell, 10, method=method).freq[6:] for method in ("shell", "fourier"))
+    np.testing.assert_allclose(a, b, rtol=1e-3)
+
+
+def test_open_shell_has_no_diameters(steel):
+    plate = Shell(
+        chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel, supports={"root": Clamped()},
+        mesh=ShellMesh(order=6, rows=2, around=1),
+    )  # fmt: skip
+    found = modes(plate, 5)
+    assert found.nodal_diameters.tolist() == [-1] * 5
+    assert np.all(np.isnan(found.purity))
+    assert found.doublets == ()
+    assert found.splits.shape == (0,)
+    assert found.rings is None
+    assert found.records()[0]["n_purity"] is None
+    assert " - " in repr(found)
+
+
+def test_cantilever_strip_bends_as_a_beam_does(steel):
+    """nu = 0, L/h = 100: 1.8751^2 sqrt(E h^2/12 rho)/(2 pi L^2), 1e-4 above the shear-deformable beam."""
+    strip = Shell(
+        chart=Plate(length=1.0, width=0.05), thickness=0.01, material=replace(steel, nu=0.0),
+        supports={"root": Clamped()}, mesh=ShellMesh(order=6, rows=2, around=1),
+    )  # fmt: skip
+    exact = 1.875104069**2 * np.sqrt(210e9 * 0.01**2 / 12 / 7800) / (2 * np.pi)
+    assert modes(strip, 1).freq[0] == pytest.approx(exact, rel=3e-4)
+
+
+# --- counts, methods, errors ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["shell", "fourier"])
+def test_a_count_that_cuts_a_doublet_gives_as_many_modes_and_says_so(frustum, coarse, method):
+    whole, cut = (modes(frustum(mesh=coarse), count, method=method) for count in (8, 7))
+    assert (len(whole), len(cut)) == (8, 7)
+    assert (whole.sturm_count, cut.sturm_count) == (8, 8)
+    assert len(cut.doublets) == 3
+    np.testing.assert_allclose(cut.freq, whole.freq[:7], rtol=1e-10)
+    assert cut.records()[-1]["doublet"] is None
+
+
+def test_auto_takes_the_fast_path_only_where_nothing_varies(frustum, coarse):
+    assert "assemble" not in modes(frustum(mesh=coarse), 4).seconds
+    field = FourierField.of({3: 0.001})
+    assert "assemble" in modes(frustum(mesh=coarse, radius_defect=field), 4).seconds
+    assert "assemble" in modes(frustum(mesh=coarse), 4, method="shell").seconds
+
+
+def test_fourier_refuses_what_varies_around(frustum):
+    with pytest.raises(ValueError, match="nothing varies around"):
+        modes(frustum(radius_defect=FourierField.of({3: 0.001})), 4, method="fourier")
+
+
+def test_refuses_a_method_it_does_not_know(frustum):
+    with pytest.raises(ValueError, match="found 'ritz'"):
+        modes(frustum(), 4, method="ritz")
+
+
+@pytest.mark.parametrize("method", ["shell", "fourier"])
+@pytest.mark.parametrize("count", [0, -1])
+def test_refuses_no_modes(frustum, count, method):
+    with pytest.raises(ValueError, match=f"count must be at least 1, found {count}"):
+        modes(frustum(), count, method=method)
+
+
+def test_refuses_more_modes_than_there_are(frustum):
+    with pytest.raises(EigenError, match="count must lie between 1 and"):
+        modes(frustum(mesh=ShellMesh(order=2, rows=1, around=3)), 500, method="shell")
+
+
+def test_count_below_is_the_number_of_modes(frustum, coarse):
+    shell = frustum(mesh=coarse)
+    freq = modes(shell, 12, method="shell").freq
+    assert count_below(shell, 0.5 * (freq[7] + freq[8])) == 8
+    assert count_below(shell, 0.9 * freq[0]) == 0
+
+
+def test_two_calls_agree_bit_by_bit(frustum, coarse):
+    shell = frustum(mesh=coarse, radius_defect=FourierField.of({8: 0.002}))
+    a, b = modes(shell, 10), modes(shell, 10)
+    assert a.freq.tobytes() == b.freq.tobytes()
+    assert a.fields.tobytes() == b.fields.tobytes()
+
+
+def test_arrays_are_read_only(perfect_modes):
+    for array in (perfect_modes.freq, perfect_modes.fields, perfect_modes.nodal_diameters):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+
+
+def test_records_are_plain_json(split_modes):
+    records = json.loads(json.dumps(split_modes.records()))
+    assert len(records) == 40
+    first = records[0]
+    assert first == {
+        "mode": 1,
+        "freq_hz": pytest.approx(split_modes.freq[0]),
+        "n": 8,
+        "n_purity": pytest.approx(split_modes.purity[0]),
+        "m": 1,
+        "doublet": 1,
+        "split_rel": pytest.approx(split_modes.splits[0]),
+        "angle_deg": pytest.approx(split_modes.angle_deg[0]),
+        "rigid": False,
+    }
+
+
+def test_repr_is_the_table(split_modes):
+    lines = repr(split_modes).splitlines()
+    assert len(lines) == 42
+    assert lines[0].split() == ["mode", "freq", "[Hz]", "n", "pure", "m", "split", "[%]", "angle", "[deg]"]
+    assert lines[1].split()[:3] == ["1", f"{split_modes.freq[0]:.3f}", "8"]
+    assert "40 modes" in lines[-1]
+    assert "Sturm count 40" in lines[-1]
+
+
+def test_tube_of_two_materials_scales(steel):
+    """Frequencies go with sqrt(E/rho) and with one over the size."""
+    tube = Shell(
+        chart=Cylinder(radius=0.5, height=0.4), thickness=4e-3, material=steel, supports={"base": Clamped()},
+        mesh=ShellMesh(order=6, rows=1, around=9),
+    )  # fmt: skip
+    f = modes(tube, 6).freq
+    light = modes(replace(tube, material=replace(steel, E=70e9, rho=2700.0)), 6).freq
+    np.testing.assert_allclose(light, f * np.sqrt(70e9 / 2700.0 / (210e9 / 7800.0)), rtol=1e-10)
+    half = replace(tube, chart=Cylinder(radius=0.25, height=0.2), thickness=2e-3)
+    np.testing.assert_allclose(modes(half, 6).freq, 2 * f, rtol=1e-9)

@@ -1,0 +1,195 @@
+"""Reduction: static pushes equal the full model, for every basis and any number of modes; orthogonality; refusals."""
+
+import numpy as np
+import pytest
+
+from casingfem.modal.basis import ModalBasis
+from casingfem.modal.eigen import factorise
+from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
+from casingfem.modal.modes import modes
+from casingfem.modal.reduction import load_columns, reduce
+from casingfem.structure.assembly import assemble
+from casingfem.structure.chart import Cylinder, Panel
+from casingfem.structure.field import FourierField
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm
+
+RIM = Rim("top", n_max=8)
+
+
+@pytest.fixture(scope="module")
+def casing(frustum):
+    """Imperfect, elastically embedded."""
+    edge = ElasticEdge(k_face=5e12, around=Circumferential(harmonics=((4, 0.3, 0.1),)))
+    shell = frustum(
+        radius_defect=FourierField.of({2: 0.004, 8: 0.002}),
+        supports={"base": edge},
+        mesh=ShellMesh(order=6, rows=1, around=9),
+    )
+    return assemble(shell)
+
+
+@pytest.fixture(scope="module")
+def blade(steel):
+    shell = Shell(
+        chart=Panel(radius=0.3, length=0.12, angle=0.25), thickness=2e-3, material=steel,
+        supports={"root": Clamped()}, mesh=ShellMesh(order=6, rows=2, around=1),
+    )  # fmt: skip
+    return assemble(shell)
+
+
+def bodies(request_name, casing, blade):
+    return (casing, RIM, rim_rows) if request_name == "rim" else (blade, Tip(), tip_rows)
+
+
+def full_solution(system, rows):
+    """Displacements (3 points, channels) under unit interface loads, and the interface's compliance."""
+    P = load_columns(system, rows)
+    u = factorise(system.K).solve(P)
+    return system.expand(u)[:, :3].reshape(-1, P.shape[1]), P.T @ u
+
+
+@pytest.mark.parametrize("kind", ["rim", "tip"])
+@pytest.mark.parametrize(
+    ("method", "count"), [("free", 1), ("free", 7), ("free", 30), ("craig-bampton", 1), ("craig-bampton", 12)]
+)
+def test_static_push_equals_the_full_model(casing, blade, kind, method, count):
+    system, interface, rows_of = bodies(kind, casing, blade)
+    made = reduce(system.shell, interface, modes=count, method=method, system=system)
+    _, compliance = full_solution(system, rows_of(system, interface)[0])
+    assert np.abs(made.compliance - compliance).max() < 1e-10 * np.abs(compliance).max()
+
+
+@pytest.mark.parametrize("kind", ["rim", "tip"])
+@pytest.mark.parametrize("method", ["free", "craig-bampton"])
+def test_recovery_gives_the_full_static_solution(casing, blade, kind, method):
+    system, interface, rows_of = bodies(kind, casing, blade)
+    made = reduce(system.shell, interface, modes=9, method=method, recovery=True, system=system)
+    exact, _ = full_solution(system, rows_of(system, interface)[0])
+    static = made.recovery @ (made.rows.T / made.omega[:, None] ** 2) + made.recovery_S
+    assert np.abs(static - exact).max() < 1e-9 * np.abs(exact).max()
+    np.testing.assert_array_equal(made.recovery_points, system.points)
+
+
+def test_free_basis_is_the_shells_modes(casing):
+    made = reduce(casing.shell, RIM, modes=12, system=casing, zeta=0.002)
+    found = modes(casing.shell, 12, system=casing)
+    np.testing.assert_allclose(made.omega, found.omega, rtol=1e-12)
+    rows, _ = rim_rows(casing, RIM)
+    np.testing.assert_allclose(made.rows, rows @ found.fields.reshape(-1, 12), atol=1e-9 * np.abs(made.rows).max())
+    np.testing.assert_array_equal(made.zeta, np.full(12, 0.002))
+
+
+def test_craig_bampton_frequencies_lie_above_the_exact_ones_and_close(casing):
+    made = reduce(casing.shell, RIM, modes=60, method="craig-bampton", system=casing)
+    exact = modes(casing.shell, 10, system=casing).omega
+    assert len(made) == 60 + 2 * 17
+    error = made.omega[:10] / exact - 1
+    assert error.min() > -1e-10
+    assert error.max() < 3e-3
+    assert np.all(made.S == 0.0)
+
+
+def test_craig_bampton_converges_with_its_fixed_modes(casing):
+    exact = modes(casing.shell, 8, system=casing).omega
+    errors = [
+        np.abs(reduce(casing.shell, RIM, modes=count, method="craig-bampton", system=casing).omega[:8] / exact - 1)
+        for count in (5, 40)
+    ]
+    assert errors[1].max() < 0.3 * errors[0].max()
+
+
+@pytest.mark.parametrize("method", ["free", "craig-bampton"])
+def test_modes_are_orthonormal(casing, method):
+    made = reduce(casing.shell, RIM, modes=10, method=method, recovery=True, system=casing)
+    if method == "free":
+        phi = casing.restrict(modes(casing.shell, 10, system=casing).fields)
+        np.testing.assert_allclose(phi.T @ (casing.mass[:, None] * phi), np.eye(10), atol=1e-9)
+    # kinetic energy of the translations alone: less than one by the rotations' share
+    mass = np.zeros(len(casing.frames) * 5)
+    mass[casing.free] = casing.mass
+    weights = mass.reshape(-1, 5)[:, :3].ravel()
+    gram = made.recovery.T @ (weights[:, None] * made.recovery)
+    np.testing.assert_allclose(gram, np.eye(len(made)), atol=5e-3)
+
+
+def test_residual_compliance_is_symmetric_positive_and_falls_with_modes(casing):
+    traces = []
+    for count in (1, 10, 40):
+        S = reduce(casing.shell, RIM, modes=count, system=casing).S
+        assert np.array_equal(S, S.T)
+        assert np.linalg.eigvalsh(S).min() > -1e-12 * np.trace(S)
+        traces.append(np.trace(S))
+    assert traces[0] > traces[1] > traces[2] > 0.0
+
+
+def test_diaphragm_edges_are_reduced_in_their_own_frame(frustum):
+    tube, held = Cylinder(radius=0.5, height=0.3), {"base": Clamped(), "top": ShearDiaphragm()}
+    system = assemble(frustum(chart=tube, supports=held, mesh=ShellMesh(order=6, rows=1, around=7)))
+    with_frames = reduce(system.shell, Rim("top", n_max=3), modes=4, system=system, recovery=True)
+    assert np.abs(with_frames.rows).max() < 1e-12  # the rim cannot move in its plane
+    springs = {"base": Clamped(), "top": ElasticEdge(k_r=1e15, k_theta=1e15)}
+    near = modes(frustum(chart=tube, supports=springs, mesh=system.grid.mesh), 4, method="shell")
+    np.testing.assert_allclose(with_frames.freq, near.freq, rtol=1e-3)
+
+
+def test_round_trip_and_provenance(casing, tmp_path):
+    made = reduce(casing.shell, RIM, modes=6, system=casing, recovery=True)
+    again = ModalBasis.load(made.save(tmp_path / "casing.npz"))
+    np.testing.assert_array_equal(again.compliance, made.compliance)
+    assert again.provenance == made.provenance
+    assert made.provenance["method"] == "free"
+    assert made.provenance["dofs"] == casing.size
+    assert len(str(made.provenance["matrices"])) == 64
+    assert made.n_max == 8
+    assert made.radius == pytest.approx(0.45, rel=1e-3)
+    assert made.channels[:3] == ("radial.cos0", "radial.cos1", "radial.cos2")
+
+
+def test_provenance_tells_two_structures_apart(casing, frustum):
+    other = reduce(frustum(mesh=casing.grid.mesh), RIM, modes=2)
+    assert other.provenance["matrices"] != reduce(casing.shell, RIM, modes=2).provenance["matrices"]
+
+
+@pytest.mark.parametrize("method", ["free", "craig-bampton"])
+def test_two_calls_agree_bit_by_bit(casing, method):
+    a, b = (reduce(casing.shell, RIM, modes=6, method=method, system=casing) for _ in range(2))
+    assert a.rows.tobytes() == b.rows.tobytes()
+    assert a.omega.tobytes() == b.omega.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"method": "rubin"}, "method must be one of free, craig-bampton, found 'rubin'"),
+        ({"zeta": -0.1}, "zeta must lie in"),
+        ({"zeta": 1.0}, "zeta must lie in"),
+        ({"zeta": float("nan")}, "zeta must lie in"),
+    ],
+)
+def test_refuses_options_that_are_none(casing, options, message):
+    with pytest.raises(ValueError, match=message):
+        reduce(casing.shell, RIM, system=casing, **options)
+
+
+def test_refuses_an_interface_the_shell_does_not_have(casing, blade):
+    with pytest.raises(ValueError, match="open panel"):
+        reduce(casing.shell, Tip(), system=casing)
+    with pytest.raises(ValueError, match="closed casing"):
+        reduce(blade.shell, Rim("tip"), system=blade)
+
+
+@pytest.mark.parametrize("method", ["free", "craig-bampton"])
+@pytest.mark.parametrize("supports", [{}, {"base": ElasticEdge(k_z=1e12)}], ids=["free", "sliding"])
+def test_refuses_rigid_motions(frustum, supports, method):
+    shell = frustum(supports=supports, mesh=ShellMesh(order=6, rows=1, around=9))
+    with pytest.raises(ValueError, match="rigid motions"):
+        reduce(shell, RIM, modes=6, method=method)
+
+
+@pytest.mark.parametrize("method", ["free", "craig-bampton"])
+@pytest.mark.parametrize("count", [0, -2, 10**6])
+def test_refuses_a_number_of_modes_there_is_not(casing, method, count):
+    with pytest.raises((ValueError, RuntimeError), match="count|modes"):
+        reduce(casing.shell, RIM, modes=count, method=method, system=casing)

@@ -1,0 +1,133 @@
+"""The reference frustum: 3-D elasticity, Naghdi and Kirchhoff-Love theory (data/reference/reference_frustum.csv)."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from casingfem.modal.modes import count_below, lowest, modes
+from casingfem.structure.axisymmetric import harmonic_matrices
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell
+
+BRANCHES = (1, 2, 3)
+
+
+def three_branches(shell: Shell, harmonics: range) -> Iterator[np.ndarray]:
+    """Lowest three frequencies [Hz] of each harmonic."""
+    for n in harmonics:
+        yield np.sqrt(lowest(harmonic_matrices(shell, n), 3, 1e4)[0]) / (2 * np.pi)
+
+
+@pytest.fixture(scope="module")
+def table(reference):
+    return reference("reference_frustum.csv").set_index("n")
+
+
+@pytest.fixture(scope="module")
+def fourier_modes(frustum):
+    return modes(frustum(), 40, method="fourier")
+
+
+@pytest.fixture(params=["shell", "fourier"])
+def forty(request, perfect_modes, fourier_modes):
+    return perfect_modes if request.param == "shell" else fourier_modes
+
+
+def test_first_40_modes_are_within_a_thousandth_of_3d_elasticity(forty, table):
+    """All at the place the table gives them: worst 1.1e-4 on the default mesh."""
+    columns = [f"f{m}_3d" for m in BRANCHES]
+    flat = np.repeat(table[columns].to_numpy(), np.where(table.index == 0, 1, 2), axis=0)
+    np.testing.assert_allclose(forty.freq, np.sort(flat.ravel())[:40], rtol=1e-3)
+    own = [table.loc[n, f"f{m}_3d"] for n, m in zip(forty.nodal_diameters, forty.meridional, strict=True)]
+    np.testing.assert_allclose(forty.freq, own, rtol=2e-4)
+
+
+def test_the_40_modes_are_20_doublets_equal_to_1e_10(forty):
+    assert len(forty.doublets) == 20
+    assert forty.splits.max() < 1e-10
+    assert forty.purity.min() > 1 - 1e-6
+
+
+def test_sturm_count_certifies_that_no_mode_was_missed(forty, perfect_modes):
+    assert forty.sturm_count == 40
+    assert len(forty) == 40
+    assert count_below(perfect_modes.shell, 980.75) == 40
+
+
+def test_shell_equals_fourier(perfect_modes, fourier_modes):
+    """Same meridian; around, 147 nodes carry n = 16 to 5e-5 (9 nodes a wave), n = 8 to 1e-8."""
+    np.testing.assert_allclose(perfect_modes.freq, fourier_modes.freq, rtol=1e-4)
+    np.testing.assert_array_equal(perfect_modes.nodal_diameters, fourier_modes.nodal_diameters)
+    np.testing.assert_array_equal(perfect_modes.meridional, fourier_modes.meridional)
+    low = fourier_modes.nodal_diameters <= 8
+    np.testing.assert_allclose(perfect_modes.freq[low], fourier_modes.freq[low], rtol=1e-7)
+
+
+def test_shell_approaches_fourier_spectrally_around_the_circle(frustum):
+    """n = 7, 8, 9 on order 8: the difference falls by a decade and more for each step 9, 13, 17 elements."""
+    meridian = {"order": 8, "rows": 1}
+    exact = modes(frustum(mesh=ShellMesh(**meridian)), 6, method="fourier").freq
+    errors = []
+    for around in (9, 13, 17):
+        found = modes(frustum(mesh=ShellMesh(**meridian, around=around)), 6, method="shell").freq
+        errors.append(np.abs(found / exact - 1).max())
+    assert errors[1] < 0.1 * errors[0]
+    assert errors[2] < 0.1 * errors[1]
+    assert errors[2] < 1e-7
+
+
+def test_all_rows_and_branches_by_harmonics(frustum, table):
+    """63 values, n = 0 to 20.
+
+    Against 3-D the converged first-order shear shell stays within 2.8e-4 (worst: third branch, n = 4 and 20). The
+    table's own Naghdi column is met to 3.0e-4: it treats the wall's curvature in the shear layers differently.
+    """
+    shell = frustum(mesh=ShellMesh(order=8, rows=(0.0, 0.03, 0.97, 1.0), around=1))
+    for n, found in zip(table.index, three_branches(shell, range(21)), strict=True):
+        row = table.loc[n]
+        np.testing.assert_allclose(found, row[[f"f{m}_3d" for m in BRANCHES]], rtol=3.5e-4)
+        np.testing.assert_allclose(found, row[[f"f{m}_rm" for m in BRANCHES]], rtol=3.5e-4)
+
+
+def test_kirchhoff_love_limit(frustum, table):
+    """A stiff transverse shear leaves thin-shell theory: within 2.8e-4 of the _kl column, which itself lies up to
+    4.8e-3 from 3-D; the rest is the transverse rotary inertia that stays."""
+    mesh = ShellMesh(order=10, rows=(0.0, 0.03, 0.5, 0.97, 1.0), around=1)
+    shell = frustum(shear_correction=1e3, mesh=mesh)
+    worst_3d = 0.0
+    for n, found in zip(table.index, three_branches(shell, range(21)), strict=True):
+        row = table.loc[n]
+        np.testing.assert_allclose(found, row[[f"f{m}_kl" for m in BRANCHES]], rtol=3.5e-4)
+        worst_3d = max(worst_3d, np.abs(found / row[[f"f{m}_3d" for m in BRANCHES]].to_numpy(float) - 1).max())
+    assert worst_3d > 4e-3
+
+
+@pytest.mark.parametrize(("thickness", "harmonics"), [(5e-4, range(8, 15, 2)), (5e-5, range(14, 36, 7))])
+def test_thin_walls_do_not_lock(frustum, thickness, harmonics):
+    """R/t = 1000 and 10,000 on order 8, 4 rows, against a graded mesh of order 12, 12 rows: within 2e-4.
+
+    With as many nodes, order 2 is off by 2e-3 and 5e-3.
+    """
+    edges = sorted({*np.linspace(0, 0.1, 5), *np.linspace(0.1, 0.9, 5), *np.linspace(0.9, 1, 5)})
+
+    def frequencies(mesh):
+        return np.stack(list(three_branches(frustum(thickness=thickness, mesh=mesh), harmonics)))[:, :2]
+
+    fine = frequencies(ShellMesh(order=12, rows=tuple(edges), around=1))
+    high = np.abs(frequencies(ShellMesh(order=8, rows=4, around=1)) / fine - 1).max()
+    low = np.abs(frequencies(ShellMesh(order=2, rows=16, around=1)) / fine - 1).max()
+    assert high < 3e-4
+    assert low > 5 * high
+
+
+@pytest.mark.slow
+def test_a_thin_frustum_runs_on_its_default_mesh(frustum):
+    """R/t = 1000: 40 modes of the two-dimensional shell, 31,500 dofs, against a fine meridian for each n."""
+    found = modes(frustum(thickness=5e-4), 16, method="shell")
+    fine = ShellMesh(order=12, rows=(0.0, 0.1, 0.5, 0.9, 1.0), around=1)
+    for n in np.unique(found.nodal_diameters):
+        exact = next(three_branches(frustum(thickness=5e-4, mesh=fine), range(n, n + 1)))
+        mine = found.freq[found.nodal_diameters == n]
+        np.testing.assert_allclose(mine, np.repeat(exact, 2)[: len(mine)], rtol=1e-3)
+    assert found.splits.max() < 1e-9
