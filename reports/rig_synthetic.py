@@ -49,9 +49,9 @@ def true_radius(rng: np.random.Generator) -> cf.FourierField:
 def true_casing(radius: cf.FourierField) -> cf.Shell:
     """The casing that the records are made from; none of its numbers is known to the updater."""
     embedding = cf.ElasticEdge(
-        k_face=6.5e12,
+        k_face=9e12,
         around=cf.Circumferential(
-            harmonics=((1, 0.08, -0.05), (4, 0.22, 0.12), (6, -0.04, 0.03), (8, 0.07, 0.0), (12, 0.05, 0.0))
+            harmonics=((1, 0.08, -0.05), (2, 0.05, 0.04), (4, 0.06, 0.03), (8, 0.22, 0.12), (16, 0.04, -0.03))
         ),
     )
     return cf.Shell(
@@ -83,7 +83,9 @@ def survey_lines(radius: cf.FourierField, rng: np.random.Generator) -> list[str]
     return lines
 
 
-def measured_pair(f: np.ndarray, n: int, angle_deg: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def measured_pair(
+    f: np.ndarray, n: int, angle_deg: float, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
     """A doublet as a test sees it: noise on the mean and on both parts of the split vector."""
     mean, split = f.mean(), f[1] - f[0]
     sigma = FREQ_SIGMA * mean

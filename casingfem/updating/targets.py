@@ -8,6 +8,7 @@ because f1 and f2 themselves have a cone at zero split, while d is linear in the
 splits the pair. A table without angles gives the length of d only.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,7 +109,7 @@ def doublet_residual(modes: Modes, table: FrequencyTable, match: Match, G: Float
     return Residual(values=np.array(values), jacobian=np.array(jacobian))
 
 
-def residuals(modes: Modes, table: FrequencyTable, matches: tuple[Match, ...], G: FloatArray) -> Residual:
+def residuals(modes: Modes, table: FrequencyTable, matches: Sequence[Match], G: FloatArray) -> Residual:
     """All residuals of a pairing, in the order of its matches."""
     parts = [
         (doublet_residual if len(match.rows) == 2 and len(match.modes) == 2 else single_residual)(

@@ -22,6 +22,7 @@ from casingfem.updating.result import UpdateResult, weak_priors
 from casingfem.updating.sensitivity import eigen_derivatives
 from casingfem.updating.targets import Residual, residuals
 
+Rows = tuple[tuple[int, ...], ...]
 Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted residuals)
 
 
@@ -37,6 +38,11 @@ class State:
     modes: Modes
     pairing: Pairing
     residual: Residual
+
+    @property
+    def paired_rows(self) -> Rows:
+        """Which rows of the table pair, and how they are grouped."""
+        return tuple(sorted(match.rows for match in self.pairing.matches))
 
 
 def mode_count(table: FrequencyTable, shell: Shell) -> int:
@@ -83,7 +89,7 @@ class Problem:
                     f"computed {found.freq[0]:.1f} to {found.freq[-1]:.1f} Hz"
                 )
             G = eigen_derivatives(found, list(self.vary))
-            residual = residuals(found, self.table, pairing.matches, G)
+            residual = residuals(found, self.table, sorted(pairing.matches, key=lambda match: match.rows), G)
             self._key, self._state = key, State(shell, found, pairing, residual)
             rms = float(np.sqrt(np.mean(residual.values**2)))
             self.history.append((np.array(x, dtype=float), rms))
@@ -107,13 +113,6 @@ class Problem:
     def jac(self, x: FloatArray) -> FloatArray:
         """Their derivatives."""
         return np.vstack([self.state(x).residual.jacobian, self._prior()[0]])
-
-
-class RepairedError(Exception):
-    """The pairing changed its shape during a solve; start again from here."""
-
-    def __init__(self, x: FloatArray) -> None:
-        self.x = x
 
 
 def update(
@@ -205,34 +204,38 @@ def covariance(jacobian: FloatArray) -> FloatArray:
 
 
 def solve(problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations: int) -> tuple[FloatArray, str]:
-    """Run least_squares, restarting where the pairing changes the number of residuals."""
-    x = problem.start
-    for _ in range(5):
-        shape = len(problem.fun(x))
+    """Run least_squares on the rows that pair at the start; again from its end where more rows pair there.
 
-        def fun(point: FloatArray, shape: int = shape) -> FloatArray:
-            values = problem.fun(point)
-            if len(values) != shape:
-                raise RepairedError(point)
-            return values
+    Variables are scaled to one standard deviation of the data alone, so that its step tolerance means the same
+    for a modulus of 1e11 and a harmonic of 1e-3. A step that loses a row is refused as if it had made everything
+    worse, and the trust region shrinks.
+    """
+    x, message = np.clip(problem.start, lower, upper), ""
+    for _ in range(4):
+        rows = problem.state(x).paired_rows
+        refused = np.full(len(problem.fun(x)), 1e3 * float(np.abs(problem.fun(x)).max() + 1.0))
+        norms = np.linalg.norm(problem.jac(x), axis=0)
+        unit = 2.0 ** -np.round(np.log2(np.where(norms > 0.0, norms, 1.0)))  # powers of two: x/unit loses no bit
 
-        try:
-            # columns scaled once: parameters of 1e11 and of 1e-3 stand side by side
-            scale = np.linalg.norm(problem.jac(x), axis=0)
-            scale = 1.0 / np.where(scale > 0.0, scale, 1.0)
-            found = least_squares(
-                fun,
-                np.clip(x, lower, upper),
-                jac=problem.jac,
-                bounds=(lower, upper),
-                x_scale=scale,
-                max_nfev=max_iterations,
-                ftol=1e-10,
-                xtol=1e-9,
-                gtol=1e-10,
-            )
-        except RepairedError as change:
-            x = change.x
-            continue
-        return np.asarray(found.x), str(found.message)
-    return x, "the pairing kept changing: the data do not label the modes well enough"
+        def fun(y: FloatArray, rows: Rows, refused: FloatArray, unit: FloatArray) -> FloatArray:
+            values = problem.fun(unit * y)
+            return values if problem.state(unit * y).paired_rows == rows else refused
+
+        def jac(y: FloatArray, rows: Rows, refused: FloatArray, unit: FloatArray) -> FloatArray:
+            return problem.jac(unit * y) * unit
+
+        found = least_squares(
+            fun,
+            x / unit,
+            jac=jac,
+            bounds=(lower / unit, upper / unit),
+            max_nfev=max_iterations,
+            ftol=1e-6,
+            xtol=1e-8,
+            gtol=1e-10,
+            args=(rows, refused, unit),
+        )
+        x, message = unit * found.x, str(found.message)
+        if sum(map(len, problem.state(x).paired_rows)) <= sum(map(len, rows)):
+            break
+    return x, message
