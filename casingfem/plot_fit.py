@@ -53,6 +53,7 @@ def update_words(fit: UpdateResult) -> list[str]:
         f"The misfit is {fit.misfit:.2f} standard deviations: "
         + ("model and stated uncertainty agree." if fit.misfit < 1.5 else "more than the measurement explains.")
     ]
+    words[0] += f" Stopped: {fit.stopped.rstrip('.')}."
     words += [f"The data cannot tell {a} from {b} (correlation {r:+.2f})." for a, b, r in fit.indistinct()]
     named = zip(fit.parameters, fit.prior_only, fit.at_bound, strict=True)
     for p, weak, bound in named:

@@ -20,8 +20,7 @@ ALIKE = 0.1  # a survey's mean and the study's nominal radius or thickness may d
 
 
 def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
-    """The shell a study describes, or None with the reasons noted."""
-    before = len(problems)
+    """The shell a study describes, or None with the reasons noted: of each part, then of the whole."""
     chart = None if tables.chart is None else build_chart(tables.chart)
     material = None
     if tables.material is not None:
@@ -33,7 +32,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
         field = build_field(table, f"imperfection[{k + 1}]", tables, problems)
         if field is not None:
             fields[table.of] = fields[table.of] + field if table.of in fields else field  # type: ignore[operator]
-    if chart is None or material is None or tables.shell is None or len(problems) > before:
+    if chart is None or material is None or tables.shell is None or problems:
         return None
     shell = None
     with problems.at("imperfection" if fields else "shell"):

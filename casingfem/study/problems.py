@@ -92,7 +92,12 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
     if kind == "value_error":
         return f"{key}: {message.removeprefix('Value error, ')}"
     expected = message.removeprefix("Input should be ").replace("a valid integer", "a whole number")
-    expected = expected.replace("a valid ", "a ").replace("string", "text in quotes")
+    expected = (
+        expected.replace("a valid ", "a ")
+        .replace("string", "text in quotes")
+        .replace("a text", "text")
+        .replace("a boolean", "true or false")
+    )
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         expected = "a table of keys"
     if kind == "string_pattern_mismatch" and meaning:

@@ -6,12 +6,26 @@ names those a study cannot do without.
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 REQUIRED = ("material", "chart", "shell")
 
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
+
+def at_least(least: float) -> AfterValidator:
+    """Refuse positive numbers too small to be meant."""
+
+    def check(value: float) -> float:
+        if value < least:
+            raise ValueError(f"found {value!r}, expected at least {least:g}")
+        return value
+
+    return AfterValidator(check)
+
+
+Positive = Annotated[float, Field(gt=0, le=1e25), at_least(1e-25)]
+NotNegative = Annotated[float, Field(ge=0, le=1e25)]
+Length = Annotated[float, Field(gt=0, le=1e3), at_least(1e-7)]  # more than a kilometre is meant in mm
+Relative = Annotated[float, Field(ge=-1, le=1)]
 Edge = str
 
 
@@ -33,25 +47,25 @@ class FrustumTable(Table):
     """[chart] of kind "frustum"."""
 
     kind: Literal["frustum"]
-    r_base: Positive = Field(description="mean radius at z = 0 [m]")
-    r_top: Positive = Field(description="mean radius at z = height [m]")
-    height: Positive = Field(description="length along the axis [m]")
+    r_base: Length = Field(description="mean radius at z = 0 [m]")
+    r_top: Length = Field(description="mean radius at z = height [m]")
+    height: Length = Field(description="length along the axis [m]")
 
 
 class CylinderTable(Table):
     """[chart] of kind "cylinder"."""
 
     kind: Literal["cylinder"]
-    radius: Positive = Field(description="mean radius [m]")
-    height: Positive = Field(description="length along the axis [m]")
+    radius: Length = Field(description="mean radius [m]")
+    height: Length = Field(description="length along the axis [m]")
 
 
 class PanelTable(Table):
     """[chart] of kind "panel"."""
 
     kind: Literal["panel"]
-    radius: Positive = Field(description="mean radius [m]")
-    length: Positive = Field(description="length along the axis [m]")
+    radius: Length = Field(description="mean radius [m]")
+    length: Length = Field(description="length along the axis [m]")
     angle: Positive = Field(lt=6.283185307179586, description="opening angle [rad]")
 
 
@@ -59,22 +73,22 @@ class PlateTable(Table):
     """[chart] of kind "plate"."""
 
     kind: Literal["plate"]
-    length: Positive = Field(description="length from root to tip [m]")
-    width: Positive = Field(description="width [m]")
+    length: Length = Field(description="length from root to tip [m]")
+    width: Length = Field(description="width [m]")
 
 
 class ShellTable(Table):
     """[shell]."""
 
-    thickness: Positive = Field(description="nominal wall thickness [m]")
+    thickness: Length = Field(description="nominal wall thickness [m]")
 
 
 class Harmonic(Table):
     """cos p theta and sin p theta, relative."""
 
-    p: int = Field(ge=0, description="number of waves around")
-    cos: float = Field(default=0.0, description="relative amplitude of cos p theta")
-    sin: float = Field(default=0.0, description="relative amplitude of sin p theta")
+    p: int = Field(ge=0, le=1000, description="number of waves around")
+    cos: Relative = Field(default=0.0, description="relative amplitude of cos p theta")
+    sin: Relative = Field(default=0.0, description="relative amplitude of sin p theta")
 
 
 class ImperfectionTable(Table):
@@ -83,8 +97,8 @@ class ImperfectionTable(Table):
     of: Literal["radius", "thickness"]
     harmonics: list[Harmonic] | None = Field(default=None, description="[{p, cos, sin}], relative")
     survey: str | None = Field(default=None, min_length=1, description="survey CSV, relative to this file")
-    n_max: int | None = Field(default=None, ge=1, description="highest harmonic fitted to the survey")
-    degree: int | None = Field(default=None, ge=0, description="degree of the fit along z")
+    n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic fitted to the survey")
+    degree: int | None = Field(default=None, ge=0, le=20, description="degree of the fit along z")
 
     @model_validator(mode="after")
     def _one_source(self) -> "ImperfectionTable":
@@ -123,7 +137,7 @@ class ElasticTable(Table):
 class ModesTable(Table):
     """[modes]."""
 
-    count: int = Field(default=40, ge=1, description="number of modes")
+    count: int = Field(default=40, ge=1, le=100_000, description="number of modes")
     elastic_only: bool = Field(default=False, description="rigid modes are an error")
 
 
@@ -131,10 +145,10 @@ class MeshTable(Table):
     """[mesh]: what is left out is chosen for the shell."""
 
     order: int | None = Field(default=None, ge=2, le=20, description="polynomial order")
-    rows: Annotated[int, Field(ge=1)] | list[float] | None = Field(
+    rows: Annotated[int, Field(ge=1, le=1000)] | list[float] | None = Field(
         default=None, description="number of equal rows, or breaks from 0 to 1"
     )
-    around: int | None = Field(default=None, ge=1, description="elements around")
+    around: int | None = Field(default=None, ge=1, le=10_000, description="elements around")
 
 
 class ParameterTable(Table):
@@ -153,7 +167,9 @@ class UpdateTable(Table):
 
     table: str = Field(min_length=1, description="frequency table CSV, relative to this file")
     reach: Positive = Field(default=0.5, description="largest relative frequency error of a pair")
-    count: int | None = Field(default=None, ge=1, description="modes computed; from the table if left out")
+    count: int | None = Field(
+        default=None, ge=1, le=100_000, description="modes computed; from the table if left out"
+    )
     parameter: list[ParameterTable] = Field(min_length=1, description="at least one [[update.parameter]]")
 
 
@@ -161,8 +177,8 @@ class ReduceTable(Table):
     """[reduce]."""
 
     interface: Edge = Field(min_length=1, description="the edge that contact sees")
-    n_max: int | None = Field(default=None, ge=1, description="highest harmonic of a casing's rim")
-    modes: int = Field(default=40, ge=1, description="number of modes kept")
+    n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of a casing's rim")
+    modes: int = Field(default=40, ge=1, le=100_000, description="number of modes kept")
     method: Literal["free", "craig-bampton"] = "free"
     zeta: float = Field(default=0.0, ge=0, lt=1, description="damping ratio of every mode")
     out: str | None = Field(default=None, pattern=r"^[^/\\]+\.npz$", description="a file name ending in .npz")
@@ -180,7 +196,7 @@ class StudyFile(Table):
     material: MaterialTable | None = Field(default=None, description="E, nu, rho")
     chart: ChartTable | None = Field(default=None, description="kind and dimensions")
     shell: ShellTable | None = Field(default=None, description="thickness")
-    imperfection: list[ImperfectionTable] = []
+    imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
     support: dict[Edge, SupportTable] = Field(default={}, description="edge -> kind and stiffnesses")
     modes: ModesTable = ModesTable()
     mesh: MeshTable = MeshTable()

@@ -1,5 +1,7 @@
 """What a study asks for: the update and the reduction it describes, with errors that name its keys."""
 
+from dataclasses import replace
+
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.reduction import reduce
 from casingfem.structure.assembly import System
@@ -46,7 +48,7 @@ def run_reduce(study: Study, shell: Shell | None = None, system: System | None =
     if tables is None or study.interface is None:
         raise study.error("reduce", "nothing", "a table [reduce]: interface, modes")
     try:
-        return reduce(
+        basis = reduce(
             study.shell if shell is None else shell,
             study.interface,
             modes=tables.modes,
@@ -56,3 +58,4 @@ def run_reduce(study: Study, shell: Shell | None = None, system: System | None =
         )
     except ValueError as error:
         raise StudyError([f"{study.path}: reduce: {error}"]) from error
+    return replace(basis, provenance={**basis.provenance, "source": study.source})

@@ -1,7 +1,10 @@
 """Studies: what a file says becomes objects; what is wrong with it is said all at once, by key."""
 
 import tomllib
+from collections.abc import Iterator
+from copy import deepcopy
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -139,6 +142,15 @@ def test_all_problems_of_a_file_come_together(tmp_path):
     assert all(problem.startswith(str(tmp_path / "study.toml")) for problem in found)
 
 
+def test_one_mistake_is_one_problem(tmp_path):
+    """What depends on a part that is wrong is not blamed for it."""
+    (tmp_path / "table.csv").write_text("mode,n,freq_hz,sigma_hz\n1,8,370,1\n")
+    spring = 'kind = "elastic"\nk_face = -1e13'
+    text = FRUSTUM.replace('kind = "clamped"', spring) + UPDATE.replace("material.E", "support.base.k_face")
+    (problem,) = problems_of(tmp_path, text)
+    assert "support.base.k_face: found -10000000000000.0" in problem
+
+
 def test_an_unknown_key_suggests_the_known_one(tmp_path):
     (problem, missing) = sorted(problems_of(tmp_path, FRUSTUM.replace("r_top", "rtop")), key=len, reverse=True)
     assert "chart.rtop: found an unknown key" in problem
@@ -205,3 +217,47 @@ def test_the_schema_knows_every_table():
         "material", "chart", "shell", "imperfection", "support", "modes", "mesh", "update", "reduce",
     }  # fmt: skip
     assert schema()["required"] == ["material", "chart", "shell"]
+
+
+ODD = [
+    -1, 0, 10**30, 1e308, 5e-324, float("nan"), float("inf"), "", "x", "../..", "é" * 99, "\0", True, [], [1],
+    [{}], [[1]], {}, {"a": 1},
+]  # fmt: skip
+
+
+def places(data: Any, above: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+        yield (*above, key)
+        if isinstance(value, dict | list):
+            yield from places(value, (*above, key))
+
+
+def problems_in(file: Path) -> tuple[str, ...]:
+    try:
+        load_study(file)
+    except StudyError as error:
+        return error.problems
+    return ()
+
+
+def test_whatever_stands_at_a_key_the_study_loads_or_says_what_is_wrong(tmp_path, monkeypatch):
+    (tmp_path / "table.csv").write_text("mode,n,freq_hz,sigma_hz\n1,8,370,1\n")
+    spring = 'kind = "elastic"\nk_face = 1e13\naround = [{p = 4, cos = 0.3}]'
+    whole = FRUSTUM.replace('kind = "clamped"', spring) + UPDATE + "sigma = 1e9\n"
+    whole += '[reduce]\ninterface = "top"\nmodes = 9\nout = "a.npz"\n'
+    data = tomllib.loads(whole)
+    refused = 0
+    for place in places(data):
+        for odd in ODD:
+            changed = deepcopy(data)
+            owner: Any = changed
+            for key in place[:-1]:
+                owner = owner[key]
+            owner[place[-1]] = odd
+            monkeypatch.setattr("casingfem.study.load.read_toml", lambda _, d=changed: (b"", d))
+            found = problems_in(tmp_path / "study.toml")
+            refused += bool(found)
+            key = str(place[0])
+            assert all(line.startswith(str(tmp_path / "study.toml")) for line in found)
+            assert not found or any(f": {key}" in line for line in found), (place, odd, found)
+    assert refused > 600
