@@ -1,5 +1,6 @@
 """A page that stands alone: sections of paragraphs, tables and figures, with the style inside."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,7 @@ from matplotlib.figure import Figure
 
 from casingfem.plot_style import embed
 
+NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?( decades)?")
 Cell = str | float | int | None
 
 
@@ -57,6 +59,15 @@ def written(cell: Cell, digits: int = 6) -> str:
     return f"{cell:.{digits}g}" if isinstance(cell, float) else str(cell)
 
 
+def numeric(cell: Cell) -> bool:
+    """Whether a cell belongs to the right, with the numbers.
+
+    >>> numeric(3.1), numeric("-0.12"), numeric("0.95 decades"), numeric(None), numeric("2.4.6")
+    (True, True, True, True, False)
+    """
+    return not isinstance(cell, str) or NUMBER.fullmatch(cell) is not None
+
+
 def render_page(
     title: str,
     sections: Sequence[Section],
@@ -74,5 +85,6 @@ def render_page(
     folder = FileSystemLoader(Path(__file__).parent)
     environment = Environment(loader=folder, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     environment.filters["written"] = written
+    environment.tests["numeric"] = numeric
     template = environment.get_template("report.html.j2")
     return template.render(title=title, sections=sections, lead=lead, notice=notice, footer=footer)
