@@ -119,7 +119,7 @@ def node_area(grid: Grid) -> FloatArray:
     """Parameter area that the Lobatto rule gives each node, (nodes,)."""
     _, w = lobatto(grid.mesh.order)
     i, j = ElementQuadLobatto(grid.mesh.order).pairs.T
-    area = np.zeros(grid.nodes.shape[1])
+    area = np.zeros(grid.nodes.shape[1], dtype=grid.size.dtype)
     np.add.at(area, grid.elements, (grid.size[0] * grid.size[1])[:, None] * (w[i] * w[j]))
     return area
 

@@ -118,7 +118,7 @@ class FourierField:
 
     def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
         """Evaluate f and its exact derivatives; cost: one cosine and sine per harmonic and theta."""
-        z, theta = np.asarray(z, float), np.asarray(theta, float)
+        z, theta = 1.0 * np.asarray(z), 1.0 * np.asarray(theta)
         angle = theta[..., None] * self.p
         c, s = np.cos(angle), np.sin(angle)
         cos, sin, p = self.cos, self.sin, self.p[:, None]

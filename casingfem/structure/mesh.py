@@ -135,7 +135,7 @@ def find_edge(places: FloatArray, held: int, value: float, spans: FloatArray, or
     along = 1 - held
     nodes = np.flatnonzero(np.isclose(places[held], value))
     nodes = nodes[np.argsort(places[along, nodes])]
-    weights = np.zeros(len(spans) * order + 1)
+    weights = np.zeros(len(spans) * order + 1, dtype=spans.dtype)
     for k, span in enumerate(spans):
         weights[k * order : (k + 1) * order + 1] += span * lobatto(order)[1]
     if wrap:

@@ -17,7 +17,7 @@ from casingfem.arrays import Array, FloatArray
 from casingfem.modal.modes import Modes
 from casingfem.structure.assembly import constitutive, edge_springs, nodal_mass
 from casingfem.structure.kinematics import DOFS, STRAINS, strain_slots
-from casingfem.structure.mesh import Grid
+from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import ElasticEdge
 from casingfem.updating.parameters import Parameter, get_value, with_value
@@ -55,7 +55,7 @@ def point_fields(shell: Shell, grid: Grid, fields: FloatArray) -> PointFields:
     elements, points = len(grid.elements), grid.table.shape[2]
     flat = local.reshape(elements, grid.table.shape[1], -1)
     jets = np.stack([np.matmul(table.T, flat) for table in grid.table], axis=2)
-    jets[:, :, 1:] /= grid.size.T[:, None, :, None]
+    jets = jets / np.concatenate([np.ones((1, elements)), grid.size]).T[:, None, :, None]
     jets = jets.reshape(elements, points, 3 * DOFS, fields.shape[2])
     strain, jacobian = point_strains(shell, grid, jets)
     return PointFields(shell=shell, grid=grid, fields=fields, jets=jets, strain=strain, jacobian=jacobian)
@@ -71,6 +71,8 @@ def point_strains(shell: Shell, grid: Grid, jets: FloatArray) -> tuple[Array, Ar
 
 def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
     """Phi^T K Phi and Phi^T M Phi of a shell whose parameters may be complex, for given modes."""
+    if shell.chart.bounds != at.shell.chart.bounds:  # the parameter stretches the mesh itself
+        at = point_fields(shell, make_grid(shell.chart, shell.mesh), at.fields)
     same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
     strain, jacobian = (at.strain, at.jacobian) if same else point_strains(shell, at.grid, at.jets)
     thickness = shell.geometry(*at.grid.parameters).thickness
@@ -100,6 +102,7 @@ def eigen_derivatives(modes: Modes, vary: list[Parameter]) -> FloatArray:
     derivatives = np.empty((len(vary), len(modes), len(modes)))
     for k, parameter in enumerate(vary):
         x = parameter.to_internal(get_value(modes.shell, parameter.name)) + 1j * STEP
-        products = modal_products(with_value(modes.shell, parameter.name, parameter.from_internal(x)), at)
+        changed = with_value(modes.shell, parameter.name, parameter.from_internal(x))
+        products = modal_products(changed, at)
         derivatives[k] = (products.K.imag - modes.omega[:, None] ** 2 * products.M.imag) / STEP
     return derivatives

@@ -9,7 +9,7 @@ splits the pair. A table without angles gives the length of d only.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -109,8 +109,15 @@ def doublet_residual(modes: Modes, table: FrequencyTable, match: Match, G: Float
     return Residual(values=np.array(values), jacobian=np.array(jacobian))
 
 
-def residuals(modes: Modes, table: FrequencyTable, matches: Sequence[Match], G: FloatArray) -> Residual:
-    """All residuals of a pairing, in the order of its matches."""
+def residuals(
+    modes: Modes, table: FrequencyTable, matches: Sequence[Match], G: FloatArray, model_error: float = 0.0
+) -> Residual:
+    """All residuals of a pairing, in the order of its matches.
+
+    `model_error` is what the model itself may be off by, relative; it adds to each sigma in squares.
+    """
+    if model_error > 0.0:
+        table = replace(table, sigma_hz=np.hypot(table.sigma_hz, model_error * table.freq_hz))
     parts = [
         (doublet_residual if len(match.rows) == 2 and len(match.modes) == 2 else single_residual)(
             modes, table, match, G

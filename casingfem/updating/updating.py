@@ -59,6 +59,7 @@ class Problem:
     vary: Sequence[Parameter]
     count: int
     reach: float
+    model_error: float = 0.0
     progress: Progress | None = None
     start: FloatArray = field(init=False)
     history: list[tuple[FloatArray, float]] = field(default_factory=list)
@@ -89,7 +90,8 @@ class Problem:
                     f"computed {found.freq[0]:.1f} to {found.freq[-1]:.1f} Hz"
                 )
             G = eigen_derivatives(found, list(self.vary))
-            residual = residuals(found, self.table, sorted(pairing.matches, key=lambda match: match.rows), G)
+            ordered = sorted(pairing.matches, key=lambda match: match.rows)
+            residual = residuals(found, self.table, ordered, G, self.model_error)
             self._key, self._state = key, State(shell, found, pairing, residual)
             rms = float(np.sqrt(np.mean(residual.values**2)))
             self.history.append((np.array(x, dtype=float), rms))
@@ -122,6 +124,7 @@ def update(
     *,
     count: int | None = None,
     reach: float = 0.5,
+    model_error: float = 0.0,
     max_iterations: int = 30,
     progress: Progress | None = None,
 ) -> UpdateResult:
@@ -139,6 +142,8 @@ def update(
         Modes computed at each step; by default enough to reach 15 % above the table.
     reach
         Largest relative frequency error at which a row may pair with a mode.
+    model_error
+        Relative frequency error to allow the model itself, added to each sigma in squares: 0 trusts it fully.
     max_iterations
         Limit on evaluations.
     progress
@@ -153,11 +158,14 @@ def update(
     """
     if not vary:
         raise ParameterError("vary: name at least one parameter")
+    if not 0.0 <= model_error < 1.0:
+        raise UpdateError(f"model_error must lie in [0, 1), found {model_error!r}")
     names = [p.name for p in vary]
     for name in names:
         if names.count(name) > 1:
             raise ParameterError(f"{name} is varied twice")
-    problem = Problem(structure, table, vary, count or mode_count(table, structure), reach, progress)
+    count = count or mode_count(table, structure)
+    problem = Problem(structure, table, vary, count, reach, model_error, progress)
     lower = np.array([p.to_internal(p.lower) for p in vary])
     upper = np.array([p.to_internal(p.upper) for p in vary])
     for p, x, low, high in zip(vary, problem.start, lower, upper, strict=True):
