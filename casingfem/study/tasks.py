@@ -30,6 +30,7 @@ def run_update(study: Study, progress: Progress | None = None) -> UpdateResult:
             list(study.parameters),
             count=tables.count,
             reach=tables.reach,
+            model_error=tables.model_error,
             progress=progress,
         )
     except ValueError as error:

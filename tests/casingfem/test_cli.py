@@ -173,6 +173,12 @@ def test_update_recovers_what_made_the_table_and_writes_a_study(study, tmp_path)
     assert modes[0]["freq_hz"] == pytest.approx(document["pairs"][0]["after_hz"], rel=1e-9)
 
 
+def test_an_error_allowed_to_the_model_widens_sigma(study):
+    first = json.loads(invoke("update", study, "--json").stdout)["parameters"][1]["sigma"]
+    study.write_text(study.read_text().replace('table = "table.csv"', 'table = "table.csv"\nmodel_error = 0.01'))
+    assert json.loads(invoke("update", study, "--json").stdout)["parameters"][1]["sigma"] > 3.0 * first
+
+
 def test_reduce_and_rub(study, tmp_path):
     (tmp_path / "blade.toml").write_text(BLADE)
     casing = json.loads(invoke("reduce", study, "--json", "--out", tmp_path).stdout)
