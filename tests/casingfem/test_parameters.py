@@ -1,0 +1,163 @@
+"""Parameter paths: reading, replacing, and every way a name can be wrong."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from casingfem.structure.field import FieldValues, FourierField
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.support import Circumferential, Clamped, ElasticEdge
+from casingfem.structure.survey import SampledField
+from casingfem.updating.parameters import Parameter, ParameterError, get_value, with_value
+
+PATHS = {
+    "material.E": 210e9,
+    "material.nu": 0.3,
+    "material.rho": 7800.0,
+    "shell.thickness": 3e-3,
+    "chart.r_base": 0.5,
+    "chart.r_top": 0.45,
+    "chart.height": 0.25,
+    "radius.p8.cos": 0.002,
+    "radius.p8.sin": -0.001,
+    "radius.p5.cos": 0.0,
+    "thickness.p2.cos": 0.03,
+    "thickness.p3.sin": 0.0,
+    "support.base.k_face": 5e12,
+    "support.base.k_r": 1e8,
+    "support.base.k_theta": 0.0,
+    "support.base.k_z": 0.0,
+    "support.base.k_rot": 0.0,
+    "support.base.k_face.p4.cos": 0.2,
+    "support.base.k_r.p4.sin": 0.1,
+    "support.base.k_face.p6.sin": 0.0,
+}
+
+
+@pytest.fixture(scope="module")
+def casing(frustum):
+    edge = ElasticEdge(k_face=5e12, k_r=1e8, around=Circumferential(harmonics=((4, 0.2, 0.1),)))
+    return frustum(
+        supports={"base": edge, "top": Clamped()},
+        radius_defect=FourierField.of({8: (0.002, -0.001), 3: 0.001}),
+        thickness_defect=FourierField.of({2: 0.03}),
+        mesh=ShellMesh(order=3, rows=1, around=5),
+    )
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_value_is_read(casing, name):
+    assert get_value(casing, name) == PATHS[name]
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_value_is_replaced_and_nothing_else_changes(casing, name):
+    value = 0.4 if name == "material.nu" else 1.1 * PATHS[name] + 1e-4
+    changed = with_value(casing, name, value)
+    assert get_value(changed, name) == pytest.approx(value, rel=1e-15)
+    pattern = "support.base.k_face."  # one pattern for all springs of an edge: k_r.p4.sin is k_face.p4.sin
+    for other, expected in PATHS.items():
+        if other != name and not (
+            name.startswith("support") and other.split(".")[3:] == name.split(".")[3:] != []
+        ):
+            assert get_value(changed, other) == expected, other
+    assert get_value(casing, name) == PATHS[name]
+    assert changed.mesh is casing.mesh
+    assert get_value(changed, pattern + "p4.sin") == get_value(changed, "support.base.k_r.p4.sin")
+
+
+def test_a_shell_without_fields_gets_one(frustum):
+    shell = with_value(frustum(), "radius.p4.sin", 0.001)
+    assert get_value(frustum(), "radius.p4.sin") == 0.0
+    theta = np.linspace(0, 6, 7)
+    np.testing.assert_allclose(
+        shell.radius_defect.derivatives(0.1, theta).value, 0.001 * np.sin(4 * theta), atol=1e-18
+    )
+    assert with_value(frustum(), "thickness.p2.cos", 0.1).thickness_defect is not None
+
+
+def test_a_survey_is_varied_through_its_fit(frustum):
+    theta = np.tile(np.arange(0, 360, 5.0), 2)
+    z = np.repeat([0.0, 0.25], 72)
+    radius = (0.5 - 0.2 * z) * (1 + 0.002 * np.cos(np.radians(4 * theta)))
+    survey = SampledField.from_points(np.radians(theta), z, radius)
+    shell = frustum(radius_defect=survey)
+    assert get_value(shell, "radius.p4.cos") == pytest.approx(0.002, rel=1e-6)
+    assert get_value(with_value(shell, "radius.p4.cos", 0.003), "radius.p4.cos") == 0.003
+
+
+def test_complex_values_pass(casing):
+    for name in PATHS:
+        step = with_value(casing, name, PATHS[name] + 1e-30j)
+        assert np.imag(get_value(step, name)) == 1e-30, name
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("E", "'E' is no parameter name"),
+        ("", "is no parameter name"),
+        ("material.G", "material has E, nu, rho, not 'G'"),
+        ("chart.radius", "chart has r_base, r_top, height, not 'radius'"),
+        ("shell.mesh", "shell has thickness, not 'mesh'"),
+        ("shell.thickness.p2", "starts with material, shell, chart"),
+        ("bolts.3.k", "starts with material, shell, chart"),
+        ("radius.8.cos", "expected a harmonic such as p8.cos, found '8.cos'"),
+        ("radius.p8.tan", "expected a harmonic such as p8.cos"),
+        ("radius.p8", "starts with material"),
+        ("support.base", "starts with material"),
+        ("support.base.E", "an elastic edge has k_r, k_theta, k_z, k_rot, k_face"),
+        ("support.base.k_face.p4", "an elastic edge has"),
+        ("support.base.k_face.4.cos", "expected a harmonic"),
+        ("support.rim.k_face", "edge 'rim' has no support"),
+        ("support.top.k_face", "edge 'top' has Clamped; only elastic edges"),
+    ],
+)
+def test_names_that_are_none(casing, name, message):
+    with pytest.raises(ParameterError, match=message):
+        get_value(casing, name)
+    with pytest.raises(ParameterError, match=message):
+        with_value(casing, name, 1.0)
+
+
+class Ripple:
+    def derivatives(self, z, theta):
+        zero = np.zeros(np.broadcast(z, theta).shape)
+        return FieldValues(*[zero] * 6)
+
+    def rotated(self, angle):
+        return self
+
+
+def test_a_field_that_is_no_series_has_no_harmonics(frustum):
+    shell = frustum(radius_defect=Ripple())
+    with pytest.raises(ParameterError, match="no Fourier series but Ripple"):
+        get_value(shell, "radius.p8.cos")
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"lower": 2.0, "upper": 1.0}, "lower < upper"),
+        ({"lower": 1.0, "upper": 1.0}, "lower < upper"),
+        ({"lower": float("nan"), "upper": 1.0}, "bounds must be finite"),
+        ({"lower": 0.0, "upper": float("inf")}, "bounds must be finite"),
+        ({"lower": 0.0, "upper": 1.0, "log": True}, "a log parameter needs lower > 0"),
+        ({"lower": 1.0, "upper": 2.0, "sigma": 0.0}, "sigma must be positive"),
+        ({"lower": 1.0, "upper": 2.0, "sigma": -1.0}, "sigma must be positive"),
+        ({"lower": 1.0, "upper": 2.0, "sigma": float("nan")}, "sigma must be positive"),
+    ],
+)
+def test_refuses_bounds_and_priors_that_are_none(values, message):
+    with pytest.raises(ParameterError, match=message):
+        Parameter(name="material.E", **values)
+
+
+@given(st.floats(1e-6, 1e14))
+def test_log_parameters_are_varied_in_decades(value):
+    parameter = Parameter(name="support.base.k_face", lower=1e-7, upper=1e15, log=True)
+    assert parameter.from_internal(parameter.to_internal(value)) == pytest.approx(value, rel=1e-12)
+    assert parameter.to_internal(10 * value) - parameter.to_internal(value) == pytest.approx(1.0, rel=1e-12)
+    plain = Parameter(name="material.E", lower=0.0, upper=1.0)
+    assert plain.from_internal(plain.to_internal(value)) == value

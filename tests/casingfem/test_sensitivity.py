@@ -1,0 +1,146 @@
+"""Sensitivities: the complex step against central differences of frequencies, parameter by parameter."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casingfem.modal.modes import modes
+from casingfem.structure.chart import Panel
+from casingfem.structure.field import FourierField
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.sensitivity import eigen_derivatives, modal_products, point_fields
+
+COUNT = 10
+NAMES = [
+    "material.E",
+    "material.nu",
+    "material.rho",
+    "shell.thickness",
+    "chart.r_top",
+    "chart.r_base",
+    "chart.height",
+    "radius.p8.cos",
+    "radius.p3.sin",
+    "thickness.p4.cos",
+    "support.base.k_face",
+    "support.base.k_face.p4.cos",
+    "support.base.k_face.p4.sin",
+    "support.base.k_r",
+    "support.base.k_theta",
+    "support.base.k_z",
+    "support.base.k_rot",
+]
+
+
+@pytest.fixture(scope="module")
+def casing(frustum):
+    """Nothing symmetric, so that no derivative vanishes."""
+    edge = ElasticEdge(
+        k_face=5e11, k_r=1e9, k_theta=2e9, k_z=1e9, k_rot=1e5, around=Circumferential(harmonics=((4, 0.3, 0.2),))
+    )
+    return frustum(
+        supports={"base": edge},
+        radius_defect=FourierField.of({8: (0.002, 0.001), 3: (0.001, 0.001)}),
+        thickness_defect=FourierField.of({4: 0.05}),
+        mesh=ShellMesh(order=5, rows=1, around=9),
+    )
+
+
+@pytest.fixture(scope="module")
+def solved(casing):
+    return modes(casing, COUNT)
+
+
+def parameter(name):
+    return Parameter(name=name, lower=1e-3, upper=1e15, log=name == "support.base.k_face")
+
+
+def pair_means(found, values):
+    return np.array([values[list(pair)].mean() for pair in found.doublets])
+
+
+def central_difference(shell, p, quantity):
+    x = p.to_internal(get_value(shell, p.name))
+    h = 2e-4 * abs(x)
+    plus, minus = (modes(with_value(shell, p.name, p.from_internal(v)), COUNT) for v in (x + h, x - h))
+    return (quantity(plus) - quantity(minus)) / (2 * h)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_derivatives_equal_central_differences(casing, solved, name):
+    """Of the means of all pairs, and of each member where a pair is apart."""
+    p = parameter(name)
+    exact = np.diag(eigen_derivatives(solved, [p])[0])
+    for quantity, own in [
+        (lambda found: pair_means(found, found.omega**2), pair_means(solved, exact)),
+        (lambda found: found.omega[apart(solved)] ** 2, exact[apart(solved)]),
+    ]:
+        numeric = central_difference(casing, p, quantity)
+        assert np.abs(numeric - own).max() < 2e-5 * np.abs(numeric).max()
+
+
+def apart(found):
+    return np.array([k for pair, s in zip(found.doublets, found.splits, strict=True) if s > 1e-3 for k in pair])
+
+
+def test_scaling_laws_hold_to_round_off(casing, frustum):
+    """omega^2 goes with E (clamped), with 1/rho, and is untouched by E and rho together."""
+    found = modes(frustum(mesh=casing.mesh, radius_defect=casing.radius_defect), 6)
+    G = eigen_derivatives(found, [parameter("material.E"), parameter("material.rho")])
+    np.testing.assert_allclose(np.diag(G[0]), found.omega**2 / 210e9, rtol=1e-9)
+    np.testing.assert_allclose(np.diag(G[1]), -(found.omega**2) / 7800.0, rtol=1e-9)
+
+
+def test_products_at_the_point_itself_are_the_eigenvalues(casing, solved):
+    products = modal_products(casing, point_fields(casing, solved.grid, solved.fields))
+    scale = solved.omega[-1] ** 2
+    np.testing.assert_allclose(products.K / scale, np.diag(solved.omega**2) / scale, atol=1e-9)
+    np.testing.assert_allclose(products.M, np.eye(COUNT), atol=1e-10)
+
+
+def test_a_perfect_double_has_derivatives_that_split_it(frustum):
+    """cos 8 theta splits n = 4 at first order, and no other pair; its sine turns it by 45 degrees / 4."""
+    found = modes(frustum(mesh=ShellMesh(order=6, rows=1, around=17)), 24)
+    cos, sin = eigen_derivatives(found, [parameter("radius.p8.cos"), parameter("radius.p8.sin")])
+    for low, high in found.doublets:
+        block = np.ix_([low, high], [low, high])
+        scale = found.omega[low] ** 2
+        if found.nodal_diameters[low] == 4:
+            assert abs(cos[low, low] - cos[high, high]) > 10 * scale
+            np.testing.assert_allclose(np.linalg.eigvalsh(sin[block]), np.linalg.eigvalsh(cos[block]), rtol=1e-3)
+            assert abs(sin[low, low]) < 1e-3 * abs(sin[low, high])
+        elif found.nodal_diameters[low] <= 10:
+            assert np.abs(cos[block]).max() < 1e-2 * scale
+    first = [k for k, n in enumerate(found.nodal_diameters) if n == 4][:2]
+    measured = modes(frustum(mesh=found.grid.mesh, radius_defect=FourierField.of({8: 1e-6})), 24)
+    split = np.ptp(measured.omega[measured.nodal_diameters == 4][:2] ** 2) / 1e-6
+    assert split == pytest.approx(abs(cos[first[0], first[0]] - cos[first[1], first[1]]), rel=1e-3)
+
+
+@pytest.mark.parametrize("support", [Clamped(), ElasticEdge(k_face=1e12)], ids=["clamped", "elastic"])
+def test_open_panels_have_derivatives_too(steel, support):
+    panel = Shell(
+        chart=Panel(radius=0.6, length=0.3, angle=0.5), thickness=3e-3, material=steel, supports={"root": support},
+        mesh=ShellMesh(order=6, rows=1, around=1),
+    )  # fmt: skip
+    found = modes(panel, 5)
+    for name in ("chart.radius", "chart.length", "chart.angle", "shell.thickness", "material.nu"):
+        exact = np.diag(eigen_derivatives(found, [parameter(name)])[0])
+        x = get_value(panel, name)
+        plus, minus = (modes(with_value(panel, name, x * (1 + s)), 5).omega ** 2 for s in (1e-4, -1e-4))
+        numeric = (plus - minus) / (2e-4 * x)
+        assert np.abs(exact - numeric).max() < 1e-5 * np.abs(numeric).max()
+
+
+def test_edges_held_in_their_own_frame(frustum, coarse):
+    shell = frustum(supports={"base": ShearDiaphragm(), "top": Clamped()}, mesh=coarse)
+    found = modes(shell, 4, method="shell")
+    exact = np.diag(eigen_derivatives(found, [parameter("shell.thickness")])[0])
+    plus, minus = (
+        modes(replace(shell, thickness=3e-3 * (1 + s)), 4, method="shell").omega ** 2 for s in (1e-4, -1e-4)
+    )
+    np.testing.assert_allclose(exact, (plus - minus) / (2e-4 * 3e-3), rtol=1e-5)

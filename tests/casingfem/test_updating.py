@@ -1,0 +1,273 @@
+"""Updating: twins with and without noise, bounds, priors, what the data cannot tell, refusals."""
+
+import json
+
+import numpy as np
+import pytest
+
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.modal.modes import modes
+from casingfem.structure.chart import Panel
+from casingfem.structure.field import FourierField
+from casingfem.structure.material import Material
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Circumferential, Clamped, ElasticEdge
+from casingfem.updating.parameters import Parameter, ParameterError, get_value
+from casingfem.updating.updating import UpdateError, covariance, update
+
+MESH = ShellMesh(order=6, rows=1, around=13)
+ROWS = 20
+VARY = [
+    Parameter(name="material.E", lower=150e9, upper=250e9),
+    Parameter(name="shell.thickness", lower=2e-3, upper=4e-3),
+    Parameter(name="support.base.k_face", lower=1e11, upper=1e15, log=True),
+    Parameter(name="radius.p8.cos", lower=-0.01, upper=0.01),
+    Parameter(name="radius.p8.sin", lower=-0.01, upper=0.01),
+    Parameter(name="radius.p16.cos", lower=-0.01, upper=0.01),
+    Parameter(name="support.base.k_face.p4.cos", lower=-0.9, upper=0.9),
+]
+
+
+def casing(frustum, E=210e9, t=3e-3, k=5e12, c8=0.0005, s8=0.0003, c16=0.0, k4=0.2, mesh=MESH):
+    edge = ElasticEdge(k_face=k, around=Circumferential(harmonics=((4, k4, 0.0),)))
+    return frustum(
+        thickness=t,
+        material=Material(E=E, nu=0.3, rho=7800.0),
+        supports={"base": edge},
+        radius_defect=FourierField.of({8: (c8, s8), 16: c16, 3: (0.0005, 0.0003)}),
+        mesh=mesh,
+    )
+
+
+def truth(frustum, mesh=MESH):
+    return casing(frustum, E=205e9, t=3.05e-3, k=3e12, c8=0.0007, s8=-0.0002, c16=0.0004, k4=0.3, mesh=mesh)
+
+
+@pytest.fixture(scope="module")
+def measured(frustum):
+    return modes(truth(frustum), ROWS + 4)
+
+
+def table_of(found, noise=None, rows=ROWS):
+    f = found.freq[:rows]
+    return FrequencyTable.from_arrays(
+        freq_hz=f if noise is None else f * (1 + 1e-3 * noise[:rows]),
+        sigma_hz=1e-3 * f,
+        n=found.nodal_diameters[:rows],
+        angle_deg=found.angle_deg[:rows],
+    )
+
+
+@pytest.fixture(scope="module")
+def exact_fit(frustum, measured):
+    seen = []
+    fit = update(casing(frustum), table_of(measured), VARY, progress=lambda k, rms: seen.append((k, rms)))
+    return fit, seen
+
+
+def true_values(frustum):
+    return np.array([get_value(truth(frustum), p.name) for p in VARY])
+
+
+# --- twins ----------------------------------------------------------------------------------------------------
+
+
+def test_without_noise_every_parameter_is_recovered_to_1e_5(frustum, exact_fit):
+    fit, _ = exact_fit
+    np.testing.assert_allclose(fit.value, true_values(frustum), rtol=1e-5)
+    assert fit.chi2 < 1e-8
+    assert len(fit.history) <= 12
+    assert not any(fit.at_bound)
+    assert fit.rms_after < 1e-7 < 1e-2 < fit.rms_before
+
+
+@pytest.mark.slow
+def test_without_noise_on_the_default_mesh(frustum):
+    start = casing(frustum, mesh=None)
+    found = modes(truth(frustum, mesh=start.mesh), ROWS + 4)
+    fit = update(start, table_of(found), VARY)
+    np.testing.assert_allclose(fit.value, true_values(frustum), rtol=1e-5)
+
+
+def deviations(frustum, measured, seed):
+    """Errors of a noisy fit over its own sigma."""
+    noise = np.random.default_rng(seed).standard_normal(ROWS)
+    fit = update(casing(frustum), table_of(measured, noise), VARY)
+    internal = [
+        [p.to_internal(v) for p, v in zip(VARY, values, strict=True)]
+        for values in (fit.value, true_values(frustum))
+    ]
+    return (np.array(internal[0]) - np.array(internal[1])) / fit.sigma, fit
+
+
+@pytest.mark.parametrize("seed", [101, 202, 303])
+def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured, seed):
+    deviation, fit = deviations(frustum, measured, seed)
+    assert np.abs(deviation).max() < 3.0
+    assert 0.3 < fit.misfit < 2.0
+
+
+@pytest.mark.slow
+def test_covariance_tells_the_scatter_of_many_fits(frustum, measured):
+    """Twelve draws: 84 deviations with unit variance."""
+    z = np.array([deviations(frustum, measured, seed)[0] for seed in range(401, 413)])
+    assert 0.6 < np.sqrt(np.mean(z**2)) < 1.5
+    assert np.count_nonzero(np.abs(z) > 3.0) <= 2
+
+
+def test_start_does_not_matter(frustum, measured, exact_fit):
+    other = casing(frustum, E=215e9, t=2.95e-3, k=2e12, c8=0.0008, s8=0.0, c16=0.0002, k4=0.4)
+    fit = update(other, table_of(measured), VARY)
+    np.testing.assert_allclose(fit.value, exact_fit[0].value, rtol=1e-5)
+
+
+def test_a_perfect_start_finds_the_harmonics_of_the_splits(frustum):
+    """At zero split f1 and f2 have a cone; mean and split vector do not."""
+    mesh = ShellMesh(order=6, rows=1, around=17)
+    found = modes(frustum(mesh=mesh, radius_defect=FourierField.of({8: (0.0006, -0.0003)})), 24)
+    vary = [Parameter(name=f"radius.p8.{part}", lower=-0.01, upper=0.01) for part in ("cos", "sin")]
+    fit = update(frustum(mesh=mesh), table_of(found), vary)
+    np.testing.assert_allclose(fit.value, [0.0006, -0.0003], rtol=1e-5)
+
+
+def test_two_updates_agree_bit_by_bit(frustum, measured):
+    fits = [update(casing(frustum), table_of(measured), VARY[:2], max_iterations=4) for _ in range(2)]
+    assert fits[0].value == fits[1].value
+    assert fits[0].covariance.tobytes() == fits[1].covariance.tobytes()
+
+
+# --- bounds and priors ----------------------------------------------------------------------------------------
+
+
+def blade(E=206.85e9, t=3e-3):
+    return Shell(
+        chart=Panel(radius=0.6, length=0.3, angle=0.5), thickness=t, material=Material(E=E, nu=0.3, rho=7857.0),
+        supports={"root": Clamped()}, mesh=ShellMesh(order=6, rows=1, around=1),
+    )  # fmt: skip
+
+
+def blade_table(E=200e9, t=3e-3, rows=5, sigma=1e-3):
+    f = modes(blade(E, t), rows).freq
+    return FrequencyTable.from_arrays(freq_hz=f, sigma_hz=sigma * f)
+
+
+def test_an_open_shell_updates_by_order(frustum):
+    fit = update(blade(), blade_table(), [Parameter(name="material.E", lower=150e9, upper=250e9)])
+    assert fit.value[0] == pytest.approx(200e9, rel=1e-8)
+    # f^2 ~ E: five rows of .1 % give sigma_E = 2 E 1e-3/sqrt(5)
+    assert fit.sigma[0] == pytest.approx(2 * 200e9 * 1e-3 / np.sqrt(5), rel=1e-6)
+
+
+def test_a_bound_in_the_way_is_met_and_told():
+    fit = update(blade(), blade_table(), [Parameter(name="material.E", lower=204e9, upper=250e9)])
+    assert fit.value[0] == pytest.approx(204e9, rel=1e-6)
+    assert fit.at_bound == (True,)
+    assert "AT BOUND" in repr(fit)
+
+
+def test_a_prior_and_the_data_share_by_their_weights():
+    """Linear in E to first order: the fit lies where both pulls balance."""
+    sigma_data = 2 * 200e9 * 1e-3 / np.sqrt(5)
+    vary = [Parameter(name="material.E", lower=150e9, upper=250e9, sigma=sigma_data)]
+    start = 200e9 * 1.004
+    fit = update(blade(E=start), blade_table(), vary)
+    assert fit.value[0] == pytest.approx(0.5 * (start + 200e9), rel=1e-5)
+    assert fit.sigma[0] == pytest.approx(sigma_data / np.sqrt(2), rel=1e-2)
+    assert fit.prior_only == (False,)
+
+
+def test_a_prior_that_knows_more_than_the_data_is_named():
+    vary = [Parameter(name="material.E", lower=150e9, upper=250e9, sigma=1e5)]
+    fit = update(blade(), blade_table(), vary)
+    assert fit.value[0] == pytest.approx(206.85e9, rel=1e-5)
+    assert fit.prior_only == (True,)
+    assert "known from its prior only" in repr(fit)
+
+
+def test_parameters_that_do_the_same_are_named():
+    """E and 1/rho: only their ratio matters."""
+    vary = [
+        Parameter(name="material.E", lower=150e9, upper=250e9, sigma=10e9),
+        Parameter(name="material.rho", lower=7000.0, upper=9000.0, sigma=300.0),
+    ]
+    fit = update(blade(), blade_table(), vary)
+    assert [(a, b) for a, b, _ in fit.indistinct()] == [("material.rho", "material.E")]
+    assert fit.correlation[0, 1] > 0.95
+    assert "cannot tell" in repr(fit)
+    assert fit.value[0] / fit.value[1] == pytest.approx(200e9 / 7857.0, rel=1e-4)
+
+
+def test_covariance_is_the_inverse_normal_matrix_whatever_the_units():
+    J = np.random.default_rng(3).normal(size=(9, 3)) * [1e-11, 1.0, 1e3]
+    np.testing.assert_allclose(covariance(J), np.linalg.inv(J.T @ J), rtol=1e-8)
+    blind = np.column_stack([J[:, 0], np.zeros(9)])
+    assert covariance(blind)[1, 1] == 0.0
+
+
+# --- what a result tells --------------------------------------------------------------------------------------
+
+
+def test_result_tells_before_after_and_how(exact_fit):
+    fit, seen = exact_fit
+    assert [k for k, _ in seen] == list(range(1, len(fit.history) + 1))
+    assert tuple(rms for _, rms in seen) == fit.history
+    data = json.loads(json.dumps(fit.to_json()))
+    assert [p["name"] for p in data["parameters"]] == [p.name for p in VARY]
+    assert len(data["pairs"]) == ROWS
+    assert data["pairs"][0].keys() == {"mode", "n", "measured_hz", "before_hz", "after_hz", "sigma_hz"}
+    assert data["iterations"] == len(fit.history)
+    text = repr(fit).splitlines()
+    assert text[0].split() == ["parameter", "start", "value", "sigma"]
+    assert len([line for line in text if line.lstrip()[:1].isdigit()]) == ROWS
+    assert any("cannot tell" in line for line in text)  # E and thickness
+    np.testing.assert_allclose(np.diag(fit.correlation), 1.0, rtol=1e-12)
+
+
+def test_a_table_without_labels_still_pairs(frustum, measured):
+    bare = FrequencyTable.from_arrays(freq_hz=measured.freq[:ROWS], sigma_hz=1e-3 * measured.freq[:ROWS])
+    fit = update(truth(frustum), bare, VARY[:2])
+    np.testing.assert_allclose(fit.value, [205e9, 3.05e-3], rtol=1e-6)
+
+
+# --- refusals -------------------------------------------------------------------------------------------------
+
+
+def test_refuses_a_table_that_nothing_pairs_with():
+    far = FrequencyTable.from_arrays(freq_hz=[1e5, 1.1e5], sigma_hz=10.0)
+    with pytest.raises(UpdateError, match="no row of table pairs with a computed mode within 50%"):
+        update(blade(), far, VARY[:1], count=4)
+
+
+def test_refuses_fewer_residuals_than_parameters():
+    vary = [Parameter(name=n, lower=1e-4, upper=1e12) for n in ("material.E", "shell.thickness", "material.rho")]
+    with pytest.raises(UpdateError, match="2 residuals cannot determine 3 parameters"):
+        update(blade(), blade_table(rows=2), vary)
+
+
+def test_refuses_a_structure_that_floats(frustum):
+    table = FrequencyTable.from_arrays(freq_hz=[8.0, 22.0], sigma_hz=0.1, n=[2, 3])
+    with pytest.raises(UpdateError, match="6 rigid motions"):
+        update(frustum(supports={}, mesh=MESH), table, VARY[:1])
+
+
+def test_refuses_nothing_to_vary():
+    with pytest.raises(ParameterError, match="at least one"):
+        update(blade(), blade_table(), [])
+
+
+def test_refuses_a_parameter_named_twice():
+    with pytest.raises(ParameterError, match=r"material\.E is varied twice"):
+        update(blade(), blade_table(), [VARY[0], VARY[1], VARY[0]])
+
+
+def test_refuses_a_start_outside_its_bounds():
+    with pytest.raises(
+        ParameterError, match=r"material\.E: the start 2\.0685e\+11 lies outside \[2\.2e\+11, 2\.5e\+11\]"
+    ):
+        update(blade(), blade_table(), [Parameter(name="material.E", lower=220e9, upper=250e9)])
+
+
+def test_refuses_a_parameter_the_structure_does_not_have():
+    with pytest.raises(ParameterError, match="has Clamped"):
+        update(blade(), blade_table(), [Parameter(name="support.root.k_face", lower=1.0, upper=2.0)])
