@@ -1,7 +1,7 @@
 """Cylinders between shear diaphragms: 650 frequencies against 3-D elasticity, on one fixed mesh.
 
-`python -m reports.cylinder [--quick] [--out DIR]` prints the summary and writes cylinder.csv (every row) and
-cylinder_summary.csv. The reference is data/reference/cyl_shear_diaphragm_exact.csv; R = 1, E = 1, and rho such that
+`python -m reports.cylinder [--quick] [--out DIR]` prints the summary and writes cylinder.csv (every row)
+and cylinder_summary.csv. Reference: data/reference/cyl_shear_diaphragm_exact.csv; R = 1, E = 1, rho such that
 omega is the table's frequency factor. Beside this project's shell stand the gaps of Fluegge's and Donnell's
 thin-shell theories, from the same table. --quick takes every fourth n.
 """

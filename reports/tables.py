@@ -7,6 +7,7 @@ from pathlib import Path
 
 Row = dict[str, object]
 OUT = Path(__file__).parent / "out"
+DATA = Path(__file__).parent.parent / "data"
 
 
 def text(value: object) -> str:

@@ -91,7 +91,7 @@ def test_a_missed_mode_shows_in_the_count_and_is_found(monkeypatch):
 def test_modes_missed_again_and_again_are_an_error(monkeypatch):
     solver, calls = blind(misses=99)
     monkeypatch.setattr(eigen, "eigsh", solver)
-    with pytest.raises(EigenError, match="7 modes lie below .* Hz, 6 were found"):
+    with pytest.raises(EigenError, match=r"7 modes lie below .* Hz, 6 were found"):
         solve_modes(chain(300), np.ones(300), 6, shift=-1e-6)
     assert len(calls) == 3
 

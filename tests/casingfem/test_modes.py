@@ -66,7 +66,7 @@ def test_turning_the_field_changes_no_frequency_and_turns_the_shapes(frustum, sp
 
 @pytest.mark.slow
 def test_turning_a_mixed_field_changes_no_frequency(frustum):
-    """Five harmonics up to .2 %, default mesh: 5e-9; harmonics of this size couple n and n +- p through the mesh."""
+    """Five harmonics up to .2 %, default mesh: 5e-9; mixed harmonics couple many n through the mesh."""
     field = FourierField.of({2: 0.002, 3: (0.001, 0.0005), 5: 0.0005, 8: 0.001, 4: 0.001})
     still = modes(frustum(radius_defect=field), 24)
     for angle in (0.3, -1.7):
@@ -75,7 +75,7 @@ def test_turning_a_mixed_field_changes_no_frequency(frustum):
 
 @pytest.mark.parametrize("around", [8, 4])
 def test_equal_springs_split_n_only_if_their_number_divides_2n(frustum, around):
-    """Springs k(1 + .9 cos N theta), as N bolts give: N = 8 splits 4, 8, 12; N = 4 also 6 and 10."""
+    """Springs k(1 + .9 cos N theta), as of N bolts: N = 8 splits 4, 8, 12; N = 4 also 6 and 10."""
     bolts = ElasticEdge(k_face=1e11, around=Circumferential(harmonics=((around, 0.9, 0.0),)))
     n, split = splits(modes(frustum(supports={"base": bolts}, mesh=EIGHT), 24))
     allowed = (2 * n) % around == 0

@@ -82,7 +82,7 @@ def test_doublet_jacobian_equals_finite_differences(casing, name, angles):
 
 
 def test_residuals_are_weighted_by_their_sigma(casing):
-    """A table of the model's own frequencies times 1.01: means off by ten sigma of a mean, splits by next to nothing."""
+    """Its own frequencies times 1.01: means off by ten sigma of a mean, splits by next to nothing."""
     found = modes(casing, COUNT)
     values = evaluate(
         casing, table_of(modes(casing, 12), 12, angles=False), [Parameter(name="material.E", lower=0, upper=1)]

@@ -1,4 +1,4 @@
-"""The reference frustum: 3-D elasticity, Naghdi and Kirchhoff-Love theory (data/reference/reference_frustum.csv)."""
+"""The reference frustum against 3-D elasticity, Naghdi's and Kirchhoff and Love's theory (data/reference)."""
 
 from collections.abc import Iterator
 

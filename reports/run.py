@@ -1,0 +1,28 @@
+"""Every report in turn.
+
+`python -m reports.run [--quick] [--out DIR]`. The rig comes last: it takes longest and writes report.html.
+"""
+
+import importlib
+import time
+from pathlib import Path
+
+from reports.tables import command_line
+
+REPORTS = ("frustum_convergence", "cylinder", "contact_accuracy", "speed", "rig")
+
+
+def main(out: Path, quick: bool = False) -> dict[str, float]:
+    """Run them all; returns the seconds each took."""
+    seconds = {}
+    for name in REPORTS:
+        print(f"\n=== reports.{name}")
+        started = time.perf_counter()
+        importlib.import_module(f"reports.{name}").main(out, quick=quick)
+        seconds[name] = time.perf_counter() - started
+    print("\n" + "  ".join(f"{name} {value:.0f} s" for name, value in seconds.items()))
+    return seconds
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main)

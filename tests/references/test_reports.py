@@ -1,0 +1,58 @@
+"""Reports run small, write what they say, and find the numbers the README quotes."""
+
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from reports import cylinder, frustum_convergence, run, speed, tables
+
+
+def test_frustum_convergence_marks_the_default_mesh_and_finds_it_good(tmp_path, capsys):
+    rows = frustum_convergence.main(tmp_path, quick=True)
+    table = pd.read_csv(tmp_path / "frustum_convergence.csv")
+    assert len(table) == len(rows) >= 4
+    default = [row for row in rows if row[""]]
+    assert {row["method"] for row in default} == {"shell", "fourier"}
+    assert all(row["worst error"] < 2e-4 and row["sturm"] == 40 and row["doublet gap"] < 1e-10 for row in default)
+    assert "<- default" in capsys.readouterr().out
+    assert frustum_convergence.exact_frequencies()[[0, -1]].tolist() == [367.9087, 980.6034]
+
+
+def test_cylinder_counts_rows_within_a_thousandth(tmp_path, capsys):
+    rows = cylinder.main(tmp_path, quick=True)
+    assert [row["within .1 %"] for row in rows[:3]] == [40, 40, 38]
+    assert rows[2]["worst %"] < 0.19
+    assert len(pd.read_csv(tmp_path / "cylinder.csv")) == 200
+    assert "118 of 120 rows within .1 %" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_speed_gives_ratios_and_steps(tmp_path):
+    rows = speed.main(tmp_path, quick=True)
+    steps = pd.read_csv(tmp_path / "speed.csv").set_index("step")
+    assert steps.loc["assemble, 10290 dofs", "over assembly"] == 1.0
+    assert steps.loc["40 modes, perfect casing by harmonics", "seconds"] < steps.loc["40 modes", "seconds"]
+    runs = pd.read_csv(tmp_path / "speed_contact.csv")
+    assert np.all(runs["us/step"] < 50.0)
+    assert len(rows) == len(steps) + len(runs)
+
+
+def test_run_takes_the_reports_in_turn(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(run, "REPORTS", ("cylinder",))
+    assert list(run.main(tmp_path, quick=True)) == ["cylinder"]
+    assert (tmp_path / "cylinder_summary.csv").exists()
+    assert "=== reports.cylinder" in capsys.readouterr().out
+
+
+def test_command_line_hands_on_folder_and_haste(tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(sys, "argv", ["report", "--quick", "--out", str(tmp_path)])
+    tables.command_line("A report.", lambda out, quick: seen.append((out, quick)))
+    assert seen == [(tmp_path, True)]
+
+
+def test_table_lines_up_and_shows_gaps(capsys):
+    tables.show("Title", [{"name": "a", "value": 1.23456}, {"name": "long", "value": None}])
+    assert capsys.readouterr().out.splitlines()[1:] == ["Title", "name  value", "a     1.235", "long      -"]
