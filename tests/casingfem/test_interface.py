@@ -75,7 +75,7 @@ def test_tip_rows_are_the_mean_over_the_edge(steel):
 def test_tip_of_a_panel_flaps_along_its_normal(steel):
     panel = Shell(
         chart=Panel(radius=0.6, length=0.3, angle=0.5), thickness=3e-3, material=steel,
-        supports={"root": Clamped()},        mesh=ShellMesh(order=4, rows=1, around=2),
+        supports={"root": Clamped()}, mesh=ShellMesh(order=4, rows=1, around=2),
     )  # fmt: skip
     system = assemble(panel)
     rows, _ = tip_rows(system, Tip())
