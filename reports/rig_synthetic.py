@@ -17,7 +17,7 @@ import numpy as np
 import casingfem as cf
 
 SEED = 20261
-DATA = Path(__file__).resolve().parent.parent / "data"
+DATA = Path(__file__).parent.parent / "data"
 
 HEIGHT, THICKNESS = 0.25, 3e-3  # m, of the drawing
 CHART = cf.Frustum(r_base=0.50, r_top=0.45, height=HEIGHT)

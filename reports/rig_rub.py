@@ -1,0 +1,192 @@
+"""The rub: a blade tuned to the casing, both reduced, runs with the surveyed out-of-roundness and without."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import brentq
+
+import casingfem as cf
+import contact as ct
+from casingfem.arrays import FloatArray
+from casingfem.modal.modes import Modes
+from casingfem.study import Study
+from casingfem.study.tasks import run_reduce
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RubPlan:
+    """How the rub is run: [tuning] and [rub] of rig.toml."""
+
+    n: int
+    speed_hz: float
+    into_band: float
+    t_end: float
+    dt: float
+    friction: float
+    lean_deg: float
+    advance: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rub:
+    """One run: the result, and the rim's radial motion by nodal diameters late in it, RMS [m], (n_max + 1,)."""
+
+    name: str
+    result: ct.Result
+    levels: FloatArray
+
+    def excess_db(self, n: int) -> float:
+        """Level of n over the highest other one [dB]."""
+        others = np.delete(self.levels, n)
+        return float(20.0 * np.log10(self.levels[n] / others.max()))
+
+
+def casing_target(casing: Modes, n: int) -> float:
+    """Mean frequency [Hz] of the casing's lowest doublet of n nodal diameters."""
+    pair = next(list(pair) for pair in casing.doublets if casing.nodal_diameters[pair[0]] == n)
+    return float(casing.freq[pair].mean())
+
+
+def tuned(blade: cf.Shell, target: float) -> cf.Shell:
+    """The blade with the thickness that puts its first mode at `target` [Hz]."""
+
+    def error(thickness: float) -> float:
+        return float(cf.modes(replace(blade, thickness=thickness), 1).freq[0]) - target
+
+    low, high = 0.3 * blade.thickness, 3.0 * blade.thickness
+    if error(low) > 0.0 or error(high) < 0.0:
+        raise ValueError(
+            f"no thickness from {low:.3g} to {high:.3g} m puts the blade's first mode at {target:.2f} Hz"
+        )
+    return replace(blade, thickness=float(brentq(error, low, high, rtol=1e-10)))
+
+
+def out_of_roundness(casing: cf.Shell, n_max: int) -> list[dict[str, float]]:
+    """Radius deviation of the rim [m] by harmonics, from the casing's radius field."""
+    if casing.radius_defect is None:
+        return []
+    (_, height), _ = casing.chart.bounds
+    theta = 2.0 * np.pi * np.arange(4 * n_max) / (4 * n_max)
+    radius = np.linalg.norm(casing.chart.surface(np.array([height]), np.zeros(1), None).x[:2])
+    values = radius * casing.radius_defect.derivatives(np.full(theta.shape, height), theta).value
+    c = np.fft.rfft(values) / len(theta)
+    return [{"p": p, "cos": float(2.0 * c[p].real), "sin": float(-2.0 * c[p].imag)} for p in range(1, n_max + 1)]
+
+
+def deviation(terms: list[dict[str, float]], theta: FloatArray) -> FloatArray:
+    """The deviation at angles [m]."""
+    total = np.zeros_like(theta)
+    for term in terms:
+        total += term["cos"] * np.cos(term["p"] * theta) + term["sin"] * np.sin(term["p"] * theta)
+    return total
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tuning:
+    """Where the blade's first mode was put [Hz]: the free coincidence, the growing band, and the target in it."""
+
+    coincidence: float
+    low: float
+    high: float
+    target: float
+    thickness: float
+
+
+def growing_band(casing: cf.ModalBasis, blade: cf.ModalBasis, plan: RubPlan) -> tuple[float, float]:
+    """Blade frequencies between which a permanent contact grows, from the free coincidence f_b = f_c - n f [Hz].
+
+    While the contact is closed, H_c(nu) + H_b(nu) + S = 0. Near the coincidence the casing's pair gives c/(w_c' - nu),
+    c = 1/(4 m_n w_c), the blade's mode b/(w_b - nu), b = kappa/(2 w_b), negative where friction exceeds tan(lean), and
+    all the rest a compliance S: growth where |w_b - w_c' - (c - b)/S| < 2 sqrt(-b c)/S, damping aside.
+    """
+    N, n, turning = casing.n_max, plan.n, 2.0 * np.pi * plan.speed_hz
+    radial = casing.rows[: 2 * N + 1]
+    order = np.r_[np.arange(N + 1), np.arange(1, N + 1)]
+    mobility = np.array([np.sum(radial[order == k] ** 2, axis=0) for k in range(N + 1)])  # 1/m_k of each mode
+    pair = np.flatnonzero(mobility.argmax(axis=0) == n)[:2]
+    w_c = float(casing.omega[pair].mean())
+    nu = w_c - n * turning
+    c = float(mobility[n, pair].mean()) / (4.0 * w_c)
+
+    lean = np.radians(plan.lean_deg)
+    normal = np.array([np.cos(lean), np.sin(lean)])
+    pressing = normal @ blade.rows
+    sliding = np.array([-np.sin(lean), np.cos(lean)]) @ blade.rows
+    kappa = pressing * (pressing - plan.friction * sliding)
+    b = float(kappa[0]) / (2.0 * nu)
+
+    k = np.arange(N + 1)[:, None]
+    others = np.delete(np.arange(len(casing)), pair)
+    S = sum(
+        float(np.sum(0.25 * mobility[:, others] / (casing.omega[others] ** 2 - (nu + sign * k * turning) ** 2)))
+        for sign in (-1, 1)
+    )
+    S += float(casing.S[0, 0] + 0.5 * np.trace(casing.S[1 : 2 * N + 1, 1 : 2 * N + 1]))
+    S += float(np.sum(kappa[1:] / (blade.omega[1:] ** 2 - nu**2))) + float(normal @ blade.S @ normal)
+    if b * c >= 0.0:
+        raise ValueError(
+            f"friction {plan.friction} below tan(lean): no speed of this blade grows at f_b = f_c - n f"
+        )
+    centre, half = (c - b) / S, 2.0 * np.sqrt(-b * c) / S
+    return float(centre - half) / (2.0 * np.pi), float(centre + half) / (2.0 * np.pi)
+
+
+def bodies(
+    casing: Study, structure: cf.Shell, target: float, blade: Study, plan: RubPlan, out: Path
+) -> tuple[tuple[Path, Path], Tuning]:
+    """Reduce the casing, tune and reduce the blade, save both: only these files cross to contact.
+
+    `target` is the casing's mode [Hz]. The blade is put at the free coincidence first; its basis then tells where
+    the growing band lies, and it is moved into that.
+    """
+    rim = run_reduce(casing, structure)
+    coincidence = target - plan.n * plan.speed_hz
+    tip = run_reduce(blade, tuned(blade.shell, coincidence))
+    low, high = (coincidence + shift for shift in growing_band(rim, tip, plan))
+    wanted = low + plan.into_band * (high - low)
+    strip = tuned(blade.shell, wanted)
+    tip = run_reduce(blade, strip)
+    print(rim, tip, sep="\n")
+    files = rim.save(out / "rig_casing.npz"), tip.save(out / "rig_blade.npz")
+    tuning = Tuning(coincidence=coincidence, low=low, high=high, target=wanted, thickness=strip.thickness)
+    return files, tuning
+
+
+def run(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str, float]]) -> Rub:
+    """One rub: the blade is advanced past its first touch, and starts opposite to it."""
+    casing, blade = (ct.ModalBody.load(file) for file in files)
+    theta = np.linspace(0.0, 2.0 * np.pi, 3601)
+    d = deviation(terms, theta)
+    scene = ct.RotatingRim(
+        casing,
+        blade,
+        clearance=-float(d.min()) - plan.advance,
+        speed_hz=plan.speed_hz,
+        lean_deg=plan.lean_deg,
+        out_of_roundness=terms,
+        angle_deg=float(np.degrees(theta[d.argmax()])),
+    )
+    result = ct.run(
+        scene,
+        law=ct.Coulomb(mu=plan.friction),
+        scheme=ct.ExactModal(),
+        t_end=plan.t_end,
+        dt=plan.dt,
+        record=ct.Record(every=5, state_every=20),
+    )
+    print(f"\n{name}\n{result}")
+    return Rub(name=name, result=result, levels=rim_levels(casing, result))
+
+
+def rim_levels(casing: ct.ModalBody, result: ct.Result, last: float = 0.25) -> FloatArray:
+    """RMS radial motion of the rim by nodal diameters over the last part of a run [m], (n_max + 1,)."""
+    late = result.state_time >= (1.0 - last) * result.state_time[-1]
+    q = result.state_of("casing")[late]
+    N = casing.n_max
+    radial = q @ casing.rows[: 2 * N + 1].T
+    radial = radial - radial.mean(axis=0)  # the vibration about the static push
+    power = np.mean(radial**2, axis=0)
+    levels = power[: N + 1].copy()
+    levels[1:] = 0.5 * (levels[1:] + power[N + 1 :])
+    return np.asarray(np.sqrt(levels))
