@@ -3,6 +3,8 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 export MPLBACKEND := Agg
+# small factorisations: a second BLAS thread costs more than it gives, several times so on a busy machine
+export OPENBLAS_NUM_THREADS ?= 1
 
 .DEFAULT_GOAL := help
 .PHONY: help setup study test fast check bench report clean

@@ -15,15 +15,11 @@ UNITS = {"angle": "rad", "k_r": "N/m²", "k_theta": "N/m²", "k_z": "N/m²", "k_
 
 def inputs_section(study: Study) -> Section:
     """The structure in one table, and the card of the measured table."""
-    tables = [
-        Table("The structure as the study describes it.", ("quantity", "value"), structure_rows(study.shell))
-    ]
+    tables = [Table("The structure as the study describes it.", ("quantity", "value"), structure_rows(study.shell))]
     paragraphs = []
     if study.table is not None:
         name = "Synthetic" if study.table.synthetic else "Measured"
-        paragraphs.append(
-            f"{name} frequencies: {len(study.table)} rows of {Path(study.table.path).name}; its card:"
-        )
+        paragraphs.append(f"{name} frequencies: {len(study.table)} rows of {Path(study.table.path).name}; its card:")
     card = "\n".join(study.table.card) if study.table is not None else ""
     return Section("Inputs", tuple(paragraphs), tables=tuple(tables), preformatted=card)
 
@@ -50,9 +46,7 @@ def values_of(owner: object) -> str:
     if not is_dataclass(owner):
         return repr(owner)
     numbers = {f.name: getattr(owner, f.name) for f in fields(owner)}
-    plain = [
-        f"{k} = {v:g} {UNITS.get(k, 'm')}" for k, v in numbers.items() if isinstance(v, int | float) and v != 0.0
-    ]
+    plain = [f"{k} = {v:g} {UNITS.get(k, 'm')}" for k, v in numbers.items() if isinstance(v, int | float) and v != 0.0]
     around = getattr(owner, "around", None)
     waves = [f"p = {p}: {cos:+.3g} cos {sin:+.3g} sin" for p, cos, sin in around.harmonics] if around else []
     return ", ".join(plain) + (f"; around: {'; '.join(waves)}" if waves else "")
@@ -101,14 +95,11 @@ def frequencies_caption(found: Modes, reference: Modes | None) -> str:
     """What the frequency diagram shows."""
     if not found.shell.chart.periodic:
         return "Frequencies in ascending order."
-    words = (
-        "Frequencies by number of nodal diameters; a bar joins the two members of a pair, its length is the split."
-    )
+    words = "Frequencies by number of nodal diameters; a bar joins the two members of a pair, its length is the split."
     if reference is None:
         return words + " Nothing varies around this shell, so its pairs are double."
     return (
-        words
-        + " Grey: the same shell without imperfections, all its pairs double, one line for each number of waves "
+        words + " Grey: the same shell without imperfections, all its pairs double, one line for each number of waves "
         "along the axis."
     )
 

@@ -59,9 +59,7 @@ def computed_doublets(model: Paired) -> Doublets:
     pairs = [match.modes for match in model.pairing.matches if len(match.modes) == 2]
     low, high = (np.array([pair[k] for pair in pairs], dtype=int) for k in (0, 1))
     modes = model.modes
-    return Doublets(
-        modes.nodal_diameters[low].astype(float), modes.freq[low], modes.freq[high], modes.angle_deg[low]
-    )
+    return Doublets(modes.nodal_diameters[low].astype(float), modes.freq[low], modes.freq[high], modes.angle_deg[low])
 
 
 @styled

@@ -114,8 +114,7 @@ class Result:
         span = self.steps * self.dt
         lines = [
             f"{self.steps} steps of {self.dt:.4g} s to {span:.6g} s in {self.seconds:.3g} s: {self.scheme}",
-            "contact  closings  time closed [s]  impulse [N s]  peak [N]  windowed [N]  "
-            "penetration [m]  residual [m]",
+            "contact  closings  time closed [s]  impulse [N s]  peak [N]  windowed [N]  penetration [m]  residual [m]",
         ]
         windowed = self.windowed_force().max(axis=0, initial=0.0)
         for k in range(self.impulse.size):

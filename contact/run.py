@@ -118,9 +118,7 @@ def run(
     return _collect(stepper, count, record, progress, settings.source)
 
 
-def _collect(
-    stepper: Stepper, count: int, record: Record, progress: Progress | None, source: dict[str, str]
-) -> Result:
+def _collect(stepper: Stepper, count: int, record: Record, progress: Progress | None, source: dict[str, str]) -> Result:
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
     start, began, chunks = stepper.stored(), time.perf_counter(), []
     for chunk in steps(stepper, count, record=record):

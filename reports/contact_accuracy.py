@@ -45,8 +45,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     for line in table:
         print(
             "  ".join(
-                cell.ljust(w) if i < 3 else cell.rjust(w)
-                for i, (cell, w) in enumerate(zip(line, widths, strict=True))
+                cell.ljust(w) if i < 3 else cell.rjust(w) for i, (cell, w) in enumerate(zip(line, widths, strict=True))
             )
         )
     if not quick:

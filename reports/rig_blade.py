@@ -60,6 +60,15 @@ def prediction(study: Study, measured: float, row: int) -> float:
     return float(run_update(study).after.freq[row] / measured - 1.0)
 
 
+def verdict(blade: BladeFit) -> str:
+    """Whether the update has learnt something that carries over."""
+    if rms(blade.left_out) < rms(blade.errors_nominal):
+        return "the update carries over to what it has not seen"
+    return (
+        "no better than the nominal model, so seven frequencies do not carry three parameters; mode 6 holds the radius"
+    )
+
+
 def section(blade: BladeFit) -> Section:
     """The blade's part of the report."""
     fit, table = blade.fit, blade.fit.table
@@ -70,7 +79,7 @@ def section(blade: BladeFit) -> Section:
         f"The nominal clamped model lies within {100 * off_theory:.2f} % of converged thin-shell values, so what is "
         f"left is not discretisation: the RMS error against the measurement is {100 * rms(blade.errors_nominal):.2f} % "
         f"before updating and {100 * fit.rms_after:.2f} % after. An update that has not seen a frequency predicts it "
-        f"to {100 * rms(blade.left_out):.2f} % RMS (leave one out).",
+        f"to {100 * rms(blade.left_out):.2f} % RMS (leave one out): {verdict(blade)}.",
         "Three uniform parameters cannot do more: mode 2 is measured below and mode 3 well above every model of a "
         "uniform blade, published ones included. A wall or a curvature that varies over the blade would be needed, "
         "and nothing measured says how.",

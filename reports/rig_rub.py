@@ -56,9 +56,7 @@ def tuned(blade: cf.Shell, target: float) -> cf.Shell:
 
     low, high = 0.3 * blade.thickness, 3.0 * blade.thickness
     if error(low) > 0.0 or error(high) < 0.0:
-        raise ValueError(
-            f"no thickness from {low:.3g} to {high:.3g} m puts the blade's first mode at {target:.2f} Hz"
-        )
+        raise ValueError(f"no thickness from {low:.3g} to {high:.3g} m puts the blade's first mode at {target:.2f} Hz")
     return replace(blade, thickness=float(brentq(error, low, high, rtol=1e-10)))
 
 
@@ -125,9 +123,7 @@ def growing_band(casing: cf.ModalBasis, blade: cf.ModalBasis, plan: RubPlan) -> 
     S += float(casing.S[0, 0] + 0.5 * np.trace(casing.S[1 : 2 * N + 1, 1 : 2 * N + 1]))
     S += float(np.sum(kappa[1:] / (blade.omega[1:] ** 2 - nu**2))) + float(normal @ blade.S @ normal)
     if b * c >= 0.0:
-        raise ValueError(
-            f"friction {plan.friction} below tan(lean): no speed of this blade grows at f_b = f_c - n f"
-        )
+        raise ValueError(f"friction {plan.friction} below tan(lean): no speed of this blade grows at f_b = f_c - n f")
     centre, half = (c - b) / S, 2.0 * np.sqrt(-b * c) / S
     return float(centre - half) / (2.0 * np.pi), float(centre + half) / (2.0 * np.pi)
 

@@ -41,9 +41,7 @@ def true_radius(rng: np.random.Generator) -> cf.FourierField:
     trend = rng.normal(0.0, 0.3, (len(p), 2))
     along = np.column_stack([np.ones(len(p)), trend])
     cos, sin = amplitude * np.cos(phase), amplitude * np.sin(phase)
-    return cf.FourierField(
-        p=p, cos=cos[:, None] * along, sin=sin[:, None] * along, z_mid=HEIGHT / 2, z_half=HEIGHT / 2
-    )
+    return cf.FourierField(p=p, cos=cos[:, None] * along, sin=sin[:, None] * along, z_mid=HEIGHT / 2, z_half=HEIGHT / 2)
 
 
 def true_casing(radius: cf.FourierField) -> cf.Shell:
@@ -77,15 +75,11 @@ def survey_lines(radius: cf.FourierField, rng: np.random.Generator) -> list[str]
         theta = np.radians(np.arange(0.0, 360.0, 2.5))
         r = CHART.radius(np.array(z)) * (1.0 + radius.derivatives(z, theta).value)
         r = r + rng.normal(0.0, SURVEY_SIGMA, len(theta))
-        lines += [
-            f"{np.degrees(a):.1f},{1e3 * z:.3f},{1e3 * value:.4f}" for a, value in zip(theta, r, strict=True)
-        ]
+        lines += [f"{np.degrees(a):.1f},{1e3 * z:.3f},{1e3 * value:.4f}" for a, value in zip(theta, r, strict=True)]
     return lines
 
 
-def measured_pair(
-    f: np.ndarray, n: int, angle_deg: float, rng: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray]:
+def measured_pair(f: np.ndarray, n: int, angle_deg: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """A doublet as a test sees it: noise on the mean and on both parts of the split vector."""
     mean, split = f.mean(), f[1] - f[0]
     sigma = FREQ_SIGMA * mean

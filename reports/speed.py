@@ -75,9 +75,7 @@ def contact_runs(folder: Path, quick: bool) -> Iterator[tuple[str, Callable[[], 
         t_end = count * 0.9 * 10.0 / 30.0 / elements
         yield (
             f"bar of {elements} elements on a wall",
-            lambda bar=bar, t_end=t_end: ct.run(
-                [bar, wall], t_end=t_end, courant=0.9, gravity=10.0, record=SPARSE
-            ),
+            lambda bar=bar, t_end=t_end: ct.run([bar, wall], t_end=t_end, courant=0.9, gravity=10.0, record=SPARSE),
         )
     for law in ("forward", "averaged", "energy"):
         scheme = ct.ExactModal(law=law, modes=50)
@@ -98,9 +96,7 @@ def contact_runs(folder: Path, quick: bool) -> Iterator[tuple[str, Callable[[], 
 def rubbed_casing(folder: Path) -> ct.RotatingRim:
     """The reference frustum's rim around a small blade, touching from the start."""
     steel = Material(E=210e9, nu=0.3, rho=7800.0)
-    blade = Shell(
-        chart=Plate(length=0.1, width=0.04), thickness=4e-3, material=steel, supports={"root": Clamped()}
-    )
+    blade = Shell(chart=Plate(length=0.1, width=0.04), thickness=4e-3, material=steel, supports={"root": Clamped()})
     casing = reduce(reference_frustum(), Rim("top", n_max=20), modes=COUNT, zeta=0.002)
     bodies = [
         ct.ModalBody.load(basis.save(folder / f"speed_{name}.npz"))

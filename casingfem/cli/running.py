@@ -28,9 +28,7 @@ def options(command: Callable[P, R]) -> Callable[P, R]:
     decorated = click.option("--out", "out", type=folder, metavar="DIR", help="Write result files there.")(
         guarded(command)
     )
-    return click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")(
-        decorated
-    )
+    return click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")(decorated)
 
 
 def guarded(command: Callable[P, R]) -> Callable[P, R]:

@@ -47,9 +47,7 @@ def align(
     came: dict[tuple[int, int], tuple[int, int, tuple[Indices, Indices] | None]] = {}
     best[0][0] = 0.0
 
-    def offer(
-        g: int, s: int, from_g: int, from_s: int, price: float, match: tuple[Indices, Indices] | None
-    ) -> None:
+    def offer(g: int, s: int, from_g: int, from_s: int, price: float, match: tuple[Indices, Indices] | None) -> None:
         total = best[from_g][from_s] + price
         if total < best[g][s]:
             best[g][s], came[g, s] = total, (from_g, from_s, match)

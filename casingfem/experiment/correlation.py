@@ -44,9 +44,7 @@ class ModeSet(Protocol):
         ...
 
 
-def pair(
-    modes: ModeSet, table: FrequencyTable, *, reach: float = 0.5, shape_mac: ArrayLike | None = None
-) -> Pairing:
+def pair(modes: ModeSet, table: FrequencyTable, *, reach: float = 0.5, shape_mac: ArrayLike | None = None) -> Pairing:
     """Pair measured rows with computed modes.
 
     The cost of a row is |log(f_measured/f_computed)|, of a doublet twice that of its root mean

@@ -202,8 +202,7 @@ class FrequencyTable:
             angle = "-" if np.isnan(self.angle_deg[row]) else f"{self.angle_deg[row]:.2f}"
             zeta = "-" if np.isnan(self.zeta[row]) else f"{self.zeta[row]:.5f}"
             lines.append(
-                f"{self.mode[row]:6d} {n:>3} {self.freq_hz[row]:12.4f} {self.sigma_hz[row]:11.4f}"
-                f" {angle:>12} {zeta:>8}"
+                f"{self.mode[row]:6d} {n:>3} {self.freq_hz[row]:12.4f} {self.sigma_hz[row]:11.4f} {angle:>12} {zeta:>8}"
             )
         return "\n".join(lines)
 
@@ -219,9 +218,7 @@ def _check_columns(csv: StrictCsv) -> None:
             stem = re.split(r"[_\[( ]", name.lower())[0]
             near = [c for c in COLUMNS if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))]
             expected = f"{near[0]}, unit and all" if near else f"only {', '.join(COLUMNS)}"
-            raise csv.error(
-                csv.path, line=csv.header_line, column=name, found="an unknown column", expected=expected
-            )
+            raise csv.error(csv.path, line=csv.header_line, column=name, found="an unknown column", expected=expected)
     for name, meaning in _REQUIRED.items():
         if name not in csv.header:
             raise csv.error(csv.path, line=csv.header_line, column=name, found="no such column", expected=meaning)
@@ -250,6 +247,4 @@ def _faults(columns: Mapping[str, Array]) -> list[tuple[int, str]]:
         np.isnan(angle) | ((angle >= 0) & (angle < 360)),
         np.isnan(zeta) | ((zeta >= 0) & (zeta < 1)),
     )
-    return sorted(
-        (int(row), name) for name, fine in zip(COLUMNS, good, strict=True) for row in np.flatnonzero(~fine)
-    )
+    return sorted((int(row), name) for name, fine in zip(COLUMNS, good, strict=True) for row in np.flatnonzero(~fine))

@@ -108,9 +108,7 @@ class Modes:
 
     def __repr__(self) -> str:
         """Table: mode, frequency, n, purity, m, split, orientation."""
-        lines = [
-            f"{'mode':>4} {'freq [Hz]':>11} {'n':>3} {'pure':>5} {'m':>2} {'split [%]':>9} {'angle [deg]':>11}"
-        ]
+        lines = [f"{'mode':>4} {'freq [Hz]':>11} {'n':>3} {'pure':>5} {'m':>2} {'split [%]':>9} {'angle [deg]':>11}"]
         for row in self.records():
             n = row["n"] if row["n"] != -1 else "-"
             purity = "-" if row["n_purity"] is None else f"{row['n_purity']:.2f}"
@@ -122,8 +120,7 @@ class Modes:
                 f"{row['mode']:>4} {row['freq_hz']:>11.3f} {n:>3} {purity:>5} {row['m']:>2} {split:>9} {angle:>11}"
             )
         lines.append(
-            f"{len(self)} modes, {self.dofs} dofs, Sturm count {self.sturm_count}, "
-            f"{sum(self.seconds.values()):.2f} s"
+            f"{len(self)} modes, {self.dofs} dofs, Sturm count {self.sturm_count}, {sum(self.seconds.values()):.2f} s"
         )
         return "\n".join(lines)
 

@@ -76,9 +76,7 @@ def reduce(
     P = load_columns(system, rows)
     factor = factorise(system.K)
     attachment = factor.solve(P)
-    vectors, omega = (free_vectors if method == "free" else craig_bampton_vectors)(
-        system, factor, P, attachment, modes
-    )
+    vectors, omega = (free_vectors if method == "free" else craig_bampton_vectors)(system, factor, P, attachment, modes)
     at_interface = P.T @ vectors
     S = np.zeros((len(channels), len(channels)))
     if method == "free":

@@ -205,9 +205,7 @@ class Panel:
     def __post_init__(self) -> None:
         require_positive("chart", radius=self.radius, length=self.length, angle=self.angle)
         if np.real(self.angle) >= 2.0 * np.pi:
-            raise ValueError(
-                f"chart.angle must be below 2 pi (a closed panel is a Cylinder), found {self.angle!r}"
-            )
+            raise ValueError(f"chart.angle must be below 2 pi (a closed panel is a Cylinder), found {self.angle!r}")
 
     @property
     def bounds(self) -> Bounds:

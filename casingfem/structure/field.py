@@ -149,9 +149,7 @@ class FourierField:
         c, s = np.cos(self.p * angle)[:, None], np.sin(self.p * angle)[:, None]
         return self._with(cos=self.cos * c - self.sin * s, sin=self.cos * s + self.sin * c)
 
-    def with_harmonic(
-        self, p: int, *, cos: Coefficient | None = None, sin: Coefficient | None = None
-    ) -> FourierField:
+    def with_harmonic(self, p: int, *, cos: Coefficient | None = None, sin: Coefficient | None = None) -> FourierField:
         """Replace the z-constant (d = 0) coefficients of harmonic p; None keeps one, a new p is added.
 
         Examples

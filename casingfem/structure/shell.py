@@ -28,7 +28,7 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     """The mesh used when none is given; `python -m reports.frustum_convergence` measures the choice.
 
     Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
-    12 where something varies around, so that the mesh splits no doublet by more than 1e-9; and 14 nodes a wave of
+    12 where something varies around, so that the mesh itself splits doublets by some 1e-9 only; and 14 nodes a wave of
     the fields themselves, harmonics below 2 % of their largest left aside. Along the meridian: the shear layer
     of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
     """
@@ -121,8 +121,7 @@ class Shell:
                 raise ValueError(f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}")
             if not isinstance(support, SUPPORTS):
                 raise ValueError(
-                    f"support.{edge}: expected Clamped, ShearDiaphragm or ElasticEdge, "
-                    f"found {type(support).__name__}"
+                    f"support.{edge}: expected Clamped, ShearDiaphragm or ElasticEdge, found {type(support).__name__}"
                 )
         object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
         if cast(ShellMesh | None, self.mesh) is None:
@@ -139,9 +138,7 @@ class Shell:
         if not np.all(np.isfinite(values)):
             raise ValueError(f"{name}: the field is not finite everywhere on the surface")
         if values.min() <= -0.9:
-            raise ValueError(
-                f"{name}: the field reaches {values.min():.3g}; it is relative and must stay above -0.9"
-            )
+            raise ValueError(f"{name}: the field reaches {values.min():.3g}; it is relative and must stay above -0.9")
 
     @property
     def axisymmetric(self) -> bool:

@@ -26,10 +26,12 @@ class Clamped:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShearDiaphragm:
-    """Held in its own plane, free across it: v = w = 0 and no rotation along the edge; N = M = 0.
+    """Held across the surface, free along it: v = w = 0 and no rotation along the edge; N = M = 0.
 
-    In the edge's frame the dofs are (in-plane normal to the edge, along the edge, surface normal, rotation
-    of the normal across the edge, rotation of the normal along the edge); the first and fourth stay free.
+    v is along the edge and w along the surface's normal (on a cone that is not the radial direction), on charts whose
+    parameter lines meet at right angles. In the edge's frame the dofs are (in-plane normal to the edge, along the edge,
+    surface normal, rotation of the normal across the edge, rotation of the normal along the edge); the first and
+    fourth stay free.
 
     >>> ShearDiaphragm().held
     (1, 2, 4)
@@ -103,15 +105,11 @@ class ElasticEdge:
             if not (np.isfinite(value) and value >= 0.0):
                 raise ValueError(f"support.{name} must be finite and not negative, found {value!r}")
         if not any(values.values()):
-            raise ValueError(
-                "an elastic support needs at least one of k_r, k_theta, k_z, k_rot, k_face above zero"
-            )
+            raise ValueError("an elastic support needs at least one of k_r, k_theta, k_z, k_rot, k_face above zero")
         theta = np.linspace(0.0, 2.0 * np.pi, 721)
         lowest = float(np.real(self.around(theta)).min())
         if lowest < 0.0:
-            raise ValueError(
-                f"support.around makes the springs negative (factor {lowest:.3g}): reduce its harmonics"
-            )
+            raise ValueError(f"support.around makes the springs negative (factor {lowest:.3g}): reduce its harmonics")
 
     def line_stiffness(self, directions: Array, theta: Array, thickness: Array) -> tuple[Array, Array]:
         """Springs per length at points: displacement (..., 3, 3) and rotation (...,) [N/m^2, N]."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -116,9 +117,7 @@ class SampledField:
         """Turn the fitted defect by +angle [rad] about the axis."""
         return self.fit.rotated(angle)
 
-    def with_harmonic(
-        self, p: int, *, cos: Coefficient | None = None, sin: Coefficient | None = None
-    ) -> FourierField:
+    def with_harmonic(self, p: int, *, cos: Coefficient | None = None, sin: Coefficient | None = None) -> FourierField:
         """Replace one harmonic of the fit: what an updater varies is no longer the survey."""
         return self.fit.with_harmonic(p, cos=cos, sin=sin)
 
@@ -157,7 +156,7 @@ class SampledField:
         (a, b), (low, high) = self.mean, self.z_range
         mean = f"{a:.6g} m" + (f" {b:+.6g} z" if b else "")
         lines = [
-            f"SampledField({self.quantity}, {self.points} points, {self.heights} heights, {self.path})",
+            f"SampledField({self.quantity}, {self.points} points, {self.heights} heights, {Path(self.path).name})",
             f"  mean      {mean} for z from {low:g} to {high:g} m",
             f"  fit       to harmonic {self.max_harmonic}, degree {self.fit.cos.shape[1] - 1} along z",
             f"  coverage  largest gap {self.coverage_deg:.3g} deg, resolves harmonic {self.n_resolved}",

@@ -149,9 +149,7 @@ def _column(table: StrictCsv, choices: dict[str, float]) -> tuple[str, float]:
         what, column = "a column without a known unit in its name", near[0]
     else:
         what, column = f"no such column among {','.join(table.header)}", None
-    raise SurveyError(
-        table.path, line=table.header_line, column=column, found=what, expected=f"one column {wanted}"
-    )
+    raise SurveyError(table.path, line=table.header_line, column=column, found=what, expected=f"one column {wanted}")
 
 
 def _check_angle_unit(table: StrictCsv, name: str, theta: FloatArray) -> None:

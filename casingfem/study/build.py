@@ -130,6 +130,5 @@ def check_survey(survey: SampledField, table: ImperfectionTable, tables: StudyFi
         (low, high), (z0, z1) = survey.z_range, chart.bounds[0]
         if min(high, z1) - max(low, z0) < 0.5 * (z1 - z0):
             raise ValueError(
-                f"{name}: found z from {low:g} to {high:g} m, "
-                f"expected at least half of the shell's {z0:g} to {z1:g} m"
+                f"{name}: found z from {low:g} to {high:g} m, expected at least half of the shell's {z0:g} to {z1:g} m"
             )

@@ -167,9 +167,7 @@ class UpdateTable(Table):
 
     table: str = Field(min_length=1, description="frequency table CSV, relative to this file")
     reach: Positive = Field(default=0.5, description="largest relative frequency error of a pair")
-    count: int | None = Field(
-        default=None, ge=1, le=100_000, description="modes computed; from the table if left out"
-    )
+    count: int | None = Field(default=None, ge=1, le=100_000, description="modes computed; from the table if left out")
     model_error: float = Field(default=0.0, ge=0, lt=1, description="relative error allowed to the model")
     parameter: list[ParameterTable] = Field(min_length=1, description="at least one [[update.parameter]]")
 

@@ -95,9 +95,7 @@ def _plain(shell: Shell, name: str, parts: list[str]) -> tuple[Any, str]:
     owners = {"material": shell.material, "chart": shell.chart, "shell": shell}
     owner = owners.get(parts[0])
     if owner is None or len(parts) != 2:
-        raise ParameterError(
-            f"{name!r}: a parameter starts with material, shell, chart, radius, thickness or support"
-        )
+        raise ParameterError(f"{name!r}: a parameter starts with material, shell, chart, radius, thickness or support")
     numbers = ["thickness"] if owner is shell else [f.name for f in fields(owner)] if is_dataclass(owner) else []
     if parts[1] not in numbers:
         raise ParameterError(f"{name!r}: {parts[0]} has {', '.join(numbers)}, not {parts[1]!r}")

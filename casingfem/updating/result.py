@@ -122,10 +122,7 @@ class UpdateResult:
         """Pairs of parameters whose correlation exceeds .95 in magnitude."""
         names, R = [p.name for p in self.parameters], self.correlation
         return [
-            (names[i], names[j], float(R[i, j]))
-            for i in range(len(names))
-            for j in range(i)
-            if abs(R[i, j]) > ALIKE
+            (names[i], names[j], float(R[i, j])) for i in range(len(names)) for j in range(i) if abs(R[i, j]) > ALIKE
         ]
 
     def to_json(self) -> dict[str, object]:
@@ -149,9 +146,7 @@ class UpdateResult:
     def __repr__(self) -> str:
         """Parameters with sigma, the before/after table, and warnings."""
         lines = [f"{'parameter':<34} {'start':>12} {'value':>12} {'sigma':>10}"]
-        for p, a, b, s, bound in zip(
-            self.parameters, self.start, self.value, self.sigma, self.at_bound, strict=True
-        ):
+        for p, a, b, s, bound in zip(self.parameters, self.start, self.value, self.sigma, self.at_bound, strict=True):
             unit = " dec" if p.log else ""
             lines.append(f"{p.name:<34} {a:>12.6g} {b:>12.6g} {s:>10.2g}{unit}{'  AT BOUND' if bound else ''}")
         lines.append(f"{'mode':>4} {'n':>3} {'measured':>10} {'before':>10} {'after':>10} {'error [%]':>9}")

@@ -78,9 +78,7 @@ class ChainStepper:
                 momentum = float(mass @ self.state.d[nodes]) / self.dt
                 kind = "rod" if isinstance(body, Rod) else "mass"
                 speed = momentum / float(mass.sum())
-                found.append(
-                    Motion(kind=kind, number=self.chain.numbers[b], mean_velocity=speed, momentum=momentum)
-                )
+                found.append(Motion(kind=kind, number=self.chain.numbers[b], mean_velocity=speed, momentum=momentum))
         return tuple(found)
 
 
@@ -135,7 +133,5 @@ def prepare_chain(chain: Chain, loop: Loop, h: float, omega_max: float, label: s
 def require_chain(problem: object, scheme: str) -> Chain:
     """Return the chain, or raise InputError that says what this scheme is for."""
     if not isinstance(problem, Chain):
-        raise InputError(
-            f"scheme: found {scheme} for {type(problem).__name__}, expected ExactModal (it is for rods)"
-        )
+        raise InputError(f"scheme: found {scheme} for {type(problem).__name__}, expected ExactModal (it is for rods)")
     return problem

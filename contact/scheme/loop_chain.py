@@ -89,9 +89,7 @@ def advance_penalty(
             s.d[a] -= s.rate[a] * force
             s.d[a + 1] += s.rate[a + 1] * force
             sums.work[k] += 0.5 * force * (s.before[k] + s.d[a + 1] - s.d[a])
-            note_contact(
-                sums, out, k, h, step * h, force, s.gap[k], 1.0 / stiffness, s.gap[k] - s.before[k], s.gap[k]
-            )
+            note_contact(sums, out, k, h, step * h, force, s.gap[k], 1.0 / stiffness, s.gap[k] - s.before[k], s.gap[k])
             s.force[k] = force
         for i in range(s.u.size):
             s.u[i] += s.d[i]

@@ -108,9 +108,7 @@ def motions_of(system: ModalSystem, velocity: Array) -> tuple[Motion, ...]:
     return tuple(found)
 
 
-def modal_stepper(
-    system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str
-) -> ModalStepper:
+def modal_stepper(system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str) -> ModalStepper:
     """Stepper at t = 0, with the compiled loop that this scene needs and no other."""
     q = np.zeros(system.omega.size)
     d = parts.backward(q, system.velocity)

@@ -36,9 +36,7 @@ def test_torsion_of_a_free_tube(steel):
 
 def test_rigid_motions_of_a_free_casing_stand_at_n_0_and_1(steel, frustum):
     for shell in (cylinder(steel), frustum(supports={}, mesh=LINE)):
-        rigid = [
-            np.count_nonzero(lowest(harmonic_matrices(shell, n), 12, 1e4)[0] < (2 * np.pi) ** 2) for n in range(4)
-        ]
+        rigid = [np.count_nonzero(lowest(harmonic_matrices(shell, n), 12, 1e4)[0] < (2 * np.pi) ** 2) for n in range(4)]
         assert rigid == [2, 2, 0, 0]  # along and about the axis; across and tilting, each twice in space
 
 

@@ -70,9 +70,7 @@ def test_complex_step_through_a_coefficient_is_the_exact_sensitivity():
     p, step = field.harmonics[2], 1e-30
     cos, _ = field.coefficients(p)
     shape = FourierField.of({p: 1.0}).derivatives(Z, THETA)
-    for moved, exact in zip(
-        field.with_harmonic(p, cos=cos + 1j * step).derivatives(Z, THETA), shape, strict=True
-    ):
+    for moved, exact in zip(field.with_harmonic(p, cos=cos + 1j * step).derivatives(Z, THETA), shape, strict=True):
         np.testing.assert_allclose(moved.imag / step, np.broadcast_to(exact, moved.shape), atol=1e-12 * p**2)
     turned = field.with_harmonic(p, cos=cos + 1j * step).rotated(0.3)
     assert turned.cos.dtype == complex

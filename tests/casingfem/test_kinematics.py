@@ -55,9 +55,7 @@ def rigid(shift, turn):
 
 
 @pytest.mark.parametrize("axis", range(6))
-@pytest.mark.parametrize(
-    ("name", "defect"), [*((n, None) for n in CHARTS), ("frustum", Dent()), ("panel", Dent())]
-)
+@pytest.mark.parametrize(("name", "defect"), [*((n, None) for n in CHARTS), ("frustum", Dent()), ("panel", Dent())])
 def test_rigid_motions_strain_nothing(name, defect, axis):
     motion = np.eye(6)[axis]
     found = strains(CHARTS[name], rigid(motion[:3], motion[3:]), defect)

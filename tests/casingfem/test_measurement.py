@@ -131,9 +131,7 @@ tables = st.integers(1, 8).flatmap(
         {
             "freq_hz": st.lists(st.floats(1e-3, 1e6), min_size=rows, max_size=rows),
             "n": st.lists(st.integers(-1, 40), min_size=rows, max_size=rows),
-            "angle_deg": st.lists(
-                st.floats(0, 360, exclude_max=True) | st.just(np.nan), min_size=rows, max_size=rows
-            ),
+            "angle_deg": st.lists(st.floats(0, 360, exclude_max=True) | st.just(np.nan), min_size=rows, max_size=rows),
             "zeta": st.lists(st.floats(0, 0.5) | st.just(np.nan), min_size=rows, max_size=rows),
             "sigma_hz": st.just(0.9e-3 / 7),
             "card": st.lists(st.text(st.characters(categories=["L", "N", "P", "Zs"])), max_size=3),
@@ -204,9 +202,7 @@ def test_arrays_are_checked_like_files(arguments, message):
 
 
 def groups_of(n, freq, angle=np.nan):
-    return [
-        g.rows for g in FrequencyTable.from_arrays(n=n, freq_hz=freq, sigma_hz=0.1, angle_deg=angle).groups()
-    ]
+    return [g.rows for g in FrequencyTable.from_arrays(n=n, freq_hz=freq, sigma_hz=0.1, angle_deg=angle).groups()]
 
 
 def test_doublets_are_neighbours_of_one_n():

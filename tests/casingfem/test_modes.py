@@ -38,9 +38,7 @@ def test_cos_8_theta_in_the_radius_splits_4_and_8_and_leaves_odd_n_double(split_
 def test_split_falls_with_the_imperfection_at_the_order_of_the_rule(frustum):
     """2 n = k p: n = 4 at first order in cos 8 theta, n = 8 at second."""
     small, large = (modes(frustum(radius_defect=FourierField.of({8: a}), mesh=MEDIUM), 20) for a in (1e-4, 2e-4))
-    ratio = {
-        n: splits(large)[1][splits(large)[0] == n][0] / splits(small)[1][splits(small)[0] == n][0] for n in (4, 8)
-    }
+    ratio = {n: splits(large)[1][splits(large)[0] == n][0] / splits(small)[1][splits(small)[0] == n][0] for n in (4, 8)}
     assert ratio[4] == pytest.approx(2.0, rel=0.02)
     assert ratio[8] == pytest.approx(4.0, rel=0.05)
 

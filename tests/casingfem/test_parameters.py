@@ -58,9 +58,7 @@ def test_value_is_replaced_and_nothing_else_changes(casing, name):
     assert get_value(changed, name) == pytest.approx(value, rel=1e-15)
     pattern = "support.base.k_face."  # one pattern for all springs of an edge: k_r.p4.sin is k_face.p4.sin
     for other, expected in PATHS.items():
-        if other != name and not (
-            name.startswith("support") and other.split(".")[3:] == name.split(".")[3:] != []
-        ):
+        if other != name and not (name.startswith("support") and other.split(".")[3:] == name.split(".")[3:] != []):
             assert get_value(changed, other) == expected, other
     assert get_value(casing, name) == PATHS[name]
     assert changed.mesh is casing.mesh
@@ -71,9 +69,7 @@ def test_a_shell_without_fields_gets_one(frustum):
     shell = with_value(frustum(), "radius.p4.sin", 0.001)
     assert get_value(frustum(), "radius.p4.sin") == 0.0
     theta = np.linspace(0, 6, 7)
-    np.testing.assert_allclose(
-        shell.radius_defect.derivatives(0.1, theta).value, 0.001 * np.sin(4 * theta), atol=1e-18
-    )
+    np.testing.assert_allclose(shell.radius_defect.derivatives(0.1, theta).value, 0.001 * np.sin(4 * theta), atol=1e-18)
     assert with_value(frustum(), "thickness.p2.cos", 0.1).thickness_defect is not None
 
 

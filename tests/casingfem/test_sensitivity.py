@@ -140,7 +140,5 @@ def test_edges_held_in_their_own_frame(frustum, coarse):
     shell = frustum(supports={"base": ShearDiaphragm(), "top": Clamped()}, mesh=coarse)
     found = modes(shell, 4, method="shell")
     exact = np.diag(eigen_derivatives(found, [parameter("shell.thickness")])[0])
-    plus, minus = (
-        modes(replace(shell, thickness=3e-3 * (1 + s)), 4, method="shell").omega ** 2 for s in (1e-4, -1e-4)
-    )
+    plus, minus = (modes(replace(shell, thickness=3e-3 * (1 + s)), 4, method="shell").omega ** 2 for s in (1e-4, -1e-4))
     np.testing.assert_allclose(exact, (plus - minus) / (2e-4 * 3e-3), rtol=1e-5)

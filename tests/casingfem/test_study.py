@@ -87,9 +87,7 @@ def test_every_study_of_the_repository_loads(file):
 )
 def test_every_chart(tmp_path, chart, edge, kind):
     head = "[material]\nE = 1e9\nnu = 0\nrho = 1000\n[shell]\nthickness = 0.002\n"
-    shell = load_study(
-        written(tmp_path, f'{head}[chart]\n{chart}\n[support.{edge}]\nkind = "shear-diaphragm"')
-    ).shell
+    shell = load_study(written(tmp_path, f'{head}[chart]\n{chart}\n[support.{edge}]\nkind = "shear-diaphragm"')).shell
     assert isinstance(shell.chart, kind)
     assert isinstance(shell.supports[edge], cf.ShearDiaphragm)
 
@@ -115,9 +113,7 @@ def survey(folder: Path, radius: float = 0.5, taper: float = -0.2) -> None:
     (folder / "survey.csv").write_text(f"# SYNTHETIC\ntheta_deg,z_m,radius_m\n{rows}\n")
 
 
-SURVEYED = FRUSTUM.replace(
-    FRUSTUM[FRUSTUM.index("harmonics") :].splitlines()[0], 'survey = "survey.csv"\nn_max = 12'
-)
+SURVEYED = FRUSTUM.replace(FRUSTUM[FRUSTUM.index("harmonics") :].splitlines()[0], 'survey = "survey.csv"\nn_max = 12')
 
 
 def test_a_survey_is_found_beside_the_study(tmp_path):

@@ -35,9 +35,7 @@ def test_pattern_with_one_coefficient_replaced_keeps_the_rest():
 
 
 def test_line_springs_act_along_their_directions():
-    edge = ElasticEdge(
-        k_r=1.0, k_theta=2.0, k_z=3.0, k_rot=4.0, around=Circumferential(harmonics=((2, 0.5, 0.0),))
-    )
+    edge = ElasticEdge(k_r=1.0, k_theta=2.0, k_z=3.0, k_rot=4.0, around=Circumferential(harmonics=((2, 0.5, 0.0),)))
     theta = np.array([0.0, 0.4, 2.0])
     d = Cylinder(radius=1.0, height=1.0).directions(np.zeros(3), theta)
     blocks, rotation = edge.line_stiffness(d, theta, np.full(3, 0.01))

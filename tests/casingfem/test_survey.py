@@ -86,12 +86,8 @@ def test_csv_units_card_and_repr(tmp_path):
     theta, z = rings()
     radius = casing(theta, z)
     plain = SampledField.from_csv(write(tmp_path / "a.csv", theta, z, radius))
-    milli = SampledField.from_csv(
-        write(tmp_path / "b.csv", theta, 1e3 * z, 1e3 * radius, "theta_deg,z_mm,radius_mm")
-    )
-    radian = SampledField.from_csv(
-        write(tmp_path / "c.csv", np.radians(theta), z, radius, "theta_rad,z_m,radius_m")
-    )
+    milli = SampledField.from_csv(write(tmp_path / "b.csv", theta, 1e3 * z, 1e3 * radius, "theta_deg,z_mm,radius_mm"))
+    radian = SampledField.from_csv(write(tmp_path / "c.csv", np.radians(theta), z, radius, "theta_rad,z_m,radius_m"))
     for other in (milli, radian):
         np.testing.assert_allclose(other.fit.cos, plain.fit.cos, atol=1e-13)
         assert other.mean == pytest.approx(plain.mean)

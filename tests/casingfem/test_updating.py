@@ -95,8 +95,7 @@ def deviations(frustum, measured, seed):
     noise = np.random.default_rng(seed).standard_normal(ROWS)
     fit = update(casing(frustum), table_of(measured, noise), VARY)
     internal = [
-        [p.to_internal(v) for p, v in zip(VARY, values, strict=True)]
-        for values in (fit.value, true_values(frustum))
+        [p.to_internal(v) for p, v in zip(VARY, values, strict=True)] for values in (fit.value, true_values(frustum))
     ]
     return (np.array(internal[0]) - np.array(internal[1])) / fit.sigma, fit
 
@@ -123,9 +122,7 @@ def test_start_does_not_matter(frustum, measured, exact_fit):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    reason="where n = 4 and n = 12 mix half and half the label flips, a row is lost, the solver stops"
-)
+@pytest.mark.xfail(reason="where n = 4 and n = 12 mix half and half the label flips, a row is lost, the solver stops")
 def test_a_far_start_reaches_the_same_point(frustum, measured, exact_fit):
     other = casing(frustum, E=190e9, t=3.2e-3, k=2e13, c8=0.001, s8=0.0, c16=0.0001, k4=0.1)
     fit = update(other, table_of(measured), VARY)

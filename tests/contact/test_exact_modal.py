@@ -135,9 +135,7 @@ def test_energy_law_keeps_the_energy_to_round_off():
 def test_bouncing_bar_energy_law_ten_periods():
     """B2 (ii), 150 modes, 25 600 steps (480 a second): every published target."""
     period, steps = 16.0 / 3.0, 25_600
-    result = drop(
-        150, 10 * period / steps * omega_max(150), 10 * period, law="energy", record=ct.Record(state_every=1)
-    )
+    result = drop(150, 10 * period / steps * omega_max(150), 10 * period, law="energy", record=ct.Record(state_every=1))
     bar, exact = ct.Rod(**BAR), bouncing_bar(20)
     history = bar_by_characteristics(bar, gravity=10.0, t_end=54.0, cells=300)
     tip = 5.0 + result.state @ ct.rod_modes(bar, modes=150, end="left").rows[0]

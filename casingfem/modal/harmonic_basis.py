@@ -1,0 +1,117 @@
+"""The modal basis of a perfect casing, harmonic by harmonic: any number of modes in milliseconds.
+
+Each n is a dense meridian problem (`structure.axisymmetric`), so modes are chosen by nodal diameters and meridional
+order rather than by frequency, and the residual compliance S comes from the same small matrices.
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.modal.basis import ModalBasis
+from casingfem.modal.interface import Rim
+from casingfem.modal.modes import SHIFT, frequency_scale, lowest
+from casingfem.structure.axisymmetric import Meridian, harmonic_matrices
+from casingfem.structure.kinematics import DOFS
+from casingfem.structure.shell import Shell
+
+
+def harmonic_basis(
+    shell: Shell, rim: Rim, *, orders: int | Callable[[int], int], zeta: float = 0.0, residual: bool = True
+) -> ModalBasis:
+    """Free modes of a perfect casing by n = 0 to rim.n_max and meridional order, with residual compliance.
+
+    S = P^T K^-1 P - (P^T Phi) Lambda^-1 (Phi^T P), as in `reduce`, but for each harmonic on its own.
+
+    Parameters
+    ----------
+    shell
+        A casing on which nothing varies around, supported.
+    rim
+        Edge and highest harmonic.
+    orders
+        How many meridional orders to keep: a number, or a function of n.
+    zeta
+        Damping ratio of every mode.
+    residual
+        Whether S carries what is left out; without it the basis is too stiff.
+
+    Raises
+    ------
+    ValueError
+        If anything varies around the shell, or it has no such edge.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> casing = cf.Shell(chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=3e-3,
+    ...                   material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
+    >>> len(harmonic_basis(casing, cf.Rim("top", n_max=20), orders=1))
+    42
+    """
+    if rim.edge not in shell.chart.edges:
+        raise ValueError(f"this chart has no edge {rim.edge!r}; it has {', '.join(shell.chart.edges)}")
+    size = 2 * rim.n_max + 1
+    S = np.zeros((2 * size, 2 * size))
+    omega: list[FloatArray] = []
+    rows: list[FloatArray] = []
+    for n in range(rim.n_max + 1):
+        meridian = harmonic_matrices(shell, n)
+        keep = orders if isinstance(orders, int) else orders(n)
+        for channels, loads in families(shell, rim, meridian):
+            squares, at_rim = kept_modes(shell, meridian, loads, keep)
+            omega.append(np.sqrt(squares))
+            block = np.zeros((2 * size, len(squares)))
+            block[channels] = at_rim
+            rows.append(block)
+            S[np.ix_(channels, channels)] += loads.T @ np.linalg.solve(meridian.K, loads)
+            S[np.ix_(channels, channels)] -= (at_rim / squares) @ at_rim.T
+    order = np.argsort(np.concatenate(omega), kind="stable")
+    names = tuple(f"{direction}.{name}" for direction in ("radial", "tangential") for name in rim.names)
+    return ModalBasis(
+        omega=np.concatenate(omega)[order],
+        zeta=np.full(len(order), zeta),
+        channels=names,
+        rows=np.concatenate(rows, axis=1)[:, order],
+        S=0.5 * (S + S.T) * residual,
+        kind="rim",
+        n_max=rim.n_max,
+        radius=rim_radius(shell, rim),
+        provenance={"method": "harmonic", "residual": residual},
+    )
+
+
+def families(shell: Shell, rim: Rim, meridian: Meridian) -> Iterator[tuple[list[int], FloatArray]]:
+    """Channels and load columns (free dofs, channels) of the families cos n theta and sin n theta.
+
+    The cosine family moves (u_r cos, -u_theta sin), the sine family (u_r sin, u_theta cos) n theta, each with kinetic
+    energy pi times the meridian's; n = 0 has one family of u_r and u_theta with 2 pi.
+    """
+    n, size = meridian.n, 2 * rim.n_max + 1
+    node = 0 if shell.chart.edges[rim.edge][1] == 0 else len(meridian.z) - 1
+    unit = np.zeros((len(meridian.z) * DOFS, 2))
+    unit[node * DOFS : node * DOFS + 3, 0] = meridian.turn[node][0]
+    unit[node * DOFS : node * DOFS + 3, 1] = meridian.turn[node][1]
+    radial, hoop = unit[meridian.free].T
+    if n == 0:
+        yield [0, size], np.stack([radial, hoop], axis=1) / np.sqrt(2.0 * np.pi)
+        return
+    yield [n, size + rim.n_max + n], np.stack([radial, -hoop], axis=1) / np.sqrt(np.pi)
+    yield [rim.n_max + n, size + n], np.stack([radial, hoop], axis=1) / np.sqrt(np.pi)
+
+
+def kept_modes(shell: Shell, meridian: Meridian, loads: FloatArray, keep: int) -> tuple[FloatArray, FloatArray]:
+    """Squares of omega (modes,) and interface rows (channels, modes) of the lowest modes of one family."""
+    if keep == 0:
+        return np.zeros(0), np.zeros((loads.shape[1], 0))
+    wanted = 2 * keep if meridian.n == 0 else keep  # n = 0 holds radial and torsional motions
+    squares, vectors = lowest(meridian, wanted, (SHIFT * frequency_scale(shell)) ** 2)
+    return squares, loads.T @ vectors
+
+
+def rim_radius(shell: Shell, rim: Rim) -> float:
+    """Radius of a rim [m]."""
+    (z0, z1), _ = shell.chart.bounds
+    z = np.array([z1 if shell.chart.edges[rim.edge][1] else z0])
+    return float(np.linalg.norm(shell.chart.surface(z, np.zeros(1), None).x[:2]))
