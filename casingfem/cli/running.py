@@ -41,7 +41,8 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
         except ValueError as error:
             if not known(error):
                 raise
-            fail(str(error), BAD_INPUT)
+            file, text = str(kwargs.get("file", "")), str(error)
+            fail(text if file in text else f"{file}: {text}", BAD_INPUT)
         except OSError as error:
             if isinstance(error, BrokenPipeError):
                 raise

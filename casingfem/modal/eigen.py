@@ -21,6 +21,10 @@ class EigenError(RuntimeError):
     """The eigenproblem could not be solved or certified."""
 
 
+class CountError(EigenError, ValueError):
+    """More modes were asked for than the model has."""
+
+
 @dataclass(frozen=True, eq=False)
 class EigenResult:
     """Eigenvalues [rad^2/s^2] ascending, mass-normalised vectors (free, modes), and the certificate.
@@ -100,12 +104,14 @@ def solve_modes(K: csc_array, mass: FloatArray, count: int, shift: float, extra:
 
     Raises
     ------
+    CountError
+        If more modes are asked for than there are.
     EigenError
-        If more modes are asked for than there are, the solver fails, or the count cannot be certified.
+        If the solver fails, or the count cannot be certified.
     """
     size = K.shape[0]
     if count < 1 or count + extra >= size:
-        raise EigenError(f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}")
+        raise CountError(f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}")
     A = scaled(K, mass)
     factor = factorise(A - shift * eye_array(size, format="csc"))
     inverse = LinearOperator(A.shape, matvec=factor.solve, dtype=float)

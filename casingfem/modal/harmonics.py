@@ -27,12 +27,17 @@ class Rings:
     amplitudes: Array
     weights: FloatArray
 
-    def label(self) -> tuple[IntArray, FloatArray]:
-        """Nodal diameters with the largest energy, and that energy's share, each (modes,)."""
+    def shares(self) -> FloatArray:
+        """Share of each n in a mode's circumferential energy, (n_max + 1, modes)."""
         energy = np.einsum("nrcm,r->nm", np.abs(self.amplitudes) ** 2, self.weights)
         energy[0] *= 2.0  # a cosine's mean square is one half, a constant's is one
-        n = energy.argmax(axis=0)
-        return n, energy[n, np.arange(len(n))] / energy.sum(axis=0)
+        return np.asarray(energy / energy.sum(axis=0))
+
+    def label(self) -> tuple[IntArray, FloatArray]:
+        """Nodal diameters with the largest energy, and that energy's share, each (modes,)."""
+        shares = self.shares()
+        n = shares.argmax(axis=0)
+        return n, shares[n, np.arange(len(n))]
 
     def profile(self, mode: int, n: int) -> Array:
         """Weighted amplitudes of one mode at one n: (3 rings,) complex, radial first."""

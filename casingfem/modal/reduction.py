@@ -121,8 +121,7 @@ def free_vectors(
     found = lowest_modes(system.shell, count, method="shell", system=system)
     if found.rigid:
         raise ValueError(f"the shell has {found.rigid} rigid motions: support it before reducing")
-    turned = found.fields.copy()
-    turned[:, :3] = np.einsum("nji,njk->nik", system.frames, found.fields[:, :3])
+    turned = np.einsum("nji,njk->nik", system.frames, found.fields)
     return turned.reshape(-1, len(found))[system.free], found.omega
 
 

@@ -16,7 +16,7 @@ from scipy.sparse import coo_array, csc_array
 
 from casingfem.arrays import Array, FloatArray, IntArray
 from casingfem.structure.element import ElementQuadLobatto, lobatto
-from casingfem.structure.kinematics import DOFS, STRAINS, frame, strain_slots
+from casingfem.structure.kinematics import DOFS, STRAINS, dot, frame, strain_slots
 from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import ElasticEdge
@@ -39,7 +39,7 @@ class System:
     free
         Numbers of the free dofs among 5 * nodes.
     frames
-        Rotation of the displacement dofs at nodes held in an edge's frame, (nodes, 3, 3); identity elsewhere.
+        Rotation of the dofs at nodes held in an edge's frame, (nodes, 5, 5); identity elsewhere.
     """
 
     shell: Shell
@@ -64,14 +64,12 @@ class System:
         full = np.zeros((len(self.frames) * DOFS, vectors.shape[1]), dtype=vectors.dtype)
         full[self.free] = vectors
         fields = full.reshape(len(self.frames), DOFS, -1)
-        fields[:, :3] = np.einsum("nij,njk->nik", self.frames, fields[:, :3])
-        return fields
+        return np.asarray(np.einsum("nij,njk->nik", self.frames, fields))
 
     def restrict(self, forces: Array) -> Array:
         """Nodal forces in Cartesian axes (nodes, 5, columns) -> work-conjugate free dofs (free, columns)."""
-        turned = forces.copy()
-        turned[:, :3] = np.einsum("nji,njk->nik", self.frames, forces[:, :3])
-        return turned.reshape(len(self.frames) * DOFS, -1)[self.free]
+        turned = np.einsum("nji,njk->nik", self.frames, forces)
+        return np.asarray(turned.reshape(len(self.frames) * DOFS, -1)[self.free])
 
 
 def constitutive(shell: Shell, thickness: Array) -> Array:
@@ -125,13 +123,20 @@ def node_area(grid: Grid) -> FloatArray:
 
 
 def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> FloatArray:
-    """Orthonormal (across, along, normal) of an edge as columns at parameters (2, nodes), (nodes, 3, 3)."""
+    """Frame of an edge at parameters (2, nodes), as columns on the five dofs of a node, (nodes, 5, 5).
+
+    Displacements across, along and normal to the edge; rotations of the normal across and along it.
+    """
     surface = shell.geometry(*parameters).surface
-    normal = frame(surface).normal
+    basis = frame(surface)
     tangent = surface.x2 if along == 1 else surface.x1
     tangent = tangent / np.linalg.norm(tangent, axis=0)
-    columns = np.stack([np.cross(tangent, normal, axis=0), tangent, normal], axis=-1)
-    return np.asarray(columns.transpose(1, 0, 2))
+    across = np.cross(tangent, basis.normal, axis=0)
+    turn = np.zeros((tangent.shape[1], DOFS, DOFS))
+    turn[:, :3, :3] = np.stack([across, tangent, basis.normal], axis=-1).transpose(1, 0, 2)
+    for i, e in enumerate((basis.e1, basis.e2)):
+        turn[:, 3 + i, 3], turn[:, 3 + i, 4] = dot(e, across), dot(e, tangent)
+    return turn
 
 
 def edge_springs(shell: Shell, grid: Grid, name: str, support: ElasticEdge) -> tuple[Array, Array]:
@@ -147,28 +152,26 @@ def edge_springs(shell: Shell, grid: Grid, name: str, support: ElasticEdge) -> t
 
 
 def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
-    """Free dof numbers, and the frames (nodes, 3, 3) in which the displacements of a node are expressed."""
+    """Free dof numbers, and the frames (nodes, 5, 5) in which the dofs of a node are expressed."""
     nodes = grid.nodes.shape[1]
     held = np.zeros((nodes, DOFS), dtype=bool)
-    frames = np.tile(np.eye(3), (nodes, 1, 1))
+    frames = np.tile(np.eye(DOFS), (nodes, 1, 1))
     for name, support in sorted(shell.supports.items(), key=lambda item: len(item[1].held)):
         edge = grid.edges[name]
         if support.frame == "edge":
             frames[edge.nodes] = edge_rotation(shell, grid.nodes[:, edge.nodes], edge.along)
-        # the rotations are already in the surface's frame: w_1 across and w_2 along a curved edge
-        dofs = [d if d < 3 or edge.along == 1 else 7 - d for d in support.held]
-        held[edge.nodes[:, None], dofs] = True
+        held[edge.nodes[:, None], list(support.held)] = True
     return np.flatnonzero(~held.ravel()), frames
 
 
 def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> None:
-    """Express the displacement rows and columns of the element matrices in the nodal frames, in place."""
-    turned = np.any(frames != np.eye(3), axis=(1, 2))
+    """Express the rows and columns of the element matrices in the nodal frames, in place."""
+    turned = np.any(frames != np.eye(DOFS), axis=(1, 2))
     for e in np.flatnonzero(turned[grid.elements].any(axis=1)):  # only elements on edges with a frame
         R = frames[grid.elements[e]]
         K = matrices[e].reshape(len(R), DOFS, len(R), DOFS)
-        K[:, :3] = np.einsum("nji,njmd->nimd", R, K[:, :3])
-        K[:, :, :, :3] = np.einsum("ncmj,mji->ncmi", K[:, :, :, :3], R)
+        K = np.einsum("nji,njmd,mdk->nimk", R, K, R, optimize=True)
+        matrices[e] = K.reshape(matrices[e].shape)
 
 
 def assemble(shell: Shell) -> System:
@@ -198,7 +201,7 @@ def assemble(shell: Shell) -> System:
         if isinstance(support, ElasticEdge):
             blocks, rotation = edge_springs(shell, grid, name, support)
             nodes = grid.edges[name].nodes
-            R = frames[nodes]
+            R = frames[nodes, :3, :3]
             blocks = np.einsum("nji,njk,nkl->nil", R, blocks, R)
             local = number[nodes[:, None] * DOFS + np.arange(DOFS)]
             i, j = np.broadcast_arrays(local[:, :3, None], local[:, None, :3])

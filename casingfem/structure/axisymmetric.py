@@ -108,7 +108,7 @@ def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, length: FloatA
             springs[:3, :3], springs[3, 3], springs[4, 4] = block[0], rotation[0], rotation[0]
             K[dofs, dofs] += arc * springs
         elif support.frame == "edge":
-            turn[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0]
+            turn[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0, :3, :3]
         held[node, list(support.held)] = True
     for turned in np.flatnonzero(np.any(turn != np.eye(3), axis=(1, 2))).tolist():
         dofs = slice(turned * DOFS, turned * DOFS + 3)

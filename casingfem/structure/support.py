@@ -28,10 +28,9 @@ class Clamped:
 class ShearDiaphragm:
     """Held across the surface, free along it: v = w = 0 and no rotation along the edge; N = M = 0.
 
-    v is along the edge and w along the surface's normal (on a cone that is not the radial direction), on charts whose
-    parameter lines meet at right angles. In the edge's frame the dofs are (in-plane normal to the edge, along the edge,
-    surface normal, rotation of the normal across the edge, rotation of the normal along the edge); the first and
-    fourth stay free.
+    v is along the edge and w along the surface's normal (on a cone that is not the radial direction). In the edge's
+    frame the dofs are (in-plane normal to the edge, along the edge, surface normal, rotation of the normal across the
+    edge, rotation of the normal along the edge); the first and fourth stay free.
 
     >>> ShearDiaphragm().held
     (1, 2, 4)

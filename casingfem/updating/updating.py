@@ -13,16 +13,16 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from casingfem.arrays import FloatArray
-from casingfem.experiment.correlation import Pairing, pair
+from casingfem.experiment.correlation import Pairing
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.modes import Modes, count_below, modes
 from casingfem.structure.shell import Shell
+from casingfem.updating.labels import Rows, followed, paired_rows
 from casingfem.updating.parameters import Parameter, ParameterError, get_value, with_value
 from casingfem.updating.result import UpdateResult, weak_priors
 from casingfem.updating.sensitivity import eigen_derivatives
 from casingfem.updating.targets import Residual, residuals
 
-Rows = tuple[tuple[int, ...], ...]
 Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted residuals)
 
 
@@ -38,11 +38,6 @@ class State:
     modes: Modes
     pairing: Pairing
     residual: Residual
-
-    @property
-    def paired_rows(self) -> Rows:
-        """Which rows of the table pair, and how they are grouped."""
-        return tuple(sorted(match.rows for match in self.pairing.matches))
 
 
 def mode_count(table: FrequencyTable, shell: Shell) -> int:
@@ -63,6 +58,7 @@ class Problem:
     progress: Progress | None = None
     start: FloatArray = field(init=False)
     history: list[tuple[FloatArray, float]] = field(default_factory=list)
+    rows: Rows | None = None  # that should keep pairing
     _key: bytes = b""
     _state: State | None = None
 
@@ -82,7 +78,7 @@ class Problem:
         if self._state is None or key != self._key:
             shell = self.structure(x)
             found = modes(shell, self.count)
-            pairing = pair(found, self.table, reach=self.reach)
+            found, pairing = followed(found, self.table, self.reach, self.rows)
             if not pairing.matches:
                 raise UpdateError(
                     f"no row of {self.table.path} pairs with a computed mode within {self.reach:.0%}: "
@@ -220,14 +216,14 @@ def solve(problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations
     """
     x, message = np.clip(problem.start, lower, upper), ""
     for _ in range(4):
-        rows = problem.state(x).paired_rows
+        rows = problem.rows = paired_rows(problem.state(x).pairing)
         refused = np.full(len(problem.fun(x)), 1e3 * float(np.abs(problem.fun(x)).max() + 1.0))
         norms = np.linalg.norm(problem.jac(x), axis=0)
         unit = 2.0 ** -np.round(np.log2(np.where(norms > 0.0, norms, 1.0)))  # powers of two: x/unit loses no bit
 
         def fun(y: FloatArray, rows: Rows, refused: FloatArray, unit: FloatArray) -> FloatArray:
             values = problem.fun(unit * y)
-            return values if problem.state(unit * y).paired_rows == rows else refused
+            return values if paired_rows(problem.state(unit * y).pairing) == rows else refused
 
         def jac(y: FloatArray, rows: Rows, refused: FloatArray, unit: FloatArray) -> FloatArray:
             return problem.jac(unit * y) * unit
@@ -244,6 +240,6 @@ def solve(problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations
             args=(rows, refused, unit),
         )
         x, message = unit * found.x, str(found.message)
-        if sum(map(len, problem.state(x).paired_rows)) <= sum(map(len, rows)):
+        if sum(map(len, paired_rows(problem.state(x).pairing))) <= sum(map(len, rows)):
             break
     return x, message

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import zipfile
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -155,14 +154,14 @@ def _require_modes(omega: Array, zeta: Array) -> None:
 
 def write_npz(path: Path, data: dict[str, Any]) -> None:
     """Write arrays to a temporary name beside `path`, then move it there in one step."""
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.name, suffix=".part", delete=False) as file:
-        try:
+    waiting = path.with_name(f".{path.name}.part")
+    try:
+        with waiting.open("wb") as file:
             np.savez(file, **data)
-            file.close()
-            os.replace(file.name, path)
-        except BaseException:
-            os.unlink(file.name)
-            raise
+        os.replace(waiting, path)
+    except BaseException:
+        waiting.unlink(missing_ok=True)
+        raise
 
 
 def read_npz(path: Path, wanted: str, required: tuple[str, ...]) -> dict[str, Any]:
