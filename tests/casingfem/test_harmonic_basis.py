@@ -1,0 +1,80 @@
+"""Bases of a perfect casing by harmonics, against its meridian problems and the two-dimensional reduction."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.modal.harmonic_basis import harmonic_basis
+from casingfem.structure.axisymmetric import harmonic_matrices
+
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+RIM = cf.Rim("top", n_max=8)
+
+
+def casing(**changes):
+    given = {
+        "chart": cf.Frustum(r_base=0.5, r_top=0.45, height=0.25),
+        "thickness": 3e-3,
+        "material": STEEL,
+        "supports": {"base": cf.ElasticEdge(k_face=1e13)},
+        "mesh": cf.ShellMesh(order=7, rows=(0.0, 0.97, 1.0), around=17),
+    }
+    return cf.Shell(**(given | changes))
+
+
+def scaled_difference(a, b):
+    scale = np.sqrt(np.outer(np.diag(b), np.diag(b)))
+    return np.abs(a - b).max() / scale.max(), (np.abs(a - b) / scale).max()
+
+
+def test_static_push_is_that_of_the_meridian_problem():
+    shell = casing()
+    basis = harmonic_basis(shell, RIM, orders=2)
+    meridian = harmonic_matrices(shell, 5)
+    push = np.zeros(len(meridian.z) * 5)
+    push[(len(meridian.z) - 1) * 5] = 1.0  # u_r at the top
+    load = push[meridian.free]
+    expected = float(load @ np.linalg.solve(meridian.K, load)) / np.pi
+    assert basis.compliance[5, 5] == pytest.approx(expected, rel=1e-10)
+    assert basis.compliance[8 + 5, 8 + 5] == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize("orders", [1, 3, 9])
+def test_static_push_does_not_depend_on_the_modes_kept(orders):
+    few, many = harmonic_basis(casing(), RIM, orders=orders), harmonic_basis(casing(), RIM, orders=20)
+    assert scaled_difference(few.compliance, many.compliance)[0] < 1e-10
+
+
+def test_agrees_with_the_two_dimensional_reduction():
+    shell, rim = casing(), cf.Rim("top", n_max=14)
+    plane, ring = cf.reduce(shell, rim, modes=30), harmonic_basis(shell, rim, orders=2)
+    assert scaled_difference(ring.compliance, plane.compliance)[1] < 1e-3
+    np.testing.assert_allclose(ring.freq[:8], plane.freq[:8], rtol=1e-5)
+    own, other = (basis.rows[:, :8] @ basis.rows[:, :8].T for basis in (ring, plane))  # doublets may be turned
+    np.testing.assert_allclose(own, other, atol=1e-4 * np.abs(other).max())
+
+
+def test_without_residual_the_rim_is_too_stiff():
+    stiff = harmonic_basis(casing(), RIM, orders=1, residual=False)
+    full = harmonic_basis(casing(), RIM, orders=1)
+    assert np.all(stiff.S == 0.0)
+    assert np.linalg.eigvalsh(full.compliance - stiff.compliance).min() > -1e-9 * np.abs(full.compliance).max()
+    assert np.trace(stiff.compliance) < 0.95 * np.trace(full.compliance)
+
+
+def test_orders_may_depend_on_n():
+    basis = harmonic_basis(casing(), RIM, orders=lambda n: 1 if n <= 2 else 0)
+    assert len(basis) == 2 + 2 * 2  # n = 0 holds a radial and a torsional motion
+
+
+def test_an_edge_held_in_its_own_frame():
+    shell = casing(supports={"base": cf.ShearDiaphragm(), "top": cf.ElasticEdge(k_r=1e8)})
+    plane, ring = cf.reduce(shell, RIM, modes=10), harmonic_basis(shell, RIM, orders=2)
+    assert scaled_difference(ring.compliance, plane.compliance)[0] < 1e-4
+
+
+def test_imperfect_casings_and_unknown_edges_are_refused():
+    with pytest.raises(ValueError, match="nothing varies around"):
+        harmonic_basis(casing(radius_defect=cf.FourierField.of({4: 1e-3})), RIM, orders=1)
+    with pytest.raises(ValueError, match="no edge 'rim'"):
+        harmonic_basis(casing(), cf.Rim("rim"), orders=1)
