@@ -2,7 +2,7 @@
 
 from casingfem.experiment.correlation import pair
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.modal.modes import Modes
+from casingfem.modal.mode_set import Modes
 from casingfem.plot_page import Cell, Picture, Section, Table
 from casingfem.plot_update import Paired, figure_comparison, figure_correlation, figure_errors
 from casingfem.updating.result import UpdateResult

@@ -8,7 +8,7 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from casingfem.arrays import Array, FloatArray
-from casingfem.modal.modes import Modes
+from casingfem.modal.mode_set import Modes
 from casingfem.plot_style import AFTER, BEFORE, DIVERGING, PERFECT, new_figure, styled
 from casingfem.structure.mesh import rim_values
 

@@ -4,7 +4,7 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.modes import Modes
+from casingfem.modal.mode_set import Modes
 from casingfem.plot_modes import figure_frequencies, figure_rim, figure_shapes, groups
 from casingfem.plot_page import Cell, Picture, Section, Table
 from casingfem.structure.shell import Shell

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation import Pairing
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.modal.modes import Modes
+from casingfem.modal.mode_set import Modes
 from casingfem.plot_style import AFTER, BEFORE, DIVERGING, MEASURED, PERFECT, new_figure, styled
 from casingfem.updating.result import UpdateResult
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from casingfem.modal.modes import lowest
+from casingfem.modal.fourier import lowest
 from casingfem.structure.axisymmetric import harmonic_matrices
 from casingfem.structure.chart import Cylinder
 from casingfem.structure.material import Material

@@ -9,7 +9,7 @@ from casingfem.cli.running import Working, deliver, options
 from casingfem.outfiles import json_text
 
 if TYPE_CHECKING:
-    from casingfem.modal.modes import Modes
+    from casingfem.modal.mode_set import Modes
     from casingfem.study import Study
 
 STUDY = click.argument("file", metavar="STUDY", type=click.Path(path_type=Path))

@@ -10,8 +10,9 @@ import numpy as np
 
 from casingfem.arrays import FloatArray
 from casingfem.modal.basis import ModalBasis
+from casingfem.modal.fourier import SHIFT, lowest
 from casingfem.modal.interface import Rim
-from casingfem.modal.modes import SHIFT, frequency_scale, lowest
+from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.axisymmetric import Meridian, harmonic_matrices
 from casingfem.structure.kinematics import DOFS
 from casingfem.structure.shell import Shell

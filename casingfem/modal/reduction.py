@@ -18,7 +18,7 @@ from casingfem.arrays import Array, FloatArray
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.eigen import START_SEED, factorise, scaled, sturm_count
 from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
-from casingfem.modal.modes import RIGID, frequency_scale
+from casingfem.modal.mode_set import RIGID, frequency_scale
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.kinematics import DOFS

@@ -14,7 +14,7 @@ from casingfem.arrays import IntArray
 from casingfem.experiment.correlation import Pairing, pair
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.harmonics import find_doublets, orientation
-from casingfem.modal.modes import Modes, ranks
+from casingfem.modal.mode_set import Modes, ranks
 
 Rows = tuple[tuple[int, ...], ...]
 MIXED = 0.25  # a second n with this share of a mode's energy may name it

@@ -8,7 +8,7 @@ import numpy as np
 from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation import Pairing
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.modal.modes import Modes
+from casingfem.modal.mode_set import Modes
 from casingfem.structure.shell import Shell
 from casingfem.updating.parameters import Parameter
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import Array, FloatArray
-from casingfem.modal.modes import Modes
+from casingfem.modal.mode_set import Modes
 from casingfem.structure.assembly import constitutive, edge_springs, nodal_mass
 from casingfem.structure.kinematics import DOFS, STRAINS, strain_slots
 from casingfem.structure.mesh import Grid, make_grid

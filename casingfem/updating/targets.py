@@ -16,7 +16,7 @@ import numpy as np
 from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation import Match
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.modal.modes import Modes
+from casingfem.modal.mode_set import Modes
 
 HERTZ2 = 4.0 * np.pi**2  # rad^2/s^2 per Hz^2
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.modal.modes import lowest
+from casingfem.modal.fourier import lowest
 from casingfem.structure.axisymmetric import harmonic_matrices
 from casingfem.structure.chart import Cylinder
 from casingfem.structure.field import FourierField

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from casingfem.modal.modes import count_below, lowest, modes
+from casingfem.modal.fourier import lowest
+from casingfem.modal.modes import count_below, modes
 from casingfem.structure.axisymmetric import harmonic_matrices
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell

@@ -1,0 +1,222 @@
+"""A set of modes: frequencies, shapes, labels, and the table an engineer wants."""
+
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from casingfem.arrays import FloatArray, IntArray, frozen
+from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
+from casingfem.structure.mesh import Grid
+from casingfem.structure.shell import Shell
+
+RIGID = 0.05  # modes below this part of `frequency_scale` are rigid motions
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Modes:
+    """Modes of a shell, ascending, mass-normalised.
+
+    Attributes
+    ----------
+    freq
+        Frequencies [Hz], (modes,).
+    fields
+        Shapes at the nodes of `grid`: u_x, u_y, u_z, w_1, w_2, (nodes, 5, modes), phi^T M phi = 1.
+    nodal_diameters
+        Dominant circumferential order n, -1 on open shells, (modes,).
+    purity
+        Share of the dominant order in the shape's circumferential energy, nan on open shells.
+    meridional
+        Rank m = 1, 2, ... among the modes of the same n, a doublet counted once.
+    doublets
+        Index pairs (lower, upper).
+    angle_deg
+        Orientation: an antinode of the radial displacement, in [0, 180/n); nan where it means nothing,
+        as for a perfect double mode.
+    rigid
+        Number of rigid motions, which come first.
+    sturm_count
+        Modes up to the last one returned, by inertia: equal to len(modes) unless the cut splits a pair.
+    dofs
+        Unknowns of the eigenproblem (over all harmonics for a perfect casing).
+    rings
+        Circumferential Fourier amplitudes of the shapes, None on open shells.
+    seconds
+        Run time by part.
+    """
+
+    shell: Shell
+    grid: Grid
+    freq: FloatArray
+    fields: FloatArray
+    nodal_diameters: IntArray
+    purity: FloatArray
+    meridional: IntArray
+    doublets: tuple[tuple[int, int], ...]
+    angle_deg: FloatArray
+    rigid: int
+    sturm_count: int
+    dofs: int
+    rings: Rings | None = field(default=None, repr=False)
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        """Return the number of modes."""
+        return len(self.freq)
+
+    @property
+    def omega(self) -> FloatArray:
+        """Angular frequencies [rad/s]."""
+        return 2.0 * np.pi * self.freq
+
+    @property
+    def splits(self) -> FloatArray:
+        """Relative split (f_upper - f_lower)/mean of each doublet, in the order of `doublets`."""
+        pairs = self.freq[np.array(self.doublets, dtype=int).reshape(-1, 2)]
+        return np.asarray(np.diff(pairs, axis=1)[:, 0] / pairs.mean(axis=1))
+
+    def doublet_of(self, mode: int) -> int:
+        """Index into `doublets`, or -1 for a single mode."""
+        return next((k for k, pair in enumerate(self.doublets) if mode in pair), -1)
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a mode: mode, freq_hz, n, n_purity, m, doublet, split_rel, angle_deg."""
+        splits = self.splits
+        rows: list[dict[str, object]] = []
+        for k, freq in enumerate(self.freq):
+            pair = self.doublet_of(k)
+            rows.append(
+                {
+                    "mode": k + 1,
+                    "freq_hz": float(freq),
+                    "n": int(self.nodal_diameters[k]),
+                    "n_purity": _number(self.purity[k]),
+                    "m": int(self.meridional[k]),
+                    "doublet": pair + 1 if pair >= 0 else None,
+                    "split_rel": float(splits[pair]) if pair >= 0 else None,
+                    "angle_deg": _number(self.angle_deg[k]),
+                    "rigid": k < self.rigid,
+                }
+            )
+        return rows
+
+    def __repr__(self) -> str:
+        """Table: mode, frequency, n, purity, m, split, orientation."""
+        lines = [f"{'mode':>4} {'freq [Hz]':>11} {'n':>3} {'pure':>5} {'m':>2} {'split [%]':>9} {'angle [deg]':>11}"]
+        for row in self.records():
+            n = row["n"] if row["n"] != -1 else "-"
+            purity = "-" if row["n_purity"] is None else f"{row['n_purity']:.2f}"
+            split = "-" if row["split_rel"] is None else f"{100.0 * float(str(row['split_rel'])):.4f}"
+            angle = "-" if row["angle_deg"] is None else f"{row['angle_deg']:.2f}"
+            if row["rigid"]:
+                n, split, angle, purity = "-", "rigid", "-", "-"
+            lines.append(
+                f"{row['mode']:>4} {row['freq_hz']:>11.3f} {n:>3} {purity:>5} {row['m']:>2} {split:>9} {angle:>11}"
+            )
+        lines.append(
+            f"{len(self)} modes, {self.dofs} dofs, Sturm count {self.sturm_count}, {sum(self.seconds.values()):.2f} s"
+        )
+        return "\n".join(lines)
+
+
+def _number(value: float) -> float | None:
+    """A float, or None where it is not a number."""
+    return None if np.isnan(value) else float(value)
+
+
+def frequency_scale(shell: Shell) -> float:
+    """Bending frequency c t / size^2 [rad/s] of the shell taken as flat: a floor for its elastic modes."""
+    (a0, a1), (b0, b1) = shell.chart.bounds
+    a, b = np.meshgrid(np.linspace(a0, a1, 9), np.linspace(b0, b1, 33), indexing="ij")
+    x = shell.chart.surface(a.ravel(), b.ravel(), None).x
+    size = float(np.linalg.norm(np.ptp(x, axis=1)))
+    return float(np.sqrt(shell.material.E / shell.material.rho) * shell.thickness / size**2)
+
+
+def labelled(
+    shell: Shell,
+    grid: Grid,
+    freq: FloatArray,
+    fields: FloatArray,
+    *,
+    count: int,
+    sturm: int,
+    dofs: int,
+    seconds: dict[str, float],
+) -> Modes:
+    """Label modes computed up to a clear gap, align perfect pairs, and keep the first `count`."""
+    started = time.perf_counter()
+    rigid = int(np.count_nonzero(2.0 * np.pi * freq < RIGID * frequency_scale(shell)))
+    total = len(freq)
+    rings: Rings | None = None
+    n, purity = np.full(total, -1), np.full(total, np.nan)
+    angle = np.full(total, np.nan)
+    pairs: list[tuple[int, int]] = []
+    if shell.chart.periodic:
+        nodes_around = grid.mesh.order * grid.mesh.around
+        rings = ring_content(shell.chart, grid, fields, n_max=max(2, nodes_around // 3))
+        n, purity = rings.label()
+        n[:rigid], purity[:rigid] = -1, np.nan
+        pairs = find_doublets(rings, n)
+        angle = np.array([orientation(rings.profile(k, n[k]), n[k]) if n[k] > 0 else np.nan for k in range(total)])
+        fields = align_doubles(rings, n, freq, fields, angle, pairs)
+    fields *= peak_signs(fields)
+    kept = min(count, total)
+    if shell.chart.periodic:
+        rings = ring_content(shell.chart, grid, fields[:, :, :kept], n_max=max(2, nodes_around // 3))
+    return Modes(
+        shell=shell,
+        grid=grid,
+        freq=frozen(freq[:kept]),
+        fields=frozen(fields[:, :, :kept]),
+        nodal_diameters=frozen(n[:kept]),
+        purity=frozen(purity[:kept]),
+        meridional=frozen(ranks(n, pairs)[:kept]),
+        doublets=tuple(pair for pair in pairs if max(pair) < kept),
+        angle_deg=frozen(np.degrees(angle[:kept])),
+        rigid=rigid,
+        sturm_count=sturm,
+        dofs=dofs,
+        rings=rings,
+        seconds=seconds | {"label": time.perf_counter() - started},
+    )
+
+
+def align_doubles(
+    rings: Rings,
+    n: IntArray,
+    freq: FloatArray,
+    fields: FloatArray,
+    angle: FloatArray,
+    pairs: list[tuple[int, int]],
+) -> FloatArray:
+    """Turn perfect double modes into cosine and sine, and clear their angles: they have none of their own."""
+    fields = fields.copy()
+    for low, high in pairs:
+        if freq[high] - freq[low] <= DOUBLE * freq[high]:
+            turn = align_pair(rings.profile(low, n[low]), rings.profile(high, n[low]))
+            fields[:, :, [low, high]] = fields[:, :, [low, high]] @ turn
+            angle[[low, high]] = np.nan
+    return fields
+
+
+def peak_signs(fields: FloatArray) -> FloatArray:
+    """Signs (modes,) that make the first of the largest displacements of each mode positive."""
+    displacements = fields[:, :3].reshape(-1, fields.shape[2])
+    large = np.abs(displacements) > (1.0 - 1e-6) * np.abs(displacements).max(axis=0)
+    return np.asarray(np.sign(displacements[large.argmax(axis=0), np.arange(fields.shape[2])]))
+
+
+def ranks(n: IntArray, pairs: list[tuple[int, int]]) -> IntArray:
+    """Meridional rank of each mode among those of its n, a doublet counted once."""
+    upper = {high: low for low, high in pairs}
+    m = np.zeros(len(n), dtype=np.int64)
+    seen: dict[int, int] = {}
+    for mode, label in enumerate(n.tolist()):
+        if mode in upper:
+            m[mode] = m[upper[mode]]
+        else:
+            seen[label] = seen.get(label, 0) + 1
+            m[mode] = seen[label]
+    return m

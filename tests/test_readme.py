@@ -1,0 +1,127 @@
+"""What README and CONTRIBUTING say holds: examples run and print what they claim, commands and links exist."""
+
+import importlib.util
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from casingfem.cli import main
+
+ROOT = Path(__file__).parents[1]
+PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")
+TEXT = {name: (ROOT / name).read_text(encoding="utf-8") for name in PAGES}
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PRINTS = re.compile(r"# prints: (.+)$", re.MULTILINE)
+EXAMPLES = [code for kind, code in FENCE.findall(TEXT["README.md"]) if kind == "python"]
+CONSOLE = [
+    line.removeprefix("$ ").partition("  #")[0].split()
+    for page in PAGES
+    for kind, block in FENCE.findall(TEXT[page])
+    if kind == "console"
+    for line in block.splitlines()
+    if line.startswith("$ ")
+]
+
+
+def spoken(pattern: str) -> set[str]:
+    """What a pattern finds in all pages."""
+    return {found for text in TEXT.values() for found in re.findall(pattern, text)}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder that looks like the repository's to an example, and takes what it writes."""
+    (tmp_path / "data").symlink_to(ROOT / "data")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_readme_has_an_example_for_each_use():
+    assert len(EXAMPLES) == 4
+    assert sum(len(PRINTS.findall(code)) for code in EXAMPLES) == 3
+
+
+@pytest.mark.parametrize("code", EXAMPLES, ids=["update", "plot", "contact", "pytest"])
+def test_examples_run_and_print_what_they_say(code, folder, capsys):
+    names: dict[str, object] = {"__name__": "example"}
+    exec(compile(code, "README.md", "exec"), names)
+    for name, value in names.items():
+        if name.startswith("test_") and callable(value):
+            value()
+    printed = capsys.readouterr().out.splitlines()
+    claims = PRINTS.findall(code)
+    assert [line for line in printed if line in claims] == claims
+
+
+def test_files_that_examples_write_are_there_afterwards(folder):
+    plots = next(code for code in EXAMPLES if "savefig" in code)
+    exec(compile(plots, "README.md", "exec"), {})
+    assert (folder / "rim.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_every_make_target_named_exists():
+    targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    named = spoken(r"`make ([a-z]+)") | {words[1] for words in CONSOLE if words[0] == "make"}
+    assert {"study", "test"} <= named <= targets
+
+
+def test_every_module_named_can_be_run():
+    named = spoken(r"python -m (reports\.\w+)")
+    assert {"reports.cylinder", "reports.contact_accuracy", "reports.frustum_convergence"} <= named
+    for name in named:
+        spec = importlib.util.find_spec(name)
+        assert spec is not None, name
+        assert spec.origin is not None, name
+        assert '__name__ == "__main__"' in Path(spec.origin).read_text(encoding="utf-8"), name
+
+
+def command_lines() -> list[list[str]]:
+    """Every `casingfem ...` of the pages, without the program."""
+    console = [words[1:] for words in CONSOLE if words[0].endswith("casingfem")]
+    return console + [shlex.split(words) for words in spoken(r"`casingfem ([^`]+)`")]
+
+
+def test_readme_lists_every_command():
+    shown = {words[1] for words in CONSOLE if words[0].endswith("casingfem")}
+    assert shown == set(main.commands)
+
+
+@pytest.mark.parametrize("words", command_lines(), ids=" ".join)
+def test_every_command_line_is_understood(words):
+    command = main.commands[words[0]]
+    context = command.make_context(words[0], words[1:])
+    file = context.params.get("file")
+    assert file is None or str(file) == "scene.toml" or (ROOT / file).is_file()
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_link_and_path_leads_somewhere(page):
+    links = re.findall(r"\]\(([^)#]+)\)", TEXT[page])
+    links += re.findall(r"`((?:casingfem|contact|data|reports|tests|docs)/[\w./]+)`", TEXT[page])
+    for link in links:
+        if not link.startswith(("https://", "reports/out")):
+            assert (ROOT / link).exists(), link
+
+
+def test_every_dependency_is_explained():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needed = project["dependencies"] + project["optional-dependencies"]["dev"]
+    names = {re.match(r"[\w-]+", line)[0] for line in needed}
+    section = TEXT["README.md"].partition("## Dependencies")[2].partition("## ")[0]
+    explained = {name for row in re.findall(r"^\| ([\w, -]+) \|", section, re.MULTILINE) for name in row.split(", ")}
+    assert explained - {"package", "---"} == names
+
+
+def test_the_version_is_the_newest_in_the_changelog():
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    assert re.search(r"^## \[([\d.]+)\]", TEXT["CHANGELOG.md"], re.MULTILINE)[1] == version
+
+
+def test_synthetic_data_says_so():
+    section = TEXT["README.md"].partition("## What is measured")[2].partition("## ")[0]
+    for path, kind in re.findall(r"\]\((data/[\w/]+\.csv)\) \| (MEASURED|SYNTHETIC)", section):
+        assert (ROOT / path).read_text(encoding="utf-8").startswith(f"# {kind}"), path
+    assert section.count("SYNTHETIC") == 2
