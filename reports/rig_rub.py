@@ -10,6 +10,7 @@ import casingfem as cf
 import contact as ct
 from casingfem.arrays import FloatArray
 from casingfem.modal.modes import Modes
+from casingfem.outfiles import write_atomic
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
 
@@ -163,6 +164,7 @@ def run(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str
         out_of_roundness=terms,
         angle_deg=float(np.degrees(theta[d.argmax()])),
     )
+    write_atomic(files[0].with_name(f"rub_{name.replace(' ', '_')}.toml"), scene_toml(scene, files, plan))
     result = ct.run(
         scene,
         law=ct.Coulomb(mu=plan.friction),
@@ -173,6 +175,37 @@ def run(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str
     )
     print(f"\n{name}\n{result}")
     return Rub(name=name, result=result, levels=rim_levels(casing, result))
+
+
+def scene_toml(scene: ct.RotatingRim, files: tuple[Path, Path], plan: RubPlan) -> str:
+    """The run as a scene file beside the bases, for `casingfem rub`."""
+    terms = ",\n    ".join(f"{{p = {t['p']}, cos = {t['cos']!r}, sin = {t['sin']!r}}}" for t in scene.out_of_roundness)
+    return f"""[scene]
+kind = "rim"
+t_end = {plan.t_end!r}
+
+[casing]
+basis = "{files[0].name}"
+
+[blade]
+basis = "{files[1].name}"
+lean_deg = {plan.lean_deg!r}
+
+[contact]
+clearance = {scene.clearance!r}
+friction = {plan.friction!r}
+angle_deg = {scene.angle_deg!r}
+out_of_roundness = [
+    {terms}
+]
+
+[speed]
+hz = {plan.speed_hz!r}
+
+[scheme]
+kind = "exact-modal"
+dt = {plan.dt!r}
+"""
 
 
 def rim_levels(casing: ct.ModalBody, result: ct.Result, last: float = 0.25) -> FloatArray:

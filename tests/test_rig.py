@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+import contact as ct
 from reports import bases, rig, rig_rub, rig_synthetic
 from reports.tables import DATA
 
@@ -24,6 +25,16 @@ def test_the_chain_ends_in_a_report_that_stands_alone(chain):
     ).replace("http://creativecommons.org", "")
     for title in ("The measured blade", "The casing", "Reduction", "Rub, as built", "Rub, defect machined away"):
         assert title in page
+
+
+@pytest.mark.slow
+def test_the_rubs_are_scenes_that_the_command_line_runs(chain):
+    out, _ = chain
+    scene = ct.load_scene(out / "rub_as_built.toml")
+    result = ct.run(scene)
+    assert len(result.intervals[0]) >= 1
+    assert result.residual[0] < 1e-15
+    assert len(scene.what.out_of_roundness) == 26
 
 
 @pytest.mark.slow
