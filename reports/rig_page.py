@@ -105,7 +105,7 @@ def rub_section(rub: Rub, plan: RubPlan) -> Section:
     closed = sum(end - start for start, end in intervals) / (result.steps * result.dt)
     energy = result.energy
     words = (
-        f"The casing turns at {plan.speed_hz:g} Hz in front of the blade, advanced {1e6 * plan.advance:.0f} um past "
+        f"The casing turns at {plan.speed_hz:g} Hz in front of the blade, advanced {1e6 * plan.advance:.0f} µm past "
         f"its first touch; friction {plan.friction:g}, lean {plan.lean_deg:g} deg against the motion (friction above "
         f"tan(lean): the blade digs in). Contact is closed {100 * closed:.0f} % of {plan.t_end:g} s, in "
         f"{len(intervals)} intervals.",
@@ -120,7 +120,7 @@ def rub_section(rub: Rub, plan: RubPlan) -> Section:
         ("complementarity residual [m]", float(result.residual[0])),
         ("steps with reversed slip (sticking is not modelled)", int(result.reversals[0])),
         ("energy brought in by the rotation [J]", float(energy.rotation)),
-        ("energy left by friction [J]", float(energy.friction)),
+        ("energy brought in by friction [J]", float(energy.friction)),
         ("energy unaccounted, relative", float(abs(energy.unaccounted) / max(energy.scale, 1e-300))),
         ("steps", result.steps),
         ("run time [s]", float(result.seconds)),
