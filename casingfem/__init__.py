@@ -22,6 +22,7 @@ from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.structure.survey import SampledField, SurveyError
+from casingfem.structure.twisted import TwistedPlate
 from casingfem.updating.parameters import Parameter, ParameterError
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.updating import UpdateError, update
@@ -56,6 +57,7 @@ __all__ = [
     "System",
     "TableError",
     "Tip",
+    "TwistedPlate",
     "UpdateError",
     "UpdateResult",
     "assemble",

@@ -73,7 +73,7 @@ class Shell:
     Parameters
     ----------
     chart
-        Mid-surface: Frustum, Cylinder, Panel, Plate, or anything that satisfies `Chart`.
+        Mid-surface: Frustum, Cylinder, Panel, Plate, TwistedPlate, or anything that satisfies `Chart`.
     thickness
         Nominal thickness t [m].
     material

@@ -12,8 +12,17 @@ from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm, Support
 from casingfem.structure.survey import SampledField
+from casingfem.structure.twisted import TwistedPlate
 from casingfem.study.problems import Problems
-from casingfem.study.schema import ChartTable, ElasticTable, ImperfectionTable, MeshTable, StudyFile, SupportTable
+from casingfem.study.schema import (
+    ChartTable,
+    ElasticTable,
+    ImperfectionTable,
+    MeshTable,
+    StudyFile,
+    SupportTable,
+    TwistedPlateTable,
+)
 
 CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
 ALIKE = 0.1  # a survey's mean and the study's nominal radius or thickness may differ by this part
@@ -53,6 +62,8 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
 
 def build_chart(table: ChartTable) -> Chart:
     """The chart of a [chart] table."""
+    if isinstance(table, TwistedPlateTable):
+        return TwistedPlate(length=table.length, width=table.width, twist=float(np.radians(table.twist_deg)))
     chart: Chart = CHARTS[table.kind](**table.model_dump(exclude={"kind"}))
     return chart
 
@@ -92,7 +103,7 @@ def build_support(table: SupportTable) -> Support:
 
 def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems: Problems) -> Field | None:
     """One imperfection field, or None with the reason noted."""
-    if tables.chart is not None and tables.chart.kind == "plate" and table.of == "radius":
+    if tables.chart is not None and tables.chart.kind in ("plate", "twisted-plate") and table.of == "radius":
         problems.add(f"{key}.of", "'radius' on a plate, which has none", "thickness, or a chart with a radius")
         return None
     if table.harmonics is not None:

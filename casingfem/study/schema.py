@@ -77,6 +77,15 @@ class PlateTable(Table):
     width: Length = Field(description="width [m]")
 
 
+class TwistedPlateTable(Table):
+    """[chart] of kind "twisted-plate"."""
+
+    kind: Literal["twisted-plate"]
+    length: Length = Field(description="length from root to tip [m]")
+    width: Length = Field(description="width [m]")
+    twist_deg: float = Field(ge=-360, le=360, description="twist of the tip against the root [degrees]")
+
+
 class ShellTable(Table):
     """[shell]."""
 
@@ -183,7 +192,9 @@ class ReduceTable(Table):
     out: str | None = Field(default=None, pattern=r"^[^/\\]+\.npz$", description="a file name ending in .npz")
 
 
-ChartTable = Annotated[FrustumTable | CylinderTable | PanelTable | PlateTable, Field(discriminator="kind")]
+ChartTable = Annotated[
+    FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable, Field(discriminator="kind")
+]
 SupportTable = Annotated[ClampedTable | DiaphragmTable | ElasticTable, Field(discriminator="kind")]
 
 
