@@ -10,6 +10,8 @@ import numpy as np
 from contact.errors import InputError
 from contact.model.arrays import Array, Indices
 
+MOST_SAMPLES = 1_000_000  # what a run stores when nobody says how often
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Record:
@@ -31,6 +33,15 @@ class Record:
             raise InputError(
                 f"state_every: found {self.state_every!r}, expected 0 or a multiple of every = {self.every}"
             )
+
+
+def sparse(steps: int) -> Record:
+    """Return the densest record of a run of `steps` steps that stores at most MOST_SAMPLES.
+
+    >>> sparse(1_000_000), sparse(2_000_001)
+    (Record(every=1, state_every=0), Record(every=3, state_every=0))
+    """
+    return Record(every=max(1, -(-steps // MOST_SAMPLES)))
 
 
 class Samples(NamedTuple):

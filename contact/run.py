@@ -13,10 +13,10 @@ from contact.energy import EnergyBudget
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import require_positive
 from contact.model.body import Body, PointMass, Rod, Wall
-from contact.model.chain import assemble
+from contact.model.chain import Chain, assemble
 from contact.model.gap import PointGap, RotatingRim
 from contact.model.law import Law, Penalty, Unilateral
-from contact.record import Record, Samples, samples
+from contact.record import Record, Samples, samples, sparse
 from contact.result import Result, collect
 from contact.scheme.central_difference import CentralDifference
 from contact.scheme.exact_modal import ExactModal
@@ -24,6 +24,7 @@ from contact.scheme.penalty import PenaltyDifference
 from contact.scheme.protocol import Problem, Scheme, Stepper
 
 CHUNK = 20_000  # steps per compiled call
+MOST_STEPS = 10**10  # hours to days of computing: beyond, a number was mistyped
 
 What = Sequence[Body] | PointGap | RotatingRim
 Progress = Callable[[float], None]
@@ -63,10 +64,12 @@ def steps(stepper: Stepper, count: int, *, record: Record) -> Iterator[Chunk]:
         stepper.sums.filled[:] = 0
         failed = stepper.advance(out, first, size)
         n, states, events = (int(value) for value in stepper.sums.filled)
+        # events are copied: a view would keep the whole buffer, room for one event per step
         filled = out._replace(
             time=out.time[:n], force=out.force[:n], gap=out.gap[:n], impulse=out.impulse[:n],
-            state_time=out.state_time[:states], state=out.state[:states], event_time=out.event_time[:events],
-            event_kind=out.event_kind[:events], event_contact=out.event_contact[:events],
+            state_time=out.state_time[:states], state=out.state[:states],
+            event_time=out.event_time[:events].copy(), event_kind=out.event_kind[:events].copy(),
+            event_contact=out.event_contact[:events].copy(),
         )  # fmt: skip
         taken = size if failed < 0 else failed - first
         first += taken
@@ -93,9 +96,10 @@ def run(
     whose own settings these arguments override. `scheme` defaults to CentralDifference for bodies (with
     PenaltyDifference for a Penalty law) and ExactModal otherwise; `dt` [s] or `courant` sets the step;
     `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done.
+    `record` defaults to every step, or to as many as make 1,000,000 samples.
 
-    Raises InputError and LimitError before the first step, NumericsError (which carries the result so far)
-    at the step that failed.
+    Raises InputError (also beyond 1e10 steps) and LimitError before the first step, NumericsError (which
+    carries the result so far) at the step that failed.
 
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
     >>> result = run([rod, Wall(x=0.0)], t_end=2.0, courant=0.9)
@@ -112,13 +116,37 @@ def run(
     require_positive(t_end=end)
     if dt is None and courant is None:
         dt, courant = settings.dt, settings.courant
-    record = record or settings.record or Record()
     stepper = scheme.prepare(problem, law, dt=dt, courant=courant)
-    count = max(1, math.ceil(end / stepper.dt * (1.0 - 1e-12) - 1e-9))
-    return _collect(stepper, count, record, progress, settings.source)
+    count = _count(end, stepper.dt)
+    record = record or settings.record or sparse(count)
+    load_step = _load_step(problem, stepper.dt)
+    return _collect(stepper, count, record, progress, settings.source, load_step)
 
 
-def _collect(stepper: Stepper, count: int, record: Record, progress: Progress | None, source: dict[str, str]) -> Result:
+def _count(end: float, dt: float) -> int:
+    """Steps to the first one at or after `end`; raises InputError beyond MOST_STEPS."""
+    ratio = end / dt * (1.0 - 1e-12) - 1e-9
+    if ratio > MOST_STEPS:
+        raise InputError(
+            f"t_end: found {end:g} s with dt = {dt:.4g} s, which is {ratio:.4g} steps, expected at most "
+            f"{MOST_STEPS:.0e}: shorten t_end to {MOST_STEPS * dt:.4g} s, or take a longer dt"
+        )
+    return max(1, math.ceil(ratio))
+
+
+def _load_step(problem: Problem, dt: float) -> float:
+    """Work of the constant loads over one step from rest, h^2 f^T M^-1 f [J]."""
+    if isinstance(problem, Chain):
+        return dt * dt * float(np.sum(problem.load**2 * problem.inverse_mass))
+    if isinstance(problem, RotatingRim):
+        return 0.0
+    return dt * dt * sum(float(side.load @ side.load) for side in problem.sides if side.load is not None)
+
+
+def _collect(
+    stepper: Stepper, count: int, record: Record, progress: Progress | None, source: dict[str, str],
+    load_step: float,
+) -> Result:  # fmt: skip
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
     start, began, chunks = stepper.stored(), time.perf_counter(), []
     for chunk in steps(stepper, count, record=record):
@@ -130,10 +158,10 @@ def _collect(stepper: Stepper, count: int, record: Record, progress: Progress | 
     energy = EnergyBudget(
         start=start, end=stepper.stored(), contact=float(np.sum(sums.work)),
         rotation=float(np.sum(sums.rotation)),
-        friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]),
+        friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]), load_step=load_step,
     )  # fmt: skip
     taken = sum(chunk.steps for chunk in chunks)
-    result = collect(stepper, [chunk.samples for chunk in chunks], energy, taken, seconds, source)
+    result = collect(stepper, [chunk.samples for chunk in chunks], energy, taken, seconds, source, record.every)
     if chunks[-1].failed >= 0:
         at = chunks[-1].failed
         error = NumericsError(f"step {at} (t = {at * stepper.dt:.6g} s): {stepper.why()}")

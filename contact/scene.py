@@ -15,6 +15,7 @@ from contact.model.chain import assemble
 from contact.model.gap import RotatingRim
 from contact.model.law import Coulomb, Law, Penalty, Unilateral
 from contact.model.modal_body import ModalBody
+from contact.record import Record
 from contact.run import Scene
 from contact.scheme.central_difference import CentralDifference
 from contact.scheme.exact_modal import ExactModal
@@ -22,7 +23,7 @@ from contact.scheme.penalty import PenaltyDifference
 from contact.scheme.protocol import Scheme
 
 if TYPE_CHECKING:
-    from contact.scene_tables import RimFile, RodsFile, SchemeTable
+    from contact.scene_tables import RecordTable, RimFile, RodsFile, SchemeTable
 
 Built = TypeVar("Built")
 
@@ -81,6 +82,8 @@ def _validated(data: dict[str, Any], file: Path) -> RodsFile | RimFile:
 
 def _problem(file: Path, detail: Any) -> str:
     """Write one pydantic error as file: key: found, expected."""
+    from contact.scene_tables import LATER
+
     key = ""
     for part in detail["loc"]:
         key += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if key else str(part)
@@ -92,6 +95,8 @@ def _problem(file: Path, detail: Any) -> str:
     if isinstance(detail["input"], dict):
         return f"{file}: {key}: {message}"
     expected = message.removeprefix("Input should be ")
+    if key == "scheme.kind" and detail["input"] in LATER:
+        expected += f" ({detail['input']!r} is planned: this version does not have it)"
     return f"{file}: {key}: found {detail['input']!r}, expected {expected}"
 
 
@@ -108,7 +113,8 @@ def _rods(table: RodsFile, file: Path, text: bytes) -> Scene:
     law, scheme = _method(table.scheme)
     return Scene(
         what=bodies, law=law, scheme=scheme, t_end=table.scene.t_end, dt=table.scheme.dt,
-        courant=table.scheme.courant, gravity=table.scene.gravity, source=_source(file, text),
+        courant=table.scheme.courant, gravity=table.scene.gravity, record=_record(table.record),
+        source=_source(file, text),
     )  # fmt: skip
 
 
@@ -119,6 +125,10 @@ def _method(table: SchemeTable) -> tuple[Law, Scheme]:
     if table.kind == "exact-modal":
         return Unilateral(), ExactModal(law=table.law or "auto", modes=table.modes or 50)
     return Unilateral(), CentralDifference()
+
+
+def _record(table: RecordTable | None) -> Record | None:
+    return None if table is None else Record(**table.model_dump())
 
 
 def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
@@ -142,6 +152,7 @@ def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
     return Scene(
         what=rim, law=Coulomb(mu=contact.friction) if contact.friction > 0.0 else Unilateral(),
         scheme=ExactModal(law=table.scheme.law), t_end=table.scene.t_end, dt=table.scheme.dt,
+        record=_record(table.record),
         source=_source(file, text, *(path.read_bytes() for path in paths.values())),
     )  # fmt: skip
 

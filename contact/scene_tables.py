@@ -6,8 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, model_validator
 
+from contact.record import Record
+
 Positive = Annotated[FiniteFloat, Field(gt=0)]
 NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+LATER = ("newmark", "hht", "moreau-jean", "cd-lagrange", "massless-boundary")  # scheme kinds of later versions
 
 
 class Table(BaseModel):
@@ -75,6 +78,18 @@ class SchemeTable(Table):
         return self
 
 
+class RecordTable(Table):
+    """[record]: the fields of `Record`; left out, a run stores at most 1,000,000 samples."""
+
+    every: Annotated[int, Field(ge=1)] = 1
+    state_every: Annotated[int, Field(ge=0)] = 0
+
+    @model_validator(mode="after")
+    def _fits(self) -> RecordTable:
+        Record(every=self.every, state_every=self.state_every)
+        return self
+
+
 def _listed(value: object) -> object:
     return [value] if isinstance(value, dict) else value
 
@@ -87,6 +102,7 @@ class RodsFile(Table):
     mass: list[MassTable] = []
     wall: Annotated[list[WallTable], BeforeValidator(_listed)] = []
     scheme: SchemeTable
+    record: RecordTable | None = None
 
 
 class RimHead(Table):
@@ -149,6 +165,7 @@ class RimFile(Table):
     contact: RimContact
     speed: SpeedTable
     scheme: RimScheme
+    record: RecordTable | None = None
 
 
 FILES: dict[str, type[RodsFile] | type[RimFile]] = {"rods": RodsFile, "rim": RimFile}

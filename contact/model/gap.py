@@ -17,6 +17,8 @@ from contact.model.arrays import (
 )
 from contact.model.modal_body import ModalBody
 
+FAR = 0.1  # of the radius: a larger clearance or interference is a mistyped unit
+
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Side:
@@ -77,7 +79,8 @@ class RotatingRim:
     the blade is cos a flap - sin a span, along +theta. `clearance` [m], `angle_deg` = phi_0; modal
     velocities at t = 0 are zero when left out.
 
-    Raises InputError when a basis is of the wrong kind or lacks a channel.
+    Raises InputError when a basis is of the wrong kind or lacks a channel, or |clearance| exceeds
+    a tenth of the radius.
     """
 
     casing: ModalBody
@@ -100,6 +103,11 @@ class RotatingRim:
             self.blade.channel(name)
         require_positive(radius=self.casing.radius)
         require_finite(clearance=self.clearance, speed_hz=self.speed_hz, angle_deg=self.angle_deg)
+        if abs(self.clearance) > FAR * self.casing.radius:
+            raise InputError(
+                f"clearance: found {self.clearance:g} m, expected between -{FAR * self.casing.radius:g} and "
+                f"{FAR * self.casing.radius:g} m, a tenth of the rim's radius {self.casing.radius:g} m"
+            )
         if not -90.0 < self.lean_deg < 90.0:
             raise InputError(f"lean_deg: found {self.lean_deg!r}, expected an angle between -90 and 90")
         for name, body in (("casing_velocity", self.casing), ("blade_velocity", self.blade)):

@@ -116,7 +116,7 @@ def test_rotating_the_whole_scene_changes_nothing():
 
 
 def test_without_contact_the_motion_is_free_and_exact():
-    scene = rim(clearance=1.0, zeta=0.01, casing_velocity=np.linspace(0.1, 1.0, 10), blade_velocity=[0.3, -0.2])
+    scene = rim(clearance=0.04, zeta=0.01, casing_velocity=np.linspace(0.1, 1.0, 10), blade_velocity=[0.3, -0.2])
     result = ct.run(scene, law=ct.Coulomb(mu=0.3), t_end=0.05, dt=5e-5, record=ct.Record(state_every=1))
     omega = np.concatenate([scene.casing.omega, scene.blade.omega])
     v = np.concatenate([scene.casing_velocity, scene.blade_velocity])

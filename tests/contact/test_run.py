@@ -4,12 +4,15 @@ import importlib
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from synthetic_rim import blade, ring
 
 import contact as ct
+from contact.model.chain import assemble
+from contact.run import steps
 from contact.scheme import exact_modal
 
 BAR = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=5.0, velocity=-10.0, elements=40)
@@ -59,6 +62,7 @@ def test_a_result_is_saved_whole_and_read_back(tmp_path):
     assert np.array_equal(again.force, result.force)
     assert again.energy == result.energy
     assert again.intervals == result.intervals
+    assert again.every == 2
     assert repr(again) == repr(result)
     assert again.source["numpy"] == np.__version__
     assert [file.name for file in tmp_path.iterdir()] == ["rub.npz"]
@@ -76,7 +80,7 @@ def test_the_json_document():
     document = json.loads(json.dumps(rub().to_dict(), allow_nan=False))
     assert set(document) >= {"contacts", "bodies", "energy", "steps", "seconds"}
     assert set(document["contacts"][0]) >= {
-        "time", "force", "intervals", "impulse", "max_penetration", "residual"
+        "time", "force", "intervals", "impulse", "max_penetration", "residual", "reversals"
     }  # fmt: skip
     assert document["bodies"][0]["mean_velocity"] is None
     energy = impact().to_dict()["energy"]
@@ -117,6 +121,65 @@ def test_a_failed_run_keeps_what_it_recorded(monkeypatch):
         ct.run(scene, law=ct.Coulomb(mu=20.0), t_end=1.0, dt=1e-5)
     kept = caught.value.result
     assert 0 < kept.steps == kept.time.size < 100_000
+
+
+RESTING = [ct.Wall(x=0.0), ct.PointMass(mass=1.0, x=0.0, velocity=0.0)]
+
+
+@pytest.mark.parametrize("scheme", [ct.CentralDifference(), ct.ExactModal(law="forward")])
+def test_a_mass_at_rest_raises_no_alarm(scheme):
+    """Its energy is that of the half step at the start; contact takes it out, and that is no gain."""
+    result = ct.run(RESTING, scheme=scheme, gravity=9.81, t_end=1.0, dt=1e-3)
+    assert result.impulse[0] == pytest.approx(9.81, rel=2e-3)
+    assert result.energy.load_step == pytest.approx(9.81**2 * 1e-6)
+    assert "contact added energy" not in repr(result)
+
+
+@pytest.mark.parametrize(
+    ("scheme", "advice"),
+    [
+        ("exact modal, averaged law, rho = 0.5", "reduce dt, or take the forward law"),
+        ("exact modal, forward law, rho = 0.5", "reduce dt"),
+        ("central difference + forward Lagrange, dt omega_max = 1", "reduce dt"),
+        ("exact modal, energy law, dt omega_max = 1", "reduce dt"),
+        ("central difference + penalty 1e+04 N/m", "reduce dt, or take forward Lagrange"),
+    ],
+)
+def test_the_alarm_recommends_another_law_than_the_one_in_use(scheme, advice):
+    result = impact()
+    gained = replace(result.energy, contact=0.5 * result.energy.scale)
+    text = repr(replace(result, energy=gained, scheme=scheme))
+    alarm = next(line for line in text.splitlines() if line.startswith("contact added energy"))
+    assert alarm.startswith(f"contact added energy, which it cannot: {advice}")
+    assert ("forward" in alarm) == ("averaged" in scheme or "penalty" in scheme)
+
+
+def test_a_long_run_stores_a_million_samples_at_most():
+    options = {"gravity": 9.81, "t_end": 2.5, "dt": 1e-6}
+    thinned, whole = ct.run(RESTING, **options), ct.run(RESTING, record=ct.Record(every=1), **options)
+    assert (thinned.steps, thinned.every, thinned.time.size) == (2_500_000, 3, 833_334)
+    assert whole.time.size == 2_500_000  # what the caller asks for is stored
+    assert np.array_equal(thinned.impulse, whole.impulse)
+    assert thinned.intervals == whole.intervals
+    assert thinned.energy == whole.energy
+    assert "stored: 833,334 samples, one of every 3 steps (at most 1,000,000" in repr(thinned)
+    assert "stored:" not in repr(whole)
+    assert impact().every == 1
+
+
+def test_events_keep_no_buffer_alive():
+    problem = assemble(RESTING, gravity=9.81)
+    stepper = ct.CentralDifference().prepare(problem, ct.Unilateral(), dt=1e-3, courant=None)
+    for chunk in steps(stepper, 1000, record=ct.Record(every=100)):
+        assert chunk.samples.event_time.base is None
+
+
+@pytest.mark.parametrize(("t_end", "dt"), [(1e8, 1e-3), (1e300, 1e-300)])
+def test_absurdly_many_steps_are_refused(t_end, dt):
+    with pytest.raises(
+        ct.InputError, match=r"t_end: found 1e\+\d+ s with dt = .* s, which is .* steps, expected at most"
+    ):
+        ct.run(RESTING, gravity=9.81, t_end=t_end, dt=dt)
 
 
 def test_import_contact_is_light():

@@ -121,6 +121,54 @@ def test_broken_rod_scenes(tmp_path, old, new, words):
     assert words in "\n".join(problems(tmp_path, RODS.replace(old, new)))
 
 
+@pytest.mark.parametrize("kind", ["newmark", "hht", "moreau-jean", "cd-lagrange", "massless-boundary"])
+def test_schemes_of_later_versions(tmp_path, kind):
+    found = problems(tmp_path, RODS.replace("forward-lagrange", kind))[0]
+    assert f"scheme.kind: found '{kind}', expected 'forward-lagrange', 'penalty' or 'exact-modal'" in found
+    assert "this version does not have it" in found
+    found = "\n".join(problems(tmp_path, RIM.replace("exact-modal", kind)))
+    assert f"scheme.kind: found '{kind}', expected 'exact-modal'" in found
+    assert "this version does not have it" in found
+    assert "this version" not in problems(tmp_path, RODS.replace("forward-lagrange", "magic"))[0]
+
+
+def test_record_table(tmp_path):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    for text in (RODS, RIM):
+        file = tmp_path / "scene.toml"
+        file.write_text(text)
+        assert ct.load_scene(file).record is None
+        file.write_text(text + "[record]\nevery = 5\nstate_every = 10\n")
+        scene = ct.load_scene(file)
+        assert scene.record == ct.Record(every=5, state_every=10)
+        result = ct.run(scene)
+        assert result.every == 5
+        assert result.state.shape[0] == (result.steps - 1) // 10 + 1
+        assert ct.run(scene, record=ct.Record()).time.size == result.steps
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("every = 0", "record.every: found 0, expected greater than or equal to 1"),
+        ("state_every = -1", "record.state_every: found -1, expected"),
+        ("every = 2\nstate_every = 3", "record: state_every: found 3, expected 0 or a multiple of every = 2"),
+        ("often = 2", "record.often: unknown key"),
+    ],
+)
+def test_broken_record_tables(tmp_path, lines, words):
+    assert words in "\n".join(problems(tmp_path, f"{RODS}[record]\n{lines}\n"))
+
+
+@pytest.mark.parametrize("clearance", ["0.0451", "-1.0"])
+def test_a_clearance_in_the_wrong_unit(tmp_path, clearance):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    found = problems(tmp_path, RIM.replace("clearance = -1e-5", f"clearance = {clearance}"))
+    assert f"clearance: found {float(clearance):g} m, expected between -0.045 and 0.045 m" in found[0]
+
+
 def test_missing_bases_are_all_named(tmp_path):
     found = problems(tmp_path, RIM)
     assert len(found) == 2
