@@ -9,7 +9,7 @@ from pathlib import Path
 
 from reports.tables import command_line
 
-REPORTS = ("frustum_convergence", "cylinder", "contact_accuracy", "bases", "speed", "rig")
+REPORTS = ("frustum_convergence", "cylinder", "contact_accuracy", "bases", "speed", "verification", "rig")
 
 
 def main(out: Path, quick: bool = False) -> dict[str, float]:

@@ -33,6 +33,27 @@ def show(title: str, rows: Sequence[Row]) -> None:
         )
 
 
+def check(
+    case: str, source: str, reference: float, computed: float, allowed: float, *, gap: float = 0.0, reason: str = ""
+) -> Row:
+    """A row of a verification: error and allowed error in per cent, and the verdict.
+
+    "pass" within `allowed`; the `reason` why not up to `gap`, a bound of its own, so that a known gap cannot grow
+    unseen; else "FAIL". Where the reference is zero, the error is the computed value in per cent.
+    """
+    error = 100.0 * (computed / reference - 1.0 if reference else computed)
+    verdict = "pass" if abs(error) <= allowed else reason if reason and abs(error) <= gap else "FAIL"
+    return {
+        "case": case,
+        "source": source,
+        "reference": float(reference),
+        "computed": float(computed),
+        "error %": float(error),
+        "allowed %": float(allowed),
+        "verdict": verdict,
+    }
+
+
 def write(path: Path, rows: Sequence[Row]) -> None:
     """Write rows as CSV."""
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,12 +1,13 @@
 """Reports run small, write what they say, and find the numbers the README quotes."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from reports import cylinder, frustum_convergence, run, speed, tables
+from reports import cone, cylinder, frustum_convergence, run, speed, splitting, tables, twisted_plate, verification
 
 
 def test_frustum_convergence_marks_the_default_mesh_and_finds_it_good(tmp_path, capsys):
@@ -56,3 +57,52 @@ def test_command_line_hands_on_folder_and_haste(tmp_path, monkeypatch):
 def test_table_lines_up_and_shows_gaps(capsys):
     tables.show("Title", [{"name": "a", "value": 1.23456}, {"name": "long", "value": None}])
     assert capsys.readouterr().out.splitlines()[1:] == ["Title", "name  value", "a     1.235", "long      -"]
+
+
+def test_verification_passes_or_says_why_not(tmp_path, capsys):
+    rows = verification.main(tmp_path, quick=True)
+    verdicts = [row["verdict"] for row in rows]
+    assert "FAIL" not in verdicts
+    assert verdicts.count("pass") >= 65
+    assert all(verdicts)
+    names = [str(row["case"]) for row in rows]
+    assert [sum(name.startswith(head) for name in names) for head in ("A0", "A1", "A2", "A3", "A4")] == [
+        20,
+        25,
+        21,
+        7,
+        5,
+    ]
+    assert len(pd.read_csv(tmp_path / "verification.csv")) == len(rows)
+    assert " 0 fail" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_verification_whole(tmp_path):
+    rows = verification.main(tmp_path)
+    assert len(rows) >= 140
+    assert "FAIL" not in [row["verdict"] for row in rows]
+
+
+def test_a_check_passes_has_its_reason_or_fails():
+    rows = [tables.check("case", "source", 2.0, 2.0 + d, 1.0, gap=2.0, reason="why") for d in (0.01, -0.03, 0.05)]
+    assert [row["verdict"] for row in rows] == ["pass", "why", "FAIL"]
+    assert tables.check("case", "source", 0.0, 1e-9, 1e-6)["error %"] == pytest.approx(1e-7)
+    assert tables.check("case", "source", 1.0, np.nan, 1.0, gap=9.0, reason="why")["verdict"] == "FAIL"
+
+
+def test_quick_tables_of_cones_and_twisted_plates(tmp_path, capsys):
+    assert len(cone.main(tmp_path, quick=True)) == 20
+    assert len(pd.read_csv(tmp_path / "cone.csv")) == 240
+    assert len(twisted_plate.main(tmp_path, quick=True)) == 10
+    printed = capsys.readouterr().out
+    assert "without shear and rotary inertia 240" in printed
+    assert "75 of 80 rows within .5 %" in printed
+
+
+def test_a_split_that_the_rule_forbids_is_seen():
+    """The same frustum, judged by a wrong p: what must part does."""
+    name, parts = next(iter(splitting.fields().items()))
+    shell = frustum_convergence.reference_frustum(splitting.ODD)
+    row = splitting.stays_double(name, replace(shell, **parts), 5, "a wrong rule")
+    assert row["verdict"] == "FAIL"

@@ -1,0 +1,123 @@
+"""Splitting rules: which doublets an imperfection splits, and by how much.
+
+`python -m reports.splitting [--quick] [--out DIR]` prints one row for each rule and writes splitting.csv.
+
+- A field cos p theta splits n only if 2n = k p; N equal springs only if N divides 2n: every other doublet stays
+  double to all orders. Turning the field changes no frequency. Measured on the reference frustum.
+- Thin free ring in its plane, first order, cos less sin member (theory by Rayleigh's quotient): thickness
+  h (1 + e cos 2n theta) splits by e (n^2 + 2)/(n^2 + 1), radius R (1 + e cos 2n theta) by -e (4 n^2 - 1)/(n^2 + 1).
+  Measured on a free cylinder as short as a ring.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from casingfem.modal.modes import Modes, modes
+from casingfem.structure.chart import Cylinder
+from casingfem.structure.field import FourierField
+from casingfem.structure.material import Material
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Circumferential, ElasticEdge
+from reports.frustum_convergence import reference_frustum
+from reports.tables import Row, check, command_line, show, write
+
+ODD = ShellMesh(order=8, rows=1, around=37)  # shares no factor with a field's waves
+BOLTED = ShellMesh(order=8, rows=1, around=24)  # a multiple of the springs' number
+RING = ShellMesh(order=8, rows=1, around=13)
+STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
+COUNT = 24
+DOUBLE = 1e-7  # per cent: a relative split of 1e-9
+RULE = "rule: n splits only if 2n = k p"
+
+
+def fields() -> dict[str, dict[str, FourierField]]:
+    """Imperfections whose harmonics are multiples of one p: name -> fields."""
+    return {
+        "cos 8, radius .2 %": {"radius_defect": FourierField.of({8: 0.002})},
+        "cos 6, thickness 5 %": {"thickness_defect": FourierField.of({6: 0.05})},
+        "p = 10, radius .1 % and thickness 3.6 %": {
+            "radius_defect": FourierField.of({10: 0.001}),
+            "thickness_defect": FourierField.of({10: (0.02, 0.03)}),
+        },
+    }
+
+
+def forbidden(found: Modes, p: int) -> tuple[float, float]:
+    """Largest split of the doublets that must stay double, and of those that may part."""
+    n = np.array([found.nodal_diameters[low] for low, _ in found.doublets])
+    barred = 2 * n % p != 0
+    return float(found.splits[barred].max()), float(found.splits[~barred].max())
+
+
+def stays_double(name: str, shell: Shell, p: int, rule: str) -> Row:
+    """A row on the doublets that p may not split."""
+    barred, split = forbidden(modes(shell, COUNT, method="shell"), p)
+    return check(f"forbidden splits, {name} (others to {100 * split:.2g} %)", rule, 0.0, barred, DOUBLE)
+
+
+def sprung(number: int) -> Shell:
+    """The frustum on springs that vary `number` times around."""
+    around = Circumferential(harmonics=((number, 0.9, 0.0),))
+    supports = {"base": ElasticEdge(k_face=1e12, around=around)}
+    return replace(reference_frustum(BOLTED), supports=supports)
+
+
+def turned() -> Row:
+    """Largest change of a frequency when the imperfection is turned."""
+    field = FourierField.of({8: 0.002, 5: (0.001, 0.001)})
+    still, *others = (
+        modes(replace(reference_frustum(ODD), radius_defect=field.rotated(angle)), COUNT).freq
+        for angle in (0.0, 0.4567, 2.0)
+    )
+    change = max(float(np.abs(freq / still - 1.0).max()) for freq in others)
+    return check("field turned by .457 and 2 rad", "invariance of the casing", 0.0, change, DOUBLE)
+
+
+def ring(n: int, kind: str, relative: float = 1e-3) -> Row:
+    """Slope of the in-plane split of a thin ring, R/h = 100, by one of its two fields."""
+    shell = Shell(
+        chart=Cylinder(radius=1.0, height=0.02),
+        thickness=0.01,
+        material=STEEL,
+        mesh=RING,
+        **{f"{kind}_defect": FourierField.of({2 * n: relative})},  # type: ignore[arg-type]
+    )
+    found = modes(shell, 4 * n + 6)
+    axial = np.abs(found.fields[:, 2]).max(axis=0) / np.abs(found.fields[:, :2]).max(axis=(0, 1))
+    pair = np.flatnonzero((found.nodal_diameters == n) & (axial < 0.3))
+    angle = found.angle_deg[pair] % (180.0 / n)
+    cosine = np.minimum(angle, 180.0 / n - angle) < 45.0 / n
+    slope = float((found.freq[pair][cosine].mean() - found.freq[pair][~cosine].mean()) / found.freq[pair].mean())
+    exact = (n**2 + 2) / (n**2 + 1) if kind == "thickness" else -(4 * n**2 - 1) / (n**2 + 1)
+    return check(f"ring, n = {n}, cos {2 * n} in the {kind}: slope", "thin ring, first order", exact,
+                 slope / relative, 0.5)  # fmt: skip
+
+
+def checks(quick: bool = False) -> list[Row]:
+    """All rows; the quick ones are one of each kind."""
+    chosen = list(fields().items())[: 1 if quick else None]
+    rows = [
+        stays_double(name, replace(reference_frustum(ODD), **parts), p, RULE)
+        for (name, parts), p in zip(chosen, (8, 6, 10), strict=False)
+    ]
+    springs = (8,) if quick else (6, 8)
+    rows += [stays_double(f"{n} springs", sprung(n), n, "rule: N divides 2n") for n in springs]
+    if not quick:
+        rows.append(turned())
+    numbers = (2,) if quick else (2, 3, 4, 5, 6)
+    return rows + [ring(n, kind) for kind in ("thickness", "radius") for n in numbers]
+
+
+def main(out: Path, quick: bool = False) -> list[Row]:
+    """Print the rows and write them."""
+    rows = checks(quick)
+    show("Splitting rules", rows)
+    write(out / "splitting.csv", rows)
+    return rows
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main)
