@@ -113,7 +113,7 @@ def modes_table(found: Modes, reference: Modes | None) -> Table:
             (
                 int(str(row["mode"])),
                 f"{row['freq_hz']:.3f}",
-                "rigid" if row["rigid"] else None if row["n"] == -1 else int(str(row["n"])),
+                "rigid" if row["rigid"] else None if row["n"] is None else int(str(row["n"])),
                 None if row["n_purity"] is None else round(float(str(row["n_purity"])), 3),
                 int(str(row["m"])),
                 None if split is None else f"{100.0 * float(str(split)):.4f}",

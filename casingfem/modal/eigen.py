@@ -30,7 +30,7 @@ class EigenResult:
     """Eigenvalues [rad^2/s^2] ascending, mass-normalised vectors (free, modes), and the certificate.
 
     `sturm_count` is the number of eigenvalues below the last one returned (its double included), counted
-    by the inertia of a factorisation; `missed` is how many of them the solver did not find: always 0.
+    by the inertia of a factorisation; `residuals` are |A x - omega^2 x|/omega^2 of the mass-scaled problem.
     """
 
     eigenvalues: FloatArray

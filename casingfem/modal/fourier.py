@@ -1,12 +1,13 @@
 """Modes of a perfect casing: one dense meridian problem for each number of nodal diameters, doublets exact."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh
+from scipy.linalg import cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
 
 from casingfem.arrays import FloatArray
-from casingfem.modal.eigen import EigenError
+from casingfem.modal.eigen import EigenError, gap_after
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
 from casingfem.structure.axisymmetric import HOOP, Meridian, harmonic_matrices
 from casingfem.structure.mesh import Grid, make_grid
@@ -18,40 +19,72 @@ SHIFT = 0.5  # shift-invert about minus the square of this part of `frequency_sc
 def fourier_modes(shell: Shell, count: int) -> Modes:
     """Lowest modes of a perfect casing, one dense meridian problem for each n, doublets exact.
 
-    Harmonics are added until four in a row start above the band; every eigenvalue of each is known, so the
-    count is complete.
+    n runs until `harmonic_floor` alone lies above the band: frequencies fall with n before they rise, and a low n = 0
+    or 1 may come before a higher valley. The count is then checked by the inertia of every harmonic at one shift.
+
+    Raises
+    ------
+    EigenError
+        If the inertia disagrees with what was found.
     """
     started = time.perf_counter()
-    grid = make_grid(shell.chart, shell.mesh)
-    found: list[tuple[float, int, FloatArray]] = []
     shift = (SHIFT * frequency_scale(shell)) ** 2
-    above, n, limit = 0, 0, np.inf
-    while above < 4:
+    meridians: list[Meridian] = []
+    found: list[tuple[float, int, bool, FloatArray]] = []  # omega^2, n, sine member, meridian shape
+    limit = np.inf
+    while len(found) < count or harmonic_floor(shell, len(meridians)) <= limit:
+        n = len(meridians)
         meridian = harmonic_matrices(shell, n)
-        values, vectors = lowest(meridian, count, shift)
+        meridians.append(meridian)
+        values, vectors = lowest(meridian, count + 1, shift)
         shapes = meridian.expand(vectors)
-        for k in np.flatnonzero(values <= limit):
-            found += [(float(values[k]), n, shapes[:, :, k])] * (1 if n == 0 else 2)
-        if len(found) >= count:
-            found.sort(key=lambda item: (item[0], item[1]))
-            limit = found[count - 1][0] * (1.0 + 1e-12)
-            found = [item for item in found if item[0] <= limit]
-        above = above + 1 if values[0] > limit else 0
-        n += 1
-        if n > 400:
-            raise EigenError(f"{count} modes reach beyond 400 nodal diameters: refine the question")
-    freq = np.sqrt(np.maximum([value for value, _, _ in found], 0.0)) / (2.0 * np.pi)
-    fields = np.stack(
-        [
-            revolve_shape(grid, shape, n, sine=n > 0 and k > 0 and found[k - 1][2] is shape)
-            for k, (_, n, shape) in enumerate(found)
-        ],
-        axis=-1,
-    )
+        members = (False, True) if n else (False,)
+        found += [(float(v), n, sine, shapes[:, :, k]) for k, v in enumerate(values) for sine in members]
+        found.sort(key=lambda item: item[:3])
+        found = found[: count + 4]
+        limit = found[min(count, len(found)) - 1][0]
+    below, sigma = gap_after(np.array([mode[0] for mode in found]), min(count, len(found) - 1))
+    counted = sum((1 + (m.n > 0)) * inertia_below(m, sigma) for m in meridians)
+    if counted != below:
+        raise EigenError(f"{counted} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
+    found = found[:below]
+    shell = resolving(shell, max(mode[1] for mode in found))
+    grid = make_grid(shell.chart, shell.mesh)
+    freq = np.sqrt(np.maximum([mode[0] for mode in found], 0.0)) / (2.0 * np.pi)
+    fields = np.stack([revolve_shape(grid, shape, n, sine=sine) for _, n, sine, shape in found], axis=-1)
+    dofs = sum(len(m.free) for m in meridians)
     seconds = {"solve": time.perf_counter() - started}
-    return labelled(
-        shell, grid, freq, fields, count=count, sturm=len(found), dofs=n * len(meridian.free), seconds=seconds
-    )
+    return labelled(shell, grid, freq, fields, count=count, sturm=counted, dofs=dofs, seconds=seconds)
+
+
+def harmonic_floor(shell: Shell, n: int) -> float:
+    """A floor for omega^2 at n nodal diameters: .7 of the inextensional bending of a free ring, in series with shear.
+
+    omega_b^2 = E t^2/(12 rho R^4) n^2 (n^2 - 1)^2/(n^2 + 1) (Rayleigh), omega_s^2 = k G n^2/(rho R^2), R the largest
+    radius; supports and the meridian's curvature only add to it.
+    """
+    (z0, z1), _ = shell.chart.bounds
+    z = np.linspace(z0, z1, 17)
+    radius = float(np.linalg.norm(shell.chart.surface(z, np.zeros_like(z), None).x[:2], axis=0).max())
+    steel, t = shell.material, shell.thickness
+    bending = steel.E * t**2 / (12.0 * steel.rho * radius**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1)
+    shear = shell.shear_correction * steel.shear_modulus * n**2 / (steel.rho * radius**2)
+    return 0.7 * bending * shear / (bending + shear) if n > 1 else 0.0
+
+
+def resolving(shell: Shell, n: int) -> Shell:
+    """The shell on a mesh with at least six nodes a wave of n around."""
+    mesh = shell.mesh
+    elements = max(mesh.around, int(np.ceil(6.0 * n / mesh.order)))
+    return shell if elements == mesh.around else replace(shell, mesh=replace(mesh, around=elements))
+
+
+def inertia_below(meridian: Meridian, sigma: float) -> int:
+    """Number of eigenvalues of one harmonic below sigma: the negative pivots of L D L^T (Sylvester)."""
+    root = 1.0 / np.sqrt(meridian.mass)
+    _, D, _ = ldl(root[:, None] * meridian.K * root - sigma * np.eye(len(root)))
+    pivots = eigvalsh_tridiagonal(np.diag(D), np.diag(D, -1))
+    return int(np.count_nonzero(pivots < 0.0))
 
 
 def lowest(meridian: Meridian, count: int, shift: float) -> tuple[FloatArray, FloatArray]:

@@ -90,7 +90,7 @@ class Modes:
                 {
                     "mode": k + 1,
                     "freq_hz": float(freq),
-                    "n": int(self.nodal_diameters[k]),
+                    "n": int(self.nodal_diameters[k]) if self.nodal_diameters[k] >= 0 else None,
                     "n_purity": _number(self.purity[k]),
                     "m": int(self.meridional[k]),
                     "doublet": pair + 1 if pair >= 0 else None,
@@ -105,7 +105,7 @@ class Modes:
         """Table: mode, frequency, n, purity, m, split, orientation."""
         lines = [f"{'mode':>4} {'freq [Hz]':>11} {'n':>3} {'pure':>5} {'m':>2} {'split [%]':>9} {'angle [deg]':>11}"]
         for row in self.records():
-            n = row["n"] if row["n"] != -1 else "-"
+            n = "-" if row["n"] is None else row["n"]
             purity = "-" if row["n_purity"] is None else f"{row['n_purity']:.2f}"
             split = "-" if row["split_rel"] is None else f"{100.0 * float(str(row['split_rel'])):.4f}"
             angle = "-" if row["angle_deg"] is None else f"{row['angle_deg']:.2f}"

@@ -74,6 +74,8 @@ def reduce(
         raise ValueError(f"modes must lie between 1 and {system.size // 2 - 1} here, found {modes!r}")
     rows, channels = rim_rows(system, interface) if isinstance(interface, Rim) else tip_rows(system, interface)
     P = load_columns(system, rows)
+    if not P.any():
+        raise ValueError(f"interface: edge {interface.edge!r} is held, nothing can be pushed there; name another edge")
     factor = factorise(system.K)
     attachment = factor.solve(P)
     vectors, omega = (free_vectors if method == "free" else craig_bampton_vectors)(system, factor, P, attachment, modes)

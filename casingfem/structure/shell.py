@@ -28,9 +28,10 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     """The mesh used when none is given; `python -m reports.frustum_convergence` measures the choice.
 
     Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
-    12 where something varies around, so that the mesh itself splits doublets by some 1e-9 only; and 14 nodes a wave of
-    the fields themselves, harmonics below 2 % of their largest left aside. Along the meridian: the shear layer
-    of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
+    13 where something varies around, so that the mesh itself splits doublets by some 1e-9 only; and 14 nodes a wave of
+    the fields themselves, harmonics below 2 % of their largest left aside. An odd number, or a multiple of the common
+    period of all that varies where that exceeds twice those nodal diameters. Along the meridian: the shear layer of a
+    free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
     """
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
     t, length, span = float(np.real(shell.thickness)), float(a1 - a0), float(b1 - b0)
@@ -44,8 +45,12 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
     lowest = 0.46 * radius / np.sqrt(t * length)
     finest = max(finest_harmonic(shell, f) for f in (shell.radius_defect, shell.thickness_defect))
-    elements = max((16.0 if shell.axisymmetric else 24.0) * lowest, 14.0 * finest) / order
+    elements = max((16.0 if shell.axisymmetric else 26.0) * lowest, 14.0 * finest) / order
     around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
+    period = around_period(shell)
+    whole = period * -(-around // period) if period > 1 else 0
+    if 4.4 * lowest < whole <= 1.25 * around:  # what symmetry forbids to split, the mesh leaves whole
+        around = whole
     layer = float(np.clip(2.5 * t / length, 1e-3, 0.1))
     inner = int(np.clip(np.ceil(length / (10.0 * np.sqrt(radius * t))), 1, 4))
     held = {shell.chart.edges[edge] for edge in shell.supports}
@@ -54,14 +59,37 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     return ShellMesh(order=order, rows=tuple(sorted(breaks)), around=around)
 
 
+def field_samples(defect: Field) -> int:
+    """Points around that show a field whole: four a wave of its highest harmonic, where it says which."""
+    return 4 * max(64, 1 + int(getattr(defect, "max_harmonic", None) or 0))
+
+
+def around_period(shell: "Shell", floor: float = 1e-3) -> int:
+    """The greatest common divisor of all that varies around: a mesh of as many elements shares its symmetry."""
+    period = 0
+    (a0, a1), _ = shell.chart.bounds
+    for defect in (shell.radius_defect, shell.thickness_defect):
+        if defect is not None:
+            points = field_samples(defect)
+            theta = 2.0 * np.pi * np.arange(points) / points
+            values = np.real(defect.derivatives(np.linspace(a0, a1, 5)[:, None], theta[None, :]).value)
+            amplitude = np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1 : points // 2]
+            period = int(np.gcd.reduce([period, *(1 + np.flatnonzero(amplitude > floor * amplitude.max())).tolist()]))
+    for support in shell.supports.values():
+        if isinstance(support, ElasticEdge):
+            period = int(np.gcd.reduce([period, *(p for p, _, _ in support.around.harmonics)]))
+    return period
+
+
 def finest_harmonic(shell: "Shell", defect: Field | None, floor: float = 0.02) -> int:
     """The highest circumferential harmonic of a field above `floor` times its largest, by sampling."""
     if defect is None:
         return 0
     (a0, a1), _ = shell.chart.bounds
-    theta = 2.0 * np.pi * np.arange(256) / 256
+    points = field_samples(defect)
+    theta = 2.0 * np.pi * np.arange(points) / points
     values = np.real(defect.derivatives(np.linspace(a0, a1, 5)[:, None], theta[None, :]).value)
-    amplitude = np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1:]
+    amplitude = np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1 : points // 2]
     above = np.flatnonzero(amplitude > floor * amplitude.max())
     return int(above[-1]) + 1 if amplitude.max() > 0.0 else 0
 
@@ -133,12 +161,20 @@ class Shell:
         defect: Field | None = getattr(self, name)
         if defect is None:
             return
-        a, b = (np.linspace(*ends, count) for ends, count in zip(self.chart.bounds, (9, 361), strict=True))
+        counts = (9, max(361, 2 * field_samples(defect) + 1))
+        a, b = (np.linspace(*ends, count) for ends, count in zip(self.chart.bounds, counts, strict=True))
         values = np.real(defect.derivatives(a[:, None], b[None, :]).value)
         if not np.all(np.isfinite(values)):
             raise ValueError(f"{name}: the field is not finite everywhere on the surface")
         if values.min() <= -0.9:
             raise ValueError(f"{name}: the field reaches {values.min():.3g}; it is relative and must stay above -0.9")
+        nodes = self.mesh.order * self.mesh.around
+        finest = finest_harmonic(self, defect) if self.chart.periodic else 0
+        if 2 * finest > nodes:
+            raise ValueError(
+                f"{name}: {finest} waves on {nodes} nodes around; the mesh resolves {nodes // 2} at most: leave out "
+                "finer harmonics, or ask for more elements around"
+            )
 
     @property
     def axisymmetric(self) -> bool:

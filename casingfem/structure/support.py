@@ -105,7 +105,8 @@ class ElasticEdge:
                 raise ValueError(f"support.{name} must be finite and not negative, found {value!r}")
         if not any(values.values()):
             raise ValueError("an elastic support needs at least one of k_r, k_theta, k_z, k_rot, k_face above zero")
-        theta = np.linspace(0.0, 2.0 * np.pi, 721)
+        finest = max((p for p, _, _ in self.around.harmonics), default=0)
+        theta = np.linspace(0.0, 2.0 * np.pi, 721 + 16 * finest)
         lowest = float(np.real(self.around(theta)).min())
         if lowest < 0.0:
             raise ValueError(f"support.around makes the springs negative (factor {lowest:.3g}): reduce its harmonics")

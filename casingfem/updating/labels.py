@@ -26,6 +26,11 @@ def paired_rows(pairing: Pairing) -> Rows:
     return tuple(sorted(match.rows for match in pairing.matches))
 
 
+def keeps(pairing: Pairing, rows: Rows) -> bool:
+    """Whether these rows still pair, grouped as they were; more may."""
+    return set(rows) <= set(paired_rows(pairing))
+
+
 def relabelled(modes: Modes, n: IntArray) -> Modes:
     """The same modes under other nodal diameters: doublets, orientations, ranks and purities follow."""
     if modes.rings is None:
@@ -46,7 +51,7 @@ def relabelled(modes: Modes, n: IntArray) -> Modes:
 def followed(modes: Modes, table: FrequencyTable, reach: float, rows: Rows | None) -> tuple[Modes, Pairing]:
     """Modes and their pairing; if `rows` no longer pair, mixed modes are tried under their second label."""
     pairing = pair(modes, table, reach=reach)
-    if rows is None or modes.rings is None or paired_rows(pairing) == rows:
+    if rows is None or modes.rings is None or keeps(pairing, rows):
         return modes, pairing
     shares = modes.rings.shares()
     second = shares.argsort(axis=0)[-2]
@@ -59,6 +64,6 @@ def followed(modes: Modes, table: FrequencyTable, reach: float, rows: Rows | Non
         n[turned] = second[turned]
         other = relabelled(modes, n)
         found = pair(other, table, reach=reach)
-        if paired_rows(found) == rows:
+        if keeps(found, rows):
             return other, found
     return modes, pairing

@@ -6,6 +6,7 @@ pattern of that edge, relative; all its springs share it).
 """
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
@@ -158,3 +159,34 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
     if owner is not shell:
         changes = {parts[0]: replace(owner, **changes)}
     return replace(shell, **changes)
+
+
+def check_parameters(shell: Shell, vary: Sequence[Parameter]) -> None:
+    """Refuse parameters that address one number twice, start outside their bounds, or may leave the possible.
+
+    Raises
+    ------
+    ParameterError
+        Naming the parameter.
+    """
+    seen: dict[str, str] = {}
+    for parameter in vary:
+        parts = parameter.name.split(".")
+        number = ".".join([*parts[:2], *parts[3:]]) if len(parts) == 5 else parameter.name  # springs share a pattern
+        if number in seen:
+            other = seen[number]
+            alias = "" if other == parameter.name else f": it is the same number as {other}"
+            raise ParameterError(f"{parameter.name} is varied twice{alias}")
+        seen[number] = parameter.name
+        start = get_value(shell, parameter.name)
+        if not parameter.lower <= start <= parameter.upper:
+            raise ParameterError(
+                f"{parameter.name}: the start {start:.6g} lies outside [{parameter.lower:.6g}, {parameter.upper:.6g}]"
+            )
+        for side in ("lower", "upper"):
+            try:
+                with_value(shell, parameter.name, getattr(parameter, side))
+            except ParameterError:
+                raise
+            except ValueError as error:
+                raise ParameterError(f"{parameter.name}: its {side} bound is no possible value: {error}") from error

@@ -87,10 +87,10 @@ class UpdateResult:
         }
 
     def rms(self, pairing: Pairing, modes: Modes) -> float:
-        """RMS relative frequency error over the rows that pair."""
-        computed = self.rows(pairing, modes)
-        errors = [freq / self.table.freq_hz[row] - 1.0 for row, freq in computed.items()]
-        return float(np.sqrt(np.mean(np.square(errors))))
+        """RMS relative frequency error over the rows that pair before and after; nan without any."""
+        both = self.rows(self.pairing_before, self.before).keys() & self.rows(self.pairing, self.after).keys()
+        errors = [f / self.table.freq_hz[row] - 1.0 for row, f in self.rows(pairing, modes).items() if row in both]
+        return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
 
     @property
     def rms_before(self) -> float:
@@ -102,10 +102,16 @@ class UpdateResult:
         """RMS relative frequency error of the updated model."""
         return self.rms(self.pairing, self.after)
 
+    @property
+    def unpaired(self) -> tuple[int, ...]:
+        """Mode numbers of the table's rows that no computed mode was paired with: they took no part."""
+        return tuple(int(self.table.mode[row]) for row in self.pairing.unpaired_rows)
+
     def pairs(self) -> list[dict[str, object]]:
-        """One dictionary a paired row: mode, n, measured_hz, before_hz, after_hz, sigma_hz."""
+        """One dictionary a paired row: mode, n, measured_hz, before_hz, after_hz, sigma_hz, confidence."""
         before = self.rows(self.pairing_before, self.before)
         after = self.rows(self.pairing, self.after)
+        sure = {row: match.confidence for match in self.pairing.matches for row in match.rows}
         return [
             {
                 "mode": int(self.table.mode[row]),
@@ -114,6 +120,7 @@ class UpdateResult:
                 "before_hz": before.get(row),
                 "after_hz": freq,
                 "sigma_hz": float(self.table.sigma_hz[row]),
+                "confidence": sure[row],
             }
             for row, freq in sorted(after.items())
         ]
@@ -140,6 +147,7 @@ class UpdateResult:
             "misfit": self.misfit,
             "iterations": len(self.history),
             "correlation": self.correlation.tolist(),
+            "unpaired": list(self.unpaired),
             "stopped": self.stopped,
         }
 
@@ -149,19 +157,22 @@ class UpdateResult:
         for p, a, b, s, bound in zip(self.parameters, self.start, self.value, self.sigma, self.at_bound, strict=True):
             unit = " dec" if p.log else ""
             lines.append(f"{p.name:<34} {a:>12.6g} {b:>12.6g} {s:>10.2g}{unit}{'  AT BOUND' if bound else ''}")
-        lines.append(f"{'mode':>4} {'n':>3} {'measured':>10} {'before':>10} {'after':>10} {'error [%]':>9}")
+        lines.append(f"{'mode':>4} {'n':>3} {'measured':>10} {'before':>10} {'after':>10} {'error [%]':>9} {'sure':>5}")
         for row in self.pairs():
             measured, after = float(str(row["measured_hz"])), float(str(row["after_hz"]))
             before = "-" if row["before_hz"] is None else f"{row['before_hz']:.3f}"
             n = "-" if row["n"] is None else row["n"]
             lines.append(
                 f"{row['mode']:>4} {n:>3} {measured:>10.3f} {before:>10} {after:>10.3f} "
-                f"{100.0 * (after / measured - 1.0):>9.3f}"
+                f"{100.0 * (after / measured - 1.0):>9.3f} {row['confidence']:>5.2f}"
             )
         lines.append(
             f"RMS {100.0 * self.rms_before:.3f} % -> {100.0 * self.rms_after:.3f} %, "
             f"misfit {self.misfit:.2f} sigma, {len(self.history)} evaluations"
         )
+        if self.unpaired:
+            lines.append(f"no mode pairs with table modes {', '.join(map(str, self.unpaired))}: they took no part")
+        lines.append(f"stopped: {self.stopped}")
         lines += [f"the data cannot tell {a} from {b} (correlation {r:+.2f})" for a, b, r in self.indistinct()]
         lines += [
             f"{p.name}: known from its prior only"

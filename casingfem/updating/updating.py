@@ -17,8 +17,8 @@ from casingfem.experiment.correlation import Pairing
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.modes import Modes, count_below, modes
 from casingfem.structure.shell import Shell
-from casingfem.updating.labels import Rows, followed, paired_rows
-from casingfem.updating.parameters import Parameter, ParameterError, get_value, with_value
+from casingfem.updating.labels import Rows, followed, keeps, paired_rows
+from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
 from casingfem.updating.result import UpdateResult, weak_priors
 from casingfem.updating.sensitivity import eigen_derivatives
 from casingfem.updating.targets import Residual, residuals
@@ -87,6 +87,8 @@ class Problem:
                 )
             G = eigen_derivatives(found, list(self.vary))
             ordered = sorted(pairing.matches, key=lambda match: match.rows)
+            if self.rows is not None and keeps(pairing, self.rows):
+                ordered = [match for match in ordered if match.rows in self.rows]
             residual = residuals(found, self.table, ordered, G, self.model_error)
             self._key, self._state = key, State(shell, found, pairing, residual)
             rms = float(np.sqrt(np.mean(residual.values**2)))
@@ -94,6 +96,11 @@ class Problem:
             if self.progress is not None:
                 self.progress(len(self.history), rms)
         return self._state
+
+    def forget(self) -> None:
+        """Let all rows pair again that can."""
+        if self.rows is not None:
+            self.rows, self._state = None, None
 
     def _prior(self) -> tuple[FloatArray, FloatArray]:
         """Rows that hold parameters with a sigma to their start: selector over sigma, and its columns."""
@@ -156,19 +163,11 @@ def update(
         raise ParameterError("vary: name at least one parameter")
     if not 0.0 <= model_error < 1.0:
         raise UpdateError(f"model_error must lie in [0, 1), found {model_error!r}")
-    names = [p.name for p in vary]
-    for name in names:
-        if names.count(name) > 1:
-            raise ParameterError(f"{name} is varied twice")
+    check_parameters(structure, vary)
     count = count or mode_count(table, structure)
     problem = Problem(structure, table, vary, count, reach, model_error, progress)
     lower = np.array([p.to_internal(p.lower) for p in vary])
     upper = np.array([p.to_internal(p.upper) for p in vary])
-    for p, x, low, high in zip(vary, problem.start, lower, upper, strict=True):
-        if not low <= x <= high:
-            raise ParameterError(
-                f"{p.name}: the start {p.from_internal(x):.6g} lies outside [{p.lower:.6g}, {p.upper:.6g}]"
-            )
     before = problem.state(problem.start)
     if before.modes.rigid:
         raise UpdateError(f"the structure has {before.modes.rigid} rigid motions: support it before updating")
@@ -185,7 +184,7 @@ def update(
         start=tuple(float(p.from_internal(v)) for p, v in zip(vary, problem.start, strict=True)),
         value=tuple(float(p.from_internal(v)) for p, v in zip(vary, x, strict=True)),
         covariance=covariance(problem.jac(x)),
-        at_bound=tuple(bool(v) for v in np.isclose(x, lower, rtol=1e-9) | np.isclose(x, upper, rtol=1e-9)),
+        at_bound=tuple(bool(v) for v in np.minimum(x - lower, upper - x) < 1e-3 * (upper - lower)),
         prior_only=weak_priors(vary, after.residual.jacobian),
         before=before.modes,
         after=after.modes,
@@ -211,19 +210,24 @@ def solve(problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations
     """Run least_squares on the rows that pair at the start; again from its end where more rows pair there.
 
     Variables are scaled to one standard deviation of the data alone, so that its step tolerance means the same
-    for a modulus of 1e11 and a harmonic of 1e-3. A step that loses a row is refused as if it had made everything
-    worse, and the trust region shrinks.
+    for a modulus of 1e11 and a harmonic of 1e-3. A step that loses a row, or leads to no possible structure, is
+    refused as if it had made everything worse, and the trust region shrinks; rows that begin to pair on the way wait
+    for the next round.
     """
     x, message = np.clip(problem.start, lower, upper), ""
     for _ in range(4):
+        problem.forget()
         rows = problem.rows = paired_rows(problem.state(x).pairing)
         refused = np.full(len(problem.fun(x)), 1e3 * float(np.abs(problem.fun(x)).max() + 1.0))
         norms = np.linalg.norm(problem.jac(x), axis=0)
         unit = 2.0 ** -np.round(np.log2(np.where(norms > 0.0, norms, 1.0)))  # powers of two: x/unit loses no bit
 
         def fun(y: FloatArray, rows: Rows, refused: FloatArray, unit: FloatArray) -> FloatArray:
-            values = problem.fun(unit * y)
-            return values if paired_rows(problem.state(unit * y).pairing) == rows else refused
+            try:
+                values = problem.fun(unit * y)
+            except ValueError:  # no such structure: springs turned negative, say
+                return refused
+            return values if keeps(problem.state(unit * y).pairing, rows) else refused
 
         def jac(y: FloatArray, rows: Rows, refused: FloatArray, unit: FloatArray) -> FloatArray:
             return problem.jac(unit * y) * unit

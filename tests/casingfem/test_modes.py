@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from casingfem.modal.eigen import EigenError
+from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.modes import count_below, modes
 from casingfem.structure.assembly import assemble
-from casingfem.structure.chart import Cylinder, Plate
+from casingfem.structure.axisymmetric import harmonic_matrices
+from casingfem.structure.chart import Cylinder, Frustum, Plate
 from casingfem.structure.field import FourierField
 from casingfem.structure.mesh import ShellMesh, rim_values
 from casingfem.structure.shell import Shell
@@ -299,3 +301,23 @@ def test_tube_of_two_materials_scales(steel):
     np.testing.assert_allclose(light, f * np.sqrt(70e9 / 2700.0 / (210e9 / 7800.0)), rtol=1e-10)
     half = replace(tube, chart=Cylinder(radius=0.25, height=0.2), thickness=2e-3)
     np.testing.assert_allclose(modes(half, 6).freq, 2 * f, rtol=1e-9)
+
+
+def test_a_low_axial_mode_does_not_hide_the_valley_behind_a_hump(steel):
+    """n = 0 lies lowest, n = 1 to 10 climb, and the next modes wait at n = 17."""
+    base, top = ElasticEdge(k_r=1e13, k_z=1e13, k_theta=1e6), ElasticEdge(k_r=1e13)
+    shell = Shell(
+        chart=Cylinder(radius=0.5, height=0.25), thickness=5e-4, material=steel, supports={"base": base, "top": top}
+    )
+    found = modes(shell, 3)
+    assert found.nodal_diameters.tolist() == [0, 17, 17]
+    assert found.sturm_count == 3
+    np.testing.assert_allclose(found.freq, modes(shell, 3, method="shell").freq, rtol=1e-4)
+
+
+def test_the_floor_of_a_harmonic_lies_below_its_lowest_mode(steel):
+    for chart, t in ((Cylinder(radius=0.5, height=0.25), 5e-4), (Frustum(r_base=0.5, r_top=0.3, height=1.0), 2e-2)):
+        shell = Shell(chart=chart, thickness=t, material=steel)
+        for n in (2, 3, 7, 15, 30):
+            lowest_value = lowest(harmonic_matrices(shell, n), 1, 1.0)[0][0]
+            assert harmonic_floor(shell, n) < lowest_value

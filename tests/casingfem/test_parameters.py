@@ -42,7 +42,7 @@ def casing(frustum):
         supports={"base": edge, "top": Clamped()},
         radius_defect=FourierField.of({8: (0.002, -0.001), 3: 0.001}),
         thickness_defect=FourierField.of({2: 0.03}),
-        mesh=ShellMesh(order=3, rows=1, around=5),
+        mesh=ShellMesh(order=3, rows=1, around=7),
     )
 
 

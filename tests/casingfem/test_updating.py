@@ -13,7 +13,7 @@ from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Circumferential, Clamped, ElasticEdge
-from casingfem.updating.parameters import Parameter, ParameterError, get_value
+from casingfem.updating.parameters import Parameter, ParameterError, get_value, with_value
 from casingfem.updating.updating import UpdateError, covariance, update
 
 MESH = ShellMesh(order=6, rows=1, around=13)
@@ -222,13 +222,48 @@ def test_result_tells_before_after_and_how(exact_fit):
     data = json.loads(json.dumps(fit.to_json()))
     assert [p["name"] for p in data["parameters"]] == [p.name for p in VARY]
     assert len(data["pairs"]) == ROWS
-    assert data["pairs"][0].keys() == {"mode", "n", "measured_hz", "before_hz", "after_hz", "sigma_hz"}
+    assert data["pairs"][0].keys() == {
+        "mode", "n", "measured_hz", "before_hz", "after_hz", "sigma_hz", "confidence"
+    }  # fmt: skip
     assert data["iterations"] == len(fit.history)
     text = repr(fit).splitlines()
     assert text[0].split() == ["parameter", "start", "value", "sigma"]
     assert len([line for line in text if line.lstrip()[:1].isdigit()]) == ROWS
     assert any("cannot tell" in line for line in text)  # E and thickness
     np.testing.assert_allclose(np.diag(fit.correlation), 1.0, rtol=1e-12)
+
+
+def test_rows_that_pair_with_nothing_are_named(frustum, measured):
+    absurd = FrequencyTable.from_arrays(
+        freq_hz=[*measured.freq[:6], 10.0], sigma_hz=0.3, n=[*measured.nodal_diameters[:6], 7]
+    )
+    fit = update(truth(frustum), absurd, VARY[:2])
+    assert fit.unpaired == (7,)
+    assert "no mode pairs with table modes 7" in repr(fit)
+    assert fit.to_json()["unpaired"] == [7]
+
+
+def test_rows_that_begin_to_pair_do_not_stop_the_solver(frustum, measured):
+    """The start lies so far off that some rows are out of reach; they come within it on the way."""
+    labels = measured.nodal_diameters[:6]
+    table = FrequencyTable.from_arrays(freq_hz=measured.freq[:6], sigma_hz=0.3, n=labels)
+    start = with_value(truth(frustum), "material.E", 150e9)
+    vary = [Parameter(name="material.E", lower=100e9, upper=300e9)]
+    off = 1.0 - np.sqrt(150.0 / 205.0)
+    fit = update(start, table, vary, reach=off + 0.02)
+    np.testing.assert_allclose(fit.value, [205e9], rtol=1e-6)
+    assert fit.unpaired == ()
+
+
+def test_one_number_by_two_names_is_refused(frustum, measured):
+    vary = [Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in ("k_face", "k_r")]
+    with pytest.raises(ParameterError, match="it is the same number as"):
+        update(truth(frustum), table_of(measured), vary)
+
+
+def test_bounds_that_reach_an_impossible_structure_are_refused(frustum, measured):
+    with pytest.raises(ParameterError, match=r"material\.nu: its upper bound is no possible value"):
+        update(truth(frustum), table_of(measured), [Parameter(name="material.nu", lower=0.1, upper=0.7)])
 
 
 def test_a_table_without_labels_still_pairs(frustum, measured):
