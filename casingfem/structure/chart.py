@@ -105,8 +105,44 @@ def cylindrical_directions(z: Array, theta: Array) -> Array:
     return np.array([[c, s, zero], [-s, c, zero], [zero, zero, one]])
 
 
+class Closed:
+    """What closed charts of revolution share: edges base and top, springs along e_r, e_theta, e_z."""
+
+    __slots__ = ()
+
+    @property
+    def periodic(self) -> bool:
+        """Closes on itself."""
+        return True
+
+    @property
+    def edges(self) -> dict[str, tuple[int, int]]:
+        """Base and top."""
+        return {"base": BASE, "top": TOP}
+
+    def directions(self, a: Array, b: Array) -> Array:
+        """The cylindrical unit vectors."""
+        return cylindrical_directions(a, b)
+
+
+class Open:
+    """What open charts share: edges root, tip, left and right."""
+
+    __slots__ = ()
+
+    @property
+    def periodic(self) -> bool:
+        """Does not close on itself."""
+        return False
+
+    @property
+    def edges(self) -> dict[str, tuple[int, int]]:
+        """Root and tip (first parameter), left and right (second)."""
+        return {"root": BASE, "tip": TOP, "left": LEFT, "right": RIGHT}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Frustum:
+class Frustum(Closed):
     """Frustum of a cone about the z axis: mean radius r_base [m] at z = 0, r_top at z = height [m].
 
     Edges: base (z = 0), top (z = height).
@@ -127,16 +163,6 @@ class Frustum:
         """Z from 0 to height, theta once around."""
         return (0.0, self.height), (0.0, 2.0 * np.pi)
 
-    @property
-    def periodic(self) -> bool:
-        """A frustum closes on itself."""
-        return True
-
-    @property
-    def edges(self) -> dict[str, tuple[int, int]]:
-        """Base and top."""
-        return {"base": BASE, "top": TOP}
-
     def radius(self, z: Array) -> Array:
         """Mean radius r0(z) [m]."""
         return self.r_base + (self.r_top - self.r_base) / self.height * np.asarray(z)
@@ -145,13 +171,9 @@ class Frustum:
         """Position and derivatives at z = a, theta = b."""
         return revolve(a, b, self.radius(a), (self.r_top - self.r_base) / self.height, defect)
 
-    def directions(self, a: Array, b: Array) -> Array:
-        """The cylindrical unit vectors."""
-        return cylindrical_directions(a, b)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cylinder:
+class Cylinder(Closed):
     """Circular cylinder about the z axis: mean radius [m], height [m]. Edges: base, top.
 
     >>> Cylinder(radius=1.0, height=2.0).bounds[0]
@@ -169,27 +191,13 @@ class Cylinder:
         """Z from 0 to height, theta once around."""
         return (0.0, self.height), (0.0, 2.0 * np.pi)
 
-    @property
-    def periodic(self) -> bool:
-        """A cylinder closes on itself."""
-        return True
-
-    @property
-    def edges(self) -> dict[str, tuple[int, int]]:
-        """Base and top."""
-        return {"base": BASE, "top": TOP}
-
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at z = a, theta = b."""
         return revolve(a, b, self.radius + 0.0 * np.asarray(a), 0.0, defect)
 
-    def directions(self, a: Array, b: Array) -> Array:
-        """The cylindrical unit vectors."""
-        return cylindrical_directions(a, b)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Panel:
+class Panel(Open):
     """Open cylindrical panel: radius [m], length [m] along z, opening angle [rad] about theta = 0.
 
     Edges: root (z = 0) and tip (z = length) are curved; left and right (theta = -+ angle/2) are straight.
@@ -212,16 +220,6 @@ class Panel:
         """Z from 0 to length, theta across the opening angle."""
         return (0.0, self.length), (-self.angle / 2.0, self.angle / 2.0)
 
-    @property
-    def periodic(self) -> bool:
-        """A panel is open."""
-        return False
-
-    @property
-    def edges(self) -> dict[str, tuple[int, int]]:
-        """Root and tip (curved), left and right (straight)."""
-        return {"root": BASE, "tip": TOP, "left": LEFT, "right": RIGHT}
-
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at z = a, theta = b."""
         return revolve(a, b, self.radius + 0.0 * np.asarray(a), 0.0, defect)
@@ -232,7 +230,7 @@ class Panel:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plate:
+class Plate(Open):
     """Flat rectangular plate: length [m] along x, width [m] along y, centred on y = 0; normal along z.
 
     Edges: root (x = 0), tip (x = length), left and right (y = -+ width/2). Line springs take
@@ -252,16 +250,6 @@ class Plate:
     def bounds(self) -> Bounds:
         """X from 0 to length, y across the width."""
         return (0.0, self.length), (-self.width / 2.0, self.width / 2.0)
-
-    @property
-    def periodic(self) -> bool:
-        """A plate is open."""
-        return False
-
-    @property
-    def edges(self) -> dict[str, tuple[int, int]]:
-        """Root, tip, left and right."""
-        return {"root": BASE, "tip": TOP, "left": LEFT, "right": RIGHT}
 
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at x = a, y = b."""

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.arrays import Array
-from casingfem.structure.chart import BASE, LEFT, RIGHT, TOP, Bounds, Surface, require_positive
+from casingfem.structure.chart import Bounds, Open, Surface, require_positive
 from casingfem.structure.field import Field, FieldValues
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TwistedPlate:
+class TwistedPlate(Open):
     """Rectangular plate twisted about its own axis: length [m] along x, width [m], tip twist [rad].
 
     The section turns about the x axis in proportion to x,
@@ -42,16 +42,6 @@ class TwistedPlate:
     def bounds(self) -> Bounds:
         """X from 0 to length, y across the width."""
         return (0.0, self.length), (-self.width / 2.0, self.width / 2.0)
-
-    @property
-    def periodic(self) -> bool:
-        """A blade is open."""
-        return False
-
-    @property
-    def edges(self) -> dict[str, tuple[int, int]]:
-        """Root, tip, left and right."""
-        return {"root": BASE, "tip": TOP, "left": LEFT, "right": RIGHT}
 
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at x = a, y = b."""
