@@ -14,7 +14,6 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, SuperLU, eigsh, spl
 from casingfem.arrays import FloatArray
 
 START_SEED = 7391  # ARPACK's start vector is fixed: same input, same bits
-RIGID = 1e-6  # frequencies below this part of the highest computed one are rigid motions
 
 
 class EigenError(RuntimeError):

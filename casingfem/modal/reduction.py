@@ -78,7 +78,10 @@ def reduce(
         raise ValueError(f"interface: edge {interface.edge!r} is held, nothing can be pushed there; name another edge")
     factor = factorise(system.K)
     attachment = factor.solve(P)
-    vectors, omega = (free_vectors if method == "free" else craig_bampton_vectors)(system, factor, P, attachment, modes)
+    if method == "free":
+        vectors, omega = free_vectors(system, modes)
+    else:
+        vectors, omega = craig_bampton_vectors(system, factor, P, attachment, modes)
     at_interface = P.T @ vectors
     S = np.zeros((len(channels), len(channels)))
     if method == "free":
@@ -116,15 +119,12 @@ def rim_radius(system: System, rim: Rim) -> float:
     return float(np.linalg.norm(system.points[system.grid.edges[rim.edge].nodes, :2], axis=1).mean())
 
 
-def free_vectors(
-    system: System, factor: SuperLU, P: FloatArray, attachment: FloatArray, count: int
-) -> tuple[FloatArray, FloatArray]:
+def free_vectors(system: System, count: int) -> tuple[FloatArray, FloatArray]:
     """Mass-normalised modes of the supported shell on its free dofs, and their omega."""
     found = lowest_modes(system.shell, count, method="shell", system=system)
     if found.rigid:
         raise ValueError(f"the shell has {found.rigid} rigid motions: support it before reducing")
-    turned = np.einsum("nji,njk->nik", system.frames, found.fields)
-    return turned.reshape(-1, len(found))[system.free], found.omega
+    return np.asarray(system.restrict(found.fields)), found.omega  # frames are rotations: shapes turn like forces
 
 
 def craig_bampton_vectors(

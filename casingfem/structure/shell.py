@@ -64,16 +64,21 @@ def field_samples(defect: Field) -> int:
     return 4 * max(64, 1 + int(getattr(defect, "max_harmonic", None) or 0))
 
 
+def harmonic_amplitudes(shell: "Shell", defect: Field) -> Array:
+    """Largest amplitude of each circumferential harmonic 1, 2, ... of a field over five heights, unscaled."""
+    (a0, a1), _ = shell.chart.bounds
+    points = field_samples(defect)
+    theta = 2.0 * np.pi * np.arange(points) / points
+    values = np.real(defect.derivatives(np.linspace(a0, a1, 5)[:, None], theta[None, :]).value)
+    return np.asarray(np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1 : points // 2])
+
+
 def around_period(shell: "Shell", floor: float = 1e-3) -> int:
     """The greatest common divisor of all that varies around: a mesh of as many elements shares its symmetry."""
     period = 0
-    (a0, a1), _ = shell.chart.bounds
     for defect in (shell.radius_defect, shell.thickness_defect):
         if defect is not None:
-            points = field_samples(defect)
-            theta = 2.0 * np.pi * np.arange(points) / points
-            values = np.real(defect.derivatives(np.linspace(a0, a1, 5)[:, None], theta[None, :]).value)
-            amplitude = np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1 : points // 2]
+            amplitude = harmonic_amplitudes(shell, defect)
             period = int(np.gcd.reduce([period, *(1 + np.flatnonzero(amplitude > floor * amplitude.max())).tolist()]))
     for support in shell.supports.values():
         if isinstance(support, ElasticEdge):
@@ -85,11 +90,7 @@ def finest_harmonic(shell: "Shell", defect: Field | None, floor: float = 0.02) -
     """The highest circumferential harmonic of a field above `floor` times its largest, by sampling."""
     if defect is None:
         return 0
-    (a0, a1), _ = shell.chart.bounds
-    points = field_samples(defect)
-    theta = 2.0 * np.pi * np.arange(points) / points
-    values = np.real(defect.derivatives(np.linspace(a0, a1, 5)[:, None], theta[None, :]).value)
-    amplitude = np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1 : points // 2]
+    amplitude = harmonic_amplitudes(shell, defect)
     above = np.flatnonzero(amplitude > floor * amplitude.max())
     return int(above[-1]) + 1 if amplitude.max() > 0.0 else 0
 
