@@ -1,0 +1,56 @@
+"""What can be wrong with a model: every refusal and warning has a code, a cause and a remedy, and they stand here.
+
+A message says what was found where; the remedy and the code come from the catalogue, so that a user can look a code
+up and a program can react to it.
+"""
+
+import warnings
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+
+class Fault(NamedTuple):
+    """One entry of the catalogue: why a model is refused or doubted, and what helps."""
+
+    cause: str
+    remedy: str
+
+
+CATALOGUE: Mapping[str, Fault] = MappingProxyType(
+    {
+        "shell-thickness": Fault(
+            "the wall thickness is not a positive finite number", "give the thickness in metres, 3 mm as 3e-3"
+        ),
+    }
+)
+
+
+class ModelError(ValueError):
+    """A model that is refused: `code` names the fault in the catalogue, the message ends with remedy and code.
+
+    >>> str(ModelError("shell-thickness", "shell.thickness must be above 0, found -3.0"))
+    'shell.thickness must be above 0, found -3.0: give the thickness in metres, 3 mm as 3e-3 [shell-thickness]'
+    """
+
+    def __init__(self, code: str, message: str) -> None:
+        self.code = code
+        super().__init__(sentence(code, message))
+
+
+class ModelWarning(UserWarning):
+    """A model that is computed although its result may mislead; same form as `ModelError`."""
+
+    def __init__(self, code: str, message: str) -> None:
+        self.code = code
+        super().__init__(sentence(code, message))
+
+
+def doubt(code: str, message: str, *, stacklevel: int = 3) -> None:
+    """Warn of a catalogued fault that does not stop the computation."""
+    warnings.warn(ModelWarning(code, message), stacklevel=stacklevel)
+
+
+def sentence(code: str, message: str) -> str:
+    """What was found, what helps, and the code."""
+    return f"{message}: {CATALOGUE[code].remedy} [{code}]"
