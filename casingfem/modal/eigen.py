@@ -1,23 +1,21 @@
 """Lowest modes of K phi = omega^2 M phi: shift-invert Lanczos, certified by a Sturm count.
 
-The factor's ordering decides the cost: SuperLU with minimum degree on A^T + A, symmetric mode and diagonal
-pivots is some 30 times faster here than its default. Because pivots stay on the diagonal, the signs of U's
-diagonal are the inertia of K - sigma M: the number of eigenvalues below sigma (Sylvester).
+Because the factor's pivots stay on the diagonal, the signs of U's diagonal are the inertia of K - sigma M: the
+number of eigenvalues below sigma (Sylvester).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_array, diags_array, eye_array
-from scipy.sparse.linalg import ArpackError, LinearOperator, SuperLU, eigsh, splu
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from casingfem.arrays import FloatArray
+from casingfem.structure.factor import EigenError, factorise
+
+__all__ = ["CountError", "EigenError", "EigenResult", "factorise", "gap_after", "scaled", "solve_modes", "sturm_count"]
 
 START_SEED = 7391  # ARPACK's start vector is fixed: same input, same bits
-
-
-class EigenError(RuntimeError):
-    """The eigenproblem could not be solved or certified."""
 
 
 class CountError(EigenError, ValueError):
@@ -36,27 +34,6 @@ class EigenResult:
     vectors: FloatArray
     sturm_count: int
     residuals: FloatArray
-
-
-def factorise(A: csc_array) -> SuperLU:
-    """LU of a symmetric sparse matrix with pivots on the diagonal.
-
-    Raises
-    ------
-    EigenError
-        If the matrix is singular.
-    """
-    try:
-        return splu(
-            csc_array(A),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError as error:
-        raise EigenError(
-            "the matrix is singular: the structure is not supported, or the shift is an eigenvalue"
-        ) from error
 
 
 def sturm_count(A: csc_array, sigma: float) -> int:
