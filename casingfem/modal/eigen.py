@@ -1,19 +1,16 @@
-"""Lowest modes of K phi = omega^2 M phi: shift-invert Lanczos, certified by a Sturm count.
-
-Because the factor's pivots stay on the diagonal, the signs of U's diagonal are the inertia of K - sigma M: the
-number of eigenvalues below sigma (Sylvester).
-"""
+"""Lowest modes of K phi = omega^2 M phi: shift-invert Lanczos, certified by a Sturm count."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_array, diags_array, eye_array
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from casingfem.arrays import FloatArray
+from casingfem.modal.pencil import Mass, make_pencil
 from casingfem.structure.factor import EigenError, factorise
 
-__all__ = ["CountError", "EigenError", "EigenResult", "factorise", "gap_after", "scaled", "solve_modes", "sturm_count"]
+__all__ = ["CountError", "EigenError", "EigenResult", "factorise", "gap_after", "solve_modes", "sturm_count"]
 
 START_SEED = 7391  # ARPACK's start vector is fixed: same input, same bits
 
@@ -36,22 +33,13 @@ class EigenResult:
     residuals: FloatArray
 
 
-def sturm_count(A: csc_array, sigma: float) -> int:
-    """Number of eigenvalues of the symmetric matrix A below sigma.
+def sturm_count(K: csc_array, mass: Mass, sigma: float) -> int:
+    """Number of eigenvalues of K - omega^2 M below sigma [rad^2/s^2], by one factorisation and its inertia.
 
-    >>> sturm_count(csc_array(np.diag([1.0, 2.0, 3.0])), 2.5)
+    >>> sturm_count(csc_array(np.diag([1.0, 2.0, 3.0])), np.ones(3), 2.5)
     2
     """
-    factor = factorise(A - sigma * eye_array(A.shape[0], format="csc"))
-    if not np.array_equal(factor.perm_r, factor.perm_c):
-        raise EigenError(f"pivots left the diagonal at shift {sigma:.6g}: no Sturm count there")
-    return int(np.count_nonzero(factor.U.diagonal() < 0.0))
-
-
-def scaled(K: csc_array, mass: FloatArray) -> csc_array:
-    """M^-1/2 K M^-1/2 for a diagonal M."""
-    root = diags_array(1.0 / np.sqrt(mass))
-    return csc_array(root @ K @ root)
+    return make_pencil(K, mass).count_below(sigma)
 
 
 def gap_after(eigenvalues: FloatArray, count: int) -> tuple[int, float]:
@@ -64,13 +52,13 @@ def gap_after(eigenvalues: FloatArray, count: int) -> tuple[int, float]:
     return below, float(0.5 * (eigenvalues[below - 1] + eigenvalues[below]))
 
 
-def solve_modes(K: csc_array, mass: FloatArray, count: int, shift: float, extra: int = 4) -> EigenResult:
-    """Lowest `count` modes of K - omega^2 diag(mass), complete by a Sturm count.
+def solve_modes(K: csc_array, mass: Mass, count: int, shift: float, extra: int = 4) -> EigenResult:
+    """Lowest `count` modes of K - omega^2 M, complete by a Sturm count.
 
     Parameters
     ----------
     K, mass
-        Stiffness (free, free) and the diagonal of M (free,).
+        Stiffness (free, free); the diagonal of M (free,), or M itself, sparse and positive definite.
     count
         Modes wanted.
     shift
@@ -88,30 +76,29 @@ def solve_modes(K: csc_array, mass: FloatArray, count: int, shift: float, extra:
     size = K.shape[0]
     if count < 1 or count + extra >= size:
         raise CountError(f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}")
-    A = scaled(K, mass)
-    factor = factorise(A - shift * eye_array(size, format="csc"))
-    inverse = LinearOperator(A.shape, matvec=factor.solve, dtype=float)
+    pencil = make_pencil(K, mass)
+    factor = factorise(pencil.shifted(shift))
+    inverse = LinearOperator(K.shape, matvec=factor.solve, dtype=float)
     start = np.random.default_rng(START_SEED).standard_normal(size)
     wanted = count + extra
     for _ in range(3):  # a missed double mode shows in the count: look for more
         try:
-            values, vectors = eigsh(A, min(wanted, size - 1), sigma=shift, OPinv=inverse, v0=start)
+            values, vectors = eigsh(pencil.A, min(wanted, size - 1), M=pencil.B, sigma=shift, OPinv=inverse, v0=start)
         except ArpackError as error:
             raise EigenError(f"ARPACK did not converge on {wanted} modes: {error}") from error
         order = np.argsort(values)
         values, vectors = values[order], vectors[:, order]
         below, sigma = gap_after(values, count)
-        certified = sturm_count(A, sigma)
+        certified = pencil.count_below(sigma)
         if certified == below:
             break
         wanted += 2 * max(certified - below, 1) + extra
     else:
         raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
     vectors, values = vectors[:, :below], values[:below]
-    norms = np.linalg.norm(A @ vectors - vectors * values, axis=0)
     return EigenResult(
         eigenvalues=values,
-        vectors=vectors / np.sqrt(mass)[:, None],
+        vectors=vectors * pencil.scale[:, None],
         sturm_count=certified,
-        residuals=norms / np.maximum(np.abs(values), abs(shift)),
+        residuals=pencil.residuals(values, vectors, abs(shift)),
     )

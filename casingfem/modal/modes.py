@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from casingfem.modal.eigen import scaled, solve_modes, sturm_count
+from casingfem.modal.eigen import solve_modes, sturm_count
 from casingfem.modal.fourier import SHIFT, fourier_modes
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
 from casingfem.structure.assembly import System, assemble
@@ -77,4 +77,4 @@ def modes(shell: Shell, count: int = 40, *, method: str = "auto", system: System
 def count_below(shell: Shell, freq: float) -> int:
     """Number of modes below a frequency [Hz], by one factorisation and its inertia."""
     system = assemble(shell)
-    return sturm_count(scaled(system.K, system.mass), (2.0 * np.pi * freq) ** 2)
+    return sturm_count(system.K, system.mass, (2.0 * np.pi * freq) ** 2)

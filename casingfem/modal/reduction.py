@@ -16,7 +16,7 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.eigen import START_SEED, factorise, scaled, sturm_count
+from casingfem.modal.eigen import START_SEED, factorise, sturm_count
 from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
 from casingfem.modal.mode_set import RIGID, frequency_scale
 from casingfem.modal.modes import modes as lowest_modes
@@ -135,7 +135,7 @@ def craig_bampton_vectors(
     The inverse of K under P^T u = 0 is K^-1 - K^-1 P (P^T K^-1 P)^-1 P^T K^-1; its largest eigenvalues are the
     fixed-interface modes, so one factorisation serves both parts.
     """
-    rigid = sturm_count(scaled(system.K, system.mass), (RIGID * frequency_scale(system.shell)) ** 2)
+    rigid = sturm_count(system.K, system.mass, (RIGID * frequency_scale(system.shell)) ** 2)
     if rigid:
         raise ValueError(f"the shell has {rigid} rigid motions: support it before reducing")
     compliance = P.T @ attachment

@@ -1,9 +1,11 @@
-"""Factorisation of symmetric sparse matrices: what statics, modes and reduction share.
+"""Factorisations of symmetric sparse matrices, and the inertia that their pivots show: statics, modes, reduction.
 
-The factor's ordering decides the cost: SuperLU with minimum degree on A^T + A, symmetric mode and diagonal
-pivots is some 30 times faster here than its default.
+The ordering decides the cost: SuperLU with minimum degree on A^T + A, symmetric mode and diagonal pivots is some 30
+times faster here than its default. Because pivots stay on the diagonal, the signs of U's diagonal are the inertia
+of A (Sylvester).
 """
 
+import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
@@ -19,6 +21,9 @@ def factorise(A: csc_array) -> SuperLU:
     ------
     EigenError
         If the matrix is singular.
+
+    >>> factorise(csc_array(np.diag([2.0, 4.0]))).solve(np.ones(2)).tolist()
+    [0.5, 0.25]
     """
     try:
         return splu(
@@ -31,3 +36,16 @@ def factorise(A: csc_array) -> SuperLU:
         raise EigenError(
             "the matrix is singular: the structure is not supported, or the shift is an eigenvalue"
         ) from error
+
+
+def negative_pivots(factor: SuperLU) -> int:
+    """Number of negative eigenvalues of the factored matrix (Sylvester's law of inertia).
+
+    Raises
+    ------
+    EigenError
+        If pivots left the diagonal: then their signs say nothing.
+    """
+    if not np.array_equal(factor.perm_r, factor.perm_c):
+        raise EigenError("pivots left the diagonal")
+    return int(np.count_nonzero(factor.U.diagonal() < 0.0))

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import dblquad
 
-from casingfem.modal.eigen import factorise, scaled, sturm_count
+from casingfem.modal.eigen import factorise, sturm_count
 from casingfem.structure.assembly import assemble, element_matrices
 from casingfem.structure.chart import Cylinder, Panel, Plate
 from casingfem.structure.field import FourierField
@@ -49,17 +49,16 @@ def test_stiffness_is_symmetric(frustum, coarse, supports):
 
 def test_supported_shell_is_positive_definite(frustum, coarse):
     system = assemble(imperfect(frustum, coarse))
-    assert sturm_count(scaled(system.K, system.mass), 1.0) == 0
+    assert sturm_count(system.K, system.mass, 1.0) == 0
     assert system.mass.min() > 0.0
 
 
 def test_free_imperfect_shell_has_exactly_six_rigid_modes(frustum, coarse):
     """Six eigenvalues below (1 Hz)^2; the elastic ones start at 8.5 Hz, as a free ring's n = 2 pair does."""
     system = assemble(imperfect(frustum, coarse, supports={}))
-    A = scaled(system.K, system.mass)
-    assert sturm_count(A, (2 * np.pi * 1.0) ** 2) == 6
-    assert sturm_count(A, (2 * np.pi * 6.0) ** 2) == 6
-    assert sturm_count(A, (2 * np.pi * 12.0) ** 2) == 8
+    assert sturm_count(system.K, system.mass, (2 * np.pi * 1.0) ** 2) == 6
+    assert sturm_count(system.K, system.mass, (2 * np.pi * 6.0) ** 2) == 6
+    assert sturm_count(system.K, system.mass, (2 * np.pi * 12.0) ** 2) == 8
 
 
 def test_translations_of_a_free_imperfect_shell_cost_no_energy(frustum, coarse):

@@ -9,7 +9,8 @@ from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import ArpackError, eigsh
 
 from casingfem.modal import eigen
-from casingfem.modal.eigen import EigenError, factorise, gap_after, scaled, solve_modes, sturm_count
+from casingfem.modal.eigen import EigenError, factorise, gap_after, solve_modes, sturm_count
+from casingfem.modal.pencil import make_pencil
 from casingfem.structure.assembly import assemble
 
 
@@ -35,14 +36,14 @@ def test_sturm_count_equals_the_dense_count(size, seed, place):
     sigma = values[0] + place * (values[-1] - values[0])
     if np.abs(values - sigma).min() < 1e-6 * values[-1]:
         return
-    assert sturm_count(scaled(csc_array(K), mass), sigma) == np.count_nonzero(values < sigma)
+    assert sturm_count(csc_array(K), mass, sigma) == np.count_nonzero(values < sigma)
 
 
 def test_sturm_count_on_a_chain_of_known_eigenvalues():
     exact = 4 * np.sin(np.arange(1, 201) * np.pi / 402) ** 2
     for below in (0, 1, 57, 199, 200):
         sigma = 0.5 * (np.append(0, exact)[below] + np.append(exact, 5)[below])
-        assert sturm_count(chain(200), sigma) == below
+        assert sturm_count(chain(200), np.ones(200), sigma) == below
 
 
 def test_modes_equal_the_dense_solution():
@@ -56,7 +57,7 @@ def test_modes_equal_the_dense_solution():
 def test_modes_of_a_shell_equal_the_dense_solution(frustum, coarse):
     system = assemble(frustum(mesh=coarse))
     found = solve_modes(system.K, system.mass, 10, shift=-1e3)
-    exact = eigh(scaled(system.K, system.mass).toarray(), subset_by_index=[0, 9], eigvals_only=True)
+    exact = eigh(make_pencil(system.K, system.mass).A.toarray(), subset_by_index=[0, 9], eigvals_only=True)
     np.testing.assert_allclose(found.eigenvalues, exact, rtol=1e-9)
     gram = found.vectors.T @ (system.mass[:, None] * found.vectors)
     np.testing.assert_allclose(gram, np.eye(10), atol=1e-10)
@@ -108,6 +109,36 @@ def test_arpack_failure_is_an_eigen_error(monkeypatch):
 def test_free_body_is_solved_by_the_shift():
     found = solve_modes(chain(100, ends=0.0), np.ones(100), 3, shift=-1e-4)
     np.testing.assert_allclose(found.eigenvalues, 4 * np.sin(np.arange(3) * np.pi / 200) ** 2, atol=1e-13)
+
+
+def consistent_mass(size):
+    """Mass of linear elements of unit length and density, held ends: (4, 1)/6 on its three diagonals."""
+    return csc_array(diags_array([np.full(size, 4.0), np.ones(size - 1), np.ones(size - 1)], offsets=[0, 1, -1]) / 6.0)
+
+
+def test_a_mass_that_is_not_diagonal():
+    """Linear elements on a held string: lambda = 6 (1 - c)/(2 + c), c = cos(k pi/(size + 1))."""
+    size = 300
+    c = np.cos(np.arange(1, 13) * np.pi / (size + 1))
+    exact = 6 * (1 - c) / (2 + c)
+    K, M = chain(size), consistent_mass(size)
+    found = solve_modes(K, M, 12, shift=-1e-6)
+    np.testing.assert_allclose(found.eigenvalues, exact, rtol=1e-10)
+    np.testing.assert_allclose(found.vectors.T @ (M @ found.vectors), np.eye(12), atol=1e-10)
+    assert found.sturm_count == 12
+    assert found.residuals.max() < 1e-7
+    assert sturm_count(K, M, 0.5 * (exact[6] + exact[7])) == 7
+
+
+@pytest.mark.parametrize("mass", [np.r_[1.0, 0.0, np.ones(28)], csc_array(np.diag(np.r_[np.ones(29), -1.0]))])
+def test_refuses_a_mass_that_is_not_positive(mass):
+    with pytest.raises(EigenError, match="the mass has a diagonal that is not positive"):
+        solve_modes(chain(30), mass, 3, shift=-1e-6)
+
+
+def test_refuses_a_mass_of_another_size():
+    with pytest.raises(EigenError, match="the mass is of 29 unknowns, the stiffness of 30"):
+        sturm_count(chain(30), np.ones(29), 1.0)
 
 
 def test_singular_matrix_is_refused():
