@@ -22,6 +22,17 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "shell-thickness": Fault(
             "the wall thickness is not a positive finite number", "give the thickness in metres, 3 mm as 3e-3"
         ),
+        "strip-extent": Fault(
+            "the ends of a strip are not finite numbers in order", "give start below end, in metres along the axis"
+        ),
+        "strip-off-line": Fault(
+            "a strip ends inside an element, where its jump of thickness or material would be smeared",
+            "leave the mesh's rows to the program, or put a break of mesh.rows at each end of the strip",
+        ),
+        "strip-outside": Fault(
+            "a strip reaches beyond the ends of the shell", "give start and end in metres within the chart's bounds"
+        ),
+        "strip-overlap": Fault("two strips claim the same part of the wall", "let one strip end where the next begins"),
     }
 )
 

@@ -17,8 +17,9 @@ from scipy.sparse import coo_array, csc_array
 from casingfem.arrays import Array, FloatArray, IntArray
 from casingfem.structure.element import ElementQuadLobatto, lobatto
 from casingfem.structure.kinematics import DOFS, STRAINS, dot, frame, strain_slots
+from casingfem.structure.material import plane_stress
 from casingfem.structure.mesh import Grid, make_grid
-from casingfem.structure.shell import Shell
+from casingfem.structure.shell import Shell, ShellGeometry
 from casingfem.structure.support import ElasticEdge
 
 CHUNK = 6_000_000  # strain table entries held at a time
@@ -72,22 +73,22 @@ class System:
         return np.asarray(turned.reshape(len(self.frames) * DOFS, -1)[self.free])
 
 
-def constitutive(shell: Shell, thickness: Array) -> Array:
+def constitutive(shell: Shell, geometry: ShellGeometry) -> Array:
     """Section stiffness D on the eight strains at points, (8, 8, ...)."""
-    C = shell.material.plane_stress()
-    D = np.zeros((STRAINS, STRAINS, *thickness.shape), dtype=np.result_type(C, thickness))
-    D[:3, :3] = C[:, :, None, None] * thickness
-    D[3:6, 3:6] = C[:, :, None, None] * thickness**3 / 12.0
-    D[6, 6] = D[7, 7] = shell.shear_correction * shell.material.shear_modulus * thickness
+    C, t = plane_stress(geometry.E, geometry.nu), geometry.thickness
+    D = np.zeros((STRAINS, STRAINS, *t.shape), dtype=np.result_type(C, t))
+    D[:3, :3] = C * t
+    D[3:6, 3:6] = C * t**3 / 12.0
+    D[6, 6] = D[7, 7] = shell.shear_correction * geometry.E / (2.0 * (1.0 + geometry.nu)) * t
     return D
 
 
 def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
     """Element stiffness matrices, (elements, 5 functions, 5 functions)."""
-    geometry = shell.geometry(*grid.parameters)
+    geometry = shell.geometry(*grid.parameters, grid.middle)
     L, basis = strain_slots(geometry.surface)
     L[1:] /= grid.size[:, None, None, :, None]
-    D = constitutive(shell, geometry.thickness) * (basis.jacobian * grid.measure)
+    D = constitutive(shell, geometry) * (basis.jacobian * grid.measure)
     root = np.linalg.cholesky(np.moveaxis(D, (0, 1), (-2, -1)))  # D = root root^T
     slots = np.einsum("eqts,kteqc->kceqs", root, np.moveaxis(L, 2, 4), optimize=True)
     functions, points = grid.table.shape[1:]
@@ -106,20 +107,20 @@ def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
 
 
 def nodal_mass(shell: Shell, grid: Grid) -> Array:
-    """Lobatto mass at the nodes: (nodes, 2) for displacements and rotations [kg, kg m^2]."""
-    area = node_area(grid)
-    geometry = shell.geometry(*grid.nodes)
-    density = shell.material.rho * geometry.thickness * frame(geometry.surface).jacobian * area
-    return np.stack([density, density * geometry.thickness**2 / 12.0], axis=-1)
+    """Lobatto mass at the nodes: (nodes, 2) for displacements and rotations [kg, kg m^2].
 
-
-def node_area(grid: Grid) -> FloatArray:
-    """Parameter area that the Lobatto rule gives each node, (nodes,)."""
+    Each element adds its own side of a node, so that M stays diagonal where thickness or density jump.
+    """
+    a, b = grid.nodes[:, grid.elements]
+    geometry = shell.geometry(a, b, grid.middle)
     _, w = lobatto(grid.mesh.order)
     i, j = ElementQuadLobatto(grid.mesh.order).pairs.T
-    area = np.zeros(grid.nodes.shape[1], dtype=grid.size.dtype)
-    np.add.at(area, grid.elements, (grid.size[0] * grid.size[1])[:, None] * (w[i] * w[j]))
-    return area
+    area = (grid.size[0] * grid.size[1])[:, None] * (w[i] * w[j])
+    density = geometry.rho * geometry.thickness * frame(geometry.surface).jacobian * area
+    inertia = np.stack([density, density * geometry.thickness**2 / 12.0], axis=-1)
+    mass = np.zeros((grid.nodes.shape[1], 2), dtype=inertia.dtype)
+    np.add.at(mass, grid.elements, inertia)
+    return mass
 
 
 def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> FloatArray:
@@ -142,13 +143,18 @@ def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> FloatArra
 def edge_springs(shell: Shell, grid: Grid, name: str, support: ElasticEdge) -> tuple[Array, Array]:
     """Nodal springs of an elastic edge: displacement blocks (nodes, 3, 3) and rotation (nodes,)."""
     edge = grid.edges[name]
-    a, b = grid.nodes[:, edge.nodes]
-    geometry = shell.geometry(a, b)
+    a, b = grid.nodes[:, edge.nodes[edge.parts]]
+    middle = a.mean(axis=1, keepdims=True) if edge.along == 0 else a
+    geometry = shell.geometry(a, b, middle)
     tangent = geometry.surface.x2 if edge.along == 1 else geometry.surface.x1
-    length = np.sqrt(np.einsum("i...,i...->...", tangent, tangent)) * edge.weights
+    length = np.sqrt(np.einsum("i...,i...->...", tangent, tangent)) * edge.shares
     along = b if edge.along == 1 else a
     blocks, rotation = support.line_stiffness(shell.chart.directions(a, b), along, geometry.thickness)
-    return blocks * length[:, None, None], rotation * length
+    blocks, rotation = blocks * length[:, :, None, None], rotation * length
+    at_nodes = np.zeros((len(edge.nodes), 3, 3), dtype=blocks.dtype), np.zeros(len(edge.nodes), dtype=rotation.dtype)
+    np.add.at(at_nodes[0], edge.parts, blocks)
+    np.add.at(at_nodes[1], edge.parts, rotation)
+    return at_nodes
 
 
 def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:

@@ -66,9 +66,10 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
     rows = len(size)
     x, w = gauss(order + 1)
     z = lines[:-1, None] + size[:, None] * x
-    geometry = shell.geometry(z, np.zeros_like(z))
+    middle = (lines[:-1] + 0.5 * size)[:, None]
+    geometry = shell.geometry(z, np.zeros_like(z), middle)
     L, basis = strain_slots(geometry.surface)
-    D = constitutive(shell, geometry.thickness) * (basis.jacobian * size[:, None] * w)
+    D = constitutive(shell, geometry) * (basis.jacobian * size[:, None] * w)
     values, slopes = lagrange(order, x)
     still = np.einsum("sceq,fq->eqsfc", L[0] + n * 1j * L[2], values)
     still += np.einsum("sceq,cd,fq->eqsfd", L[2], SPIN, values)
@@ -83,17 +84,16 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
     for e in range(rows):
         K[np.ix_(dofs[e], dofs[e])] += elements[e]
     points, weights = lobatto(order)
-    node_z = np.append((lines[:-1, None] + size[:, None] * points[:-1]).ravel(), lines[-1])
-    length = np.zeros(nodes)
-    np.add.at(length, at, size[:, None] * weights)
-    return supported(shell, n, K, node_z, length)
+    z = lines[:-1, None] + size[:, None] * points
+    geometry = shell.geometry(z, np.zeros_like(z), middle)
+    density = geometry.rho * geometry.thickness * frame(geometry.surface).jacobian * size[:, None] * weights
+    mass = np.zeros((nodes, 2))
+    np.add.at(mass, at, np.stack([density, density * geometry.thickness**2 / 12.0], axis=-1))
+    return supported(shell, n, K, np.append(z[:, :-1].ravel(), lines[-1]), np.repeat(mass, (3, 2), axis=1))
 
 
-def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, length: FloatArray) -> Meridian:
+def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, inertia: FloatArray) -> Meridian:
     """Add springs, turn edges into their frames, and leave out what is held."""
-    geometry = shell.geometry(z, np.zeros_like(z))
-    mass = shell.material.rho * geometry.thickness * frame(geometry.surface).jacobian * length
-    inertia = np.repeat(np.stack([mass, mass * geometry.thickness**2 / 12.0], axis=1), (3, 2), axis=1)
     turn = np.tile(np.eye(3), (len(z), 1, 1))
     held = np.zeros((len(z), DOFS), dtype=bool)
     for name, support in shell.supports.items():

@@ -46,6 +46,11 @@ class Material:
 
         C = E / (1 - nu^2) [[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu)/2]]
         """
-        nu = self.nu
-        shape = np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, (1.0 - nu) / 2.0]])
-        return shape * (self.E / (1.0 - nu**2))
+        return plane_stress(np.asarray(self.E), np.asarray(self.nu))
+
+
+def plane_stress(E: Array, nu: Array) -> Array:
+    """`Material.plane_stress` for moduli at points (...): (3, 3, ...)."""
+    zero, one = np.zeros_like(nu), np.ones_like(nu)
+    shape = np.array([[one, nu, zero], [nu, one, zero], [zero, zero, (1.0 - nu) / 2.0]])
+    return np.asarray(shape * (E / (1.0 - nu**2)))

@@ -52,11 +52,14 @@ class ShellMesh:
 class Edge:
     """The nodes along one edge, with the parameters and quadrature weights of its Lobatto rule.
 
-    A node shared by two elements stands once, its weights added; `weights` are in parameter units.
+    A node shared by two elements stands once, its weights added; `weights` are in parameter units. Element by
+    element: `parts` places their nodes in `nodes`, `shares` are their weights, each (elements of the edge, order + 1).
     """
 
     nodes: IntArray
     weights: FloatArray
+    parts: IntArray
+    shares: FloatArray
     along: int  # the parameter that varies along the edge
 
 
@@ -94,6 +97,11 @@ class Grid:
         """Parameters of all quadrature points, each (elements, points)."""
         x = self.corner[:, :, None] + self.size[:, :, None] * self.points[:, None, :]
         return x[0], x[1]
+
+    @property
+    def middle(self) -> FloatArray:
+        """The first parameter in the middle of each element, (elements, 1)."""
+        return np.asarray(self.corner[0] + 0.5 * self.size[0])[:, None]
 
     @property
     def measure(self) -> FloatArray:
@@ -135,13 +143,13 @@ def find_edge(places: FloatArray, held: int, value: float, spans: FloatArray, or
     along = 1 - held
     nodes = np.flatnonzero(np.isclose(places[held], value))
     nodes = nodes[np.argsort(places[along, nodes])]
-    weights = np.zeros(len(spans) * order + 1, dtype=spans.dtype)
-    for k, span in enumerate(spans):
-        weights[k * order : (k + 1) * order + 1] += span * lobatto(order)[1]
+    parts = np.arange(len(spans))[:, None] * order + np.arange(order + 1)
     if wrap:
-        weights[0] += weights[-1]
-        weights = weights[:-1]
-    return Edge(nodes=frozen(nodes), weights=frozen(weights), along=along)
+        parts[-1, -1] = 0
+    shares = spans[:, None] * lobatto(order)[1]
+    weights = np.zeros(len(nodes), dtype=spans.dtype)
+    np.add.at(weights, parts, shares)
+    return Edge(nodes=frozen(nodes), weights=frozen(weights), parts=frozen(parts), shares=frozen(shares), along=along)
 
 
 def make_grid(chart: Chart, mesh: ShellMesh) -> Grid:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from types import MappingProxyType
 from typing import NamedTuple, cast
 
@@ -12,16 +13,20 @@ from casingfem.structure.chart import Chart, Surface, require_positive
 from casingfem.structure.field import Field
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.strip import Strip, breaks_between, check_strips, spread
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
 
 SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, ElasticEdge)
 
 
 class ShellGeometry(NamedTuple):
-    """Mid-surface and thickness at points."""
+    """Mid-surface, thickness and material at points."""
 
     surface: Surface
     thickness: Array
+    E: Array
+    nu: Array
+    rho: Array
 
 
 def default_mesh(shell: "Shell") -> ShellMesh:
@@ -32,14 +37,16 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     the fields themselves, harmonics below 2 % of their largest left aside. An odd number, or a multiple of the common
     period of all that varies where that exceeds twice those nodal diameters. Along the meridian: the shear layer of a
     free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
+    Strips put an element line at each of their ends, and each stretch between them is divided on its own.
     """
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
-    t, length, span = float(np.real(shell.thickness)), float(a1 - a0), float(b1 - b0)
+    t, length, span = min(np.real(shell.thicknesses)), float(a1 - a0), float(b1 - b0)
     if not shell.chart.periodic:
         corner = shell.chart.surface(np.array([a0]), np.array([b1]), None)
         size = float(np.linalg.norm(np.real(corner.x2))) * span
         around = int(np.clip(round(2.0 * size / length), 2, 8))
-        return ShellMesh(order=8, rows=int(np.clip(round(2.0 * length / size), 2, 8)), around=around)
+        rows = int(np.clip(round(2.0 * length / size), 2, 8))
+        return ShellMesh(order=8, rows=divided(shell, 1.0 / rows) if shell.strips else rows, around=around)
     order = 7
     middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
@@ -51,12 +58,26 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     whole = period * -(-around // period) if period > 1 else 0
     if 4.4 * lowest < whole <= 1.25 * around:  # what symmetry forbids to split, the mesh leaves whole
         around = whole
-    layer = float(np.clip(2.5 * t / length, 1e-3, 0.1))
-    inner = int(np.clip(np.ceil(length / (10.0 * np.sqrt(radius * t))), 1, 4))
     held = {shell.chart.edges[edge] for edge in shell.supports}
-    low, high = (0.0 if (0, 0) in held else layer), (1.0 if (0, 1) in held else 1.0 - layer)
-    breaks = {0.0, 1.0, *np.linspace(low, high, inner + 1).tolist()}
-    return ShellMesh(order=order, rows=tuple(sorted(breaks)), around=around)
+    at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
+    layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
+    longest = max(10.0 * np.sqrt(radius * t) / length, 0.25)
+    return ShellMesh(order=order, rows=divided(shell, longest, (layers[0], layers[1])), around=around)
+
+
+def divided(shell: "Shell", longest: float, layers: tuple[float, float] = (0.0, 0.0)) -> tuple[float, ...]:
+    """Breaks of the rows: a layer at either end, and stretches between strip ends in equal rows below `longest`.
+
+    A layer wider than half of its stretch is left out.
+    """
+    breaks = breaks_between(shell.strips, shell.chart.bounds[0])
+    rows: set[float] = set()
+    for low, high in pairwise(breaks):
+        first = layers[0] * (low == 0.0 and layers[0] < 0.5 * (high - low))
+        last = layers[1] * (high == 1.0 and layers[1] < 0.5 * (high - low))
+        count = max(1, int(np.ceil((high - low - first - last) / longest - 1e-9)))
+        rows |= {low, high, *np.linspace(low + first, high - last, count + 1).tolist()}
+    return tuple(sorted(rows))
 
 
 def field_samples(defect: Field) -> int:
@@ -115,6 +136,8 @@ class Shell:
         Relative thickness field: t (1 + field).
     shear_correction
         Factor of the transverse shear stiffness; a large one gives the thin-shell (Kirchhoff-Love) limit.
+    strips
+        Bands along the first parameter with a thickness, or a material, of their own.
     mesh
         Order and element counts; a default for the kind of chart if left out.
 
@@ -122,6 +145,9 @@ class Shell:
     ------
     ValueError
         Not positive thickness, an unknown edge, or a field as large as the surface itself.
+    ModelError
+        Strips that overlap, leave the shell (`strip-overlap`, `strip-outside`), or end where a given mesh has no
+        element line (`strip-off-line`).
 
     Examples
     --------
@@ -140,6 +166,7 @@ class Shell:
     radius_defect: Field | None = None
     thickness_defect: Field | None = None
     shear_correction: float = 5.0 / 6.0
+    strips: tuple[Strip, ...] = ()
     mesh: ShellMesh = None  # type: ignore[assignment]  # chosen in __post_init__ where left out
 
     def __post_init__(self) -> None:
@@ -153,8 +180,12 @@ class Shell:
                     f"support.{edge}: expected Clamped, ShearDiaphragm or ElasticEdge, found {type(support).__name__}"
                 )
         object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
+        object.__setattr__(self, "strips", tuple(self.strips))
+        ends = self.chart.bounds[0]
+        check_strips(self.strips, ends, None)
         if cast(ShellMesh | None, self.mesh) is None:
             object.__setattr__(self, "mesh", default_mesh(self))
+        check_strips(self.strips, ends, ends[0] + (ends[1] - ends[0]) * self.mesh.breaks)
         for name in ("radius_defect", "thickness_defect"):
             self._check_field(name)
 
@@ -185,10 +216,26 @@ class Shell:
         )
         return self.chart.periodic and even and self.radius_defect is None and self.thickness_defect is None
 
-    def geometry(self, a: Array, b: Array) -> ShellGeometry:
-        """Mid-surface and thickness at parameters (a, b)."""
+    @property
+    def thicknesses(self) -> tuple[float, ...]:
+        """The nominal thicknesses [m]: the wall's, then those of the strips."""
+        return (self.thickness, *(strip.thickness for strip in self.strips))
+
+    def geometry(self, a: Array, b: Array, inside: Array | None = None) -> ShellGeometry:
+        """Mid-surface, thickness and material at parameters (a, b).
+
+        `inside` is a value of the first parameter that tells whose side of a strip's end a point belongs to: the
+        middle of its element. Without it a point on such a line is the strip's.
+        """
         defect = None if self.radius_defect is None else self.radius_defect.derivatives(a, b)
-        thickness = self.thickness + np.zeros(np.broadcast(a, b).shape)
+        where = np.broadcast_arrays(a if inside is None else inside, a, b)[0]
+        thickness = spread(self.strips, where, self.thickness, [strip.thickness for strip in self.strips])
         if self.thickness_defect is not None:
             thickness = thickness * (1.0 + self.thickness_defect.derivatives(a, b).value)
-        return ShellGeometry(surface=self.chart.surface(a, b, defect), thickness=thickness)
+        materials = [strip.material or self.material for strip in self.strips]
+        E, nu, rho = (
+            spread(self.strips, where, getattr(self.material, name), [getattr(m, name) for m in materials])
+            for name in ("E", "nu", "rho")
+        )
+        surface = self.chart.surface(a, b, defect)
+        return ShellGeometry(surface=surface, thickness=thickness, E=E, nu=nu, rho=rho)

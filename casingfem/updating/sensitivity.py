@@ -75,8 +75,8 @@ def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
         at = point_fields(shell, make_grid(shell.chart, shell.mesh), at.fields)
     same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
     strain, jacobian = (at.strain, at.jacobian) if same else point_strains(shell, at.grid, at.jets)
-    thickness = shell.geometry(*at.grid.parameters).thickness
-    D = constitutive(shell, thickness) * (jacobian * at.grid.measure)
+    geometry = shell.geometry(*at.grid.parameters, at.grid.middle)
+    D = constitutive(shell, geometry) * (jacobian * at.grid.measure)
     stress = np.matmul(np.moveaxis(D, (0, 1), (2, 3)), strain)
     modes = at.fields.shape[2]
     K = strain.reshape(-1, modes).T @ stress.reshape(-1, modes)
