@@ -10,7 +10,7 @@ Content = str | bytes | Callable[[Path], object]  # what a file holds, or what w
 
 
 def write_files(folder: str | Path, files: Mapping[str, Content]) -> list[Path]:
-    r"""Write files into a folder (made if need be); none appears before all are complete.
+    r"""Write files into a folder (made if need be, like those in a file's name); none appears before all are complete.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -22,8 +22,10 @@ def write_files(folder: str | Path, files: Mapping[str, Content]) -> list[Path]:
     waiting: dict[Path, Path] = {}
     try:
         for name, content in files.items():
-            part = target / f".{name}.{os.getpid()}.part"
-            waiting[part] = target / name
+            final = target / name
+            final.parent.mkdir(parents=True, exist_ok=True)
+            part = final.with_name(f".{final.name}.{os.getpid()}.part")
+            waiting[part] = final
             if callable(content):
                 content(part)
             else:

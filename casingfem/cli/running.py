@@ -78,7 +78,10 @@ def deliver(
         return
     click.echo(text)
     for path in written:
-        click.echo(f"wrote {path}")
+        if path.parent == out:
+            click.echo(f"wrote {path}")
+    for folder in dict.fromkeys(path.parent for path in written if path.parent != out):
+        click.echo(f"wrote {sum(path.parent == folder for path in written)} files to {folder}")
 
 
 class Working:

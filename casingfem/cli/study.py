@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.running import Working, deliver, options
-from casingfem.outfiles import json_text
+from casingfem.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from casingfem.modal.mode_set import Modes
@@ -15,14 +15,32 @@ if TYPE_CHECKING:
 STUDY = click.argument("file", metavar="STUDY", type=click.Path(path_type=Path))
 
 
+def numbers(context: click.Context, option: click.Parameter, value: str | None) -> tuple[int, ...] | None:
+    """Mode numbers, as 1,2,5: from 1, each once, in the order given."""
+    if value is None:
+        return None
+    parts = [part.strip() for part in value.split(",")]
+    if not all(part.isdecimal() and int(part) > 0 for part in parts):
+        raise click.BadParameter(f"found {value!r}, expected mode numbers such as 1,2,5", context, option)
+    return tuple(dict.fromkeys(map(int, parts)))
+
+
 @click.command()
 @STUDY
+@click.option("--vtu", is_flag=True, help="Also write the shapes for ParaView, to DIR/vtu.")
+@click.option(
+    "--modes", "shown", callback=numbers, metavar="1,2,5", help="The modes that --vtu writes; all if left out."
+)
 @options
-def modes(file: Path, as_json: bool, out: Path | None) -> None:
+def modes(file: Path, as_json: bool, out: Path | None, vtu: bool, shown: tuple[int, ...] | None) -> None:
     """Modes of the structure of STUDY, labelled and counted."""
     from casingfem.modal.modes import modes as compute
     from casingfem.study import load_study
 
+    if shown is not None and not vtu:
+        raise click.UsageError("--modes chooses what --vtu writes: give --vtu too")
+    if vtu and out is None:
+        raise click.UsageError("--vtu needs --out DIR")
     study = load_study(file)
     with Working(f"modes of {file.name}"):
         found = compute(study.shell, study.file.modes.count)
@@ -37,8 +55,22 @@ def modes(file: Path, as_json: bool, out: Path | None) -> None:
         "rigid": found.rigid,
         "source": study.source,
     }
-    files = {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study)}
+    files: dict[str, Content] = {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study)}
+    if vtu:
+        files |= shapes(found, shown)
     deliver(document, repr(found), as_json=as_json, out=out, files=files)
+
+
+def shapes(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, bytes]:
+    """The files of --vtu by name."""
+    from casingfem.mesh_out import mode_files
+
+    which = None if shown is None else [number - 1 for number in shown]
+    if which is not None and max(which) >= len(found):
+        raise click.UsageError(
+            f"--modes: found {max(which) + 1}, expected numbers up to the {len(found)} modes computed"
+        )
+    return {f"vtu/{name}": content for name, content in mode_files(found, which).items()}
 
 
 def modes_csv(found: "Modes", study: "Study") -> str:
