@@ -16,9 +16,9 @@ import numpy as np
 from casingfem.arrays import Array, FloatArray
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.assembly import constitutive, edge_springs, nodal_mass
-from casingfem.structure.kinematics import DOFS, STRAINS, strain_slots
 from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.shell import Shell
+from casingfem.structure.strains import point_jets, point_strains
 from casingfem.structure.support import ElasticEdge
 from casingfem.updating.parameters import Parameter, get_value, with_value
 
@@ -51,22 +51,9 @@ class PointFields:
 
 def point_fields(shell: Shell, grid: Grid, fields: FloatArray) -> PointFields:
     """Evaluate modes (nodes, 5, modes) and their parameter derivatives at all quadrature points."""
-    local = fields[grid.elements]
-    elements, points = len(grid.elements), grid.table.shape[2]
-    flat = local.reshape(elements, grid.table.shape[1], -1)
-    jets = np.stack([np.matmul(table.T, flat) for table in grid.table], axis=2)
-    jets = jets / np.concatenate([np.ones((1, elements)), grid.size]).T[:, None, :, None]
-    jets = jets.reshape(elements, points, 3 * DOFS, fields.shape[2])
+    jets = point_jets(grid, fields)
     strain, jacobian = point_strains(shell, grid, jets)
     return PointFields(shell=shell, grid=grid, fields=fields, jets=jets, strain=strain, jacobian=jacobian)
-
-
-def point_strains(shell: Shell, grid: Grid, jets: FloatArray) -> tuple[Array, Array]:
-    """Strains (elements, points, 8, modes) and area Jacobian (elements, points) on a shell's surface."""
-    L, basis = strain_slots(shell.geometry(*grid.parameters).surface)
-    coefficients = np.moveaxis(L, (3, 4), (0, 1)).transpose(0, 1, 3, 2, 4)
-    coefficients = coefficients.reshape(*jets.shape[:2], STRAINS, 3 * DOFS)
-    return np.matmul(coefficients, jets), basis.jacobian
 
 
 def modal_products(shell: Shell, at: PointFields) -> ModalProducts:

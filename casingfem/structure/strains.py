@@ -1,0 +1,31 @@
+"""Nodal fields -> their derivatives, strains and stress resultants at the quadrature points.
+
+With U = (u, w1, w2) and its parameter derivatives ("jets"), strain = L0 U + L1 d_1 U + L2 d_2 U
+(`kinematics.strain_slots`) and resultants = D strain: membrane forces N_11, N_22, N_12 [N/m], moments
+M_11, M_22, M_12 [N m/m], transverse shear forces Q_1, Q_2 [N/m].
+"""
+
+import numpy as np
+
+from casingfem.arrays import Array, FloatArray
+from casingfem.structure.kinematics import DOFS, STRAINS, strain_slots
+from casingfem.structure.mesh import Grid
+from casingfem.structure.shell import Shell
+
+
+def point_jets(grid: Grid, fields: FloatArray) -> FloatArray:
+    """U, d_1 U, d_2 U of nodal fields (nodes, 5, k) at the quadrature points: (elements, points, 15, k)."""
+    local = fields[grid.elements]
+    elements, points = len(grid.elements), grid.table.shape[2]
+    flat = local.reshape(elements, grid.table.shape[1], -1)
+    jets = np.stack([np.matmul(table.T, flat) for table in grid.table], axis=2)
+    jets = jets / np.concatenate([np.ones((1, elements)), grid.size]).T[:, None, :, None]
+    return np.asarray(jets.reshape(elements, points, 3 * DOFS, fields.shape[2]))
+
+
+def point_strains(shell: Shell, grid: Grid, jets: FloatArray) -> tuple[Array, Array]:
+    """Strains (elements, points, 8, k) and area Jacobian (elements, points) on a shell's surface."""
+    L, basis = strain_slots(shell.geometry(*grid.parameters).surface)
+    coefficients = np.moveaxis(L, (3, 4), (0, 1)).transpose(0, 1, 3, 2, 4)
+    coefficients = coefficients.reshape(*jets.shape[:2], STRAINS, 3 * DOFS)
+    return np.matmul(coefficients, jets), basis.jacobian
