@@ -21,7 +21,7 @@ SOURCES = (
     Path(__file__),
     ROOT / "record.py",
     *sorted((ROOT / "scheme").glob("loop_*.py")),
-    ROOT / "solver/scalar.py",
+    *sorted((ROOT / "solver").glob("*.py")),
 )
 
 

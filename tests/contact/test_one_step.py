@@ -1,0 +1,150 @@
+"""One-step problems: the active set and the friction solver against pivoting, closed forms and degenerate cases."""
+
+import numpy as np
+import pytest
+
+from contact.errors import InputError, NumericsError
+from contact.solver.active_set import delassus_rows, unilateral
+from contact.solver.coulomb import coulomb
+from tests.contact.lemke import lemke
+
+
+def random_rows(rng, contacts, size, digits=4.0):
+    """Rows whose Delassus matrix is conditioned up to 10^(2 digits), half of them repeated half of the time."""
+    u, _, v = np.linalg.svd(rng.standard_normal((contacts, size)), full_matrices=False)
+    A = u * 10.0 ** (-digits * rng.random() * np.linspace(0.0, 1.0, min(contacts, size))) @ v
+    if contacts > 2 and rng.random() < 0.5:
+        A[contacts // 2 :] = A[: contacts - contacts // 2]
+    return A
+
+
+def residual(A, b, force):
+    """max|min(W_ii force_i, gap_i)| of its scale."""
+    own = np.sum(A**2, axis=1) * force
+    return np.abs(np.minimum(own, A @ (A.T @ force) + b)).max() / max(np.abs(b).max(), own.max())
+
+
+def test_random_and_degenerate_problems_are_all_solved():
+    rng = np.random.default_rng(20)
+    for _ in range(3000):
+        A = random_rows(rng, int(rng.integers(1, 13)), int(rng.integers(1, 9)))
+        slack = np.maximum(rng.standard_normal(len(A)), 0.0) * (rng.random(len(A)) < rng.random())
+        b = slack - A @ rng.standard_normal(A.shape[1])
+        force = unilateral(A, b).force
+        assert force.min() >= 0.0
+        assert residual(A, b, force) <= 1e-10
+
+
+def test_forces_equal_pivoting_where_they_are_unique():
+    rng = np.random.default_rng(21)
+    for _ in range(200):
+        A = rng.standard_normal((5, 7))
+        b = rng.standard_normal(5)
+        np.testing.assert_allclose(unilateral(A, b).force, lemke(A @ A.T, b), atol=1e-9)
+
+
+def test_five_thousand_candidates_on_a_hundred_modes():
+    rng = np.random.default_rng(22)
+    A = rng.standard_normal((5000, 100))
+    b = np.maximum(rng.standard_normal(5000), 0.0) - A @ rng.standard_normal(100)
+    found = unilateral(A, b)
+    assert residual(A, b, found.force) <= 1e-12
+    assert 20 < np.count_nonzero(found.force) <= 100
+    np.testing.assert_allclose(found.y, A.T @ found.force, atol=1e-12)
+
+
+def test_a_delassus_matrix_gives_its_rows():
+    rng = np.random.default_rng(23)
+    A = rng.standard_normal((6, 3))
+    W, b = A @ A.T, -np.abs(rng.standard_normal(3)) @ A.T
+    np.testing.assert_allclose(W @ unilateral(delassus_rows(W), b).force, W @ unilateral(A, b).force, atol=1e-12)
+
+
+def test_contacts_wedged_without_compliance_are_refused():
+    with pytest.raises(NumericsError, match="press against each other"):
+        unilateral(np.array([[1.0], [-1.0]]), np.array([-1.0, 0.5]))
+
+
+@pytest.mark.parametrize(
+    ("A", "b", "word"),
+    [(np.eye(2), np.zeros(3), "shapes"), (np.array([[np.nan]]), np.zeros(1), "finite")],
+)
+def test_bad_arrays_are_named(A, b, word):
+    with pytest.raises(InputError, match=word):
+        unilateral(A, b)
+
+
+def coulomb_law_holds(found, mu, scale):
+    normal, tangent = found.force[:, 0], found.force[:, 1:]
+    assert normal.min() >= -1e-10 * scale
+    assert np.abs(np.minimum(normal, found.motion[:, 0])).max() <= 1e-10 * scale
+    length = np.linalg.norm(tangent, axis=1)
+    assert (length - mu * normal).max() <= 1e-10 * scale
+    sliding = np.linalg.norm(found.motion[:, 1:], axis=1) > 1e-8 * scale
+    slip = found.motion[sliding, 1:]
+    against = -mu * normal[sliding, None] * slip / np.linalg.norm(slip, axis=1, keepdims=True)
+    np.testing.assert_allclose(tangent[sliding], against, atol=1e-8 * scale)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("mu", [0.0, 0.3, 2.0])
+@pytest.mark.parametrize("kind", ["open", "closed", "mixed", "duplicate"])
+def test_friction_in_every_state(dim, mu, kind):
+    rng = np.random.default_rng(int(100 * mu) + 7 * dim)
+    worst = 0
+    for _ in range(50):
+        A = np.eye(4 * dim) + 0.15 * rng.standard_normal((4 * dim, 4 * dim))
+        b = rng.standard_normal((4, dim))
+        if kind == "open":
+            b[:, 0] = np.abs(b[:, 0])
+        elif kind == "closed":
+            b[:, 0] = -np.abs(b[:, 0])
+        elif kind == "duplicate":
+            A[2 * dim :], b[2:] = A[: 2 * dim], b[:2]
+        found = coulomb(A @ A.T, b, mu)
+        scale = np.abs(b).max()
+        coulomb_law_holds(found, mu, scale)
+        assert not (kind == "open" and found.force.any())
+        worst = max(worst, found.iterations)
+    assert worst <= 20
+
+
+def test_without_friction_it_is_the_unilateral_problem():
+    rng = np.random.default_rng(24)
+    A, b = rng.standard_normal((9, 12)), rng.standard_normal((3, 3))
+    found = coulomb(A @ A.T, b, 0.0)
+    np.testing.assert_allclose(found.force[:, 0], unilateral(A[::3], b[:, 0]).force, atol=1e-10)
+    assert not found.force[:, 1:].any()
+
+
+def test_a_warm_start_at_the_solution_takes_no_iteration():
+    rng = np.random.default_rng(25)
+    A = np.eye(9) + 0.2 * rng.standard_normal((9, 9))
+    b = -np.abs(rng.standard_normal((3, 3)))
+    first = coulomb(A @ A.T, b, 0.4)
+    assert first.iterations > 0
+    assert coulomb(A @ A.T, b, 0.4, start=first.force).iterations == 0
+
+
+def test_a_single_contact_is_solved_however_badly_conditioned():
+    rng = np.random.default_rng(26)
+    for _ in range(500):
+        u, _, v = np.linalg.svd(rng.standard_normal((3, 3)))
+        A = u * np.array([1.0, 10.0 ** -(2.0 * rng.random()), 10.0 ** -(2.0 + 2.0 * rng.random())]) @ v
+        b = rng.standard_normal((1, 3))
+        found = coulomb(A @ A.T, b, rng.choice([0.3, 1.0, 2.0]))
+        assert found.residual <= 1e-12
+
+
+@pytest.mark.parametrize(
+    ("W", "b", "mu", "word"),
+    [
+        (np.eye(4), np.zeros((1, 4)), 0.1, "d = 2 or 3"),
+        (np.eye(2), np.zeros((1, 2)), -0.1, "mu"),
+        (np.diag([1.0, 0.0]), np.zeros((1, 2)), 0.1, "diagonal"),
+        (np.eye(2), np.array([[np.inf, 0.0]]), 0.1, "finite"),
+    ],
+)
+def test_bad_friction_problems_are_named(W, b, mu, word):
+    with pytest.raises(InputError, match=word):
+        coulomb(W, b, mu)
