@@ -20,7 +20,7 @@ from casingfem.structure.field import Field, FourierField, SumField
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
-from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.structure.survey import SampledField, SurveyError
 from casingfem.structure.twisted import TwistedPlate
 from casingfem.updating.parameters import Parameter, ParameterError
@@ -30,7 +30,6 @@ from casingfem.updating.updating import UpdateError, update
 __all__ = [
     "BasisError",
     "Chart",
-    "Circumferential",
     "Clamped",
     "Cylinder",
     "EigenError",

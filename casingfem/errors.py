@@ -22,6 +22,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "shell-thickness": Fault(
             "the wall thickness is not a positive finite number", "give the thickness in metres, 3 mm as 3e-3"
         ),
+        "springs-negative": Fault(
+            "the pattern of an elastic edge falls below -1 somewhere: a spring would push",
+            "reduce the harmonics of its pattern until their sum stays above -1",
+        ),
         "strip-extent": Fault(
             "the ends of a strip are not finite numbers in order", "give start below end, in metres along the axis"
         ),

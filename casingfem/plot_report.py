@@ -68,8 +68,8 @@ class Clock:
 
 def has_imperfections(shell: Shell) -> bool:
     """Whether anything sets this shell apart from a perfect one."""
-    around = any(isinstance(s, ElasticEdge) and s.around.harmonics for s in shell.supports.values())
-    return around or shell.radius_defect is not None or shell.thickness_defect is not None
+    around = any(isinstance(s, ElasticEdge) and s.patterns for s in shell.supports.values())
+    return around or bool(shell.defects)
 
 
 def lead(study: Study, found: Modes) -> str:

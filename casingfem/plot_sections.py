@@ -1,5 +1,6 @@
 """Sections of the report: what went in, modes, reduction, provenance."""
 
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 
@@ -7,7 +8,9 @@ from casingfem.modal.basis import ModalBasis
 from casingfem.modal.mode_set import Modes
 from casingfem.plot_modes import figure_frequencies, figure_rim, figure_shapes, groups
 from casingfem.plot_page import Cell, Picture, Section, Table
+from casingfem.structure.field import FourierField
 from casingfem.structure.shell import Shell
+from casingfem.structure.support import ElasticEdge
 from casingfem.study import Study
 
 UNITS = {"angle": "rad", "k_r": "N/m²", "k_theta": "N/m²", "k_z": "N/m²", "k_rot": "N", "k_face": "N/m³"}
@@ -33,9 +36,7 @@ def structure_rows(shell: Shell) -> tuple[tuple[Cell, ...], ...]:
     for edge, support in shell.supports.items():
         rows.append((f"edge {edge}", f"{type(support).__name__} {values_of(support)}".strip()))
     rows += [(f"edge {edge}", "free") for edge in shell.chart.edges if edge not in shell.supports]
-    for name, field in (("radius", shell.radius_defect), ("thickness", shell.thickness_defect)):
-        if field is not None:
-            rows.append((f"{name} imperfection", repr(field).splitlines()[0]))
+    rows += [(f"{name} imperfection", repr(field).splitlines()[0]) for name, field in shell.defects.items()]
     mesh = shell.mesh
     rows.append(("mesh", f"order {mesh.order}, {len(mesh.breaks) - 1} rows, {mesh.around} elements around"))
     return tuple(rows)
@@ -47,9 +48,20 @@ def values_of(owner: object) -> str:
         return repr(owner)
     numbers = {f.name: getattr(owner, f.name) for f in fields(owner)}
     plain = [f"{k} = {v:g} {UNITS.get(k, 'm')}" for k, v in numbers.items() if isinstance(v, int | float) and v != 0.0]
-    around = getattr(owner, "around", None)
-    waves = [f"p = {p}: {cos:+.3g} cos {sin:+.3g} sin" for p, cos, sin in around.harmonics] if around else []
-    return ", ".join(plain) + (f"; around: {'; '.join(waves)}" if waves else "")
+    if isinstance(owner, ElasticEdge) and owner.patterns:
+        shared = not isinstance(owner.around, Mapping)
+        patterns = {"around": owner.pattern("k_face")} if shared else owner.patterns
+        waves = [f"; {name}: {waves_of(pattern)}" for name, pattern in patterns.items()]
+        return ", ".join(plain) + "".join(waves)
+    return ", ".join(plain)
+
+
+def waves_of(pattern: object) -> str:
+    """A pattern along an edge in one line: its harmonics, or what kind of field it is."""
+    if not isinstance(pattern, FourierField):
+        return repr(pattern).splitlines()[0]
+    terms = [(p, *pattern.coefficients(p)) for p in pattern.harmonics]
+    return ", ".join(f"p = {p}: {cos:+.3g} cos {sin:+.3g} sin" for p, cos, sin in terms)
 
 
 def modes_section(found: Modes, reference: Modes | None) -> Section:

@@ -48,8 +48,8 @@ def true_casing(radius: cf.FourierField) -> cf.Shell:
     """The casing that the records are made from; none of its numbers is known to the updater."""
     embedding = cf.ElasticEdge(
         k_face=9e12,
-        around=cf.Circumferential(
-            harmonics=((1, 0.08, -0.05), (2, 0.05, 0.04), (4, 0.06, 0.03), (8, 0.22, 0.12), (16, 0.04, -0.03))
+        around=cf.FourierField.of(
+            {1: (0.08, -0.05), 2: (0.05, 0.04), 4: (0.06, 0.03), 8: (0.22, 0.12), 16: (0.04, -0.03)}
         ),
     )
     return cf.Shell(

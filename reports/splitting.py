@@ -20,7 +20,7 @@ from casingfem.structure.field import FourierField
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
-from casingfem.structure.support import Circumferential, ElasticEdge
+from casingfem.structure.support import ElasticEdge
 from reports.frustum_convergence import reference_frustum
 from reports.tables import Row, check, command_line, show, write
 
@@ -60,7 +60,7 @@ def stays_double(name: str, shell: Shell, p: int, rule: str) -> Row:
 
 def sprung(number: int) -> Shell:
     """The frustum on springs that vary `number` times around."""
-    around = Circumferential(harmonics=((number, 0.9, 0.0),))
+    around = FourierField.of({number: (0.9, 0.0)})
     supports = {"base": ElasticEdge(k_face=1e12, around=around)}
     return replace(reference_frustum(BOLTED), supports=supports)
 

@@ -148,8 +148,7 @@ def edge_springs(shell: Shell, grid: Grid, name: str, support: ElasticEdge) -> t
     geometry = shell.geometry(a, b, middle)
     tangent = geometry.surface.x2 if edge.along == 1 else geometry.surface.x1
     length = np.sqrt(np.einsum("i...,i...->...", tangent, tangent)) * edge.shares
-    along = b if edge.along == 1 else a
-    blocks, rotation = support.line_stiffness(shell.chart.directions(a, b), along, geometry.thickness)
+    blocks, rotation = support.line_stiffness(shell.chart.directions(a, b), a, b, geometry.thickness)
     blocks, rotation = blocks * length[:, :, None, None], rotation * length
     at_nodes = np.zeros((len(edge.nodes), 3, 3), dtype=blocks.dtype), np.zeros(len(edge.nodes), dtype=rotation.dtype)
     np.add.at(at_nodes[0], edge.parts, blocks)

@@ -102,7 +102,7 @@ def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, inertia: Float
         if isinstance(support, ElasticEdge):
             here = np.array([z[node]]), np.zeros(1)
             local = shell.geometry(*here)
-            block, rotation = support.line_stiffness(shell.chart.directions(*here), here[1], local.thickness)
+            block, rotation = support.line_stiffness(shell.chart.directions(*here), *here, local.thickness)
             arc = np.linalg.norm(local.surface.x2[:, 0])
             springs = np.zeros((DOFS, DOFS))
             springs[:3, :3], springs[3, 3], springs[4, 4] = block[0], rotation[0], rotation[0]

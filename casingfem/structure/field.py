@@ -45,6 +45,11 @@ class Field(Protocol):
         ...
 
 
+def relative(field: Field | None, a: ArrayLike, b: ArrayLike) -> Array:
+    """Return 1 + f at parameters (a, b); ones without a field."""
+    return np.ones(np.broadcast(a, b).shape) if field is None else 1.0 + field.derivatives(a, b).value
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FourierField:
     """Fourier series around, polynomial along the axis.

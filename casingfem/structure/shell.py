@@ -2,21 +2,23 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import chain, pairwise
 from types import MappingProxyType
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from casingfem.arrays import Array
+from casingfem.errors import ModelError
 from casingfem.structure.chart import Chart, Surface, require_positive
-from casingfem.structure.field import Field
+from casingfem.structure.field import Field, relative
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.strip import Strip, breaks_between, check_strips, spread
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
 
 SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, ElasticEdge)
+DEFECTS = ("radius", "thickness", "modulus", "density")  # quantity -> Shell.<quantity>_defect
 
 
 class ShellGeometry(NamedTuple):
@@ -51,7 +53,7 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
     lowest = 0.46 * radius / np.sqrt(t * length)
-    finest = max(finest_harmonic(shell, f) for f in (shell.radius_defect, shell.thickness_defect))
+    finest = max((finest_harmonic(shell, f) for f in shell.defects.values()), default=0)
     elements = max((16.0 if shell.axisymmetric else 26.0) * lowest, 14.0 * finest) / order
     around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
     period = around_period(shell)
@@ -97,20 +99,15 @@ def harmonic_amplitudes(shell: "Shell", defect: Field) -> Array:
 def around_period(shell: "Shell", floor: float = 1e-3) -> int:
     """The greatest common divisor of all that varies around: a mesh of as many elements shares its symmetry."""
     period = 0
-    for defect in (shell.radius_defect, shell.thickness_defect):
-        if defect is not None:
-            amplitude = harmonic_amplitudes(shell, defect)
-            period = int(np.gcd.reduce([period, *(1 + np.flatnonzero(amplitude > floor * amplitude.max())).tolist()]))
-    for support in shell.supports.values():
-        if isinstance(support, ElasticEdge):
-            period = int(np.gcd.reduce([period, *(p for p, _, _ in support.around.harmonics)]))
+    springs = [s.patterns.values() for s in shell.supports.values() if isinstance(s, ElasticEdge)]
+    for defect in (*shell.defects.values(), *chain.from_iterable(springs)):
+        amplitude = harmonic_amplitudes(shell, defect)
+        period = int(np.gcd.reduce([period, *(1 + np.flatnonzero(amplitude > floor * amplitude.max())).tolist()]))
     return period
 
 
-def finest_harmonic(shell: "Shell", defect: Field | None, floor: float = 0.02) -> int:
+def finest_harmonic(shell: "Shell", defect: Field, floor: float = 0.02) -> int:
     """The highest circumferential harmonic of a field above `floor` times its largest, by sampling."""
-    if defect is None:
-        return 0
     amplitude = harmonic_amplitudes(shell, defect)
     above = np.flatnonzero(amplitude > floor * amplitude.max())
     return int(above[-1]) + 1 if amplitude.max() > 0.0 else 0
@@ -132,8 +129,8 @@ class Shell:
         Edge name -> support; edges not named are free.
     radius_defect
         Relative radius field f: r = r0 (1 + f).
-    thickness_defect
-        Relative thickness field: t (1 + field).
+    thickness_defect, modulus_defect, density_defect
+        Relative fields of the thickness t (1 + f), of Young's modulus E (1 + f), of the density rho (1 + f).
     shear_correction
         Factor of the transverse shear stiffness; a large one gives the thin-shell (Kirchhoff-Love) limit.
     strips
@@ -144,10 +141,10 @@ class Shell:
     Raises
     ------
     ValueError
-        Not positive thickness, an unknown edge, or a field as large as the surface itself.
+        Not positive thickness, an unknown edge, or a field as large as what it varies.
     ModelError
-        Strips that overlap, leave the shell (`strip-overlap`, `strip-outside`), or end where a given mesh has no
-        element line (`strip-off-line`).
+        Springs that a pattern makes negative (`springs-negative`); strips that overlap or leave the shell
+        (`strip-overlap`, `strip-outside`), or end where a given mesh has no element line (`strip-off-line`).
 
     Examples
     --------
@@ -165,6 +162,8 @@ class Shell:
     supports: Mapping[str, Support] = field(default_factory=dict)
     radius_defect: Field | None = None
     thickness_defect: Field | None = None
+    modulus_defect: Field | None = None
+    density_defect: Field | None = None
     shear_correction: float = 5.0 / 6.0
     strips: tuple[Strip, ...] = ()
     mesh: ShellMesh = None  # type: ignore[assignment]  # chosen in __post_init__ where left out
@@ -186,13 +185,25 @@ class Shell:
         if cast(ShellMesh | None, self.mesh) is None:
             object.__setattr__(self, "mesh", default_mesh(self))
         check_strips(self.strips, ends, ends[0] + (ends[1] - ends[0]) * self.mesh.breaks)
-        for name in ("radius_defect", "thickness_defect"):
-            self._check_field(name)
+        for quantity, defect in self.defects.items():
+            self._check_field(f"{quantity}_defect", defect)
+        for edge, support in self.supports.items():
+            if isinstance(support, ElasticEdge) and support.patterns:
+                self._check_springs(edge, support)
 
-    def _check_field(self, name: str) -> None:
-        defect: Field | None = getattr(self, name)
-        if defect is None:
-            return
+    def _check_springs(self, edge: str, support: ElasticEdge) -> None:
+        held, end = self.chart.edges[edge]
+        points = max(361, *(2 * field_samples(field) + 1 for field in support.patterns.values()))
+        ends = [np.linspace(*span, points) for span in self.chart.bounds]
+        ends[held] = np.full(points, self.chart.bounds[held][end])
+        for spring in (name for name in support.patterns if getattr(support, name)):
+            lowest = float(np.real(support.factor(spring, *ends)).min())
+            if not lowest >= 0.0:
+                raise ModelError(
+                    "springs-negative", f"support.{edge}.around makes {spring} negative (factor {lowest:.3g})"
+                )
+
+    def _check_field(self, name: str, defect: Field) -> None:
         counts = (9, max(361, 2 * field_samples(defect) + 1))
         a, b = (np.linspace(*ends, count) for ends, count in zip(self.chart.bounds, counts, strict=True))
         values = np.real(defect.derivatives(a[:, None], b[None, :]).value)
@@ -209,12 +220,16 @@ class Shell:
             )
 
     @property
+    def defects(self) -> dict[str, Field]:
+        """The imperfection fields there are, by quantity: radius, thickness, modulus, density."""
+        fields = {quantity: getattr(self, f"{quantity}_defect") for quantity in DEFECTS}
+        return {quantity: field for quantity, field in fields.items() if field is not None}
+
+    @property
     def axisymmetric(self) -> bool:
         """Whether nothing varies around: no fields, and springs equal all along their edges."""
-        even = all(
-            not support.around.harmonics for support in self.supports.values() if isinstance(support, ElasticEdge)
-        )
-        return self.chart.periodic and even and self.radius_defect is None and self.thickness_defect is None
+        even = all(not support.patterns for support in self.supports.values() if isinstance(support, ElasticEdge))
+        return self.chart.periodic and even and not self.defects
 
     @property
     def thicknesses(self) -> tuple[float, ...]:
@@ -230,12 +245,15 @@ class Shell:
         defect = None if self.radius_defect is None else self.radius_defect.derivatives(a, b)
         where = np.broadcast_arrays(a if inside is None else inside, a, b)[0]
         thickness = spread(self.strips, where, self.thickness, [strip.thickness for strip in self.strips])
-        if self.thickness_defect is not None:
-            thickness = thickness * (1.0 + self.thickness_defect.derivatives(a, b).value)
         materials = [strip.material or self.material for strip in self.strips]
         E, nu, rho = (
             spread(self.strips, where, getattr(self.material, name), [getattr(m, name) for m in materials])
             for name in ("E", "nu", "rho")
         )
-        surface = self.chart.surface(a, b, defect)
-        return ShellGeometry(surface=surface, thickness=thickness, E=E, nu=nu, rho=rho)
+        return ShellGeometry(
+            surface=self.chart.surface(a, b, defect),
+            thickness=thickness * relative(self.thickness_defect, a, b),
+            E=E * relative(self.modulus_defect, a, b),
+            nu=nu,
+            rho=rho * relative(self.density_defect, a, b),
+        )

@@ -4,12 +4,15 @@ A support either removes motions (in Cartesian directions, or in the edge's own 
 Springs act on the five dofs of a node: three displacements and two rotations.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import ClassVar, Literal, TypeAlias
 
 import numpy as np
 
 from casingfem.arrays import Array
+from casingfem.structure.field import Field, relative
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,50 +44,25 @@ class ShearDiaphragm:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Circumferential:
-    """How a spring varies along an edge: 1 + sum_p cos_p cos(p theta) + sin_p sin(p theta).
-
-    >>> pattern = Circumferential(harmonics=((4, 0.5, 0.0),))
-    >>> float(pattern(np.array(0.0)))
-    1.5
-    """
-
-    harmonics: tuple[tuple[int, float, float], ...] = ()
-
-    def __call__(self, theta: Array) -> Array:
-        """Factor at theta, shape of theta."""
-        factor = 1.0 + 0.0 * np.asarray(theta)
-        for p, cos, sin in self.harmonics:
-            factor = factor + cos * np.cos(p * theta) + sin * np.sin(p * theta)
-        return factor
-
-    def coefficient(self, p: int, part: str) -> float:
-        """The cos or sin coefficient of harmonic p (0 where there is none)."""
-        return sum({"cos": c, "sin": s}[part] for q, c, s in self.harmonics if q == p)
-
-    def with_coefficient(self, p: int, part: str, value: float) -> "Circumferential":
-        """The same pattern with one coefficient replaced."""
-        kept = {"cos": self.coefficient(p, "cos"), "sin": self.coefficient(p, "sin")} | {part: value}
-        others = tuple(h for h in self.harmonics if h[0] != p)
-        return Circumferential(harmonics=(*others, (p, kept["cos"], kept["sin"])))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ElasticEdge:
     """An elastically embedded edge.
 
     Line springs k_r, k_theta, k_z [N/m per m] along the chart's directions, a rotational spring k_rot
     [N m/rad per m] on both rotations, and k_face [N/m^3], the foundation modulus on the end face: a shell of
     thickness t resting on it feels t k_face per length in all three directions and t^3/12 k_face in rotation.
-    `around` makes all of them vary along the edge.
+
+    `around` makes them vary along the edge as k (1 + f): one Field f for all of them, or a mapping from a spring's
+    name to its own field; springs it does not name are even.
 
     Raises
     ------
     ValueError
-        If a stiffness is negative or not finite, all are zero, or the pattern makes one negative.
+        If a stiffness is negative or not finite, all are zero, or `around` names no spring of these.
 
-    >>> ElasticEdge(k_face=1e13).held
-    ()
+    >>> from casingfem.structure.field import FourierField
+    >>> edge = ElasticEdge(k_r=1e8, k_z=1e9, around={"k_r": FourierField.of({8: 0.2})})
+    >>> float(edge.factor("k_r", np.array(0.0), np.array(0.0))), edge.pattern("k_z")
+    (1.2, None)
     """
 
     k_r: float = 0.0
@@ -92,7 +70,7 @@ class ElasticEdge:
     k_z: float = 0.0
     k_rot: float = 0.0
     k_face: float = 0.0
-    around: Circumferential = Circumferential()
+    around: Field | Mapping[str, Field] | None = None
 
     held: ClassVar[tuple[int, ...]] = ()
     frame: ClassVar[Literal["cartesian", "edge"]] = "cartesian"
@@ -105,20 +83,35 @@ class ElasticEdge:
                 raise ValueError(f"support.{name} must be finite and not negative, found {value!r}")
         if not any(values.values()):
             raise ValueError("an elastic support needs at least one of k_r, k_theta, k_z, k_rot, k_face above zero")
-        finest = max((p for p, _, _ in self.around.harmonics), default=0)
-        theta = np.linspace(0.0, 2.0 * np.pi, 721 + 16 * finest)
-        lowest = float(np.real(self.around(theta)).min())
-        if lowest < 0.0:
-            raise ValueError(f"support.around makes the springs negative (factor {lowest:.3g}): reduce its harmonics")
+        if isinstance(self.around, Mapping):
+            known = ", ".join(self.stiffness_names)
+            for name in self.around:
+                if name not in self.stiffness_names:
+                    raise ValueError(f"support.around: found {name!r}, expected springs among {known}")
+            object.__setattr__(self, "around", MappingProxyType(dict(self.around)))
 
-    def line_stiffness(self, directions: Array, theta: Array, thickness: Array) -> tuple[Array, Array]:
-        """Springs per length at points: displacement (..., 3, 3) and rotation (...,) [N/m^2, N]."""
-        factor = self.around(theta)
-        springs = np.array([self.k_r, self.k_theta, self.k_z])
-        blocks = np.einsum("k,ki...,kj...->...ij", springs, directions, directions)
-        face = self.k_face * thickness * factor
-        blocks = blocks * factor[..., None, None] + face[..., None, None] * np.eye(3)
-        return blocks, self.k_rot * factor + self.k_face * thickness**3 / 12.0 * factor
+    def pattern(self, spring: str) -> Field | None:
+        """How one spring varies along the edge, relative; None where it is even."""
+        return self.around.get(spring) if isinstance(self.around, Mapping) else self.around
+
+    @property
+    def patterns(self) -> dict[str, Field]:
+        """The fields of the springs that vary, by name."""
+        fields = {name: self.pattern(name) for name in self.stiffness_names}
+        return {name: field for name, field in fields.items() if field is not None}
+
+    def factor(self, spring: str, a: Array, b: Array) -> Array:
+        """1 + f of one spring at parameters (a, b) of the chart."""
+        return relative(self.pattern(spring), a, b)
+
+    def line_stiffness(self, directions: Array, a: Array, b: Array, thickness: Array) -> tuple[Array, Array]:
+        """Springs per length at parameters (a, b): displacement (..., 3, 3) and rotation (...,) [N/m^2, N]."""
+        k_r, k_theta, k_z, k_rot, face = (
+            getattr(self, name) * self.factor(name, a, b) for name in self.stiffness_names
+        )
+        blocks = np.einsum("k...,ki...,kj...->...ij", np.stack([k_r, k_theta, k_z]), directions, directions)
+        blocks = blocks + (face * thickness)[..., None, None] * np.eye(3)
+        return blocks, k_rot + face * thickness**3 / 12.0
 
 
 Support: TypeAlias = Clamped | ShearDiaphragm | ElasticEdge

@@ -10,13 +10,14 @@ from casingfem.structure.field import Field, FourierField
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
-from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm, Support
+from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
 from casingfem.structure.survey import SampledField
 from casingfem.structure.twisted import TwistedPlate
 from casingfem.study.problems import Problems
 from casingfem.study.schema import (
     ChartTable,
     ElasticTable,
+    Harmonic,
     ImperfectionTable,
     MeshTable,
     StudyFile,
@@ -44,17 +45,15 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
     if chart is None or material is None or tables.shell is None or problems:
         return None
     shell = None
+    with problems.at("support" if supports else "shell"):
+        shell = Shell(chart=chart, thickness=tables.shell.thickness, material=material, supports=supports)
+    if shell is None:
+        return None
     with problems.at("imperfection" if fields else "shell"):
-        shell = Shell(
-            chart=chart,
-            thickness=tables.shell.thickness,
-            material=material,
-            supports=supports,
-            radius_defect=fields.get("radius"),
-            thickness_defect=fields.get("thickness"),
-        )
+        defects = {f"{quantity}_defect": field for quantity, field in fields.items()}
+        shell = replace(shell, mesh=None, **defects)  # type: ignore[arg-type]  # the default mesh follows the fields
         shell.geometry(*(np.array([ends[0]]) for ends in chart.bounds))
-    if shell is not None:
+    if not problems:
         with problems.at("mesh"):
             return replace(shell, mesh=build_mesh(tables.mesh, shell.mesh))
     return None
@@ -93,12 +92,26 @@ def build_supports(tables: dict[str, SupportTable], chart: Chart | None, problem
 def build_support(table: SupportTable) -> Support:
     """The support of a [support.EDGE] table."""
     if isinstance(table, ElasticTable):
-        waves = [h.p for h in table.around]
-        if 0 in waves or len(set(waves)) < len(waves):
-            raise ValueError(f"around: found harmonics {waves}, expected each p >= 1 once")
-        pattern = Circumferential(harmonics=tuple((h.p, h.cos, h.sin) for h in table.around))
-        return ElasticEdge(**table.model_dump(exclude={"kind", "around"}), around=pattern)
+        return ElasticEdge(**table.model_dump(exclude={"kind", "around"}), around=build_around(table))
     return Clamped() if table.kind == "clamped" else ShearDiaphragm()
+
+
+def build_around(table: ElasticTable) -> Field | dict[str, Field] | None:
+    """How the springs of an elastic edge vary: all alike, or each by its own harmonics; None where they are even."""
+    if isinstance(table.around, list):
+        return series(table.around, "around", least=1) if table.around else None
+    lists = {name: getattr(table.around, name) for name in ElasticEdge.stiffness_names}
+    patterns: dict[str, Field] = {k: series(waves, f"around.{k}", least=1) for k, waves in lists.items() if waves}
+    return patterns or None
+
+
+def series(waves: list[Harmonic], key: str, least: int = 0) -> FourierField:
+    """Harmonics of the file as a field."""
+    numbers = [h.p for h in waves]
+    if len(set(numbers)) < len(numbers) or min(numbers, default=least) < least:
+        once = f"each p >= {least} once" if least else "each p once"
+        raise ValueError(f"{key}: found harmonics {numbers}, expected {once}")
+    return FourierField.of({h.p: (h.cos, h.sin) for h in waves})
 
 
 def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems: Problems) -> Field | None:
@@ -108,10 +121,7 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
         return None
     if table.harmonics is not None:
         with problems.at(f"{key}.harmonics"):
-            waves = [h.p for h in table.harmonics]
-            if len(set(waves)) < len(waves):
-                raise ValueError(f"found harmonics {waves}, expected each p once")
-            return FourierField.of({h.p: (h.cos, h.sin) for h in table.harmonics})
+            return series(table.harmonics, f"{key}.harmonics")
     elif table.survey is not None:
         with problems.at(f"{key}.survey"):
             survey = SampledField.from_csv(problems.file.parent / table.survey, table.n_max, table.degree)

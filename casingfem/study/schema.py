@@ -4,9 +4,10 @@ Every table may be missing here, so that one bad table does not hide the problem
 names those a study cannot do without.
 """
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 REQUIRED = ("material", "chart", "shell")
 
@@ -103,7 +104,7 @@ class Harmonic(Table):
 class ImperfectionTable(Table):
     """[[imperfection]]: harmonics, or the fit of a survey; several of them add up."""
 
-    of: Literal["radius", "thickness"]
+    of: Literal["radius", "thickness", "modulus", "density"]
     harmonics: list[Harmonic] | None = Field(default=None, description="[{p, cos, sin}], relative")
     survey: str | None = Field(default=None, min_length=1, description="survey CSV, relative to this file")
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic fitted to the survey")
@@ -119,6 +120,22 @@ class ImperfectionTable(Table):
         return self
 
 
+class SpringsAround(Table):
+    """[support.EDGE.around]: how each spring varies along the edge."""
+
+    k_r: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the radial springs, relative")
+    k_theta: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the tangential springs, relative")
+    k_z: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the axial springs, relative")
+    k_rot: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the rotational springs, relative")
+    k_face: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the end face, relative")
+
+
+Around = Annotated[
+    Annotated[list[Harmonic], Tag("all")] | Annotated[SpringsAround, Tag("each")],
+    Discriminator(lambda value: "each" if isinstance(value, Mapping | SpringsAround) else "all"),
+]
+
+
 class ClampedTable(Table):
     """[support.EDGE] of kind "clamped"."""
 
@@ -132,7 +149,7 @@ class DiaphragmTable(Table):
 
 
 class ElasticTable(Table):
-    """[support.EDGE] of kind "elastic"; `around` multiplies all springs by 1 + its harmonics."""
+    """[support.EDGE] of kind "elastic"; `around` multiplies all springs, or each by its own, by 1 + harmonics."""
 
     kind: Literal["elastic"]
     k_r: NotNegative = Field(default=0.0, description="radial springs [N/m per m]")
@@ -140,7 +157,7 @@ class ElasticTable(Table):
     k_z: NotNegative = Field(default=0.0, description="axial springs [N/m per m]")
     k_rot: NotNegative = Field(default=0.0, description="rotational springs [N m/rad per m]")
     k_face: NotNegative = Field(default=0.0, description="foundation modulus of the end face [N/m^3]")
-    around: list[Harmonic] = Field(default=[], description="[{p, cos, sin}], relative")
+    around: Around = Field(default=[], description="[{p, cos, sin}], relative; or such a list for each spring's name")
 
 
 class ModesTable(Table):

@@ -3,12 +3,13 @@
 import json
 import os
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Circumferential, ElasticEdge
+from casingfem.structure.shell import DEFECTS, Shell
+from casingfem.structure.support import ElasticEdge
 from casingfem.study.load import Study
 from casingfem.updating.parameters import get_value
 
@@ -23,10 +24,11 @@ def perfect(shell: Shell) -> Shell:
     True
     """
     supports = {
-        edge: replace(support, around=Circumferential()) if isinstance(support, ElasticEdge) else support
+        edge: replace(support, around=None) if isinstance(support, ElasticEdge) else support
         for edge, support in shell.supports.items()
     }
-    return replace(shell, radius_defect=None, thickness_defect=None, supports=supports)
+    none: dict[str, Any] = {f"{quantity}_defect": None for quantity in shell.defects}
+    return replace(shell, supports=supports, **none)
 
 
 def updated_toml(study: Study, values: Mapping[str, float], folder: Path) -> str:
@@ -51,17 +53,29 @@ def updated_toml(study: Study, values: Mapping[str, float], folder: Path) -> str
 def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
     """Set one parameter in the tables of a study file."""
     parts = name.split(".")
-    if parts[0] in ("radius", "thickness"):
+    if parts[0] in DEFECTS:
         p, part, change = int(parts[1][1:]), parts[2], value - float(get_value(shell, name))
         add_harmonic(tables.setdefault("imperfection", []), parts[0], p, part, change)
     elif parts[0] == "support" and len(parts) == 5:
-        waves = tables["support"][parts[1]].setdefault("around", [])
-        harmonic(waves, int(parts[3][1:]))[parts[4]] = value
+        for waves in pattern_lists(tables["support"][parts[1]], parts[2]):
+            harmonic(waves, int(parts[3][1:]))[parts[4]] = value
     else:
         owner = tables
         for part in parts[:-1]:
             owner = owner[part]
         owner[parts[-1]] = value
+
+
+def pattern_lists(support: dict[str, Any], spring: str) -> list[list[dict[str, Any]]]:
+    """The lists of harmonics that a pattern's parameter moves: of one spring or of "around", all together."""
+    around = support.setdefault("around", [])
+    if isinstance(around, list):
+        if spring == "around" or not any(support.get(k) for k in ElasticEdge.stiffness_names if k != spring):
+            return [around]
+        around = {k: deepcopy(around) for k in ElasticEdge.stiffness_names if support.get(k)}
+        support["around"] = around
+    springs = [k for k in ElasticEdge.stiffness_names if support.get(k)] if spring == "around" else [spring]
+    return [around.setdefault(k, []) for k in springs]
 
 
 def add_harmonic(imperfections: list[dict[str, Any]], of: str, p: int, part: str, change: float) -> None:

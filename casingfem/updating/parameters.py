@@ -1,23 +1,24 @@
 """What an update may vary: a named number of a structure, its bounds and its prior.
 
-Names are paths: material.E | nu | rho, shell.thickness, chart.<field>, radius.p8.cos, thickness.p2.sin,
-support.<edge>.k_face | k_r | k_theta | k_z | k_rot, support.<edge>.k_face.p4.cos (the circumferential
-pattern of that edge, relative; all its springs share it).
+Names are paths: material.E | nu | rho, shell.thickness, chart.<field>; radius.p8.cos, thickness.p2.sin,
+modulus.p4.cos, density.p2.sin (relative harmonics); support.<edge>.k_face | k_r | k_theta | k_z | k_rot;
+support.<edge>.k_face.p4.cos (how that spring varies along its edge, relative) and support.<edge>.around.p4.cos
+(all springs of the edge together).
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from casingfem.structure.field import FourierField
-from casingfem.structure.shell import Shell
+from casingfem.structure.field import Field, FourierField
+from casingfem.structure.shell import DEFECTS, Shell
 from casingfem.structure.support import ElasticEdge
 
 HARMONIC = re.compile(r"p(\d+)$")
-FIELDS = {"radius": "radius_defect", "thickness": "thickness_defect"}
+SHARED = "around"  # in the place of a spring: all springs of an edge
 
 
 class ParameterError(ValueError):
@@ -87,16 +88,55 @@ def _edge(shell: Shell, name: str, parts: list[str]) -> tuple[str, ElasticEdge]:
     if not isinstance(support, ElasticEdge):
         found = "no support" if support is None else type(support).__name__
         raise ParameterError(f"{name!r}: edge {parts[1]!r} has {found}; only elastic edges have stiffnesses")
-    if len(parts) not in (3, 5) or parts[2] not in ElasticEdge.stiffness_names:
-        raise ParameterError(f"{name!r}: an elastic edge has {', '.join(ElasticEdge.stiffness_names)}")
+    known = ElasticEdge.stiffness_names + ((SHARED,) if len(parts) == 5 else ())
+    if len(parts) not in (3, 5) or parts[2] not in known:
+        raise ParameterError(f"{name!r}: an elastic edge has {', '.join(known)}")
     return parts[1], support
+
+
+def _coefficient(name: str, field: Field | None, p: int, part: str) -> Any:
+    """One Fourier coefficient of a field, 0 where there is none."""
+    return _series(name, field).coefficients(p)[part == "sin"]
+
+
+def _with_coefficient(name: str, field: Field | None, p: int, part: str, value: Any) -> FourierField:
+    return _series(name, field).with_harmonic(p, **{part: value})
+
+
+def _series(name: str, field: Field | None) -> FourierField:
+    """The Fourier series behind a field; an empty one without a field."""
+    series = FourierField.of({}) if field is None else getattr(field, "fit", field)
+    if not isinstance(series, FourierField):
+        raise ParameterError(f"{name!r}: the field is no Fourier series but {type(field).__name__}")
+    return series
+
+
+def _springs(parts: list[str]) -> tuple[str, ...]:
+    """The springs whose pattern a name of five parts addresses."""
+    return ElasticEdge.stiffness_names if parts[2] == SHARED else (parts[2],)
+
+
+def _pattern_value(support: ElasticEdge, name: str, parts: list[str]) -> Any:
+    values = [_coefficient(name, support.pattern(spring), *_harmonic(name, parts[3:])) for spring in _springs(parts)]
+    if any(value != values[0] for value in values):
+        raise ParameterError(f"{name!r}: the springs of this edge differ there; name one of them")
+    return values[0]
+
+
+def _with_pattern(support: ElasticEdge, name: str, parts: list[str], value: Any) -> ElasticEdge:
+    p, part = _harmonic(name, parts[3:])
+    if parts[2] == SHARED and not isinstance(support.around, Mapping):
+        return replace(support, around=_with_coefficient(name, support.around, p, part, value))
+    changed = {spring: _with_coefficient(name, support.pattern(spring), p, part, value) for spring in _springs(parts)}
+    return replace(support, around=support.patterns | changed)
 
 
 def _plain(shell: Shell, name: str, parts: list[str]) -> tuple[Any, str]:
     owners = {"material": shell.material, "chart": shell.chart, "shell": shell}
     owner = owners.get(parts[0])
     if owner is None or len(parts) != 2:
-        raise ParameterError(f"{name!r}: a parameter starts with material, shell, chart, radius, thickness or support")
+        known = ", ".join([*owners, *DEFECTS])
+        raise ParameterError(f"{name!r}: a parameter starts with {known} or support")
     numbers = ["thickness"] if owner is shell else [f.name for f in fields(owner)] if is_dataclass(owner) else []
     if parts[1] not in numbers:
         raise ParameterError(f"{name!r}: {parts[0]} has {', '.join(numbers)}, not {parts[1]!r}")
@@ -112,18 +152,11 @@ def get_value(shell: Shell, name: str) -> Any:
         If the structure has no such number.
     """
     parts = _split(name)
-    if parts[0] in FIELDS and len(parts) == 3:
-        p, part = _harmonic(name, parts[1:])
-        field = getattr(shell, FIELDS[parts[0]])
-        series = getattr(field, "fit", field)
-        if series is None:
-            return 0.0
-        if not isinstance(series, FourierField):
-            raise ParameterError(f"{name!r}: the {parts[0]} field is no Fourier series but {type(field).__name__}")
-        return series.coefficients(p)[part == "sin"]
+    if parts[0] in DEFECTS and len(parts) == 3:
+        return _coefficient(name, shell.defects.get(parts[0]), *_harmonic(name, parts[1:]))
     if parts[0] == "support" and len(parts) > 2:
         _, support = _edge(shell, name, parts)
-        return support.around.coefficient(*_harmonic(name, parts[3:])) if parts[3:] else getattr(support, parts[2])
+        return _pattern_value(support, name, parts) if parts[3:] else getattr(support, parts[2])
     owner, attribute = _plain(shell, name, parts)
     return getattr(owner, attribute)
 
@@ -140,19 +173,14 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
     """
     get_value(shell, name)  # raises where there is no such number
     parts = _split(name)
-    if parts[0] in FIELDS and len(parts) == 3:
-        p, part = _harmonic(name, parts[1:])
-        field = getattr(shell, FIELDS[parts[0]]) or FourierField.of({})
-        series = field.with_harmonic(p, **{part: value})
-        defects: dict[str, Any] = {FIELDS[parts[0]]: series}
+    if parts[0] in DEFECTS and len(parts) == 3:
+        series = _with_coefficient(name, shell.defects.get(parts[0]), *_harmonic(name, parts[1:]), value)
+        defects: dict[str, Any] = {f"{parts[0]}_defect": series}
         return replace(shell, **defects)
     if parts[0] == "support" and len(parts) > 2:
         edge, support = _edge(shell, name, parts)
-        if parts[3:]:
-            pattern = support.around.with_coefficient(*_harmonic(name, parts[3:]), value)
-            changed = replace(support, around=pattern)
-        else:
-            changed = replace(support, **{parts[2]: value})
+        own: dict[str, Any] = {parts[2]: value}
+        changed = _with_pattern(support, name, parts, value) if parts[3:] else replace(support, **own)
         return replace(shell, supports={**shell.supports, edge: changed})
     owner, attribute = _plain(shell, name, parts)
     changes: dict[str, Any] = {attribute: value}
@@ -172,12 +200,13 @@ def check_parameters(shell: Shell, vary: Sequence[Parameter]) -> None:
     seen: dict[str, str] = {}
     for parameter in vary:
         parts = parameter.name.split(".")
-        number = ".".join([*parts[:2], *parts[3:]]) if len(parts) == 5 else parameter.name  # springs share a pattern
-        if number in seen:
-            other = seen[number]
-            alias = "" if other == parameter.name else f": it is the same number as {other}"
+        numbers = [parameter.name]
+        if len(parts) == 5:
+            numbers = [".".join([*parts[:2], spring, *parts[3:]]) for spring in _springs(parts)]
+        for other in {seen[number] for number in numbers if number in seen}:
+            alias = "" if other == parameter.name else f": {other} moves the same number"
             raise ParameterError(f"{parameter.name} is varied twice{alias}")
-        seen[number] = parameter.name
+        seen |= dict.fromkeys(numbers, parameter.name)
         start = get_value(shell, parameter.name)
         if not parameter.lower <= start <= parameter.upper:
             raise ParameterError(

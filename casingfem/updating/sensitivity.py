@@ -5,8 +5,8 @@ kinetic energies. They are analytic in every parameter, so one evaluation at p +
 
     Phi^T K_p Phi = Im(Phi^T K(p + i h) Phi)/h
 
-to round-off (complex step: Squire & Trapp, SIAM Review 40, 1998, 110), for moduli, thickness, radius harmonics
-and springs alike. Held directions of a diaphragm edge are taken as they stand.
+to round-off (complex step: Squire & Trapp, SIAM Review 40, 1998, 110), for moduli, densities, thickness, harmonics
+of any field and springs alike. Held directions of a diaphragm edge are taken as they stand.
 """
 
 from dataclasses import dataclass

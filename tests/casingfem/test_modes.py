@@ -15,7 +15,7 @@ from casingfem.structure.chart import Cylinder, Frustum, Plate
 from casingfem.structure.field import FourierField
 from casingfem.structure.mesh import ShellMesh, rim_values
 from casingfem.structure.shell import Shell
-from casingfem.structure.support import Circumferential, Clamped, ElasticEdge
+from casingfem.structure.support import Clamped, ElasticEdge
 
 MEDIUM = ShellMesh(order=6, rows=1, around=17)
 EIGHT = ShellMesh(order=6, rows=1, around=16)  # as symmetric as an imperfection of period 45 degrees
@@ -76,7 +76,7 @@ def test_turning_a_mixed_field_changes_no_frequency(frustum):
 @pytest.mark.parametrize("around", [8, 4])
 def test_equal_springs_split_n_only_if_their_number_divides_2n(frustum, around):
     """Springs k(1 + .9 cos N theta), as of N bolts: N = 8 splits 4, 8, 12; N = 4 also 6 and 10."""
-    bolts = ElasticEdge(k_face=1e11, around=Circumferential(harmonics=((around, 0.9, 0.0),)))
+    bolts = ElasticEdge(k_face=1e11, around=FourierField.of({around: (0.9, 0.0)}))
     n, split = splits(modes(frustum(supports={"base": bolts}, mesh=EIGHT), 24))
     allowed = (2 * n) % around == 0
     assert split[~allowed].max() < 1e-10

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from casingfem.structure.field import FieldValues, FourierField
 from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.support import Circumferential, Clamped, ElasticEdge
+from casingfem.structure.support import Clamped, ElasticEdge
 from casingfem.structure.survey import SampledField
-from casingfem.updating.parameters import Parameter, ParameterError, get_value, with_value
+from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
 
 PATHS = {
     "material.E": 210e9,
@@ -31,17 +31,22 @@ PATHS = {
     "support.base.k_rot": 0.0,
     "support.base.k_face.p4.cos": 0.2,
     "support.base.k_r.p4.sin": 0.1,
+    "support.base.around.p4.cos": 0.2,
+    "modulus.p4.cos": 0.02,
+    "density.p2.sin": 0.03,
     "support.base.k_face.p6.sin": 0.0,
 }
 
 
 @pytest.fixture(scope="module")
 def casing(frustum):
-    edge = ElasticEdge(k_face=5e12, k_r=1e8, around=Circumferential(harmonics=((4, 0.2, 0.1),)))
+    edge = ElasticEdge(k_face=5e12, k_r=1e8, around=FourierField.of({4: (0.2, 0.1)}))
     return frustum(
         supports={"base": edge, "top": Clamped()},
         radius_defect=FourierField.of({8: (0.002, -0.001), 3: 0.001}),
         thickness_defect=FourierField.of({2: 0.03}),
+        modulus_defect=FourierField.of({4: 0.02}),
+        density_defect=FourierField.of({2: (0.0, 0.03)}),
         mesh=ShellMesh(order=3, rows=1, around=7),
     )
 
@@ -56,13 +61,36 @@ def test_value_is_replaced_and_nothing_else_changes(casing, name):
     value = 0.4 if name == "material.nu" else 1.1 * PATHS[name] + 1e-4
     changed = with_value(casing, name, value)
     assert get_value(changed, name) == pytest.approx(value, rel=1e-15)
-    pattern = "support.base.k_face."  # one pattern for all springs of an edge: k_r.p4.sin is k_face.p4.sin
     for other, expected in PATHS.items():
-        if other != name and not (name.startswith("support") and other.split(".")[3:] == name.split(".")[3:] != []):
+        if other != name and not one_pattern(name, other):
             assert get_value(changed, other) == expected, other
     assert get_value(casing, name) == PATHS[name]
     assert changed.mesh is casing.mesh
-    assert get_value(changed, pattern + "p4.sin") == get_value(changed, "support.base.k_r.p4.sin")
+
+
+def one_pattern(name, other):
+    """Whether one of two patterns' names is "around", which moves and reads all springs, and the harmonic the same."""
+    first, second = name.split("."), other.split(".")
+    return first[0] == second[0] == "support" and first[3:] == second[3:] != [] and "around" in (first[2], second[2])
+
+
+def test_a_spring_leaves_the_pattern_it_shared(casing):
+    changed = with_value(casing, "support.base.k_r.p4.cos", 0.5)
+    values = [get_value(changed, f"support.base.{k}.p4.cos") for k in ("k_r", "k_face", "k_z")]
+    assert values == [0.5, 0.2, 0.2]
+    with pytest.raises(ParameterError, match="the springs of this edge differ there; name one"):
+        get_value(changed, "support.base.around.p4.cos")
+    both = with_value(changed, "support.base.around.p4.sin", 0.3)
+    assert get_value(both, "support.base.around.p4.sin") == get_value(both, "support.base.k_z.p4.sin") == 0.3
+
+
+@pytest.mark.parametrize("pair", [("around", "k_r"), ("k_r", "around"), ("k_r", "k_r")])
+def test_one_number_is_varied_once(casing, pair):
+    vary = [Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in pair]
+    with pytest.raises(ParameterError, match="is varied twice"):
+        check_parameters(casing, vary)
+    apart = [Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in ("k_r", "k_face")]
+    check_parameters(casing, apart)
 
 
 def test_a_shell_without_fields_gets_one(frustum):
@@ -97,13 +125,13 @@ def test_complex_values_pass(casing):
         ("material.G", "material has E, nu, rho, not 'G'"),
         ("chart.radius", "chart has r_base, r_top, height, not 'radius'"),
         ("shell.mesh", "shell has thickness, not 'mesh'"),
-        ("shell.thickness.p2", "starts with material, shell, chart"),
-        ("bolts.3.k", "starts with material, shell, chart"),
+        ("shell.thickness.p2", "starts with material, chart, shell"),
+        ("bolts.3.k", "starts with material, chart, shell"),
         ("radius.8.cos", "expected a harmonic such as p8.cos, found '8.cos'"),
         ("radius.p8.tan", "expected a harmonic such as p8.cos"),
         ("radius.p8", "starts with material"),
         ("support.base", "starts with material"),
-        ("support.base.E", "an elastic edge has k_r, k_theta, k_z, k_rot, k_face"),
+        ("support.base.E", "an elastic edge has k_r, k_theta, k_z, k_rot, k_face$"),
         ("support.base.k_face.p4", "an elastic edge has"),
         ("support.base.k_face.4.cos", "expected a harmonic"),
         ("support.rim.k_face", "edge 'rim' has no support"),

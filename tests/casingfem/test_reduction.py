@@ -15,7 +15,7 @@ from casingfem.structure.chart import Cylinder, Panel
 from casingfem.structure.field import FourierField
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
-from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
 
 RIM = Rim("top", n_max=8)
 
@@ -23,7 +23,7 @@ RIM = Rim("top", n_max=8)
 @pytest.fixture(scope="module")
 def casing(frustum):
     """Imperfect, elastically embedded."""
-    edge = ElasticEdge(k_face=5e12, around=Circumferential(harmonics=((4, 0.3, 0.1),)))
+    edge = ElasticEdge(k_face=5e12, around=FourierField.of({4: (0.3, 0.1)}))
     shell = frustum(
         radius_defect=FourierField.of({2: 0.004, 8: 0.002}),
         supports={"base": edge},

@@ -10,7 +10,7 @@ from casingfem.structure.chart import Panel
 from casingfem.structure.field import FourierField
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
-from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.updating.parameters import Parameter, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives, modal_products, point_fields
 
@@ -26,8 +26,10 @@ NAMES = [
     "radius.p8.cos",
     "radius.p3.sin",
     "thickness.p4.cos",
+    "modulus.p4.cos",
+    "density.p2.sin",
     "support.base.k_face",
-    "support.base.k_face.p4.cos",
+    "support.base.around.p4.cos",
     "support.base.k_face.p4.sin",
     "support.base.k_r",
     "support.base.k_theta",
@@ -39,13 +41,13 @@ NAMES = [
 @pytest.fixture(scope="module")
 def casing(frustum):
     """Nothing symmetric, so that no derivative vanishes."""
-    edge = ElasticEdge(
-        k_face=5e11, k_r=1e9, k_theta=2e9, k_z=1e9, k_rot=1e5, around=Circumferential(harmonics=((4, 0.3, 0.2),))
-    )
+    edge = ElasticEdge(k_face=5e11, k_r=1e9, k_theta=2e9, k_z=1e9, k_rot=1e5, around=FourierField.of({4: (0.3, 0.2)}))
     return frustum(
         supports={"base": edge},
         radius_defect=FourierField.of({8: (0.002, 0.001), 3: (0.001, 0.001)}),
         thickness_defect=FourierField.of({4: 0.05}),
+        modulus_defect=FourierField.of({4: (0.03, 0.02)}),
+        density_defect=FourierField.of({2: (0.01, 0.04)}),
         mesh=ShellMesh(order=5, rows=1, around=9),
     )
 

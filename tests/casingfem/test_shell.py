@@ -5,13 +5,14 @@ from dataclasses import FrozenInstanceError
 import numpy as np
 import pytest
 
+from casingfem.modal.modes import modes
 from casingfem.structure.chart import Cylinder, Panel, Plate
 from casingfem.structure.field import FieldValues, FourierField
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell, finest_harmonic
-from casingfem.structure.support import Circumferential, Clamped, ElasticEdge
+from casingfem.structure.support import Clamped, ElasticEdge
 
-PATTERN = Circumferential(harmonics=((4, 0.2, 0.0),))
+PATTERN = FourierField.of({4: (0.2, 0.0)})
 
 
 @pytest.mark.parametrize("value", [0.0, -3e-3, np.nan, np.inf])
@@ -35,7 +36,7 @@ def test_refuses_a_support_of_another_kind(frustum):
         frustum(supports={"base": "clamped"})
 
 
-@pytest.mark.parametrize("name", ["radius_defect", "thickness_defect"])
+@pytest.mark.parametrize("name", ["radius_defect", "thickness_defect", "modulus_defect", "density_defect"])
 def test_refuses_a_field_that_eats_the_shell(frustum, name):
     with pytest.raises(ValueError, match=f"{name}: the field reaches -0.95"):
         frustum(**{name: FourierField.of({3: 0.95})})
@@ -75,6 +76,8 @@ def test_is_a_value(frustum):
         ({"supports": {"base": ElasticEdge(k_r=1e6, around=PATTERN)}}, False),
         ({"radius_defect": FourierField.of({3: 0.001})}, False),
         ({"thickness_defect": FourierField.of({3: 0.001})}, False),
+        ({"modulus_defect": FourierField.of({3: 0.001})}, False),
+        ({"density_defect": FourierField.of({3: 0.001})}, False),
         ({"chart": Panel(radius=0.5, length=0.3, angle=1.0), "supports": {}}, False),
     ],
 )
@@ -87,6 +90,14 @@ def test_thickness_field_is_relative(frustum):
     theta = np.linspace(0, 6, 9)
     t = shell.geometry(np.full(9, 0.1), theta).thickness
     np.testing.assert_allclose(t, 3e-3 * (1 + 0.1 * np.cos(4 * theta)), rtol=1e-14)
+
+
+@pytest.mark.parametrize(("name", "power"), [("modulus", 0.5), ("density", -0.5)])
+def test_an_even_field_scales_the_material(frustum, coarse, name, power):
+    """E (1 + f) and rho (1 + f) with f the same everywhere: omega goes with sqrt(E/rho)."""
+    field = {f"{name}_defect": FourierField.of({0: 0.21})}
+    plain, varied = (modes(frustum(mesh=coarse, **parts), 6, method="shell").freq for parts in ({}, field))
+    np.testing.assert_allclose(varied, plain * 1.21**power, rtol=1e-10)
 
 
 def test_default_mesh_is_odd_around_and_finer_for_finer_fields(frustum):
@@ -111,7 +122,6 @@ def test_the_finest_harmonic_leaves_small_ones_aside(frustum):
     shell = frustum()
     assert finest_harmonic(shell, FourierField.of({3: 0.01, 16: 0.001})) == 16
     assert finest_harmonic(shell, FourierField.of({3: 0.01, 16: 0.0001})) == 3
-    assert finest_harmonic(shell, None) == 0
     assert finest_harmonic(shell, FourierField.of({})) == 0
 
 

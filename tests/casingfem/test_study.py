@@ -99,13 +99,26 @@ def test_every_chart(tmp_path, chart, edge, kind):
 def test_an_elastic_edge_with_its_pattern(tmp_path):
     spring = 'kind = "elastic"\nk_face = 1e13\nk_r = 2e8\naround = [{p = 4, cos = 0.3, sin = -0.1}]'
     support = load_study(written(tmp_path, FRUSTUM.replace('kind = "clamped"', spring))).shell.supports["base"]
-    assert (support.k_face, support.k_r, support.around.harmonics) == (1e13, 2e8, ((4, 0.3, -0.1),))
+    assert (support.k_face, support.k_r, support.around.coefficients(4)) == (1e13, 2e8, (0.3, -0.1))
+
+
+def test_an_elastic_edge_whose_springs_vary_each_in_its_way(tmp_path):
+    spring = (
+        'kind = "elastic"\nk_z = 1e9\nk_r = 2e8\naround.k_r = [{p = 4, cos = 0.3}]\naround.k_z = [{p = 2, sin = 0.1}]'
+    )
+    support = load_study(written(tmp_path, FRUSTUM.replace('kind = "clamped"', spring))).shell.supports["base"]
+    assert {name: field.harmonics for name, field in support.patterns.items()} == {"k_r": (4,), "k_z": (2,)}
+    assert support.pattern("k_z").coefficients(2) == (0.0, 0.1)
 
 
 def test_imperfections_of_one_quantity_add_up(tmp_path):
     more = '[[imperfection]]\nof = "radius"\nharmonics = [{p = 8, cos = 0.001}]\n'
     more += '[[imperfection]]\nof = "thickness"\nharmonics = [{p = 2, sin = 0.01}]\n'
+    more += '[[imperfection]]\nof = "modulus"\nharmonics = [{p = 4, sin = 0.02}]\n'
+    more += '[[imperfection]]\nof = "density"\nharmonics = [{p = 4, cos = 0.03}]\n'
     shell = load_study(written(tmp_path, FRUSTUM + more)).shell
+    assert shell.modulus_defect.coefficients(4) == (0.0, 0.02)
+    assert shell.density_defect.coefficients(4) == (0.03, 0.0)
     assert shell.radius_defect.coefficients(8)[0] == pytest.approx(0.005)
     assert shell.thickness_defect.coefficients(2) == (0.0, 0.01)
 

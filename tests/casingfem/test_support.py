@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from casingfem.errors import ModelError
 from casingfem.modal.eigen import solve_modes
 from casingfem.structure.assembly import assemble, held_dofs
 from casingfem.structure.chart import Cylinder, Plate
+from casingfem.structure.field import FieldValues, FourierField
 from casingfem.structure.mesh import ShellMesh, make_grid
 from casingfem.structure.shell import Shell
-from casingfem.structure.support import Circumferential, Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
 
 
 def frequencies(shell, count=8):
@@ -18,27 +20,50 @@ def frequencies(shell, count=8):
     return np.sqrt(np.maximum(solve_modes(system.K, system.mass, count, shift=-1e3).eigenvalues[:count], 0.0))
 
 
-def test_pattern_is_one_plus_its_harmonics():
+class Rising:
+    """A pattern that is no series: z along the axis, whatever the angle."""
+
+    def derivatives(self, z, theta):
+        value = np.asarray(z) + 0.0 * np.asarray(theta)
+        return FieldValues(value, 1.0 + 0 * value, *[0 * value] * 4)
+
+    def rotated(self, angle):
+        return self
+
+
+def test_any_field_is_a_pattern_and_is_taken_at_its_edge(steel):
+    """On the upper edge, z = .4: all springs are stiffer by .4, as by a pattern p = 0."""
+    parts = {"chart": Cylinder(radius=0.5, height=0.4), "thickness": 5e-3, "material": steel}
+    mesh = ShellMesh(order=5, rows=1, around=5)
+    springs = {"k_r": 1e8, "k_theta": 1e8, "k_z": 1e8, "k_rot": 1e3}
+    rising, stiffer = (
+        frequencies(Shell(supports={"top": ElasticEdge(**springs, around=around)}, mesh=mesh, **parts))
+        for around in (Rising(), FourierField.of({0: 0.4}))
+    )
+    np.testing.assert_allclose(rising, stiffer, rtol=1e-12)
+
+
+def test_each_spring_may_have_a_pattern_of_its_own():
     theta = np.linspace(0, 6, 13)
-    pattern = Circumferential(harmonics=((4, 0.3, -0.1), (8, 0.0, 0.2)))
-    expected = 1 + 0.3 * np.cos(4 * theta) - 0.1 * np.sin(4 * theta) + 0.2 * np.sin(8 * theta)
-    np.testing.assert_allclose(pattern(theta), expected, rtol=1e-14)
-    assert pattern.coefficient(4, "sin") == -0.1
-    assert pattern.coefficient(5, "cos") == 0.0
-
-
-def test_pattern_with_one_coefficient_replaced_keeps_the_rest():
-    pattern = Circumferential(harmonics=((4, 0.3, -0.1), (8, 0.0, 0.2))).with_coefficient(4, "cos", 0.5)
-    values = [pattern.coefficient(p, part) for p in (4, 8) for part in ("cos", "sin")]
-    assert values == [0.5, -0.1, 0.0, 0.2]
-    assert pattern.with_coefficient(2, "sin", 0.1).coefficient(2, "sin") == 0.1
+    around = {"k_r": FourierField.of({4: (0.3, -0.1)}), "k_z": FourierField.of({2: 0.2})}
+    edge = ElasticEdge(k_r=1.0, k_theta=2.0, k_z=3.0, k_rot=4.0, around=around)
+    d = Cylinder(radius=1.0, height=1.0).directions(np.zeros(13), theta)
+    blocks, rotation = edge.line_stiffness(d, np.zeros(13), theta, np.full(13, 0.01))
+    felt = np.einsum("kip,pij,kjp->kp", d, blocks, d)
+    np.testing.assert_allclose(felt[0], 1 + 0.3 * np.cos(4 * theta) - 0.1 * np.sin(4 * theta), rtol=1e-14)
+    np.testing.assert_allclose(felt[1], 2.0, rtol=1e-14)
+    np.testing.assert_allclose(felt[2], 3 * (1 + 0.2 * np.cos(2 * theta)), rtol=1e-14)
+    np.testing.assert_allclose(rotation, 4.0, rtol=1e-14)
+    assert edge.patterns == around
+    with pytest.raises(TypeError):
+        edge.around["k_r"] = None
 
 
 def test_line_springs_act_along_their_directions():
-    edge = ElasticEdge(k_r=1.0, k_theta=2.0, k_z=3.0, k_rot=4.0, around=Circumferential(harmonics=((2, 0.5, 0.0),)))
+    edge = ElasticEdge(k_r=1.0, k_theta=2.0, k_z=3.0, k_rot=4.0, around=FourierField.of({2: (0.5, 0.0)}))
     theta = np.array([0.0, 0.4, 2.0])
     d = Cylinder(radius=1.0, height=1.0).directions(np.zeros(3), theta)
-    blocks, rotation = edge.line_stiffness(d, theta, np.full(3, 0.01))
+    blocks, rotation = edge.line_stiffness(d, np.zeros(3), theta, np.full(3, 0.01))
     factor = 1 + 0.5 * np.cos(2 * theta)
     for k, stiffness in enumerate((1.0, 2.0, 3.0)):
         felt = np.einsum("ip,pij,jp->p", d[k], blocks, d[k])
@@ -49,7 +74,7 @@ def test_line_springs_act_along_their_directions():
 def test_face_foundation_is_felt_over_the_thickness():
     t, theta = np.array([0.01, 0.02]), np.zeros(2)
     d = Cylinder(radius=1.0, height=1.0).directions(np.zeros(2), theta)
-    blocks, rotation = ElasticEdge(k_face=5e12).line_stiffness(d, theta, t)
+    blocks, rotation = ElasticEdge(k_face=5e12).line_stiffness(d, np.zeros(2), theta, t)
     np.testing.assert_allclose(blocks, 5e12 * t[:, None, None] * np.eye(3), rtol=1e-14)
     np.testing.assert_allclose(rotation, 5e12 * t**3 / 12, rtol=1e-14)
 
@@ -119,12 +144,19 @@ def test_where_edges_meet_the_stricter_one_holds(steel):
         ({"k_r": -1.0}, r"support\.k_r must be finite"),
         ({"k_face": float("nan")}, r"support\.k_face must be finite"),
         ({"k_rot": float("inf")}, r"support\.k_rot must be finite"),
-        ({"k_r": 1.0, "around": Circumferential(harmonics=((4, 0.8, 0.7),))}, "negative"),
+        ({"k_r": 1.0, "around": {"k_x": FourierField.of({4: 0.1})}}, "found 'k_x', expected springs among k_r"),
     ],
 )
 def test_refuses_springs_that_are_none(values, message):
     with pytest.raises(ValueError, match=message):
         ElasticEdge(**values)
+
+
+def test_refuses_patterns_that_make_a_spring_push(frustum):
+    edge = ElasticEdge(k_r=1.0, around={"k_r": FourierField.of({4: (0.8, 0.7)})})
+    with pytest.raises(ModelError, match=r"support\.base\.around makes k_r negative \(factor -0\.0629") as caught:
+        frustum(supports={"base": edge})
+    assert caught.value.code == "springs-negative"
 
 
 def test_an_edge_without_springs_for_a_motion_leaves_it_free(frustum, coarse):
