@@ -15,6 +15,7 @@ from casingfem.modal.interface import Rim, Tip
 from casingfem.modal.modes import Modes, modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.assembly import System, assemble
+from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.field import Field, FourierField, SumField
 from casingfem.structure.material import Material
@@ -29,6 +30,7 @@ from casingfem.updating.updating import UpdateError, update
 
 __all__ = [
     "BasisError",
+    "Bolts",
     "Chart",
     "Clamped",
     "Cylinder",

@@ -19,6 +19,23 @@ class Fault(NamedTuple):
 
 CATALOGUE: Mapping[str, Fault] = MappingProxyType(
     {
+        "bolt-count": Fault("there is no such number of bolts", "give the number of bolts, 1 to 1000"),
+        "bolt-mesh": Fault(
+            "elements around that do not follow the bolts see some bolts stiffer than others and split perfect pairs",
+            "leave mesh.around out, or make it a multiple of the number of bolts",
+        ),
+        "bolt-number": Fault("a loose bolt is named that does not exist", "number the bolts from 1 to their count"),
+        "bolt-off-edge": Fault(
+            "a bolt, with the patch it acts on, does not lie on the edge",
+            "change first_angle, spacing or width, or take fewer bolts",
+        ),
+        "bolt-overlap": Fault(
+            "neighbouring bolts act on the same part of the edge", "give a smaller width, or a larger spacing"
+        ),
+        "bolt-stiffness": Fault(
+            "a bolt without stiffness, or with an impossible one, holds nothing",
+            "give k in N/m, one number or [k_r, k_theta, k_z], and factors of 0 or more",
+        ),
         "shell-thickness": Fault(
             "the wall thickness is not a positive finite number", "give the thickness in metres, 3 mm as 3e-3"
         ),

@@ -12,15 +12,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import bsr_array, coo_array, csc_array
 
 from casingfem.arrays import Array, FloatArray, IntArray
+from casingfem.structure.edge_form import EdgeForm
+from casingfem.structure.edges import edge_stiffness
 from casingfem.structure.element import ElementQuadLobatto, lobatto
 from casingfem.structure.kinematics import DOFS, STRAINS, dot, frame, strain_slots
 from casingfem.structure.material import plane_stress
 from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.shell import Shell, ShellGeometry
-from casingfem.structure.support import ElasticEdge
 
 CHUNK = 6_000_000  # strain table entries held at a time
 
@@ -140,22 +141,6 @@ def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> FloatArra
     return turn
 
 
-def edge_springs(shell: Shell, grid: Grid, name: str, support: ElasticEdge) -> tuple[Array, Array]:
-    """Nodal springs of an elastic edge: displacement blocks (nodes, 3, 3) and rotation (nodes,)."""
-    edge = grid.edges[name]
-    a, b = grid.nodes[:, edge.nodes[edge.parts]]
-    middle = a.mean(axis=1, keepdims=True) if edge.along == 0 else a
-    geometry = shell.geometry(a, b, middle)
-    tangent = geometry.surface.x2 if edge.along == 1 else geometry.surface.x1
-    length = np.sqrt(np.einsum("i...,i...->...", tangent, tangent)) * edge.shares
-    blocks, rotation = support.line_stiffness(shell.chart.directions(a, b), a, b, geometry.thickness)
-    blocks, rotation = blocks * length[:, :, None, None], rotation * length
-    at_nodes = np.zeros((len(edge.nodes), 3, 3), dtype=blocks.dtype), np.zeros(len(edge.nodes), dtype=rotation.dtype)
-    np.add.at(at_nodes[0], edge.parts, blocks)
-    np.add.at(at_nodes[1], edge.parts, rotation)
-    return at_nodes
-
-
 def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
     """Free dof numbers, and the frames (nodes, 5, 5) in which the dofs of a node are expressed."""
     nodes = grid.nodes.shape[1]
@@ -167,6 +152,17 @@ def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
             frames[edge.nodes] = edge_rotation(shell, grid.nodes[:, edge.nodes], edge.along)
         held[edge.nodes[:, None], list(support.held)] = True
     return np.flatnonzero(~held.ravel()), frames
+
+
+def on_free(form: EdgeForm, frames: FloatArray, free: IntArray) -> csc_array:
+    """What stands on an edge, on the free dofs and in the nodal frames."""
+    matrix = form.matrix(len(frames) * DOFS)
+    turned = np.flatnonzero(np.any(frames != np.eye(DOFS), axis=(1, 2)))
+    if len(turned):
+        nodes = np.arange(len(frames) + 1)
+        turn = bsr_array((frames, nodes[:-1], nodes), shape=matrix.shape).tocsc()
+        matrix = turn.T @ matrix @ turn
+    return csc_array(matrix[free][:, free])
 
 
 def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> None:
@@ -200,21 +196,10 @@ def assemble(shell: Shell) -> System:
     number[free] = np.arange(len(free))
     dofs = number[(grid.elements[:, :, None] * DOFS + np.arange(DOFS)).reshape(len(grid.elements), -1)]
     rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
-    data = [matrices.ravel()]
-    index = [(rows.ravel(), columns.ravel())]
-    for name, support in shell.supports.items():
-        if isinstance(support, ElasticEdge):
-            blocks, rotation = edge_springs(shell, grid, name, support)
-            nodes = grid.edges[name].nodes
-            R = frames[nodes, :3, :3]
-            blocks = np.einsum("nji,njk,nkl->nil", R, blocks, R)
-            local = number[nodes[:, None] * DOFS + np.arange(DOFS)]
-            i, j = np.broadcast_arrays(local[:, :3, None], local[:, None, :3])
-            data += [blocks.ravel(), np.repeat(rotation, 2)]
-            index += [(i.ravel(), j.ravel()), (local[:, 3:].ravel(), local[:, 3:].ravel())]
-    values = np.concatenate(data)
-    i, j = (np.concatenate(parts) for parts in zip(*index, strict=True))
+    i, j = rows.ravel(), columns.ravel()
     kept = (i >= 0) & (j >= 0)
-    K = coo_array((values[kept], (i[kept], j[kept])), shape=(len(free), len(free))).tocsc()
+    K = coo_array((matrices.ravel()[kept], (i[kept], j[kept])), shape=(len(free), len(free))).tocsc()
+    for form in edge_stiffness(shell, grid):
+        K = K + on_free(form, frames, free)
     mass = np.repeat(nodal_mass(shell, grid), (3, 2), axis=1).ravel()[free]
     return System(shell=shell, grid=grid, K=K, mass=mass, free=free, frames=frames)

@@ -12,10 +12,10 @@ import numpy as np
 
 from casingfem.arrays import FloatArray, IntArray
 from casingfem.structure.assembly import constitutive, edge_rotation
+from casingfem.structure.edges import harmonic_stiffness
 from casingfem.structure.element import gauss, lagrange, lobatto
 from casingfem.structure.kinematics import DOFS, STRAINS, frame, strain_slots
 from casingfem.structure.shell import Shell
-from casingfem.structure.support import ElasticEdge
 
 HOOP = np.array([1.0, 1j, 1.0, 1.0, 1j])  # hoop motions are in quadrature
 SPIN = np.zeros((DOFS, DOFS))  # d/d theta of the cylindrical unit vectors at theta = 0
@@ -99,15 +99,8 @@ def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, inertia: Float
     for name, support in shell.supports.items():
         node = 0 if shell.chart.edges[name][1] == 0 else len(z) - 1
         dofs = slice(node * DOFS, node * DOFS + DOFS)
-        if isinstance(support, ElasticEdge):
-            here = np.array([z[node]]), np.zeros(1)
-            local = shell.geometry(*here)
-            block, rotation = support.line_stiffness(shell.chart.directions(*here), *here, local.thickness)
-            arc = np.linalg.norm(local.surface.x2[:, 0])
-            springs = np.zeros((DOFS, DOFS))
-            springs[:3, :3], springs[3, 3], springs[4, 4] = block[0], rotation[0], rotation[0]
-            K[dofs, dofs] += arc * springs
-        elif support.frame == "edge":
+        K[dofs, dofs] += harmonic_stiffness(shell, name, z[node : node + 1])
+        if support.frame == "edge":
             turn[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0, :3, :3]
         held[node, list(support.held)] = True
     for turned in np.flatnonzero(np.any(turn != np.eye(3), axis=(1, 2))).tolist():

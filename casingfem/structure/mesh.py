@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 from skfem import Basis, MeshQuad
 
-from casingfem.arrays import FloatArray, IntArray, frozen
+from casingfem.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.structure.chart import Chart
 from casingfem.structure.element import ElementQuadLobatto, gauss, lagrange, lobatto
 
@@ -185,7 +185,15 @@ def make_grid(chart: Chart, mesh: ShellMesh) -> Grid:
     )
 
 
-def rim_values(grid: Grid, edge: str, along: FloatArray) -> tuple[IntArray, FloatArray]:
+def edge_breaks(grid: Grid, edge: str) -> Array:
+    """Ends of the elements along an edge, in its parameter; a closed edge ends a turn after its start."""
+    places = grid.nodes[grid.edges[edge].along, grid.edges[edge].nodes]
+    return (
+        np.append(places, places[0] + 2.0 * np.pi)[:: grid.mesh.order] if grid.periodic else places[:: grid.mesh.order]
+    )
+
+
+def rim_values(grid: Grid, edge: str, along: Array) -> tuple[IntArray, Array]:
     """Interpolate nodal values along an edge: node numbers and weights, each (points, order + 1).
 
     Only the nodes of the edge itself take part: a Lagrange polynomial of order p on each element.
@@ -193,10 +201,10 @@ def rim_values(grid: Grid, edge: str, along: FloatArray) -> tuple[IntArray, Floa
     order = grid.mesh.order
     nodes = grid.edges[edge].nodes
     ring = np.append(nodes, nodes[0]) if grid.periodic else nodes
-    places = grid.nodes[grid.edges[edge].along, nodes]
-    period = 2.0 * np.pi
-    breaks = np.append(places, places[0] + period)[::order] if grid.periodic else places[::order]
-    x = breaks[0] + np.mod(along - breaks[0], period) if grid.periodic else np.asarray(along)
-    cell = np.clip(np.searchsorted(breaks, x, side="right") - 1, 0, len(breaks) - 2)
+    breaks = edge_breaks(grid, edge)
+    x, ends = np.asarray(along), np.real(breaks)
+    if grid.periodic:
+        x = x - 2.0 * np.pi * np.floor((np.real(x) - ends[0]) / (2.0 * np.pi))
+    cell = np.clip(np.searchsorted(ends, np.real(x), side="right") - 1, 0, len(breaks) - 2)
     local = (x - breaks[cell]) / np.diff(breaks)[cell]
     return ring[cell[:, None] * order + np.arange(order + 1)], lagrange(order, local)[0].T

@@ -10,14 +10,16 @@ import numpy as np
 
 from casingfem.arrays import Array
 from casingfem.errors import ModelError
+from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Surface, require_positive
+from casingfem.structure.edge_form import Sprung
 from casingfem.structure.field import Field, relative
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.strip import Strip, breaks_between, check_strips, spread
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
 
-SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, ElasticEdge)
+SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, ElasticEdge, Bolts)
 DEFECTS = ("radius", "thickness", "modulus", "density")  # quantity -> Shell.<quantity>_defect
 
 
@@ -103,6 +105,9 @@ def around_period(shell: "Shell", floor: float = 1e-3) -> int:
     for defect in (*shell.defects.values(), *chain.from_iterable(springs)):
         amplitude = harmonic_amplitudes(shell, defect)
         period = int(np.gcd.reduce([period, *(1 + np.flatnonzero(amplitude > floor * amplitude.max())).tolist()]))
+    for support in shell.supports.values():
+        if isinstance(support, Bolts):
+            period = int(np.gcd(period, support.period))
     return period
 
 
@@ -176,8 +181,13 @@ class Shell:
                 raise ValueError(f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}")
             if not isinstance(support, SUPPORTS):
                 raise ValueError(
-                    f"support.{edge}: expected Clamped, ShearDiaphragm or ElasticEdge, found {type(support).__name__}"
+                    f"support.{edge}: expected {', '.join(kind.__name__ for kind in SUPPORTS)}, "
+                    f"found {type(support).__name__}"
                 )
+            if isinstance(support, Bolts):
+                held, _ = known[edge]
+                low, high = (float(np.real(end)) for end in self.chart.bounds[1 - held])
+                support.require_on((low, high), self.chart.periodic and held == 0, edge)
         object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
         object.__setattr__(self, "strips", tuple(self.strips))
         ends = self.chart.bounds[0]
@@ -228,7 +238,7 @@ class Shell:
     @property
     def axisymmetric(self) -> bool:
         """Whether nothing varies around: no fields, and springs equal all along their edges."""
-        even = all(not support.patterns for support in self.supports.values() if isinstance(support, ElasticEdge))
+        even = all(support.uniform for support in self.supports.values() if isinstance(support, Sprung))
         return self.chart.periodic and even and not self.defects
 
     @property

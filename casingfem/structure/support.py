@@ -12,6 +12,8 @@ from typing import ClassVar, Literal, TypeAlias
 import numpy as np
 
 from casingfem.arrays import Array
+from casingfem.structure.bolts import Bolts
+from casingfem.structure.edge_form import EdgeLine, PointSprings, along_springs
 from casingfem.structure.field import Field, relative
 
 
@@ -90,6 +92,23 @@ class ElasticEdge:
                     raise ValueError(f"support.around: found {name!r}, expected springs among {known}")
             object.__setattr__(self, "around", MappingProxyType(dict(self.around)))
 
+    @property
+    def uniform(self) -> bool:
+        """Whether the springs are the same all along the edge."""
+        return not self.patterns
+
+    def springs(self, line: EdgeLine) -> PointSprings:
+        """The springs at the nodes of an edge, by its Lobatto rule."""
+        at = line.nodal
+        length = at.stretch * line.weights
+        blocks, rotation = self.line_stiffness(at.directions, at.a, at.b, at.thickness)
+        return PointSprings(
+            nodes=line.nodes[:, None],
+            values=np.ones((len(line.nodes), 1)),
+            blocks=blocks * length[:, None, None],
+            rotation=rotation * length,
+        )
+
     def pattern(self, spring: str) -> Field | None:
         """How one spring varies along the edge, relative; None where it is even."""
         return self.around.get(spring) if isinstance(self.around, Mapping) else self.around
@@ -109,9 +128,9 @@ class ElasticEdge:
         k_r, k_theta, k_z, k_rot, face = (
             getattr(self, name) * self.factor(name, a, b) for name in self.stiffness_names
         )
-        blocks = np.einsum("k...,ki...,kj...->...ij", np.stack([k_r, k_theta, k_z]), directions, directions)
+        blocks = along_springs(np.stack([k_r, k_theta, k_z]), directions)
         blocks = blocks + (face * thickness)[..., None, None] * np.eye(3)
         return blocks, k_rot + face * thickness**3 / 12.0
 
 
-Support: TypeAlias = Clamped | ShearDiaphragm | ElasticEdge
+Support: TypeAlias = Clamped | ShearDiaphragm | ElasticEdge | Bolts

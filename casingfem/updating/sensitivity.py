@@ -15,11 +15,11 @@ import numpy as np
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.assembly import constitutive, edge_springs, nodal_mass
+from casingfem.structure.assembly import constitutive, nodal_mass
+from casingfem.structure.edges import edge_stiffness
 from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.shell import Shell
 from casingfem.structure.strains import point_jets, point_strains
-from casingfem.structure.support import ElasticEdge
 from casingfem.updating.parameters import Parameter, get_value, with_value
 
 STEP = 1e-30
@@ -67,15 +67,10 @@ def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
     stress = np.matmul(np.moveaxis(D, (0, 1), (2, 3)), strain)
     modes = at.fields.shape[2]
     K = strain.reshape(-1, modes).T @ stress.reshape(-1, modes)
-    for name, support in shell.supports.items():
-        if isinstance(support, ElasticEdge):
-            blocks, rotation = edge_springs(shell, at.grid, name, support)
-            moved = at.fields[at.grid.edges[name].nodes]
-            u, w = moved[:, :3], moved[:, 3:]
-            K = K + np.einsum("nim,nij,njk->mk", u, blocks, u, optimize=True)
-            K = K + np.einsum("nim,n,nik->mk", w, rotation, w, optimize=True)
-    inertia = np.repeat(nodal_mass(shell, at.grid), (3, 2), axis=1).ravel()
     flat = at.fields.reshape(-1, modes)
+    for form in edge_stiffness(shell, at.grid):
+        K = K + form.product(flat)
+    inertia = np.repeat(nodal_mass(shell, at.grid), (3, 2), axis=1).ravel()
     return ModalProducts(K=K, M=flat.T @ (inertia[:, None] * flat))
 
 
