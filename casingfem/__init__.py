@@ -20,6 +20,7 @@ from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.field import Field, FourierField, SumField
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.random_field import RandomField, Spectrum
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.structure.survey import SampledField, SurveyError
@@ -48,11 +49,13 @@ __all__ = [
     "Parameter",
     "ParameterError",
     "Plate",
+    "RandomField",
     "Rim",
     "SampledField",
     "ShearDiaphragm",
     "Shell",
     "ShellMesh",
+    "Spectrum",
     "SumField",
     "SurveyError",
     "System",

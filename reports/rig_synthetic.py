@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 
 import casingfem as cf
+from casingfem.structure.random_field import LABORATORY
 
 SEED = 20261
 DATA = Path(__file__).parent.parent / "data"
 
 HEIGHT, THICKNESS = 0.25, 3e-3  # m, of the drawing
 CHART = cf.Frustum(r_base=0.50, r_top=0.45, height=HEIGHT)
-LABORATORY = {2: 0.24, 3: 0.168, 4: 0.169, 5: 0.138, 6: 0.147, 7: 0.062, 8: 0.057, 10: 0.031, 12: 0.019}
 MACHINED = 0.35  # amplitudes of a machined casing over those of the laboratory cylinders
 HIGHEST = 32  # harmonics of the true surface; those above 12 continue as p^-2
 SURVEY_SIGMA = 8e-6  # m

@@ -269,6 +269,30 @@ class SumField:
         return "SumField of\n" + "\n".join(repr(field) for field in self.fields)
 
 
+class SeriesBehind:
+    """A field that evaluates the Fourier series `fit` behind it: fitted to a survey, or drawn at random."""
+
+    __slots__ = ()
+    fit: FourierField
+
+    def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
+        """Evaluate the series and its derivatives."""
+        return self.fit.derivatives(z, theta)
+
+    def rotated(self, angle: float) -> FourierField:
+        """Turn the series by +angle [rad] about the axis."""
+        return self.fit.rotated(angle)
+
+    def with_harmonic(self, p: int, *, cos: Coefficient | None = None, sin: Coefficient | None = None) -> FourierField:
+        """Replace one harmonic: what an updater varies is the series alone."""
+        return self.fit.with_harmonic(p, cos=cos, sin=sin)
+
+    @property
+    def max_harmonic(self) -> int:
+        """The highest harmonic of the series."""
+        return self.fit.max_harmonic
+
+
 def _contract(around: Array, along: Array) -> Array:
     """Sum over the polynomial degree, the last axis of both, broadcasting the rest."""
     product: Array = np.einsum("...d,...d->...", around, along)

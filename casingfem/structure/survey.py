@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.arrays import FloatArray
-from casingfem.structure.field import Coefficient, Field, FieldValues, FourierField
+from casingfem.structure.field import Field, FourierField, SeriesBehind
 from casingfem.structure.survey_fit import fit_points, resolved_harmonic
 from casingfem.structure.survey_points import Quantity, SurveyError, SurveyPoints, read_points
 
@@ -18,7 +18,7 @@ __all__ = ["SampledField", "SurveyError", "SurveyPoints"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class SampledField:
+class SampledField(SeriesBehind):
     """The relative defect of a measured surface, by least squares on scattered points.
 
     r(z, theta) = (a + b z) (1 + f),  f = sum_{p >= 1} (cos_pd cos p theta + sin_pd sin p theta) zeta^d
@@ -109,18 +109,6 @@ class SampledField:
             card=points.card,
         )
 
-    def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
-        """Evaluate the fitted relative defect and its derivatives."""
-        return self.fit.derivatives(z, theta)
-
-    def rotated(self, angle: float) -> FourierField:
-        """Turn the fitted defect by +angle [rad] about the axis."""
-        return self.fit.rotated(angle)
-
-    def with_harmonic(self, p: int, *, cos: Coefficient | None = None, sin: Coefficient | None = None) -> FourierField:
-        """Replace one harmonic of the fit: what an updater varies is no longer the survey."""
-        return self.fit.with_harmonic(p, cos=cos, sin=sin)
-
     def mean_radius(self, z: ArrayLike) -> FloatArray:
         """Return the mean cone's radius a + b z [m] at z [m]."""
         if self.quantity != "radius":
@@ -138,11 +126,6 @@ class SampledField:
     def n_resolved(self) -> int:
         """The highest harmonic that the largest gap in theta still resolves (Nyquist)."""
         return resolved_harmonic(self.coverage_deg)
-
-    @property
-    def max_harmonic(self) -> int:
-        """The highest harmonic fitted."""
-        return self.fit.max_harmonic
 
     @property
     def residual_rms_m(self) -> float:

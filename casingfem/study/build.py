@@ -9,6 +9,7 @@ from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.field import Field, FourierField
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.random_field import RAYLEIGH, RandomField, Spectrum
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
 from casingfem.structure.survey import SampledField
@@ -122,12 +123,39 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
     if table.harmonics is not None:
         with problems.at(f"{key}.harmonics"):
             return series(table.harmonics, f"{key}.harmonics")
+    elif table.random is not None:
+        with problems.at(f"{key}.random"):
+            return build_random(table, int(key.partition("[")[2][:-1]), tables)
     elif table.survey is not None:
         with problems.at(f"{key}.survey"):
             survey = SampledField.from_csv(problems.file.parent / table.survey, table.n_max, table.degree)
             check_survey(survey, table, tables)
             return survey
     return None
+
+
+def build_random(table: ImperfectionTable, stream: int, tables: StudyFile) -> RandomField | None:
+    """A random field; None where the tables it needs are not in order, which is noted there."""
+    seed, scale = table.seed or 0, 1.0 if table.scale is None else table.scale
+    if isinstance(table.random, list):
+        median = {wave.p: wave.median for wave in table.random}
+        high = {wave.p: wave.high or RAYLEIGH * wave.median for wave in table.random}
+        if len(median) < len(table.random):
+            raise ValueError(f"found harmonics {[wave.p for wave in table.random]}, expected each p once")
+        spectrum = Spectrum.between(median, high, p_max=table.p_max).scaled(scale)
+        return RandomField(spectrum=spectrum, seed=seed, stream=stream)
+    if tables.chart is None or tables.shell is None:
+        return None
+    radius, thickness, p_max = mean_radius(build_chart(tables.chart)), tables.shell.thickness, table.p_max or 32
+    return RandomField.laboratory(
+        thickness=thickness, radius=radius, seed=seed, scale=scale, p_max=p_max, stream=stream
+    )
+
+
+def mean_radius(chart: Chart) -> float:
+    """The radius at the middle of a chart's first parameter [m]."""
+    middle = np.array([np.mean(chart.bounds[0])]), np.zeros(1)
+    return float(np.linalg.norm(chart.surface(*middle, None).x[:2]))
 
 
 def check_survey(survey: SampledField, table: ImperfectionTable, tables: StudyFile) -> None:
@@ -140,9 +168,8 @@ def check_survey(survey: SampledField, table: ImperfectionTable, tables: StudyFi
         nominal = None if tables.shell is None else tables.shell.thickness
         mean = survey.mean[0]
     else:
-        middle = np.array([np.mean(chart.bounds[0])]), np.zeros(1)
-        nominal = float(np.linalg.norm(chart.surface(*middle, None).x[:2]))
-        mean = float(survey.mean_radius(middle[0][0]))
+        nominal = mean_radius(chart)
+        mean = float(survey.mean_radius(np.mean(chart.bounds[0])))
     if nominal is not None and abs(mean / nominal - 1.0) > ALIKE:
         raise ValueError(
             f"{name}: found a mean {table.of} of {mean:.4g} m, expected about {nominal:.4g} m as the study has it"

@@ -111,6 +111,20 @@ def test_an_elastic_edge_whose_springs_vary_each_in_its_way(tmp_path):
     assert support.pattern("k_z").coefficients(2) == (0.0, 0.1)
 
 
+def test_random_imperfections_of_one_seed_are_not_one_field(tmp_path):
+    more = '[[imperfection]]\nof = "radius"\nrandom = "laboratory"\nseed = 7\nscale = 0.5\n'
+    more += '[[imperfection]]\nof = "thickness"\nrandom = [{p = 2, median = 0.01}, {p = 5, median = 0.002}]\nseed = 7\n'
+    shell = load_study(written(tmp_path, FRUSTUM + more)).shell
+    random = shell.radius_defect.fields[1]
+    assert isinstance(random, cf.RandomField)
+    # .24 t at n = 2, over the mean radius, halved
+    assert random.spectrum.median[0] == pytest.approx(0.5 * 0.24 * 3e-3 / 0.475, rel=1e-12)
+    wall = shell.thickness_defect
+    assert wall.spectrum.high / wall.spectrum.median == pytest.approx(1.8226, rel=1e-4)
+    phase = [np.arctan2(*field.fit.coefficients(2)) for field in (random, wall)]
+    assert phase[0] != pytest.approx(phase[1], abs=1e-3)
+
+
 def test_imperfections_of_one_quantity_add_up(tmp_path):
     more = '[[imperfection]]\nof = "radius"\nharmonics = [{p = 8, cos = 0.001}]\n'
     more += '[[imperfection]]\nof = "thickness"\nharmonics = [{p = 2, sin = 0.01}]\n'
