@@ -253,6 +253,7 @@ def test_a_mistake_in_the_program_is_not_called_bad_input(study, monkeypatch):
 
 
 # what is wrong, what stands in its place, and the words the message must have beside the file's name
+WAVES = "harmonics = [{p = 6, cos = 0.004}]"
 BROKEN = {
     "unknown key": ("nu = 0.3", "nu = 0.3\nmu = 0.1", "material.mu: found an unknown key"),
     "misspelt key": ("nu = 0.3", "n = 0.3", "did you mean nu?"),
@@ -271,12 +272,10 @@ BROKEN = {
     "table instead of a number": ("20e-3", "{a = 1}", "shell.thickness"),
     "radius negative": ("0.45", "-0.45", "chart.r_top: found -0.45"),
     "imperfection without source": ("harmonics = [{p = 6, cos = 0.004}]", "", "imperfection[1]: found neither"),
-    "random without seed": ("harmonics = [{p = 6, cos = 0.004}]", 'random = "laboratory"', "found random without seed"),
-    "random of another name": ("harmonics = [{p = 6, cos = 0.004}]", 'random = "shop"', "imperfection[1].random: found"),
-    "laboratory of a wall": ('"radius"\nharmonics = [{p = 6, cos = 0.004}]', '"modulus"\nrandom = "laboratory"\nseed = 3',
-                             "of modulus, expected a spectrum"),
-    "spectrum upside down": ("harmonics = [{p = 6, cos = 0.004}]", "random = [{p = 2, median = 0.1, high = 0.05}]\nseed = 3",
-                             "imperfection[1].random: Spectrum: need 0 < median <= high"),
+    "random without seed": (WAVES, 'random = "laboratory"', "found random without seed"),
+    "random of another name": (WAVES, 'random = "shop"', "imperfection[1].random: found"),
+    "laboratory of a wall": (f'"radius"\n{WAVES}', '"modulus"\nrandom = "laboratory"\nseed = 3', "expected a spectrum"),
+    "spectrum upside down": (WAVES, "random = [{p = 2, median = 0.1, high = 0.05}]\nseed = 3", "need 0 < median <= hi"),
     "seed of nothing": ("cos = 0.004}]", "cos = 0.004}]\nseed = 3", "found seed beside harmonics"),
     "harmonic twice": ("{p = 6, cos", "{p = 6}, {p = 6, cos", "imperfection[1].harmonics: found harmonics [6, 6]"),
     "harmonic not whole": ("p = 6", "p = 6.5", "imperfection[1].harmonics[1].p: found 6.5, expected a whole"),
