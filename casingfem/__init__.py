@@ -20,8 +20,11 @@ from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.field import Field, FourierField, SumField
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.mesh_data import MeshData
+from casingfem.structure.mesh_support import Fixed
 from casingfem.structure.random_field import RandomField, Spectrum
 from casingfem.structure.shell import Shell
+from casingfem.structure.solid import Solid
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.structure.survey import SampledField, SurveyError
 from casingfem.structure.twisted import TwistedPlate
@@ -38,10 +41,12 @@ __all__ = [
     "EigenError",
     "ElasticEdge",
     "Field",
+    "Fixed",
     "FourierField",
     "FrequencyTable",
     "Frustum",
     "Material",
+    "MeshData",
     "ModalBasis",
     "Modes",
     "Pairing",
@@ -55,6 +60,7 @@ __all__ = [
     "ShearDiaphragm",
     "Shell",
     "ShellMesh",
+    "Solid",
     "Spectrum",
     "SumField",
     "SurveyError",

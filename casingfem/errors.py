@@ -36,8 +36,100 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "a bolt without stiffness, or with an impossible one, holds nothing",
             "give k in N/m, one number or [k_r, k_theta, k_z], and factors of 0 or more",
         ),
+        "material-units": Fault(
+            "the material's speed of sound is not that of a solid",
+            "give E in Pa (steel 210e9) and rho in kg/m^3 (steel 7800)",
+        ),
+        "mesh-aspect": Fault(
+            "cells are much longer than wide",
+            "refine along their long side, or see that no node is misplaced",
+        ),
+        "mesh-collapsed-cell": Fault(
+            "a cell has the same node twice, as wedges written as bricks have",
+            "mesh with tetrahedra or true bricks; wedges and pyramids are not supported",
+        ),
+        "mesh-distorted-cell": Fault(
+            "a cell is nearly folded somewhere",
+            "remesh there; frequencies may still be good, compare with a finer mesh",
+        ),
+        "mesh-flat-cell": Fault(
+            "a cell has no volume or area",
+            "delete it, or see whether its nodes were merged by mistake",
+        ),
+        "mesh-flipped-shell": Fault(
+            "neighbouring shell cells are numbered in opposite senses",
+            "orient the normals alike in the mesher",
+        ),
+        "mesh-group-empty": Fault(
+            "a group holds no node of a cell",
+            "name a group on the part, or save the group's cells with the mesh",
+        ),
+        "mesh-group-no-cells": Fault(
+            "a material is given to a group without cells",
+            "give it to a physical volume (for a shell: surface) or an element set",
+        ),
+        "mesh-group-no-facets": Fault(
+            "a foundation needs facets, and the group's nodes cover none on the boundary",
+            "name a physical surface, or every node of the facets",
+        ),
+        "mesh-hanging-node": Fault(
+            "neighbouring cells do not share all nodes of their common facet",
+            "remesh so that cells meet node to node",
+        ),
+        "mesh-inverted-cell": Fault(
+            "the nodes of a cell run round it the wrong way, its volume is negative",
+            "reverse the cells' orientation in the mesher",
+        ),
+        "mesh-linear-cells": Fault(
+            "linear cells lock: bending comes out too stiff",
+            "use quadratic cells (order 2 in the mesher)",
+        ),
+        "mesh-material-twice": Fault(
+            "a cell lies in two groups that each have a material",
+            "give each cell one material: the groups must not overlap",
+        ),
+        "mesh-no-group": Fault(
+            "a support or material names a group the mesh does not have",
+            "name one of the groups listed, or add the physical group in the mesher",
+        ),
+        "mesh-not-finite": Fault(
+            "coordinates are nan or infinite",
+            "repair the file's node block",
+        ),
+        "mesh-not-solid": Fault(
+            "a solid needs tetrahedra or hexahedra",
+            "mesh the volume, or use the mesh as a shell",
+        ),
+        "mesh-open-seam": Fault(
+            "coincident nodes are not joined: the body is slit there",
+            "merge duplicate nodes in the mesher, or read the mesh with join = a distance in metres",
+        ),
+        "mesh-orphan-nodes": Fault(
+            "nodes belong to no cell",
+            "they are left out; see that no cell is missing",
+        ),
+        "mesh-overlap": Fault(
+            "more than two cells share a facet: cells lie over each other, or shells meet in a T",
+            "delete duplicate cells; shells that branch are not supported, mesh them as solids",
+        ),
+        "mesh-parts": Fault(
+            "the mesh falls into parts that do not touch",
+            "join them in the mesher, or compute each part alone",
+        ),
+        "mesh-scrambled-cell": Fault(
+            "the nodes of a cell are in another order than the format's",
+            "export again; check the order of the middle nodes",
+        ),
+        "mesh-units": Fault(
+            "the part is very large for its material",
+            "if the file is in millimetres, read it with scale = 1e-3",
+        ),
         "shell-thickness": Fault(
             "the wall thickness is not a positive finite number", "give the thickness in metres, 3 mm as 3e-3"
+        ),
+        "solid-support": Fault(
+            "a solid cannot have this kind of support",
+            "use clamped, fixed (directions) or elastic with k_face alone",
         ),
         "springs-negative": Fault(
             "the pattern of an elastic edge falls below -1 somewhere: a spring would push",

@@ -1,0 +1,34 @@
+"""Kinds of cells: shape functions at the nodes, facets, quadrature."""
+
+import numpy as np
+import pytest
+
+from casingfem.structure.cell_kind import KINDS, SOLIDS, rule, shape_functions
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_each_shape_function_is_one_at_its_own_node(name):
+    values, _ = shape_functions(name, np.ascontiguousarray(KINDS[name].places.T))
+    np.testing.assert_allclose(values, np.eye(KINDS[name].nodes), atol=1e-13)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_quadrature_has_positive_weights_and_integrates_the_square_of_every_function(name):
+    _, weights, values, slopes = rule(name)
+    assert weights.min() > 0.0
+    _, fine, more, _ = rule(name, 8)
+    np.testing.assert_allclose((values * weights) @ values.T, (more * fine) @ more.T, atol=1e-14)
+    np.testing.assert_allclose(slopes.sum(axis=1), 0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_facets_point_outwards_and_enclose_the_cell(name):
+    kind = KINDS[name]
+    places = kind.places
+    flux = 0.0
+    for nodes in kind.facet_nodes:
+        _, weights, values, slopes = rule(kind.facet)
+        x = values.T @ places[nodes]
+        tangents = np.einsum("dkq,kc->dqc", slopes, places[nodes])
+        flux += np.einsum("qc,qc,q", x, np.cross(tangents[0], tangents[1]), weights) / 3.0
+    assert flux == pytest.approx(1.0 if "hexa" in name else 1.0 / 6.0, rel=1e-12)  # Gauss: the volume
