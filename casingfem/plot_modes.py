@@ -1,15 +1,15 @@
-"""Pictures of modes: frequencies by nodal diameters, shapes in space, rims."""
+"""Pictures of modes: frequencies by nodal diameters, rims."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.modal.mode_set import Modes
-from casingfem.plot_style import AFTER, BEFORE, DIVERGING, PERFECT, new_figure, styled
+from casingfem.plot_style import AFTER, BEFORE, PERFECT, new_figure, styled
 from casingfem.structure.mesh import rim_values
 
 PURE = 0.7  # below this share of its main order a mode is drawn hollow: a mixture
@@ -77,34 +77,6 @@ def lattice(modes: Modes, most: tuple[int, int] = (15, 181)) -> Array:
     return np.hstack([table, table[:, :1]]) if modes.shell.chart.periodic else table
 
 
-@styled
-def figure_shapes(modes: Modes, which: Sequence[int], columns: int = 3) -> Figure:
-    """Shapes of some modes (indices), drawn exaggerated, coloured by the radial (or normal) displacement."""
-    rows = -(-len(which) // columns)
-    closed = modes.shell.chart.periodic
-    figure = new_figure(8.4, (2.4 if closed else 3.0) * rows)
-    nodes = lattice(modes)
-    points = modes.shell.geometry(*modes.grid.nodes).surface.x
-    size = float(np.linalg.norm(np.ptp(points, axis=1)))
-    cmap = colormaps[DIVERGING]
-    for k, mode in enumerate(which):
-        axes: Any = figure.add_subplot(rows, columns, k + 1, projection="3d")
-        u = modes.fields[:, :3, mode].T
-        moved = points + 0.05 * size / np.abs(u).max() * u
-        w = radial(modes, mode)
-        shade = 0.5 + 0.5 * w[nodes] / max(np.abs(w).max(), 1e-300)
-        faces = 0.25 * (shade[1:, 1:] + shade[:-1, 1:] + shade[1:, :-1] + shade[:-1, :-1])
-        axes.plot_surface(
-            *moved[:, nodes], facecolors=cmap(faces), rstride=1, cstride=1, linewidth=0, antialiased=False,
-            shade=False,
-        )  # fmt: skip
-        axes.set_box_aspect(np.ptp(moved, axis=1), zoom=1.3 if closed else 0.95)
-        axes.view_init(elev=38, azim=-60 if closed else -40)
-        axes.set_axis_off()
-        axes.set_title(title(modes, mode), y=0.98 if closed else 1.0)
-    return figure
-
-
 def title(modes: Modes, mode: int) -> str:
     """Number, frequency and nodal diameters of a mode."""
     n = int(modes.nodal_diameters[mode])
@@ -112,30 +84,60 @@ def title(modes: Modes, mode: int) -> str:
     return words + (f", n = {n}" if n >= 0 else "") + (" (rigid)" if mode < modes.rigid else "")
 
 
+MEMBERS = ((BEFORE, "-", "lower member"), (AFTER, "--", "upper member"))  # of a doublet: colour, line, name
+
+
 @styled
-def figure_rim(modes: Modes, which: Sequence[tuple[int, ...]], edge: str = "top", columns: int = 4) -> Figure:
-    """Radial displacement around an edge for doublets or single modes (tuples of indices), seen along the axis."""
+def figure_rim(modes: Modes, which: Sequence[tuple[int, ...]], edge: str | None = None, columns: int = 4) -> Figure:
+    """Radial displacement around an edge for doublets or single modes (tuples of indices), seen along the axis.
+
+    In the middle of each circle stand the frequencies and, where a mode has an orientation of its own, the angle of
+    its first antinode; ticks outside mark it. Without `edge` it is the one that moves most.
+    """
     rows = -(-len(which) // columns)
-    figure = new_figure(8.4, 2.35 * rows + 0.3)
-    theta = np.linspace(0.0, 2.0 * np.pi, 721)
+    figure = new_figure(9.0, 2.5 * rows + 0.35)
+    moving = edge or most_moving(modes, [mode for group in which for mode in group])
     for k, group in enumerate(which):
         axes: Any = figure.add_subplot(rows, columns, k + 1, projection="polar")
-        axes.plot(theta, np.ones_like(theta), color=PERFECT, linewidth=0.8)
-        for mode, colour, style in zip(group, (BEFORE, AFTER), ("-", "--"), strict=False):
-            wave = around(modes, mode, edge, theta)
-            axes.plot(theta, 1.0 + 0.25 * wave / np.abs(wave).max(), style, color=colour, linewidth=1.2)
-            angle = modes.angle_deg[mode]
-            if np.isfinite(angle):
-                axes.plot(np.radians([angle] * 2), [1.32, 1.48], color=colour, linewidth=2.2)
-        axes.set_ylim(0.0, 1.5)
-        axes.set_yticks([])
-        axes.set_xticks(np.radians([0, 90, 180, 270]), ["0°", "90°", "180°", "270°"], fontsize=7, color="#666666")
-        axes.tick_params(pad=-3)
-        axes.spines["polar"].set_visible(False)
-        axes.grid(False)
-        words = " / ".join(f"{modes.freq[mode]:.2f}" for mode in group)
-        axes.set_title(f"n = {modes.nodal_diameters[group[0]]}\n{words} Hz", fontsize=8.5)
+        one_rim(axes, modes, group, moving)
+    looks: list[tuple[str, Any, str]] = [*MEMBERS, (PERFECT, "-", "undeformed")]
+    lines = [Line2D([], [], color=colour, linestyle=line, label=name) for colour, line, name in looks]
+    figure.legend(handles=lines, loc="outside upper center", ncols=3)
     return figure
+
+
+def one_rim(axes: Any, modes: Modes, group: tuple[int, ...], edge: str) -> None:
+    """One doublet or single mode on polar axes."""
+    theta = np.linspace(0.0, 2.0 * np.pi, 721)
+    axes.plot(theta, np.ones_like(theta), color=PERFECT, linewidth=0.8)
+    for k, (mode, (colour, line, _)) in enumerate(zip(group, MEMBERS, strict=False)):
+        wave = around(modes, mode, edge, theta)
+        peak = max(float(np.abs(wave).max()), 1e-300)
+        axes.plot(theta, 1.0 + 0.25 * wave / peak, line, color=colour, linewidth=1.2)
+        angle = modes.angle_deg[mode]
+        words = f"{modes.freq[mode]:.2f} Hz"
+        if np.isfinite(angle):
+            axes.plot(np.radians([angle] * 2), [1.3, 1.46], color=colour, linewidth=2.4, solid_capstyle="butt")
+            words += f"\nat {angle:.1f}°"
+        place = 0.5 if len(group) == 1 else 0.61 - 0.22 * k
+        axes.text(0.5, place, words, color=colour, fontsize=7, ha="center", va="center", transform=axes.transAxes)
+    axes.set_ylim(0.0, 1.5)
+    axes.set_yticks([])
+    axes.set_xticks(np.radians([0, 90, 180, 270]), ["0°", "90°", "180°", "270°"], fontsize=7, color="#666666")
+    axes.tick_params(pad=-3)
+    axes.spines["polar"].set_visible(False)
+    axes.grid(False)
+    numbers = ", ".join(str(mode + 1) for mode in group)
+    axes.set_title(f"n = {modes.nodal_diameters[group[0]]}  (mode{'s' * (len(group) > 1)} {numbers})", fontsize=8.5)
+
+
+def most_moving(modes: Modes, which: Sequence[int]) -> str:
+    """The edge along which the radial displacement of these modes is largest."""
+    sizes = {
+        name: sum(float(np.abs(radial(modes, mode)[edge.nodes]).max()) for mode in which)
+        for name, edge in modes.grid.edges.items()
+    }
+    return max(sizes, key=lambda name: sizes[name])
 
 
 def around(modes: Modes, mode: int, edge: str, theta: FloatArray) -> Array:

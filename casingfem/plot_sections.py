@@ -6,8 +6,9 @@ from pathlib import Path
 
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.mode_set import Modes
-from casingfem.plot_modes import figure_frequencies, figure_rim, figure_shapes, groups
+from casingfem.plot_modes import figure_frequencies, figure_rim, groups
 from casingfem.plot_page import Cell, Picture, Section, Table
+from casingfem.plot_shapes import moving_shapes
 from casingfem.structure.field import FourierField
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import ElasticEdge
@@ -84,20 +85,21 @@ def modes_section(found: Modes, reference: Modes | None) -> Section:
         first = [group[0] for group in shown[:6]]
         which, words = ("one of each pair, ", "radial") if found.shell.chart.periodic else ("", "normal")
         figures.append(
-            Picture.of(
-                figure_shapes(found, first),
-                f"The lowest modes, {which}drawn exaggerated; colour is the {words} displacement, "
-                "red outward and blue inward.",
-                kind="png",
+            moving_shapes(
+                found,
+                first,
+                f"The lowest modes, {which}drawn exaggerated and slowed to one speed; colour is the {words} "
+                "displacement, red outward and blue inward.",
             )
         )
     if shown and found.shell.chart.periodic:
         figures.append(
             Picture.of(
                 figure_rim(found, shown),
-                "Radial displacement around the top edge, seen along the axis: lower member of each pair solid "
-                "blue, upper dashed orange. Ticks outside mark the first antinode where a mode has an orientation "
-                "of its own; equal frequencies leave it open.",
+                "Radial displacement around the edge that moves most, seen along the axis: lower member of each pair "
+                "solid blue, upper dashed orange, the undeformed circle grey. Ticks outside and the angle in the "
+                "middle give the first antinode where a mode has an orientation of its own; equal frequencies leave "
+                "it open.",
             )
         )
     return Section("Modes", tuple(paragraphs), tuple(figures), (modes_table(found, reference),))

@@ -65,7 +65,11 @@ def embed(figure: Figure, alt: str, *, kind: str = "svg") -> str:
     buffer = io.BytesIO()
     metadata = {"Date": None} if kind == "svg" else {"Software": None}
     figure.savefig(buffer, format=kind, metadata=metadata, dpi=150 if kind == "png" else None)
-    data = base64.b64encode(buffer.getvalue()).decode("ascii")
-    mime = "image/svg+xml" if kind == "svg" else "image/png"
+    return image(buffer.getvalue(), "svg+xml" if kind == "svg" else "png", alt)
+
+
+def image(data: bytes, kind: str, alt: str, *, role: str = "") -> str:
+    """An <img> that carries a picture of a kind such as "png"; `role` is its class on the page."""
     words = alt.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
-    return f'<img alt="{words}" src="data:{mime};base64,{data}">'
+    named = f' class="{role}"' if role else ""
+    return f'<img{named} alt="{words}" src="data:image/{kind};base64,{base64.b64encode(data).decode("ascii")}">'

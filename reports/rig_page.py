@@ -10,9 +10,10 @@ from matplotlib.figure import Figure
 import casingfem as cf
 from casingfem.plot_contact import figure_contact
 from casingfem.plot_fit import update_section
-from casingfem.plot_modes import figure_rim, figure_shapes, groups
+from casingfem.plot_modes import figure_rim, groups
 from casingfem.plot_page import Picture, Section, Table
 from casingfem.plot_sections import inputs_section, provenance_section
+from casingfem.plot_shapes import moving_shapes
 from casingfem.plot_style import AFTER, BEFORE, new_figure, styled
 from casingfem.study import Study
 from reports.rig_blade import BladeFit, rms
@@ -60,8 +61,10 @@ def casing_section(study: Study, fit: cf.UpdateResult, ideal: cf.Modes) -> Secti
             "Radial motion of the rim in the lowest modes of the updated casing; the members of a doublet stand a "
             "quarter wave apart, where the imperfections hold them.",
         ),
-        Picture.of(
-            figure_shapes(fit.after, [low for low, *_ in which][:6]), "Shapes of the updated casing.", kind="png"
+        moving_shapes(
+            fit.after,
+            [low for low, *_ in which][:6],
+            "Shapes of the updated casing, one of each pair, drawn exaggerated; colour is the radial displacement.",
         ),
     )
     words = (

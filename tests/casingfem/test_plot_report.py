@@ -119,7 +119,7 @@ def test_the_page_is_well_formed_and_stands_alone(page):
 
 
 def test_every_figure_is_there_and_has_words_for_those_who_cannot_see_it(page):
-    assert len(page.images) == 6  # frequencies, shapes, rims, comparison, errors, correlation
+    assert len(page.images) == 7  # frequencies, shapes moving and still, rims, comparison, errors, correlation
     for image in page.images:
         assert len(str(image["alt"])) > 40
         kind, data = re.fullmatch(r"data:image/(png|svg\+xml);base64,(.*)", str(image["src"])).groups()
