@@ -25,6 +25,7 @@ from casingfem.structure.mesh_support import Fixed
 from casingfem.structure.random_field import RandomField, Spectrum
 from casingfem.structure.shell import Shell
 from casingfem.structure.solid import Solid
+from casingfem.structure.strip import Strip
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.structure.survey import SampledField, SurveyError
 from casingfem.structure.twisted import TwistedPlate
@@ -62,6 +63,7 @@ __all__ = [
     "ShellMesh",
     "Solid",
     "Spectrum",
+    "Strip",
     "SumField",
     "SurveyError",
     "System",

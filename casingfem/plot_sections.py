@@ -14,7 +14,17 @@ from casingfem.structure.shell import Shell
 from casingfem.structure.support import ElasticEdge
 from casingfem.study import Study
 
-UNITS = {"angle": "rad", "k_r": "N/m²", "k_theta": "N/m²", "k_z": "N/m²", "k_rot": "N", "k_face": "N/m³"}
+UNITS = {
+    "angle": "rad",
+    "k_r": "N/m²",
+    "k_theta": "N/m²",
+    "k_z": "N/m²",
+    "k_rot": "N",
+    "k_face": "N/m³",
+    "E": "Pa",
+    "nu": "",
+    "rho": "kg/m³",
+}
 
 
 def inputs_section(study: Study) -> Section:
@@ -34,6 +44,10 @@ def structure_rows(shell: Shell) -> tuple[tuple[Cell, ...], ...]:
     rows.append(("thickness", f"{shell.thickness:.6g} m"))
     rows.append(("material", f"E = {shell.material.E:.6g} Pa, nu = {shell.material.nu:g}, "
                  f"rho = {shell.material.rho:.6g} kg/m³"))  # fmt: skip
+    for k, strip in enumerate(shell.strips):
+        own = "" if strip.material is None else f"; {values_of(strip.material)}"
+        text = f"from {strip.start:g} to {strip.end:g} m: {strip.thickness:.6g} m{own}"
+        rows.append((f"strip {k + 1}", text))
     for edge, support in shell.supports.items():
         rows.append((f"edge {edge}", f"{type(support).__name__} {values_of(support)}".strip()))
     rows += [(f"edge {edge}", "free") for edge in shell.chart.edges if edge not in shell.supports]

@@ -8,7 +8,7 @@ import numpy as np
 from casingfem.arrays import FloatArray, IntArray, frozen
 from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
 from casingfem.structure.mesh import Grid
-from casingfem.structure.shell import Shell
+from casingfem.structure.shell import Shell, sampled_geometry
 
 RIGID = 0.05  # modes below this part of `frequency_scale` are rigid motions
 
@@ -126,12 +126,14 @@ def _number(value: float) -> float | None:
 
 
 def frequency_scale(shell: Shell) -> float:
-    """Bending frequency c t / size^2 [rad/s] of the shell taken as flat: a floor for its elastic modes."""
-    (a0, a1), (b0, b1) = shell.chart.bounds
-    a, b = np.meshgrid(np.linspace(a0, a1, 9), np.linspace(b0, b1, 33), indexing="ij")
-    x = shell.chart.surface(a.ravel(), b.ravel(), None).x
-    size = float(np.linalg.norm(np.ptp(x, axis=1)))
-    return float(np.sqrt(shell.material.E / shell.material.rho) * shell.thickness / size**2)
+    """Bending frequency [rad/s] of the shell taken as flat: a floor for its elastic modes.
+
+    sqrt(min(E t^3)/max(rho t))/size^2, the weakest section with the heaviest wall; c t/size^2 where all are alike.
+    """
+    at = sampled_geometry(shell, 33)
+    size = float(np.linalg.norm(np.ptp(np.real(at.surface.x).reshape(3, -1), axis=1)))
+    weakest, heaviest = np.real(at.E * at.thickness**3).min(), np.real(at.rho * at.thickness).max()
+    return float(np.sqrt(weakest / heaviest) / size**2)
 
 
 def labelled(

@@ -84,6 +84,15 @@ def divided(shell: "Shell", longest: float, layers: tuple[float, float] = (0.0, 
     return tuple(sorted(rows))
 
 
+def sampled_geometry(shell: "Shell", around: int) -> ShellGeometry:
+    """The shell at five places along each row of its mesh and `around` places across: every strip has its share."""
+    (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
+    lines = a0 + (a1 - a0) * shell.mesh.breaks
+    along = lines[:-1, None] + np.diff(lines)[:, None] * np.linspace(0.0, 1.0, 5)
+    middle = 0.5 * (lines[:-1] + lines[1:])
+    return shell.geometry(along[:, :, None], np.linspace(b0, b1, around), middle[:, None, None])
+
+
 def field_samples(defect: Field) -> int:
     """Points around that show a field whole: four a wave of its highest harmonic, where it says which."""
     return 4 * max(64, 1 + int(getattr(defect, "max_harmonic", None) or 0))

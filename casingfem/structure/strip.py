@@ -72,11 +72,11 @@ def check_strips(strips: Sequence[Strip], ends: tuple[float, float], lines: Floa
     slack = ON_LINE * (high - low)
     order = sorted(range(len(strips)), key=lambda k: strips[k].start)
     for place, k in enumerate(order):
-        strip, name = strips[k], f"strip {k + 1} ({strips[k].start:g} to {strips[k].end:g} m)"
+        strip, name = strips[k], f"strip[{k + 1}] from {strips[k].start:g} to {strips[k].end:g} m"
         if strip.start < low - slack or strip.end > high + slack:
             raise ModelError("strip-outside", f"{name} leaves the shell, {low:g} to {high:g} m")
         if place and strip.start < strips[order[place - 1]].end - slack:
-            raise ModelError("strip-overlap", f"{name} overlaps strip {order[place - 1] + 1}")
+            raise ModelError("strip-overlap", f"{name} overlaps strip[{order[place - 1] + 1}]")
         for end in (strip.start, strip.end):
             if lines is not None and np.abs(np.real(lines) - end).min() > slack:
                 raise ModelError("strip-off-line", f"{name}: no element line at {end:g} m")

@@ -11,6 +11,7 @@ from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.random_field import RAYLEIGH, RandomField, Spectrum
 from casingfem.structure.shell import Shell
+from casingfem.structure.strip import Strip, check_strips
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
 from casingfem.structure.survey import SampledField
 from casingfem.structure.twisted import TwistedPlate
@@ -21,6 +22,7 @@ from casingfem.study.schema import (
     Harmonic,
     ImperfectionTable,
     MeshTable,
+    StripTable,
     StudyFile,
     SupportTable,
     TwistedPlateTable,
@@ -38,6 +40,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
         with problems.at("material"):
             material = Material(**tables.material.model_dump())
     supports = build_supports(tables.support, chart, problems)
+    strips = build_strips(tables.strip, chart, problems)
     fields: dict[str, Field] = {}
     for k, table in enumerate(tables.imperfection):
         field = build_field(table, f"imperfection[{k + 1}]", tables, problems)
@@ -47,7 +50,9 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
         return None
     shell = None
     with problems.at("support" if supports else "shell"):
-        shell = Shell(chart=chart, thickness=tables.shell.thickness, material=material, supports=supports)
+        shell = Shell(
+            chart=chart, thickness=tables.shell.thickness, material=material, supports=supports, strips=strips
+        )
     if shell is None:
         return None
     with problems.at("imperfection" if fields else "shell"):
@@ -66,6 +71,19 @@ def build_chart(table: ChartTable) -> Chart:
         return TwistedPlate(length=table.length, width=table.width, twist=float(np.radians(table.twist_deg)))
     chart: Chart = CHARTS[table.kind](**table.model_dump(exclude={"kind"}))
     return chart
+
+
+def build_strips(tables: list[StripTable], chart: Chart | None, problems: Problems) -> tuple[Strip, ...]:
+    """Strips in the file's order; what is wrong with one or with all together is noted."""
+    strips: list[Strip] = []
+    for k, table in enumerate(tables):
+        with problems.at(f"strip[{k + 1}]"):
+            material = None if table.material is None else Material(**table.material.model_dump())
+            strips.append(Strip(start=table.start, end=table.end, thickness=table.thickness, material=material))
+    if chart is not None and len(strips) == len(tables):
+        with problems.at("strip"):
+            check_strips(strips, chart.bounds[0], None)
+    return tuple(strips)
 
 
 def build_mesh(table: MeshTable, default: ShellMesh) -> ShellMesh:

@@ -72,10 +72,10 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
     loc, kind, message = resolved(detail["loc"], detail["type"], data), detail["type"], detail["msg"]
     key = written(loc)
     models = models_at(loc[:-1], data)
-    info = next((m.model_fields[str(loc[-1])] for m in models if str(loc[-1]) in m.model_fields), None)
+    info = next((keys(m)[str(loc[-1])] for m in models if str(loc[-1]) in keys(m)), None)
     meaning = "" if info is None or info.description is None else info.description
     if kind == "extra_forbidden":
-        known = list(dict.fromkeys(name for m in models for name in m.model_fields))
+        known = list(dict.fromkeys(name for m in models for name in keys(m)))
         near = get_close_matches(str(loc[-1]), known, n=1)
         hint = f" (did you mean {near[0]}?)" if near else ""
         return f"{key}: found an unknown key, expected one of {', '.join(known)}{hint}"
@@ -152,11 +152,16 @@ def models_at(loc: Sequence[str | int], data: Any) -> list[type[BaseModel]]:
         here = here[part]
         if isinstance(part, int):
             continue
-        fields = [m.model_fields[part] for m in models if part in m.model_fields]
+        fields = [keys(m)[part] for m in models if part in keys(m)]
         models = [m for field in fields for m in members(field.annotation)] or models
         if isinstance(here, dict) and isinstance(here.get("kind"), str):
             models = [m for m in models if here["kind"] in kinds(m)] or models
     return models
+
+
+def keys(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """The keys of a table as the file writes them: `from`, which Python reserves, is the alias of a field."""
+    return {info.alias or name: info for name, info in model.model_fields.items()}
 
 
 def members(annotation: Any) -> list[type[BaseModel]]:

@@ -93,6 +93,15 @@ class ShellTable(Table):
     thickness: Length = Field(description="nominal wall thickness [m]")
 
 
+class StripTable(Table):
+    """[[strip]]: a band along the axis or span with a wall of its own."""
+
+    start: float = Field(alias="from", ge=-1e3, le=1e3, description="where it begins along the axis or span [m]")
+    end: float = Field(alias="to", ge=-1e3, le=1e3, description="where it ends [m]")
+    thickness: Length = Field(description="its wall thickness [m]")
+    material: MaterialTable | None = Field(default=None, description="E, nu, rho; the wall's own if left out")
+
+
 class Harmonic(Table):
     """cos p theta and sin p theta, relative."""
 
@@ -253,6 +262,7 @@ class StudyFile(Table):
     material: MaterialTable | None = Field(default=None, description="E, nu, rho")
     chart: ChartTable | None = Field(default=None, description="kind and dimensions")
     shell: ShellTable | None = Field(default=None, description="thickness")
+    strip: list[StripTable] = Field(default=[], description="tables [[strip]]")
     imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
     support: dict[Edge, SupportTable] = Field(default={}, description="edge -> kind and stiffnesses")
     modes: ModesTable = ModesTable()

@@ -36,7 +36,7 @@ def updated_toml(study: Study, values: Mapping[str, float], folder: Path) -> str
 
     A harmonic that the study has from a survey is changed by an [[imperfection]] of its own that adds to it.
     """
-    tables = study.file.model_dump(exclude_none=True, exclude_unset=True)
+    tables = study.file.model_dump(by_alias=True, exclude_none=True, exclude_unset=True)
     for name, value in values.items():
         put(tables, study.shell, name, value)
     owners = [*tables.get("imperfection", []), tables.get("update", {})]
@@ -60,10 +60,15 @@ def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
         for waves in pattern_lists(tables["support"][parts[1]], parts[2]):
             harmonic(waves, int(parts[3][1:]))[parts[4]] = value
     else:
-        owner = tables
+        owner: Any = tables
         for part in parts[:-1]:
-            owner = owner[part]
-        owner[parts[-1]] = value
+            owner = owner[place(owner, part)]
+        owner[place(owner, parts[-1])] = value
+
+
+def place(owner: Any, part: str) -> Any:
+    """Where a part of a name stands: a key of a table, or an entry of a list, counted from 1."""
+    return int(part) - 1 if isinstance(owner, list) else part
 
 
 def pattern_lists(support: dict[str, Any], spring: str) -> list[list[dict[str, Any]]]:

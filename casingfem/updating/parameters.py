@@ -1,7 +1,8 @@
 """What an update may vary: a named number of a structure, its bounds and its prior.
 
 Names are paths: material.E | nu | rho, shell.thickness, chart.<field>; radius.p8.cos, thickness.p2.sin,
-modulus.p4.cos, density.p2.sin (relative harmonics); support.<edge>.k_face | k_r | k_theta | k_z | k_rot;
+modulus.p4.cos, density.p2.sin (relative harmonics); strip.2.thickness, strip.2.material.E (the second strip; one
+without a material of its own follows the wall's); support.<edge>.k_face | k_r | k_theta | k_z | k_rot;
 support.<edge>.k_face.p4.cos (how that spring varies along its edge, relative) and support.<edge>.around.p4.cos
 (all springs of the edge together).
 """
@@ -131,12 +132,27 @@ def _with_pattern(support: ElasticEdge, name: str, parts: list[str], value: Any)
     return replace(support, around=support.patterns | changed)
 
 
+def _strip(shell: Shell, name: str, parts: list[str]) -> tuple[int, Any, str]:
+    """Index of the strip, the value that owns the number (the strip or its material), and the number's name."""
+    place = int(parts[1]) if parts[1].isdecimal() else 0
+    if not 1 <= place <= len(shell.strips):
+        raise ParameterError(f"{name!r}: found strip {parts[1]!r}; this shell has {len(shell.strips)}, counted from 1")
+    strip = shell.strips[place - 1]
+    if parts[2:] == ["thickness"]:
+        return place - 1, strip, "thickness"
+    if len(parts) != 4 or parts[2] != "material" or parts[3] not in ("E", "nu", "rho"):
+        raise ParameterError(f"{name!r}: a strip has thickness, material.E, material.nu, material.rho")
+    if strip.material is None:
+        raise ParameterError(f"{name!r}: strip {place} has no material of its own; vary material.{parts[3]}")
+    return place - 1, strip.material, parts[3]
+
+
 def _plain(shell: Shell, name: str, parts: list[str]) -> tuple[Any, str]:
     owners = {"material": shell.material, "chart": shell.chart, "shell": shell}
     owner = owners.get(parts[0])
     if owner is None or len(parts) != 2:
         known = ", ".join([*owners, *DEFECTS])
-        raise ParameterError(f"{name!r}: a parameter starts with {known} or support")
+        raise ParameterError(f"{name!r}: a parameter starts with {known}, strip or support")
     numbers = ["thickness"] if owner is shell else [f.name for f in fields(owner)] if is_dataclass(owner) else []
     if parts[1] not in numbers:
         raise ParameterError(f"{name!r}: {parts[0]} has {', '.join(numbers)}, not {parts[1]!r}")
@@ -157,6 +173,9 @@ def get_value(shell: Shell, name: str) -> Any:
     if parts[0] == "support" and len(parts) > 2:
         _, support = _edge(shell, name, parts)
         return _pattern_value(support, name, parts) if parts[3:] else getattr(support, parts[2])
+    if parts[0] == "strip":
+        _, owner, attribute = _strip(shell, name, parts)
+        return getattr(owner, attribute)
     owner, attribute = _plain(shell, name, parts)
     return getattr(owner, attribute)
 
@@ -182,6 +201,12 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
         own: dict[str, Any] = {parts[2]: value}
         changed = _with_pattern(support, name, parts, value) if parts[3:] else replace(support, **own)
         return replace(shell, supports={**shell.supports, edge: changed})
+    if parts[0] == "strip":
+        place, owner, attribute = _strip(shell, name, parts)
+        strip = shell.strips[place]
+        new = replace(owner, **{attribute: value})
+        new = new if owner is strip else replace(strip, material=new)
+        return replace(shell, strips=(*shell.strips[:place], new, *shell.strips[place + 1 :]))
     owner, attribute = _plain(shell, name, parts)
     changes: dict[str, Any] = {attribute: value}
     if owner is not shell:

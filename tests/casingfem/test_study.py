@@ -241,7 +241,7 @@ def test_perfect_takes_all_variation_away(tmp_path):
 
 def test_the_schema_knows_every_table():
     assert set(schema()["properties"]) == {
-        "material", "chart", "shell", "imperfection", "support", "modes", "mesh", "update", "reduce",
+        "material", "chart", "shell", "strip", "imperfection", "support", "modes", "mesh", "update", "reduce",
     }  # fmt: skip
     assert schema()["required"] == ["material", "chart", "shell"]
 
@@ -271,6 +271,7 @@ def test_whatever_stands_at_a_key_the_study_loads_or_says_what_is_wrong(tmp_path
     (tmp_path / "table.csv").write_text("mode,n,freq_hz,sigma_hz\n1,8,370,1\n")
     spring = 'kind = "elastic"\nk_face = 1e13\naround = [{p = 4, cos = 0.3}]'
     whole = FRUSTUM.replace('kind = "clamped"', spring) + UPDATE + "sigma = 1e9\n"
+    whole += "[[strip]]\nfrom = 0.0\nto = 0.125\nthickness = 4e-3\n"
     whole += '[reduce]\ninterface = "top"\nmodes = 9\nout = "a.npz"\n'
     data = tomllib.loads(whole)
     refused = 0
@@ -288,3 +289,49 @@ def test_whatever_stands_at_a_key_the_study_loads_or_says_what_is_wrong(tmp_path
             assert all(line.startswith(str(tmp_path / "study.toml")) for line in found)
             assert not found or any(f": {key}" in line for line in found), (place, odd, found)
     assert refused > 600
+
+
+STRIPS = (
+    FRUSTUM.replace("rows = [0.0, 0.5, 1.0]\n", "")
+    + """
+[[strip]]
+from = 0.1
+to = 0.15
+thickness = 5e-3
+material = {E = 70e9, nu = 0.33, rho = 2700.0}
+[[strip]]
+from = 0.24
+to = 0.25
+thickness = 12e-3
+"""
+)
+
+
+def test_strips_are_read_and_written_with_their_keys(tmp_path):
+    file = written(tmp_path, STRIPS)
+    study = load_study(file)
+    first, second = study.shell.strips
+    assert (first.start, first.end, first.thickness, first.material.E) == (0.1, 0.15, 5e-3, 70e9)
+    assert (second.start, second.end, second.thickness, second.material) == (0.24, 0.25, 12e-3, None)
+    values = {"strip.1.material.E": 71e9, "strip.2.thickness": 13e-3}
+    again = load_study(written(tmp_path, updated_toml(study, values, tmp_path))).shell.strips
+    assert (again[0].material.E, again[1].thickness) == (71e9, 13e-3)
+    assert (again[0].thickness, again[1].start) == (5e-3, 0.24)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("from = 0.1\n", "", "strip[1].from: found nothing, expected its where it begins"),
+        ("from = 0.1\n", "start = 0.1\n", "strip[1].start: found an unknown key, expected one of from, to, thickness"),
+        ("from = 0.1\n", "from = 0.2\n", "strip[1]: strip: found start 0.2, end 0.15"),
+        ("to = 0.25\n", "to = 0.26\n", "strip: strip[2] from 0.24 to 0.26 m leaves the shell"),
+        ("from = 0.24\n", "from = 0.14\n", "strip: strip[2] from 0.14 to 0.25 m overlaps strip[1]"),
+        ("thickness = 12e-3", "thickness = -1.0", "strip[2].thickness: found -1.0, expected greater than 0"),
+        ("order = 4", "order = 4\nrows = 3", "mesh: strip[1] from 0.1 to 0.15 m: no element"),
+    ],
+)
+def test_strips_that_do_not_fit_are_named(tmp_path, old, new, line):
+    assert old in STRIPS
+    found = problems_of(tmp_path, STRIPS.replace(old, new))
+    assert any(problem.startswith(f"{tmp_path / 'study.toml'}: {line}") for problem in found), found
