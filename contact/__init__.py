@@ -1,8 +1,8 @@
-"""contact: dynamic unilateral contact on rods, modal bodies and rotating rims.
+"""contact: dynamic unilateral contact on rods, linear structures, modal bodies and rotating rims.
 
-Bodies (Rod, PointMass, Wall, ModalBody), gaps (PointGap, RotatingRim), laws (Unilateral, Penalty, Coulomb)
-and schemes (CentralDifference, PenaltyDifference, ExactModal) are frozen values; `run` brings them together
-and returns a Result. Scene files: `load_scene`.
+Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRim), laws (Unilateral, Penalty,
+AugmentedLagrangian, Coulomb) and schemes (one file each in `contact.scheme`) are frozen values; `run` brings them
+together and returns a Result. Scene files: `load_scene`.
 
 >>> import contact as ct
 >>> left = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=20, x=-1.1, velocity=1.0)
@@ -16,20 +16,23 @@ from contact.energy import EnergyBudget
 from contact.errors import InputError, LimitError, NumericsError
 from contact.model.body import PointMass, Rod, Wall
 from contact.model.gap import PointGap, RotatingRim, Side
-from contact.model.law import Coulomb, Penalty, Unilateral
+from contact.model.law import AugmentedLagrangian, Coulomb, Penalty, Unilateral
+from contact.model.linear import Forcing, LinearBody, Part
 from contact.model.modal_body import ModalBody
 from contact.model.rod_modes import rod_modes
 from contact.record import Record
 from contact.result import Result
 from contact.run import Scene, run
 from contact.scene import SceneError, load_scene, scene_schema
+from contact.scheme.cd_lagrange import CDLagrange
 from contact.scheme.central_difference import CentralDifference
 from contact.scheme.exact_modal import ExactModal
+from contact.scheme.paoli_schatzman import PaoliSchatzman
 from contact.scheme.penalty import PenaltyDifference
 
 __all__ = [
-    "CentralDifference", "Coulomb", "EnergyBudget", "ExactModal", "InputError", "LimitError", "ModalBody",
-    "NumericsError", "Penalty", "PenaltyDifference", "PointGap", "PointMass", "Record", "Result", "Rod",
-    "RotatingRim", "Scene", "SceneError", "Side", "Unilateral", "Wall", "load_scene", "rod_modes", "run",
-    "scene_schema",
+    "AugmentedLagrangian", "CDLagrange", "CentralDifference", "Coulomb", "EnergyBudget", "ExactModal", "Forcing",
+    "InputError", "LimitError", "LinearBody", "ModalBody", "NumericsError", "PaoliSchatzman", "Part", "Penalty",
+    "PenaltyDifference", "PointGap", "PointMass", "Record", "Result", "Rod", "RotatingRim", "Scene", "SceneError",
+    "Side", "Unilateral", "Wall", "load_scene", "rod_modes", "run", "scene_schema",
 ]  # fmt: skip

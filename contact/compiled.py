@@ -20,6 +20,7 @@ ROOT = Path(__file__).parent
 SOURCES = (
     Path(__file__),
     ROOT / "record.py",
+    ROOT / "model/band.py",
     *sorted((ROOT / "scheme").glob("loop_*.py")),
     *sorted((ROOT / "solver").glob("*.py")),
 )
@@ -33,6 +34,10 @@ def cache_directory() -> Path:
 
 
 CACHE = str(cache_directory())
+# no reference counts: loops are given all their arrays, and counting the views they take cost more than the steps
+OPTIONS: Any = {
+    "cache": True, "_nrt": False, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"},
+}  # fmt: skip
 
 
 def jit(function: Function) -> Function:
@@ -44,7 +49,7 @@ def jit(function: Function) -> Function:
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE
     try:
-        compiled = numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})(function)
+        compiled = numba.njit(**OPTIONS)(function)
     finally:
         config.CACHE_DIR = before
     return cast(Function, compiled)

@@ -28,14 +28,15 @@ class Stored:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnergyBudget:
-    """end - start = work of contact, rotation, friction and damping + numerical + unaccounted [J].
+    """end - start = work of contact, rotation, friction, damping and loads + numerical + unaccounted [J].
 
-    `contact` = sum lam_n (g_{n+1} - g_{n-1})/2, `rotation` what the point of contact does by moving over the
-    rim, `friction` = work of the tangential force on the bodies, `damping` <= 0. Constant loads (gravity)
-    have a potential and need no work term. `numerical` is the difference between the energies and their
-    discrete form (zero for finite element chains, where the two are one). `unaccounted` is round-off, or a
-    mistake in a scheme. `load_step` = h^2 f^T M^-1 f is the work of the constant loads over one step from rest:
-    by so much the half step at which the scheme reads its energy may misplace the work of contact.
+    `contact` is the work of the contact forces along the gaps, in leapfrog schemes sum lam_n (g_{n+1} - g_{n-1})/2;
+    `rotation` what the point of contact does by moving over the rim, `friction` = work of the tangential force on
+    the bodies, `damping` <= 0, `external` that of loads that vary in time. Constant loads (gravity) have a potential
+    and need no work term. `algorithmic` is what the scheme itself adds, by its own formulas (`scheme.protocol`, 5);
+    `numerical` is that and the difference between the energies and their discrete form. `unaccounted` is
+    round-off, or a mistake in a scheme. `load_step` = h^2 f^T M^-1 f is the work of the constant loads over one step
+    from rest: by so much the half step at which the scheme reads its energy may misplace the work of contact.
 
     >>> a = Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
     >>> b = Stored(kinetic=1.5, strain=0.25, potential=0.0, residual=0.0, discrete=1.75)
@@ -50,6 +51,8 @@ class EnergyBudget:
     rotation: float
     friction: float
     damping: float
+    external: float = 0.0
+    algorithmic: float = 0.0
     load_step: float = 0.0
 
     @property
@@ -59,14 +62,15 @@ class EnergyBudget:
 
     @property
     def numerical(self) -> float:
-        """Change of energy that the discrete form does not see [J]."""
+        """Energy the scheme adds [J]: its algorithmic part, and what its discrete form does not see."""
         discrete = self.end.discrete - self.start.discrete
-        return (self.end.total - self.end.residual) - (self.start.total - self.start.residual) - discrete
+        seen = (self.end.total - self.end.residual) - (self.start.total - self.start.residual) - discrete
+        return self.algorithmic + seen
 
     @property
     def unaccounted(self) -> float:
         """Change of discrete energy minus all work [J]: round-off."""
-        work = self.contact + self.rotation + self.friction + self.damping
+        work = self.contact + self.rotation + self.friction + self.damping + self.external + self.algorithmic
         return self.end.discrete - self.start.discrete - work
 
     @property
@@ -74,13 +78,13 @@ class EnergyBudget:
         """Largest energy of the budget [J], to compare `unaccounted` with."""
         ends = (self.start, self.end)
         parts = [value for s in ends for value in (s.kinetic, s.strain, s.potential)]
-        return max(*map(abs, parts), abs(self.contact), abs(self.rotation), abs(self.friction))
+        return max(*map(abs, parts), abs(self.contact), abs(self.rotation), abs(self.friction), abs(self.external))
 
     def to_dict(self) -> dict[str, object]:
         """Return totals first, parts after; JSON-ready."""
         return {
             "start": self.start.total, "end": self.end.total, "lost_in_contact": self.lost_in_contact,
             "unaccounted": self.unaccounted, "rotation": self.rotation, "friction": self.friction,
-            "damping": self.damping, "numerical": self.numerical,
+            "damping": self.damping, "external": self.external, "numerical": self.numerical,
             "parts": {"start": asdict(self.start), "end": asdict(self.end)},
         }  # fmt: skip

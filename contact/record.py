@@ -68,6 +68,8 @@ class Tally(NamedTuple):
     rotation: Array  # by the moving contact point
     friction: Array
     damping: Array  # (1,)
+    external: Array  # (1,), by loads that vary in time
+    algorithmic: Array  # (1,), the scheme's own gain, from its formulas
     peak: Array
     penetration: Array
     residual: Array
@@ -87,7 +89,8 @@ def tally(contacts: int) -> Tally:
         return np.zeros(contacts, dtype=np.int64)
 
     return Tally(
-        impulse=real(), work=real(), rotation=real(), friction=real(), damping=np.zeros(1), peak=real(),
+        impulse=real(), work=real(), rotation=real(), friction=real(), damping=np.zeros(1),
+        external=np.zeros(1), algorithmic=np.zeros(1), peak=real(),
         penetration=real(), residual=real(), closed=whole(), contact_steps=whole(), reversals=whole(),
         filled=np.zeros(3, dtype=np.int64),
     )  # fmt: skip

@@ -16,6 +16,7 @@ from contact.model.body import Body, PointMass, Rod, Wall
 from contact.model.chain import Chain, assemble
 from contact.model.gap import PointGap, RotatingRim
 from contact.model.law import Law, Penalty, Unilateral
+from contact.model.linear import LinearBody
 from contact.record import Record, Samples, samples, sparse
 from contact.result import Result, collect
 from contact.scheme.central_difference import CentralDifference
@@ -26,7 +27,7 @@ from contact.scheme.protocol import Problem, Scheme, Stepper
 CHUNK = 20_000  # steps per compiled call
 MOST_STEPS = 10**10  # hours to days of computing: beyond, a number was mistyped
 
-What = Sequence[Body] | PointGap | RotatingRim
+What = Sequence[Body] | LinearBody | PointGap | RotatingRim
 Progress = Callable[[float], None]
 
 
@@ -92,8 +93,8 @@ def run(
 ) -> Result:
     """Run a scene from t = 0 to the first step at or after `t_end` [s].
 
-    `what`: bodies on one axis (Rod, PointMass, Wall), a PointGap, a RotatingRim, or a Scene read from a file,
-    whose own settings these arguments override. `scheme` defaults to CentralDifference for bodies (with
+    `what`: bodies on one axis (Rod, PointMass, Wall), a LinearBody, a PointGap, a RotatingRim, or a Scene read from a
+    file, whose own settings these arguments override. `scheme` defaults to CentralDifference for bodies (with
     PenaltyDifference for a Penalty law) and ExactModal otherwise; `dt` [s] or `courant` sets the step;
     `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done.
     `record` defaults to every step, or to as many as make 1,000,000 samples.
@@ -116,6 +117,8 @@ def run(
     require_positive(t_end=end)
     if dt is None and courant is None:
         dt, courant = settings.dt, settings.courant
+    if dt is not None and dt > 0.0:
+        _count(end, dt)
     stepper = scheme.prepare(problem, law, dt=dt, courant=courant)
     count = _count(end, stepper.dt)
     record = record or settings.record or sparse(count)
@@ -138,7 +141,7 @@ def _load_step(problem: Problem, dt: float) -> float:
     """Work of the constant loads over one step from rest, h^2 f^T M^-1 f [J]."""
     if isinstance(problem, Chain):
         return dt * dt * float(np.sum(problem.load**2 * problem.inverse_mass))
-    if isinstance(problem, RotatingRim):
+    if isinstance(problem, RotatingRim | LinearBody):
         return 0.0
     return dt * dt * sum(float(side.load @ side.load) for side in problem.sides if side.load is not None)
 
@@ -158,7 +161,8 @@ def _collect(
     energy = EnergyBudget(
         start=start, end=stepper.stored(), contact=float(np.sum(sums.work)),
         rotation=float(np.sum(sums.rotation)),
-        friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]), load_step=load_step,
+        friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]),
+        external=float(sums.external[0]), algorithmic=float(sums.algorithmic[0]), load_step=load_step,
     )  # fmt: skip
     taken = sum(chunk.steps for chunk in chunks)
     result = collect(stepper, [chunk.samples for chunk in chunks], energy, taken, seconds, source, record.every)
@@ -172,9 +176,9 @@ def _collect(
 
 def _problem(what: What, gravity: float) -> Problem:
     """Bring what was given to the form schemes take."""
-    if isinstance(what, PointGap | RotatingRim):
+    if isinstance(what, PointGap | RotatingRim | LinearBody):
         if gravity:
-            raise InputError("gravity: found with modal bodies, expected it as the load of a Side")
+            raise InputError("gravity: found with arrays or modal bodies, expected it as their load")
         return what
     for body in what:
         if not isinstance(body, Rod | PointMass | Wall):

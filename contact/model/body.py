@@ -17,7 +17,8 @@ class Rod:
     """Elastic rod on the x axis, linear elements, lumped mass: rho A u,tt = E A u,xx.
 
     `length`, `x` (left end) [m]; `area` [m^2]; `E` [Pa]; `rho` [kg/m^3]; `velocity` [m/s] of the whole rod at
-    t = 0, unstressed; `end_mass` [kg] sits at the end that faces its neighbour.
+    t = 0, unstressed; `end_mass` [kg] sits at the end that faces its neighbour; `damping` [1/s] is viscous, in
+    proportion to the mass: force = -damping M v.
 
     Raises InputError for a value that is not physical.
 
@@ -35,11 +36,12 @@ class Rod:
     velocity: float = 0.0
     fixed: Fixed = "none"
     end_mass: float = 0.0
+    damping: float = 0.0
 
     def __post_init__(self) -> None:
         require_positive(length=self.length, area=self.area, E=self.E, rho=self.rho)
         require_finite(x=self.x, velocity=self.velocity)
-        require_not_negative(end_mass=self.end_mass)
+        require_not_negative(end_mass=self.end_mass, damping=self.damping)
         if not isinstance(self.elements, int) or self.elements < 1:
             raise InputError(f"elements: found {self.elements!r}, expected a whole number >= 1")
         if self.fixed not in ("none", "left", "right"):
@@ -68,7 +70,10 @@ class Rod:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointMass:
-    """Point of `mass` [kg] at `x` [m], moving at `velocity` [m/s].
+    """Point of `mass` [kg] at `x` [m], moving at `velocity` [m/s]; on a spring and a dashpot, it is an oscillator.
+
+    m x'' + damping x' + stiffness (x - anchor) = force cos(2 pi force_hz t); `anchor` [m] is where the spring is at
+    rest, x when left out. `stiffness` [N/m], `damping` [N s/m] to the ground, `force` [N].
 
     >>> PointMass(mass=2.0, x=-0.1, velocity=3.0).mass
     2.0
@@ -77,10 +82,23 @@ class PointMass:
     mass: float
     x: float = 0.0
     velocity: float = 0.0
+    stiffness: float = 0.0
+    anchor: float | None = None
+    damping: float = 0.0
+    force: float = 0.0
+    force_hz: float = 0.0
 
     def __post_init__(self) -> None:
         require_positive(mass=self.mass)
-        require_finite(x=self.x, velocity=self.velocity)
+        require_finite(x=self.x, velocity=self.velocity, force=self.force)
+        require_not_negative(stiffness=self.stiffness, damping=self.damping, force_hz=self.force_hz)
+        if self.anchor is not None:
+            require_finite(anchor=self.anchor)
+
+    @property
+    def stretch(self) -> float:
+        """Elongation of the spring at t = 0 [m]."""
+        return 0.0 if self.anchor is None else self.x - self.anchor
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,7 +20,8 @@ class Chain:
 
     m_i u_i'' = k_i (u_{i+1} - u_i) - k_{i-1} (u_i - u_{i-1}) + f_i;  contact j lies between node left[j]
     and the next one: g_j = x_{l+1} + u_{l+1} - x_l - u_l. Shapes: N nodes, N - 1 springs (zero between
-    bodies). Walls and fixed ends have `inverse_mass` zero.
+    bodies), N springs and dashpots to the ground. Walls and fixed ends have `inverse_mass` zero. `potential` [J] is
+    that of gravity and of stretched ground springs at t = 0.
     """
 
     bodies: tuple[Body, ...]
@@ -31,30 +32,17 @@ class Chain:
     mass: Array
     inverse_mass: Array
     stiffness: Array
+    ground: Array
+    damping: Array
     velocity: Array
     load: Array
     left: Indices
+    potential: float
 
     @property
     def crossing_time(self) -> float:
         """Shortest time of a wave through an element [s], infinite when there is no rod."""
         return min((b.crossing_time for b in self.bodies if isinstance(b, Rod)), default=math.inf)
-
-    def omega_max(self, contact_stiffness: float = 0.0) -> float:
-        """Highest angular frequency [rad/s], with springs of this stiffness closing every contact."""
-        from scipy.linalg import eigvalsh_tridiagonal
-
-        k = self.stiffness.copy()
-        k[self.left] += contact_stiffness
-        root = np.sqrt(self.inverse_mass)
-        diagonal = np.zeros(self.mass.size)
-        diagonal[:-1] += k
-        diagonal[1:] += k
-        n = diagonal.size
-        top = eigvalsh_tridiagonal(
-            diagonal * root**2, -k * root[:-1] * root[1:], select="i", select_range=(n - 1, n - 1)
-        )
-        return math.sqrt(max(float(top[0]), 0.0))
 
 
 def assemble(bodies: Sequence[Body], *, gravity: float = 0.0) -> Chain:
@@ -76,14 +64,28 @@ def assemble(bodies: Sequence[Body], *, gravity: float = 0.0) -> Chain:
     inverse = np.where(held, 0.0, 1.0 / np.where(held, 1.0, mass))
     speed = np.repeat([0.0 if isinstance(b, Wall) else b.velocity for b in ordered], np.diff(first))
     left = first[1:-1] - 1
-    left = left[(inverse[left] > 0.0) | (inverse[left + 1] > 0.0)]
-    _require_contacts(ordered, numbers, left, first)
+    _require_contacts(ordered, numbers, inverse, left)
+    ground, damping, stretch = _to_the_ground(ordered, mass, first)
     return Chain(
         bodies=ordered, numbers=numbers, gravity=gravity, first=first,
         position=readonly(position), mass=readonly(mass), inverse_mass=readonly(inverse),
         stiffness=readonly(springs[:-1]), velocity=readonly(np.where(held, 0.0, speed)),
-        load=readonly(np.where(held, 0.0, -gravity * mass)), left=left,
+        ground=readonly(ground), damping=readonly(damping),
+        load=readonly(np.where(held, 0.0, -gravity * mass - ground * stretch)), left=left,
+        potential=float(np.sum(np.where(held, 0.0, gravity * mass * position + 0.5 * ground * stretch**2))),
     )  # fmt: skip
+
+
+def _to_the_ground(ordered: Sequence[Body], mass: Array, first: Indices) -> tuple[Array, Array, Array]:
+    """Ground springs [N/m], dashpots [N s/m] and initial stretches [m] of all nodes."""
+    ground, damping, stretch = np.zeros((3, mass.size))
+    for b, body in enumerate(ordered):
+        nodes = slice(int(first[b]), int(first[b + 1]))
+        if isinstance(body, PointMass):
+            ground[nodes], damping[nodes], stretch[nodes] = body.stiffness, body.damping, body.stretch
+        elif isinstance(body, Rod):
+            damping[nodes] = body.damping * mass[nodes]
+    return ground, damping, stretch
 
 
 def _extent(body: Body) -> tuple[float, float]:
@@ -104,14 +106,14 @@ def _require_apart(ordered: Sequence[Body], numbers: Sequence[int]) -> None:
             raise InputError(f"x: {a} and {b} overlap by {end - start:g} m, expected a gap >= 0")
 
 
-def _require_contacts(ordered: Sequence[Body], numbers: Sequence[int], left: Indices, first: Indices) -> None:
-    if left.size == 0:
-        raise InputError("bodies: nothing can touch: every pair of neighbours is fixed or a wall")
-    for i, body in enumerate(ordered):
-        if isinstance(body, PointMass) and first[i] in left and first[i] - 1 in left:
+def _require_contacts(ordered: Sequence[Body], numbers: Sequence[int], inverse: Array, left: Indices) -> None:
+    """Every pair of neighbours must have a side that moves."""
+    for i, node in enumerate(left.tolist()):
+        if inverse[node] == 0.0 and inverse[node + 1] == 0.0:
+            a, b = _name(ordered[i], numbers[i]), _name(ordered[i + 1], numbers[i + 1])
             raise InputError(
-                f"bodies: {_name(body, numbers[i])} lies between two bodies; its two contacts are coupled, "
-                "which the one-contact solver does not treat: use a short Rod instead"
+                f"bodies: nothing can touch between {a} and {b}: both ends are held (`fixed`, or a wall); free one "
+                "of them or leave one out"
             )
 
 

@@ -43,6 +43,26 @@ class Penalty:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class AugmentedLagrangian:
+    """Penalty with multiplier updates: force <- <force - stiffness g>, at most `updates` times a step.
+
+    Each update is solved with the motion of the step in it, so any `stiffness` [N/m] > 0 converges, a stiffer one
+    faster; it stops when neither gap nor force violates the law by more than `tolerance` [m] (Simo, Laursen,
+    Comput. Struct. 42, 1992, 97). For implicit schemes.
+
+    >>> AugmentedLagrangian(stiffness=1e6).updates
+    50
+    """
+
+    stiffness: float
+    updates: int = 50
+    tolerance: float = 1e-12
+
+    def __post_init__(self) -> None:
+        require_positive(stiffness=self.stiffness, updates=self.updates, tolerance=self.tolerance)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Coulomb:
     """Rigid contact with slip friction of coefficient `mu` >= 0: tangential force = -mu force sgn(v_t).
 
@@ -60,4 +80,4 @@ class Coulomb:
         require_not_negative(mu=self.mu)
 
 
-Law = Unilateral | Penalty | Coulomb
+Law = Unilateral | Penalty | AugmentedLagrangian | Coulomb

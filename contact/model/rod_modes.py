@@ -96,10 +96,14 @@ def side(body: Body, face: str, sign: int, *, modes: int, gravity: float) -> Sid
     """One body of a chain at the contact it meets with its `face`."""
     if isinstance(body, Wall):
         raise InputError("side: found a wall, expected a rod or a mass")
+    if body.damping:
+        raise InputError("damping: found viscous damping of a body, expected none for ExactModal")
     if isinstance(body, PointMass):
         root = math.sqrt(body.mass)
+        if body.force:
+            raise InputError("force: found a varying force, expected none for ExactModal (loads are constant there)")
         point = ModalBody(
-            omega=np.zeros(1),
+            omega=np.array([math.sqrt(body.stiffness) / root]),
             zeta=np.zeros(1),
             channels=(face,),
             rows=np.array([[1.0 / root]]),
@@ -107,8 +111,8 @@ def side(body: Body, face: str, sign: int, *, modes: int, gravity: float) -> Sid
         )
         return Side(
             body=point, channel=face, sign=sign, velocity=np.array([root * body.velocity]),
-            load=np.array([-root * gravity]), name="mass", mass=body.mass,
-            potential=body.mass * gravity * body.x,
+            load=np.array([-root * gravity - body.stiffness * body.stretch / root]), name="mass", mass=body.mass,
+            potential=body.mass * gravity * body.x + 0.5 * body.stiffness * body.stretch**2,
         )  # fmt: skip
     if body.fixed == face:
         raise InputError(f"fixed: found {face!r} on the rod's contact end, expected the other end or 'none'")

@@ -24,6 +24,7 @@ from contact.model.arrays import require_positive
 from contact.model.chain import Chain
 from contact.model.gap import PointGap
 from contact.model.law import Coulomb, Law, Penalty
+from contact.model.linear import LinearBody
 from contact.model.modal_system import ModalSystem, point_system, rim_system
 from contact.model.rod_modes import chain_gap
 from contact.scheme.energy_stepper import energy_stepper
@@ -133,6 +134,8 @@ def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, 
 def _system(problem: Problem, modes: int) -> ModalSystem:
     if isinstance(problem, Chain):
         return point_system(chain_gap(problem, modes=modes))
+    if isinstance(problem, LinearBody):
+        raise InputError("scheme: found ExactModal for a LinearBody, expected one of the schemes on M, C, K")
     return point_system(problem) if isinstance(problem, PointGap) else rim_system(problem)
 
 

@@ -8,24 +8,35 @@ from contact.record import Samples, Tally
 
 
 @jit
-def note_contact(sums: Tally, out: Samples, k: int, h: float, time: float, force: float, gap: float,
-                 scale: float, before: float, predicted: float) -> None:  # fmt: skip
-    """Add one step of contact k: force at `time`, the law's gap, and `scale` = Delassus number.
+def note_step(sums: Tally, out: Samples, k: int, h: float, force: float, gap: float, slack: float,
+              began: float, before: float, predicted: float, opened: float) -> None:  # fmt: skip
+    """Add one step of contact k: its force, its gap and by how much the law is violated, `slack` [m].
 
-    A contact closes where the line from gap `before` to `predicted` crosses zero, and opens half a step after
-    the last force.
+    A contact closes where the line from gap `before` at the instant `began` to `predicted` a step later crosses
+    zero, and opens at the instant `opened`.
     """
     sums.penetration[k] = max(sums.penetration[k], -gap)
-    sums.residual[k] = max(sums.residual[k], abs(min(force * scale, gap)))
+    sums.residual[k] = max(sums.residual[k], slack)
     if force > 0.0:
         sums.impulse[k] += force * h
         sums.peak[k] = max(sums.peak[k], force)
         sums.contact_steps[k] += 1
         if sums.closed[k] == 0:
             part = before / (before - predicted) if before > 0.0 and before > predicted else 0.0
-            note_event(sums, out, k, 1, time + part * h)
+            note_event(sums, out, k, 1, began + part * h)
     elif sums.closed[k] == 1:
-        note_event(sums, out, k, 0, time - 0.5 * h)
+        note_event(sums, out, k, 0, opened)
+
+
+@jit
+def note_contact(sums: Tally, out: Samples, k: int, h: float, time: float, force: float, gap: float,
+                 scale: float, before: float, predicted: float) -> None:  # fmt: skip
+    """Add one step whose force acts at `time` on the gap a step later; `scale` = Delassus number.
+
+    The contact opens half a step after the last force.
+    """
+    slack = abs(min(force * scale, gap))
+    note_step(sums, out, k, h, force, gap, slack, time, before, predicted, time - 0.5 * h)
 
 
 @jit

@@ -2,12 +2,15 @@
 
 1. `Scheme.prepare` takes the physics and the law, checks its limits and refuses with numbers (LimitError) or
    an InputError when law or scene are not its own; it returns a Stepper at t = 0.
-2. `Stepper.advance(out, first, steps)` takes whole steps first .. first + steps - 1 in one compiled call,
-fills
+2. `Stepper.advance(out, first, steps)` takes whole steps first .. first + steps - 1 in one compiled call, fills
    `out`, adds to `sums`, and returns -1, or the step that failed.
-3. The force of step n acts at the time of its sample (t_n = n h; t_n + h/2 with the energy law) and makes the
-   law hold for the gap stored beside it.
+3. The force of step n acts at the time of its sample: t_n = n h in leapfrog schemes, t_n + h/2 where it is the
+   mean over the step, t_{n+1} where it balances the end of the step. It makes the law hold for the gap stored
+   beside it; where the law is one of velocities, `residual` is theirs times h.
 4. `stored()` and `motions()` read the present state and change nothing.
+5. The energy ledger closes: change of stored energy = work of contact, damping and loads along the displacement +
+   the scheme's own gain. With v_m, f_m means of the step's two ends, a one-step scheme moves by h v_m + s under
+   the mean force f_m + Q^T force + delta; its own gain is du.delta - s.M dv/h, from the formulas of s and delta.
 """
 
 from __future__ import annotations
@@ -19,9 +22,10 @@ from contact.energy import Stored
 from contact.model.chain import Chain
 from contact.model.gap import PointGap, RotatingRim
 from contact.model.law import Law
+from contact.model.linear import LinearBody
 from contact.record import Samples, Tally
 
-Problem = Chain | PointGap | RotatingRim
+Problem = Chain | LinearBody | PointGap | RotatingRim
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

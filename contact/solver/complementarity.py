@@ -1,0 +1,121 @@
+"""The one-step problem of several contacts: 0 <= W lam + g, lam >= 0, complementary.
+
+Principal pivoting: the set of closed contacts is corrected as a whole at first, then one contact at a time by
+the least index, which ends for every positive definite W (Murty, Opsearch 11, 1974, 157). Rows that repeat others
+(singular W) get force zero. One contact is a division.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from contact.compiled import jit
+from contact.model.arrays import Array
+
+BLOCK = 8  # corrections of the whole set before the least-index rule
+PIVOTS = 2000  # corrections before the step is given up
+SMALL = 1e-12  # of the largest gap or force: below, a sign is round-off
+SINGULAR = 1e-13  # of a diagonal entry: a smaller pivot is a repeated row
+
+
+class LawNumbers(NamedTuple):
+    """Rigid: stiffness 0. Penalty: stiffness [N/m]. Augmented: also updates > 0 and a tolerance [m]."""
+
+    stiffness: float
+    updates: int
+    tolerance: float
+
+
+@jit
+def closed_forces(W: Array, soft: float, g: Array, closed: Array, A: Array, lam: Array) -> None:
+    """(W + soft I) lam = -g on the closed contacts, zero on the others."""
+    n = g.size
+    for i in range(n):
+        lam[i] = -g[i] if closed[i] > 0.0 else 0.0
+        for j in range(n):
+            A[i, j] = W[i, j] if closed[i] > 0.0 and closed[j] > 0.0 else 0.0
+        A[i, i] = W[i, i] + soft if closed[i] > 0.0 else 1.0
+    for p in range(n):
+        if A[p, p] <= SINGULAR * (W[p, p] + soft):
+            for j in range(n):
+                A[p, j], A[j, p] = 0.0, 0.0
+            A[p, p], lam[p] = 1.0, 0.0
+        for i in range(p + 1, n):
+            ratio = A[i, p] / A[p, p]
+            if ratio != 0.0:
+                for j in range(p, n):
+                    A[i, j] -= ratio * A[p, j]
+                lam[i] -= ratio * lam[p]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            lam[i] -= A[i, j] * lam[j]
+        lam[i] /= A[i, i]
+
+
+@jit
+def unilateral_forces(W: Array, soft: float, g: Array, lam: Array, closed: Array, A: Array) -> bool:
+    """Lam >= 0 with (W + soft I) lam + g >= 0, complementary; False when the contacts cycle."""
+    n = g.size
+    if n == 1:
+        lam[0] = 0.0
+        if not g[0] >= 0.0:
+            lam[0] = -g[0] / (W[0, 0] + soft)
+        return bool(lam[0] >= 0.0)
+    size, open_all = 0.0, True
+    for i in range(n):
+        if g[i] != g[i]:
+            return False
+        open_all = open_all and g[i] >= 0.0
+        if g[i] < 1e300:  # contacts left out of this step have an infinite gap
+            size = max(size, abs(g[i]))
+        closed[i] = 1.0 if g[i] < 0.0 or (lam[i] > 0.0 and g[i] < 1e300) else 0.0
+    if open_all:
+        lam[:] = 0.0
+        return True
+    for pivot in range(PIVOTS):
+        closed_forces(W, soft, g, closed, A, lam)
+        top = 0.0
+        for i in range(n):
+            top = max(top, abs(lam[i]))
+        wrong = 0
+        for i in range(n):
+            total = g[i] + soft * lam[i]
+            for j in range(n):
+                total += W[i, j] * lam[j]
+            if lam[i] < -SMALL * top or (closed[i] == 0.0 and total < -SMALL * size):
+                wrong += 1
+                closed[i] = 1.0 - closed[i]
+                if pivot >= BLOCK:
+                    break
+        if wrong == 0:
+            for i in range(n):
+                lam[i] = max(lam[i], 0.0)
+            return True
+    return False
+
+
+@jit
+def contact_forces(W: Array, law: LawNumbers, g: Array, lam: Array, closed: Array, A: Array, shifted: Array) -> bool:
+    """Forces of the law for free gaps g; `lam` holds the last forces on entry. False when the problem has no answer.
+
+    Augmented Lagrangian: lam <- <lam - r (g + W lam)> solved for the new lam, until no gap is below -tolerance.
+    """
+    if law.stiffness == 0.0:
+        return unilateral_forces(W, 0.0, g, lam, closed, A)
+    soft, n = 1.0 / law.stiffness, g.size
+    if law.updates == 0:
+        return unilateral_forces(W, soft, g, lam, closed, A)
+    for _ in range(law.updates):
+        for i in range(n):
+            shifted[i] = g[i] - soft * lam[i]
+        if not unilateral_forces(W, soft, shifted, lam, closed, A):
+            return False
+        worst = 0.0
+        for i in range(n):
+            gap = g[i]
+            for j in range(n):
+                gap += W[i, j] * lam[j]
+            worst = max(worst, abs(min(gap, soft * lam[i])))
+        if worst <= law.tolerance:
+            return True
+    return True
