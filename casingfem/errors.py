@@ -36,6 +36,11 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "a bolt without stiffness, or with an impossible one, holds nothing",
             "give k in N/m, one number or [k_r, k_theta, k_z], and factors of 0 or more",
         ),
+        "load-edge": Fault("a load names an edge that the chart does not have", "name one of the chart's edges"),
+        "load-none": Fault("a static solution without loads is zero", "give at least one load"),
+        "load-place": Fault(
+            "a point load lies off the surface", "give the two parameters of the chart, as its `bounds` have them"
+        ),
         "material-units": Fault(
             "the material's speed of sound is not that of a solid",
             "give E in Pa (steel 210e9) and rho in kg/m^3 (steel 7800)",
@@ -134,6 +139,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "springs-negative": Fault(
             "the pattern of an elastic edge falls below -1 somewhere: a spring would push",
             "reduce the harmonics of its pattern until their sum stays above -1",
+        ),
+        "static-loose": Fault(
+            "a rigid motion is not held, or the shell is so soft that round-off hides its stiffness",
+            "hold every motion that the loads drive; where they balance, a soft elastic edge is enough",
         ),
         "strip-extent": Fault(
             "the ends of a strip are not finite numbers in order", "give start below end, in metres along the axis"

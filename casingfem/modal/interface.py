@@ -68,10 +68,9 @@ def tip_rows(system: System, tip: Tip) -> tuple[FloatArray, tuple[str, ...]]:
         raise ValueError(f"a Tip needs an open panel or plate with an edge {tip.edge!r}")
     edge = grid.edges[tip.edge]
     surface = shell.geometry(*grid.nodes[:, edge.nodes]).surface
-    along = surface.x2 if edge.along == 1 else surface.x1
     across = surface.x1 if edge.along == 1 else surface.x2
-    weights = np.linalg.norm(along, axis=0) * edge.weights
-    weights /= weights.sum()
+    weights = edge.arc(surface)
+    weights = weights / weights.sum()
     middle = len(edge.nodes) // 2
     span = across[:, middle] / np.linalg.norm(across[:, middle])
     rows = np.zeros((2, grid.nodes.shape[1], DOFS))

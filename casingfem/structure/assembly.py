@@ -114,14 +114,21 @@ def nodal_mass(shell: Shell, grid: Grid) -> Array:
     """
     a, b = grid.nodes[:, grid.elements]
     geometry = shell.geometry(a, b, grid.middle)
+    density = geometry.rho * geometry.thickness * frame(geometry.surface).jacobian
+    return nodal_sums(grid, np.stack([density, density * geometry.thickness**2 / 12.0], axis=-1))
+
+
+def nodal_sums(grid: Grid, density: Array) -> Array:
+    """Integrate a density per parameter area, given at each element's nodes (elements, functions, k), to the nodes.
+
+    The Lobatto rule: (nodes, k), and their sum is the integral.
+    """
     _, w = lobatto(grid.mesh.order)
     i, j = ElementQuadLobatto(grid.mesh.order).pairs.T
     area = (grid.size[0] * grid.size[1])[:, None] * (w[i] * w[j])
-    density = geometry.rho * geometry.thickness * frame(geometry.surface).jacobian * area
-    inertia = np.stack([density, density * geometry.thickness**2 / 12.0], axis=-1)
-    mass = np.zeros((grid.nodes.shape[1], 2), dtype=inertia.dtype)
-    np.add.at(mass, grid.elements, inertia)
-    return mass
+    sums = np.zeros((grid.nodes.shape[1], density.shape[-1]), dtype=np.result_type(density, area))
+    np.add.at(sums, grid.elements, density * area[:, :, None])
+    return sums
 
 
 def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> FloatArray:

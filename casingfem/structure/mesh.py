@@ -7,7 +7,7 @@ import numpy as np
 from skfem import Basis, MeshQuad
 
 from casingfem.arrays import Array, FloatArray, IntArray, frozen
-from casingfem.structure.chart import Chart
+from casingfem.structure.chart import Chart, Surface
 from casingfem.structure.element import ElementQuadLobatto, gauss, lagrange, lobatto
 
 
@@ -61,6 +61,11 @@ class Edge:
     parts: IntArray
     shares: FloatArray
     along: int  # the parameter that varies along the edge
+
+    def arc(self, surface: Surface) -> Array:
+        """Length of edge that the rule gives each node, for the surface at its nodes, (nodes,) [m]."""
+        tangent = surface.x2 if self.along == 1 else surface.x1
+        return np.asarray(np.sqrt(np.einsum("i...,i...->...", tangent, tangent)) * self.weights)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
