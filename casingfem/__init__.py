@@ -18,15 +18,18 @@ from casingfem.structure.assembly import System, assemble
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.field import Field, FourierField, SumField
+from casingfem.structure.load import EdgeLoad, Gravity, PointLoad, Pressure, SurfaceLoad
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.mesh_data import MeshData
 from casingfem.structure.mesh_support import Fixed
 from casingfem.structure.random_field import RandomField, Spectrum
+from casingfem.structure.revolved import Arc, Profile, Revolved, RevolvedPanel
 from casingfem.structure.shell import Shell
 from casingfem.structure.solid import Solid
+from casingfem.structure.static import Deflection, solve_static
 from casingfem.structure.strip import Strip
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
 from casingfem.structure.survey import SampledField, SurveyError
 from casingfem.structure.twisted import TwistedPlate
 from casingfem.updating.parameters import Parameter, ParameterError
@@ -34,11 +37,14 @@ from casingfem.updating.result import UpdateResult
 from casingfem.updating.updating import UpdateError, update
 
 __all__ = [
+    "Arc",
     "BasisError",
     "Bolts",
     "Chart",
     "Clamped",
     "Cylinder",
+    "Deflection",
+    "EdgeLoad",
     "EigenError",
     "ElasticEdge",
     "Field",
@@ -46,6 +52,7 @@ __all__ = [
     "FourierField",
     "FrequencyTable",
     "Frustum",
+    "Gravity",
     "Material",
     "MeshData",
     "ModalBasis",
@@ -55,7 +62,12 @@ __all__ = [
     "Parameter",
     "ParameterError",
     "Plate",
+    "PointLoad",
+    "Pressure",
+    "Profile",
     "RandomField",
+    "Revolved",
+    "RevolvedPanel",
     "Rim",
     "SampledField",
     "ShearDiaphragm",
@@ -65,7 +77,9 @@ __all__ = [
     "Spectrum",
     "Strip",
     "SumField",
+    "SurfaceLoad",
     "SurveyError",
+    "Symmetry",
     "System",
     "TableError",
     "Tip",
@@ -77,6 +91,7 @@ __all__ = [
     "modes",
     "pair",
     "reduce",
+    "solve_static",
     "subspace_mac",
     "update",
 ]

@@ -45,6 +45,13 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the material's speed of sound is not that of a solid",
             "give E in Pa (steel 210e9) and rho in kg/m^3 (steel 7800)",
         ),
+        "meridian-arc": Fault(
+            "an arc of no length or of more than a turn", "give two angles in radians, less than 2 pi apart"
+        ),
+        "meridian-axis": Fault(
+            "the meridian reaches the axis, where a chart of revolution ends in a pole",
+            "stop short of the axis and leave a small hole",
+        ),
         "mesh-aspect": Fault(
             "cells are much longer than wide",
             "refine along their long side, or see that no node is misplaced",

@@ -149,15 +149,28 @@ def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> FloatArra
 
 
 def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
-    """Free dof numbers, and the frames (nodes, 5, 5) in which the dofs of a node are expressed."""
+    """Free dof numbers, and the frames (nodes, 5, 5) in which the dofs of a node are expressed.
+
+    A corner is held in every direction that one of its two edges holds.
+    """
     nodes = grid.nodes.shape[1]
     held = np.zeros((nodes, DOFS), dtype=bool)
     frames = np.tile(np.eye(DOFS), (nodes, 1, 1))
-    for name, support in sorted(shell.supports.items(), key=lambda item: len(item[1].held)):
+    directions: dict[int, list[FloatArray]] = {}
+    for name, support in shell.supports.items():
+        if not support.held:
+            continue
         edge = grid.edges[name]
+        turn = np.tile(np.eye(DOFS), (len(edge.nodes), 1, 1))
         if support.frame == "edge":
-            frames[edge.nodes] = edge_rotation(shell, grid.nodes[:, edge.nodes], edge.along)
+            turn = edge_rotation(shell, grid.nodes[:, edge.nodes], edge.along)
+        frames[edge.nodes] = turn
         held[edge.nodes[:, None], list(support.held)] = True
+        for node, columns in zip(edge.nodes.tolist(), turn[:, :, list(support.held)], strict=True):
+            directions.setdefault(node, []).append(columns)
+    for node, columns in directions.items():
+        if len(columns) > 1:
+            frames[node], held[node] = joint_frame(np.hstack(columns))
     return np.flatnonzero(~held.ravel()), frames
 
 
@@ -170,6 +183,18 @@ def on_free(form: EdgeForm, frames: FloatArray, free: IntArray) -> csc_array:
         turn = bsr_array((frames, nodes[:-1], nodes), shape=matrix.shape).tocsc()
         matrix = turn.T @ matrix @ turn
     return csc_array(matrix[free][:, free])
+
+
+def joint_frame(directions: FloatArray) -> tuple[FloatArray, Array]:
+    """Frame (5, 5) whose first columns span the held directions (5, k) of several edges, and which are held (5,).
+
+    Displacements and rotations stay apart.
+    """
+    turn, held = np.zeros((DOFS, DOFS)), np.zeros(DOFS, dtype=bool)
+    for part in (slice(0, 3), slice(3, DOFS)):
+        turn[part, part], values, _ = np.linalg.svd(directions[part])
+        held[part][: np.count_nonzero(values > 1e-6)] = True
+    return turn, held
 
 
 def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> None:

@@ -69,18 +69,31 @@ def require_positive(owner: str, **values: float) -> None:
             raise ValueError(f"{owner}.{name} must be positive and finite, found {real!r}")
 
 
-def revolve(z: Array, theta: Array, r0: Array, slope: float, defect: FieldValues | None) -> Surface:
-    """Surface of revolution with straight meridian r0(z), dr0/dz = slope, and a relative radius defect."""
+def revolve(
+    z: Array,
+    theta: Array,
+    r0: Array,
+    slope: Array | float,
+    defect: FieldValues | None,
+    *,
+    bend: Array | float = 0.0,
+    height: tuple[Array, Array, Array] | None = None,
+) -> Surface:
+    """Surface of revolution with meridian r0(z), dr0/dz = slope, d2r0/dz2 = bend, and a relative radius defect.
+
+    `height` is the axial coordinate and its two derivatives where the first parameter is another than z.
+    """
     z, theta, r0 = np.broadcast_arrays(z, theta, r0)
     zero, one = np.zeros_like(r0), np.ones_like(r0)
+    up, up_1, up_2 = height or (z, one, zero)
     if defect is None:
-        r, r_z, r_t, r_zz, r_zt, r_tt = r0, zero + slope, zero, zero, zero, zero
+        r, r_z, r_t, r_zz, r_zt, r_tt = r0, zero + slope, zero, zero + bend, zero, zero
     else:
         f, f_z, f_t, f_zz, f_zt, f_tt = defect
         r = r0 * (1.0 + f)
         r_z = slope * (1.0 + f) + r0 * f_z
         r_t = r0 * f_t
-        r_zz = 2.0 * slope * f_z + r0 * f_zz
+        r_zz = bend * (1.0 + f) + 2.0 * slope * f_z + r0 * f_zz
         r_zt = slope * f_t + r0 * f_zt
         r_tt = r0 * f_tt
     c, s = np.cos(theta), np.sin(theta)
@@ -89,10 +102,10 @@ def revolve(z: Array, theta: Array, r0: Array, slope: float, defect: FieldValues
         return np.stack([radial * c - hoop * s, radial * s + hoop * c, axial + 0.0 * radial])
 
     return Surface(
-        x=along(r, zero, z),
-        x1=along(r_z, zero, one),
+        x=along(r, zero, up),
+        x1=along(r_z, zero, up_1),
         x2=along(r_t, r, zero),
-        x11=along(r_zz, zero, zero),
+        x11=along(r_zz, zero, up_2),
         x12=along(r_zt, r_z, zero),
         x22=along(r_tt - r, 2.0 * r_t, zero),
     )

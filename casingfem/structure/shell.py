@@ -17,9 +17,9 @@ from casingfem.structure.field import Field, relative
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.strip import Strip, breaks_between, check_strips, spread
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
+from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
 
-SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, ElasticEdge, Bolts)
+SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bolts)
 DEFECTS = ("radius", "thickness", "modulus", "density")  # quantity -> Shell.<quantity>_defect
 
 

@@ -46,6 +46,20 @@ class ShearDiaphragm:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Symmetry:
+    """The edge lies in a plane of symmetry that the surface meets at a right angle: nothing crosses the plane.
+
+    Held are the displacement across the edge and the rotation of the normal across it.
+
+    >>> Symmetry().held
+    (0, 3)
+    """
+
+    held: ClassVar[tuple[int, ...]] = (0, 3)
+    frame: ClassVar[Literal["cartesian", "edge"]] = "edge"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ElasticEdge:
     """An elastically embedded edge.
 
@@ -133,4 +147,4 @@ class ElasticEdge:
         return blocks, k_rot + face * thickness**3 / 12.0
 
 
-Support: TypeAlias = Clamped | ShearDiaphragm | ElasticEdge | Bolts
+Support: TypeAlias = Clamped | ShearDiaphragm | Symmetry | ElasticEdge | Bolts

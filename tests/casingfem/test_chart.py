@@ -10,6 +10,7 @@ from casingfem.structure.assembly import assemble
 from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate, Surface
 from casingfem.structure.field import FieldValues, FourierField
 from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.revolved import Arc, Revolved, RevolvedPanel
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped, ShearDiaphragm
 
@@ -18,6 +19,8 @@ CHARTS = {
     "cylinder": Cylinder(radius=0.4, height=0.6),
     "panel": Panel(radius=0.6, length=0.3, angle=0.5),
     "plate": Plate(length=0.3, width=0.2),
+    "bowl": Revolved(profile=Arc(radius=0.4, start=-1.2, end=0.3, r0=0.05, z0=0.1)),
+    "dome": RevolvedPanel(profile=Arc(radius=0.4, start=0.2, end=-1.2), angle=0.9),
 }
 STEP = 1e-30
 
@@ -54,12 +57,12 @@ def test_derivatives_equal_the_complex_step(name):
     assert_exact(CHARTS[name], None)
 
 
-@pytest.mark.parametrize("name", ["frustum", "cylinder", "panel"])
+@pytest.mark.parametrize("name", ["frustum", "cylinder", "panel", "bowl", "dome"])
 def test_derivatives_with_a_radius_field_equal_the_complex_step(name):
     assert_exact(CHARTS[name], Wave())
 
 
-@pytest.mark.parametrize("name", ["frustum", "cylinder", "panel"])
+@pytest.mark.parametrize("name", ["frustum", "cylinder", "panel", "bowl", "dome"])
 def test_derivatives_with_a_fourier_field_equal_central_differences(name):
     chart, h = CHARTS[name], 1e-5
     field = FourierField(p=[2, 5], cos=[[0.01, 0.02], [0.0, 0.01]], sin=[[0.0, 0.01], [0.02, 0.0]], z_half=0.2)
@@ -100,7 +103,7 @@ def test_a_plate_takes_no_radius_defect():
 @pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
 def test_refuses_dimensions_that_are_not_positive(name, value):
     chart = CHARTS[name]
-    for dimension in chart.__dataclass_fields__:
+    for dimension in [name for name in chart.__dataclass_fields__ if name != "profile"]:
         with pytest.raises(ValueError, match=rf"chart\.{dimension} must be positive"):
             replace(chart, **{dimension: value})
 
