@@ -12,7 +12,7 @@ from casingfem.experiment.measurement import FrequencyTable, TableError
 from casingfem.modal.basis import BasisError, ModalBasis
 from casingfem.modal.eigen import EigenError
 from casingfem.modal.interface import Rim, Tip
-from casingfem.modal.modes import Modes, modes
+from casingfem.modal.modes import MeshModes, Modes, modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.bolts import Bolts
@@ -55,6 +55,7 @@ __all__ = [
     "Gravity",
     "Material",
     "MeshData",
+    "MeshModes",
     "ModalBasis",
     "Modes",
     "Pairing",

@@ -100,6 +100,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "a cell lies in two groups that each have a material",
             "give each cell one material: the groups must not overlap",
         ),
+        "mesh-mechanism": Fault(
+            "parts of the body move against each other without strain: they hang together by an edge or a node only",
+            "join the parts over facets, or support each of them",
+        ),
         "mesh-no-group": Fault(
             "a support or material names a group the mesh does not have",
             "name one of the groups listed, or add the physical group in the mesher",

@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,15 +15,15 @@ RIGID = 0.05  # modes below this part of `frequency_scale` are rigid motions
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Modes:
-    """Modes of a shell, ascending, mass-normalised.
+class ModeSet:
+    """Modes of a structure, ascending, mass-normalised, with labels.
 
     Attributes
     ----------
     freq
         Frequencies [Hz], (modes,).
     fields
-        Shapes at the nodes of `grid`: u_x, u_y, u_z, w_1, w_2, (nodes, 5, modes), phi^T M phi = 1.
+        Shapes at the nodes: u_x, u_y, u_z, and w_1, w_2 on shells, (nodes, 3 or 5, modes), phi^T M phi = 1.
     nodal_diameters
         Dominant circumferential order n, -1 on open shells, (modes,).
     purity
@@ -46,8 +47,6 @@ class Modes:
         Run time by part.
     """
 
-    shell: Shell
-    grid: Grid
     freq: FloatArray
     fields: FloatArray
     nodal_diameters: IntArray
@@ -120,6 +119,14 @@ class Modes:
         return "\n".join(lines)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Modes(ModeSet):
+    """Modes of a shell on a chart: `fields` stand at the nodes of `grid`."""
+
+    shell: Shell
+    grid: Grid
+
+
 def _number(value: float) -> float | None:
     """A float, or None where it is not a number."""
     return None if np.isnan(value) else float(value)
@@ -136,6 +143,30 @@ def frequency_scale(shell: Shell) -> float:
     return float(np.sqrt(weakest / heaviest) / size**2)
 
 
+class Labels(NamedTuple):
+    """What the circumferential content says of modes: n, purity, partners, antinode angles [rad], aligned fields."""
+
+    n: IntArray
+    purity: FloatArray
+    pairs: list[tuple[int, int]]
+    angle: FloatArray
+    fields: FloatArray
+
+
+def make_labels(rings: Rings | None, freq: FloatArray, fields: FloatArray, rigid: int) -> Labels:
+    """Label modes by their circumferential content, align perfect pairs, fix signs; without it there are no labels."""
+    total = len(freq)
+    if rings is None:
+        nothing = np.full(total, np.nan)
+        return Labels(np.full(total, -1), nothing, [], nothing, fields * peak_signs(fields))
+    n, purity = rings.label()
+    n[:rigid], purity[:rigid] = -1, np.nan
+    pairs = find_doublets(rings, n)
+    angle = np.array([orientation(rings.profile(k, n[k]), n[k]) if n[k] > 0 else np.nan for k in range(total)])
+    fields = align_doubles(rings, n, freq, fields, angle, pairs)
+    return Labels(n, purity, pairs, angle, fields * peak_signs(fields))
+
+
 def labelled(
     shell: Shell,
     grid: Grid,
@@ -150,39 +181,37 @@ def labelled(
     """Label modes computed up to a clear gap, align perfect pairs, and keep the first `count`."""
     started = time.perf_counter()
     rigid = int(np.count_nonzero(2.0 * np.pi * freq < RIGID * frequency_scale(shell)))
-    total = len(freq)
     rings: Rings | None = None
-    n, purity = np.full(total, -1), np.full(total, np.nan)
-    angle = np.full(total, np.nan)
-    pairs: list[tuple[int, int]] = []
     if shell.chart.periodic:
         nodes_around = grid.mesh.order * grid.mesh.around
         rings = ring_content(shell.chart, grid, fields, n_max=max(2, nodes_around // 3))
-        n, purity = rings.label()
-        n[:rigid], purity[:rigid] = -1, np.nan
-        pairs = find_doublets(rings, n)
-        angle = np.array([orientation(rings.profile(k, n[k]), n[k]) if n[k] > 0 else np.nan for k in range(total)])
-        fields = align_doubles(rings, n, freq, fields, angle, pairs)
-    fields *= peak_signs(fields)
-    kept = min(count, total)
+    labels = make_labels(rings, freq, fields, rigid)
+    kept = min(count, len(freq))
     if shell.chart.periodic:
-        rings = ring_content(shell.chart, grid, fields[:, :, :kept], n_max=max(2, nodes_around // 3))
+        rings = ring_content(shell.chart, grid, labels.fields[:, :, :kept], n_max=max(2, nodes_around // 3))
     return Modes(
         shell=shell,
         grid=grid,
-        freq=frozen(freq[:kept]),
-        fields=frozen(fields[:, :, :kept]),
-        nodal_diameters=frozen(n[:kept]),
-        purity=frozen(purity[:kept]),
-        meridional=frozen(ranks(n, pairs)[:kept]),
-        doublets=tuple(pair for pair in pairs if max(pair) < kept),
-        angle_deg=frozen(np.degrees(angle[:kept])),
+        **first_modes(freq, labels, kept),
         rigid=rigid,
         sturm_count=sturm,
         dofs=dofs,
         rings=rings,
         seconds=seconds | {"label": time.perf_counter() - started},
     )
+
+
+def first_modes(freq: FloatArray, labels: Labels, kept: int) -> dict[str, Any]:
+    """The fields of a `ModeSet` that depend on the mode, for the first `kept` modes."""
+    return {
+        "freq": frozen(freq[:kept]),
+        "fields": frozen(labels.fields[:, :, :kept]),
+        "nodal_diameters": frozen(labels.n[:kept]),
+        "purity": frozen(labels.purity[:kept]),
+        "meridional": frozen(ranks(labels.n, labels.pairs)[:kept]),
+        "doublets": tuple(pair for pair in labels.pairs if max(pair) < kept),
+        "angle_deg": frozen(np.degrees(labels.angle[:kept])),
+    }
 
 
 def align_doubles(

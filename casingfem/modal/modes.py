@@ -1,34 +1,45 @@
 """Modes of a shell: `modes(shell, count)`."""
 
 import time
+from typing import overload
 
 import numpy as np
 
 from casingfem.modal.eigen import solve_modes, sturm_count
 from casingfem.modal.fourier import SHIFT, fourier_modes
-from casingfem.modal.mode_set import Modes, frequency_scale, labelled
+from casingfem.modal.mesh_modes import IMPORTED, MeshModes, mesh_modes
+from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
 from casingfem.structure.assembly import System, assemble
+from casingfem.structure.mesh_assembly import MeshSystem
 from casingfem.structure.shell import Shell
+from casingfem.structure.solid import Solid
 
-__all__ = ["Modes", "count_below", "modes"]
+__all__ = ["MeshModes", "ModeSet", "Modes", "count_below", "modes"]
 
 
-def modes(shell: Shell, count: int = 40, *, method: str = "auto", system: System | None = None) -> Modes:
-    """Lowest `count` modes of a shell, labelled, complete by a Sturm count.
+@overload
+def modes(shell: Shell, count: int = 40, *, method: str = "auto", system: System | None = None) -> Modes: ...
+@overload
+def modes(shell: Solid, count: int = 40, *, method: str = "auto", system: MeshSystem | None = None) -> MeshModes: ...
+def modes(
+    shell: Shell | Solid, count: int = 40, *, method: str = "auto", system: System | MeshSystem | None = None
+) -> ModeSet:
+    """Lowest `count` modes of a structure, labelled, complete by a Sturm count.
 
     K phi = omega^2 M phi, phi^T M phi = 1.
 
     Parameters
     ----------
     shell
-        The structure. Without supports the rigid motions come first and are marked as such.
+        The structure: a shell on a chart, or an imported `Solid`. Without supports the rigid motions come first and
+        are marked as such.
     count
         Number of modes.
     method
         "shell": the two-dimensional model. "fourier": one meridian problem per n, for perfect casings.
-        "auto": "fourier" where nothing varies around, else "shell".
+        "auto": "fourier" where nothing varies around, else "shell". Imported structures take "auto" alone.
     system
-        The assembled shell, if there is one already.
+        The assembled structure, if there is one already.
 
     Raises
     ------
@@ -48,6 +59,10 @@ def modes(shell: Shell, count: int = 40, *, method: str = "auto", system: System
     >>> low.freq.round(1).tolist(), low.nodal_diameters.tolist()
     ([367.9, 367.9, 382.8, 382.8], [8, 8, 7, 7])
     """
+    if isinstance(shell, IMPORTED):
+        if method != "auto":
+            raise ValueError(f'method must be "auto" for an imported structure, found {method!r}')
+        return mesh_modes(shell, count, system=system if isinstance(system, MeshSystem) else None)
     if method not in ("auto", "shell", "fourier"):
         raise ValueError(f'method must be "auto", "shell" or "fourier", found {method!r}')
     if count < 1:
@@ -55,7 +70,7 @@ def modes(shell: Shell, count: int = 40, *, method: str = "auto", system: System
     if method == "fourier" or (method == "auto" and shell.axisymmetric and system is None):
         return fourier_modes(shell, count)
     started = time.perf_counter()
-    system = system or assemble(shell)
+    system = system if isinstance(system, System) else assemble(shell)
     assembled = time.perf_counter()
     shift = -((SHIFT * frequency_scale(shell)) ** 2)
     found = solve_modes(system.K, system.mass, count, shift=shift)

@@ -101,6 +101,10 @@ class Solid:
             values[:, cells] = [[material.E], [material.nu], [material.rho]]
         return values
 
+    def density(self) -> FloatArray:
+        """Mass per volume of each cell [kg/m^3], (cells,)."""
+        return np.asarray(self.constants()[2])
+
 
 def check_support(mesh: MeshData, name: str, support: SolidSupport) -> None:
     """Refuse line springs, and foundations on groups without facets."""

@@ -1,0 +1,127 @@
+"""Modes of imported solids and shells, labelled by nodal diameters where the mesh is a body of revolution about z."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import Array, FloatArray
+from casingfem.errors import doubt
+from casingfem.modal.eigen import solve_modes
+from casingfem.modal.harmonics import Rings
+from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
+from casingfem.structure.mesh_assembly import MeshSystem, mapped
+from casingfem.structure.revolution import elements_around, round_about_z
+from casingfem.structure.solid import Solid, assemble_solid
+
+SHIFT = 0.5  # shift-invert about minus the square of this part of the system's `frequency_scale`
+IMPORTED = (Solid,)
+DEGREE = 3  # of the polynomials in r and z that carry the meridional shape in the projection
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class MeshModes(ModeSet):
+    """Modes of an imported structure: `fields` stand at the nodes of its mesh."""
+
+    structure: Solid
+
+
+def mesh_modes(structure: Solid, count: int = 40, *, system: MeshSystem | None = None) -> MeshModes:
+    """Lowest `count` modes of an imported structure, labelled, complete by a Sturm count.
+
+    Raises
+    ------
+    EigenError
+        If the modes cannot be computed or certified.
+
+    Examples
+    --------
+    >>> from casingfem.structure.material import Material
+    >>> from casingfem.structure.mesh_grid import grid_mesh, revolved
+    >>> from casingfem.structure.support import Clamped
+    >>> ring = grid_mesh("hexahedron20", (1, 16, 2), revolved((0.5, 0.45), (0.0, 0.25), 0.02), wrap=1,
+    ...                  groups={"base": (2, 0.0)})
+    >>> found = mesh_modes(Solid(mesh=ring, material=Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                          supports={"base": Clamped()}), 4)
+    >>> found.nodal_diameters.tolist(), found.doublets
+    ([4, 4, 5, 5], ((0, 1), (2, 3)))
+    """
+    if count < 1:
+        raise ValueError(f"count must be at least 1, found {count}")
+    started = time.perf_counter()
+    system = system or assemble_solid(structure)
+    assembled = time.perf_counter()
+    found = solve_modes(system.K, system.M, count, shift=-((SHIFT * system.frequency_scale) ** 2))
+    solved = time.perf_counter()
+    freq = np.sqrt(np.maximum(found.eigenvalues, 0.0)) / (2.0 * np.pi)
+    check_rigid(system, freq)
+    rigid = min(system.rigid, len(freq))
+    fields = system.expand(found.vectors)
+    n_max = max(2, elements_around(structure.mesh) * (1 + bool(structure.mesh.cell_kind.middles)) // 3)
+    is_round = round_about_z(structure.mesh)
+    labels = make_labels(projected(structure, fields, n_max) if is_round else None, freq, fields, rigid)
+    kept = min(count, len(freq))
+    return MeshModes(
+        structure=structure,
+        **first_modes(freq, labels, kept),
+        rigid=min(rigid, kept),
+        sturm_count=found.sturm_count,
+        dofs=system.size,
+        rings=projected(structure, labels.fields[:, :, :kept], n_max) if is_round else None,
+        seconds={
+            "assemble": assembled - started,
+            "solve": solved - assembled,
+            "label": time.perf_counter() - solved,
+        },
+    )
+
+
+def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
+    """Doubt a body with more motions near zero than its supports leave rigid: parts hinge on an edge or a node."""
+    near_zero = int(np.count_nonzero(2.0 * np.pi * freq < RIGID * system.frequency_scale))
+    if near_zero > system.rigid:
+        where = system.structure.mesh.source
+        found = f"{where}: {near_zero} modes near zero, rigid motions explain {system.rigid}"
+        doubt("mesh-mechanism", found, stacklevel=5)
+
+
+def projected(structure: Solid, fields: Array, n_max: int) -> Rings:
+    """Mass-weighted Fourier content of nodal fields: u = Re sum_nj c_nj P_j(r, z) e^(i n theta).
+
+    P_j are polynomials in r and z, orthonormal over the mass; each stands in the place of a ring of nodes, so labels,
+    partners and angles are found as on a shell.
+    """
+    mesh = structure.mesh
+    on = mapped(mesh.kind, mesh.points, mesh.cells, degree=2 if mesh.kind.startswith("tetra") else 3)
+    weight = (on.measure * structure.density()[:, None]).ravel()
+    x = on.x.reshape(-1, 3)
+    c, s = (x[:, i] / np.maximum(np.linalg.norm(x[:, :2], axis=1), np.finfo(float).tiny) for i in (0, 1))
+    shapes = meridional_shapes(np.linalg.norm(x[:, :2], axis=1), x[:, 2], weight) * weight[:, None]
+    moved = np.einsum("kq,ekcm->eqcm", on.values, fields[mesh.cells, :3], optimize=True).reshape(len(x), 3, -1)
+    u, v = moved[:, 0], moved[:, 1]
+    moved = np.stack([u * c[:, None] + v * s[:, None], v * c[:, None] - u * s[:, None], moved[:, 2]], axis=1)
+    flat = moved.reshape(len(x), -1)
+    turn = c - 1j * s
+    wave = np.ones(len(x), dtype=complex)
+    amplitudes = np.empty((n_max + 1, shapes.shape[1], 3, fields.shape[2]), dtype=complex)
+    for n in range(n_max + 1):
+        content = (shapes * wave.real[:, None]).T @ flat + 1j * ((shapes * wave.imag[:, None]).T @ flat)
+        amplitudes[n] = (content * (2.0 if n else 1.0)).reshape(amplitudes.shape[1:])
+        wave = wave * turn
+    return Rings(amplitudes=amplitudes, weights=np.full(shapes.shape[1], 1.0 / shapes.shape[1]))
+
+
+def meridional_shapes(r: FloatArray, z: FloatArray, weight: FloatArray) -> FloatArray:
+    """Polynomials in r and z up to `DEGREE`, orthonormal under the weights, (points, functions).
+
+    >>> r, z, weight = np.array([1.0, 2.0, 1.5, 1.2]), np.array([0.0, 1.0, 0.3, 0.2]), np.ones(4)
+    >>> P = meridional_shapes(r, z, weight)
+    >>> bool(np.allclose(P.T @ (weight[:, None] * P), np.eye(P.shape[1])))
+    True
+    """
+    a, b = (2.0 * (q - q.min()) / max(np.ptp(q), 1e-12 * np.abs(q).max(), 1e-300) - 1.0 for q in (r, z))
+    powers = [a**i * b**j for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i)]
+    table = np.stack(powers, axis=1)
+    values, vectors = np.linalg.eigh(table.T @ (weight[:, None] * table))
+    kept = values > 1e-8 * values[-1]  # on a cone r and z are one coordinate
+    return np.asarray(table @ vectors[:, kept] / np.sqrt(values[kept]))

@@ -1,0 +1,125 @@
+"""Modes of solids on meshes: labels on bodies of revolution, rigid motions, mechanisms, the same table as shells."""
+
+import numpy as np
+import pytest
+
+from casingfem.errors import ModelWarning
+from casingfem.modal.mesh_modes import mesh_modes, projected
+from casingfem.modal.modes import modes
+from casingfem.structure.chart import Frustum
+from casingfem.structure.mesh_data import MeshData
+from casingfem.structure.mesh_grid import grid_mesh, revolved
+from casingfem.structure.revolution import elements_around, round_about_z
+from casingfem.structure.shell import Shell
+from casingfem.structure.solid import Solid
+from casingfem.structure.support import Clamped
+
+WALL = revolved((0.5, 0.45), (0.0, 0.25), 0.05)
+BASE = {"base": (2, 0.0)}
+
+
+def ring(kind="hexahedron20", counts=(1, 18, 2), place=WALL, wrap=1):
+    return grid_mesh(kind, counts, place, groups=BASE, wrap=wrap)
+
+
+@pytest.fixture(scope="module")
+def found(steel):
+    return mesh_modes(Solid(mesh=ring(counts=(1, 24, 4)), material=steel, supports={"base": Clamped()}), 8)
+
+
+def test_ring_has_doublets_with_pure_labels_in_the_order_of_the_shell(found, steel):
+    """The chart shell says which n, within the 3.3 % that a thick wall and a coarse mesh cost."""
+    shell = Shell(
+        chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=0.05, material=steel, supports={"base": Clamped()}
+    )
+    same = modes(shell, 8)
+    assert found.sturm_count == 8
+    assert len(found.doublets) == 4
+    assert found.splits.max() < 1e-9
+    assert found.purity.min() > 0.95
+    assert found.nodal_diameters.tolist() == same.nodal_diameters.tolist()
+    np.testing.assert_allclose(found.freq, same.freq, rtol=0.035)
+
+
+def test_modes_are_mass_normalised_and_read_like_those_of_a_shell(found, steel):
+    assert modes(found.structure, 8).freq.tobytes() == found.freq.tobytes()
+    lines = repr(found).splitlines()
+    assert lines[0].split()[:4] == ["mode", "freq", "[Hz]", "n"]
+    assert lines[-1].startswith("8 modes, ")
+    assert found.records()[0]["doublet"] == 1
+    with pytest.raises(ValueError, match="imported structure, found 'fourier'"):
+        modes(found.structure, 4, method="fourier")
+
+
+@pytest.mark.parametrize("n", [0, 2, 5])
+def test_projection_finds_a_wave_put_in(found, n):
+    """u_r = z cos n (theta - psi): all content at n, antinode at psi."""
+    mesh = found.structure.mesh
+    x, y, z = mesh.points.T
+    theta = np.arctan2(y, x)
+    u = z * np.cos(n * (theta - 0.2))
+    field = np.stack([u * np.cos(theta), u * np.sin(theta), 0 * u], axis=1)[:, :, None]
+    rings = projected(found.structure, field, 8)
+    label, purity = rings.label()
+    assert label[0] == n
+    assert purity[0] > 0.999
+    if n:
+        angle = -np.angle(np.sum(rings.profile(0, n) ** 2)) / (2 * n)
+        assert np.mod(angle - 0.2, np.pi / n) == pytest.approx(0, abs=1e-3) or np.mod(
+            angle - 0.2, np.pi / n
+        ) == pytest.approx(np.pi / n, abs=1e-3)
+
+
+def test_unstructured_tetrahedra_are_labelled_too(steel):
+    """Turned rows of tetrahedra: no two rings of nodes at the same angles."""
+
+    def twisted(u):
+        return WALL(np.stack([u[:, 0], u[:, 1] + 0.006 * np.sin(4 * u[:, 2] + 2 * u[:, 0]), u[:, 2]], axis=1))
+
+    low = mesh_modes(Solid(mesh=ring("tetra10", (1, 18, 2), twisted), material=steel, supports={"base": Clamped()}), 6)
+    assert low.purity.min() > 0.97
+    assert len(low.doublets) == 3
+    assert low.splits.max() < 0.01
+
+
+@pytest.mark.parametrize(
+    ("place", "wrap", "is_round"),
+    [
+        (WALL, 1, True),
+        (lambda u: WALL(u * [1, 0.97, 1]), None, False),
+        (lambda u: WALL(u) + np.array([0.1, 0, 0]), 1, False),
+        (lambda u: WALL(u) * [1.05, 1, 1], 1, True),
+        (lambda u: WALL(u) * [1.5, 1, 1], 1, False),
+    ],
+    ids=["ring", "sector", "off centre", "slightly oval", "oval"],
+)
+def test_bodies_of_revolution_are_recognised(place, wrap, is_round):
+    assert round_about_z(ring(place=place, wrap=wrap)) is is_round
+
+
+@pytest.mark.parametrize("kind", ["hexahedron20", "tetra10"])
+def test_a_thin_square_is_not_round(kind):
+    """One fiftieth thick: few of its facets lean, but more than a meridional section has."""
+    assert not round_about_z(grid_mesh(kind, (4, 4, 1), lambda u: (u - 0.5) * [1.0, 1.0, 0.02]))
+
+
+def test_elements_around():
+    assert elements_around(ring("hexahedron20", (1, 18, 2))) == 18
+
+
+def test_free_body_shows_its_rigid_motions_first(steel):
+    low = mesh_modes(Solid(mesh=ring(), material=steel), 8)
+    assert low.rigid == 6
+    assert low.freq[5] < 1e-2 < 100 < low.freq[6]
+    assert low.nodal_diameters.tolist() == [-1] * 6 + [2, 2]
+    assert [row["rigid"] for row in low.records()] == [True] * 6 + [False] * 2
+
+
+def test_parts_that_hinge_are_doubted(steel):
+    """Two bricks with one edge in common swing about it without strain."""
+    one = grid_mesh("hexahedron20", (2, 2, 1), lambda u: u * [0.2, 0.2, 0.1])
+    kept = one.cells[[0, 3]]
+    used, cells = np.unique(kept, return_inverse=True)
+    mesh = MeshData(kind=one.kind, points=one.points[used], cells=cells.reshape(kept.shape))
+    with pytest.warns(ModelWarning, match="7 modes near zero, rigid motions explain 6"):
+        mesh_modes(Solid(mesh=mesh, material=steel), 8)
