@@ -1,9 +1,9 @@
 """Bolts: an edge held at places, each by springs spread over a patch."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -133,6 +133,47 @@ class Bolts:
         factors = np.real(self.factors)
         turns = [n for n in range(self.count, 0, -1) if self.count % n == 0]
         return next(n for n in turns if np.array_equal(np.roll(factors, self.count // n), factors))
+
+    def number(self, path: tuple[str, ...]) -> Any:
+        """A named number: ("k",), ("k_rot",) or ("bolts", "3", "k"); k is the largest of the three stiffnesses.
+
+        Raises
+        ------
+        KeyError
+            If there is no such number.
+
+        >>> Bolts(count=8, k=2e8, loose={3: 0.25}).number(("bolts", "3", "k"))
+        50000000.0
+        """
+        largest = self.stiffness[np.argmax(np.real(self.stiffness))]
+        if path in (("k",), ("k_rot",)):
+            return largest if path == ("k",) else self.k_rot
+        return largest * self.loose.get(self._bolt(path), 1.0)
+
+    def with_number(self, path: tuple[str, ...], value: Any) -> "Bolts":
+        """The same bolts with a named number replaced; three stiffnesses keep their ratios.
+
+        k is that of the tight bolts: those in `loose` keep the stiffness they have.
+
+        >>> Bolts(count=8, k=(1e8, 1e8, 2e8)).with_number(("bolts", "3", "k"), 1e8).loose[3]
+        0.5
+        """
+        if path == ("k_rot",):
+            return replace(self, k_rot=value)
+        largest = self.number(("k",))
+        if not np.real(largest):
+            raise KeyError("bolts whose k is 0 have none to change")
+        part = value / largest
+        if path != ("k",):
+            return replace(self, loose={**self.loose, self._bolt(path): part})
+        scaled = self.k * part if np.ndim(self.k) == 0 else tuple(self.stiffness * part)
+        return replace(self, k=scaled, loose={bolt: factor / part for bolt, factor in self.loose.items()})
+
+    def _bolt(self, path: tuple[str, ...]) -> int:
+        match path:
+            case ("bolts", number, "k") if number.isdecimal() and 1 <= int(number) <= self.count:
+                return int(number)
+        raise KeyError(f"bolts have k, k_rot and bolts.1.k to bolts.{self.count}.k")
 
     def require_on(self, span: tuple[float, float], closed: bool, edge: str) -> None:
         """Refuse patches that leave an open edge."""

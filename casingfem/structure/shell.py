@@ -9,7 +9,8 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from casingfem.arrays import Array
-from casingfem.errors import ModelError
+from casingfem.errors import ModelError, doubt
+from casingfem.structure.bolt_mesh import SEEN, following, springs_per_wave, spurious_split
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Surface, require_positive
 from casingfem.structure.edge_form import Sprung
@@ -42,6 +43,7 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     period of all that varies where that exceeds twice those nodal diameters. Along the meridian: the shear layer of a
     free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
     Strips put an element line at each of their ends, and each stretch between them is divided on its own.
+    Bolts are followed: a multiple of their number around, and a layer along their edge, which is free between them.
     """
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
     t, length, span = min(np.real(shell.thicknesses)), float(a1 - a0), float(b1 - b0)
@@ -62,7 +64,10 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     whole = period * -(-around // period) if period > 1 else 0
     if 4.4 * lowest < whole <= 1.25 * around:  # what symmetry forbids to split, the mesh leaves whole
         around = whole
-    held = {shell.chart.edges[edge] for edge in shell.supports}
+    bolted = {edge: support.count for edge, support in shell.supports.items() if isinstance(support, Bolts)}
+    if bolted:
+        around = following(around, int(np.lcm.reduce(list(bolted.values()))))
+    held = {shell.chart.edges[edge] for edge in shell.supports.keys() - bolted.keys()}
     at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
     layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
     longest = max(10.0 * np.sqrt(radius * t) / length, 0.25)
@@ -209,6 +214,22 @@ class Shell:
         for edge, support in self.supports.items():
             if isinstance(support, ElasticEdge) and support.patterns:
                 self._check_springs(edge, support)
+            if isinstance(support, Bolts) and self.chart.periodic:
+                self._check_bolt_mesh(edge, support)
+
+    def _check_bolt_mesh(self, edge: str, bolts: Bolts) -> None:
+        if self.mesh.around == following(self.mesh.around, bolts.count):
+            return
+        wall, steel = float(np.real(self.thickness)), self.material
+        ratio = springs_per_wave(bolts, float(np.real(steel.E)), float(np.real(steel.nu)), wall)
+        split = spurious_split(bolts, self.mesh, ratio)
+        if split > SEEN:
+            doubt(
+                "bolt-mesh",
+                f"support.{edge}: {bolts.count} bolts on {self.mesh.around} elements around split pairs that equal "
+                f"bolts keep whole by some {split:.0e}",
+                stacklevel=5,
+            )
 
     def _check_springs(self, edge: str, support: ElasticEdge) -> None:
         held, end = self.chart.edges[edge]

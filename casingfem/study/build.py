@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.field import Field, FourierField
 from casingfem.structure.material import Material
@@ -17,6 +18,7 @@ from casingfem.structure.survey import SampledField
 from casingfem.structure.twisted import TwistedPlate
 from casingfem.study.problems import Problems
 from casingfem.study.schema import (
+    BoltsTable,
     ChartTable,
     ElasticTable,
     Harmonic,
@@ -104,15 +106,42 @@ def build_supports(tables: dict[str, SupportTable], chart: Chart | None, problem
             problems.add(f"support.{edge}", f"edge {edge!r}", f"one of the chart's edges {', '.join(chart.edges)}")
             continue
         with problems.at(f"support.{edge}"):
-            supports[edge] = build_support(table)
+            supports[edge] = build_support(table, edge, chart)
     return supports
 
 
-def build_support(table: SupportTable) -> Support:
+def build_support(table: SupportTable, edge: str, chart: Chart | None) -> Support:
     """The support of a [support.EDGE] table."""
+    if isinstance(table, BoltsTable):
+        return build_bolts(table, edge, chart)
     if isinstance(table, ElasticTable):
         return ElasticEdge(**table.model_dump(exclude={"kind", "around"}), around=build_around(table))
     return Clamped() if table.kind == "clamped" else ShearDiaphragm()
+
+
+def build_bolts(table: BoltsTable, edge: str, chart: Chart | None) -> Bolts:
+    """Bolts of the file: degrees become radians, a width in metres an angle on the edge's mean radius."""
+    width = None if table.width_deg is None else float(np.radians(table.width_deg))
+    if table.width_m is not None:
+        if chart is None or not chart.periodic:
+            raise ValueError("width_m: found an open edge, expected a closed casing; give width_deg")
+        width = table.width_m / edge_radius(chart, edge)
+    parts = tuple(k or 0.0 for k in (table.k_r, table.k_theta, table.k_z))
+    return Bolts(
+        count=table.count,
+        k=parts if table.k is None else table.k,  # type: ignore[arg-type]
+        k_rot=table.k_rot,
+        first_angle=float(np.radians(table.first_angle_deg)),
+        width=width,
+        spacing=None if table.spacing_deg is None else float(np.radians(table.spacing_deg)),
+        loose={entry.bolt: entry.factor for entry in table.loose},
+    )
+
+
+def edge_radius(chart: Chart, edge: str) -> float:
+    """Radius of the base or top of a closed chart [m]."""
+    z = np.array([chart.bounds[0][chart.edges[edge][1]]])
+    return float(np.linalg.norm(chart.surface(z, np.zeros(1), None).x[:2]))
 
 
 def build_around(table: ElasticTable) -> Field | dict[str, Field] | None:

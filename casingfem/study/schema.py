@@ -199,6 +199,43 @@ class ElasticTable(Table):
     around: Around = Field(default=[], description="[{p, cos, sin}], relative; or such a list for each spring's name")
 
 
+class LooseTable(Table):
+    """One loose or missing bolt."""
+
+    bolt: int = Field(ge=1, le=1000, description="number of the bolt, from 1")
+    factor: float = Field(ge=0, le=1e6, description="factor of its stiffness, 0 for a missing bolt")
+
+
+class BoltsTable(Table):
+    """[support.EDGE] of kind "bolts"."""
+
+    kind: Literal["bolts"]
+    count: int = Field(ge=1, le=1000, description="number of bolts")
+    k: NotNegative | None = Field(default=None, description="stiffness of one bolt in all three directions [N/m]")
+    k_r: NotNegative | None = Field(default=None, description="radial stiffness of one bolt [N/m]")
+    k_theta: NotNegative | None = Field(default=None, description="tangential stiffness of one bolt [N/m]")
+    k_z: NotNegative | None = Field(default=None, description="axial stiffness of one bolt [N/m]")
+    k_rot: NotNegative = Field(default=0.0, description="rotational stiffness of one bolt [N m/rad]")
+    first_angle_deg: float = Field(default=0.0, ge=-360, le=360, description="angle of bolt 1 [degrees]")
+    width_deg: float | None = Field(default=None, gt=0, le=360, description="width of the patch of a bolt [degrees]")
+    width_m: Length | None = Field(default=None, description="the same as a length on a closed casing's edge [m]")
+    spacing_deg: float | None = Field(default=None, gt=0, le=360, description="angle between bolts; else all around")
+    loose: list[LooseTable] = Field(default=[], description="[{bolt, factor}]")
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> "BoltsTable":
+        split = [name for name in ("k_r", "k_theta", "k_z") if getattr(self, name) is not None]
+        if (self.k is None) == (not split):
+            found = "neither k nor" if self.k is None else "k beside"
+            raise ValueError(f"found {found} {', '.join(split or ['k_r, k_theta, k_z'])}, expected one of the two")
+        if self.width_deg is not None and self.width_m is not None:
+            raise ValueError("found both width_deg and width_m, expected one of them")
+        bolts = [entry.bolt for entry in self.loose]
+        if len(set(bolts)) < len(bolts):
+            raise ValueError(f"loose: found bolts {bolts}, expected each once")
+        return self
+
+
 class ModesTable(Table):
     """[modes]."""
 
@@ -251,7 +288,7 @@ class ReduceTable(Table):
 ChartTable = Annotated[
     FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable, Field(discriminator="kind")
 ]
-SupportTable = Annotated[ClampedTable | DiaphragmTable | ElasticTable, Field(discriminator="kind")]
+SupportTable = Annotated[ClampedTable | DiaphragmTable | ElasticTable | BoltsTable, Field(discriminator="kind")]
 
 
 class StudyFile(Table):

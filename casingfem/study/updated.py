@@ -8,8 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from casingfem.structure.bolts import Bolts
 from casingfem.structure.shell import DEFECTS, Shell
-from casingfem.structure.support import ElasticEdge
+from casingfem.structure.support import ElasticEdge, Support
 from casingfem.study.load import Study
 from casingfem.updating.parameters import get_value
 
@@ -23,12 +24,16 @@ def perfect(shell: Shell) -> Shell:
     >>> perfect(casing).axisymmetric
     True
     """
-    supports = {
-        edge: replace(support, around=None) if isinstance(support, ElasticEdge) else support
-        for edge, support in shell.supports.items()
-    }
+    supports = {edge: even(support) for edge, support in shell.supports.items()}
     none: dict[str, Any] = {f"{quantity}_defect": None for quantity in shell.defects}
     return replace(shell, supports=supports, **none)
+
+
+def even(support: Support) -> Support:
+    """The same support, equal all along its edge; bolts all as tight."""
+    if isinstance(support, ElasticEdge):
+        return replace(support, around=None)
+    return replace(support, loose={}) if isinstance(support, Bolts) else support
 
 
 def updated_toml(study: Study, values: Mapping[str, float], folder: Path) -> str:
@@ -56,6 +61,11 @@ def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
     if parts[0] in DEFECTS:
         p, part, change = int(parts[1][1:]), parts[2], value - float(get_value(shell, name))
         add_harmonic(tables.setdefault("imperfection", []), parts[0], p, part, change)
+    elif "bolts" in parts:
+        edge = parts[1] if parts[0] == "support" else next(e for e, s in shell.supports.items() if isinstance(s, Bolts))
+        loosen(tables["support"][edge], int(parts[-2]), value)
+    elif parts[0] == "support" and parts[2] == "k":
+        tighten(tables["support"][parts[1]], value)
     elif parts[0] == "support" and len(parts) == 5:
         for waves in pattern_lists(tables["support"][parts[1]], parts[2]):
             harmonic(waves, int(parts[3][1:]))[parts[4]] = value
@@ -69,6 +79,29 @@ def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
 def place(owner: Any, part: str) -> Any:
     """Where a part of a name stands: a key of a table, or an entry of a list, counted from 1."""
     return int(part) - 1 if isinstance(owner, list) else part
+
+
+def stiffnesses(support: dict[str, Any]) -> dict[str, float]:
+    """What a [support] table of bolts says of k: one number, or up to three."""
+    return {name: support[name] for name in ("k", "k_r", "k_theta", "k_z") if name in support}
+
+
+def loosen(support: dict[str, Any], bolt: int, value: float) -> None:
+    """Give one bolt its own stiffness, as a factor of the tight ones'."""
+    loose = support.setdefault("loose", [])
+    entry = next((entry for entry in loose if entry["bolt"] == bolt), None)
+    if entry is None:
+        entry = {"bolt": bolt}
+        loose.append(entry)
+    entry["factor"] = value / max(stiffnesses(support).values())
+
+
+def tighten(support: dict[str, Any], value: float) -> None:
+    """Give the tight bolts a new largest stiffness; loose ones keep theirs."""
+    part = value / max(stiffnesses(support).values())
+    support |= {name: k * part for name, k in stiffnesses(support).items()}
+    for entry in support.get("loose", []):
+        entry["factor"] /= part
 
 
 def pattern_lists(support: dict[str, Any], spring: str) -> list[list[dict[str, Any]]]:

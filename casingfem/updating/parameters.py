@@ -4,7 +4,8 @@ Names are paths: material.E | nu | rho, shell.thickness, chart.<field>; radius.p
 modulus.p4.cos, density.p2.sin (relative harmonics); strip.2.thickness, strip.2.material.E (the second strip; one
 without a material of its own follows the wall's); support.<edge>.k_face | k_r | k_theta | k_z | k_rot;
 support.<edge>.k_face.p4.cos (how that spring varies along its edge, relative) and support.<edge>.around.p4.cos
-(all springs of the edge together).
+(all springs of the edge together). Bolts have support.<edge>.k | k_rot | bolts.3.k, where k is the largest of a
+bolt's three stiffnesses and the others keep their ratios; bolts.3.k alone where one edge has bolts.
 """
 
 import re
@@ -14,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from casingfem.structure.bolts import Bolts
 from casingfem.structure.field import Field, FourierField
 from casingfem.structure.shell import DEFECTS, Shell
 from casingfem.structure.support import ElasticEdge
@@ -75,6 +77,29 @@ def _split(name: str) -> list[str]:
     if len(parts) < 2:
         raise ParameterError(f"{name!r} is no parameter name; expected a path such as material.E")
     return parts
+
+
+def _path(shell: Shell, name: str) -> list[str]:
+    """The parts of a name; bolts.3.k is that of the one edge with bolts."""
+    parts = _split(name)
+    if parts[0] != "bolts":
+        return parts
+    bolted = [edge for edge, support in shell.supports.items() if isinstance(support, Bolts)]
+    if len(bolted) != 1:
+        raise ParameterError(f"{name!r}: {len(bolted)} edges have bolts; name one as support.<edge>.{name}")
+    return ["support", bolted[0], *parts]
+
+
+def _numbered(shell: Shell, parts: list[str]) -> bool:
+    """Whether a name leads into a support that knows its own numbers."""
+    return parts[0] == "support" and len(parts) > 2 and isinstance(shell.supports.get(parts[1]), Bolts)
+
+
+def _number(shell: Shell, name: str, parts: list[str]) -> Any:
+    try:
+        return shell.supports[parts[1]].number(tuple(parts[2:]))  # type: ignore[union-attr]
+    except KeyError as error:
+        raise ParameterError(f"{name!r}: {error.args[0]}") from None
 
 
 def _harmonic(name: str, parts: list[str]) -> tuple[int, str]:
@@ -167,9 +192,11 @@ def get_value(shell: Shell, name: str) -> Any:
     ParameterError
         If the structure has no such number.
     """
-    parts = _split(name)
+    parts = _path(shell, name)
     if parts[0] in DEFECTS and len(parts) == 3:
         return _coefficient(name, shell.defects.get(parts[0]), *_harmonic(name, parts[1:]))
+    if _numbered(shell, parts):
+        return _number(shell, name, parts)
     if parts[0] == "support" and len(parts) > 2:
         _, support = _edge(shell, name, parts)
         return _pattern_value(support, name, parts) if parts[3:] else getattr(support, parts[2])
@@ -191,11 +218,17 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
     200000000000.0
     """
     get_value(shell, name)  # raises where there is no such number
-    parts = _split(name)
+    parts = _path(shell, name)
     if parts[0] in DEFECTS and len(parts) == 3:
         series = _with_coefficient(name, shell.defects.get(parts[0]), *_harmonic(name, parts[1:]), value)
         defects: dict[str, Any] = {f"{parts[0]}_defect": series}
         return replace(shell, **defects)
+    if _numbered(shell, parts):
+        try:
+            renewed = shell.supports[parts[1]].with_number(tuple(parts[2:]), value)  # type: ignore[union-attr]
+        except KeyError as error:
+            raise ParameterError(f"{name!r}: {error.args[0]}") from None
+        return replace(shell, supports={**shell.supports, parts[1]: renewed})
     if parts[0] == "support" and len(parts) > 2:
         edge, support = _edge(shell, name, parts)
         own: dict[str, Any] = {parts[2]: value}
@@ -224,9 +257,9 @@ def check_parameters(shell: Shell, vary: Sequence[Parameter]) -> None:
     """
     seen: dict[str, str] = {}
     for parameter in vary:
-        parts = parameter.name.split(".")
-        numbers = [parameter.name]
-        if len(parts) == 5:
+        parts = _path(shell, parameter.name)
+        numbers = [".".join(parts)]
+        if len(parts) == 5 and not _numbered(shell, parts):
             numbers = [".".join([*parts[:2], spring, *parts[3:]]) for spring in _springs(parts)]
         for other in {seen[number] for number in numbers if number in seen}:
             alias = "" if other == parameter.name else f": {other} moves the same number"

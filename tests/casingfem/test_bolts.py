@@ -1,0 +1,169 @@
+"""Bolts: patches that carry their stiffness whole on any mesh, symmetry, default meshes, refusals, derivatives."""
+
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casingfem.errors import ModelError, ModelWarning
+from casingfem.modal.modes import modes
+from casingfem.structure.assembly import assemble
+from casingfem.structure.bolt_mesh import following, springs_per_wave, spurious_split
+from casingfem.structure.bolts import Bolts
+from casingfem.structure.chart import Cylinder, Panel
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell
+from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
+from casingfem.updating.sensitivity import eigen_derivatives
+
+QUIET = ShellMesh(order=5, rows=1, around=8)
+
+
+def bolted(frustum, bolts, mesh=QUIET):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ModelWarning)
+        return frustum(supports={"base": bolts}, mesh=mesh)
+
+
+@pytest.mark.parametrize("around", [5, 8, 9])
+@pytest.mark.parametrize("loose", [{}, {3: 0.3, 7: 0.0}])
+def test_patches_carry_their_stiffness_whole_on_any_mesh(frustum, around, loose):
+    """A shift of 1 m strains nothing but the bolts: sum of k_z, and k_r cos^2 + k_theta sin^2 at each angle."""
+    bolts = Bolts(count=8, k=(1e6, 2e6, 3e6), first_angle=0.123, width=0.4, loose=loose)
+    system = assemble(bolted(frustum, bolts, ShellMesh(order=5, rows=1, around=around)))
+    fields = np.zeros((len(system.frames), 5, 2))
+    fields[:, 0, 0] = fields[:, 2, 1] = 1.0
+    vectors = system.restrict(fields)
+    energy = vectors.T @ (system.K @ vectors)
+    theta, density = np.linspace(-0.2, 0.2, 4001), np.linspace(-1, 1, 4001)
+    density = (1.0 - density**2) ** 2 / np.trapezoid((1.0 - density**2) ** 2, theta)
+    across = [np.trapezoid(density * (1e6 * np.cos(a + theta) ** 2 + 2e6 * np.sin(a + theta) ** 2), theta)
+              for a in bolts.angles]  # fmt: skip
+    factors = np.array([loose.get(b, 1.0) for b in range(1, 9)])
+    np.testing.assert_allclose(np.diag(energy), [factors @ across, 3e6 * factors.sum()], rtol=2e-6)
+
+
+def test_a_patch_across_the_seam_is_whole(frustum):
+    """Bolt 1 stands on the seam: turning all bolts by a pitch changes nothing."""
+    here, on = (assemble(bolted(frustum, Bolts(count=8, k=1e7, first_angle=a))).K for a in (0.0, -np.pi / 4))
+    assert abs(here - on).max() < 1e-12 * abs(here).max()
+
+
+def test_equal_bolts_split_only_what_their_number_allows(frustum):
+    """N divides 2n for n = 4, 8, ... of 8 bolts; every other pair stays double."""
+    found = modes(frustum(supports={"base": Bolts(count=8, k=1e8)}, mesh=ShellMesh(order=6, rows=1, around=16)), 20)
+    n = np.array([found.nodal_diameters[low] for low, _ in found.doublets])
+    allowed = 2 * n % 8 == 0
+    assert found.splits[~allowed].max() < 1e-9
+    assert found.splits[allowed].max() > 1e-3
+
+
+def test_turning_the_bolts_turns_the_modes(frustum):
+    """A pattern turned by whole elements is the same casing."""
+    still, turned = (
+        modes(bolted(frustum, Bolts(count=8, k=1e8, loose={2: 0.0}, first_angle=a)), 6) for a in (0.0, np.pi / 2)
+    )
+    np.testing.assert_allclose(turned.freq, still.freq, rtol=1e-9)
+
+
+def test_many_bolts_act_as_an_elastic_edge(frustum):
+    """Forty bolts whose patches touch: k per length is count k/(2 pi R), the patches' ripple acts on n >= 20 only."""
+    from casingfem.structure.support import ElasticEdge
+
+    many = Bolts(count=40, k=1e6, width=2 * np.pi / 40)
+    line = 40e6 / (2 * np.pi * 0.5)
+    even = ElasticEdge(k_r=line, k_theta=line, k_z=line)
+    mesh = ShellMesh(order=6, rows=1, around=10)
+    a = modes(bolted(frustum, many, mesh), 8).freq
+    b = modes(frustum(supports={"base": even}, mesh=mesh), 8, method="shell").freq
+    np.testing.assert_allclose(a, b, rtol=2e-3)
+
+
+def test_the_default_mesh_follows_the_bolts(frustum):
+    shell = frustum(supports={"base": Bolts(count=16, k=1e8)})
+    assert shell.mesh.around % 16 == 0
+    assert 0.0 < shell.mesh.breaks[1] < 0.1  # a layer along the edge, free between the bolts
+    assert [following(21, n) for n in (24, 30, 5, 200)] == [24, 30, 25, 50]
+
+
+def test_a_mesh_that_does_not_follow_is_doubted_with_an_estimate(frustum):
+    with pytest.warns(ModelWarning, match=r"24 bolts on 21 elements .* by some \de-0\d.*\[bolt-mesh\]"):
+        frustum(supports={"base": Bolts(count=24, k=2e8)}, mesh=ShellMesh(order=7, rows=1, around=21))
+    frustum(supports={"base": Bolts(count=24, k=2e8)}, mesh=ShellMesh(order=5, rows=1, around=48))  # says nothing
+
+
+def test_the_estimate_is_of_the_right_order(frustum):
+    bolts, mesh = Bolts(count=24, k=2e8, k_rot=1e3), ShellMesh(order=5, rows=1, around=30)
+    found = modes(bolted(frustum, bolts, mesh), 24)
+    n = np.array([found.nodal_diameters[low] for low, _ in found.doublets])
+    computed = found.splits[2 * n % 24 != 0].max()
+    estimate = spurious_split(bolts, mesh, springs_per_wave(bolts, 210e9, 0.3, 3e-3))
+    assert 0.1 < estimate / computed < 10.0
+    assert spurious_split(bolts, ShellMesh(order=5, around=24), 5.0) < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("values", "code"),
+    [
+        ({"count": 0, "k": 1e8}, "bolt-count"),
+        ({"count": 8, "k": -1.0}, "bolt-stiffness"),
+        ({"count": 8, "k": float("nan")}, "bolt-stiffness"),
+        ({"count": 8, "k": (1e8, 1e8)}, "bolt-stiffness"),
+        ({"count": 8, "k": 0.0}, "bolt-stiffness"),
+        ({"count": 8, "k": 1e8, "loose": {9: 0.5}}, "bolt-number"),
+        ({"count": 8, "k": 1e8, "loose": {0: 0.5}}, "bolt-number"),
+        ({"count": 8, "k": 1e8, "loose": {1: -0.5}}, "bolt-stiffness"),
+        ({"count": 8, "k": 1e8, "width": 0.8}, "bolt-overlap"),
+        ({"count": 8, "k": 1e8, "width": 0.0}, "bolt-overlap"),
+        ({"count": 8, "k": 1e8, "spacing": 1.0}, "bolt-overlap"),
+        ({"count": 8, "k": 1e8, "first_angle": float("inf")}, "bolt-off-edge"),
+    ],
+)
+def test_refuses_bolts_that_are_none(values, code):
+    with pytest.raises(ModelError) as caught:
+        Bolts(**values)
+    assert caught.value.code == code
+
+
+def test_bolts_off_an_open_edge_are_refused(steel):
+    panel = Panel(radius=0.6, length=0.3, angle=0.5)
+    on = Bolts(count=5, k=1e8, spacing=0.1, first_angle=-0.2)
+    Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": on})
+    with pytest.raises(ModelError, match=r"support\.root: patches .* on an edge from -0\.25 to 0\.25.*bolt-off-edge"):
+        Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": replace(on, first_angle=-0.15)})
+
+
+@pytest.mark.parametrize("name", ["support.base.k", "support.base.k_rot", "support.base.bolts.3.k", "bolts.5.k"])
+def test_derivatives_by_bolt_stiffnesses(frustum, name):
+    """Against central differences of single modes: loose bolts part all pairs."""
+    shell = bolted(frustum, Bolts(count=8, k=(1e7, 2e7, 4e7), k_rot=500.0, loose={1: 0.2, 3: 0.5, 4: 0.7}))
+    found = modes(shell, 6)
+    value = get_value(shell, name)
+    slope = np.diagonal(eigen_derivatives(found, [Parameter(name=name, lower=0.0, upper=1e12)])[0])
+    step = 1e-4 * value
+    low, high = (modes(bolted(frustum, with_value(shell, name, value + d).supports["base"]), 6) for d in (-step, step))
+    np.testing.assert_allclose(slope, (high.omega**2 - low.omega**2) / (2 * step), rtol=1e-5, atol=1e-9 * slope.max())
+
+
+def test_parameters_of_bolts_are_independent_and_checked(frustum):
+    shell = bolted(frustum, Bolts(count=8, k=2e8, loose={3: 0.5}))
+    one = with_value(with_value(shell, "bolts.3.k", 5e7), "support.base.k", 1e8)
+    other = with_value(with_value(shell, "support.base.k", 1e8), "bolts.3.k", 5e7)
+    for changed in (one, other):
+        assert get_value(changed, "support.base.k") == pytest.approx(1e8)
+        assert get_value(changed, "support.base.bolts.3.k") == pytest.approx(5e7)
+    for name in ("bolts.9.k", "support.base.k_face", "bolts.x.k", "support.base.bolts.3"):
+        with pytest.raises(ParameterError, match="bolts have k, k_rot and bolts"):
+            get_value(shell, name)
+    with pytest.raises(ParameterError, match="0 edges have bolts"):
+        get_value(frustum(), "bolts.3.k")
+    twice = [Parameter(name=name, lower=0.0, upper=1e9) for name in ("bolts.3.k", "support.base.bolts.3.k")]
+    with pytest.raises(ParameterError, match="varied twice"):
+        check_parameters(shell, twice)
+
+
+def test_a_mesh_of_a_cylinder_with_two_bolted_edges_follows_both(steel):
+    edges = {"base": Bolts(count=8, k=1e8), "top": Bolts(count=12, k=1e8)}
+    shell = Shell(chart=Cylinder(radius=0.5, height=0.3), thickness=3e-3, material=steel, supports=edges)
+    assert shell.mesh.around % 24 == 0
