@@ -142,7 +142,7 @@ class Bolts:
         KeyError
             If there is no such number.
 
-        >>> Bolts(count=8, k=2e8, loose={3: 0.25}).number(("bolts", "3", "k"))
+        >>> Bolts(count=8, k=2e8, loose={3: 0.25}).number(("bolts", "3", "k")).item()
         50000000.0
         """
         largest = self.stiffness[np.argmax(np.real(self.stiffness))]
@@ -155,7 +155,7 @@ class Bolts:
 
         k is that of the tight bolts: those in `loose` keep the stiffness they have.
 
-        >>> Bolts(count=8, k=(1e8, 1e8, 2e8)).with_number(("bolts", "3", "k"), 1e8).loose[3]
+        >>> Bolts(count=8, k=(1e8, 1e8, 2e8)).with_number(("bolts", "3", "k"), 1e8).loose[3].item()
         0.5
         """
         if path == ("k_rot",):
