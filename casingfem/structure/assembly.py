@@ -12,16 +12,17 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import bsr_array, coo_array, csc_array
+from scipy.sparse import bsr_array, csc_array
 
 from casingfem.arrays import Array, FloatArray, IntArray
 from casingfem.structure.edge_form import EdgeForm
 from casingfem.structure.edges import edge_stiffness
 from casingfem.structure.element import ElementQuadLobatto, lobatto
 from casingfem.structure.kinematics import DOFS, STRAINS, dot, frame, strain_slots
-from casingfem.structure.material import plane_stress
 from casingfem.structure.mesh import Grid, make_grid
-from casingfem.structure.shell import Shell, ShellGeometry
+from casingfem.structure.scatter import scatter_elements
+from casingfem.structure.shell import Shell
+from casingfem.structure.strains import constitutive
 
 CHUNK = 6_000_000  # strain table entries held at a time
 
@@ -72,16 +73,6 @@ class System:
         """Nodal forces in Cartesian axes (nodes, 5, columns) -> work-conjugate free dofs (free, columns)."""
         turned = np.einsum("nji,njk->nik", self.frames, forces)
         return np.asarray(turned.reshape(len(self.frames) * DOFS, -1)[self.free])
-
-
-def constitutive(shell: Shell, geometry: ShellGeometry) -> Array:
-    """Section stiffness D on the eight strains at points, (8, 8, ...)."""
-    C, t = plane_stress(geometry.E, geometry.nu), geometry.thickness
-    D = np.zeros((STRAINS, STRAINS, *t.shape), dtype=np.result_type(C, t))
-    D[:3, :3] = C * t
-    D[3:6, 3:6] = C * t**3 / 12.0
-    D[6, 6] = D[7, 7] = shell.shear_correction * geometry.E / (2.0 * (1.0 + geometry.nu)) * t
-    return D
 
 
 def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
@@ -197,16 +188,6 @@ def joint_frame(directions: FloatArray) -> tuple[FloatArray, Array]:
     return turn, held
 
 
-def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> None:
-    """Express the rows and columns of the element matrices in the nodal frames, in place."""
-    turned = np.any(frames != np.eye(DOFS), axis=(1, 2))
-    for e in np.flatnonzero(turned[grid.elements].any(axis=1)):  # only elements on edges with a frame
-        R = frames[grid.elements[e]]
-        K = matrices[e].reshape(len(R), DOFS, len(R), DOFS)
-        K = np.einsum("nji,njmd,mdk->nimk", R, K, R, optimize=True)
-        matrices[e] = K.reshape(matrices[e].shape)
-
-
 def assemble(shell: Shell) -> System:
     """Assemble stiffness and lumped mass of a supported shell.
 
@@ -222,15 +203,7 @@ def assemble(shell: Shell) -> System:
     """
     grid = make_grid(shell.chart, shell.mesh)
     free, frames = held_dofs(shell, grid)
-    matrices = element_matrices(shell, grid)
-    rotate_elements(matrices, grid, frames)
-    number = np.full(grid.nodes.shape[1] * DOFS, -1)
-    number[free] = np.arange(len(free))
-    dofs = number[(grid.elements[:, :, None] * DOFS + np.arange(DOFS)).reshape(len(grid.elements), -1)]
-    rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
-    i, j = rows.ravel(), columns.ravel()
-    kept = (i >= 0) & (j >= 0)
-    K = coo_array((matrices.ravel()[kept], (i[kept], j[kept])), shape=(len(free), len(free))).tocsc()
+    K = scatter_elements(element_matrices(shell, grid), grid, frames, free)
     for form in edge_stiffness(shell, grid):
         K = K + on_free(form, frames, free)
     mass = np.repeat(nodal_mass(shell, grid), (3, 2), axis=1).ravel()[free]

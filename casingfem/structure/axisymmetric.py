@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import FloatArray, IntArray
-from casingfem.structure.assembly import constitutive, edge_rotation
+from casingfem.structure.assembly import edge_rotation
 from casingfem.structure.edges import harmonic_stiffness
 from casingfem.structure.element import gauss, lagrange, lobatto
 from casingfem.structure.kinematics import DOFS, STRAINS, frame, strain_slots
 from casingfem.structure.shell import Shell
+from casingfem.structure.strains import constitutive
 
 HOOP = np.array([1.0, 1j, 1.0, 1.0, 1j])  # hoop motions are in quadrature
 SPIN = np.zeros((DOFS, DOFS))  # d/d theta of the cylindrical unit vectors at theta = 0

@@ -31,6 +31,18 @@ class Frame(NamedTuple):
     jacobian: Array
 
 
+class Rates(NamedTuple):
+    """Derivatives along the tangent frame: D_i = D[i, alpha] d_alpha, D_i a3 and e1 . D_i e2.
+
+    `D` is (2, 2, ...), `normal` (2, 3, ...), `turn` (2, ...).
+    """
+
+    basis: Frame
+    D: Array
+    normal: Array
+    turn: Array
+
+
 def dot(a: Array, b: Array) -> Array:
     """Scalar product over the first axis, without conjugation."""
     return np.asarray(np.einsum("i...,i...->...", a, b))
@@ -45,24 +57,29 @@ def frame(surface: Surface) -> Frame:
     return Frame(e1=e1, e2=np.cross(normal, e1, axis=0), normal=normal, jacobian=jacobian)
 
 
-def strain_slots(surface: Surface) -> tuple[Array, Frame]:
-    """Coefficients L of strain = L[0] U + L[1] d_1 U + L[2] d_2 U, shape (3, 8, 5, ...), and the frame."""
+def tangent_rates(surface: Surface) -> Rates:
+    """Frame of a surface, its physical derivatives, and how frame and normal turn along them."""
     basis = frame(surface)
     e = (basis.e1, basis.e2)
-    n = basis.normal
     # A = [[a1.e1, 0], [a2.e1, a2.e2]] because e1 is along a1; D[i, alpha] is its inverse
     a11, a21, a22 = dot(surface.x1, e[0]), dot(surface.x2, e[0]), dot(surface.x2, e[1])
     D = np.array([[1.0 / a11, np.zeros_like(a11)], [-a21 / (a11 * a22), 1.0 / a22]])
 
     second = ((surface.x11, surface.x12), (surface.x12, surface.x22))
-    b = np.array([[dot(n, second[i][j]) for j in range(2)] for i in range(2)])
+    b = np.array([[dot(basis.normal, second[i][j]) for j in range(2)] for i in range(2)])
     contravariant = [sum(D[i, alpha] * e[i] for i in range(2)) for alpha in range(2)]
     normal_rate = [-sum(b[alpha, beta] * contravariant[beta] for beta in range(2)) for alpha in range(2)]
     normal_slope = [sum(D[i, alpha] * normal_rate[alpha] for alpha in range(2)) for i in range(2)]
     # e1 . d_alpha e2 = -(e2 . X,1alpha)/|a1|
     turn_rate = [-dot(e[1], second[0][alpha]) / a11 for alpha in range(2)]
     turn = [sum(D[i, alpha] * turn_rate[alpha] for alpha in range(2)) for i in range(2)]
+    return Rates(basis=basis, D=D, normal=np.array(normal_slope), turn=np.array(turn))
 
+
+def strain_slots(surface: Surface) -> tuple[Array, Frame]:
+    """Coefficients L of strain = L[0] U + L[1] d_1 U + L[2] d_2 U, shape (3, 8, 5, ...), and the frame."""
+    basis, D, normal_slope, turn = tangent_rates(surface)
+    e, n, a11 = (basis.e1, basis.e2), basis.normal, D[0, 0]
     L = np.zeros((3, STRAINS, DOFS, *a11.shape), dtype=a11.dtype)
     for alpha in range(2):
         slot = L[1 + alpha]

@@ -9,8 +9,19 @@ import numpy as np
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.structure.kinematics import DOFS, STRAINS, strain_slots
+from casingfem.structure.material import plane_stress
 from casingfem.structure.mesh import Grid
-from casingfem.structure.shell import Shell
+from casingfem.structure.shell import Shell, ShellGeometry
+
+
+def constitutive(shell: Shell, geometry: ShellGeometry) -> Array:
+    """Section stiffness D on the eight strains at points, (8, 8, ...)."""
+    C, t = plane_stress(geometry.E, geometry.nu), geometry.thickness
+    D = np.zeros((STRAINS, STRAINS, *t.shape), dtype=np.result_type(C, t))
+    D[:3, :3] = C * t
+    D[3:6, 3:6] = C * t**3 / 12.0
+    D[6, 6] = D[7, 7] = shell.shear_correction * geometry.E / (2.0 * (1.0 + geometry.nu)) * t
+    return D
 
 
 def point_jets(grid: Grid, fields: FloatArray) -> FloatArray:

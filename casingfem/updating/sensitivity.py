@@ -15,11 +15,11 @@ import numpy as np
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.assembly import constitutive, nodal_mass
+from casingfem.structure.assembly import nodal_mass
 from casingfem.structure.edges import edge_stiffness
 from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.shell import Shell
-from casingfem.structure.strains import point_jets, point_strains
+from casingfem.structure.strains import constitutive, point_jets, point_strains
 from casingfem.updating.parameters import Parameter, get_value, with_value
 
 STEP = 1e-30
