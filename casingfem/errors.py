@@ -19,42 +19,185 @@ class Fault(NamedTuple):
 
 CATALOGUE: Mapping[str, Fault] = MappingProxyType(
     {
-        "bolt-count": Fault("there is no such number of bolts", "give the number of bolts, 1 to 1000"),
+        "bolt-count": Fault(
+            "there is no such number of bolts",
+            "give the number of bolts, 1 to 1000",
+        ),
         "bolt-mesh": Fault(
             "elements around that do not follow the bolts see some bolts stiffer than others and split perfect pairs",
             "leave mesh.around out, or make it a multiple of the number of bolts",
         ),
-        "bolt-number": Fault("a loose bolt is named that does not exist", "number the bolts from 1 to their count"),
+        "bolt-number": Fault(
+            "a loose bolt is named that does not exist",
+            "number the bolts from 1 to their count",
+        ),
         "bolt-off-edge": Fault(
             "a bolt, with the patch it acts on, does not lie on the edge",
             "change first_angle, spacing or width, or take fewer bolts",
         ),
         "bolt-overlap": Fault(
-            "neighbouring bolts act on the same part of the edge", "give a smaller width, or a larger spacing"
+            "neighbouring bolts act on the same part of the edge",
+            "give a smaller width, or a larger spacing",
         ),
         "bolt-stiffness": Fault(
             "a bolt without stiffness, or with an impossible one, holds nothing",
             "give k in N/m, one number or [k_r, k_theta, k_z], and factors of 0 or more",
         ),
-        "load-edge": Fault("a load names an edge that the chart does not have", "name one of the chart's edges"),
-        "load-none": Fault("a static solution without loads is zero", "give at least one load"),
+        "chart-angle": Fault(
+            "an open panel would overlap itself",
+            "give the angle in radians, below 2 pi; a closed panel is a Cylinder",
+        ),
+        "chart-aspect": Fault(
+            "the surface is a thousand times longer than wide, or wider than long",
+            "check the units of each length; a model of a rod or a wire needs no shell",
+        ),
+        "chart-bounds": Fault(
+            "the chart's parameters do not run over finite ranges from low to high",
+            "let `bounds` return ((from, to), (from, to)), each ascending",
+        ),
+        "chart-derivatives": Fault(
+            "the chart's derivatives are not those of its surface",
+            "correct x1, x2, x11, x12, x22 in `surface`; compare them with differences of x",
+        ),
+        "chart-dimension": Fault(
+            "a length of the chart is not a positive finite number",
+            "give lengths in metres, 500 mm as 0.5",
+        ),
+        "chart-edge": Fault(
+            "the chart names an edge that its parameter rectangle does not have",
+            "let `edges` map names to (parameter held: 0 or 1, end: 0 or 1)",
+        ),
+        "chart-fold": Fault(
+            "the surface shrinks to a line or a point, or folds: its tangents do not span a plane there",
+            "leave a small hole at a pole, or change the chart or its radius field",
+        ),
+        "chart-near-closed": Fault(
+            "the two straight edges of a panel nearly touch but are not joined: the seam is open",
+            "use a Cylinder for a closed casing, or a smaller angle",
+        ),
+        "chart-not-finite": Fault(
+            "the surface or its derivatives are not finite numbers somewhere",
+            "correct the chart, or the radius field, there",
+        ),
+        "chart-open-seam": Fault(
+            "a chart said to close on itself does not: its two ends lie at different places",
+            "let the second parameter run once around, or say periodic = False",
+        ),
+        "chart-twist": Fault(
+            "the twist is not a finite angle",
+            "give the twist in radians, 30 degrees as 0.5236",
+        ),
+        "chart-twist-units": Fault(
+            "the blade is twisted by more than half a turn",
+            "give the twist in radians, 30 degrees as 0.5236 (study.toml: twist_deg in degrees)",
+        ),
+        "chart-units": Fault(
+            "the structure is very large or very small for a casing or a blade",
+            "give lengths in metres, 500 mm as 0.5",
+        ),
+        "field-coefficients": Fault(
+            "the coefficients of a field are not finite numbers, or not of the shape its harmonics ask for",
+            "give one finite number, or one row, for each harmonic",
+        ),
+        "field-harmonics": Fault(
+            "the harmonics of a field are not whole numbers from 0, each given once",
+            "give p = 0, 1, 2, ... each once; the mean (p = 0) has no sine",
+        ),
+        "field-large": Fault(
+            "an imperfection is larger than any wall has: it changes the design",
+            "give fields relative to the nominal value (.4 % as 0.004); put the design itself into the chart",
+        ),
+        "field-mesh": Fault(
+            "the field has finer waves than the mesh can carry",
+            "leave out finer harmonics, or ask for more elements around",
+        ),
+        "field-no-radius": Fault(
+            "a flat surface has no radius to be defective",
+            "use a Panel, or a thickness field",
+        ),
+        "field-not-finite": Fault(
+            "the field is nan or infinite somewhere on the surface",
+            "correct the field there; a survey's fit must cover the whole surface",
+        ),
+        "field-range": Fault(
+            "a relative field takes away almost all of what it acts on, or multiplies it tenfold",
+            "give fields relative to the nominal value (.4 % as 0.004), between -0.9 and 9",
+        ),
+        "field-seed": Fault(
+            "a random field needs seeds that are whole numbers from 0",
+            "give seed = 1, 2, ...; the same seed gives the same field",
+        ),
+        "field-spectrum": Fault(
+            "a spectrum is not a list of harmonics with a positive median and a higher 90th percentile each",
+            "give p ascending from 1 and 0 < median <= high at each",
+        ),
+        "interface-edge": Fault(
+            "the interface is not an edge that contact can see",
+            "name a curved edge of a casing (Rim), or root or tip of an open panel or blade (Tip)",
+        ),
+        "interface-harmonics": Fault(
+            "the rim's harmonics exceed what the mesh resolves",
+            "reduce n_max, or ask for more elements around",
+        ),
+        "interface-held": Fault(
+            "the edge that contact should push is held",
+            "name a free edge, or an elastic one",
+        ),
+        "load-edge": Fault(
+            "a load names an edge that the chart does not have",
+            "name one of the chart's edges",
+        ),
+        "load-none": Fault(
+            "a static solution without loads is zero",
+            "give at least one load",
+        ),
         "load-place": Fault(
-            "a point load lies off the surface", "give the two parameters of the chart, as its `bounds` have them"
+            "a point load lies off the surface",
+            "give the two parameters of the chart, as its `bounds` have them",
+        ),
+        "material-density": Fault(
+            "the density is not a positive finite number",
+            "give rho in kg/m^3 (steel 7800)",
+        ),
+        "material-density-units": Fault(
+            "no solid is as light or as heavy",
+            "give rho in kg/m^3 (steel 7800, not 7.8 or 7.8e-9)",
+        ),
+        "material-modulus": Fault(
+            "Young's modulus is not a positive finite number",
+            "give E in Pa (steel 210e9)",
+        ),
+        "material-poisson": Fault(
+            "Poisson's ratio lies outside what is stable",
+            "give nu between -1 and 0.5, exclusive (steel 0.3)",
+        ),
+        "material-poisson-negative": Fault(
+            "the material widens when pulled",
+            "give nu above 0 (steel 0.3) unless the material is auxetic",
         ),
         "material-units": Fault(
             "the material's speed of sound is not that of a solid",
             "give E in Pa (steel 210e9) and rho in kg/m^3 (steel 7800)",
         ),
         "meridian-arc": Fault(
-            "an arc of no length or of more than a turn", "give two angles in radians, less than 2 pi apart"
+            "an arc of no length or of more than a turn",
+            "give two angles in radians, less than 2 pi apart",
         ),
         "meridian-axis": Fault(
             "the meridian reaches the axis, where a chart of revolution ends in a pole",
             "stop short of the axis and leave a small hole",
         ),
+        "mesh-around": Fault(
+            "there is no such number of elements",
+            "give a whole number of at least 1, or leave mesh.around out",
+        ),
         "mesh-aspect": Fault(
             "cells are much longer than wide",
             "refine along their long side, or see that no node is misplaced",
+        ),
+        "mesh-coarse": Fault(
+            "the shapes bend more within an element than its polynomials carry: frequencies come out too high",
+            "ask for more elements or a higher order, for fewer modes, or leave [mesh] out",
         ),
         "mesh-collapsed-cell": Fault(
             "a cell has the same node twice, as wedges written as bricks have",
@@ -96,6 +239,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "linear cells lock: bending comes out too stiff",
             "use quadratic cells (order 2 in the mesher)",
         ),
+        "mesh-low-order": Fault(
+            "elements of low order lock: thin shells come out much too stiff",
+            "use order 6 or more, or leave mesh.order out",
+        ),
         "mesh-material-twice": Fault(
             "a cell lies in two groups that each have a material",
             "give each cell one material: the groups must not overlap",
@@ -120,6 +267,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "coincident nodes are not joined: the body is slit there",
             "merge duplicate nodes in the mesher, or read the mesh with join = a distance in metres",
         ),
+        "mesh-order": Fault(
+            "the order of the elements is not a whole number within reach",
+            "give an order of 2 to 20, or leave mesh.order out",
+        ),
         "mesh-orphan-nodes": Fault(
             "nodes belong to no cell",
             "they are left out; see that no cell is missing",
@@ -132,16 +283,65 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the mesh falls into parts that do not touch",
             "join them in the mesher, or compute each part alone",
         ),
+        "mesh-rows": Fault(
+            "the rows do not divide the first parameter",
+            "give a whole number of at least 1, or breaks ascending from 0 to 1",
+        ),
         "mesh-scrambled-cell": Fault(
             "the nodes of a cell are in another order than the format's",
             "export again; check the order of the middle nodes",
+        ),
+        "mesh-too-large": Fault(
+            "the mesh has more unknowns than a factorisation in memory can take",
+            "take fewer elements; 1e5 unknowns are plenty for a shell",
         ),
         "mesh-units": Fault(
             "the part is very large for its material",
             "if the file is in millimetres, read it with scale = 1e-3",
         ),
+        "modes-count": Fault(
+            "no such number of modes can be computed",
+            "ask for at least 1 and far fewer than the mesh has unknowns",
+        ),
+        "modes-method": Fault(
+            "this method does not apply",
+            "leave method out; harmonics need a casing on which nothing varies around",
+        ),
+        "reduce-damping": Fault(
+            "the damping ratio is not one of a vibrating mode",
+            "give zeta from 0 to below 1 (half a per cent as 0.005)",
+        ),
+        "reduce-method": Fault(
+            "there is no such method of reduction",
+            "use free or craig-bampton",
+        ),
+        "reduce-rigid": Fault(
+            "a body that can move as a whole has no static compliance",
+            "support it before reducing",
+        ),
+        "shear-correction": Fault(
+            "the shear correction is none of 5/6, about 1, or the thin-shell limit",
+            "leave it at 5/6; give 1e6 for a wall without shear",
+        ),
+        "shell-free": Fault(
+            "nothing holds the structure: its first modes are rigid motions",
+            "give [support.EDGE], unless a free body is meant",
+        ),
+        "shell-thick": Fault(
+            "the wall is thick for its curvature or size: shell theory is off by several per cent",
+            "check the units of thickness (3 mm is 3e-3), or model it as a solid",
+        ),
         "shell-thickness": Fault(
-            "the wall thickness is not a positive finite number", "give the thickness in metres, 3 mm as 3e-3"
+            "the wall thickness is not a positive finite number",
+            "give the thickness in metres, 3 mm as 3e-3",
+        ),
+        "shell-thickness-size": Fault(
+            "the wall is as thick as the structure is wide, or as its radius of curvature",
+            "give the thickness in metres, 3 mm as 3e-3",
+        ),
+        "shell-thin": Fault(
+            "the wall is thinner than a hundred-thousandth of the size",
+            "give the thickness in metres, 3 mm as 3e-3, not 3e-6",
         ),
         "solid-support": Fault(
             "a solid cannot have this kind of support",
@@ -156,16 +356,73 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "hold every motion that the loads drive; where they balance, a soft elastic edge is enough",
         ),
         "strip-extent": Fault(
-            "the ends of a strip are not finite numbers in order", "give start below end, in metres along the axis"
+            "the ends of a strip are not finite numbers in order",
+            "give start below end, in metres along the axis",
         ),
         "strip-off-line": Fault(
             "a strip ends inside an element, where its jump of thickness or material would be smeared",
             "leave the mesh's rows to the program, or put a break of mesh.rows at each end of the strip",
         ),
         "strip-outside": Fault(
-            "a strip reaches beyond the ends of the shell", "give start and end in metres within the chart's bounds"
+            "a strip reaches beyond the ends of the shell",
+            "give start and end in metres within the chart's bounds",
         ),
-        "strip-overlap": Fault("two strips claim the same part of the wall", "let one strip end where the next begins"),
+        "strip-overlap": Fault(
+            "two strips claim the same part of the wall",
+            "let one strip end where the next begins",
+        ),
+        "study-file": Fault(
+            "the file cannot be read",
+            "give the path of a text file in UTF-8",
+        ),
+        "study-key": Fault(
+            "a key is unknown, or stands beside one that excludes it",
+            "`casingfem schema` lists all keys",
+        ),
+        "study-missing": Fault(
+            "a key or table that the study needs is not there",
+            "add it; `casingfem schema` lists all keys",
+        ),
+        "study-toml": Fault(
+            "the file is not TOML",
+            "correct the line named; text stands in quotes, each table once",
+        ),
+        "study-value": Fault(
+            "a value has the wrong type or lies out of range",
+            "give what is expected there, in SI units",
+        ),
+        "support-edge": Fault(
+            "a support names an edge the chart does not have",
+            "casings have base and top, panels and blades root, tip, left and right",
+        ),
+        "support-incomplete": Fault(
+            "the supports leave motions of the whole body free",
+            "hold or spring the missing directions, unless the motion is meant",
+        ),
+        "support-kind": Fault(
+            "this is no support of a shell's edge",
+            "use Clamped(), ShearDiaphragm(), ElasticEdge(...), Bolts(...)",
+        ),
+        "support-no-springs": Fault(
+            "an elastic support without any spring holds nothing",
+            "give at least one of k_r, k_theta, k_z, k_rot, k_face, or leave the support out",
+        ),
+        "support-springs": Fault(
+            "a spring stiffness is negative or not finite, or no spring has this name",
+            "give k_r, k_theta, k_z [N/m per m], k_rot [N m/rad per m], k_face [N/m^3] from 0",
+        ),
+        "support-stiff": Fault(
+            "the springs are so stiff beside the wall that round-off spoils the frequencies",
+            "use clamped, or smaller stiffnesses",
+        ),
+        "survey-other": Fault(
+            "the survey is of another casing: its mean is not the nominal value, or its heights are not the shell's",
+            "use the survey of this casing, in metres and degrees, or correct the nominal value",
+        ),
+        "survey-quantity": Fault(
+            "the survey is of another quantity",
+            "let `of` name what was surveyed",
+        ),
     }
 )
 

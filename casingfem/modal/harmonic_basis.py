@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from casingfem.arrays import FloatArray
+from casingfem.errors import ModelError
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.fourier import SHIFT, lowest
 from casingfem.modal.interface import Rim
@@ -52,7 +53,9 @@ def harmonic_basis(
     42
     """
     if rim.edge not in shell.chart.edges:
-        raise ValueError(f"this chart has no edge {rim.edge!r}; it has {', '.join(shell.chart.edges)}")
+        raise ModelError(
+            "interface-edge", f"this chart has no edge {rim.edge!r}; it has {', '.join(shell.chart.edges)}"
+        )
     size = 2 * rim.n_max + 1
     S = np.zeros((2 * size, 2 * size))
     omega: list[FloatArray] = []

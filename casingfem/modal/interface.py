@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import FloatArray
+from casingfem.errors import ModelError
 from casingfem.modal.harmonics import ring_transform
 from casingfem.structure.assembly import System
 from casingfem.structure.kinematics import DOFS, frame
@@ -46,10 +47,12 @@ def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
     """Rows (channels, 5 nodes) of a rim, and the channel names: radial, then tangential."""
     grid, chart = system.grid, system.shell.chart
     if not chart.periodic or rim.edge not in grid.edges:
-        raise ValueError(f"a Rim needs a closed casing with an edge {rim.edge!r}")
+        raise ModelError("interface-edge", f"a Rim needs a closed casing with an edge {rim.edge!r}")
     around = grid.mesh.order * grid.mesh.around
     if not 0 < rim.n_max <= around // 3:
-        raise ValueError(f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}")
+        raise ModelError(
+            "interface-harmonics", f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}"
+        )
     _, transform = ring_transform(chart, grid, rim.n_max)
     real = np.concatenate([transform.real, -transform.imag[1:]])
     nodes = grid.edges[rim.edge].nodes
@@ -65,7 +68,7 @@ def tip_rows(system: System, tip: Tip) -> tuple[FloatArray, tuple[str, ...]]:
     """Rows (2, 5 nodes) of a blade tip: span and flap, averaged over the edge's length."""
     grid, shell = system.grid, system.shell
     if shell.chart.periodic or tip.edge not in grid.edges:
-        raise ValueError(f"a Tip needs an open panel or plate with an edge {tip.edge!r}")
+        raise ModelError("interface-edge", f"a Tip needs an open panel or plate with an edge {tip.edge!r}")
     edge = grid.edges[tip.edge]
     surface = shell.geometry(*grid.nodes[:, edge.nodes]).surface
     across = surface.x1 if edge.along == 1 else surface.x2

@@ -5,6 +5,7 @@ from typing import overload
 
 import numpy as np
 
+from casingfem.errors import ModelError
 from casingfem.modal.eigen import solve_modes, sturm_count
 from casingfem.modal.fourier import SHIFT, fourier_modes
 from casingfem.modal.mesh_modes import IMPORTED, MeshModes, mesh_modes
@@ -64,9 +65,9 @@ def modes(
             raise ValueError(f'method must be "auto" for an imported structure, found {method!r}')
         return mesh_modes(shell, count, system=system if isinstance(system, MeshSystem) else None)
     if method not in ("auto", "shell", "fourier"):
-        raise ValueError(f'method must be "auto", "shell" or "fourier", found {method!r}')
+        raise ModelError("modes-method", f'method must be "auto", "shell" or "fourier", found {method!r}')
     if count < 1:
-        raise ValueError(f"count must be at least 1, found {count}")
+        raise ModelError("modes-count", f"count must be at least 1, found {count}")
     if method == "fourier" or (method == "auto" and shell.axisymmetric and system is None):
         return fourier_modes(shell, count)
     started = time.perf_counter()

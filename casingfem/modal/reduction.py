@@ -15,6 +15,7 @@ from scipy.linalg import cho_factor, cho_solve, eigh
 from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh
 
 from casingfem.arrays import Array, FloatArray
+from casingfem.errors import ModelError
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.eigen import START_SEED, factorise, sturm_count
 from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
@@ -64,18 +65,18 @@ def reduce(
         If the stiffness is singular.
     """
     if method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, found {method!r}")
+        raise ModelError("reduce-method", f"method must be one of {', '.join(METHODS)}, found {method!r}")
     if not 0.0 <= zeta < 1.0:
-        raise ValueError(f"zeta must lie in [0, 1), found {zeta!r}")
+        raise ModelError("reduce-damping", f"zeta must lie in [0, 1), found {zeta!r}")
     if not any(structure.supports.values()):
-        raise ValueError("an unsupported shell has rigid motions: support it before reducing")
+        raise ModelError("reduce-rigid", "an unsupported shell has rigid motions")
     system = system or assemble(structure)
     if not 1 <= modes < system.size // 2:
-        raise ValueError(f"modes must lie between 1 and {system.size // 2 - 1} here, found {modes!r}")
+        raise ModelError("modes-count", f"modes must lie between 1 and {system.size // 2 - 1} here, found {modes!r}")
     rows, channels = rim_rows(system, interface) if isinstance(interface, Rim) else tip_rows(system, interface)
     P = load_columns(system, rows)
     if not P.any():
-        raise ValueError(f"interface: edge {interface.edge!r} is held, nothing can be pushed there; name another edge")
+        raise ModelError("interface-held", f"interface: edge {interface.edge!r} is held, nothing can be pushed there")
     factor = factorise(system.K)
     attachment = factor.solve(P)
     if method == "free":
@@ -123,7 +124,7 @@ def free_vectors(system: System, count: int) -> tuple[FloatArray, FloatArray]:
     """Mass-normalised modes of the supported shell on its free dofs, and their omega."""
     found = lowest_modes(system.shell, count, method="shell", system=system)
     if found.rigid:
-        raise ValueError(f"the shell has {found.rigid} rigid motions: support it before reducing")
+        raise ModelError("reduce-rigid", f"the shell has {found.rigid} rigid motions")
     return np.asarray(system.restrict(found.fields)), found.omega  # frames are rotations: shapes turn like forces
 
 
@@ -137,7 +138,7 @@ def craig_bampton_vectors(
     """
     rigid = sturm_count(system.K, system.mass, (RIGID * frequency_scale(system.shell)) ** 2)
     if rigid:
-        raise ValueError(f"the shell has {rigid} rigid motions: support it before reducing")
+        raise ModelError("reduce-rigid", f"the shell has {rigid} rigid motions")
     compliance = P.T @ attachment
     held = cho_factor(0.5 * (compliance + compliance.T))
     root = np.sqrt(system.mass)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import FloatArray, IntArray
+from casingfem.errors import ModelError
 from casingfem.structure.assembly import edge_rotation
 from casingfem.structure.edges import harmonic_stiffness
 from casingfem.structure.element import gauss, lagrange, lobatto
@@ -59,7 +60,7 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
         If anything varies around the shell.
     """
     if not shell.axisymmetric:
-        raise ValueError("one problem per harmonic needs a casing on which nothing varies around")
+        raise ModelError("modes-method", "one problem per harmonic needs a casing on which nothing varies around")
     order = shell.mesh.order
     (z0, z1), _ = shell.chart.bounds
     lines = z0 + (z1 - z0) * shell.mesh.breaks

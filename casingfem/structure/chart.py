@@ -15,6 +15,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from casingfem.arrays import Array
+from casingfem.errors import ModelError
 from casingfem.structure.field import FieldValues
 
 Bounds = tuple[tuple[float, float], tuple[float, float]]
@@ -61,12 +62,17 @@ class Chart(Protocol):
         ...
 
 
+CODES = {"thickness": "shell-thickness", "shear_correction": "shear-correction"}  # of what is no length of a chart
+
+
 def require_positive(owner: str, **values: float) -> None:
-    """Raise ValueError unless every named value is finite and above zero."""
+    """Raise ModelError unless every named value is finite and above zero."""
     for name, value in values.items():
         real = np.real(value)
         if not (np.isfinite(real) and real > 0.0):
-            raise ValueError(f"{owner}.{name} must be positive and finite, found {real!r}")
+            raise ModelError(
+                CODES.get(name, "chart-dimension"), f"{owner}.{name} must be positive and finite, found {real!r}"
+            )
 
 
 def revolve(
@@ -226,7 +232,7 @@ class Panel(Open):
     def __post_init__(self) -> None:
         require_positive("chart", radius=self.radius, length=self.length, angle=self.angle)
         if np.real(self.angle) >= 2.0 * np.pi:
-            raise ValueError(f"chart.angle must be below 2 pi (a closed panel is a Cylinder), found {self.angle!r}")
+            raise ModelError("chart-angle", f"chart.angle must be below 2 pi, found {self.angle!r}")
 
     @property
     def bounds(self) -> Bounds:
@@ -267,7 +273,7 @@ class Plate(Open):
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at x = a, y = b."""
         if defect is not None:
-            raise ValueError("radius_defect: a flat plate has no radius to be defective; use a Panel")
+            raise ModelError("field-no-radius", "radius_defect: a flat plate has no radius to be defective")
         a, b = np.broadcast_arrays(a, b)
         zero, one = np.zeros_like(a), np.ones_like(a)
         flat = np.stack([zero, zero, zero])

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.arrays import Array, IntArray
+from casingfem.errors import ModelError
 
 Coefficient: TypeAlias = float | complex
 
@@ -68,7 +69,7 @@ class FourierField:
 
     Raises
     ------
-    ValueError
+    ModelError
         Shapes that do not agree, negative, fractional or repeated harmonics, values that are not finite.
 
     Examples
@@ -94,14 +95,20 @@ class FourierField:
     def __post_init__(self) -> None:
         p, cos, sin = _harmonics(self.p), _coefficients("cos", self.cos), _coefficients("sin", self.sin)
         if cos.shape != sin.shape or cos.shape[0] != p.size:
-            raise ValueError(
+            raise ModelError(
+                "field-coefficients",
                 f"FourierField: cos {cos.shape} and sin {sin.shape} must both be (harmonics, degrees), "
-                f"with one row for each of the {p.size} harmonics"
+                f"with one row for each of the {p.size} harmonics",
             )
         if np.any(sin[p == 0]):
-            raise ValueError("FourierField: sin at p = 0 multiplies sin(0) = 0; use cos for the mean")
+            raise ModelError(
+                "field-harmonics", "FourierField: sin at p = 0 multiplies sin(0) = 0; use cos for the mean"
+            )
         if not (np.isfinite(self.z_mid) and np.isfinite(self.z_half) and self.z_half > 0.0):
-            raise ValueError(f"FourierField: need finite z_mid, z_half > 0, not {self.z_mid!r}, {self.z_half!r}")
+            raise ModelError(
+                "field-coefficients",
+                f"FourierField: need finite z_mid, z_half > 0, not {self.z_mid!r}, {self.z_half!r}",
+            )
         for name, array in (("p", p), ("cos", cos), ("sin", sin)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -117,7 +124,9 @@ class FourierField:
         """
         pairs = [c if isinstance(c, tuple) else (c, 0.0) for c in harmonics.values()]
         if any(len(pair) != 2 for pair in pairs):
-            raise ValueError("FourierField.of: each harmonic is one number (cos) or a pair (cos, sin)")
+            raise ModelError(
+                "field-coefficients", "FourierField.of: each harmonic is one number (cos) or a pair (cos, sin)"
+            )
         table = np.array(pairs).reshape(len(pairs), 2, 1)
         return cls(p=np.array(list(harmonics)), cos=table[:, 0], sin=table[:, 1])
 
@@ -243,7 +252,7 @@ class SumField:
         for field in self.fields:
             flat.extend(field.fields if isinstance(field, SumField) else [field])
         if not flat:
-            raise ValueError("SumField needs at least one field")
+            raise ModelError("field-coefficients", "SumField needs at least one field")
         object.__setattr__(self, "fields", tuple(flat))
 
     def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
@@ -302,13 +311,13 @@ def _contract(around: Array, along: Array) -> Array:
 def _harmonics(p: ArrayLike) -> IntArray:
     given = np.array(p)
     if given.ndim != 1 or (given.size and not np.issubdtype(given.dtype, np.integer)):
-        raise ValueError(f"FourierField: p must be a list of whole numbers, not {p!r}")
+        raise ModelError("field-harmonics", f"FourierField: p must be a list of whole numbers, not {p!r}")
     harmonics = given.astype(np.int64)
     if np.any(harmonics < 0):
-        raise ValueError(f"FourierField: harmonics must be >= 0, found {harmonics.min()}")
+        raise ModelError("field-harmonics", f"FourierField: harmonics must be >= 0, found {harmonics.min()}")
     numbers, counts = np.unique(harmonics, return_counts=True)
     if np.any(counts > 1):
-        raise ValueError(f"FourierField: harmonic {numbers[counts > 1][0]} is given twice")
+        raise ModelError("field-harmonics", f"FourierField: harmonic {numbers[counts > 1][0]} is given twice")
     return harmonics
 
 
@@ -316,9 +325,11 @@ def _coefficients(name: str, values: ArrayLike) -> Array:
     given = np.array(values)
     array: Array = given.astype(np.result_type(given.dtype, np.float64))
     if array.ndim != 2 or array.shape[1] < 1:
-        raise ValueError(f"FourierField: {name} must have shape (harmonics, degrees), not {array.shape}")
+        raise ModelError(
+            "field-coefficients", f"FourierField: {name} must have shape (harmonics, degrees), not {array.shape}"
+        )
     if not np.all(np.isfinite(np.real(array))):
-        raise ValueError(f"FourierField: {name} holds values that are not finite")
+        raise ModelError("field-coefficients", f"FourierField: {name} holds values that are not finite")
     return array
 
 

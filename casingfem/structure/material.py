@@ -5,6 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import Array
+from casingfem.errors import ModelError
+
+NAMES = {"E": "modulus", "rho": "density"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -13,7 +16,7 @@ class Material:
 
     Raises
     ------
-    ValueError
+    ModelError
         If E or rho is not positive and finite, or nu lies outside (-1, 0.5).
 
     Examples
@@ -31,10 +34,12 @@ class Material:
         for name in ("E", "rho"):
             value = np.real(getattr(self, name))
             if not (np.isfinite(value) and value > 0.0):
-                raise ValueError(f"material.{name} must be positive and finite, found {value!r}")
+                raise ModelError(
+                    f"material-{NAMES[name]}", f"material.{name} must be positive and finite, found {value!r}"
+                )
         nu = np.real(self.nu)
         if not -1.0 < nu < 0.5:
-            raise ValueError(f"material.nu must lie between -1 and 0.5 (exclusive), found {nu!r}")
+            raise ModelError("material-poisson", f"material.nu must lie between -1 and 0.5 (exclusive), found {nu!r}")
 
     @property
     def shear_modulus(self) -> float:

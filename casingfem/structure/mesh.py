@@ -7,6 +7,7 @@ import numpy as np
 from skfem import Basis, MeshQuad
 
 from casingfem.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.errors import ModelError
 from casingfem.structure.chart import Chart, Surface
 from casingfem.structure.element import ElementQuadLobatto, gauss, lagrange, lobatto
 
@@ -28,17 +29,17 @@ class ShellMesh:
     around: int = 21
 
     def __post_init__(self) -> None:
-        if self.order < 2:
-            raise ValueError(f"mesh.order must be at least 2, found {self.order}")
-        if self.around < 1:
-            raise ValueError(f"mesh.around must be at least 1, found {self.around}")
+        if not (isinstance(self.order, int | np.integer) and 2 <= self.order <= 20):
+            raise ModelError("mesh-order", f"mesh.order must be a whole number from 2 to 20, found {self.order!r}")
+        if not (isinstance(self.around, int | np.integer) and self.around >= 1):
+            raise ModelError("mesh-around", f"mesh.around must be a whole number of at least 1, found {self.around!r}")
         if isinstance(self.rows, int):
             if self.rows < 1:
-                raise ValueError(f"mesh.rows must be at least 1, found {self.rows}")
+                raise ModelError("mesh-rows", f"mesh.rows must be at least 1, found {self.rows}")
         else:
             breaks = np.asarray(self.rows, dtype=float)
             if len(breaks) < 2 or breaks[0] != 0.0 or breaks[-1] != 1.0 or not np.all(np.diff(breaks) > 0.0):
-                raise ValueError(f"mesh.rows must increase from 0 to 1, found {self.rows}")
+                raise ModelError("mesh-rows", f"mesh.rows must increase from 0 to 1, found {self.rows}")
 
     @property
     def breaks(self) -> FloatArray:

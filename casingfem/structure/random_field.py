@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
 from casingfem.arrays import FloatArray, IntArray, frozen
+from casingfem.errors import ModelError
 from casingfem.structure.field import Field, FourierField, SeriesBehind, SumField
 
 LABORATORY = {2: 0.24, 3: 0.168, 4: 0.169, 5: 0.138, 6: 0.147, 7: 0.062, 8: 0.057, 10: 0.031, 12: 0.019}
@@ -50,11 +51,13 @@ class Spectrum:
     def __post_init__(self) -> None:
         p, median, high = np.array(self.p, dtype=np.int64), *(np.array(x, float) for x in (self.median, self.high))
         if p.ndim != 1 or not p.shape == median.shape == high.shape or not p.size:
-            raise ValueError(f"Spectrum: p {p.shape}, median {median.shape}, high {high.shape} must be lists alike")
+            raise ModelError(
+                "field-spectrum", f"Spectrum: p {p.shape}, median {median.shape}, high {high.shape} must be lists alike"
+            )
         if p[0] < 1 or np.any(np.diff(p) <= 0):
-            raise ValueError(f"Spectrum: harmonics must ascend from 1 or more, found {p.tolist()}")
+            raise ModelError("field-spectrum", f"Spectrum: harmonics must ascend from 1 or more, found {p.tolist()}")
         if not (np.all(np.isfinite(high)) and np.all(median > 0.0) and np.all(high >= median)):
-            raise ValueError("Spectrum: need 0 < median <= high < inf at every harmonic")
+            raise ModelError("field-spectrum", "Spectrum: need 0 < median <= high < inf at every harmonic")
         for name, array in (("p", p), ("median", median), ("high", high)):
             object.__setattr__(self, name, frozen(array))
 
@@ -120,8 +123,8 @@ class RandomField(SeriesBehind):
 
     def __post_init__(self) -> None:
         if min(self.seed, self.draw, self.stream) < 0:
-            raise ValueError(
-                f"RandomField: found seed {self.seed}, draw {self.draw}, stream {self.stream}, expected >= 0"
+            raise ModelError(
+                "field-seed", f"RandomField: found seed {self.seed}, draw {self.draw}, stream {self.stream}"
             )
         rng = np.random.default_rng([self.seed, self.stream, self.draw])
         size, turn = rng.random((self.spectrum.p.size, 2)).T  # row by row: more harmonics leave the first ones alone

@@ -159,7 +159,7 @@ class Shell:
 
     Raises
     ------
-    ValueError
+    ModelError
         Not positive thickness, an unknown edge, or a field as large as what it varies.
     ModelError
         Springs that a pattern makes negative (`springs-negative`); strips that overlap or leave the shell
@@ -192,11 +192,14 @@ class Shell:
         known = self.chart.edges
         for edge, support in self.supports.items():
             if edge not in known:
-                raise ValueError(f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}")
+                raise ModelError(
+                    "support-edge", f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}"
+                )
             if not isinstance(support, SUPPORTS):
-                raise ValueError(
+                raise ModelError(
+                    "support-kind",
                     f"support.{edge}: expected {', '.join(kind.__name__ for kind in SUPPORTS)}, "
-                    f"found {type(support).__name__}"
+                    f"found {type(support).__name__}",
                 )
             if isinstance(support, Bolts):
                 held, _ = known[edge]
@@ -248,15 +251,14 @@ class Shell:
         a, b = (np.linspace(*ends, count) for ends, count in zip(self.chart.bounds, counts, strict=True))
         values = np.real(defect.derivatives(a[:, None], b[None, :]).value)
         if not np.all(np.isfinite(values)):
-            raise ValueError(f"{name}: the field is not finite everywhere on the surface")
+            raise ModelError("field-not-finite", f"{name}: the field is not finite everywhere on the surface")
         if values.min() <= -0.9:
-            raise ValueError(f"{name}: the field reaches {values.min():.3g}; it is relative and must stay above -0.9")
+            raise ModelError("field-range", f"{name}: the field reaches {values.min():.3g}, below -0.9")
         nodes = self.mesh.order * self.mesh.around
         finest = finest_harmonic(self, defect) if self.chart.periodic else 0
         if 2 * finest > nodes:
-            raise ValueError(
-                f"{name}: {finest} waves on {nodes} nodes around; the mesh resolves {nodes // 2} at most: leave out "
-                "finer harmonics, or ask for more elements around"
+            raise ModelError(
+                "field-mesh", f"{name}: {finest} waves on {nodes} nodes around; the mesh resolves {nodes // 2} at most"
             )
 
     @property

@@ -12,6 +12,7 @@ from typing import ClassVar, Literal, TypeAlias
 import numpy as np
 
 from casingfem.arrays import Array
+from casingfem.errors import ModelError
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.edge_form import EdgeLine, PointSprings, along_springs
 from casingfem.structure.field import Field, relative
@@ -72,7 +73,7 @@ class ElasticEdge:
 
     Raises
     ------
-    ValueError
+    ModelError
         If a stiffness is negative or not finite, all are zero, or `around` names no spring of these.
 
     >>> from casingfem.structure.field import FourierField
@@ -96,14 +97,16 @@ class ElasticEdge:
         values = {name: np.real(getattr(self, name)) for name in self.stiffness_names}
         for name, value in values.items():
             if not (np.isfinite(value) and value >= 0.0):
-                raise ValueError(f"support.{name} must be finite and not negative, found {value!r}")
+                raise ModelError("support-springs", f"support.{name} must be finite and not negative, found {value!r}")
         if not any(values.values()):
-            raise ValueError("an elastic support needs at least one of k_r, k_theta, k_z, k_rot, k_face above zero")
+            raise ModelError("support-no-springs", "an elastic support with all of its springs zero")
         if isinstance(self.around, Mapping):
             known = ", ".join(self.stiffness_names)
             for name in self.around:
                 if name not in self.stiffness_names:
-                    raise ValueError(f"support.around: found {name!r}, expected springs among {known}")
+                    raise ModelError(
+                        "support-springs", f"support.around: found {name!r}, expected springs among {known}"
+                    )
             object.__setattr__(self, "around", MappingProxyType(dict(self.around)))
 
     @property

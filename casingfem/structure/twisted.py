@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.arrays import Array
+from casingfem.errors import ModelError
 from casingfem.structure.chart import Bounds, Open, Surface, require_positive
 from casingfem.structure.field import Field, FieldValues
 
@@ -36,7 +37,7 @@ class TwistedPlate(Open):
     def __post_init__(self) -> None:
         require_positive("chart", length=self.length, width=self.width)
         if not np.isfinite(np.real(self.twist)):
-            raise ValueError(f"chart.twist must be finite [rad], found {self.twist!r}")
+            raise ModelError("chart-twist", f"chart.twist must be finite [rad], found {self.twist!r}")
 
     @property
     def bounds(self) -> Bounds:
@@ -46,7 +47,7 @@ class TwistedPlate(Open):
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at x = a, y = b."""
         if defect is not None:
-            raise ValueError("radius_defect: a twisted plate has no radius to be defective; use a Panel")
+            raise ModelError("field-no-radius", "radius_defect: a twisted plate has no radius to be defective")
         rate = self.twist / self.length
         x, y, angle = np.broadcast_arrays(a, b, rate * np.asarray(a))
         c, s = np.cos(angle), np.sin(angle)

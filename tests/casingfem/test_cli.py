@@ -286,7 +286,7 @@ BROKEN = {
     "edge that does not exist": ("[support.base]", "[support.bottom]", "support.bottom: found edge 'bottom'"),
     "support unknown": ('kind = "elastic"', 'kind = "bolts"', "clamped, shear-diaphragm, elastic"),
     "spring negative": ("1e12", "-1e12", "support.base.k_face"),
-    "spring zero": ("1e12", "0.0", "support.base: an elastic support needs"),
+    "spring zero": ("1e12", "0.0", "support.base: an elastic support with all of its springs zero"),
     "spring pattern negative": ("1e12", "1e12\naround = [{p = 2, cos = 0.8}, {p = 3, cos = 1}]", "around makes k_face"),
     "count zero": ("count = 6", "count = 0", "modes.count: found 0"),
     "mesh rows": ("rows = 1", "rows = [0.0, 0.7, 0.5, 1.0]", "mesh.rows"),
