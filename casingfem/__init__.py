@@ -12,6 +12,7 @@ from casingfem.experiment.measurement import FrequencyTable, TableError
 from casingfem.modal.basis import BasisError, ModalBasis
 from casingfem.modal.eigen import EigenError
 from casingfem.modal.interface import Rim, Tip
+from casingfem.modal.mistuning import Mistuning, mistune
 from casingfem.modal.modes import MeshModes, Modes, modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.assembly import System, assemble
@@ -56,6 +57,7 @@ __all__ = [
     "Material",
     "MeshData",
     "MeshModes",
+    "Mistuning",
     "ModalBasis",
     "Modes",
     "Pairing",
@@ -89,6 +91,7 @@ __all__ = [
     "UpdateResult",
     "assemble",
     "mac",
+    "mistune",
     "modes",
     "pair",
     "reduce",

@@ -4,6 +4,7 @@ import click
 
 from casingfem.cli.contact import contact, rub
 from casingfem.cli.doctor import doctor
+from casingfem.cli.mistune import mistune
 from casingfem.cli.study import modes, reduce, report, schema, update
 
 __all__ = ["main"]
@@ -22,5 +23,5 @@ def main() -> None:
     """
 
 
-for command in (modes, update, reduce, contact, rub, report, schema, doctor):
+for command in (modes, mistune, update, reduce, contact, rub, report, schema, doctor):
     main.add_command(command)

@@ -171,6 +171,24 @@ def redrawn(field: Field, draw: int) -> Field:
     return field
 
 
+def drop_random(field: Field) -> Field | None:
+    """What of a field is not random; None if nothing is left."""
+    if not isinstance(field, SumField):
+        return None if isinstance(field, RandomField) else field
+    kept = tuple(term for term in field.fields if not isinstance(term, RandomField))
+    return kept[0] if len(kept) == 1 else SumField(kept) if kept else None
+
+
+def typical(field: Field) -> Field:
+    """The field with its random parts at the median amplitudes: what a mesh is chosen for, the same for all draws."""
+    if isinstance(field, RandomField):
+        median = field.spectrum.median[:, None]
+        return FourierField(p=field.spectrum.p, cos=median, sin=0.0 * median)
+    if isinstance(field, SumField):
+        return SumField(tuple(map(typical, field.fields)))
+    return field
+
+
 def is_random(field: Field) -> bool:
     """Whether any part of a field is random."""
     return isinstance(field, RandomField) or (isinstance(field, SumField) and any(map(is_random, field.fields)))

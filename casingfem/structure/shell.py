@@ -17,6 +17,7 @@ from casingfem.structure.edge_form import Sprung
 from casingfem.structure.field import Field, relative
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.random_field import typical
 from casingfem.structure.strip import Strip, breaks_between, check_strips, spread
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
 
@@ -104,11 +105,11 @@ def field_samples(defect: Field) -> int:
 
 
 def harmonic_amplitudes(shell: "Shell", defect: Field) -> Array:
-    """Largest amplitude of each circumferential harmonic 1, 2, ... of a field over five heights, unscaled."""
+    """Largest amplitude of each harmonic 1, 2, ... around of a field over five heights; random parts are typical."""
     (a0, a1), _ = shell.chart.bounds
     points = field_samples(defect)
     theta = 2.0 * np.pi * np.arange(points) / points
-    values = np.real(defect.derivatives(np.linspace(a0, a1, 5)[:, None], theta[None, :]).value)
+    values = np.real(typical(defect).derivatives(np.linspace(a0, a1, 5)[:, None], theta[None, :]).value)
     return np.asarray(np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1 : points // 2])
 
 

@@ -1,0 +1,192 @@
+"""Random mistuning: how far imperfections split the pairs of a casing, over many draws of its random fields."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from casingfem.arrays import FloatArray, IntArray, frozen
+from casingfem.modal.eigen import EigenError
+from casingfem.modal.mode_set import Modes
+from casingfem.modal.modes import modes
+from casingfem.modal.warm_start import guarded, restarted_modes
+from casingfem.structure.random_field import drop_random, is_random, redrawn
+from casingfem.structure.shell import Shell
+
+LEVELS = (0.5, 0.9, 0.99)
+
+
+class Pair(NamedTuple):
+    """One doublet of one draw: mean frequency [Hz], relative split, orientation of the lower member [deg]."""
+
+    draw: int
+    n: int
+    m: int
+    freq_hz: float
+    split_rel: float
+    angle_deg: float
+
+
+def redrawn_shell(shell: Shell, draw: int) -> Shell:
+    """The shell with its random fields drawn anew, on the same mesh.
+
+    Raises
+    ------
+    ValueError
+        If it has none.
+    """
+    random = {quantity: field for quantity, field in shell.defects.items() if is_random(field)}
+    if not random:
+        raise ValueError(
+            "nothing of this shell is random: give it a RandomField, in study.toml [[imperfection]] random"
+        )
+    fields: dict[str, Any] = {f"{quantity}_defect": redrawn(field, draw) for quantity, field in random.items()}
+    return replace(shell, **fields)
+
+
+def mean_shell(shell: Shell) -> Shell:
+    """The shell without the random parts of its fields, on the same mesh; what is not random stays."""
+    fields: dict[str, Any] = {f"{quantity}_defect": drop_random(field) for quantity, field in shell.defects.items()}
+    return replace(shell, **fields)
+
+
+def mean_modes(shell: Shell, count: int) -> Modes:
+    """The modes from which every draw starts."""
+    return modes(mean_shell(shell), guarded(count), method="shell")
+
+
+def pairs_of(found: Modes, draw: int) -> list[Pair]:
+    """The doublets of a set of modes; angles of perfect pairs are nan."""
+    rows = []
+    for (low, high), split in zip(found.doublets, found.splits, strict=True):
+        n, m = int(found.nodal_diameters[low]), int(found.meridional[low])
+        freq = float(0.5 * (found.freq[low] + found.freq[high]))
+        rows.append(Pair(draw, n, m, freq, float(split), float(found.angle_deg[low])))
+    return rows
+
+
+def drawn_modes(shell: Shell, mean: Modes, count: int, draw: int) -> tuple[Modes, bool]:
+    """Lowest `count` modes of one draw, and whether a restart from the mean shell's modes was enough.
+
+    Where the inertia finds modes that the restart did not, the draw is solved from nothing.
+    """
+    drawn = redrawn_shell(shell, draw)
+    try:
+        return restarted_modes(drawn, mean, count), True
+    except EigenError:
+        return modes(drawn, count, method="shell"), False
+
+
+def restart_error(found: Modes) -> float:
+    """Largest relative difference of the elastic frequencies to those of a solution from nothing."""
+    exact = modes(found.shell, len(found), method="shell").freq
+    return float(np.abs(found.freq[found.rigid :] / exact[found.rigid :] - 1.0).max())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Mistuning:
+    """Doublets over many draws.
+
+    Attributes
+    ----------
+    draw, n, m : (rows,) which draw, nodal diameters and meridional rank
+    freq : (rows,) Hz, mean of the pair
+    split : (rows,) (f_upper - f_lower)/mean
+    angle_deg : (rows,) orientation of the lower member
+    perfect : (n, m) -> frequency [Hz] of the casing without the random fields
+    """
+
+    draw: IntArray
+    n: IntArray
+    m: IntArray
+    freq: FloatArray
+    split: FloatArray
+    angle_deg: FloatArray
+    perfect: dict[tuple[int, int], float]
+
+    @classmethod
+    def of(cls, rows: Iterable[Pair], perfect: Sequence[Pair]) -> "Mistuning":
+        """From the rows of all draws, and those of the mean shell."""
+        columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 6
+        named = zip(("draw", "n", "m", "freq", "split", "angle_deg"), columns, strict=True)
+        arrays = {name: frozen(column) for name, column in named}
+        return cls(**arrays, perfect={(pair.n, pair.m): pair.freq_hz for pair in perfect})
+
+    @property
+    def draws(self) -> int:
+        """Number of draws."""
+        return len(np.unique(self.draw))
+
+    def summary(self) -> list[dict[str, float | int | None]]:
+        """One row for each doublet of the mean shell: quantiles of the split and of the shift of its mean frequency.
+
+        `draws` counts those in which a doublet of this n and m was among the modes computed: fields that mix shapes
+        may rename one, or lift it out of the band. Quantiles are over these.
+        """
+        rows = []
+        for (n, m), freq in sorted(self.perfect.items(), key=lambda item: item[1]):
+            own = (self.n == n) & (self.m == m)
+            row: dict[str, float | int | None] = {"n": n, "m": m, "freq_hz": freq, "draws": int(own.sum())}
+            shift = self.freq[own] / freq - 1.0
+            for name, values, levels in (("split", self.split[own], LEVELS), ("shift", shift, (0.1, 0.5, 0.9))):
+                for level in levels:
+                    row[f"{name}_{round(100 * level)}"] = float(np.quantile(values, level)) if own.any() else None
+            rows.append(row)
+        return rows
+
+    def __repr__(self) -> str:
+        """Table: doublet, its frequency, median, 90 % and 99 % split, median shift, all in per cent."""
+        head = f"{'n':>3} {'m':>2} {'freq [Hz]':>10} {'draws':>6}"
+        lines = [f"{head}{'split 50 %':>11} {'90 %':>8} {'99 %':>8}{'shift 10 %':>11} {'50 %':>8} {'90 %':>8}   [%]"]
+        for row in self.summary():
+            cells = [f"{row['n']:>3} {row['m']:>2} {row['freq_hz']:>10.3f} {row['draws']:>6}"]
+            for name in ("split_50", "split_90", "split_99", "shift_10", "shift_50", "shift_90"):
+                width = 11 if name in ("split_50", "shift_10") else 9
+                cells.append(f"{'-' if row[name] is None else format(100.0 * float(row[name] or 0.0), '.4f'):>{width}}")
+            lines.append("".join(cells))
+        lines.append(f"{self.draws} draws")
+        return "\n".join(lines)
+
+
+def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[int], None] | None = None) -> Mistuning:
+    """Splits and orientations of a shell's pairs over draws 0, 1, ... of its random fields, one after the other.
+
+    Every draw restarts from the modes of the mean shell and is complete by a Sturm count; it depends on its own
+    number alone. `casingfem mistune study.toml` does the same on several cores and can be resumed.
+
+    Raises
+    ------
+    ValueError
+        If nothing of the shell is random, or it is open: no pairs.
+
+    Examples
+    --------
+    >>> from casingfem import Clamped, Cylinder, Material, RandomField, Shell, ShellMesh
+    >>> lab = RandomField.laboratory(thickness=0.01, radius=0.5, seed=7, scale=0.1, p_max=8)
+    >>> tube = Shell(chart=Cylinder(radius=0.5, height=0.3), thickness=0.01, supports={"base": Clamped()},
+    ...              material=Material(E=210e9, nu=0.3, rho=7800.0), radius_defect=lab,
+    ...              mesh=ShellMesh(order=5, rows=1, around=9))
+    >>> mistune(tube, 3, count=8).draws
+    3
+    """
+    require_pairs(shell)
+    mean = mean_modes(shell, count)
+    rows: list[Pair] = []
+    for draw in range(draws):
+        rows += pairs_of(drawn_modes(shell, mean, count, draw)[0], draw)
+        if progress is not None:
+            progress(draw + 1)
+    return Mistuning.of(rows, perfect_pairs(mean, count))
+
+
+def require_pairs(shell: Shell) -> None:
+    """Refuse shells whose modes do not come in pairs, and those on which nothing is random."""
+    if not shell.chart.periodic:
+        raise ValueError("mistuning is about the pairs of closed casings; this chart is open")
+    redrawn_shell(shell, 0)
+
+
+def perfect_pairs(mean: Modes, count: int) -> list[Pair]:
+    """The doublets of the mean shell among its lowest `count` modes."""
+    return [pair for pair, (_, high) in zip(pairs_of(mean, -1), mean.doublets, strict=True) if high < count]

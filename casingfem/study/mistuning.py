@@ -1,0 +1,230 @@
+"""Many draws of a study's random fields on several cores, kept chunk by chunk: a run that was killed goes on.
+
+Each chunk of draws is one JSON file, written under a temporary name and moved into place. A draw depends on its
+number alone, each process has one BLAS thread, and floats are written with all their digits: whatever the number of
+processes, their order, or how often the run was broken off, the tables are the same to the last bit.
+"""
+
+import json
+import math
+import os
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context, parent_process
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+from casingfem.modal.mistuning import (
+    Mistuning,
+    Pair,
+    drawn_modes,
+    mean_modes,
+    pairs_of,
+    perfect_pairs,
+    require_pairs,
+    restart_error,
+)
+from casingfem.modal.mode_set import Modes
+from casingfem.outfiles import json_text, write_atomic
+from casingfem.study.load import Study, load_study
+from casingfem.study.problems import StudyError
+
+CHUNK = 5  # draws a file: what a killed run loses at most, for each process
+CHECKED = 50  # every so many draws one is also solved from nothing, and the difference reported
+ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MistuneRun:
+    """What a run found: the doublets; how far restarts were from solutions from nothing; which draws needed one.
+
+    `errors` is draw -> largest relative difference of a frequency; `resumed` counts the draws that were there already.
+    """
+
+    found: Mistuning
+    errors: dict[int, float]
+    from_nothing: tuple[int, ...]
+    resumed: int
+
+
+def run_mistune(
+    study: Study,
+    draws: int,
+    *,
+    processes: int | None = None,
+    folder: Path | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> MistuneRun:
+    """Doublets of a study's casing over draws 0 to draws - 1 of its random fields.
+
+    Parameters
+    ----------
+    processes
+        Worker processes; by default one for each core.
+    folder
+        Where chunks are kept and looked for; without it nothing is kept.
+    progress
+        Called with the number of draws done.
+
+    Raises
+    ------
+    StudyError
+        If nothing of the study is random, its chart is open, or the folder holds draws of another study.
+    EigenError
+        If the modes of a draw cannot be computed.
+    """
+    try:
+        require_pairs(study.shell)
+    except ValueError as error:
+        raise StudyError([f"{study.path}: imperfection: {error}"]) from error
+    store = None if folder is None else open_store(study, folder)
+    chunks = [range(first, min(first + CHUNK, draws)) for first in range(0, draws, CHUNK)]
+    kept = {} if store is None else {chunk.start: content for chunk in chunks if (content := read(store, chunk))}
+    resumed = sum(len(chunk) for chunk in chunks if chunk.start in kept)
+    missing = [chunk for chunk in chunks if chunk.start not in kept]
+    workers = min(processes or os.cpu_count() or 1, max(len(missing), 1))
+    with one_thread(), pool(study, workers) as executor:
+        perfect = executor.submit(mean_pairs)
+        waiting = {executor.submit(compute_chunk, chunk): chunk for chunk in missing}
+        done = resumed
+        for future in as_completed(waiting):
+            content, chunk = result_of(future, executor), waiting[future]
+            if store is not None:
+                write_atomic(store / chunk_name(chunk), json_text(content))
+            kept[chunk.start] = json.loads(json_text(content))
+            done += len(chunk)
+            if progress is not None:
+                progress(done)
+        rows = [pair_of(row) for chunk in chunks for row in kept[chunk.start]["pairs"]]
+        found = Mistuning.of(rows, perfect.result())
+    errors = {int(draw): error for chunk in chunks for draw, error in kept[chunk.start]["errors"].items()}
+    slow = tuple(draw for chunk in chunks for draw in kept[chunk.start]["from_nothing"])
+    return MistuneRun(found=found, errors=errors, from_nothing=slow, resumed=resumed)
+
+
+def result_of(future: Future[dict[str, Any]], executor: Executor) -> dict[str, Any]:
+    """A chunk's content; where it failed, the rest is called off first."""
+    try:
+        return future.result()
+    except BaseException:
+        executor.shutdown(wait=False, cancel_futures=True)
+        raise
+
+
+def pair_of(row: list[Any]) -> Pair:
+    """A row of a chunk's file; JSON has no word for nan."""
+    return Pair._make(math.nan if cell is None else cell for cell in row)
+
+
+# --- the store ------------------------------------------------------------------------------------------------
+
+
+def open_store(study: Study, folder: Path) -> Path:
+    """The folder of the chunks, marked with what they belong to.
+
+    Raises
+    ------
+    StudyError
+        If it holds draws of another study, or of other versions.
+    """
+    key = json_text({"source": study.source, "count": study.file.modes.count})
+    mark = folder / "study.json"
+    if mark.exists() and mark.read_text(encoding="utf-8") != key:
+        raise StudyError([f"{study.path}: {folder} holds draws of another study or version: give another --out DIR"])
+    write_atomic(mark, key)
+    return folder
+
+
+def chunk_name(chunk: range) -> str:
+    """The file of a chunk.
+
+    >>> chunk_name(range(5, 10))
+    'draws_000005_000009.json'
+    """
+    return f"draws_{chunk.start:06d}_{chunk.stop - 1:06d}.json"
+
+
+def read(store: Path, chunk: range) -> dict[str, Any] | None:
+    """A chunk's content, None where it is not there."""
+    try:
+        content: dict[str, Any] = json.loads((store / chunk_name(chunk)).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    return content
+
+
+# --- in the worker processes ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bench:
+    """What a worker keeps from chunk to chunk."""
+
+    study: Study
+    mean: Modes
+
+
+_bench: list[Bench] = []  # of this process, filled once by `set_up`
+
+
+def set_up(path: str, digest: str) -> None:
+    """Load the study and solve its mean shell; end with the parent, even if it was killed."""
+    parent = parent_process()
+    if parent is not None:
+        threading.Thread(target=end_with, args=(parent,), daemon=True).start()
+    study = load_study(path)
+    if study.source["sha256"] != digest:
+        raise RuntimeError(f"{path} changed while its draws were computed")
+    _bench.append(Bench(study, mean_modes(study.shell, study.file.modes.count)))
+
+
+def end_with(parent: BaseProcess) -> None:
+    """Wait for the parent's end, then end: what kill -9 leaves behind would wait for work for ever."""
+    parent.join()
+    os._exit(1)
+
+
+def mean_pairs() -> list[Pair]:
+    """The doublets of the mean shell."""
+    bench = _bench[-1]
+    return perfect_pairs(bench.mean, bench.study.file.modes.count)
+
+
+def compute_chunk(chunk: range) -> dict[str, Any]:
+    """The doublets of some draws, the errors of those also solved from nothing, and those that had to be."""
+    bench = _bench[-1]
+    shell, count = bench.study.shell, bench.study.file.modes.count
+    content: dict[str, Any] = {"pairs": [], "errors": {}, "from_nothing": []}
+    for draw in chunk:
+        found, restarted = drawn_modes(shell, bench.mean, count, draw)
+        content["pairs"] += pairs_of(found, draw)
+        if not restarted:
+            content["from_nothing"].append(draw)
+        elif draw % CHECKED == 0:
+            content["errors"][str(draw)] = restart_error(found)
+    return content
+
+
+def pool(study: Study, workers: int) -> ProcessPoolExecutor:
+    """Fresh processes that have set up the study."""
+    arguments = (str(study.path), study.source["sha256"])
+    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=set_up, initargs=arguments)
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Processes started inside have one BLAS thread each."""
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
