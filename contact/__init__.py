@@ -27,12 +27,19 @@ from contact.scene import SceneError, load_scene, scene_schema
 from contact.scheme.cd_lagrange import CDLagrange
 from contact.scheme.central_difference import CentralDifference
 from contact.scheme.exact_modal import ExactModal
+from contact.scheme.hht import HHT
+from contact.scheme.massless_boundary import MasslessBoundary
+from contact.scheme.moreau_jean import MoreauJean
+from contact.scheme.newmark import Newmark
+from contact.scheme.nonsmooth_alpha import NonsmoothAlpha
 from contact.scheme.paoli_schatzman import PaoliSchatzman
 from contact.scheme.penalty import PenaltyDifference
+from contact.scheme.stabilised_newmark import StabilisedNewmark
 
 __all__ = [
-    "AugmentedLagrangian", "CDLagrange", "CentralDifference", "Coulomb", "EnergyBudget", "ExactModal", "Forcing",
-    "InputError", "LimitError", "LinearBody", "ModalBody", "NumericsError", "PaoliSchatzman", "Part", "Penalty",
-    "PenaltyDifference", "PointGap", "PointMass", "Record", "Result", "Rod", "RotatingRim", "Scene", "SceneError",
-    "Side", "Unilateral", "Wall", "load_scene", "rod_modes", "run", "scene_schema",
+    "HHT", "AugmentedLagrangian", "CDLagrange", "CentralDifference", "Coulomb", "EnergyBudget", "ExactModal", "Forcing",
+    "InputError", "LimitError", "LinearBody", "MasslessBoundary", "ModalBody", "MoreauJean", "Newmark",
+    "NonsmoothAlpha", "NumericsError", "PaoliSchatzman", "Part", "Penalty", "PenaltyDifference", "PointGap",
+    "PointMass", "Record", "Result", "Rod", "RotatingRim", "Scene", "SceneError", "Side", "StabilisedNewmark",
+    "Unilateral", "Wall", "load_scene", "rod_modes", "run", "scene_schema",
 ]  # fmt: skip

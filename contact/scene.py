@@ -13,17 +13,14 @@ from contact.errors import InputError
 from contact.model.body import Body, PointMass, Rod, Wall
 from contact.model.chain import assemble
 from contact.model.gap import RotatingRim
-from contact.model.law import Coulomb, Law, Penalty, Unilateral
+from contact.model.law import Coulomb, Unilateral
 from contact.model.modal_body import ModalBody
 from contact.record import Record
 from contact.run import Scene
-from contact.scheme.central_difference import CentralDifference
 from contact.scheme.exact_modal import ExactModal
-from contact.scheme.penalty import PenaltyDifference
-from contact.scheme.protocol import Scheme
 
 if TYPE_CHECKING:
-    from contact.scene_tables import RecordTable, RimFile, RodsFile, SchemeTable
+    from contact.scene_tables import RecordTable, RimFile, RodsFile
 
 Built = TypeVar("Built")
 
@@ -82,8 +79,6 @@ def _validated(data: dict[str, Any], file: Path) -> RodsFile | RimFile:
 
 def _problem(file: Path, detail: Any) -> str:
     """Write one pydantic error as file: key: found, expected."""
-    from contact.scene_tables import LATER
-
     key = ""
     for part in detail["loc"]:
         key += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if key else str(part)
@@ -95,8 +90,6 @@ def _problem(file: Path, detail: Any) -> str:
     if isinstance(detail["input"], dict):
         return f"{file}: {key}: {message}"
     expected = message.removeprefix("Input should be ")
-    if key == "scheme.kind" and detail["input"] in LATER:
-        expected += f" ({detail['input']!r} is planned: this version does not have it)"
     return f"{file}: {key}: found {detail['input']!r}, expected {expected}"
 
 
@@ -108,23 +101,15 @@ def _rods(table: RodsFile, file: Path, text: bytes) -> Scene:
     ]
     problems: list[str] = []
     _tried(lambda: assemble(bodies, gravity=table.scene.gravity), file, problems)
-    if problems:
+    method = _tried(table.scheme.method, file, problems, "scheme")
+    if method is None or problems:
         raise SceneError(problems)
-    law, scheme = _method(table.scheme)
+    law, scheme = method
     return Scene(
         what=bodies, law=law, scheme=scheme, t_end=table.scene.t_end, dt=table.scheme.dt,
         courant=table.scheme.courant, gravity=table.scene.gravity, record=_record(table.record),
         source=_source(file, text),
     )  # fmt: skip
-
-
-def _method(table: SchemeTable) -> tuple[Law, Scheme]:
-    if table.kind == "penalty":
-        assert table.stiffness is not None
-        return Penalty(stiffness=table.stiffness), PenaltyDifference()
-    if table.kind == "exact-modal":
-        return Unilateral(), ExactModal(law=table.law or "auto", modes=table.modes or 50)
-    return Unilateral(), CentralDifference()
 
 
 def _record(table: RecordTable | None) -> Record | None:

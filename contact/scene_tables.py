@@ -4,19 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, model_validator
+from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
 
 from contact.record import Record
-
-Positive = Annotated[FiniteFloat, Field(gt=0)]
-NotNegative = Annotated[FiniteFloat, Field(ge=0)]
-LATER = ("newmark", "hht", "moreau-jean", "cd-lagrange", "massless-boundary")  # scheme kinds of later versions
-
-
-class Table(BaseModel):
-    """A table of the file: unknown keys are errors."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
+from contact.scene_scheme import NotNegative, Positive, SchemeTable, Table
 
 
 class RodTable(Table):
@@ -31,6 +22,7 @@ class RodTable(Table):
     velocity: FiniteFloat = 0.0
     fixed: Literal["none", "left", "right"] = "none"
     end_mass: NotNegative = 0.0
+    damping: NotNegative = 0.0
 
 
 class MassTable(Table):
@@ -39,6 +31,11 @@ class MassTable(Table):
     mass: Positive
     x: FiniteFloat = 0.0
     velocity: FiniteFloat = 0.0
+    stiffness: NotNegative = 0.0
+    anchor: FiniteFloat | None = None
+    damping: NotNegative = 0.0
+    force: FiniteFloat = 0.0
+    force_hz: NotNegative = 0.0
 
 
 class WallTable(Table):
@@ -53,29 +50,6 @@ class RodsHead(Table):
     kind: Literal["rods"]
     t_end: Positive
     gravity: FiniteFloat = 0.0
-
-
-class SchemeTable(Table):
-    """[scheme]: kind and step; `stiffness` for penalty, `modes` and `law` for exact-modal."""
-
-    kind: Literal["forward-lagrange", "penalty", "exact-modal"]
-    courant: Positive | None = None
-    dt: Positive | None = None
-    stiffness: Positive | None = None
-    modes: Annotated[int, Field(ge=1)] | None = None
-    law: Literal["auto", "forward", "averaged", "energy"] | None = None
-
-    @model_validator(mode="after")
-    def _fits(self) -> SchemeTable:
-        if self.courant is not None and self.dt is not None:
-            raise ValueError("courant and dt both given, expected one of them")
-        if self.courant is None and self.dt is None and self.kind != "exact-modal":
-            raise ValueError("neither courant nor dt given, expected one of them")
-        if (self.stiffness is not None) != (self.kind == "penalty"):
-            raise ValueError("stiffness [N/m] belongs to kind = 'penalty', which needs it")
-        if self.kind != "exact-modal" and (self.modes is not None or self.law is not None):
-            raise ValueError(f"modes and law belong to kind = 'exact-modal', not to {self.kind!r}")
-        return self
 
 
 class RecordTable(Table):
@@ -98,9 +72,9 @@ class RodsFile(Table):
     """A scene of rods, masses and walls on one axis."""
 
     scene: RodsHead
-    rod: list[RodTable] = []
-    mass: list[MassTable] = []
-    wall: Annotated[list[WallTable], BeforeValidator(_listed)] = []
+    rod: list[RodTable] = Field(default_factory=list)
+    mass: list[MassTable] = Field(default_factory=list)
+    wall: Annotated[list[WallTable], BeforeValidator(_listed)] = Field(default_factory=list)
     scheme: SchemeTable
     record: RecordTable | None = None
 
@@ -138,7 +112,7 @@ class RimContact(Table):
 
     clearance: FiniteFloat
     friction: NotNegative = 0.0
-    out_of_roundness: list[Waviness] = []
+    out_of_roundness: list[Waviness] = Field(default_factory=list)
     angle_deg: FiniteFloat = 0.0
 
 

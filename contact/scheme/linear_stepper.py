@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 Loop = Callable[["Parts", "State", Tally, Samples, Array, float, int, int], int]
 
 
+FAINT = 1e-40  # of the largest response to a contact force: below, it is zero
+
+
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class LinearStepper:
     """M u'' + C u' + K u = f + Q^T force by one scheme; `leapfrog`: energies are read at half steps."""
@@ -173,6 +176,7 @@ def parts_of(system: LinearSystem, A: Band, opening: float, *, factored: Factor 
     factored = factored or factor(A, "M + h C + h^2 K")
     Q = system.rows()
     response = opening * solve(factored, Q.T.copy()).T
+    response[np.abs(response) < FAINT * np.abs(response).max(initial=0.0)] = 0.0
     return Parts(
         M=system.M, C=system.C, K=system.K, damped=system.damped, A=factored, load=system.load,
         shapes=system.shapes, columns=system.columns, value=system.value, gap0=system.gap0,

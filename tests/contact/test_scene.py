@@ -109,8 +109,12 @@ def test_every_problem_is_reported_at_once(tmp_path):
         ("courant = 0.9", "courant = 0.9\ndt = 0.1", "courant and dt both given"),
         ("courant = 0.9", "", "neither courant nor dt given"),
         ('"forward-lagrange"', '"penalty"', "stiffness [N/m] belongs to kind = 'penalty'"),
-        ('"forward-lagrange"', '"newmark"', "scheme.kind: found 'newmark', expected"),
-        ("courant = 0.9", "courant = 0.9\nmodes = 5", "modes and law belong to kind = 'exact-modal'"),
+        ('"forward-lagrange"', '"magic"', "scheme.kind: found 'magic', expected"),
+        ('"forward-lagrange"', '"newmark"\nbeta = 3.0', "scheme: beta: found 3.0, expected at most 1"),
+        ('"forward-lagrange"', '"newmark"\nlaw = "energy"', "law 'energy' found with kind = 'newmark'"),
+        ('"forward-lagrange"', '"hht"\nrestitution = 0.5', "restitution found with kind = 'hht', which takes"),
+        ('"forward-lagrange"', '"cd-lagrange"\nrestitution = 1.5', "scheme.restitution: found 1.5, expected"),
+        ("courant = 0.9", "courant = 0.9\nmodes = 5", "modes found with kind = 'forward-lagrange', which takes"),
         ('[scheme]\nkind = "forward-lagrange"\ncourant = 0.9', "", "scheme: missing"),
         ("[wall]\nx = -0.1", "", "expected at least two"),
         ("[scene]", "[scene", "not TOML"),
@@ -121,15 +125,33 @@ def test_broken_rod_scenes(tmp_path, old, new, words):
     assert words in "\n".join(problems(tmp_path, RODS.replace(old, new)))
 
 
-@pytest.mark.parametrize("kind", ["newmark", "hht", "moreau-jean", "cd-lagrange", "massless-boundary"])
-def test_schemes_of_later_versions(tmp_path, kind):
-    found = problems(tmp_path, RODS.replace("forward-lagrange", kind))[0]
-    assert f"scheme.kind: found '{kind}', expected 'forward-lagrange', 'penalty' or 'exact-modal'" in found
-    assert "this version does not have it" in found
+KEYS = {
+    "newmark": "beta = 0.5\ngamma = 0.55", "hht": "alpha = -0.2", "moreau-jean": "theta = 0.6\nrestitution = 0.5",
+    "cd-lagrange": "restitution = 0.5", "paoli-schatzman": "restitution = 0.5", "massless-boundary": "",
+    "stabilised-newmark": "", "nonsmooth-alpha": "rho_inf = 0.9\nrestitution = 0.5",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", KEYS)
+def test_every_scheme_has_its_kind_and_keys(tmp_path, kind):
+    (tmp_path / "scene.toml").write_text(RODS.replace('"forward-lagrange"', f'"{kind}"\n{KEYS[kind]}'))
+    scene = ct.load_scene(tmp_path / "scene.toml")
+    for line in KEYS[kind].splitlines():
+        name, value = line.split(" = ")
+        assert getattr(scene.scheme, name) == float(value)
+    assert ct.run(scene).impulse[0] > 0.5
     found = "\n".join(problems(tmp_path, RIM.replace("exact-modal", kind)))
     assert f"scheme.kind: found '{kind}', expected 'exact-modal'" in found
-    assert "this version does not have it" in found
-    assert "this version" not in problems(tmp_path, RODS.replace("forward-lagrange", "magic"))[0]
+
+
+@pytest.mark.parametrize("law", ["penalty", "augmented-lagrangian"])
+def test_laws_of_implicit_schemes(tmp_path, law):
+    (tmp_path / "scene.toml").write_text(
+        RODS.replace('"forward-lagrange"', f'"newmark"\nlaw = "{law}"\nstiffness = 9.0')
+    )
+    scene = ct.load_scene(tmp_path / "scene.toml")
+    assert type(scene.law) is {"penalty": ct.Penalty, "augmented-lagrangian": ct.AugmentedLagrangian}[law]
+    assert scene.law.stiffness == 9.0
 
 
 def test_record_table(tmp_path):

@@ -1,0 +1,108 @@
+"""[scheme] of a scene of rods: its keys, and the law and scheme they mean."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
+
+from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
+from contact.scheme.cd_lagrange import CDLagrange
+from contact.scheme.central_difference import CentralDifference
+from contact.scheme.exact_modal import ExactModal
+from contact.scheme.hht import HHT
+from contact.scheme.massless_boundary import MasslessBoundary
+from contact.scheme.moreau_jean import MoreauJean
+from contact.scheme.newmark import Newmark
+from contact.scheme.nonsmooth_alpha import NonsmoothAlpha
+from contact.scheme.paoli_schatzman import PaoliSchatzman
+from contact.scheme.penalty import PenaltyDifference
+from contact.scheme.protocol import Scheme
+from contact.scheme.stabilised_newmark import StabilisedNewmark
+
+Positive = Annotated[FiniteFloat, Field(gt=0)]
+NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+Unit = Annotated[FiniteFloat, Field(ge=0, le=1)]
+Kind = Literal[
+    "forward-lagrange", "penalty", "newmark", "hht", "moreau-jean", "cd-lagrange", "paoli-schatzman",
+    "massless-boundary", "stabilised-newmark", "nonsmooth-alpha", "exact-modal",
+]  # fmt: skip
+ModalLaw = Literal["auto", "forward", "averaged", "energy"]
+ContactLaw = Literal["lagrange", "penalty", "augmented-lagrangian"]
+
+SCHEMES: dict[str, tuple[type[Scheme], tuple[str, ...]]] = {
+    "forward-lagrange": (CentralDifference, ()),
+    "penalty": (PenaltyDifference, ()),
+    "newmark": (Newmark, ("beta", "gamma")),
+    "hht": (HHT, ("alpha",)),
+    "moreau-jean": (MoreauJean, ("theta", "restitution")),
+    "cd-lagrange": (CDLagrange, ("restitution",)),
+    "paoli-schatzman": (PaoliSchatzman, ("restitution",)),
+    "massless-boundary": (MasslessBoundary, ()),
+    "stabilised-newmark": (StabilisedNewmark, ()),
+    "nonsmooth-alpha": (NonsmoothAlpha, ("rho_inf", "restitution")),
+    "exact-modal": (ExactModal, ("law", "modes")),
+}
+OF_LAWS = {
+    "newmark": ("law", "stiffness", "updates"),
+    "hht": ("law", "stiffness", "updates"),
+    "penalty": ("stiffness",),
+}
+
+
+class Table(BaseModel):
+    """A table of the file: unknown keys are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class SchemeTable(Table):
+    """[scheme]: kind and step; each kind has keys of its own, named in `SCHEMES` and `OF_LAWS`."""
+
+    kind: Kind
+    courant: Positive | None = None
+    dt: Positive | None = None
+    stiffness: Positive | None = None
+    updates: Annotated[int, Field(ge=1)] | None = None
+    modes: Annotated[int, Field(ge=1)] | None = None
+    law: ModalLaw | ContactLaw | None = None
+    beta: Positive | None = None
+    gamma: Positive | None = None
+    alpha: FiniteFloat | None = None
+    theta: Unit | None = None
+    rho_inf: Unit | None = None
+    restitution: Unit | None = None
+
+    @model_validator(mode="after")
+    def _fits(self) -> SchemeTable:
+        if self.courant is not None and self.dt is not None:
+            raise ValueError("courant and dt both given, expected one of them")
+        if self.courant is None and self.dt is None and self.kind != "exact-modal":
+            raise ValueError("neither courant nor dt given, expected one of them")
+        allowed = ("kind", "courant", "dt", *SCHEMES[self.kind][1], *OF_LAWS.get(self.kind, ()))
+        for key in self.model_fields_set:
+            if key not in allowed:
+                raise ValueError(f"{key} found with kind = {self.kind!r}, which takes {', '.join(allowed[1:])}")
+        laws = get_args(ModalLaw if self.kind == "exact-modal" else ContactLaw)
+        if self.law is not None and self.law not in laws:
+            raise ValueError(f"law {self.law!r} found with kind = {self.kind!r}, expected {', '.join(laws)}")
+        soft = self.kind == "penalty" or self.law in ("penalty", "augmented-lagrangian")
+        if soft != (self.stiffness is not None):
+            raise ValueError(
+                "stiffness [N/m] belongs to kind = 'penalty', and to law = 'penalty' or 'augmented-lagrangian', which "
+                "need it"
+            )
+        return self
+
+    def method(self) -> tuple[Law, Scheme]:
+        """Law and scheme; raises InputError for values the scheme refuses."""
+        kind, names = SCHEMES[self.kind]
+        given = {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+        return self._contact_law(), kind(**given)
+
+    def _contact_law(self) -> Law:
+        if self.stiffness is None:
+            return Unilateral()
+        if self.law == "augmented-lagrangian":
+            return AugmentedLagrangian(stiffness=self.stiffness, updates=self.updates or 50)
+        return Penalty(stiffness=self.stiffness)

@@ -1,0 +1,170 @@
+"""Massless boundary: the mass of the contact coordinates is moved inwards, so that an impact has no first spike.
+
+The coordinates of each contact give their mass (and dashpot) to those they are sprung to; leapfrog for these, statics
+with contact for the massless ones (Khenous, Laborde, Renard, Eur. J. Mech. A/Solids 27, 2008, 918; explicit: Chouly,
+Renard, Adv. Model. Simul. Eng. Sci. 5, 2018, 31). dt omega_max <= 2, taken with every contact closed; order 2 in smooth
+motion; no penetration; total mass is kept, its centre moves by less than an element. The semi-discrete problem keeps
+its energy through impacts; the steps lose or gain what `lost_in_contact` shows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.errors import InputError
+from contact.model.arrays import Array, Indices
+from contact.model.band import Band, combine, diagonal
+from contact.model.law import Law, Unilateral
+from contact.model.linear_system import LinearSystem, omega_max
+from contact.record import Samples, Tally
+from contact.scheme.linear_stepper import (
+    LinearStepper,
+    linear_step,
+    linear_stepper,
+    parts_of,
+    product,
+    require_law,
+    require_linear,
+    require_stable,
+    start,
+)
+from contact.scheme.protocol import Problem
+
+if TYPE_CHECKING:
+    from contact.scheme.loop_linear import Parts, State
+    from contact.scheme.loop_massless import Massless
+    from contact.solver.complementarity import LawNumbers
+
+
+@dataclass(frozen=True, slots=True)
+class MasslessBoundary:
+    """Massless contact coordinates + leapfrog (law: Unilateral).
+
+    >>> MasslessBoundary()
+    MasslessBoundary()
+    """
+
+    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
+        """Check law and step; raises InputError where a contact has no elastic side, LimitError."""
+        from contact.scheme.loop_massless import advance_massless
+
+        name = "MasslessBoundary"
+        full, numbers = require_linear(problem, name), require_law(law, name, Unilateral)
+        if full.M.off.shape[0] or full.C.off.shape[0]:
+            raise InputError(f"M, C: found coupled coordinates, expected lumped mass and damping for {name}")
+        h, bare = linear_step(problem, dt, courant), _massless_places(full)
+        system = replace(full, M=_moved(full.M, full.K, bare), C=_moved(full.C, full.K, bare))
+        heavy = np.ones(system.size, dtype=bool)
+        heavy[bare] = False
+        one = np.where(heavy, 0.0, 1.0)
+        solid = replace(system, M=Band(system.M.ground + one, system.M.off))
+        omega = omega_max(solid, free=heavy)
+        label = f"massless boundary, {require_stable(h, omega, 2.0, 'central differences, contact closed')}"
+        A = combine((1.0 / h**2, solid.M), (0.5 / h, system.C))
+        parts = parts_of(solid, A, 1.0)._replace(M=system.M)
+        static = _massless(system, bare)
+        u, v, _ = start(solid)
+        begin = (u, v, np.zeros(u.size))
+
+        def loop(
+            p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int
+        ) -> int:
+            return advance_massless(p, static, s, numbers, sums, out, amplitudes, h, first, steps)
+
+        stepper = linear_stepper(system, parts, loop, h, label, omega=omega, leapfrog=True, begin=begin)
+        _settle_start(stepper, static, numbers)
+        return stepper
+
+
+def _massless_places(system: LinearSystem) -> Indices:
+    """Coordinates of the contacts that lie on springs and carry no mass of their own beyond their neighbours'."""
+    mass, sprung = system.M.ground, diagonal(system.K) - system.K.ground > 0.0
+    neighbours = _neighbour_mass(system)
+    bare = []
+    for k in range(system.gap0.size):
+        columns = system.columns[k][system.value[k] != 0.0]
+        soft = [i for i in columns if sprung[i] and mass[i] <= neighbours[i]]
+        if not soft:
+            raise InputError(
+                f"scheme: contact {k + 1} has no elastic side whose end may lose its mass (point masses and walls have "
+                "none, end masses are real), expected another scheme than MasslessBoundary"
+            )
+        bare += soft
+    return np.unique(np.array(bare, dtype=np.int64))
+
+
+def _neighbour_mass(system: LinearSystem) -> Array:
+    """Largest mass among the coordinates each one is sprung to."""
+    n, found = system.size, np.zeros(system.size)
+    mass = system.M.ground
+    for d in range(1, system.K.off.shape[0] + 1):
+        tied = system.K.off[d - 1, : n - d] != 0.0
+        found[: n - d] = np.where(tied, np.maximum(found[: n - d], mass[d:]), found[: n - d])
+        found[d:] = np.where(tied, np.maximum(found[d:], mass[: n - d]), found[d:])
+    return found
+
+
+def _pull(K: Band, i: int, bare: Indices) -> tuple[Indices, Array]:
+    """Coordinates that i is sprung to, massless ones left out, and the springs' stiffnesses."""
+    n, width = K.ground.size, K.off.shape[0]
+    others = [(i + d, K.off[d - 1, i]) for d in range(1, width + 1) if i + d < n]
+    others += [(i - d, K.off[d - 1, i - d]) for d in range(1, width + 1) if i - d >= 0]
+    kept = [(j, -stiffness) for j, stiffness in others if stiffness != 0.0]
+    return np.array([j for j, _ in kept], dtype=np.int64), np.array([stiffness for _, stiffness in kept])
+
+
+def _moved(A: Band, K: Band, bare: Indices) -> Band:
+    """Diagonal A with the entries of `bare` given to the coordinates they are sprung to, by stiffness."""
+    moved = A.ground.copy()
+    for i in bare:
+        others, springs = _pull(K, int(i), bare)
+        share = np.where(np.isin(others, bare), 0.0, np.abs(springs))
+        if not share.any():
+            raise InputError(
+                "scheme: a contact coordinate is sprung to other contact coordinates only, refine the mesh"
+            )
+        moved[others] += A.ground[i] * share / share.sum()
+        moved[i] -= A.ground[i]
+    moved[bare] = 0.0
+    return Band(moved, A.off, bool(moved.any()))
+
+
+def _massless(system: LinearSystem, bare: Indices) -> Massless:
+    """Rows of K, K_cc^-1 and what contact forces lift."""
+    from contact.scheme.loop_massless import Massless
+
+    lists = [_pull(system.K, int(i), bare) for i in bare]
+    width = max(others.size for others, _ in lists)
+    near, stiff = np.repeat(bare[:, None], width, axis=1), np.zeros((bare.size, width))
+    block = np.diag(diagonal(system.K)[bare])
+    for m, (others, springs) in enumerate(lists):
+        near[m, : others.size], stiff[m, : others.size] = others, -springs
+        for j, spring in zip(others, springs, strict=True):
+            block[m, bare == j] = -spring
+    flex, Q = np.asarray(np.linalg.inv(block), dtype=np.float64), system.rows()[:, bare]
+    return Massless(
+        place=bare, near=near, stiff=stiff, ground=system.K.ground[bare].copy(), flex=flex,
+        lift=np.ascontiguousarray(Q @ flex), S=np.ascontiguousarray(Q @ flex @ Q.T),
+        residual=np.zeros(bare.size), force=np.zeros(Q.shape[0]),
+    )  # fmt: skip
+
+
+def _settle_start(stepper: LinearStepper, static: Massless, law: LawNumbers) -> None:
+    """Bring the massless coordinates to rest at t = 0 and one step before; D of second order."""
+    from contact.scheme.loop_massless import settle
+
+    system, parts, s, h = stepper.system, stepper.parts, stepper.state, stepper.dt
+    load, speed = system.amplitudes(0, 0, h)[0], s.v / h
+    settle(parts, static, s, law, load)
+    now = s.u.copy()
+    net = system.load + load @ system.shapes - product(system.K, now) - product(system.C, speed)
+    mass = system.M.ground
+    a = np.where(mass > 0.0, (net + s.force @ system.rows()) / np.where(mass > 0.0, mass, 1.0), 0.0)
+    s.u[:] = now - h * speed + 0.5 * h * h * a
+    settle(parts, static, s, law, load)
+    s.v[:] = now - s.u
+    s.u[:] = now
+    settle(parts, static, s, law, load)

@@ -1,0 +1,270 @@
+"""Every scheme on linear problems: its ledger, order, limit and impact law; laws, coupled contacts, bad input."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.sparse import csr_array
+
+import contact as ct
+from contact.exact import force_error, two_rods
+from contact.model.chain import assemble
+from contact.model.chain_linear import linear
+
+CARPENTER = {"length": 10.0, "area": 1.0, "E": 30e6, "rho": 7.34e-4}
+LEAPFROG = [ct.CentralDifference(), ct.CDLagrange(), ct.PaoliSchatzman(restitution=0.3), ct.MasslessBoundary()]
+IMPLICIT = [
+    ct.Newmark(), ct.Newmark(beta=0.25, gamma=0.55), ct.Newmark(beta=0.5, gamma=0.55), ct.HHT(alpha=-0.3),
+    ct.MoreauJean(), ct.MoreauJean(theta=0.7, restitution=0.5), ct.StabilisedNewmark(),
+    ct.NonsmoothAlpha(rho_inf=0.6), ct.NonsmoothAlpha(rho_inf=1.0, restitution=0.5),
+]  # fmt: skip
+SCHEMES = [*LEAPFROG, *IMPLICIT]
+GOOD = [
+    ct.CentralDifference(), ct.CDLagrange(), ct.PaoliSchatzman(), ct.MasslessBoundary(), ct.MoreauJean(),
+    ct.StabilisedNewmark(), ct.NonsmoothAlpha(), ct.HHT(alpha=-0.3), ct.Newmark(beta=0.5, gamma=0.55),
+]  # fmt: skip
+
+
+def pair(elements=40):
+    left = ct.Rod(**CARPENTER, elements=elements, x=-10.01, velocity=202.2)
+    return [left, ct.Rod(**CARPENTER, elements=elements)]
+
+
+def frame(**options):
+    """Three coupled, damped, driven coordinates between two stops, lumped masses."""
+    K = np.array([[30.0, -10.0, 0.0], [-10.0, 30.0, -20.0], [0.0, -20.0, 20.0]])
+    given = {
+        "M": np.array([1.0, 2.0, 0.5]), "K": K, "C": np.diag([0.3, 0.0, 0.1]), "load": np.array([0.0, -1.0, 0.5]),
+        "Q": np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]), "gap0": np.array([0.05, 0.1]),
+        "velocity": np.array([1.0, 0.0, 2.0]),
+        "forcing": (ct.Forcing(shape=np.array([0.0, 3.0, 0.0]), amplitude=lambda t: np.sin(4.0 * t)),),
+    }  # fmt: skip
+    return ct.LinearBody(**(given | options))
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
+def test_the_ledger_closes_with_damping_loads_and_impacts(scheme):
+    result = ct.run(frame(), scheme=scheme, t_end=20.0, dt=0.01)
+    energy = result.energy
+    assert result.contact_steps.min() > 10
+    assert abs(energy.external) > 0.1
+    assert energy.damping < -0.1
+    assert abs(energy.unaccounted) <= 1e-12 * energy.scale
+    assert result.residual.max() <= 1e-12
+
+
+@pytest.mark.parametrize("scheme", GOOD, ids=str)
+def test_two_rods_by_every_good_scheme(scheme):
+    result = ct.run(pair(100), scheme=scheme, t_end=2.5e-4, courant=0.5)
+    exact = two_rods(ct.Rod(**CARPENTER), gap=0.01, velocity=202.2)
+    momentum = sum(motion.momentum for motion in result.motions)
+    assert momentum == pytest.approx(7.34e-3 * 202.2, rel=1e-12)
+    assert force_error(result.time, result.force[:, 0], result.dt, exact) <= (
+        0.1 if isinstance(scheme, ct.Newmark | ct.HHT) else 0.018
+    )
+    assert result.impulse[0] == pytest.approx(exact.impulse, rel=0.025)
+    assert result.intervals[0][0][0] == pytest.approx(exact.intervals[0, 0], rel=0.03)
+    assert result.intervals[0][-1][1] == pytest.approx(exact.intervals[0, 1], rel=0.03)
+    assert abs(result.energy.unaccounted) <= 1e-10 * result.energy.start.total
+    gained = result.energy.end.total / result.energy.start.total - 1.0
+    assert gained <= (1e-5 if isinstance(scheme, ct.MasslessBoundary) else 0.0)
+
+
+FREE = {"C": None, "gap0": np.array([50.0, 50.0]), "forcing": ()}
+
+
+def smooth(scheme, dt):
+    """Displacement at t = 1 of the undamped frame, out of reach of its stops."""
+    result = ct.run(frame(**FREE), scheme=scheme, t_end=1.0 + 2 * dt, dt=dt, record=ct.Record(state_every=1))
+    return result.state[round(1.0 / dt)]
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
+def test_order_in_smooth_motion(scheme):
+    first = isinstance(scheme, ct.Newmark) and scheme.gamma > 0.5
+    first = first or (isinstance(scheme, ct.MoreauJean) and scheme.theta > 0.5)
+    body, A = frame(**FREE), np.zeros((7, 7))
+    A[:3, 3:6] = np.eye(3)
+    A[3:6, :3], A[3:6, 6] = -body.K / body.M.diagonal()[:, None], body.load / body.M.diagonal()
+    exact = (expm(A) @ np.concatenate([np.zeros(3), body.velocity, [1.0]]))[:3]
+    if isinstance(scheme, ct.MasslessBoundary):  # it moves the masses: another frame
+        exact = smooth(scheme, 1.0 / 8192)
+    errors = [np.abs(smooth(scheme, dt) - exact).max() for dt in (1.0 / 256, 1.0 / 512, 1.0 / 1024)]
+    slopes = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert slopes == pytest.approx(1.0 if first else 2.0, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    "scheme", [ct.Newmark(), ct.MoreauJean(), ct.StabilisedNewmark(), ct.NonsmoothAlpha(rho_inf=1.0)], ids=str
+)
+def test_energy_is_kept_between_impacts(scheme):
+    result = ct.run(frame(**FREE), scheme=scheme, t_end=50.0, dt=0.05)
+    assert abs(result.energy.numerical) <= 1e-12 * result.energy.scale
+    assert result.energy.end.total == pytest.approx(result.energy.start.total, rel=1e-12)
+
+
+def test_moreau_jean_keeps_the_energy_through_elastic_impacts():
+    result = ct.run(frame(C=None, forcing=()), scheme=ct.MoreauJean(restitution=1.0), t_end=50.0, dt=0.01)
+    assert min(len(intervals) for intervals in result.intervals) > 20
+    assert result.energy.end.total == pytest.approx(result.energy.start.total, rel=1e-11)
+
+
+@pytest.mark.parametrize(
+    "scheme",
+    [ct.MoreauJean(restitution=0.8), ct.CDLagrange(restitution=0.8), ct.PaoliSchatzman(restitution=0.8),
+     ct.NonsmoothAlpha(restitution=0.8)],
+    ids=str,
+)  # fmt: skip
+def test_bouncing_ball(scheme):
+    """B3: t1 = .451524 s, leaves at 3.543558 m/s, at rest from 4.063713 s, then carries its weight."""
+    ball = [ct.PointMass(mass=2.0, x=1.0), ct.Wall(x=0.0)]
+    first = ct.run(ball, scheme=scheme, t_end=0.6, dt=1e-4, gravity=9.81)
+    assert first.intervals[0][0][0] == pytest.approx(0.451524, abs=2e-4)
+    assert first.impulse[0] == pytest.approx(2.0 * (4.429447 + 3.543558), rel=1e-3)
+    whole = ct.run(ball, scheme=scheme, t_end=6.0, dt=1e-4, gravity=9.81)
+    rest = whole.time > 5.0
+    assert whole.force[rest, 0].mean() == pytest.approx(2.0 * 9.81, rel=1e-3)
+    assert np.abs(whole.gap[rest, 0]).max() <= 1e-3
+    assert abs(whole.energy.unaccounted) <= 1e-10 * whole.energy.scale
+
+
+@pytest.mark.parametrize("courant", [0.05, 0.1, 0.2, 0.5, 0.7, 0.9])
+def test_massless_boundary_has_no_first_spike(courant):
+    result = ct.run(pair(100), scheme=ct.MasslessBoundary(), t_end=2e-4, courant=courant)
+    assert result.peak_force[0] <= 1.35 * 15002.0
+    assert abs(result.energy.end.total / result.energy.start.total - 1.0) <= 1e-3
+
+
+def test_augmented_lagrangian_gives_the_multiplier():
+    rigid = ct.run(pair(), scheme=ct.HHT(alpha=-0.3), t_end=2e-4, courant=0.5)
+    law = ct.AugmentedLagrangian(stiffness=1e8, updates=200, tolerance=1e-13)
+    soft = ct.run(pair(), scheme=ct.HHT(alpha=-0.3), law=law, t_end=2e-4, courant=0.5)
+    penalty = ct.run(pair(), scheme=ct.HHT(alpha=-0.3), law=ct.Penalty(stiffness=1e8), t_end=2e-4, courant=0.5)
+    assert np.abs(soft.force - rigid.force).max() <= 1e-6 * rigid.force.max()
+    assert soft.max_penetration[0] <= 1e-13
+    assert penalty.max_penetration[0] >= 1e-5
+    assert abs(penalty.energy.unaccounted) <= 1e-12 * penalty.energy.scale
+
+
+def brute(W, g):
+    """All solutions of the complementarity problem, by trying every set of closed contacts."""
+    for closed in product([False, True], repeat=g.size):
+        c = np.flatnonzero(closed)
+        lam = np.zeros(g.size)
+        lam[c] = np.linalg.solve(W[np.ix_(c, c)], -g[c])
+        if lam.min(initial=0.0) >= -1e-12 and (W @ lam + g).min() >= -1e-12:
+            return lam
+    raise AssertionError("no solution")
+
+
+def solved(W, g):
+    from contact.solver.complementarity import LawNumbers, contact_forces
+
+    n = g.size
+    lam = np.zeros(n)
+    assert contact_forces(W, LawNumbers(0.0, 0, 0.0), g, lam, np.zeros(n), np.zeros((n, n)), np.zeros(n))
+    return lam
+
+
+def test_coupled_contacts_against_all_combinations():
+    rng = np.random.default_rng(20240611)
+    for _ in range(200):
+        n = int(rng.integers(2, 6))
+        Q = rng.normal(size=(n, 8))
+        g = rng.normal(size=n)
+        assert solved(Q @ Q.T, g) == pytest.approx(brute(Q @ Q.T, g), abs=1e-8)
+
+
+def test_repeated_contact_rows_share_their_force():
+    Q = np.array([[0.0, 0.0, -1.0]])
+    once = ct.run(frame(Q=Q, gap0=[0.05]), scheme=ct.CentralDifference(), t_end=5.0, dt=0.01)
+    twice = ct.run(frame(Q=np.vstack([Q, Q]), gap0=[0.05, 0.05]), scheme=ct.CentralDifference(), t_end=5.0, dt=0.01)
+    assert twice.impulse.sum() == pytest.approx(once.impulse[0], rel=1e-10)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES[:1] + IMPLICIT, ids=str)
+def test_a_mass_between_two_rods(scheme):
+    rods = [ct.Rod(**CARPENTER, elements=20, x=x, velocity=v) for x, v in ((-10.01, 202.2), (0.01, 0.0))]
+    result = ct.run([*rods, ct.PointMass(mass=1e-4, x=0.0)], scheme=scheme, t_end=3e-4, courant=0.5)
+    assert result.force.shape[1] == 2
+    assert abs(result.energy.unaccounted) <= 1e-10 * result.energy.scale
+    assert result.impulse[1] > 0.9 * 7.34e-3 * 202.2
+
+
+@pytest.mark.parametrize("scheme", [ct.CentralDifference(), ct.HHT()], ids=str)
+def test_the_order_of_coordinates_does_not_matter(scheme):
+    body = linear(assemble(pair(10)))
+    mixed = np.random.default_rng(7).permutation(body.size)
+    shuffled = ct.LinearBody(
+        M=body.M.diagonal()[mixed], K=csr_array(body.K)[mixed][:, mixed], Q=csr_array(body.Q)[:, mixed], gap0=body.gap0,
+        velocity=body.velocity[mixed],
+    )  # fmt: skip
+    options = {"scheme": scheme, "t_end": 2e-4, "dt": 2e-6, "record": ct.Record(state_every=1)}
+    a, b = ct.run(body, **options), ct.run(shuffled, **options)
+    assert np.abs(a.state[:, mixed] - b.state).max() <= 1e-11
+    assert b.impulse[0] == pytest.approx(a.impulse[0], rel=1e-9)
+
+
+def test_a_consistent_mass_matrix_runs_in_implicit_schemes():
+    M = np.array([[2.0, 0.5, 0.0], [0.5, 2.0, 0.5], [0.0, 0.5, 1.0]])
+    result = ct.run(frame(M=M), scheme=ct.StabilisedNewmark(), t_end=10.0, dt=0.01)
+    assert abs(result.energy.unaccounted) <= 1e-12 * result.energy.scale
+    with pytest.raises(ct.InputError, match="coupled coordinates"):
+        ct.run(frame(M=M), scheme=ct.MasslessBoundary(), t_end=1.0, dt=0.01)
+
+
+@pytest.mark.parametrize(
+    ("scheme", "dt", "limit"),
+    [(ct.CDLagrange(), 0.5, "2"), (ct.PaoliSchatzman(), 0.5, "2"), (ct.MasslessBoundary(), 1.0, "2"),
+     (ct.Newmark(beta=0.25, gamma=0.55), 1.2, "6.325")],
+    ids=str,
+)  # fmt: skip
+def test_limits_are_refused_with_numbers(scheme, dt, limit):
+    with pytest.raises(ct.LimitError, match=rf"dt \* omega_max = .*, expected <= {limit} .*take dt <="):
+        ct.run(frame(), scheme=scheme, t_end=5.0, dt=dt)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"M": np.array([1.0, -2.0, 1.0])}, "M: found -2 kg at coordinate 2, expected a mass > 0"),
+        ({"M": np.array([1.0, 0.0, 1.0])}, "M: found 0 kg at coordinate 2"),
+        ({"K": np.eye(2)}, r"K: found shape \(2, 2\), expected \(3, 3\)"),
+        ({"K": np.triu(np.ones((3, 3)))}, "K: found an asymmetry of 1"),
+        ({"K": np.diag([1.0, np.nan, 1.0])}, "K: found entries that are NaN"),
+        ({"Q": np.zeros((2, 3))}, "Q: row 1 is zero: contact 1 touches nothing"),
+        ({"gap0": np.array([0.1])}, "Q: found shape"),
+        ({"gap0": np.array([0.1, -1e-3])}, "gap0: contact 2 penetrates by 0.001 m"),
+        ({"displacement": np.array([0.0, 0.0, 0.1])}, "gap0: contact 1 penetrates by 0.05 m"),
+        ({"load": np.array([0.0, np.inf, 0.0])}, "load: found 1 entries that are NaN"),
+    ],
+)
+def test_linear_bodies_that_cannot_be(given, message):
+    with pytest.raises(ct.InputError, match=message):
+        frame(**given)
+
+
+def test_a_load_that_turns_nan_is_named_with_its_instant():
+    forcing = ct.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.5, np.nan, 1.0))
+    with pytest.raises(ct.InputError, match=r"forcing 1: found nan at t = 0.51 s, expected a finite force"):
+        ct.run(frame(forcing=(forcing,)), t_end=1.0, dt=0.01)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: ct.Newmark(beta=0.0), "beta"), (lambda: ct.Newmark(gamma=0.4), "energy grows"),
+        (lambda: ct.HHT(alpha=0.1), "alpha"), (lambda: ct.MoreauJean(theta=0.4), "theta"),
+        (lambda: ct.CDLagrange(restitution=1.1), "restitution"), (lambda: ct.NonsmoothAlpha(rho_inf=2.0), "rho_inf"),
+        (lambda: ct.run(pair(), scheme=ct.MoreauJean(), law=ct.Penalty(stiffness=1.0), t_end=1.0, courant=0.5), "law"),
+        (lambda: ct.run([ct.PointMass(mass=1.0, x=1.0), ct.Wall()], scheme=ct.MasslessBoundary(), t_end=1.0, dt=0.1),
+         "contact 1 has no elastic side"),
+        (lambda: ct.run(frame(), scheme=ct.ExactModal(), t_end=1.0, dt=0.1), "ExactModal for a LinearBody"),
+        (lambda: ct.run(frame(), scheme=ct.HHT(), t_end=1.0, courant=0.5), "courant"),
+        (lambda: ct.run(frame(), scheme=ct.HHT(), t_end=1.0, dt=-0.5), "dt: found -0.5"),
+    ],
+)  # fmt: skip
+def test_schemes_that_cannot_be(make, message):
+    with pytest.raises(ct.InputError, match=message):
+        make()
