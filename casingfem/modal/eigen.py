@@ -1,36 +1,47 @@
-"""Lowest modes of K phi = omega^2 M phi: shift-invert Lanczos, certified by a Sturm count."""
+"""Modes of K phi = omega^2 M phi, lowest or in a band: shift-invert block Lanczos, certified by Sturm counts."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from casingfem.arrays import FloatArray
-from casingfem.modal.pencil import Mass, make_pencil
-from casingfem.structure.factor import EigenError, factorise
+from casingfem.modal.krylov import BLOCKS, START_SEED, nearest
+from casingfem.modal.pencil import Mass, Pencil, make_pencil
+from casingfem.modal.slicing import CLEAR, Slice, slices
+from casingfem.structure.factor import Direct, EigenError, factorise
 
-__all__ = ["CountError", "EigenError", "EigenResult", "factorise", "gap_after", "solve_modes", "sturm_count"]
-
-START_SEED = 7391  # ARPACK's start vector is fixed: same input, same bits
+__all__ = [
+    "START_SEED",
+    "CountError",
+    "EigenError",
+    "EigenResult",
+    "factorise",
+    "gap_after",
+    "solve_band",
+    "solve_modes",
+    "sturm_count",
+]
 
 
 class CountError(EigenError, ValueError):
     """More modes were asked for than the model has."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class EigenResult:
     """Eigenvalues [rad^2/s^2] ascending, mass-normalised vectors (free, modes), and the certificate.
 
-    `sturm_count` is the number of eigenvalues below the last one returned (its double included), counted
-    by the inertia of a factorisation; `residuals` are |A x - omega^2 x|/omega^2 of the mass-scaled problem.
+    `sturm_count` is the number of eigenvalues below the last one returned (its double included), for a band the
+    number inside it, counted by the inertia of factorisations; `residuals` are |A x - omega^2 x|/omega^2 of the
+    mass-scaled problem; `products` counts the vectors that the factors solved for.
     """
 
     eigenvalues: FloatArray
     vectors: FloatArray
     sturm_count: int
     residuals: FloatArray
+    products: int = 0
 
 
 def sturm_count(K: csc_array, mass: Mass, sigma: float) -> int:
@@ -45,14 +56,16 @@ def sturm_count(K: csc_array, mass: Mass, sigma: float) -> int:
 def gap_after(eigenvalues: FloatArray, count: int) -> tuple[int, float]:
     """The first clear gap at or after `count` eigenvalues: how many lie below it, and a shift inside it."""
     steps = np.diff(eigenvalues) / np.maximum(np.abs(eigenvalues[1:]), np.finfo(float).tiny)
-    clear = np.flatnonzero(steps[count - 1 :] > 1e-7)
+    clear = np.flatnonzero(steps[count - 1 :] > CLEAR)
     if not len(clear):
         raise EigenError(f"no gap among eigenvalues {count} to {len(eigenvalues)}: ask for more modes")
     below = count + int(clear[0])
     return below, float(0.5 * (eigenvalues[below - 1] + eigenvalues[below]))
 
 
-def solve_modes(K: csc_array, mass: Mass, count: int, shift: float, extra: int = 4) -> EigenResult:
+def solve_modes(
+    K: csc_array, mass: Mass, count: int, shift: float, extra: int = 4, direct: Direct = "superlu"
+) -> EigenResult:
     """Lowest `count` modes of K - omega^2 M, complete by a Sturm count.
 
     Parameters
@@ -65,6 +78,8 @@ def solve_modes(K: csc_array, mass: Mass, count: int, shift: float, extra: int =
         Negative shift [rad^2/s^2], small beside the first elastic eigenvalue; makes free bodies solvable.
     extra
         Modes computed beyond `count`, so that the count ends in a gap.
+    direct
+        Which factorisation, as in `factorise`.
 
     Raises
     ------
@@ -77,28 +92,62 @@ def solve_modes(K: csc_array, mass: Mass, count: int, shift: float, extra: int =
     if count < 1 or count + extra >= size:
         raise CountError(f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}")
     pencil = make_pencil(K, mass)
-    factor = factorise(pencil.shifted(shift))
-    inverse = LinearOperator(K.shape, matvec=factor.solve, dtype=float)
-    start = np.random.default_rng(START_SEED).standard_normal(size)
-    wanted = count + extra
-    for _ in range(3):  # a missed double mode shows in the count: look for more
-        try:
-            values, vectors = eigsh(pencil.A, min(wanted, size - 1), M=pencil.B, sigma=shift, OPinv=inverse, v0=start)
-        except ArpackError as error:
-            raise EigenError(f"ARPACK did not converge on {wanted} modes: {error}") from error
-        order = np.argsort(values)
-        values, vectors = values[order], vectors[:, order]
+    factor = factorise(pencil.shifted(shift), direct)
+    wanted, products = count + extra, 0
+    for block in BLOCKS:  # a missed mode shows in the count: look for more, with more vectors at once
+        found = nearest(pencil, factor.solve, shift, min(wanted, size), block)
+        products += found.products
+        order = np.argsort(found.values)
+        values, vectors = found.values[order], found.vectors[:, order]
         below, sigma = gap_after(values, count)
-        certified = pencil.count_below(sigma)
+        certified = pencil.count_below(sigma, direct)
         if certified == below:
-            break
+            return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
         wanted += 2 * max(certified - below, 1) + extra
-    else:
-        raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
-    vectors, values = vectors[:, :below], values[:below]
+    raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
+
+
+def solve_band(
+    K: csc_array, mass: Mass, band: tuple[float, float], shift: float, direct: Direct = "superlu"
+) -> EigenResult:
+    """Every mode with omega^2 in a band [rad^2/s^2], certified by Sturm counts at its ends.
+
+    A mode on an end of the band, to a relative 1e-7, belongs to it, and so does its double. A band that holds many
+    modes is cut into slices with a shift each.
+
+    Parameters
+    ----------
+    K, mass, direct
+        As in `solve_modes`.
+    band
+        Lower and upper end; a lower end of 0 includes the rigid motions.
+    shift
+        Negative shift that takes the place of a lower end of 0.
+
+    Raises
+    ------
+    EigenError
+        If a slice does not show as many modes as its ends count.
+    """
+    low, high = band
+    if not 0.0 <= low < high < np.inf:
+        raise EigenError(f"a band runs from 0 or above to a higher end, found {low:.6g} to {high:.6g}")
+    pencil = make_pencil(K, mass)
+    parts: list[Slice] = list(slices(pencil, shift if low == 0.0 else low, high, rigid=low == 0.0, direct=direct))
+    values = np.concatenate([part.values for part in parts])
+    vectors = np.hstack([part.vectors for part in parts])
+    products = sum(part.products for part in parts)
+    return result(pencil, values, vectors, len(values), products, abs(shift))
+
+
+def result(
+    pencil: Pencil, values: FloatArray, vectors: FloatArray, certified: int, products: int, floor: float
+) -> EigenResult:
+    """Certified pairs of the scaled pencil as modes of K and M."""
     return EigenResult(
         eigenvalues=values,
         vectors=vectors * pencil.scale[:, None],
         sturm_count=certified,
-        residuals=pencil.residuals(values, vectors, abs(shift)),
+        residuals=pencil.residuals(values, vectors, floor),
+        products=products,
     )

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from scipy.sparse import csc_array, diags_array, eye_array
+from scipy.sparse import csc_array
 
 from casingfem.arrays import FloatArray
-from casingfem.structure.factor import EigenError, factorise, negative_pivots
+from casingfem.structure.factor import Direct, EigenError, factorise
 
 Mass: TypeAlias = FloatArray | csc_array  # the diagonal of M, or M itself
 
@@ -30,13 +30,21 @@ class Pencil:
 
     def shifted(self, sigma: float) -> csc_array:
         """A - sigma B."""
-        return csc_array(self.A - sigma * (eye_array(self.size, format="csc") if self.B is None else self.B))
+        if self.B is not None:
+            return csc_array(self.A - sigma * self.B)
+        shifted = self.A.copy()
+        shifted.setdiag(self.A.diagonal() - sigma)
+        return shifted
 
     def weigh(self, vectors: FloatArray) -> FloatArray:
         """B x."""
         return vectors if self.B is None else np.asarray(self.B @ vectors)
 
-    def count_below(self, sigma: float) -> int:
+    def norm(self, vectors: FloatArray) -> float:
+        """The largest length of some vectors, |x|^2 = x^T B x."""
+        return float(np.sqrt(np.einsum("ij,ij->j", vectors, self.weigh(vectors)).max()))
+
+    def count_below(self, sigma: float, direct: Direct = "superlu") -> int:
         """Number of eigenvalues below sigma, by the inertia of A - sigma B.
 
         Raises
@@ -45,7 +53,7 @@ class Pencil:
             If sigma is an eigenvalue.
         """
         try:
-            return negative_pivots(factorise(self.shifted(sigma)))
+            return factorise(self.shifted(sigma), direct).negative()
         except EigenError as error:
             raise EigenError(f"no Sturm count at shift {sigma:.6g}: {error}") from error
 
@@ -56,9 +64,9 @@ class Pencil:
 
 
 def scaled(K: csc_array, root: FloatArray) -> csc_array:
-    """R K R for a diagonal R given by its entries."""
-    R = diags_array(root)
-    return csc_array(R @ K @ R)
+    """R K R for a diagonal R given by its entries; the pattern stays."""
+    data = root[K.indices] * K.data * np.repeat(root, np.diff(K.indptr))
+    return csc_array((data, K.indices, K.indptr), shape=K.shape)
 
 
 def make_pencil(K: csc_array, mass: Mass) -> Pencil:

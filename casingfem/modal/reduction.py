@@ -12,16 +12,17 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
-from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh
+from scipy.sparse.linalg import LinearOperator, eigsh
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.errors import ModelError
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.eigen import START_SEED, factorise, sturm_count
+from casingfem.modal.eigen import START_SEED, sturm_count
 from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
 from casingfem.modal.mode_set import RIGID, frequency_scale
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.structure.assembly import System, assemble
+from casingfem.structure.factor import Factor, factorise
 from casingfem.structure.kinematics import DOFS
 from casingfem.structure.shell import Shell
 
@@ -129,7 +130,7 @@ def free_vectors(system: System, count: int) -> tuple[FloatArray, FloatArray]:
 
 
 def craig_bampton_vectors(
-    system: System, factor: SuperLU, P: FloatArray, attachment: FloatArray, count: int
+    system: System, factor: Factor, P: FloatArray, attachment: FloatArray, count: int
 ) -> tuple[FloatArray, FloatArray]:
     """Diagonalised Craig-Bampton basis: static interface shapes and `count` fixed-interface modes.
 

@@ -1,0 +1,131 @@
+"""All eigenvalues of a band: spectrum slicing (Grimes, Lewis & Simon, SIAM J. Matrix Anal. Appl. 15, 1994, 228).
+
+The inertia at two shifts counts what lies between them. A slice with few enough eigenvalues is solved about its
+middle until it shows them all, and a few beyond its ends, so that no end stands on an eigenvalue: an end that does is
+moved outwards into the first clear gap, and counted again. The next slice starts where the last one ended.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.modal.krylov import BLOCKS, RitzPairs, nearest
+from casingfem.modal.pencil import Pencil
+from casingfem.structure.factor import Direct, EigenError, factorise
+
+CLEAR = 1e-7  # eigenvalues closer than this, relative, are not parted
+MANY = 64  # eigenvalues of one slice
+PLACES = (0.5, 0.47, 0.53, 0.44)  # where in a slice the shift may stand
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slice:
+    """All eigenvalues between two counted ends, ascending (k,), and their B-orthonormal vectors (n, k)."""
+
+    low: float
+    high: float
+    values: FloatArray
+    vectors: FloatArray
+    products: int
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """A place on the axis of eigenvalues and the number below it; `settled` ends stand in a clear gap."""
+
+    place: float
+    below: int
+    settled: bool = False
+
+
+def slices(pencil: Pencil, low: float, high: float, *, rigid: bool, direct: Direct) -> Iterator[Slice]:
+    """The slices of a band from low to high, ascending; `rigid`: nothing lies below low, no factor is needed there.
+
+    Raises
+    ------
+    EigenError
+        If a slice does not show as many eigenvalues as its ends count.
+    """
+    start = End(low, 0, settled=True) if rigid else counted(pencil, low, -1.0, direct)
+    ends = [counted(pencil, high, 1.0, direct)]
+    while ends:
+        end = ends[-1]
+        if end.place <= start.place:  # the last slice had to reach beyond it
+            ends.pop()
+            continue
+        if end.below - start.below > MANY and end.place - start.place > 1e-3 * abs(end.place):
+            middle = 0.25 * (np.sqrt(max(start.place, 0.0)) + np.sqrt(end.place)) ** 2
+            ends.append(counted(pencil, middle, 1.0, direct))
+            continue
+        found = solve_slice(pencil, start, ends.pop(), direct)
+        yield found
+        start = End(found.high, start.below + len(found.values), settled=True)
+
+
+def solve_slice(pencil: Pencil, start: End, end: End, direct: Direct) -> Slice:
+    """The eigenvalues between two ends, which move outwards where an eigenvalue stands on them."""
+    inside = end.below - start.below
+    products = 0
+    for block in BLOCKS:  # a missed mode shows in the count: look with more vectors at once
+        found = around_middle(pencil, start.place, end.place, inside, direct, block)
+        products += found.products
+        order = np.argsort(found.values)
+        values, vectors = found.values[order], found.vectors[:, order]
+        low = start if start.settled else moved(pencil, start, -values[::-1], -1.0, direct)
+        high = end if end.settled else moved(pencil, end, values, 1.0, direct)
+        between = (values > low.place) & (values < high.place)
+        if np.count_nonzero(between) == high.below - low.below:
+            return Slice(low.place, high.place, values[between], vectors[:, between], products)
+    ends = [f"{np.sqrt(max(place, 0.0)) / 2 / np.pi:.6g}" for place in (low.place, high.place)]
+    raise EigenError(f"{high.below - low.below} modes lie in {ends[0]} to {ends[1]} Hz, {between.sum()} were found")
+
+
+def counted(pencil: Pencil, place: float, way: float, direct: Direct) -> End:
+    """An end, moved by CLEAR in its way so that a mode exactly there is met, twice that where one stands there too."""
+    for step in (1.0, 2.0):
+        there = place + way * step * CLEAR * abs(place)
+        try:
+            return End(there, pencil.count_below(there, direct))
+        except EigenError as error:
+            singular = error
+    raise singular
+
+
+def around_middle(pencil: Pencil, low: float, high: float, inside: int, direct: Direct, block: int) -> RitzPairs:
+    """More pairs about the middle of a slice than it holds: all on its ends and between them, and what is next."""
+    for place in PLACES:
+        sigma = low + place * (high - low)
+        radius = (1.0 + 10.0 * CLEAR) * max(high - sigma, sigma - low)
+        try:
+            factor = factorise(pencil.shifted(sigma), direct)
+        except EigenError:
+            continue
+        wanted, products = inside + 4, 0
+        while True:
+            found = nearest(pencil, factor.solve, sigma, min(wanted, pencil.size), block)
+            products += found.products
+            reach = np.abs(found.values - sigma)
+            if reach[0] < 1e-7 * radius:
+                break  # the shift stands on an eigenvalue: the others are lost in its round-off
+            if wanted >= pencil.size or reach[-1] > radius:
+                return RitzPairs(values=found.values, vectors=found.vectors, products=products)
+            wanted += max(8, wanted // 2)
+    raise EigenError(f"no shift between {low:.6g} and {high:.6g} [rad^2/s^2] lies clear of the modes")
+
+
+def moved(pencil: Pencil, end: End, values: FloatArray, way: float, direct: Direct) -> End:
+    """The end itself, or, where an eigenvalue stands on it, a place in the first clear gap outwards.
+
+    `values` ascend in the outward direction: `way` is 1 at an upper end, -1 at a lower one, where they are negated.
+    """
+    place, width = way * end.place, CLEAR * abs(end.place)
+    if not np.any(np.abs(values - place) <= width):
+        return End(end.place, end.below, settled=True)
+    last = int(np.flatnonzero(values <= place + width)[-1])
+    while last + 1 < len(values) and values[last + 1] - values[last] <= width:
+        last += 1
+    gap = values[last + 1] - values[last] if last + 1 < len(values) else 10.0 * width
+    outside = way * float(values[last] + min(0.5 * gap, 5.0 * width))
+    return End(outside, pencil.count_below(outside, direct), settled=True)
