@@ -299,6 +299,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the part is very large for its material",
             "if the file is in millimetres, read it with scale = 1e-3",
         ),
+        "modes-band": Fault(
+            "a band of frequencies is no band, or a count stands beside it",
+            "give band = (from, to) in Hz, 0 <= from < to, or a count, not both",
+        ),
         "modes-count": Fault(
             "no such number of modes can be computed",
             "ask for at least 1 and far fewer than the mesh has unknowns",

@@ -25,10 +25,10 @@ def study_report(study: Study, say: Callable[[str], None] = lambda words: None) 
         As the update, reduction and modes themselves do.
     """
     clock = Clock(say)
-    found = clock("modes", lambda: modes(study.shell, study.file.modes.count))
+    found = clock("modes", lambda: modes(study.shell, **study.file.modes.wanted))
     ideal, reference = perfect(study.shell), None
     if has_imperfections(study.shell):
-        reference = clock("modes of the perfect shell", lambda: modes(ideal, study.file.modes.count))
+        reference = clock("modes of the perfect shell", lambda: modes(ideal, **study.file.modes.wanted))
     sections = [inputs_section(study), modes_section(found, reference)]
     structure = study.shell
     if study.table is not None:

@@ -43,7 +43,7 @@ def modes(file: Path, as_json: bool, out: Path | None, vtu: bool, shown: tuple[i
         raise click.UsageError("--vtu needs --out DIR")
     study = load_study(file)
     with Working(f"modes of {file.name}"):
-        found = compute(study.shell, study.file.modes.count)
+        found = compute(study.shell, **study.file.modes.wanted)
     if found.rigid and study.file.modes.elastic_only:
         what = f"true, and {found.rigid} rigid modes"
         raise study.error("modes.elastic_only", what, "a structure whose supports leave no rigid motion")
@@ -79,7 +79,7 @@ def modes_csv(found: "Modes", study: "Study") -> str:
     versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())
     lines = [f"# COMPUTED: modes of {source['study']} (sha256 {source['sha256']})", f"# by {versions}"]
     rows = found.records()
-    lines.append(",".join(rows[0]))
+    lines.append(",".join(rows[0] if rows else ("mode", "freq_hz")))
     lines += [",".join("" if cell is None else str(cell) for cell in row.values()) for row in rows]
     return "\n".join(lines) + "\n"
 

@@ -1,6 +1,7 @@
 """Modes of K phi = omega^2 M phi, lowest or in a band: shift-invert block Lanczos, certified by Sturm counts."""
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -13,15 +14,20 @@ from casingfem.structure.factor import Direct, EigenError, factorise
 
 __all__ = [
     "START_SEED",
+    "Band",
     "CountError",
     "EigenError",
     "EigenResult",
     "factorise",
     "gap_after",
+    "solve",
     "solve_band",
     "solve_modes",
     "sturm_count",
 ]
+
+
+Band: TypeAlias = tuple[float, float]
 
 
 class CountError(EigenError, ValueError):
@@ -43,6 +49,11 @@ class EigenResult:
     residuals: FloatArray
     products: int = 0
 
+    @property
+    def freq(self) -> FloatArray:
+        """Frequencies [Hz]; what round-off leaves below zero is zero."""
+        return np.asarray(np.sqrt(np.maximum(self.eigenvalues, 0.0)) / (2.0 * np.pi))
+
 
 def sturm_count(K: csc_array, mass: Mass, sigma: float) -> int:
     """Number of eigenvalues of K - omega^2 M below sigma [rad^2/s^2], by one factorisation and its inertia.
@@ -51,6 +62,14 @@ def sturm_count(K: csc_array, mass: Mass, sigma: float) -> int:
     2
     """
     return make_pencil(K, mass).count_below(sigma)
+
+
+def solve(K: csc_array, mass: Mass, wanted: int | Band, shift: float, direct: Direct = "superlu") -> EigenResult:
+    """So many modes (`solve_modes`), or those of a band [Hz] (`solve_band`)."""
+    if isinstance(wanted, int):
+        return solve_modes(K, mass, wanted, shift=shift, direct=direct)
+    low, high = ((2.0 * np.pi * end) ** 2 for end in wanted)
+    return solve_band(K, mass, (low, high), shift=shift, direct=direct)
 
 
 def gap_after(eigenvalues: FloatArray, count: int) -> tuple[int, float]:
@@ -107,9 +126,7 @@ def solve_modes(
     raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
 
 
-def solve_band(
-    K: csc_array, mass: Mass, band: tuple[float, float], shift: float, direct: Direct = "superlu"
-) -> EigenResult:
+def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direct = "superlu") -> EigenResult:
     """Every mode with omega^2 in a band [rad^2/s^2], certified by Sturm counts at its ends.
 
     A mode on an end of the band, to a relative 1e-7, belongs to it, and so does its double. A band that holds many

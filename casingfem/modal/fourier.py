@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
@@ -9,9 +10,13 @@ from scipy.linalg import cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
 from casingfem.arrays import FloatArray
 from casingfem.modal.eigen import EigenError, gap_after
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
+from casingfem.modal.slicing import CLEAR
 from casingfem.structure.axisymmetric import HOOP, Meridian, harmonic_matrices
+from casingfem.structure.kinematics import DOFS
 from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.shell import Shell, sampled_geometry
+
+Found: TypeAlias = tuple[float, int, bool, FloatArray]  # omega^2, n, sine member, meridian shape
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of `frequency_scale`
 
@@ -30,16 +35,14 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
     started = time.perf_counter()
     shift = (SHIFT * frequency_scale(shell)) ** 2
     meridians: list[Meridian] = []
-    found: list[tuple[float, int, bool, FloatArray]] = []  # omega^2, n, sine member, meridian shape
+    found: list[Found] = []
     limit = np.inf
     while len(found) < count or harmonic_floor(shell, len(meridians)) <= limit:
         n = len(meridians)
         meridian = harmonic_matrices(shell, n)
         meridians.append(meridian)
         values, vectors = lowest(meridian, count + 1, shift)
-        shapes = meridian.expand(vectors)
-        members = (False, True) if n else (False,)
-        found += [(float(v), n, sine, shapes[:, :, k]) for k, v in enumerate(values) for sine in members]
+        found += members(n, values, meridian.expand(vectors))
         found.sort(key=lambda item: item[:3])
         found = found[: count + 4]
         limit = found[min(count, len(found)) - 1][0]
@@ -47,11 +50,55 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
     counted = sum((1 + (m.n > 0)) * inertia_below(m, sigma) for m in meridians)
     if counted != below:
         raise EigenError(f"{counted} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
-    found = found[:below]
-    shell = resolving(shell, max(mode[1] for mode in found))
+    return revolved(shell, meridians, found[:below], count, counted, started)
+
+
+def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
+    """Every mode of a perfect casing in a band [Hz]; each harmonic is counted by its inertia at both ends.
+
+    Raises
+    ------
+    EigenError
+        If a harmonic does not show as many modes as its inertia counts.
+    """
+    started = time.perf_counter()
+    shift = (SHIFT * frequency_scale(shell)) ** 2
+    low, high = ((2.0 * np.pi * f) ** 2 * (1.0 + way * CLEAR) for f, way in zip(band, (-1.0, 1.0), strict=True))
+    low = low if band[0] > 0.0 else -shift
+    meridians: list[Meridian] = []
+    found: list[Found] = []
+    while harmonic_floor(shell, len(meridians)) <= high:
+        n = len(meridians)
+        meridian = harmonic_matrices(shell, n)
+        meridians.append(meridian)
+        start, end = (inertia_below(meridian, sigma) for sigma in (low, high))
+        if end == start:
+            continue
+        values, vectors = lowest(meridian, end, shift)
+        inside = (values > low) & (values < high)
+        if np.count_nonzero(inside) != end - start:
+            raise EigenError(f"n = {n}: {end - start} modes lie in the band, {inside.sum()} were found")
+        found += members(n, values[inside], meridian.expand(vectors[:, inside]))
+    found.sort(key=lambda item: item[:3])
+    return revolved(shell, meridians, found, len(found), len(found), started)
+
+
+def members(n: int, values: FloatArray, shapes: FloatArray) -> list[Found]:
+    """The modes of one harmonic, cosine and sine where n > 0."""
+    both = (False, True) if n else (False,)
+    return [(float(v), n, sine, shapes[:, :, k]) for k, v in enumerate(values) for sine in both]
+
+
+def revolved(
+    shell: Shell, meridians: list[Meridian], found: list[Found], count: int, counted: int, started: float
+) -> Modes:
+    """Spread meridian shapes around and label them."""
+    shell = resolving(shell, max((mode[1] for mode in found), default=0))
     grid = make_grid(shell.chart, shell.mesh)
     freq = np.sqrt(np.maximum([mode[0] for mode in found], 0.0)) / (2.0 * np.pi)
-    fields = np.stack([revolve_shape(grid, shape, n, sine=sine) for _, n, sine, shape in found], axis=-1)
+    fields = np.empty((grid.nodes.shape[1], DOFS, len(found)))
+    for k, (_, n, sine, shape) in enumerate(found):
+        fields[:, :, k] = revolve_shape(grid, shape, n, sine=sine)
     dofs = sum(len(m.free) for m in meridians)
     seconds = {"solve": time.perf_counter() - started}
     return labelled(shell, grid, freq, fields, count=count, sturm=counted, dofs=dofs, seconds=seconds)

@@ -7,9 +7,10 @@ import numpy as np
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.errors import doubt
-from casingfem.modal.eigen import solve_modes
+from casingfem.modal.eigen import Band, solve
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
+from casingfem.structure.factor import Direct
 from casingfem.structure.mesh_assembly import MeshSystem, mapped
 from casingfem.structure.revolution import elements_around, round_about_z
 from casingfem.structure.solid import Solid, assemble_solid
@@ -26,8 +27,10 @@ class MeshModes(ModeSet):
     structure: Solid
 
 
-def mesh_modes(structure: Solid, count: int = 40, *, system: MeshSystem | None = None) -> MeshModes:
-    """Lowest `count` modes of an imported structure, labelled, complete by a Sturm count.
+def mesh_modes(
+    structure: Solid, wanted: int | Band = 40, *, system: MeshSystem | None = None, direct: Direct = "superlu"
+) -> MeshModes:
+    """So many modes of an imported structure, or those of a band [Hz], labelled, complete by Sturm counts.
 
     Raises
     ------
@@ -46,21 +49,19 @@ def mesh_modes(structure: Solid, count: int = 40, *, system: MeshSystem | None =
     >>> found.nodal_diameters.tolist(), found.doublets
     ([4, 4, 5, 5], ((0, 1), (2, 3)))
     """
-    if count < 1:
-        raise ValueError(f"count must be at least 1, found {count}")
     started = time.perf_counter()
     system = system or assemble_solid(structure)
     assembled = time.perf_counter()
-    found = solve_modes(system.K, system.M, count, shift=-((SHIFT * system.frequency_scale) ** 2))
+    found = solve(system.K, system.M, wanted, shift=-((SHIFT * system.frequency_scale) ** 2), direct=direct)
     solved = time.perf_counter()
-    freq = np.sqrt(np.maximum(found.eigenvalues, 0.0)) / (2.0 * np.pi)
+    freq = found.freq
     check_rigid(system, freq)
-    rigid = min(system.rigid, len(freq))
+    rigid = min(system.rigid, len(freq)) if isinstance(wanted, int) or wanted[0] == 0.0 else 0
     fields = system.expand(found.vectors)
     n_max = max(2, elements_around(structure.mesh) * (1 + bool(structure.mesh.cell_kind.middles)) // 3)
     is_round = round_about_z(structure.mesh)
     labels = make_labels(projected(structure, fields, n_max) if is_round else None, freq, fields, rigid)
-    kept = min(count, len(freq))
+    kept = min(wanted, len(freq)) if isinstance(wanted, int) else len(freq)
     return MeshModes(
         structure=structure,
         **first_modes(freq, labels, kept),

@@ -9,9 +9,10 @@ import numpy as np
 from casingfem.arrays import FloatArray, IntArray, frozen
 from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
 from casingfem.structure.mesh import Grid
+from casingfem.structure.rigid import rigid_modes
 from casingfem.structure.shell import Shell, sampled_geometry
 
-RIGID = 0.05  # modes below this part of `frequency_scale` are rigid motions
+RIGID = 0.05  # below this part of `frequency_scale` nothing elastic moves
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -29,16 +30,17 @@ class ModeSet:
     purity
         Share of the dominant order in the shape's circumferential energy, nan on open shells.
     meridional
-        Rank m = 1, 2, ... among the modes of the same n, a doublet counted once.
+        Rank m = 1, 2, ... among the modes of the same n in this set, a doublet counted once.
     doublets
         Index pairs (lower, upper).
     angle_deg
         Orientation: an antinode of the radial displacement, in [0, 180/n); nan where it means nothing,
         as for a perfect double mode.
     rigid
-        Number of rigid motions, which come first.
+        Number of rigid motions, which come first: modes that move as the supports let the body move.
     sturm_count
-        Modes up to the last one returned, by inertia: equal to len(modes) unless the cut splits a pair.
+        Modes up to the last one returned, or in the band, by inertia: equal to len(modes) unless the cut splits a
+        pair.
     dofs
         Unknowns of the eigenproblem (over all harmonics for a perfect casing).
     rings
@@ -180,7 +182,7 @@ def labelled(
 ) -> Modes:
     """Label modes computed up to a clear gap, align perfect pairs, and keep the first `count`."""
     started = time.perf_counter()
-    rigid = int(np.count_nonzero(2.0 * np.pi * freq < RIGID * frequency_scale(shell)))
+    rigid = rigid_modes(shell, grid, fields)
     rings: Rings | None = None
     if shell.chart.periodic:
         nodes_around = grid.mesh.order * grid.mesh.around
@@ -234,7 +236,7 @@ def align_doubles(
 
 def peak_signs(fields: FloatArray) -> FloatArray:
     """Signs (modes,) that make the first of the largest displacements of each mode positive."""
-    displacements = fields[:, :3].reshape(-1, fields.shape[2])
+    displacements = fields[:, :3].reshape(3 * len(fields), -1 if fields.size else 0)
     large = np.abs(displacements) > (1.0 - 1e-6) * np.abs(displacements).max(axis=0)
     return np.asarray(np.sign(displacements[large.argmax(axis=0), np.arange(fields.shape[2])]))
 

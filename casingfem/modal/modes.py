@@ -1,4 +1,4 @@
-"""Modes of a shell: `modes(shell, count)`."""
+"""Modes of a structure: `modes(shell, count)` or `modes(shell, band=(f0, f1))`."""
 
 import time
 from typing import overload
@@ -6,26 +6,51 @@ from typing import overload
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.modal.eigen import solve_modes, sturm_count
-from casingfem.modal.fourier import SHIFT, fourier_modes
+from casingfem.modal.eigen import Band, solve, sturm_count
+from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
 from casingfem.modal.mesh_modes import IMPORTED, MeshModes, mesh_modes
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
 from casingfem.structure.assembly import System, assemble
+from casingfem.structure.factor import Direct
 from casingfem.structure.mesh_assembly import MeshSystem
 from casingfem.structure.shell import Shell
 from casingfem.structure.solid import Solid
 
 __all__ = ["MeshModes", "ModeSet", "Modes", "count_below", "modes"]
 
+COUNT = 40
+
 
 @overload
-def modes(shell: Shell, count: int = 40, *, method: str = "auto", system: System | None = None) -> Modes: ...
-@overload
-def modes(shell: Solid, count: int = 40, *, method: str = "auto", system: MeshSystem | None = None) -> MeshModes: ...
 def modes(
-    shell: Shell | Solid, count: int = 40, *, method: str = "auto", system: System | MeshSystem | None = None
+    shell: Shell,
+    count: int | None = None,
+    *,
+    band: Band | None = None,
+    method: str = "auto",
+    system: System | None = None,
+    direct: Direct = "superlu",
+) -> Modes: ...
+@overload
+def modes(
+    shell: Solid,
+    count: int | None = None,
+    *,
+    band: Band | None = None,
+    method: str = "auto",
+    system: MeshSystem | None = None,
+    direct: Direct = "superlu",
+) -> MeshModes: ...
+def modes(
+    shell: Shell | Solid,
+    count: int | None = None,
+    *,
+    band: Band | None = None,
+    method: str = "auto",
+    system: System | MeshSystem | None = None,
+    direct: Direct = "superlu",
 ) -> ModeSet:
-    """Lowest `count` modes of a structure, labelled, complete by a Sturm count.
+    """Lowest `count` modes of a structure, or all in a band, labelled, complete by Sturm counts.
 
     K phi = omega^2 M phi, phi^T M phi = 1.
 
@@ -35,12 +60,16 @@ def modes(
         The structure: a shell on a chart, or an imported `Solid`. Without supports the rigid motions come first and
         are marked as such.
     count
-        Number of modes.
+        Number of modes; 40 where no band is given either.
+    band
+        Lower and upper frequency [Hz], instead of a count. A mode on an end belongs to it, and so does its double.
     method
         "shell": the two-dimensional model. "fourier": one meridian problem per n, for perfect casings.
         "auto": "fourier" where nothing varies around, else "shell". Imported structures take "auto" alone.
     system
         The assembled structure, if there is one already.
+    direct
+        The factorisation: "superlu", or "pardiso" if pypardiso is installed.
 
     Raises
     ------
@@ -59,35 +88,44 @@ def modes(
     >>> low = modes(casing, 4)
     >>> low.freq.round(1).tolist(), low.nodal_diameters.tolist()
     ([367.9, 367.9, 382.8, 382.8], [8, 8, 7, 7])
+    >>> modes(casing, band=(380.0, 420.0)).nodal_diameters.tolist()
+    [7, 7, 9, 9]
     """
+    wanted = count_or_band(count, band)
     if isinstance(shell, IMPORTED):
         if method != "auto":
             raise ValueError(f'method must be "auto" for an imported structure, found {method!r}')
-        return mesh_modes(shell, count, system=system if isinstance(system, MeshSystem) else None)
+        return mesh_modes(shell, wanted, system=system if isinstance(system, MeshSystem) else None, direct=direct)
     if method not in ("auto", "shell", "fourier"):
         raise ModelError("modes-method", f'method must be "auto", "shell" or "fourier", found {method!r}')
-    if count < 1:
-        raise ModelError("modes-count", f"count must be at least 1, found {count}")
     if method == "fourier" or (method == "auto" and shell.axisymmetric and system is None):
-        return fourier_modes(shell, count)
+        return fourier_modes(shell, wanted) if isinstance(wanted, int) else fourier_band(shell, wanted)
     started = time.perf_counter()
     system = system if isinstance(system, System) else assemble(shell)
     assembled = time.perf_counter()
-    shift = -((SHIFT * frequency_scale(shell)) ** 2)
-    found = solve_modes(system.K, system.mass, count, shift=shift)
+    found = solve(system.K, system.mass, wanted, shift=-((SHIFT * frequency_scale(shell)) ** 2), direct=direct)
     solved = time.perf_counter()
-    freq = np.sqrt(np.maximum(found.eigenvalues, 0.0)) / (2.0 * np.pi)
-    fields = system.expand(found.vectors)
     return labelled(
         shell,
         system.grid,
-        freq,
-        fields,
-        count=count,
+        found.freq,
+        system.expand(found.vectors),
+        count=wanted if isinstance(wanted, int) else len(found.eigenvalues),
         sturm=found.sturm_count,
         dofs=system.size,
         seconds={"assemble": assembled - started, "solve": solved - assembled},
     )
+
+
+def count_or_band(count: int | None, band: Band | None) -> int | Band:
+    """What is asked for, checked; 40 modes if nothing is said."""
+    if count is not None and band is not None:
+        raise ModelError("modes-band", "found both a count of modes and a band")
+    if band is not None and not 0.0 <= band[0] < band[1] < np.inf:
+        raise ModelError("modes-band", f"the band runs from {band[0]!r} to {band[1]!r} Hz")
+    if count is not None and count < 1:
+        raise ModelError("modes-count", f"count must be at least 1, found {count}")
+    return band or count or COUNT
 
 
 def count_below(shell: Shell, freq: float) -> int:

@@ -17,13 +17,13 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from casingfem.arrays import Array, FloatArray
 from casingfem.errors import ModelError
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.eigen import START_SEED, sturm_count
+from casingfem.modal.eigen import START_SEED
 from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
-from casingfem.modal.mode_set import RIGID, frequency_scale
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.factor import Factor, factorise
 from casingfem.structure.kinematics import DOFS
+from casingfem.structure.rigid import free_motions
 from casingfem.structure.shell import Shell
 
 METHODS = ("free", "craig-bampton")
@@ -137,7 +137,7 @@ def craig_bampton_vectors(
     The inverse of K under P^T u = 0 is K^-1 - K^-1 P (P^T K^-1 P)^-1 P^T K^-1; its largest eigenvalues are the
     fixed-interface modes, so one factorisation serves both parts.
     """
-    rigid = sturm_count(system.K, system.mass, (RIGID * frequency_scale(system.shell)) ** 2)
+    rigid = free_motions(system.shell, system.grid).shape[2]
     if rigid:
         raise ModelError("reduce-rigid", f"the shell has {rigid} rigid motions")
     compliance = P.T @ attachment

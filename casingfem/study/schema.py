@@ -5,7 +5,7 @@ names those a study cannot do without.
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypedDict
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
@@ -236,11 +236,34 @@ class BoltsTable(Table):
         return self
 
 
+class Wanted(TypedDict, total=False):
+    """Count or band [Hz], as `modes` takes them."""
+
+    count: int
+    band: tuple[float, float]
+
+
 class ModesTable(Table):
-    """[modes]."""
+    """[modes]: a count, or a band."""
 
     count: int = Field(default=40, ge=1, le=100_000, description="number of modes")
+    band_hz: list[NotNegative] | None = Field(
+        default=None, min_length=2, max_length=2, description="[from, to]: every mode of a band, instead of a count"
+    )
     elastic_only: bool = Field(default=False, description="rigid modes are an error")
+
+    @model_validator(mode="after")
+    def _count_or_band(self) -> "ModesTable":
+        if self.band_hz is not None and "count" in self.model_fields_set:
+            raise ValueError("found count and band_hz, expected one of them")
+        if self.band_hz is not None and not self.band_hz[0] < self.band_hz[1]:
+            raise ValueError(f"found band_hz = {self.band_hz}, expected two frequencies in order")
+        return self
+
+    @property
+    def wanted(self) -> Wanted:
+        """What `modes` is asked for: count or band."""
+        return {"count": self.count} if self.band_hz is None else {"band": (self.band_hz[0], self.band_hz[1])}
 
 
 class MeshTable(Table):

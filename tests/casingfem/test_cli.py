@@ -142,6 +142,19 @@ def test_modes_is_one_document_and_two_files(study, tmp_path):
     assert float(rows[3].split(",")[1]) == document["modes"][0]["freq_hz"]
 
 
+def test_modes_of_a_band(study):
+    text = study.read_text()
+    lowest = json.loads(invoke("modes", study, "--json").stdout)["modes"][0]["freq_hz"]
+    for end, least in ((1.2 * lowest, 2), (0.5 * lowest, 0)):
+        study.write_text(text.replace("count = 6", f"band_hz = [0, {end}]"))
+        result = invoke("modes", study, "--json")
+        assert result.exit_code == 0, result.stderr
+        document = json.loads(result.stdout)
+        assert len(document["modes"]) == document["sturm_count"]
+        assert bool(document["modes"]) == bool(least)
+        assert all(row["freq_hz"] <= end for row in document["modes"])
+
+
 def test_modes_in_words_is_the_table(study):
     result = invoke("modes", study)
     assert result.exit_code == 0

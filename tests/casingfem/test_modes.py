@@ -321,3 +321,52 @@ def test_the_floor_of_a_harmonic_lies_below_its_lowest_mode(steel):
         for n in (2, 3, 7, 15, 30):
             lowest_value = lowest(harmonic_matrices(shell, n), 1, 1.0)[0][0]
             assert harmonic_floor(shell, n) < lowest_value
+
+
+# --- bands ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["shell", "fourier"])
+def test_a_band_holds_the_modes_of_the_count_and_no_other(frustum, coarse, method):
+    shell = frustum(mesh=coarse)
+    freq = modes(shell, 16, method=method).freq
+    found = modes(shell, band=(freq[2] * (1 + 1e-12), freq[9]), method=method)  # both ends on doublets
+    np.testing.assert_allclose(found.freq, freq[2:10], rtol=1e-9)
+    assert found.sturm_count == 8
+    assert len(found.doublets) == 4
+
+
+@pytest.mark.parametrize("method", ["shell", "fourier"])
+def test_a_band_without_modes(frustum, coarse, method):
+    found = modes(frustum(mesh=coarse), band=(1.0, 2.0), method=method)
+    assert len(found) == found.sturm_count == 0
+    assert "0 modes" in repr(found)
+
+
+def test_refuses_bands_that_are_none(frustum):
+    with pytest.raises(ValueError, match="found both a count of modes and a band"):
+        modes(frustum(), 4, band=(0.0, 10.0))
+    with pytest.raises(ValueError, match=r"the band runs from 9.0 to 3.0 Hz.*modes-band"):
+        modes(frustum(), band=(9.0, 3.0))
+
+
+# --- rigid motions --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("around", [3, 5])
+def test_a_thin_free_casing_on_a_very_coarse_mesh_has_six_rigid_motions(frustum, around):
+    """A rotation of the body is interpolated with an error: its frequency is small, not zero."""
+    found = modes(frustum(supports={}, thickness=2e-4, mesh=ShellMesh(order=4, rows=1, around=around)), 8)
+    assert found.rigid == 6
+
+
+def test_a_casing_on_soft_springs_is_supported(frustum, coarse):
+    soft = {"base": ElasticEdge(k_r=1.0, k_theta=1.0, k_z=1.0)}
+    found = modes(frustum(supports=soft, mesh=coarse), 8)
+    assert found.rigid == 0
+    assert found.freq[5] < 1.0
+
+
+def test_a_casing_that_may_slide_and_turn_has_two_rigid_motions(frustum, coarse):
+    found = modes(frustum(supports={"base": ElasticEdge(k_r=1e9), "top": ElasticEdge(k_r=1e9)}, mesh=coarse), 6)
+    assert found.rigid == 2

@@ -11,6 +11,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.study import StudyError, load_study, perfect, schema, updated_toml
+from casingfem.study.schema import ModesTable
 
 STUDIES = Path(__file__).parents[2] / "data" / "studies"
 
@@ -335,3 +336,11 @@ def test_strips_that_do_not_fit_are_named(tmp_path, old, new, line):
     assert old in STRIPS
     found = problems_of(tmp_path, STRIPS.replace(old, new))
     assert any(problem.startswith(f"{tmp_path / 'study.toml'}: {line}") for problem in found), found
+
+
+def test_modes_by_count_or_band():
+    assert ModesTable().wanted == {"count": 40}
+    assert ModesTable(band_hz=[10.0, 20.0]).wanted == {"band": (10.0, 20.0)}
+    for wrong in ({"band_hz": [2.0, 1.0]}, {"band_hz": [1.0]}, {"count": 3, "band_hz": [1.0, 2.0]}):
+        with pytest.raises(ValueError, match="band_hz"):
+            ModesTable(**wrong)

@@ -1,0 +1,64 @@
+"""Rigid motions: what they are on a shell, and which of them its supports leave free.
+
+A body is not supported where a rigid motion moves no held dof and strains no spring. This is a statement about the
+supports alone: no frequency has to be called small, and a body on soft springs is a supported one.
+"""
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.structure.assembly import held_dofs, nodal_mass
+from casingfem.structure.edges import edge_stiffness
+from casingfem.structure.kinematics import DOFS, frame
+from casingfem.structure.mesh import Grid
+from casingfem.structure.mesh_assembly import rigid_motions
+from casingfem.structure.shell import Shell
+
+STILL = 1e-12  # share of the largest reaction below which a support is not felt
+SHARE = 0.5  # of a mode's kinetic energy in rigid motions, from which it is one
+
+
+def rigid_fields(shell: Shell, grid: Grid) -> FloatArray:
+    """The six rigid motions as nodal fields (nodes, 5, 6), each moving the body by about 1 m."""
+    surface = shell.geometry(*grid.nodes).surface
+    basis = frame(surface)
+    tangents = np.stack([basis.e1, basis.e2]).transpose(2, 0, 1)
+    return rigid_motions(surface.x.T, basis.normal.T, tangents).reshape(-1, DOFS, 6)
+
+
+def free_motions(shell: Shell, grid: Grid) -> FloatArray:
+    """The rigid motions that the supports leave free, (nodes, 5, k), k from 0 to 6.
+
+    >>> from casingfem.structure.chart import Plate
+    >>> from casingfem.structure.material import Material
+    >>> from casingfem.structure.mesh import make_grid
+    >>> from casingfem.structure.support import ElasticEdge
+    >>> steel = Material(E=210e9, nu=0.3, rho=7800.0)
+    >>> sliding = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel,
+    ...                 supports={"root": ElasticEdge(k_z=1e-3)})
+    >>> free_motions(sliding, make_grid(sliding.chart, sliding.mesh)).shape[2]
+    4
+    """
+    fields = rigid_fields(shell, grid)
+    free, frames = held_dofs(shell, grid)
+    moved = np.einsum("nji,njk->nik", frames, fields).reshape(-1, 6)
+    moved[free] = 0.0
+    reactions = [
+        moved.T @ moved,
+        *(np.real(form.product(fields.reshape(-1, 6))) for form in edge_stiffness(shell, grid)),
+    ]
+    total = sum((R / np.trace(R) for R in reactions if np.trace(R) > 0.0), np.zeros((6, 6)))
+    size, motions = np.linalg.eigh(total)
+    return np.asarray(fields @ motions[:, size <= STILL])
+
+
+def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray) -> int:
+    """How many of the first modes (nodes, 5, modes) are rigid motions that the supports leave free."""
+    motions = free_motions(shell, grid)
+    if not motions.shape[2]:
+        return 0
+    root = np.sqrt(np.repeat(nodal_mass(shell, grid), (3, 2), axis=1)).reshape(-1, 1)
+    Q, _ = np.linalg.qr(root * motions.reshape(len(root), -1))
+    moved = root * fields.reshape(len(root), -1)
+    rigid = np.sum((Q.T @ moved) ** 2, axis=0) > SHARE * np.sum(moved**2, axis=0)
+    return int(np.argmin(np.append(rigid, False)))
