@@ -1,8 +1,8 @@
 """contact: dynamic unilateral contact on rods, linear structures, modal bodies and rotating rims.
 
-Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRim), laws (Unilateral, Penalty,
-AugmentedLagrangian, Coulomb) and schemes (one file each in `contact.scheme`) are frozen values; `run` brings them
-together and returns a Result. Scene files: `load_scene`.
+Bodies (Rod, PointMass, Wall, LinearBody, ModalBody, HingedBeam), gaps (PointGap, RotatingRim, BeamInCircle), laws
+(Unilateral, Penalty, AugmentedLagrangian, Coulomb) and schemes (one file each in `contact.scheme`) are frozen
+values; `run` brings them together and returns a Result. Scene files: `load_scene`.
 
 >>> import contact as ct
 >>> left = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=20, x=-1.1, velocity=1.0)
@@ -14,11 +14,13 @@ together and returns a Result. Scene files: `load_scene`.
 
 from contact.energy import EnergyBudget
 from contact.errors import InputError, LimitError, NumericsError
+from contact.model.beam import BeamInCircle, HingedBeam
 from contact.model.body import PointMass, Rod, Wall
 from contact.model.gap import PointGap, RotatingRim, Side
 from contact.model.law import AugmentedLagrangian, Coulomb, Penalty, Unilateral
 from contact.model.linear import Forcing, LinearBody, Part
 from contact.model.modal_body import ModalBody
+from contact.model.ring_modes import ThinRing, ring_elements, ring_modes
 from contact.model.rod_modes import rod_modes
 from contact.record import Record
 from contact.result import Result
@@ -37,9 +39,10 @@ from contact.scheme.penalty import PenaltyDifference
 from contact.scheme.stabilised_newmark import StabilisedNewmark
 
 __all__ = [
-    "HHT", "AugmentedLagrangian", "CDLagrange", "CentralDifference", "Coulomb", "EnergyBudget", "ExactModal", "Forcing",
-    "InputError", "LimitError", "LinearBody", "MasslessBoundary", "ModalBody", "MoreauJean", "Newmark",
-    "NonsmoothAlpha", "NumericsError", "PaoliSchatzman", "Part", "Penalty", "PenaltyDifference", "PointGap",
-    "PointMass", "Record", "Result", "Rod", "RotatingRim", "Scene", "SceneError", "Side", "StabilisedNewmark",
-    "Unilateral", "Wall", "load_scene", "rod_modes", "run", "scene_schema",
+    "HHT", "AugmentedLagrangian", "BeamInCircle", "CDLagrange", "CentralDifference", "Coulomb", "EnergyBudget",
+    "ExactModal", "Forcing", "HingedBeam", "InputError", "LimitError", "LinearBody", "MasslessBoundary", "ModalBody",
+    "MoreauJean", "Newmark", "NonsmoothAlpha", "NumericsError", "PaoliSchatzman", "Part", "Penalty",
+    "PenaltyDifference", "PointGap", "PointMass", "Record", "Result", "Rod", "RotatingRim", "Scene", "SceneError",
+    "Side", "StabilisedNewmark", "ThinRing", "Unilateral", "Wall", "load_scene", "ring_elements", "ring_modes",
+    "rod_modes", "run", "scene_schema",
 ]  # fmt: skip

@@ -41,15 +41,24 @@ OPTIONS: Any = {
 
 
 def jit(function: Function) -> Function:
-    """Compile a step loop to machine code, cached on disk.
+    """Compile a step loop that allocates nothing to machine code, cached on disk.
 
     Sums may be reassociated and products contracted, so that reductions vectorise; NaN keeps its meaning,
     so that a run that diverges is seen. The same input gives bit-identical results on one machine.
     """
+    return compiled(function, OPTIONS)
+
+
+def jit_allocating(function: Function) -> Function:
+    """Compile a function that needs work arrays of its own (dense factors, lists of active contacts), else as `jit`."""
+    return compiled(function, {**OPTIONS, "_nrt": True})
+
+
+def compiled(function: Function, options: dict[str, Any]) -> Function:
+    """Compile with numba, the cache in a directory named after the sources."""
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE
     try:
-        compiled = numba.njit(**OPTIONS)(function)
+        return cast(Function, numba.njit(**options)(function))
     finally:
         config.CACHE_DIR = before
-    return cast(Function, compiled)

@@ -12,6 +12,7 @@ import numpy as np
 from contact.energy import EnergyBudget
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import require_positive
+from contact.model.beam import BeamInCircle
 from contact.model.body import Body, PointMass, Rod, Wall
 from contact.model.chain import Chain, assemble
 from contact.model.gap import PointGap, RotatingRim
@@ -27,7 +28,7 @@ from contact.scheme.protocol import Problem, Scheme, Stepper
 CHUNK = 20_000  # steps per compiled call
 MOST_STEPS = 10**10  # hours to days of computing: beyond, a number was mistyped
 
-What = Sequence[Body] | LinearBody | PointGap | RotatingRim
+What = Sequence[Body] | LinearBody | PointGap | RotatingRim | BeamInCircle
 Progress = Callable[[float], None]
 
 
@@ -93,9 +94,9 @@ def run(
 ) -> Result:
     """Run a scene from t = 0 to the first step at or after `t_end` [s].
 
-    `what`: bodies on one axis (Rod, PointMass, Wall), a LinearBody, a PointGap, a RotatingRim, or a Scene read from a
-    file, whose own settings these arguments override. `scheme` defaults to CentralDifference for bodies (with
-    PenaltyDifference for a Penalty law) and ExactModal otherwise; `dt` [s] or `courant` sets the step;
+    `what`: bodies on one axis (Rod, PointMass, Wall), a LinearBody, a PointGap, a RotatingRim, a BeamInCircle, or a
+    Scene read from a file, whose own settings these arguments override. `scheme` defaults to CentralDifference for
+    bodies (with PenaltyDifference for a Penalty law) and ExactModal otherwise; `dt` [s] or `courant` sets the step;
     `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done.
     `record` defaults to every step, or to as many as make 1,000,000 samples.
 
@@ -141,7 +142,7 @@ def _load_step(problem: Problem, dt: float) -> float:
     """Work of the constant loads over one step from rest, h^2 f^T M^-1 f [J]."""
     if isinstance(problem, Chain):
         return dt * dt * float(np.sum(problem.load**2 * problem.inverse_mass))
-    if isinstance(problem, RotatingRim | LinearBody):
+    if isinstance(problem, RotatingRim | LinearBody | BeamInCircle):
         return 0.0
     return dt * dt * sum(float(side.load @ side.load) for side in problem.sides if side.load is not None)
 
@@ -176,9 +177,10 @@ def _collect(
 
 def _problem(what: What, gravity: float) -> Problem:
     """Bring what was given to the form schemes take."""
-    if isinstance(what, PointGap | RotatingRim | LinearBody):
+    if isinstance(what, PointGap | RotatingRim | LinearBody | BeamInCircle):
         if gravity:
-            raise InputError("gravity: found with arrays or modal bodies, expected it as their load")
+            instead = "none" if isinstance(what, BeamInCircle) else "it as their load"
+            raise InputError(f"gravity: found {gravity:g} m/s^2 with {type(what).__name__}, expected {instead}")
         return what
     for body in what:
         if not isinstance(body, Rod | PointMass | Wall):

@@ -11,7 +11,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from contact.errors import InputError
+from contact.model.beam import BeamInCircle
 from contact.model.law import Law, Unilateral
+from contact.scheme.beam_stepper import BeamStepper, prepare_beam
 from contact.scheme.leapfrog import prepare_leapfrog
 from contact.scheme.linear_stepper import LinearStepper
 from contact.scheme.protocol import Problem
@@ -25,9 +28,15 @@ class CentralDifference:
     CentralDifference()
     """
 
-    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
+    def prepare(
+        self, problem: Problem, law: Law, *, dt: float | None, courant: float | None
+    ) -> LinearStepper | BeamStepper:
         """Check law and step; raises InputError, LimitError."""
         from contact.scheme.loop_leapfrog import FORWARD
 
+        if isinstance(problem, BeamInCircle):
+            if not isinstance(law, Unilateral):
+                raise InputError(f"law: found {law!r}, expected Unilateral() for a beam in a circle")
+            return prepare_beam(problem, dt, courant)
         words = "central difference + forward Lagrange"
         return prepare_leapfrog("CentralDifference", words, FORWARD, problem, law, (Unilateral,), dt, courant)

@@ -21,6 +21,7 @@ import numpy as np
 
 from contact.errors import InputError, LimitError
 from contact.model.arrays import require_positive
+from contact.model.beam import BeamInCircle
 from contact.model.chain import Chain
 from contact.model.gap import PointGap
 from contact.model.law import Coulomb, Law, Penalty
@@ -134,8 +135,9 @@ def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, 
 def _system(problem: Problem, modes: int) -> ModalSystem:
     if isinstance(problem, Chain):
         return point_system(chain_gap(problem, modes=modes))
-    if isinstance(problem, LinearBody):
-        raise InputError("scheme: found ExactModal for a LinearBody, expected one of the schemes on M, C, K")
+    if isinstance(problem, LinearBody | BeamInCircle):
+        name = type(problem).__name__
+        raise InputError(f"scheme: found ExactModal for {name}, expected such as CentralDifference")
     return point_system(problem) if isinstance(problem, PointGap) else rim_system(problem)
 
 

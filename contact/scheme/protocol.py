@@ -19,13 +19,14 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from contact.energy import Stored
+from contact.model.beam import BeamInCircle
 from contact.model.chain import Chain
 from contact.model.gap import PointGap, RotatingRim
 from contact.model.law import Law
 from contact.model.linear import LinearBody
 from contact.record import Samples, Tally
 
-Problem = Chain | LinearBody | PointGap | RotatingRim
+Problem = Chain | LinearBody | PointGap | RotatingRim | BeamInCircle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit
+from contact.compiled import jit_allocating
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import Array, Indices
 
@@ -78,7 +78,7 @@ def delassus_rows(W: Array) -> Array:
     return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
 
 
-@jit
+@jit_allocating
 def project(A: Array, b: Array, force: Array, y: Array) -> tuple[int, int]:
     """Fill `force` and `y` (both zero on entry); returns (SOLVED | NO_MOTION | TOO_LONG, changes)."""
     contacts, size = A.shape
@@ -137,7 +137,7 @@ def project(A: Array, b: Array, force: Array, y: Array) -> tuple[int, int]:
     return TOO_LONG, limit
 
 
-@jit
+@jit_allocating
 def most_violated(A: Array, b: Array, y: Array, lengths: Array, settled: Indices) -> int:
     """The contact, not settled, with the most negative gap beyond round-off per length of its row; -1 if none."""
     size = np.sqrt(np.dot(y, y))
@@ -150,7 +150,7 @@ def most_violated(A: Array, b: Array, y: Array, lengths: Array, settled: Indices
     return found
 
 
-@jit
+@jit_allocating
 def back_substitute(R: Array, count: int, d: Array, r: Array) -> None:
     """R r = d for the first `count` entries."""
     for k in range(count - 1, -1, -1):
@@ -160,7 +160,7 @@ def back_substitute(R: Array, count: int, d: Array, r: Array) -> None:
         r[k] = total / R[k, k]
 
 
-@jit
+@jit_allocating
 def rotate(J: Array, i: int, k: int, c: float, s: float) -> None:
     """Rows i, k of J <- (c i + s k, c k - s i)."""
     for j in range(J.shape[1]):
@@ -168,7 +168,7 @@ def rotate(J: Array, i: int, k: int, c: float, s: float) -> None:
         J[i, j], J[k, j] = c * a + s * b, c * b - s * a
 
 
-@jit
+@jit_allocating
 def enter(J: Array, R: Array, count: int, d: Array) -> None:
     """Take a row with components d = J row into the factors: turn d[count:] into one number."""
     for i in range(d.size - 1, count, -1):
@@ -181,7 +181,7 @@ def enter(J: Array, R: Array, count: int, d: Array) -> None:
         R[i, count] = d[i]
 
 
-@jit
+@jit_allocating
 def leave(J: Array, R: Array, count: int, gone: int) -> None:
     """Take column `gone` out of R and make it triangular again."""
     for k in range(gone, count - 1):
@@ -196,7 +196,7 @@ def leave(J: Array, R: Array, count: int, gone: int) -> None:
         rotate(J, k, k + 1, c, s)
 
 
-@jit
+@jit_allocating
 def polish(A: Array, b: Array, active: Indices, count: int, J: Array, R: Array, lam: Array, y: Array) -> None:
     """One correction of y and the forces: the active gaps back to zero, then forces from y anew."""
     size = y.size

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit
+from contact.compiled import jit_allocating
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import Array
 
@@ -82,7 +82,7 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
     return Friction(force=force.reshape(b.shape), motion=motion, iterations=iterations, residual=residual)
 
 
-@jit
+@jit_allocating
 def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, float]:
     """Improve `force` until F is below TOLERANCE of the largest force; returns (iterations, residual).
 
@@ -126,7 +126,7 @@ def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, 
     return MOST_ITERATIONS, found
 
 
-@jit
+@jit_allocating
 def steps_in(W: Array, dim: int, rho: Array) -> None:
     """Step lengths of each contact: 1/W_NN, 1/(largest eigenvalue of the tangential block)."""
     for k in range(rho.shape[0]):
@@ -139,7 +139,7 @@ def steps_in(W: Array, dim: int, rho: Array) -> None:
         rho[k, 1] = 1.0 / top
 
 
-@jit
+@jit_allocating
 def force_scale(b: Array, rho: Array, dim: int, force: Array) -> float:
     """The largest force there is, or that a free step's gap alone would ask for."""
     scale = 0.0
@@ -150,7 +150,7 @@ def force_scale(b: Array, rho: Array, dim: int, force: Array) -> float:
     return scale
 
 
-@jit
+@jit_allocating
 def law_residual(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array, miss: Array) -> float:
     """Fill u = W force + b and `miss` = F; returns |F|."""
     u[:] = np.dot(W, force) + b
@@ -173,7 +173,7 @@ def law_residual(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Arr
     return math.sqrt(total)
 
 
-@jit
+@jit_allocating
 def law_slope(W: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array, J: Array) -> None:
     """Fill J = dF/dforce (a member of the generalised derivative)."""
     size = force.size
@@ -214,7 +214,7 @@ def law_slope(W: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array,
             J[row, row] += 1.0
 
 
-@jit
+@jit_allocating
 def sweep(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Array) -> None:
     """One nonlinear Gauss-Seidel sweep: each contact solved exactly with the others' forces held."""
     size = force.size
@@ -232,7 +232,7 @@ def sweep(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Array) -> 
         one_contact(W, i, dim, q, mu[k], force)
 
 
-@jit
+@jit_allocating
 def one_contact(W: Array, i: int, dim: int, q: Array, mu: float, force: Array) -> None:
     """Exact force of one contact with free gap and slip q: open, sticking, or slipping.
 
@@ -263,7 +263,7 @@ def one_contact(W: Array, i: int, dim: int, q: Array, mu: float, force: Array) -
             break
 
 
-@jit
+@jit_allocating
 def slip_excess(W: Array, i: int, dim: int, q: Array, mu: float, alpha: float, force: Array) -> float:
     """Set the force of a contact that slips by alpha times its tangential force; returns |force_T| - mu force_N."""
     a, c, m = W[i + 1, i + 1] + alpha, 1.0, 0.0

@@ -1,0 +1,176 @@
+"""Hinged beam in an eccentric circle: rigid closed forms, invariants, and the flexible ring."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.record import Record, samples
+from contact.scheme.beam_implicit import prepare_beam_newmark
+from contact.scheme.beam_stepper import prepare_beam
+
+BEAM = ct.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=20)
+CIRCLE = ct.BeamInCircle(BEAM, radius=0.502, offset=6e-3)
+RING = ct.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
+
+
+def advanced(stepper, t_end, record=Record(every=1)):  # noqa: B008
+    """Run a stepper itself, to read what a Result does not carry."""
+    steps = math.ceil(t_end / stepper.dt)
+    contacts = stepper.sums.closed.size
+    out = samples(record, steps, contacts, stepper.size)
+    assert stepper.advance(out, 0, steps) == -1
+    return out, steps
+
+
+@pytest.fixture(scope="module")
+def before_and_after():
+    """An explicit run to 1.4 times the first contact."""
+    stepper = prepare_beam(CIRCLE, None, 0.5)
+    start = stepper.stored()
+    out, steps = advanced(stepper, 1.4 * CIRCLE.first_contact_time, Record(every=1, state_every=1))
+    return stepper, start, out, steps
+
+
+def test_first_contact_is_where_and_when_a_rigid_beam_meets_the_circle(before_and_after):
+    _, _, out, _ = before_and_after
+    first = int(np.flatnonzero(out.force[:, -1] > 0.0)[0])
+    tip = out.state[first].reshape(-1, 3)[-1]
+    assert math.atan2(tip[1], tip[0]) == pytest.approx(CIRCLE.first_contact_angle, rel=3e-3)
+    assert out.time[first] == pytest.approx(CIRCLE.first_contact_time, rel=3e-3)
+    assert not out.force[:first].any()
+
+
+def test_nothing_leaves_the_circle_and_only_closed_gaps_press(before_and_after):
+    stepper, _, out, _ = before_and_after
+    nodes = out.state.reshape(len(out.state), -1, 3)
+    r = np.hypot(nodes[..., 0] - CIRCLE.offset, nodes[..., 1])
+    assert r.max() <= CIRCLE.radius * (1.0 + 4e-16)
+    assert stepper.sums.residual.max() == 0.0
+    assert out.force.min() >= 0.0
+    assert out.force.max() > 0.0
+
+
+def test_energy_equals_the_work_of_the_torque_before_contact():
+    stepper = prepare_beam(CIRCLE, None, 0.2)  # the torque hits the light hinge node at once: an error of h^2
+    start = stepper.stored()
+    advanced(stepper, 0.95 * CIRCLE.first_contact_time)
+    end = stepper.stored()
+    work = start.potential - end.potential
+    assert abs(end.total - start.total) <= 1e-6 * work
+    assert end.kinetic == pytest.approx(work, rel=1e-2)  # nearly all of it
+
+
+def test_the_ledger_and_angular_momentum_balance_to_round_off(before_and_after):
+    stepper, start, _, steps = before_and_after
+    end = stepper.stored()
+    assert abs(end.discrete - start.discrete - stepper.sums.work.sum()) <= 1e-12 * end.kinetic
+    momentum, impulse = stepper.angular_momentum()
+    turned = BEAM.torque * (steps - 0.5) * stepper.dt  # the velocity stands half a step back
+    assert abs(momentum - turned - impulse) <= 1e-8 * turned
+    assert impulse < 0.0
+
+
+def test_contact_takes_energy_and_never_gives_it(before_and_after):
+    stepper = before_and_after[0]
+    assert -0.2 * stepper.stored().kinetic < stepper.sums.work.sum() < 0.0
+
+
+@pytest.mark.slow
+def test_implicit_newmark_agrees_with_the_explicit_impulse(before_and_after):
+    explicit = before_and_after[0].sums.impulse.sum()
+    stepper = prepare_beam_newmark(CIRCLE, 0.5, 0.55, 1e-4)
+    start = stepper.stored()
+    advanced(stepper, 1.4 * CIRCLE.first_contact_time)
+    end = stepper.stored()
+    assert stepper.sums.impulse.sum() == pytest.approx(explicit, rel=0.02)
+    assert abs(end.discrete - start.discrete - stepper.sums.work.sum()) <= 1e-8 * end.kinetic
+    assert stepper.sums.penetration.max() <= 1e-12
+
+
+def test_a_run_through_the_front_door_reports_it():
+    result = ct.run(CIRCLE, t_end=0.5, courant=0.5, record=ct.Record(every=1000))
+    assert len(result.intervals[-1]) > 0
+    assert result.energy.unaccounted == pytest.approx(0.0, abs=1e-12 * result.energy.scale)
+    assert result.state_of("beam 1").shape[1] == 63
+
+
+def test_ring_modes_are_those_of_a_ring_and_elements_converge_to_them():
+    free = replace(RING, k_r=0.0, k_t=0.0)
+    R, EI = RING.radius, RING.E * RING.width * RING.height**3 / 12.0
+    for n in (2, 3, 5):  # inextensional bending (Hoppe 1871)
+        bending = math.sqrt(EI / (free.line_mass * R**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1)) / (2.0 * math.pi)
+        assert free.frequencies(n)[0] == pytest.approx(bending, rel=1e-3)
+    assert free.frequencies(1)[0] == pytest.approx(0.0, abs=1e-3)
+    exact = ct.ring_modes(RING, 8)
+    errors = [np.abs(ct.ring_elements(RING, e, 8).omega[:13] / exact.omega[:13] - 1.0).max() for e in (16, 32, 64)]
+    assert errors[2] < 1e-4
+    assert errors[0] > 8.0 * errors[1] > 64.0 * errors[2]
+
+
+def test_finite_element_rows_are_those_of_the_modes():
+    exact, found = ct.ring_modes(RING, 4), ct.ring_elements(RING, 60, 4)
+    kept = found.omega < 0.9 * exact.omega[exact.omega > 5e3].min()
+    for channel in ("radial.cos2", "radial.sin3", "tangential.cos1"):
+        i = exact.channel(channel)
+        low = exact.omega < 0.9 * exact.omega[exact.omega > 5e3].min()
+        # the mobility of a channel, summed over modes: indifferent to how doublets are turned
+        ours = np.sum(found.rows[i, kept] ** 2 / found.omega[kept] ** 2)
+        assert ours == pytest.approx(np.sum(exact.rows[i, low] ** 2 / exact.omega[low] ** 2), rel=1e-3)
+
+
+def impulse(ring, t_end):
+    beam = replace(BEAM, elements=10)
+    stepper = prepare_beam(ct.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
+    start = stepper.stored()
+    advanced(stepper, t_end, Record(every=100))
+    end = stepper.stored()
+    assert abs(end.discrete - start.discrete - stepper.sums.work.sum()) <= 1e-12 * end.kinetic
+    assert stepper.sums.residual.max() <= 1e-15
+    return float(stepper.sums.impulse.sum())
+
+
+@pytest.mark.slow
+def test_modal_and_finite_element_rings_give_one_impulse():
+    t_end = 1.15 * CIRCLE.first_contact_time
+    modal = impulse(ct.ring_modes(RING, 20), t_end)
+    assert impulse(ct.ring_elements(RING, 60, 20), t_end) == pytest.approx(modal, rel=1e-2)
+
+
+@pytest.mark.slow
+def test_a_stiffening_ring_becomes_the_rigid_circle():
+    t_end = 1.15 * CIRCLE.first_contact_time
+    rigid = impulse(None, t_end)
+    gaps = [
+        abs(impulse(ct.ring_modes(replace(RING, E=E, k_r=k, k_t=k), 10), t_end) / rigid - 1.0)
+        for E, k in ((210e9, 1e6), (21e12, 1e9), (21e14, 1e12))
+    ]
+    assert gaps[0] > 3.0 * gaps[2]
+    assert gaps[2] < 0.02
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"offset": -1e-3}, "offset"),
+        ({"radius": 0.49}, "starts"),
+        ({"ring": ct.ring_modes(replace(RING, radius=0.4), 3)}, "ring"),
+        ({"ring": ct.ModalBody(omega=[1.0], zeta=[0.0], channels=("span",), rows=[[1.0]], S=[[0.0]])}, "rim"),
+    ],
+)
+def test_circles_that_cannot_be_are_refused(change, word):
+    with pytest.raises(ct.InputError, match=word):
+        replace(CIRCLE, **change)
+
+
+def test_steps_beyond_the_limit_and_meaningless_loads_are_refused():
+    with pytest.raises(ct.LimitError, match=r"dt \* omega_max"):
+        ct.run(CIRCLE, t_end=0.1, dt=1e-5)
+    with pytest.raises(ct.InputError, match="gravity"):
+        ct.run(CIRCLE, t_end=0.1, courant=0.5, gravity=9.81)
+    with pytest.raises(ct.InputError, match="elements"):
+        replace(BEAM, elements=0)
+    with pytest.raises(ct.InputError, match="flexible ring"):
+        prepare_beam_newmark(replace(CIRCLE, ring=ct.ring_modes(RING, 2)), 0.5, 0.55, 1e-4)
