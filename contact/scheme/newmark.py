@@ -15,8 +15,10 @@ from dataclasses import dataclass
 
 from contact.errors import InputError
 from contact.model.arrays import require_positive
-from contact.model.law import Law
+from contact.model.beam import BeamInCircle
+from contact.model.law import Law, Unilateral
 from contact.scheme.alpha import newmark_limit, prepare_alpha
+from contact.scheme.beam_implicit import ImplicitBeamStepper, prepare_beam_newmark
 from contact.scheme.linear_stepper import LinearStepper
 from contact.scheme.protocol import Problem
 
@@ -39,10 +41,16 @@ class Newmark:
         if not 0.5 <= self.gamma <= 1.0:
             raise InputError(f"gamma: found {self.gamma!r}, expected between 1/2 and 1: below, energy grows")
 
-    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
+    def prepare(
+        self, problem: Problem, law: Law, *, dt: float | None, courant: float | None
+    ) -> LinearStepper | ImplicitBeamStepper:
         """Check law and step; raises InputError, LimitError."""
         from contact.scheme.loop_alpha import Weights
 
+        if isinstance(problem, BeamInCircle):
+            if not isinstance(law, Unilateral):
+                raise InputError(f"law: found {law!r}, expected Unilateral() for a beam in a circle")
+            return prepare_beam_newmark(problem, self.beta, self.gamma, dt)
         words = f"Newmark ({self.beta:g}, {self.gamma:g})"
         weights = Weights(0.0, 0.0, self.beta, self.gamma)
         return prepare_alpha("Newmark", words, weights, newmark_limit(self.beta, self.gamma), problem, law, dt, courant)

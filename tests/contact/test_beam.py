@@ -173,4 +173,8 @@ def test_steps_beyond_the_limit_and_meaningless_loads_are_refused():
     with pytest.raises(ct.InputError, match="elements"):
         replace(BEAM, elements=0)
     with pytest.raises(ct.InputError, match="flexible ring"):
-        prepare_beam_newmark(replace(CIRCLE, ring=ct.ring_modes(RING, 2)), 0.5, 0.55, 1e-4)
+        ct.run(
+            replace(CIRCLE, ring=ct.ring_modes(RING, 2)), scheme=ct.Newmark(beta=0.5, gamma=0.55), t_end=0.1, dt=1e-4
+        )
+    with pytest.raises(ct.InputError, match="law"):
+        ct.run(CIRCLE, law=ct.Penalty(stiffness=1e9), scheme=ct.CentralDifference(), t_end=0.1, courant=0.5)
