@@ -19,25 +19,18 @@ class Fault(NamedTuple):
 
 CATALOGUE: Mapping[str, Fault] = MappingProxyType(
     {
-        "bolt-count": Fault(
-            "there is no such number of bolts",
-            "give the number of bolts, 1 to 1000",
-        ),
+        "bolt-count": Fault("there is no such number of bolts", "give the number of bolts, 1 to 1000"),
         "bolt-mesh": Fault(
             "elements around that do not follow the bolts see some bolts stiffer than others and split perfect pairs",
             "leave mesh.around out, or make it a multiple of the number of bolts",
         ),
-        "bolt-number": Fault(
-            "a loose bolt is named that does not exist",
-            "number the bolts from 1 to their count",
-        ),
+        "bolt-number": Fault("a loose bolt is named that does not exist", "number the bolts from 1 to their count"),
         "bolt-off-edge": Fault(
             "a bolt, with the patch it acts on, does not lie on the edge",
             "change first_angle, spacing or width, or take fewer bolts",
         ),
         "bolt-overlap": Fault(
-            "neighbouring bolts act on the same part of the edge",
-            "give a smaller width, or a larger spacing",
+            "neighbouring bolts act on the same part of the edge", "give a smaller width, or a larger spacing"
         ),
         "bolt-stiffness": Fault(
             "a bolt without stiffness, or with an impossible one, holds nothing",
@@ -143,17 +136,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the edge that contact should push is held",
             "name a free edge, or an elastic one",
         ),
-        "load-edge": Fault(
-            "a load names an edge that the chart does not have",
-            "name one of the chart's edges",
-        ),
-        "load-none": Fault(
-            "a static solution without loads is zero",
-            "give at least one load",
-        ),
+        "load-edge": Fault("a load names an edge that the chart does not have", "name one of the chart's edges"),
+        "load-none": Fault("a static solution without loads is zero", "give at least one load"),
         "load-place": Fault(
-            "a point load lies off the surface",
-            "give the two parameters of the chart, as its `bounds` have them",
+            "a point load lies off the surface", "give the two parameters of the chart, as its `bounds` have them"
         ),
         "material-density": Fault(
             "the density is not a positive finite number",
@@ -180,8 +166,7 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "give E in Pa (steel 210e9) and rho in kg/m^3 (steel 7800)",
         ),
         "meridian-arc": Fault(
-            "an arc of no length or of more than a turn",
-            "give two angles in radians, less than 2 pi apart",
+            "an arc of no length or of more than a turn", "give two angles in radians, less than 2 pi apart"
         ),
         "meridian-axis": Fault(
             "the meridian reaches the axis, where a chart of revolution ends in a pole",
@@ -207,6 +192,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "a cell is nearly folded somewhere",
             "remesh there; frequencies may still be good, compare with a finer mesh",
         ),
+        "mesh-file": Fault(
+            "a mesh file is malformed, cut short, or has what this program does not read",
+            "export it again as a flat mesh: one part, the basic coordinate system, no other files",
+        ),
         "mesh-flat-cell": Fault(
             "a cell has no volume or area",
             "delete it, or see whether its nodes were merged by mistake",
@@ -214,6 +203,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "mesh-flipped-shell": Fault(
             "neighbouring shell cells are numbered in opposite senses",
             "orient the normals alike in the mesher",
+        ),
+        "mesh-format": Fault(
+            "the ending of a mesh file is not one of those known",
+            "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX) or .bdf, .nas, .dat (Nastran)",
         ),
         "mesh-group-empty": Fault(
             "a group holds no node of a cell",
@@ -235,9 +228,16 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the nodes of a cell run round it the wrong way, its volume is negative",
             "reverse the cells' orientation in the mesher",
         ),
+        "mesh-left-out": Fault(
+            "springs, masses, ties or rigid links of a mesh file are not taken over",
+            "the body is computed without them; join parts in the mesher, give supports in the study",
+        ),
         "mesh-linear-cells": Fault(
             "linear cells lock: bending comes out too stiff",
             "use quadratic cells (order 2 in the mesher)",
+        ),
+        "mesh-loose-facets": Fault(
+            "facets of a group lie on no cell of the part", "they are left out; save the group with the part it is on"
         ),
         "mesh-low-order": Fault(
             "elements of low order lock: thin shells come out much too stiff",
@@ -250,6 +250,13 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "mesh-mechanism": Fault(
             "parts of the body move against each other without strain: they hang together by an edge or a node only",
             "join the parts over facets, or support each of them",
+        ),
+        "mesh-mixed-cells": Fault(
+            "a mesh has cells of several kinds",
+            "mesh with one kind: all quadratic tetrahedra, or all bricks with the same middle nodes",
+        ),
+        "mesh-no-cells": Fault(
+            "a mesh file holds no volume or surface cells", "export the mesh, not the geometry alone, with its volumes"
         ),
         "mesh-no-group": Fault(
             "a support or material names a group the mesh does not have",
@@ -287,6 +294,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the rows do not divide the first parameter",
             "give a whole number of at least 1, or breaks ascending from 0 to 1",
         ),
+        "mesh-scale": Fault(
+            "the scale or joining distance of a mesh is not a usable number",
+            "give scale = 1e-3 for millimetres, join = a distance in metres",
+        ),
         "mesh-scrambled-cell": Fault(
             "the nodes of a cell are in another order than the format's",
             "export again; check the order of the middle nodes",
@@ -298,6 +309,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "mesh-units": Fault(
             "the part is very large for its material",
             "if the file is in millimetres, read it with scale = 1e-3",
+        ),
+        "mesh-unsupported-cell": Fault(
+            "cells of a kind that is not supported",
+            "use tetrahedra or bricks for solids, quadrilaterals for shells",
         ),
         "modes-band": Fault(
             "a band of frequencies is no band, or a count stands beside it",
@@ -360,21 +375,16 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "hold every motion that the loads drive; where they balance, a soft elastic edge is enough",
         ),
         "strip-extent": Fault(
-            "the ends of a strip are not finite numbers in order",
-            "give start below end, in metres along the axis",
+            "the ends of a strip are not finite numbers in order", "give start below end, in metres along the axis"
         ),
         "strip-off-line": Fault(
             "a strip ends inside an element, where its jump of thickness or material would be smeared",
             "leave the mesh's rows to the program, or put a break of mesh.rows at each end of the strip",
         ),
         "strip-outside": Fault(
-            "a strip reaches beyond the ends of the shell",
-            "give start and end in metres within the chart's bounds",
+            "a strip reaches beyond the ends of the shell", "give start and end in metres within the chart's bounds"
         ),
-        "strip-overlap": Fault(
-            "two strips claim the same part of the wall",
-            "let one strip end where the next begins",
-        ),
+        "strip-overlap": Fault("two strips claim the same part of the wall", "let one strip end where the next begins"),
         "study-file": Fault(
             "the file cannot be read",
             "give the path of a text file in UTF-8",
