@@ -152,29 +152,43 @@ def coincident(mesh: MeshData) -> list[Finding]:
     return [Finding("mesh-open-seam", f"{first} coincide with another node but are not joined to it")]
 
 
-def connection(mesh: MeshData) -> list[Finding]:
-    """Cells that do not hang together, share a facet three times, or meet a neighbour's edge with a corner."""
-    found: list[Finding] = []
+def parts(mesh: MeshData) -> list[Finding]:
+    """Cells that do not hang together by common nodes."""
     cells = mesh.cells
-    owner = np.repeat(np.arange(len(cells)), cells.shape[1])
-    shape = (len(cells), len(mesh.points))
-    graph = coo_array((np.ones(cells.size), (owner, cells.ravel())), shape=shape).tocsr()
-    count, part = connected_components(graph @ graph.T, directed=False)
-    if count > 1:
-        sizes = np.sort(np.bincount(part))[::-1]
-        alone = np.flatnonzero(part != np.bincount(part).argmax())
-        found.append(Finding("mesh-parts", f"{count} parts of {', '.join(map(str, sizes[:SHOWN]))} cells, apart from "
-                             f"the largest: {cells_named(mesh, alone)}"))  # fmt: skip
+    count = len(cells)
+    owner = np.repeat(np.arange(count), cells.shape[1])
+    size = count + len(mesh.points)
+    graph = coo_array((np.ones(cells.size), (owner, count + cells.ravel())), shape=(size, size))
+    part = connected_components(graph, directed=False)[1][:count]
+    _, part = np.unique(part, return_inverse=True)
+    sizes = np.bincount(part)
+    if len(sizes) == 1:
+        return []
+    largest = ", ".join(map(str, np.sort(sizes)[::-1][:SHOWN]))
+    alone = cells_named(mesh, np.flatnonzero(part != sizes.argmax()))
+    return [Finding("mesh-parts", f"{len(sizes)} parts of {largest} cells, apart from the largest: {alone}")]
+
+
+def overlaps(mesh: MeshData) -> list[Finding]:
+    """Cells given twice, and facets (edges of shells) that more than two cells share."""
+    _, first = np.unique(np.sort(mesh.cells, axis=1), axis=0, return_index=True)
+    copies = ~np.isin(np.arange(len(mesh.cells)), first)
+    found = where("mesh-overlap", copies, lambda k: f"{cells_named(mesh, k)} with the same nodes as another")
     over = (mesh.sharing > 2).any(axis=1)
     what = "an edge" if mesh.cell_kind.dim == 2 else "a facet"
-    found += where("mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} share {what} with two others or more")
-    if mesh.cell_kind.middles:
-        corners = len(mesh.cell_kind.corners)
-        both = np.isin(cells[:, corners:], cells[:, :corners])
-        what = "use a corner of another cell as a middle node"
-        found += where("mesh-hanging-node", both.any(axis=1), lambda k: f"{cells_named(mesh, k)} {what}")
-        found += split_facets(mesh)
-    return found
+    return found or where(
+        "mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} share {what} with two others or more"
+    )
+
+
+def hanging(mesh: MeshData) -> list[Finding]:
+    """Corners that stand on a neighbour's middle node, and neighbours with a facet of other middle nodes."""
+    if not mesh.cell_kind.middles:
+        return []
+    corners = len(mesh.cell_kind.corners)
+    both = np.isin(mesh.cells[:, corners:], mesh.cells[:, :corners]).any(axis=1)
+    what = "use a corner of another cell as a middle node"
+    return [*where("mesh-hanging-node", both, lambda k: f"{cells_named(mesh, k)} {what}"), *split_facets(mesh)]
 
 
 def split_facets(mesh: MeshData) -> list[Finding]:
@@ -225,7 +239,7 @@ def linear(mesh: MeshData) -> list[Finding]:
     return []
 
 
-SCANS = (bad_cells, coincident, connection, normals)
+SCANS = (bad_cells, coincident, overlaps, hanging, normals, parts)
 DOUBTS = (orphans, slender, linear)
 
 
