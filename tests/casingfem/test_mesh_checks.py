@@ -179,7 +179,7 @@ def test_shell_cells_with_turned_normals_and_branches_are_refused():
     points = np.round(np.vstack([quads.points, fin.points]), 12)
     unique, place = np.unique(points, axis=0, return_inverse=True)
     branch = place.ravel()[np.vstack([quads.cells, fin.cells + len(quads.points)])]
-    with pytest.raises(ModelError, match="share an edge with two others or more"):
+    with pytest.raises(ModelError, match="share an edge with two or more others"):
         check_mesh(changed(quads, points=unique, cells=branch))
     bow = quads.cells.copy()
     bow[0, [1, 2]] = bow[0, [2, 1]]
