@@ -177,7 +177,7 @@ def overlaps(mesh: MeshData) -> list[Finding]:
     over = (mesh.sharing > 2).any(axis=1)
     what = "an edge" if mesh.cell_kind.dim == 2 else "a facet"
     return found or where(
-        "mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} share {what} with two others or more"
+        "mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} share {what} with two or more others"
     )
 
 
