@@ -26,6 +26,8 @@ from casingfem.structure.mesh_data import MeshData
 from casingfem.structure.mesh_support import Fixed
 from casingfem.structure.random_field import RandomField, Spectrum
 from casingfem.structure.revolved import Arc, Profile, Revolved, RevolvedPanel
+from casingfem.structure.ring import Ring
+from casingfem.structure.section import Section
 from casingfem.structure.shell import Shell
 from casingfem.structure.solid import Solid
 from casingfem.structure.static import Deflection, solve_static
@@ -72,7 +74,9 @@ __all__ = [
     "Revolved",
     "RevolvedPanel",
     "Rim",
+    "Ring",
     "SampledField",
+    "Section",
     "ShearDiaphragm",
     "Shell",
     "ShellMesh",

@@ -338,6 +338,22 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "a body that can move as a whole has no static compliance",
             "support it before reducing",
         ),
+        "ring-edge": Fault(
+            "a ring's section is placed by radius and axis, across the edge",
+            "put the ring on an edge that runs around: base, top, root or tip",
+        ),
+        "ring-offset": Fault(
+            "the place of a ring's section or foot is no pair of lengths",
+            "give (radial, axial) in metres, or leave it out",
+        ),
+        "ring-section": Fault(
+            "a ring's section has a size that is not positive and finite",
+            "give width and depth, or a diameter, in metres",
+        ),
+        "ring-support": Fault(
+            "what holds a ring must be springs: a held ring is a held edge",
+            "give the ring an elastic support, bolts or none; to clamp it, clamp the edge",
+        ),
         "shear-correction": Fault(
             "the shear correction is none of 5/6, about 1, or the thin-shell limit",
             "leave it at 5/6; give 1e6 for a wall without shear",

@@ -7,16 +7,18 @@ from typing import TypeAlias
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
 
-from casingfem.arrays import FloatArray
+from casingfem.arrays import FloatArray, IntArray
 from casingfem.modal.eigen import EigenError, gap_after
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
 from casingfem.modal.slicing import CLEAR
 from casingfem.structure.axisymmetric import HOOP, Meridian, harmonic_matrices
 from casingfem.structure.kinematics import DOFS
+from casingfem.structure.material import Material
 from casingfem.structure.mesh import Grid, make_grid
+from casingfem.structure.ring import Ring
 from casingfem.structure.shell import Shell, sampled_geometry
 
-Found: TypeAlias = tuple[float, int, bool, FloatArray]  # omega^2, n, sine member, meridian shape
+Found: TypeAlias = tuple[float, int, bool, FloatArray, FloatArray]  # omega^2, n, sine, meridian shape, rings' turns
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of `frequency_scale`
 
@@ -42,7 +44,7 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
         meridian = harmonic_matrices(shell, n)
         meridians.append(meridian)
         values, vectors = lowest(meridian, count + 1, shift)
-        found += members(n, values, meridian.expand(vectors))
+        found += members(meridian, values, vectors)
         found.sort(key=lambda item: item[:3])
         found = found[: count + 4]
         limit = found[min(count, len(found)) - 1][0]
@@ -78,15 +80,16 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
         inside = (values > low) & (values < high)
         if np.count_nonzero(inside) != end - start:
             raise EigenError(f"n = {n}: {end - start} modes lie in the band, {inside.sum()} were found")
-        found += members(n, values[inside], meridian.expand(vectors[:, inside]))
+        found += members(meridian, values[inside], vectors[:, inside])
     found.sort(key=lambda item: item[:3])
     return revolved(shell, meridians, found, len(found), len(found), started)
 
 
-def members(n: int, values: FloatArray, shapes: FloatArray) -> list[Found]:
+def members(meridian: Meridian, values: FloatArray, vectors: FloatArray) -> list[Found]:
     """The modes of one harmonic, cosine and sine where n > 0."""
-    both = (False, True) if n else (False,)
-    return [(float(v), n, sine, shapes[:, :, k]) for k, v in enumerate(values) for sine in both]
+    n, both = meridian.n, (False, True) if meridian.n else (False,)
+    shapes, own = meridian.expand(vectors), meridian.expand_own(vectors)
+    return [(float(v), n, sine, shapes[:, :, k], own[:, k]) for k, v in enumerate(values) for sine in both]
 
 
 def revolved(
@@ -97,11 +100,13 @@ def revolved(
     grid = make_grid(shell.chart, shell.mesh)
     freq = np.sqrt(np.maximum([mode[0] for mode in found], 0.0)) / (2.0 * np.pi)
     fields = np.empty((grid.nodes.shape[1], DOFS, len(found)))
-    for k, (_, n, sine, shape) in enumerate(found):
+    own = np.empty((ring_nodes(shell, grid).size, len(found)))
+    for k, (_, n, sine, shape, turns) in enumerate(found):
         fields[:, :, k] = revolve_shape(grid, shape, n, sine=sine)
+        own[:, k] = revolve_own(grid, shell, shape, turns, n, sine=sine)
     dofs = sum(len(m.free) for m in meridians)
     seconds = {"solve": time.perf_counter() - started}
-    return labelled(shell, grid, freq, fields, count=count, sturm=counted, dofs=dofs, seconds=seconds)
+    return labelled(shell, grid, freq, fields, count=count, sturm=counted, dofs=dofs, seconds=seconds, own=own)
 
 
 def harmonic_floor(shell: Shell, n: int) -> float:
@@ -117,7 +122,20 @@ def harmonic_floor(shell: Shell, n: int) -> float:
     radius = float(np.linalg.norm(at.surface.x[:2], axis=0).max())
     bending = at.E * at.thickness**2 / (12.0 * at.rho * radius**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1)
     shear = shell.shear_correction * at.E / (2.0 * (1.0 + at.nu)) * n**2 / (at.rho * radius**2)
-    return float(np.min(0.7 * bending * shear / (bending + shear)))
+    lowest = float(np.min(0.7 * bending * shear / (bending + shear)))
+    rings = [support for support in shell.supports.values() if isinstance(support, Ring)]
+    return min([lowest, *(ring_floor(ring, ring.material or shell.material, n, radius) for ring in rings)])
+
+
+def ring_floor(ring: Ring, material: Material, n: int, radius: float) -> float:
+    """The same for a ring's beam: its weaker bending, out of plane with torsion (Love), in series with shear."""
+    section, G = ring.section, material.shear_modulus
+    weak = material.E * min(section.I_r, section.I_z)
+    inertia = material.rho * section.area
+    ratio = max(1.0, weak / (G * section.J))
+    bending = weak / (inertia * radius**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + ratio)
+    shear = section.shear * G * n**2 / (material.rho * radius**2)
+    return float(0.5 * bending * shear / (bending + shear))
 
 
 def resolving(shell: Shell, n: int) -> Shell:
@@ -154,10 +172,28 @@ def revolve_shape(grid: Grid, shape: FloatArray, n: int, *, sine: bool) -> Float
     z, theta = grid.nodes
     _, row = np.unique(np.round(z / np.ptp(z), 9), return_inverse=True)
     wave = (shape * HOOP)[row] * np.exp(1j * n * theta)[:, None]
-    hoop_only = np.abs(shape[:, [1, 4]]).max() > np.abs(shape[:, [0, 2, 3]]).max()
-    part = wave.imag if sine or (n == 0 and hoop_only) else wave.real
+    part = wave.imag if sine or (n == 0 and hoop_only(shape)) else wave.real
     c, s = np.cos(theta), np.sin(theta)
     field = part.copy()
     field[:, 0] = part[:, 0] * c - part[:, 1] * s
     field[:, 1] = part[:, 0] * s + part[:, 1] * c
     return np.asarray(field / np.sqrt(2.0 * np.pi if n == 0 else np.pi))
+
+
+def hoop_only(shape: FloatArray) -> bool:
+    """Whether a meridian shape (nodes, 5) moves around alone, as torsion does at n = 0."""
+    return bool(np.abs(shape[:, [1, 4]]).max() > np.abs(shape[:, [0, 2, 3]]).max())
+
+
+def ring_nodes(shell: Shell, grid: Grid) -> IntArray:
+    """Nodes of the edges with rings, in the order of the rings' own dofs."""
+    ringed = [grid.edges[name].nodes for name, support in shell.supports.items() if isinstance(support, Ring)]
+    return np.concatenate([np.zeros(0, dtype=np.int64), *ringed])
+
+
+def revolve_own(grid: Grid, shell: Shell, shape: FloatArray, turns: FloatArray, n: int, *, sine: bool) -> FloatArray:
+    """Spread the rings' turns about the normal (rings,) around: (own,), as `revolve_shape` does the shape."""
+    nodes = ring_nodes(shell, grid)
+    wave = 1j * np.exp(1j * n * grid.nodes[1, nodes]) * np.repeat(turns, len(nodes) // max(1, len(turns)))
+    part = wave.imag if sine or (n == 0 and hoop_only(shape)) else wave.real
+    return np.asarray(part / np.sqrt(2.0 * np.pi if n == 0 else np.pi))

@@ -97,7 +97,7 @@ def families(shell: Shell, rim: Rim, meridian: Meridian) -> Iterator[tuple[list[
     unit = np.zeros((len(meridian.z) * DOFS, 2))
     unit[node * DOFS : node * DOFS + 3, 0] = meridian.turn[node][0]
     unit[node * DOFS : node * DOFS + 3, 1] = meridian.turn[node][1]
-    radial, hoop = unit[meridian.free].T
+    radial, hoop = meridian.restrict(unit).T
     if n == 0:
         yield [0, size], np.stack([radial, hoop], axis=1) / np.sqrt(2.0 * np.pi)
         return

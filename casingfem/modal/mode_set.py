@@ -123,10 +123,14 @@ class ModeSet:
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Modes(ModeSet):
-    """Modes of a shell on a chart: `fields` stand at the nodes of `grid`."""
+    """Modes of a shell on a chart: `fields` stand at the nodes of `grid`.
+
+    `own` holds the motions of the dofs that rings bring beside the nodes', turns about the wall's normal, (own, modes).
+    """
 
     shell: Shell
     grid: Grid
+    own: FloatArray
 
 
 def _number(value: float) -> float | None:
@@ -179,6 +183,7 @@ def labelled(
     sturm: int,
     dofs: int,
     seconds: dict[str, float],
+    own: FloatArray,
 ) -> Modes:
     """Label modes computed up to a clear gap, align perfect pairs, and keep the first `count`."""
     started = time.perf_counter()
@@ -187,13 +192,18 @@ def labelled(
     if shell.chart.periodic:
         nodes_around = grid.mesh.order * grid.mesh.around
         rings = ring_content(shell.chart, grid, fields, n_max=max(2, nodes_around // 3))
-    labels = make_labels(rings, freq, fields, rigid)
+    beside = np.zeros((len(own), *fields.shape[1:]))  # turned and signed together with the nodes' motions
+    beside[:, 3] = own
+    labels = make_labels(rings, freq, np.concatenate([fields, beside]), rigid)
+    own = labels.fields[len(fields) :, 3]
+    labels = labels._replace(fields=labels.fields[: len(fields)])
     kept = min(count, len(freq))
     if shell.chart.periodic:
         rings = ring_content(shell.chart, grid, labels.fields[:, :, :kept], n_max=max(2, nodes_around // 3))
     return Modes(
         shell=shell,
         grid=grid,
+        own=frozen(own[:, :kept]),
         **first_modes(freq, labels, kept),
         rigid=rigid,
         sturm_count=sturm,

@@ -113,6 +113,7 @@ def modes(
         count=wanted if isinstance(wanted, int) else len(found.eigenvalues),
         sturm=found.sturm_count,
         dofs=system.size,
+        own=system.expand_own(found.vectors),
         seconds={"assemble": assembled - started, "solve": solved - assembled},
     )
 

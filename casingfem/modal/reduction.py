@@ -126,7 +126,7 @@ def free_vectors(system: System, count: int) -> tuple[FloatArray, FloatArray]:
     found = lowest_modes(system.shell, count, method="shell", system=system)
     if found.rigid:
         raise ModelError("reduce-rigid", f"the shell has {found.rigid} rigid motions")
-    return np.asarray(system.restrict(found.fields)), found.omega  # frames are rotations: shapes turn like forces
+    return system.collect(found.fields, found.own), found.omega
 
 
 def craig_bampton_vectors(

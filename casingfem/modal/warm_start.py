@@ -54,7 +54,7 @@ def restarted_modes(shell: Shell, known: Modes, count: int, *, steps: int = STEP
     system = assemble(shell)
     assembled = time.perf_counter()
     pencil = make_pencil(system.K, system.mass)
-    start = system.restrict(known.fields) / pencil.scale[:, None]
+    start = system.collect(known.fields, known.own) / pencil.scale[:, None]
     shift = -((SHIFT * frequency_scale(shell)) ** 2)
     values, vectors = krylov_modes(pencil, start, shift, steps)
     below, sigma = gap_after(values[: count + EXTRA], count)
@@ -62,14 +62,16 @@ def restarted_modes(shell: Shell, known: Modes, count: int, *, steps: int = STEP
     if certified != below:
         raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
     solved = time.perf_counter()
+    vectors = pencil.scale[:, None] * vectors[:, :below]
     return labelled(
         shell,
         system.grid,
         np.sqrt(np.maximum(values[:below], 0.0)) / (2.0 * np.pi),
-        system.expand(pencil.scale[:, None] * vectors[:, :below]),
+        system.expand(vectors),
         count=count,
         sturm=certified,
         dofs=system.size,
+        own=system.expand_own(vectors),
         seconds={"assemble": assembled - started, "solve": solved - assembled},
     )
 

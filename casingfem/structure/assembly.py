@@ -12,11 +12,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import bsr_array, csc_array
+from scipy.sparse import block_diag, bsr_array, csc_array, diags_array, eye_array
+from scipy.sparse.linalg import splu
 
 from casingfem.arrays import Array, FloatArray, IntArray
+from casingfem.structure.diagonal_mass import diagonalised
 from casingfem.structure.edge_form import EdgeForm
-from casingfem.structure.edges import edge_stiffness
+from casingfem.structure.edges import edge_forms
 from casingfem.structure.element import ElementQuadLobatto, lobatto
 from casingfem.structure.kinematics import DOFS, STRAINS, dot, frame, strain_slots
 from casingfem.structure.mesh import Grid, make_grid
@@ -40,9 +42,14 @@ class System:
     mass
         The diagonal of M, (free,).
     free
-        Numbers of the free dofs among 5 * nodes.
+        Numbers of the free dofs among 5 * nodes and those that rings bring after them.
     frames
         Rotation of the dofs at nodes held in an edge's frame, (nodes, 5, 5); identity elsewhere.
+    change
+        What makes M diagonal where rings or masses couple it: the free dofs are change @ those of K and `mass`,
+        (free, free); None where nothing is coupled.
+    own
+        Number of dofs that rings bring: turns about the normal at the nodes of their edges.
     """
 
     shell: Shell
@@ -51,6 +58,8 @@ class System:
     mass: FloatArray
     free: IntArray
     frames: FloatArray
+    change: csc_array | None = None
+    own: int = 0
 
     @property
     def size(self) -> int:
@@ -64,15 +73,29 @@ class System:
 
     def expand(self, vectors: Array) -> Array:
         """Free dofs (free, columns) -> nodal fields in Cartesian axes, (nodes, 5, columns)."""
-        full = np.zeros((len(self.frames) * DOFS, vectors.shape[1]), dtype=vectors.dtype)
-        full[self.free] = vectors
-        fields = full.reshape(len(self.frames), DOFS, -1)
+        fields = self._spread(vectors)[: len(self.frames) * DOFS].reshape(len(self.frames), DOFS, -1)
         return np.asarray(np.einsum("nij,njk->nik", self.frames, fields))
+
+    def expand_own(self, vectors: Array) -> Array:
+        """Free dofs (free, columns) -> the rings' own dofs, (own, columns)."""
+        return self._spread(vectors)[len(self.frames) * DOFS :]
 
     def restrict(self, forces: Array) -> Array:
         """Nodal forces in Cartesian axes (nodes, 5, columns) -> work-conjugate free dofs (free, columns)."""
-        turned = np.einsum("nji,njk->nik", self.frames, forces)
-        return np.asarray(turned.reshape(len(self.frames) * DOFS, -1)[self.free])
+        turned = np.einsum("nji,njk->nik", self.frames, forces).reshape(len(self.frames) * DOFS, -1)
+        felt = np.vstack([turned, np.zeros((self.own, turned.shape[1]))])[self.free]
+        return np.asarray(felt if self.change is None else self.change.T @ felt)
+
+    def collect(self, fields: Array, own: Array) -> Array:
+        """Back from `expand` and `expand_own`: motions (nodes, 5, columns), (own, columns) -> (free, columns)."""
+        turned = np.einsum("nji,njk->nik", self.frames, fields).reshape(len(self.frames) * DOFS, -1)
+        motions = np.vstack([turned, own])[self.free]
+        return np.asarray(motions if self.change is None else splu(self.change).solve(motions))
+
+    def _spread(self, vectors: Array) -> Array:
+        full = np.zeros((len(self.frames) * DOFS + self.own, vectors.shape[1]), dtype=vectors.dtype)
+        full[self.free] = vectors if self.change is None else self.change @ vectors
+        return full
 
 
 def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
@@ -165,13 +188,13 @@ def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
     return np.flatnonzero(~held.ravel()), frames
 
 
-def on_free(form: EdgeForm, frames: FloatArray, free: IntArray) -> csc_array:
-    """What stands on an edge, on the free dofs and in the nodal frames."""
-    matrix = form.matrix(len(frames) * DOFS)
-    turned = np.flatnonzero(np.any(frames != np.eye(DOFS), axis=(1, 2)))
-    if len(turned):
-        nodes = np.arange(len(frames) + 1)
-        turn = bsr_array((frames, nodes[:-1], nodes), shape=matrix.shape).tocsc()
+def on_free(forms: list[EdgeForm], frames: FloatArray, free: IntArray, own: int) -> csc_array:
+    """What stands on the edges, on the free dofs and in the nodal frames."""
+    nodes = np.arange(len(frames) + 1)
+    size = len(frames) * DOFS + own
+    matrix = sum((form.matrix(size) for form in forms), start=csc_array((size, size)))
+    if np.any(frames != np.eye(DOFS)):
+        turn = block_diag([bsr_array((frames, nodes[:-1], nodes)), eye_array(own)], format="csc")
         matrix = turn.T @ matrix @ turn
     return csc_array(matrix[free][:, free])
 
@@ -204,7 +227,14 @@ def assemble(shell: Shell) -> System:
     grid = make_grid(shell.chart, shell.mesh)
     free, frames = held_dofs(shell, grid)
     K = scatter_elements(element_matrices(shell, grid), grid, frames, free)
-    for form in edge_stiffness(shell, grid):
-        K = K + on_free(form, frames, free)
     mass = np.repeat(nodal_mass(shell, grid), (3, 2), axis=1).ravel()[free]
-    return System(shell=shell, grid=grid, K=K, mass=mass, free=free, frames=frames)
+    forms = edge_forms(shell, grid)
+    free = np.append(free, len(frames) * DOFS + np.arange(forms.own))
+    K.resize(len(free), len(free))
+    K = K + on_free(forms.stiffness, frames, free, forms.own)
+    change = None
+    if forms.mass:
+        lumped = diags_array(np.append(mass, np.zeros(forms.own)))
+        mass, change = diagonalised(csc_array(lumped + on_free(forms.mass, frames, free, forms.own)))
+        K = csc_array(change.T @ K @ change)
+    return System(shell=shell, grid=grid, K=K, mass=mass, free=free, frames=frames, change=change, own=forms.own)

@@ -9,13 +9,16 @@ path where nothing varies around.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from casingfem.arrays import FloatArray, IntArray
 from casingfem.errors import ModelError
 from casingfem.structure.assembly import edge_rotation
-from casingfem.structure.edges import harmonic_stiffness
+from casingfem.structure.diagonal_mass import diagonalised
+from casingfem.structure.edges import harmonic_forms
 from casingfem.structure.element import gauss, lagrange, lobatto
 from casingfem.structure.kinematics import DOFS, STRAINS, frame, strain_slots
+from casingfem.structure.ring import Ring
 from casingfem.structure.shell import Shell
 from casingfem.structure.strains import constitutive
 
@@ -29,7 +32,9 @@ class Meridian:
     """Matrices of one harmonic on the free dofs of a meridian.
 
     K is (free, free), `mass` its diagonal mass (free,), both per unit angle; `free` numbers the dofs among
-    5 * nodes; `z` holds the nodes; `turn` the (nodes, 3, 3) frames of edges held in their own frame.
+    5 * nodes and the rings' own after them; `z` holds the nodes; `turn` the (nodes, 3, 3) frames of edges held in
+    their own frame; the free dofs are change @ those of K and mass, (free, free), where rings couple M; `own` counts
+    the rings' turns about the normal, one a ring in the order of the supports.
     """
 
     n: int
@@ -38,17 +43,31 @@ class Meridian:
     free: IntArray
     z: FloatArray
     turn: FloatArray
+    change: FloatArray
+    own: int = 0
 
     def expand(self, vectors: FloatArray) -> FloatArray:
         """Free dofs (free, modes) -> (nodes, 5, modes): u_r, u_theta, u_z, w_1, w_2 amplitudes.
 
         The motion is (u_r, -u_theta, u_z, w_1, -w_2) times (cos, sin, cos, cos, sin) of n theta.
         """
-        full = np.zeros((len(self.z) * DOFS, vectors.shape[1]))
-        full[self.free] = vectors
-        fields = full.reshape(len(self.z), DOFS, -1)
+        fields = self._spread(vectors)[: len(self.z) * DOFS].reshape(len(self.z), DOFS, -1)
         fields[:, :3] = np.einsum("nij,njk->nik", self.turn, fields[:, :3])
         return fields
+
+    def expand_own(self, vectors: FloatArray) -> FloatArray:
+        """Free dofs (free, modes) -> turns about the normal at the rings, (own, modes), in quadrature like u_theta."""
+        return self._spread(vectors)[len(self.z) * DOFS :]
+
+    def restrict(self, forces: FloatArray) -> FloatArray:
+        """Nodal forces (5 nodes, columns), in the frames -> work-conjugate free dofs (free, columns)."""
+        felt = np.vstack([forces, np.zeros((self.own, forces.shape[1]))])[self.free]
+        return np.asarray(self.change.T @ felt)
+
+    def _spread(self, vectors: FloatArray) -> FloatArray:
+        full = np.zeros((len(self.z) * DOFS + self.own, vectors.shape[1]))
+        full[self.free] = self.change @ vectors
+        return full
 
 
 def harmonic_matrices(shell: Shell, n: int) -> Meridian:
@@ -98,17 +117,28 @@ def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, inertia: Float
     """Add springs, turn edges into their frames, and leave out what is held."""
     turn = np.tile(np.eye(3), (len(z), 1, 1))
     held = np.zeros((len(z), DOFS), dtype=bool)
+    own = sum(isinstance(support, Ring) for support in shell.supports.values())
+    last = len(K)
+    K, M = np.pad(K, (0, own)), np.diag(np.append(inertia.ravel(), np.zeros(own)))
     for name, support in shell.supports.items():
         node = 0 if shell.chart.edges[name][1] == 0 else len(z) - 1
-        dofs = slice(node * DOFS, node * DOFS + DOFS)
-        K[dofs, dofs] += harmonic_stiffness(shell, name, z[node : node + 1])
+        stiffness, mass = harmonic_forms(shell, name, n, z[node : node + 1])
+        dofs = np.arange(node * DOFS, node * DOFS + DOFS)
+        if isinstance(support, Ring):
+            dofs, last = np.append(dofs, last), last + 1
+        K[np.ix_(dofs, dofs)] += stiffness
+        M[np.ix_(dofs, dofs)] += mass
         if support.frame == "edge":
             turn[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0, :3, :3]
         held[node, list(support.held)] = True
     for turned in np.flatnonzero(np.any(turn != np.eye(3), axis=(1, 2))).tolist():
-        dofs = slice(turned * DOFS, turned * DOFS + 3)
+        part = slice(turned * DOFS, turned * DOFS + 3)
         # across and normal lie in the meridian plane, along is the hoop direction: K stays real
-        K[dofs] = turn[turned].T @ K[dofs]
-        K[:, dofs] = K[:, dofs] @ turn[turned]
-    free = np.flatnonzero(~held.ravel())
-    return Meridian(n=n, K=K[np.ix_(free, free)], mass=inertia.ravel()[free], free=free, z=z, turn=turn)
+        K[part] = turn[turned].T @ K[part]
+        K[:, part] = K[:, part] @ turn[turned]
+    free = np.append(np.flatnonzero(~held.ravel()), np.arange(last - own, last))
+    mass, change = diagonalised(csc_array(M[np.ix_(free, free)]))
+    change = change.toarray()
+    return Meridian(
+        n=n, K=change.T @ K[np.ix_(free, free)] @ change, mass=mass, free=free, z=z, turn=turn, change=change, own=own
+    )

@@ -7,7 +7,7 @@ pass. Supports see an edge as an `EdgeLine` and answer with `PointSprings`.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, Self, runtime_checkable
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array
@@ -94,6 +94,19 @@ class Sprung(Protocol):
 
     def springs(self, line: EdgeLine) -> PointSprings:
         """The springs on an edge."""
+        ...
+
+
+@runtime_checkable
+class Numbered(Sprung, Protocol):
+    """A sprung support that knows its own numbers by path, for updating; KeyError where it has none."""
+
+    def number(self, path: tuple[str, ...]) -> Any:
+        """The number at a path."""
+        ...
+
+    def with_number(self, path: tuple[str, ...], value: Any) -> Self:
+        """The same support with that number replaced."""
         ...
 
 

@@ -1,12 +1,24 @@
 """What a shell carries on its edges, as quadratic forms over its dofs."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from casingfem.arrays import Array
+from casingfem.arrays import Array, IntArray
 from casingfem.structure.edge_form import EdgeForm, EdgeLine, LineFrame, Sprung, single_place, spring_form
-from casingfem.structure.kinematics import dot
+from casingfem.structure.kinematics import DOFS, dot
 from casingfem.structure.mesh import Grid, edge_breaks, rim_values
+from casingfem.structure.ring import Ring
+from casingfem.structure.ring_form import foothold_form, harmonic_ring, ring_forms
 from casingfem.structure.shell import Shell
+
+
+class EdgeForms(NamedTuple):
+    """What stands on the edges: forms of stiffness and mass, and how many dofs of its own it brings."""
+
+    stiffness: list[EdgeForm]
+    mass: list[EdgeForm]
+    own: int
 
 
 def edge_line(shell: Shell, grid: Grid, name: str) -> EdgeLine:
@@ -41,19 +53,53 @@ def line_frame(shell: Shell, along: int, a: Array, b: Array, inside: Array | Non
     )
 
 
-def edge_stiffness(shell: Shell, grid: Grid) -> list[EdgeForm]:
-    """Stiffness of all that stands on the edges, held dofs included."""
-    return [
-        spring_form(support.springs(edge_line(shell, grid, name)))
+def edge_forms(shell: Shell, grid: Grid) -> EdgeForms:
+    """Stiffness and mass of all that stands on the edges, held dofs included."""
+    own = own_dofs(shell, grid)
+    rings = [
+        ring_forms(shell, grid, name, support, own[name])
         for name, support in shell.supports.items()
-        if isinstance(support, Sprung)
+        if isinstance(support, Ring)
     ]
+    return EdgeForms(
+        stiffness=[beam for beam, _ in rings] + holding_forms(shell, grid),
+        mass=[inertia for _, inertia in rings],
+        own=sum(map(len, own.values())),
+    )
 
 
-def harmonic_stiffness(shell: Shell, name: str, z: Array) -> Array:
-    """The same of one edge of a perfect casing, per unit angle, on the five dofs of its node at z (1,)."""
+def holding_forms(shell: Shell, grid: Grid) -> list[EdgeForm]:
+    """The springs that hold the edges from outside, those under rings included."""
+    own = own_dofs(shell, grid)
+    forms = []
+    for name, support in shell.supports.items():
+        line = edge_line(shell, grid, name)
+        if isinstance(support, Ring):
+            if support.support is not None:
+                forms.append(foothold_form(shell, grid, name, support, own[name], line))
+        elif isinstance(support, Sprung):
+            forms.append(spring_form(support.springs(line)))
+    return forms
+
+
+def own_dofs(shell: Shell, grid: Grid) -> dict[str, IntArray]:
+    """Numbers of the rings' own dofs, one for each node of their edges, after those of all nodes."""
+    first, own = grid.nodes.shape[1] * DOFS, {}
+    for name, support in shell.supports.items():
+        if isinstance(support, Ring):
+            own[name] = first + np.arange(len(grid.edges[name].nodes))
+            first += len(own[name])
+    return own
+
+
+def harmonic_forms(shell: Shell, name: str, n: int, z: Array) -> tuple[Array, Array]:
+    """Stiffness and mass of what stands on one edge of a perfect casing, n nodal diameters, per unit angle.
+
+    On the dofs of the edge's node at z (1,): (5, 5), or (6, 6) with a ring, the turn about the normal last.
+    """
     support = shell.supports[name]
-    if not isinstance(support, Sprung):
-        return np.zeros((5, 5))
     line = single_place(line_frame(shell, 1, z, np.zeros(1)))
-    return np.asarray(spring_form(support.springs(line)).D[0])
+    if isinstance(support, Ring):
+        return harmonic_ring(shell, name, support, n, z, line)
+    springs = spring_form(support.springs(line)).D[0] if isinstance(support, Sprung) else np.zeros((DOFS, DOFS))
+    return springs, np.zeros((DOFS, DOFS))

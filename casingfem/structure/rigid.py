@@ -8,7 +8,8 @@ import numpy as np
 
 from casingfem.arrays import FloatArray
 from casingfem.structure.assembly import held_dofs, nodal_mass
-from casingfem.structure.edges import edge_stiffness
+from casingfem.structure.curved_beam import skew
+from casingfem.structure.edges import holding_forms, own_dofs
 from casingfem.structure.kinematics import DOFS, frame
 from casingfem.structure.mesh import Grid
 from casingfem.structure.mesh_assembly import rigid_motions
@@ -43,13 +44,23 @@ def free_motions(shell: Shell, grid: Grid) -> FloatArray:
     free, frames = held_dofs(shell, grid)
     moved = np.einsum("nji,njk->nik", frames, fields).reshape(-1, 6)
     moved[free] = 0.0
-    reactions = [
-        moved.T @ moved,
-        *(np.real(form.product(fields.reshape(-1, 6))) for form in edge_stiffness(shell, grid)),
-    ]
+    motions = np.vstack([fields.reshape(-1, 6), ring_turns(shell, grid, fields)])
+    reactions = [moved.T @ moved, *(np.real(form.product(motions)) for form in holding_forms(shell, grid))]
     total = sum((R / np.trace(R) for R in reactions if np.trace(R) > 0.0), np.zeros((6, 6)))
-    size, motions = np.linalg.eigh(total)
-    return np.asarray(fields @ motions[:, size <= STILL])
+    size, shares = np.linalg.eigh(total)
+    return np.asarray(fields @ shares[:, size <= STILL])
+
+
+def ring_turns(shell: Shell, grid: Grid, fields: FloatArray) -> FloatArray:
+    """The rings' own dofs in rigid motions (nodes, 5, columns): their rotation about the wall's normal, (own, columns)."""
+    edges = [grid.edges[name].nodes for name in own_dofs(shell, grid)]
+    if not edges:
+        return np.zeros((0, fields.shape[2]))
+    surface = shell.geometry(*grid.nodes).surface
+    x, normal = surface.x.T, frame(surface).normal.T
+    motion = np.concatenate([np.tile(np.eye(3), (len(x), 1, 1)), -skew(x)], axis=2).reshape(-1, 6)  # u = a + phi x x
+    shift_and_turn = np.linalg.lstsq(motion, fields[:, :3].reshape(len(motion), -1), rcond=None)[0]
+    return np.asarray(normal[np.concatenate(edges)] @ shift_and_turn[3:])
 
 
 def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray) -> int:

@@ -18,10 +18,11 @@ from casingfem.structure.field import Field, relative
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.random_field import typical
+from casingfem.structure.ring import Ring
 from casingfem.structure.strip import Strip, breaks_between, check_strips, spread
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
+from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry, grip
 
-SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bolts)
+SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bolts, Ring)
 DEFECTS = ("radius", "thickness", "modulus", "density")  # quantity -> Shell.<quantity>_defect
 
 
@@ -65,7 +66,7 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     whole = period * -(-around // period) if period > 1 else 0
     if 4.4 * lowest < whole <= 1.25 * around:  # what symmetry forbids to split, the mesh leaves whole
         around = whole
-    bolted = {edge: support.count for edge, support in shell.supports.items() if isinstance(support, Bolts)}
+    bolted = {edge: support.count for edge, support in grips(shell).items() if isinstance(support, Bolts)}
     if bolted:
         around = following(around, int(np.lcm.reduce(list(bolted.values()))))
     held = {shell.chart.edges[edge] for edge in shell.supports.keys() - bolted.keys()}
@@ -99,6 +100,11 @@ def sampled_geometry(shell: "Shell", around: int) -> ShellGeometry:
     return shell.geometry(along[:, :, None], np.linspace(b0, b1, around), middle[:, None, None])
 
 
+def grips(shell: "Shell") -> dict[str, object]:
+    """Edge -> what holds it from outside, a ring's own support under a ring."""
+    return {edge: grip(support) for edge, support in shell.supports.items()}
+
+
 def field_samples(defect: Field) -> int:
     """Points around that show a field whole: four a wave of its highest harmonic, where it says which."""
     return 4 * max(64, 1 + int(getattr(defect, "max_harmonic", None) or 0))
@@ -116,11 +122,11 @@ def harmonic_amplitudes(shell: "Shell", defect: Field) -> Array:
 def around_period(shell: "Shell", floor: float = 1e-3) -> int:
     """The greatest common divisor of all that varies around: a mesh of as many elements shares its symmetry."""
     period = 0
-    springs = [s.patterns.values() for s in shell.supports.values() if isinstance(s, ElasticEdge)]
+    springs = [s.patterns.values() for s in grips(shell).values() if isinstance(s, ElasticEdge)]
     for defect in (*shell.defects.values(), *chain.from_iterable(springs)):
         amplitude = harmonic_amplitudes(shell, defect)
         period = int(np.gcd.reduce([period, *(1 + np.flatnonzero(amplitude > floor * amplitude.max())).tolist()]))
-    for support in shell.supports.values():
+    for support in grips(shell).values():
         if isinstance(support, Bolts):
             period = int(np.gcd(period, support.period))
     return period
@@ -202,10 +208,13 @@ class Shell:
                     f"support.{edge}: expected {', '.join(kind.__name__ for kind in SUPPORTS)}, "
                     f"found {type(support).__name__}",
                 )
-            if isinstance(support, Bolts):
-                held, _ = known[edge]
+            held, _ = known[edge]
+            if isinstance(support, Ring) and held != 0:
+                raise ModelError("ring-edge", f"support.{edge}: a ring on an edge that runs along the axis")
+            holding = grip(support)
+            if isinstance(holding, Bolts):
                 low, high = (float(np.real(end)) for end in self.chart.bounds[1 - held])
-                support.require_on((low, high), self.chart.periodic and held == 0, edge)
+                holding.require_on((low, high), self.chart.periodic and held == 0, edge)
         object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
         object.__setattr__(self, "strips", tuple(self.strips))
         ends = self.chart.bounds[0]
@@ -215,17 +224,19 @@ class Shell:
         check_strips(self.strips, ends, ends[0] + (ends[1] - ends[0]) * self.mesh.breaks)
         for quantity, defect in self.defects.items():
             self._check_field(f"{quantity}_defect", defect)
-        for edge, support in self.supports.items():
-            if isinstance(support, ElasticEdge) and support.patterns:
-                self._check_springs(edge, support)
-            if isinstance(support, Bolts) and self.chart.periodic:
-                self._check_bolt_mesh(edge, support)
+        for edge, holding in grips(self).items():
+            if isinstance(holding, ElasticEdge) and holding.patterns:
+                self._check_springs(edge, holding)
+            if isinstance(holding, Bolts) and self.chart.periodic:
+                self._check_bolt_mesh(edge, holding)
 
     def _check_bolt_mesh(self, edge: str, bolts: Bolts) -> None:
         if self.mesh.around == following(self.mesh.around, bolts.count):
             return
-        wall, steel = float(np.real(self.thickness)), self.material
-        ratio = springs_per_wave(bolts, float(np.real(steel.E)), float(np.real(steel.nu)), wall)
+        wall, steel = self.thickness, self.material
+        if isinstance(ring := self.supports[edge], Ring):
+            wall, steel = ring.section.width, ring.material or steel
+        ratio = springs_per_wave(bolts, float(np.real(steel.E)), float(np.real(steel.nu)), float(np.real(wall)))
         split = spurious_split(bolts, self.mesh, ratio)
         if split > SEEN:
             doubt(
@@ -271,7 +282,7 @@ class Shell:
     @property
     def axisymmetric(self) -> bool:
         """Whether nothing varies around: no fields, and springs equal all along their edges."""
-        even = all(support.uniform for support in self.supports.values() if isinstance(support, Sprung))
+        even = all(support.uniform for support in self.supports.values() if isinstance(support, Sprung | Ring))
         return self.chart.periodic and even and not self.defects
 
     @property

@@ -16,6 +16,7 @@ from casingfem.errors import ModelError
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.edge_form import EdgeLine, PointSprings, along_springs
 from casingfem.structure.field import Field, relative
+from casingfem.structure.ring import Ring
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,4 +151,9 @@ class ElasticEdge:
         return blocks, k_rot + face * thickness**3 / 12.0
 
 
-Support: TypeAlias = Clamped | ShearDiaphragm | Symmetry | ElasticEdge | Bolts
+Support: TypeAlias = Clamped | ShearDiaphragm | Symmetry | ElasticEdge | Bolts | Ring
+
+
+def grip(support: object) -> object:
+    """What holds the structure from outside: a ring's own support under a ring, else the support itself."""
+    return support.support if isinstance(support, Ring) else support

@@ -98,7 +98,7 @@ def test_scaling_laws_hold_to_round_off(casing, frustum):
 
 
 def test_products_at_the_point_itself_are_the_eigenvalues(casing, solved):
-    products = modal_products(casing, point_fields(casing, solved.grid, solved.fields))
+    products = modal_products(casing, point_fields(casing, solved.grid, solved.fields, solved.own))
     scale = solved.omega[-1] ** 2
     np.testing.assert_allclose(products.K / scale, np.diag(solved.omega**2) / scale, atol=1e-9)
     np.testing.assert_allclose(products.M, np.eye(COUNT), atol=1e-10)

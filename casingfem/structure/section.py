@@ -1,0 +1,85 @@
+"""Sections of beams: area, moments, torsion and shear of a rectangle or a circle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.errors import ModelError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """Section of a ring: radial width and axial depth [m] outside, area [m^2] and second moments [m^4].
+
+    I_r is about the radial axis (bending out of the ring's plane), I_z about the axial one (bending in its plane),
+    J the torsion constant, `shear` the factor of the shear area.
+
+    Raises
+    ------
+    ModelError
+        ring-section: a value that is not positive and finite.
+
+    >>> square = Section.rectangle(width=0.04, depth=0.04)
+    >>> round(square.J / 0.04**4, 6)
+    0.140577
+    """
+
+    width: float
+    depth: float
+    area: float
+    I_r: float
+    I_z: float
+    J: float
+    shear: float = 5.0 / 6.0
+
+    def __post_init__(self) -> None:
+        for name in ("width", "depth", "area", "I_r", "I_z", "J", "shear"):
+            value = np.real(getattr(self, name))
+            if not (np.isfinite(value) and value > 0.0):
+                raise ModelError("ring-section", f"section.{name} must be positive and finite, found {value!r}")
+
+    @classmethod
+    def rectangle(cls, *, width: float, depth: float) -> "Section":
+        """A solid rectangle.
+
+        J = a b^3 (1/3 - 64/pi^5 (b/a) sum over odd n of tanh(n pi a/(2 b))/n^5) with b <= a (Timoshenko & Goodier,
+        Theory of Elasticity, art. 109).
+        """
+        check_sides(width=width, depth=depth)
+        a, b = (width, depth) if np.real(width) >= np.real(depth) else (depth, width)
+        n = np.arange(1, 40, 2)
+        torsion = 1.0 / 3.0 - 64.0 / np.pi**5 * b / a * np.sum(np.tanh(0.5 * n * np.pi * a / b) / n**5)
+        return cls(
+            width=width,
+            depth=depth,
+            area=width * depth,
+            I_r=width * depth**3 / 12.0,
+            I_z=depth * width**3 / 12.0,
+            J=a * b**3 * torsion,
+        )
+
+    @classmethod
+    def circle(cls, *, diameter: float) -> "Section":
+        """A solid circle; shear factor .9.
+
+        >>> round(Section.circle(diameter=0.1).area, 6)
+        0.007854
+        """
+        check_sides(diameter=diameter)
+        inertia = np.pi * diameter**4 / 64.0
+        return cls(
+            width=diameter,
+            depth=diameter,
+            area=np.pi * diameter**2 / 4.0,
+            I_r=inertia,
+            I_z=inertia,
+            J=2.0 * inertia,
+            shear=0.9,
+        )
+
+
+def check_sides(**sides: float) -> None:
+    """Refuse lengths that are not positive and finite."""
+    for name, value in sides.items():
+        if not (np.isfinite(np.real(value)) and np.real(value) > 0.0):
+            raise ModelError("ring-section", f"section.{name} must be positive and finite, found {value!r}")
