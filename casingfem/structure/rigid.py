@@ -52,7 +52,7 @@ def free_motions(shell: Shell, grid: Grid) -> FloatArray:
 
 
 def ring_turns(shell: Shell, grid: Grid, fields: FloatArray) -> FloatArray:
-    """The rings' own dofs in rigid motions (nodes, 5, columns): their rotation about the wall's normal, (own, columns)."""
+    """The rings' own dofs in rigid motions (nodes, 5, columns): turns about the normal, (own, columns)."""
     edges = [grid.edges[name].nodes for name in own_dofs(shell, grid)]
     if not edges:
         return np.zeros((0, fields.shape[2]))
