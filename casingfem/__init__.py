@@ -16,6 +16,7 @@ from casingfem.modal.mistuning import Mistuning, mistune
 from casingfem.modal.modes import MeshModes, Modes, modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.assembly import System, assemble
+from casingfem.structure.blade import Blade
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.field import Field, FourierField, SumField
@@ -34,6 +35,7 @@ from casingfem.structure.static import Deflection, solve_static
 from casingfem.structure.strip import Strip
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
 from casingfem.structure.survey import SampledField, SurveyError
+from casingfem.structure.taper import Taper
 from casingfem.structure.twisted import TwistedPlate
 from casingfem.updating.parameters import Parameter, ParameterError
 from casingfem.updating.result import UpdateResult
@@ -42,6 +44,7 @@ from casingfem.updating.updating import UpdateError, update
 __all__ = [
     "Arc",
     "BasisError",
+    "Blade",
     "Bolts",
     "Chart",
     "Clamped",
@@ -89,6 +92,7 @@ __all__ = [
     "Symmetry",
     "System",
     "TableError",
+    "Taper",
     "Tip",
     "TwistedPlate",
     "UpdateError",

@@ -19,6 +19,10 @@ class Fault(NamedTuple):
 
 CATALOGUE: Mapping[str, Fault] = MappingProxyType(
     {
+        "blade-shape": Fault(
+            "the sections of a blade have no chord somewhere, or close on themselves",
+            "keep the chord above 0 and the camber below 2 pi rad from root to tip",
+        ),
         "bolt-count": Fault("there is no such number of bolts", "give the number of bolts, 1 to 1000"),
         "bolt-mesh": Fault(
             "elements around that do not follow the bolts see some bolts stiffer than others and split perfect pairs",
@@ -135,6 +139,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "interface-held": Fault(
             "the edge that contact should push is held",
             "name a free edge, or an elastic one",
+        ),
+        "law-stations": Fault(
+            "a law from root to tip is neither a number nor a list of them",
+            "give one number, or 2 to 8 finite values at equally spaced stations, the root's first",
         ),
         "load-edge": Fault("a load names an edge that the chart does not have", "name one of the chart's edges"),
         "load-none": Fault("a static solution without loads is zero", "give at least one load"),
@@ -452,6 +460,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "survey-quantity": Fault(
             "the survey is of another quantity",
             "let `of` name what was surveyed",
+        ),
+        "taper-thickness": Fault(
+            "the law of the thickness leaves no wall somewhere",
+            "keep the polynomial through the stations above 0",
         ),
     }
 )

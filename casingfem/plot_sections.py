@@ -16,6 +16,8 @@ from casingfem.study import Study
 
 UNITS = {
     "angle": "rad",
+    "twist": "rad",
+    "camber": "rad",
     "k_r": "N/m²",
     "k_theta": "N/m²",
     "k_z": "N/m²",
@@ -44,6 +46,8 @@ def structure_rows(shell: Shell) -> tuple[tuple[Cell, ...], ...]:
     rows.append(("thickness", f"{shell.thickness:.6g} m"))
     rows.append(("material", f"E = {shell.material.E:.6g} Pa, nu = {shell.material.nu:g}, "
                  f"rho = {shell.material.rho:.6g} kg/m³"))  # fmt: skip
+    if shell.taper is not None:
+        rows.append(("taper", f"factors along {shell.taper.along}, across {shell.taper.across}"))
     for k, strip in enumerate(shell.strips):
         own = "" if strip.material is None else f"; {values_of(strip.material)}"
         text = f"from {strip.start:g} to {strip.end:g} m: {strip.thickness:.6g} m{own}"
@@ -63,6 +67,8 @@ def values_of(owner: object) -> str:
         return repr(owner)
     numbers = {f.name: getattr(owner, f.name) for f in fields(owner)}
     plain = [f"{k} = {v:g} {UNITS.get(k, 'm')}" for k, v in numbers.items() if isinstance(v, int | float) and v != 0.0]
+    laws = {k: ", ".join(f"{station:g}" for station in v) for k, v in numbers.items() if isinstance(v, tuple)}
+    plain += [f"{k} = ({law}) {UNITS.get(k, 'm')}" for k, law in laws.items()]
     if isinstance(owner, ElasticEdge) and owner.patterns:
         shared = not isinstance(owner.around, Mapping)
         patterns = {"around": owner.pattern("k_face")} if shared else owner.patterns

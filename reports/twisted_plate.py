@@ -10,16 +10,15 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.linalg import eigh
 
 from casingfem.arrays import FloatArray
 from casingfem.modal.modes import modes
-from casingfem.structure.element import lagrange, lobatto
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped
 from casingfem.structure.twisted import TwistedPlate
+from reports.spectral_solid import solid_modes, unit_cube
 from reports.tables import DATA, Row, command_line, show, write
 
 REFERENCE = DATA / "reference" / "twisted_plate_3d.csv"
@@ -62,36 +61,13 @@ def solid(
     X = (x, y c - z s, y s + z c) with turned sections, X = (x, y c, y s) + z n along the normal, where z spans the
     section's thickness times (1 + (rate y)^2)^(-1/2), as the shell has it.
     """
-    rules = [lobatto(order) for order in orders]
-    units = [np.eye(order + 1) for order in orders]
-    slopes = [lagrange(order, rule[0])[1].T for order, rule in zip(orders, rules, strict=True)]
-    gradient = [
-        np.kron(np.kron(*(slopes[j] if j == k else units[j] for j in (0, 1))), slopes[2] if k == 2 else units[2])
-        for k in range(3)
-    ]
-    scale = (float(a_over_b), 1.0, 1.0 / b_over_h)
-    origin = (0.0, 0.5, 0.5)
-    grids = np.meshgrid(*(s * (r[0] - o) for s, r, o in zip(scale, rules, origin, strict=True)), indexing="ij")
-    x, y, z = (grid.ravel() for grid in grids)
+    x, y, z = unit_cube(orders) - np.array([[0.0], [0.5], [0.5]])
+    x, z = a_over_b * x, z / b_over_h
     rate = np.radians(twist_deg) / a_over_b
     c, s, lean = np.cos(rate * x), np.sin(rate * x), 1.0 / np.sqrt(1.0 + (rate * y) ** 2)
     through = np.array([0.0 * x, -s, c]) if section else lean**2 * np.array([-rate * y, -s, c])
-    place = np.array([x, y * c, y * s]) + z * through
-    weight = np.einsum("i,j,k->ijk", *(rule[1] for rule in rules)).ravel()
-    jacobian = np.array([[gradient[j] @ place[i] for j in range(3)] for i in range(3)]).transpose(2, 0, 1)
-    volume, inverse = weight * np.linalg.det(jacobian), np.linalg.inv(jacobian)
-    by = [sum(inverse[:, j, i, None] * gradient[j] for j in range(3)) for i in range(3)]
-    pair = [[by[i].T @ (volume[:, None] * by[j]) for j in range(3)] for i in range(3)]
-    lame = MATERIAL.E * MATERIAL.nu / ((1.0 + MATERIAL.nu) * (1.0 - 2.0 * MATERIAL.nu))
-    G = MATERIAL.shear_modulus
-    laplace = G * sum(pair[i][i] for i in range(3))
-    K = np.block(
-        [[lame * pair[i][j] + G * pair[j][i] + (laplace if i == j else 0.0) for j in range(3)] for i in range(3)]
-    )
-    free = np.flatnonzero(np.tile(x > 0.0, 3))
-    root = 1.0 / np.sqrt(MATERIAL.rho * np.tile(volume, 3)[free])
-    values = eigh(root[:, None] * K[np.ix_(free, free)] * root, eigvals_only=True, subset_by_index=[0, MODES - 1])
-    return factors(np.sqrt(values), a_over_b, b_over_h)
+    omega = solid_modes(np.array([x, y * c, y * s]) + z * through, x == 0.0, orders, MATERIAL, MODES)
+    return factors(omega, a_over_b, b_over_h)
 
 
 def summary(found: pd.DataFrame) -> list[Row]:

@@ -21,6 +21,7 @@ from casingfem.structure.random_field import typical
 from casingfem.structure.ring import Ring
 from casingfem.structure.strip import Strip, breaks_between, check_strips, spread
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry, grip
+from casingfem.structure.taper import Taper
 
 SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bolts, Ring)
 DEFECTS = ("radius", "thickness", "modulus", "density")  # quantity -> Shell.<quantity>_defect
@@ -48,7 +49,7 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     Bolts are followed: a multiple of their number around, and a layer along their edge, which is free between them.
     """
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
-    t, length, span = min(np.real(shell.thicknesses)), float(a1 - a0), float(b1 - b0)
+    t, length, span = shell.thinnest, float(a1 - a0), float(b1 - b0)
     if not shell.chart.periodic:
         corner = shell.chart.surface(np.array([a0]), np.array([b1]), None)
         size = float(np.linalg.norm(np.real(corner.x2))) * span
@@ -146,7 +147,7 @@ class Shell:
     Parameters
     ----------
     chart
-        Mid-surface: Frustum, Cylinder, Panel, Plate, TwistedPlate, or anything that satisfies `Chart`.
+        Mid-surface: Frustum, Cylinder, Panel, Plate, TwistedPlate, Blade, or anything that satisfies `Chart`.
     thickness
         Nominal thickness t [m].
     material
@@ -161,6 +162,8 @@ class Shell:
         Factor of the transverse shear stiffness; a large one gives the thin-shell (Kirchhoff-Love) limit.
     strips
         Bands along the first parameter with a thickness, or a material, of their own.
+    taper
+        How the thickness is meant to vary: factors of it from root to tip and across.
     mesh
         Order and element counts; a default for the kind of chart if left out.
 
@@ -192,6 +195,7 @@ class Shell:
     density_defect: Field | None = None
     shear_correction: float = 5.0 / 6.0
     strips: tuple[Strip, ...] = ()
+    taper: Taper | None = None
     mesh: ShellMesh = None  # type: ignore[assignment]  # chosen in __post_init__ where left out
 
     def __post_init__(self) -> None:
@@ -283,12 +287,14 @@ class Shell:
     def axisymmetric(self) -> bool:
         """Whether nothing varies around: no fields, and springs equal all along their edges."""
         even = all(support.uniform for support in self.supports.values() if isinstance(support, Sprung | Ring))
+        even = even and (self.taper is None or self.taper.even)
         return self.chart.periodic and even and not self.defects
 
     @property
-    def thicknesses(self) -> tuple[float, ...]:
-        """The nominal thicknesses [m]: the wall's, then those of the strips."""
-        return (self.thickness, *(strip.thickness for strip in self.strips))
+    def thinnest(self) -> float:
+        """The least thickness of wall and strips [m], taper included, imperfections not."""
+        taper = 1.0 if self.taper is None else self.taper.lowest
+        return taper * float(np.real([self.thickness, *(strip.thickness for strip in self.strips)]).min())
 
     def geometry(self, a: Array, b: Array, inside: Array | None = None) -> ShellGeometry:
         """Mid-surface, thickness and material at parameters (a, b).
@@ -299,6 +305,8 @@ class Shell:
         defect = None if self.radius_defect is None else self.radius_defect.derivatives(a, b)
         where = np.broadcast_arrays(a if inside is None else inside, a, b)[0]
         thickness = spread(self.strips, where, self.thickness, [strip.thickness for strip in self.strips])
+        if self.taper is not None:
+            thickness = thickness * self.taper.factor(self.chart.bounds, a, b)
         materials = [strip.material or self.material for strip in self.strips]
         E, nu, rho = (
             spread(self.strips, where, getattr(self.material, name), [getattr(m, name) for m in materials])

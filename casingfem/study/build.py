@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from casingfem.structure.blade import Blade
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.field import Field, FourierField
@@ -15,9 +16,11 @@ from casingfem.structure.shell import Shell
 from casingfem.structure.strip import Strip, check_strips
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
 from casingfem.structure.survey import SampledField
+from casingfem.structure.taper import Taper
 from casingfem.structure.twisted import TwistedPlate
 from casingfem.study.problems import Problems
 from casingfem.study.schema import (
+    BladeTable,
     BoltsTable,
     ChartTable,
     ElasticTable,
@@ -31,18 +34,23 @@ from casingfem.study.schema import (
 )
 
 CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
+FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
 ALIKE = 0.1  # a survey's mean and the study's nominal radius or thickness may differ by this part
 
 
 def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
     """The shell a study describes, or None with the reasons noted: of each part, then of the whole."""
-    chart = None if tables.chart is None else build_chart(tables.chart)
+    chart = try_chart(tables, problems)
     material = None
     if tables.material is not None:
         with problems.at("material"):
             material = Material(**tables.material.model_dump())
     supports = build_supports(tables.support, chart, problems)
     strips = build_strips(tables.strip, chart, problems)
+    taper = None
+    if tables.taper is not None:
+        with problems.at("taper"):
+            taper = Taper(**tables.taper.model_dump())
     fields: dict[str, Field] = {}
     for k, table in enumerate(tables.imperfection):
         field = build_field(table, f"imperfection[{k + 1}]", tables, problems)
@@ -52,8 +60,9 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
         return None
     shell = None
     with problems.at("support" if supports else "shell"):
+        thickness = tables.shell.thickness
         shell = Shell(
-            chart=chart, thickness=tables.shell.thickness, material=material, supports=supports, strips=strips
+            chart=chart, thickness=thickness, material=material, supports=supports, strips=strips, taper=taper
         )
     if shell is None:
         return None
@@ -67,10 +76,24 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
     return None
 
 
+def try_chart(tables: StudyFile, problems: Problems) -> Chart | None:
+    """The chart of a study, or None with the reason noted."""
+    if tables.chart is not None:
+        with problems.at("chart"):
+            return build_chart(tables.chart)
+    return None
+
+
 def build_chart(table: ChartTable) -> Chart:
     """The chart of a [chart] table."""
     if isinstance(table, TwistedPlateTable):
         return TwistedPlate(length=table.length, width=table.width, twist=float(np.radians(table.twist_deg)))
+    if isinstance(table, BladeTable):
+        laws = {
+            name: np.radians(value).tolist() if name.endswith("_deg") else value
+            for name, value in table.model_dump(exclude={"kind"}).items()
+        }
+        return Blade(**{name.removesuffix("_deg"): value for name, value in laws.items()})
     chart: Chart = CHARTS[table.kind](**table.model_dump(exclude={"kind"}))
     return chart
 
@@ -164,7 +187,7 @@ def series(waves: list[Harmonic], key: str, least: int = 0) -> FourierField:
 
 def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems: Problems) -> Field | None:
     """One imperfection field, or None with the reason noted."""
-    if tables.chart is not None and tables.chart.kind in ("plate", "twisted-plate") and table.of == "radius":
+    if tables.chart is not None and tables.chart.kind in FLAT and table.of == "radius":
         problems.add(f"{key}.of", "'radius' on a plate, which has none", "thickness, or a chart with a radius")
         return None
     if table.harmonics is not None:

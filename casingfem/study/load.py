@@ -16,7 +16,7 @@ from casingfem.modal.eigen import START_SEED
 from casingfem.modal.interface import Rim, Tip
 from casingfem.structure.chart import Chart
 from casingfem.structure.shell import Shell
-from casingfem.study.build import build_chart, build_shell
+from casingfem.study.build import build_shell, try_chart
 from casingfem.study.problems import Problems, StudyError
 from casingfem.study.schema import REQUIRED, ParameterTable, ReduceTable, StudyFile
 from casingfem.updating.parameters import Parameter, get_value, with_value
@@ -74,7 +74,7 @@ def load_study(path: str | Path) -> Study:
     tables = validated(data, problems)
     shell = build_shell(tables, problems)
     table, parameters, start = load_update(tables, shell, problems)
-    chart = None if tables.chart is None else build_chart(tables.chart)
+    chart = try_chart(tables, Problems(file))  # its problems are noted with the shell's
     interface = load_interface(tables.reduce, chart, problems)
     if problems or shell is None or start is None:
         raise StudyError(problems)

@@ -87,6 +87,28 @@ class TwistedPlateTable(Table):
     twist_deg: float = Field(ge=-360, le=360, description="twist of the tip against the root [degrees]")
 
 
+Stations = float | Annotated[list[float], Field(min_length=1, max_length=8)]
+
+
+class BladeTable(Table):
+    """[chart] of kind "blade"; a list holds values at equally spaced stations, the root's first."""
+
+    kind: Literal["blade"]
+    length: Length = Field(description="span from root to tip [m]")
+    chord: Stations = Field(description="chord [m], one number or [root, tip] or more stations")
+    camber_deg: Stations = Field(default=0.0, description="opening angle of the section's arc [degrees]")
+    twist_deg: Stations = Field(default=0.0, description="angle of the section about the span [degrees]")
+    sweep: Stations = Field(default=0.0, description="shift of the section along y [m]")
+    lean: Stations = Field(default=0.0, description="shift of the section along z [m]")
+
+
+class TaperTable(Table):
+    """[taper]: factors of the thickness at equally spaced stations."""
+
+    along: Stations = Field(default=1.0, description="from root to tip, or base to top")
+    across: Stations = Field(default=1.0, description="from left to right")
+
+
 class ShellTable(Table):
     """[shell]."""
 
@@ -309,7 +331,7 @@ class ReduceTable(Table):
 
 
 ChartTable = Annotated[
-    FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable, Field(discriminator="kind")
+    FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable | BladeTable, Field(discriminator="kind")
 ]
 SupportTable = Annotated[ClampedTable | DiaphragmTable | ElasticTable | BoltsTable, Field(discriminator="kind")]
 
@@ -322,6 +344,7 @@ class StudyFile(Table):
     material: MaterialTable | None = Field(default=None, description="E, nu, rho")
     chart: ChartTable | None = Field(default=None, description="kind and dimensions")
     shell: ShellTable | None = Field(default=None, description="thickness")
+    taper: TaperTable | None = Field(default=None, description="how the thickness varies by design")
     strip: list[StripTable] = Field(default=[], description="tables [[strip]]")
     imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
     support: dict[Edge, SupportTable] = Field(default={}, description="edge -> kind and stiffnesses")

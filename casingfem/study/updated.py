@@ -1,6 +1,7 @@
 """An updated study, written as a study again; and the perfect structure behind an imperfect one."""
 
 import json
+import math
 import os
 from collections.abc import Mapping
 from copy import deepcopy
@@ -13,6 +14,8 @@ from casingfem.structure.shell import DEFECTS, Shell
 from casingfem.structure.support import ElasticEdge, Support
 from casingfem.study.load import Study
 from casingfem.updating.parameters import get_value
+
+ANGLES = ("twist", "camber")  # of a chart, in radians; a study has them in degrees
 
 
 def perfect(shell: Shell) -> Shell:
@@ -58,6 +61,8 @@ def updated_toml(study: Study, values: Mapping[str, float], folder: Path) -> str
 def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
     """Set one parameter in the tables of a study file."""
     parts = name.split(".")
+    if parts[0] == "chart" and parts[1] in ANGLES:
+        parts[1], value = f"{parts[1]}_deg", math.degrees(value)
     if parts[0] in DEFECTS:
         p, part, change = int(parts[1][1:]), parts[2], value - float(get_value(shell, name))
         add_harmonic(tables.setdefault("imperfection", []), parts[0], p, part, change)

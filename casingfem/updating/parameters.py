@@ -6,6 +6,7 @@ without a material of its own follows the wall's); support.<edge>.k_face | k_r |
 support.<edge>.k_face.p4.cos (how that spring varies along its edge, relative) and support.<edge>.around.p4.cos
 (all springs of the edge together). Bolts have support.<edge>.k | k_rot | bolts.3.k, where k is the largest of a
 bolt's three stiffnesses and the others keep their ratios; bolts.3.k alone where one edge has bolts.
+chart.chord.2, taper.along.1: a station of a law, the root's first.
 """
 
 import re
@@ -173,15 +174,28 @@ def _strip(shell: Shell, name: str, parts: list[str]) -> tuple[int, Any, str]:
 
 
 def _plain(shell: Shell, name: str, parts: list[str]) -> tuple[Any, str]:
-    owners = {"material": shell.material, "chart": shell.chart, "shell": shell}
+    owners = {"material": shell.material, "chart": shell.chart, "taper": shell.taper, "shell": shell}
+    owners = {word: owner for word, owner in owners.items() if owner is not None}
     owner = owners.get(parts[0])
-    if owner is None or len(parts) != 2:
+    if owner is None or len(parts) not in (2, 3):
         known = ", ".join([*owners, *DEFECTS])
         raise ParameterError(f"{name!r}: a parameter starts with {known}, strip or support")
     numbers = ["thickness"] if owner is shell else [f.name for f in fields(owner)] if is_dataclass(owner) else []
     if parts[1] not in numbers:
         raise ParameterError(f"{name!r}: {parts[0]} has {', '.join(numbers)}, not {parts[1]!r}")
     return owner, parts[1]
+
+
+def _station(name: str, law: Any, parts: list[str]) -> int | None:
+    """The place in a law of several stations that a name ends with; None for a plain number."""
+    count = len(law) if isinstance(law, tuple) else 0
+    if count == 0 and not parts:
+        return None
+    place = int(parts[0]) if len(parts) == 1 and parts[0].isdecimal() else 0
+    if not 1 <= place <= count:
+        wanted = f"the number of a station, 1 to {count}, after it" if count else "nothing after it: it is one number"
+        raise ParameterError(f"{name!r}: expected {wanted}")
+    return place - 1
 
 
 def get_value(shell: Shell, name: str) -> Any:
@@ -204,7 +218,9 @@ def get_value(shell: Shell, name: str) -> Any:
         _, owner, attribute = _strip(shell, name, parts)
         return getattr(owner, attribute)
     owner, attribute = _plain(shell, name, parts)
-    return getattr(owner, attribute)
+    value = getattr(owner, attribute)
+    place = _station(name, value, parts[2:])
+    return value if place is None else value[place]
 
 
 def with_value(shell: Shell, name: str, value: Any) -> Shell:
@@ -241,7 +257,9 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
         new = new if owner is strip else replace(strip, material=new)
         return replace(shell, strips=(*shell.strips[:place], new, *shell.strips[place + 1 :]))
     owner, attribute = _plain(shell, name, parts)
-    changes: dict[str, Any] = {attribute: value}
+    law = getattr(owner, attribute)
+    at = _station(name, law, parts[2:])
+    changes: dict[str, Any] = {attribute: value if at is None else (*law[:at], value, *law[at + 1 :])}
     if owner is not shell:
         changes = {parts[0]: replace(owner, **changes)}
     return replace(shell, **changes)

@@ -125,7 +125,7 @@ def test_complex_values_pass(casing):
         ("material.G", "material has E, nu, rho, not 'G'"),
         ("chart.radius", "chart has r_base, r_top, height, not 'radius'"),
         ("shell.mesh", "shell has thickness, not 'mesh'"),
-        ("shell.thickness.p2", "starts with material, chart, shell"),
+        ("shell.thickness.p2", "expected nothing after it: it is one number"),
         ("bolts.3.k", "0 edges have bolts"),
         ("radius.8.cos", "expected a harmonic such as p8.cos, found '8.cos'"),
         ("radius.p8.tan", "expected a harmonic such as p8.cos"),

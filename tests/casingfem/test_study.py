@@ -242,7 +242,7 @@ def test_perfect_takes_all_variation_away(tmp_path):
 
 def test_the_schema_knows_every_table():
     assert set(schema()["properties"]) == {
-        "material", "chart", "shell", "strip", "imperfection", "support", "modes", "mesh", "update", "reduce",
+        "material", "chart", "shell", "taper", "strip", "imperfection", "support", "modes", "mesh", "update", "reduce",
     }  # fmt: skip
     assert schema()["required"] == ["material", "chart", "shell"]
 
@@ -344,3 +344,45 @@ def test_modes_by_count_or_band():
     for wrong in ({"band_hz": [2.0, 1.0]}, {"band_hz": [1.0]}, {"count": 3, "band_hz": [1.0, 2.0]}):
         with pytest.raises(ValueError, match="band_hz"):
             ModesTable(**wrong)
+
+
+BLADE = (STUDIES / "tapered_blade.toml").read_text(encoding="utf-8")
+
+
+def test_a_blade_is_read_and_written_in_degrees(tmp_path):
+    study = load_study(STUDIES / "tapered_blade.toml")
+    chart, taper = study.shell.chart, study.shell.taper
+    assert (chart.length, chart.chord, chart.sweep) == (0.2, (0.12, 0.1, 0.09), (0.0, 0.0, 0.02))
+    assert np.degrees(chart.twist).round(12).tolist() == [6.0, 35.0]
+    assert (taper.along, taper.across) == ((1.0, 0.6), (0.6, 1.0, 0.6))
+    assert study.shell.mesh.breaks[1] == pytest.approx(0.1)
+    values = {"chart.twist.2": 0.5, "chart.chord.1": 0.11, "taper.along.2": 0.7, "chart.length": 0.21}
+    text = updated_toml(study, values, tmp_path).replace(
+        "[[strip]]\nfrom = 0.0\nto = 0.02", "[[strip]]\nfrom = 0.0\nto = 0.03"
+    )
+    again = load_study(written(tmp_path, text)).shell
+    assert again.chart.twist[1] == pytest.approx(0.5, rel=1e-14)
+    assert again.chart.twist[0] == pytest.approx(chart.twist[0], rel=1e-14)
+    assert (again.chart.chord, again.taper.along, again.chart.length) == ((0.11, 0.1, 0.09), (1.0, 0.7), 0.21)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("chord = [0.12, 0.10, 0.09]", "chord = [0.12, -0.1]", "chart: chart.chord falls to -0.1 m"),
+        ("chord = [0.12, 0.10, 0.09]", "chord = []", "chart.chord: "),
+        ("chord = [0.12, 0.10, 0.09]", "", "chart.chord: found nothing, expected its chord [m]"),
+        ("along = [1.0, 0.6]", "along = [1.0, 0.0]", "taper: taper.along falls to 0"),
+        ("camber_deg = [35.0, 12.0]", "camber_deg = 400", "chart: chart.camber reaches 6.98 rad"),
+        ("camber_deg", "camber", "chart.camber: found an unknown key"),
+        (
+            "[taper]",
+            "[[imperfection]]\nof = 'radius'\nharmonics = [{p = 2, cos = 0.01}]\n[taper]",
+            "imperfection[1].of",
+        ),
+    ],
+)
+def test_blades_that_are_none_are_named(tmp_path, old, new, line):
+    assert old in BLADE
+    found = problems_of(tmp_path, BLADE.replace(old, new))
+    assert any(problem.startswith(f"{tmp_path / 'study.toml'}: {line}") for problem in found), found
