@@ -36,6 +36,7 @@ class MassTable(Table):
     damping: NotNegative = 0.0
     force: FiniteFloat = 0.0
     force_hz: NotNegative = 0.0
+    force_deg: FiniteFloat = 0.0
 
 
 class WallTable(Table):

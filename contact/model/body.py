@@ -72,8 +72,8 @@ class Rod:
 class PointMass:
     """Point of `mass` [kg] at `x` [m], moving at `velocity` [m/s]; on a spring and a dashpot, it is an oscillator.
 
-    m x'' + damping x' + stiffness (x - anchor) = force cos(2 pi force_hz t); `anchor` [m] is where the spring is at
-    rest, x when left out. `stiffness` [N/m], `damping` [N s/m] to the ground, `force` [N].
+    m x'' + damping x' + stiffness (x - anchor) = force cos(2 pi force_hz t + force_deg); `anchor` [m] is where the
+    spring is at rest, x when left out. `stiffness` [N/m], `damping` [N s/m] to the ground, `force` [N].
 
     >>> PointMass(mass=2.0, x=-0.1, velocity=3.0).mass
     2.0
@@ -87,10 +87,11 @@ class PointMass:
     damping: float = 0.0
     force: float = 0.0
     force_hz: float = 0.0
+    force_deg: float = 0.0
 
     def __post_init__(self) -> None:
         require_positive(mass=self.mass)
-        require_finite(x=self.x, velocity=self.velocity, force=self.force)
+        require_finite(x=self.x, velocity=self.velocity, force=self.force, force_deg=self.force_deg)
         require_not_negative(stiffness=self.stiffness, damping=self.damping, force_hz=self.force_hz)
         if self.anchor is not None:
             require_finite(anchor=self.anchor)

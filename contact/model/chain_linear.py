@@ -57,8 +57,8 @@ def _parts(chain: Chain) -> tuple[Part, ...]:
     )  # fmt: skip
 
 
-def _wave(omega: float, time: Array) -> Array:
-    return np.asarray(np.cos(omega * time))
+def _wave(omega: float, phase: float, time: Array) -> Array:
+    return np.asarray(np.cos(omega * time + phase))
 
 
 def _forcing(chain: Chain) -> tuple[Forcing, ...]:
@@ -68,5 +68,5 @@ def _forcing(chain: Chain) -> tuple[Forcing, ...]:
             shape = np.zeros(chain.mass.size)
             shape[chain.first[b]] = body.force
             omega = 2.0 * np.pi * body.force_hz
-            found.append(Forcing(shape=shape, amplitude=partial(_wave, omega)))
+            found.append(Forcing(shape=shape, amplitude=partial(_wave, omega, np.radians(body.force_deg))))
     return tuple(found)

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import contact as ct
 from contact.exact import bar_by_characteristics, bouncing_bar, rod_on_wall, two_rods
+from contact.exact_impacts import Bounces, driven_orbit, stopped_period
+from contact.exact_waves import impact_by_characteristics, lcm_step
 
 BAR = {"length": 10.0, "area": 1.0, "E": 900.0, "rho": 1.0, "x": 5.0}
 
@@ -25,3 +28,73 @@ def test_characteristics_give_the_closed_forms():
     history = bar_by_characteristics(shot, gravity=0.0, t_end=2.0, cells=60)
     middle = 0.5 * (history.time[1:] + history.time[:-1])
     assert np.abs(history.force - rod_on_wall(shot, gap=5.0, velocity=10.0)(middle)).max() <= 1e-9
+
+
+def test_st_venant_by_characteristics():
+    """B5: force 2.135335 after one round trip, contact ends at 3.067668 L/c, rebound -.687619 V; second order."""
+    rod = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="right")
+    errors = []
+    for n in (50, 100, 200):
+        impact = impact_by_characteristics(ct.PointMass(mass=1.0, velocity=1.0), rod, dt=1.0 / n, t_end=4.0)
+        errors.append(abs(impact.force[2 * n] - (2.0 + np.exp(-2.0))))
+        assert impact.intervals[0, 1] == pytest.approx(3.067668, abs=1.0 / n)
+        assert impact.left[-1] == pytest.approx(-0.687619, abs=2e-4)
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.1)
+
+
+def test_characteristics_of_two_bodies_give_the_closed_forms():
+    left = ct.Rod(length=10.0, area=1.0, E=30e6, rho=7.34e-4, x=-10.0, velocity=202.2)
+    right = ct.Rod(length=10.0, area=1.0, E=30e6, rho=7.34e-4)
+    impact = impact_by_characteristics(left, right, dt=lcm_step(left, right, cells=20), t_end=1.5e-4)
+    assert impact.force[0] == pytest.approx(15002.0, rel=1e-4)
+    assert impact.impulse == pytest.approx(two_rods(right, gap=0.0, velocity=202.2).impulse, rel=1e-12)
+    assert [impact.left[-1], impact.right[-1]] == pytest.approx([0.0, 202.2], abs=1e-9)
+    bar = ct.Rod(**BAR, velocity=-10.0)
+    wall = impact_by_characteristics(ct.Wall(), bar, dt=1.0 / 60.0, t_end=2.0)
+    assert wall.intervals[0] == pytest.approx([0.5, 7.0 / 6.0])
+    assert (wall.force.max(), wall.right[-1]) == pytest.approx((300.0, 10.0))
+
+
+def test_unequal_rods_make_a_staircase():
+    """Impedances 4 and 1: F = .8 (.6)^k in the k-th round trip of the short rod, while the long one is silent."""
+    short = ct.Rod(length=1.0, area=4.0, E=1.0, rho=1.0, x=-1.0, velocity=1.0)
+    long = ct.Rod(length=8.0, area=1.0, E=1.0, rho=1.0)
+    impact = impact_by_characteristics(short, long, dt=0.05, t_end=20.0)
+    steps = 0.8 * 0.6 ** np.arange(8)
+    assert impact.force[20:320:40] == pytest.approx(steps, rel=1e-12)
+    assert impact.intervals[0] == pytest.approx([0.0, 16.0])
+    assert impact.impulse == pytest.approx(2.0 * steps.sum(), rel=1e-12)
+
+
+def test_a_bar_thrown_to_its_stop_grazes_it():
+    bar = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="left", velocity=1.0)
+    graze = impact_by_characteristics(bar, ct.Wall(x=2.0), dt=0.05, t_end=12.0)
+    assert graze.force.max() == 0.0
+    assert [graze.gap.min(), graze.gap.max()] == pytest.approx([0.0, 2.0], abs=1e-12)
+    hit = impact_by_characteristics(bar, ct.Wall(x=1.5), dt=0.05, t_end=2.0)
+    assert hit.intervals[0] == pytest.approx([0.5, 1.0])  # until the release wave of the fixed end arrives
+    assert hit.impulse == pytest.approx(0.5)
+
+
+def test_rods_of_odd_lengths_are_refused():
+    rods = [ct.Rod(length=x, area=1.0, E=1.0, rho=1.0, x=y) for x, y in ((1.0, -1.0), (1.03, 0.0))]
+    with pytest.raises(ct.InputError, match="whole number"):
+        impact_by_characteristics(*rods, dt=0.1, t_end=1.0)
+
+
+@pytest.mark.parametrize(("omega", "gap", "e"), [(2.0, 0.05, 0.5), (2.7, 0.0, 0.8), (2.7, 0.1, 0.8)])
+def test_the_driven_orbit_closes_on_itself(omega, gap, e):
+    orbit = driven_orbit(omega=1.0, drive=1.0, drive_omega=omega, gap=gap, restitution=e)
+    whole = solve_ivp(
+        lambda t, y: [y[1], np.cos(omega * t + orbit.phase) - y[0]], (0.0, orbit.period), [gap, -e * orbit.speed],
+        rtol=1e-11, atol=1e-12,
+    )  # fmt: skip
+    assert whole.y[:, -1] == pytest.approx([gap, orbit.speed], abs=1e-9)
+
+
+def test_ball_and_oscillator():
+    ball = Bounces(height=1.0, gravity=9.81, restitution=0.8)
+    assert (ball.instant(1), ball.instant(200)) == pytest.approx((ball.first, ball.rest))
+    assert stopped_period(1.0, 1.0, 2.0) == pytest.approx(np.pi + 2 * np.arcsin(0.5))
+    with pytest.raises(ct.InputError, match="within reach"):
+        stopped_period(1.0, 3.0, 2.0)
