@@ -9,7 +9,9 @@ from pathlib import Path
 
 from reports.tables import command_line
 
-REPORTS = ("frustum_convergence", "cylinder", "contact_accuracy", "bases", "speed", "verification", "rig")
+REPORTS = (
+    "frustum_convergence", "cylinder", "contact_accuracy", "rotating_beam", "bases", "speed", "verification", "rig",
+)  # fmt: skip
 
 
 def main(out: Path, quick: bool = False) -> dict[str, float]:
