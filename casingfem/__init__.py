@@ -24,6 +24,8 @@ from casingfem.structure.load import EdgeLoad, Gravity, PointLoad, Pressure, Sur
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.mesh_data import MeshData
+from casingfem.structure.mesh_in import read_mesh
+from casingfem.structure.mesh_shell import MeshShell
 from casingfem.structure.mesh_support import Fixed
 from casingfem.structure.random_field import RandomField, Spectrum
 from casingfem.structure.revolved import Arc, Profile, Revolved, RevolvedPanel
@@ -62,6 +64,7 @@ __all__ = [
     "Material",
     "MeshData",
     "MeshModes",
+    "MeshShell",
     "Mistuning",
     "ModalBasis",
     "Modes",
@@ -102,6 +105,7 @@ __all__ = [
     "mistune",
     "modes",
     "pair",
+    "read_mesh",
     "reduce",
     "solve_static",
     "subspace_mac",

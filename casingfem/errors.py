@@ -212,6 +212,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "neighbouring shell cells are numbered in opposite senses",
             "orient the normals alike in the mesher",
         ),
+        "mesh-fold": Fault(
+            "cells of a shell meet in a fold, which one director a node cannot follow",
+            "mesh the part as a solid, or round the fold off with small cells",
+        ),
         "mesh-format": Fault(
             "the ending of a mesh file is not one of those known",
             "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX) or .bdf, .nas, .dat (Nastran)",
@@ -235,6 +239,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "mesh-inverted-cell": Fault(
             "the nodes of a cell run round it the wrong way, its volume is negative",
             "reverse the cells' orientation in the mesher",
+        ),
+        "mesh-kink": Fault(
+            "neighbouring cells of a shell meet at an angle",
+            "refine there; on a smooth surface the angle falls with the size of the cells",
         ),
         "mesh-left-out": Fault(
             "springs, masses, ties or rigid links of a mesh file are not taken over",
@@ -274,6 +282,9 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "coordinates are nan or infinite",
             "repair the file's node block",
         ),
+        "mesh-not-shell": Fault(
+            "a shell needs quadrilaterals", "mesh the mid-surface with quadrilaterals, or use the mesh as a solid"
+        ),
         "mesh-not-solid": Fault(
             "a solid needs tetrahedra or hexahedra",
             "mesh the volume, or use the mesh as a shell",
@@ -309,6 +320,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "mesh-scrambled-cell": Fault(
             "the nodes of a cell are in another order than the format's",
             "export again; check the order of the middle nodes",
+        ),
+        "mesh-support": Fault(
+            "an imported mesh cannot have this kind of support",
+            "use clamped, fixed (directions) or elastic with k_face alone",
         ),
         "mesh-too-large": Fault(
             "the mesh has more unknowns than a factorisation in memory can take",
@@ -385,10 +400,6 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "shell-thin": Fault(
             "the wall is thinner than a hundred-thousandth of the size",
             "give the thickness in metres, 3 mm as 3e-3, not 3e-6",
-        ),
-        "solid-support": Fault(
-            "a solid cannot have this kind of support",
-            "use clamped, fixed (directions) or elastic with k_face alone",
         ),
         "springs-negative": Fault(
             "the pattern of an elastic edge falls below -1 somewhere: a spring would push",

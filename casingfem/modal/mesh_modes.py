@@ -12,11 +12,12 @@ from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
 from casingfem.structure.factor import Direct
 from casingfem.structure.mesh_assembly import MeshSystem, mapped
+from casingfem.structure.mesh_shell import MeshShell, assemble_mesh_shell
 from casingfem.structure.revolution import elements_around, round_about_z
 from casingfem.structure.solid import Solid, assemble_solid
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of the system's `frequency_scale`
-IMPORTED = (Solid,)
+IMPORTED = (Solid, MeshShell)
 DEGREE = 3  # of the polynomials in r and z that carry the meridional shape in the projection
 
 
@@ -24,11 +25,15 @@ DEGREE = 3  # of the polynomials in r and z that carry the meridional shape in t
 class MeshModes(ModeSet):
     """Modes of an imported structure: `fields` stand at the nodes of its mesh."""
 
-    structure: Solid
+    structure: Solid | MeshShell
 
 
 def mesh_modes(
-    structure: Solid, wanted: int | Band = 40, *, system: MeshSystem | None = None, direct: Direct = "superlu"
+    structure: Solid | MeshShell,
+    wanted: int | Band = 40,
+    *,
+    system: MeshSystem | None = None,
+    direct: Direct = "superlu",
 ) -> MeshModes:
     """So many modes of an imported structure, or those of a band [Hz], labelled, complete by Sturm counts.
 
@@ -50,7 +55,7 @@ def mesh_modes(
     ([4, 4, 5, 5], ((0, 1), (2, 3)))
     """
     started = time.perf_counter()
-    system = system or assemble_solid(structure)
+    system = system or assemble_mesh(structure)
     assembled = time.perf_counter()
     found = solve(system.K, system.M, wanted, shift=-((SHIFT * system.frequency_scale) ** 2), direct=direct)
     solved = time.perf_counter()
@@ -77,6 +82,11 @@ def mesh_modes(
     )
 
 
+def assemble_mesh(structure: Solid | MeshShell) -> MeshSystem:
+    """The matrices of an imported structure."""
+    return assemble_solid(structure) if isinstance(structure, Solid) else assemble_mesh_shell(structure)
+
+
 def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
     """Doubt a body with more motions near zero than its supports leave rigid: parts hinge on an edge or a node."""
     near_zero = int(np.count_nonzero(2.0 * np.pi * freq < RIGID * system.frequency_scale))
@@ -86,7 +96,7 @@ def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
         doubt("mesh-mechanism", found, stacklevel=5)
 
 
-def projected(structure: Solid, fields: Array, n_max: int) -> Rings:
+def projected(structure: Solid | MeshShell, fields: Array, n_max: int) -> Rings:
     """Mass-weighted Fourier content of nodal fields: u = Re sum_nj c_nj P_j(r, z) e^(i n theta).
 
     P_j are polynomials in r and z, orthonormal over the mass; each stands in the place of a ring of nodes, so labels,

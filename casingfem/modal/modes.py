@@ -13,6 +13,7 @@ from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.factor import Direct
 from casingfem.structure.mesh_assembly import MeshSystem
+from casingfem.structure.mesh_shell import MeshShell
 from casingfem.structure.shell import Shell
 from casingfem.structure.solid import Solid
 
@@ -33,7 +34,7 @@ def modes(
 ) -> Modes: ...
 @overload
 def modes(
-    shell: Solid,
+    shell: Solid | MeshShell,
     count: int | None = None,
     *,
     band: Band | None = None,
@@ -42,7 +43,7 @@ def modes(
     direct: Direct = "superlu",
 ) -> MeshModes: ...
 def modes(
-    shell: Shell | Solid,
+    shell: Shell | Solid | MeshShell,
     count: int | None = None,
     *,
     band: Band | None = None,
@@ -57,8 +58,8 @@ def modes(
     Parameters
     ----------
     shell
-        The structure: a shell on a chart, or an imported `Solid`. Without supports the rigid motions come first and
-        are marked as such.
+        The structure: a shell on a chart, or an imported `Solid` or `MeshShell`. Without supports the rigid
+        motions come first and are marked as such.
     count
         Number of modes; 40 where no band is given either.
     band

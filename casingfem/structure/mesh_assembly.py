@@ -15,6 +15,7 @@ from casingfem.structure.cell_kind import KINDS, rule
 from casingfem.structure.mesh_data import MeshData
 
 if TYPE_CHECKING:
+    from casingfem.structure.mesh_shell import MeshShell
     from casingfem.structure.solid import Solid
 
 CHUNK = 4_000_000  # entries of a strain table held at a time
@@ -40,7 +41,7 @@ class MeshSystem:
         Bending frequency c t/size^2 [rad/s] of the body taken as flat: a floor for its elastic modes.
     """
 
-    structure: "Solid"
+    structure: "Solid | MeshShell"
     K: csc_array
     M: csc_array
     free: IntArray

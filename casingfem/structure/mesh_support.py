@@ -1,7 +1,11 @@
 """Supports on groups of an imported mesh: directions held. `Clamped` and `ElasticEdge(k_face=...)` serve there too."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, TypeAlias
+
+from casingfem.errors import ModelError
+from casingfem.structure.mesh_data import MeshData
+from casingfem.structure.support import Clamped, ElasticEdge
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,3 +35,18 @@ class Fixed:
     def held(self) -> tuple[int, ...]:
         """Held displacements among the dofs of a node."""
         return tuple("xyz".index(direction) for direction in self.directions)
+
+
+MeshSupport: TypeAlias = Clamped | Fixed | ElasticEdge
+
+
+def check_support(mesh: MeshData, name: str, support: MeshSupport) -> None:
+    """Refuse line springs, and foundations on groups without facets."""
+    where = f"{mesh.source}: support.{name}"
+    if isinstance(support, ElasticEdge):
+        if any((support.k_r, support.k_theta, support.k_z, support.k_rot)) or support.pattern("k_face") is not None:
+            raise ModelError("mesh-support", f"{where}: found line springs or a pattern around, expected k_face alone")
+        if not len(mesh.group_facets(name)):
+            raise ModelError("mesh-group-no-facets", where)
+    elif not isinstance(support, Clamped | Fixed):
+        raise ModelError("mesh-support", f"{where}: found {type(support).__name__}")

@@ -31,10 +31,9 @@ from casingfem.structure.mesh_assembly import (
 )
 from casingfem.structure.mesh_checks import check_groups, check_mesh, check_units
 from casingfem.structure.mesh_data import MeshData
-from casingfem.structure.mesh_support import Fixed
-from casingfem.structure.support import Clamped, ElasticEdge
+from casingfem.structure.mesh_support import MeshSupport, check_support
+from casingfem.structure.support import ElasticEdge
 
-SolidSupport = Clamped | Fixed | ElasticEdge
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
@@ -70,7 +69,7 @@ class Solid:
     mesh: MeshData
     material: Material
     materials: Mapping[str, Material] = field(default_factory=dict)
-    supports: Mapping[str, SolidSupport] = field(default_factory=dict)
+    supports: Mapping[str, MeshSupport] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.mesh.kind not in SOLIDS:
@@ -104,18 +103,6 @@ class Solid:
     def density(self) -> FloatArray:
         """Mass per volume of each cell [kg/m^3], (cells,)."""
         return np.asarray(self.constants()[2])
-
-
-def check_support(mesh: MeshData, name: str, support: SolidSupport) -> None:
-    """Refuse line springs, and foundations on groups without facets."""
-    where = f"{mesh.source}: support.{name}"
-    if isinstance(support, ElasticEdge):
-        if any((support.k_r, support.k_theta, support.k_z, support.k_rot)) or support.pattern("k_face") is not None:
-            raise ModelError("solid-support", f"{where}: found line springs or a pattern around on a solid")
-        if not len(mesh.group_facets(name)):
-            raise ModelError("mesh-group-no-facets", where)
-    elif not isinstance(support, Clamped | Fixed):
-        raise ModelError("solid-support", f"{where}: found {type(support).__name__}")
 
 
 def assemble_solid(solid: Solid) -> MeshSystem:

@@ -138,9 +138,9 @@ def test_a_cell_in_two_materials_is_named(steel):
 
 def test_refuses_supports_that_solids_cannot_have(steel):
     mesh = bar("hexahedron20")
-    with pytest.raises(ModelError, match="solid-support"):
+    with pytest.raises(ModelError, match="mesh-support"):
         Solid(mesh=mesh, material=steel, supports={"root": ElasticEdge(k_r=1e6)})
-    with pytest.raises(ModelError, match="solid-support"):
+    with pytest.raises(ModelError, match="mesh-support"):
         Solid(mesh=mesh, material=steel, supports={"root": ShearDiaphragm()})
     with pytest.raises(ModelError, match=r"no group 'rot' \(did you mean 'root'"):
         Solid(mesh=mesh, material=steel, supports={"rot": Clamped()})

@@ -1,0 +1,169 @@
+"""Shells on quadrilateral meshes: rank, patch test, plates and the frustum against the chart shell, supports, folds."""
+
+import numpy as np
+import pytest
+
+from casingfem.errors import ModelError, ModelWarning
+from casingfem.modal.mesh_modes import mesh_modes
+from casingfem.modal.modes import modes
+from casingfem.structure.chart import Frustum, Plate
+from casingfem.structure.mesh_grid import grid_mesh, revolved
+from casingfem.structure.mesh_shell import MeshShell, assemble_mesh_shell, directors, tangent_frames
+from casingfem.structure.mesh_support import Fixed
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Clamped, ElasticEdge
+
+WALL = revolved((0.5, 0.45), (0.0, 0.25), 3e-3)
+QUADRATIC = ("quad8", "quad9")
+
+
+def flat(u):
+    return np.insert(u, 2, 0.0, axis=1)
+
+
+def distorted(u):
+    return flat(u + 0.05 * np.sin(3 * u[:, ::-1]) * u * (1 - u))
+
+
+def straight(u):
+    """Nine cells with straight sides, no two parallel: the corners of `distorted`, bilinear between them."""
+    cell = np.minimum((3 * u).astype(int), 2)
+    a, b = (3 * u - cell).T[:, :, None]
+    corners = [distorted((cell + np.array(step)) / 3) for step in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    return (1 - a) * (1 - b) * corners[0] + a * (1 - b) * corners[1] + a * b * corners[2] + (1 - a) * b * corners[3]
+
+
+def frustum(kind, counts, t=3e-3):
+    mesh = grid_mesh(
+        kind, counts, lambda u: WALL(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0), "top": (1, 1.0)}, wrap=0
+    )
+    return mesh, t
+
+
+@pytest.mark.parametrize("kind", ["quad", *QUADRATIC])
+@pytest.mark.parametrize("place", [distorted, lambda u: flat(u) + np.array([[0, 0, 0.5]]) * (u[:, :1] ** 2 + u[:, 1:])])
+def test_no_hourglass_modes(kind, place, steel):
+    """Six rigid motions and no more: reduced integration of nine nodes would leave seven others."""
+    counts = (3, 3) if kind == "quad" else (2, 2)
+    mesh = grid_mesh(kind, counts, lambda u: place(0.5 * u), groups={})
+    shell = MeshShell(mesh=mesh, thickness=0.02, material=steel)
+    system = assemble_mesh_shell(shell)
+    values = np.linalg.eigvalsh(system.K.toarray())
+    assert np.abs(values[:6]).max() < 1e-12 * values[-1]
+    assert values[6] > 1e-7 * values[-1]
+    assert system.rigid == 6
+
+
+@pytest.mark.parametrize("kind", ["quad", "quad9"])
+def test_constant_membrane_strain_needs_no_inner_forces(kind, steel):
+    """On cells with straight sides; curved sides miss it by a little: tied strains there are not the exact ones."""
+    shell = MeshShell(mesh=grid_mesh(kind, (3, 3), straight), thickness=0.02, material=steel)
+    system = assemble_mesh_shell(shell)
+    field = np.zeros((len(system.points), 5))
+    field[:, :3] = system.points @ np.array([[1.0, 0.3, 0.0], [0.2, -0.5, 0.0], [0.0, 0.0, 0.0]])
+    force = (system.K @ field.ravel()).reshape(-1, 5)
+    inner = np.all((system.points[:, :2] > 1e-9) & (system.points[:, :2] < 1 - 1e-9), axis=1)
+    assert np.abs(force[inner]).max() < 1e-10 * np.abs(force).max()
+
+
+def test_constant_curvature_needs_no_inner_forces(steel):
+    """u_z = x^2/2, the director turned by -x; cells skewed, edges straight."""
+    mesh = grid_mesh("quad9", (3, 3), lambda u: flat(np.stack([u[:, 0] + 0.2 * u[:, 1], u[:, 1]], axis=1)))
+    system = assemble_mesh_shell(MeshShell(mesh=mesh, thickness=0.02, material=steel))
+    x = system.points[:, 0]
+    frames = tangent_frames(directors(mesh))
+    turned = np.stack([-x, 0 * x, 0 * x], axis=1)
+    field = np.column_stack([0 * x, 0 * x, 0.5 * x**2, np.einsum("nic,nc->ni", frames, turned)])
+    force = (system.K @ field.ravel()).reshape(-1, 5)
+    boundary = np.unique(mesh.facet_nodes(mesh.boundary))
+    inner = np.setdiff1d(np.arange(len(x)), boundary)
+    assert np.abs(force[inner]).max() < 1e-9 * np.abs(force[boundary]).max()
+
+
+@pytest.mark.parametrize("kind", QUADRATIC)
+@pytest.mark.parametrize("t", [1e-2, 1e-4])
+def test_cantilever_plate_is_that_of_the_chart_shell_and_does_not_lock(kind, t, steel):
+    mesh = grid_mesh(kind, (8, 8), flat, groups={"root": (0, 0.0)})
+    found = mesh_modes(MeshShell(mesh=mesh, thickness=t, material=steel, supports={"root": Clamped()}), 5).freq
+    chart = Shell(chart=Plate(length=1.0, width=1.0), thickness=t, material=steel, supports={"root": Clamped()})
+    np.testing.assert_allclose(found, modes(chart, 5).freq, rtol=4e-3)
+
+
+def test_eight_nodes_are_nine_with_the_middle_put_in(steel):
+    eight, t = frustum("quad8", (41, 3))
+    nine, _ = frustum("quad9", (41, 3))
+    a, b = (
+        mesh_modes(MeshShell(mesh=m, thickness=t, material=steel, supports={"base": Clamped()}), 4)
+        for m in (eight, nine)
+    )
+    assert len(a.structure.mesh.points) == len(eight.points) + len(eight.cells)
+    np.testing.assert_allclose(a.freq, b.freq, rtol=1e-4)
+
+
+@pytest.mark.parametrize("counts", [(41, 4), pytest.param((81, 8), marks=pytest.mark.slow)])
+def test_frustum_converges_to_the_chart_shell(counts, steel):
+    """Eight modes, n = 7 to 9; the error falls eightfold and more with half the cell."""
+    mesh, t = frustum("quad9", counts)
+    found = mesh_modes(MeshShell(mesh=mesh, thickness=t, material=steel, supports={"base": Clamped()}), 8)
+    chart = Shell(
+        chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=t, material=steel, supports={"base": Clamped()}
+    )
+    exact = modes(chart, 8)
+    error = np.abs(found.freq / exact.freq - 1).max()
+    assert error < (0.022 if counts[0] == 41 else 1.5e-3)
+    assert found.splits.max() < 1e-9
+    assert found.purity.min() > 0.99
+    np.testing.assert_array_equal(found.nodal_diameters, exact.nodal_diameters)
+
+
+def test_elastic_edge_is_that_of_the_chart_shell(steel):
+    mesh = grid_mesh("quad9", (8, 8), flat, groups={"root": (0, 0.0)})
+    edge = ElasticEdge(k_face=2e11)
+    found = mesh_modes(MeshShell(mesh=mesh, thickness=0.01, material=steel, supports={"root": edge}), 4).freq
+    chart = Shell(chart=Plate(length=1.0, width=1.0), thickness=0.01, material=steel, supports={"root": edge})
+    held = Shell(chart=Plate(length=1.0, width=1.0), thickness=0.01, material=steel, supports={"root": Clamped()})
+    exact = modes(chart, 4).freq
+    np.testing.assert_allclose(found, exact, rtol=4e-3)
+    assert exact[0] < 0.97 * modes(held, 4).freq[0]
+
+
+def test_fixed_directions_leave_rotations_free(steel):
+    """Held in z all round: a simply supported plate, pi^2 sqrt(D/rho t) (1 + 1) over its sides, less the shear."""
+    edges = {"a": (0, 0.0), "b": (0, 1.0), "c": (1, 0.0), "d": (1, 1.0)}
+    mesh = grid_mesh("quad9", (8, 8), flat, groups=edges)
+    supports = {name: Fixed(directions=("z",)) for name in edges}
+    found = mesh_modes(MeshShell(mesh=mesh, thickness=2e-3, material=steel, supports=supports), 4)
+    D = 210e9 * 2e-3**3 / (12 * (1 - 0.3**2))
+    exact = np.pi * np.sqrt(D / (7800.0 * 2e-3))  # 2 pi^2 sqrt(D/m)/(2 pi)
+    assert found.rigid == 3
+    assert found.freq[3] == pytest.approx(exact, rel=5e-3)
+
+
+def folded(angle):
+    """Two halves of a plate that meet at an angle."""
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+
+    def place(u):
+        beyond = np.maximum(u[:, 0] - 0.5, 0.0)
+        return np.stack([u[:, 0] - beyond * (1 - c), u[:, 1], beyond * s], axis=1)
+
+    return grid_mesh("quad9", (4, 2), place)
+
+
+def test_kinks_are_doubted_and_folds_refused(steel):
+    with pytest.warns(ModelWarning, match=r"4 cells \(3, 4, 5, 6\) meet at up to 20 degrees.*mesh-kink"):
+        MeshShell(mesh=folded(20.0), thickness=0.01, material=steel)
+    with pytest.raises(ModelError, match="fold by up to 90 degrees"):
+        MeshShell(mesh=folded(90.0), thickness=0.01, material=steel)
+    MeshShell(mesh=folded(4.0), thickness=0.01, material=steel)
+
+
+def test_refuses_what_is_no_shell(steel):
+    brick = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u)
+    with pytest.raises(ModelError, match="mesh-not-shell"):
+        MeshShell(mesh=brick, thickness=0.01, material=steel)
+    with pytest.raises(ModelError, match="shell-thickness"):
+        MeshShell(mesh=grid_mesh("quad9", (1, 1), flat), thickness=0.0, material=steel)
+    mesh = grid_mesh("quad9", (1, 1), flat, groups={"root": (0, 0.0)})
+    with pytest.raises(ModelError, match="mesh-support"):
+        MeshShell(mesh=mesh, thickness=0.01, material=steel, supports={"root": ElasticEdge(k_r=1.0)})
