@@ -2,6 +2,7 @@
 
 MITC9: along r, eps_rr, chi_rr and gamma_r are sampled at two Gauss points in r times three in s, so that they are
 linear in r and quadratic in s; the components along s the other way round; eps_rs and chi_rs at two times two.
+Constant strains are then exact on parallelograms and nearly so on others.
 MITC4: gamma_r is sampled in the middle of the edges along r, gamma_s in those along s; the rest is not tied.
 """
 
