@@ -10,11 +10,13 @@ print(cf.modes(casing, count=40))
 from casingfem.experiment.correlation import Pairing, mac, pair, subspace_mac
 from casingfem.experiment.measurement import FrequencyTable, TableError
 from casingfem.modal.basis import BasisError, ModalBasis
+from casingfem.modal.campbell import Campbell, campbell
 from casingfem.modal.eigen import EigenError
 from casingfem.modal.interface import Rim, Tip
 from casingfem.modal.mistuning import Mistuning, mistune
 from casingfem.modal.modes import MeshModes, Modes, modes
 from casingfem.modal.reduction import reduce
+from casingfem.modal.whirl import WhirlModes, whirl_modes
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.blade import Blade
 from casingfem.structure.bolts import Bolts
@@ -30,6 +32,7 @@ from casingfem.structure.mesh_support import Fixed
 from casingfem.structure.random_field import RandomField, Spectrum
 from casingfem.structure.revolved import Arc, Profile, Revolved, RevolvedPanel
 from casingfem.structure.ring import Ring
+from casingfem.structure.rotation import Rotation
 from casingfem.structure.section import Section
 from casingfem.structure.shell import Shell
 from casingfem.structure.solid import Solid
@@ -48,6 +51,7 @@ __all__ = [
     "BasisError",
     "Blade",
     "Bolts",
+    "Campbell",
     "Chart",
     "Clamped",
     "Cylinder",
@@ -81,6 +85,7 @@ __all__ = [
     "RevolvedPanel",
     "Rim",
     "Ring",
+    "Rotation",
     "SampledField",
     "Section",
     "ShearDiaphragm",
@@ -100,7 +105,9 @@ __all__ = [
     "TwistedPlate",
     "UpdateError",
     "UpdateResult",
+    "WhirlModes",
     "assemble",
+    "campbell",
     "mac",
     "mistune",
     "modes",
@@ -110,4 +117,5 @@ __all__ = [
     "solve_static",
     "subspace_mac",
     "update",
+    "whirl_modes",
 ]

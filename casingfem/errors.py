@@ -377,6 +377,30 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "what holds a ring must be springs: a held ring is a held edge",
             "give the ring an elastic support, bolts or none; to clamp it, clamp the edge",
         ),
+        "rotation-axis": Fault(
+            "an axis of rotation without direction or place", "give two vectors of three finite numbers"
+        ),
+        "rotation-blade": Fault(
+            "hub radius and stagger place a blade on its hub", "give a hub radius of 0 or more, on an open chart"
+        ),
+        "rotation-large": Fault(
+            "the centrifugal force bends or untwists the shell so much that linear statics no longer describe it",
+            "lower the speed, or align the part with its radius; frequencies of such a state need nonlinear statics",
+        ),
+        "rotation-none": Fault("the shell does not rotate", "give it a Rotation: replace(shell, rotation=...)"),
+        "rotation-ring": Fault(
+            "the centrifugal force of rings and point masses on an edge is not modelled",
+            "take them off, or make a ring a thick Strip of the shell",
+        ),
+        "rotation-speed": Fault("the speed of rotation is not finite", "give it in rad/s, 2 pi times turns a second"),
+        "rotation-unstable": Fault(
+            "spin softening exceeds the stiffness: at this speed the shell leaves its shape",
+            "lower the speed, stiffen the support, or see that the hub radius and the axis are meant",
+        ),
+        "rotation-update": Fault(
+            "tests of rotating parts are not fitted: the derivatives leave the centrifugal stiffening out",
+            "fit the part at rest, then give it its rotation",
+        ),
         "shear-correction": Fault(
             "the shear correction is none of 5/6, about 1, or the thin-shell limit",
             "leave it at 5/6; give 1e6 for a wall without shear",

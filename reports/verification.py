@@ -20,7 +20,16 @@ from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped, ShearDiaphragm
-from reports import cone, cylinder, splitting, twisted_plate, verify_blades, verify_static, verify_strips
+from reports import (
+    cone,
+    cylinder,
+    splitting,
+    twisted_plate,
+    verify_blades,
+    verify_rotation,
+    verify_static,
+    verify_strips,
+)
 from reports.frustum_convergence import reference_frustum
 from reports.tables import DATA, Row, check, command_line, show, write
 
@@ -195,7 +204,9 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     """Print the table and the count of verdicts, and write it."""
     rows = frustum() + cylinders(quick) + cones(quick) + blade(quick) + twisted(quick) + nafems()
     rows += splitting.checks(quick)
-    rows += verify_static.rows(quick) + verify_strips.rows(quick) + verify_blades.rows(quick)
+    rows += (
+        verify_static.rows(quick) + verify_rotation.rows(quick) + verify_strips.rows(quick) + verify_blades.rows(quick)
+    )
     show("Verification", rows)
     passed, failed = (sum(row["verdict"] == word for row in rows) for word in ("pass", "FAIL"))
     print(f"{len(rows)} rows: {passed} pass, {len(rows) - passed - failed} have a reason, {failed} fail")

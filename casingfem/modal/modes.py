@@ -76,6 +76,8 @@ def modes(
     ------
     ValueError
         Unknown method, count below 1, or "fourier" asked of a casing that is not axisymmetric.
+    ModelError
+        `rotation-unstable` where a rotating shell softens more than it is held.
     EigenError
         If the modes cannot be computed or certified.
 
@@ -105,6 +107,8 @@ def modes(
     system = system if isinstance(system, System) else assemble(shell)
     assembled = time.perf_counter()
     found = solve(system.K, system.mass, wanted, shift=-((SHIFT * frequency_scale(shell)) ** 2), direct=direct)
+    if shell.rotation is not None and found.eigenvalues[0] < 0.0:
+        raise ModelError("rotation-unstable", f"modes: found omega^2 = {found.eigenvalues[0]:.4g} rad^2/s^2")
     solved = time.perf_counter()
     return labelled(
         shell,

@@ -8,7 +8,7 @@ uses the Lobatto rule whose points are the nodes, so M is diagonal. Dofs of a no
 edge are rotated in the element matrices, and held dofs are left out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,12 +16,15 @@ from scipy.sparse import block_diag, bsr_array, csc_array, diags_array, eye_arra
 from scipy.sparse.linalg import splu
 
 from casingfem.arrays import Array, FloatArray, IntArray
+from casingfem.errors import ModelError
 from casingfem.structure.diagonal_mass import diagonalised
 from casingfem.structure.edge_form import EdgeForm
 from casingfem.structure.edges import edge_forms
 from casingfem.structure.element import ElementQuadLobatto, lobatto
 from casingfem.structure.kinematics import DOFS, STRAINS, dot, frame, strain_slots
 from casingfem.structure.mesh import Grid, make_grid
+from casingfem.structure.prestress import Spin, spin_matrices
+from casingfem.structure.rotation import Rotation
 from casingfem.structure.scatter import scatter_elements
 from casingfem.structure.shell import Shell
 from casingfem.structure.strains import constitutive
@@ -214,6 +217,8 @@ def joint_frame(directions: FloatArray) -> tuple[FloatArray, Array]:
 def assemble(shell: Shell) -> System:
     """Assemble stiffness and lumped mass of a supported shell.
 
+    A rotating shell has the stiffness of its speed (`prestress`): centrifugal tension and spin softening included.
+
     >>> from casingfem.structure.chart import Plate
     >>> from casingfem.structure.support import Clamped
     >>> from casingfem.structure.material import Material
@@ -237,4 +242,20 @@ def assemble(shell: Shell) -> System:
         lumped = diags_array(np.append(mass, np.zeros(forms.own)))
         mass, change = diagonalised(csc_array(lumped + on_free(forms.mass, frames, free, forms.own)))
         K = csc_array(change.T @ K @ change)
-    return System(shell=shell, grid=grid, K=K, mass=mass, free=free, frames=frames, change=change, own=forms.own)
+    system = System(shell=shell, grid=grid, K=K, mass=mass, free=free, frames=frames, change=change, own=forms.own)
+    if shell.rotation is None:
+        return system
+    return replace(system, K=csc_array(system.K + spin(system, shell.rotation).stiffness(shell.rotation.omega)))
+
+
+def spin(system: System, rotation: Rotation) -> Spin:
+    """What rotation at 1 rad/s adds to a shell assembled at rest.
+
+    Raises
+    ------
+    ModelError
+        `rotation-ring` where the shell carries rings or masses, whose centrifugal force is not known here.
+    """
+    if system.own or system.change is not None:
+        raise ModelError("rotation-ring", "rotation: found a ring or point masses on an edge")
+    return spin_matrices(system, rotation, nodal_mass(system.shell, system.grid))

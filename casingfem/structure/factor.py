@@ -15,8 +15,11 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
 from casingfem.arrays import FloatArray
+from casingfem.errors import ModelError
 
 Direct: TypeAlias = Literal["superlu", "pardiso"]
+
+BALANCE = 1e-3  # relative error of u K u = u f beyond which K is singular; 1e-5 is round-off at t/L 3e-4
 
 
 class EigenError(RuntimeError):
@@ -46,10 +49,10 @@ class SuperLUFactor:
         return np.asarray(self.lu.solve(rhs))
 
     def negative(self) -> int:
-        """Negative pivots; EigenError if pivots left the diagonal."""
+        """Negative pivots, real for a Hermitian matrix too; EigenError if pivots left the diagonal."""
         if not np.array_equal(self.lu.perm_r, self.lu.perm_c):
             raise EigenError("pivots left the diagonal")
-        return int(np.count_nonzero(self.lu.U.diagonal() < 0.0))
+        return int(np.count_nonzero(np.real(self.lu.U.diagonal()) < 0.0))
 
 
 def superlu(A: csc_array) -> Factor:
@@ -91,3 +94,21 @@ def factorise(A: csc_array, direct: Direct = "superlu") -> Factor:
     if direct not in SOLVERS:
         raise EigenError(f"direct must be one of {', '.join(SOLVERS)}, found {direct!r}")
     return SOLVERS[direct](A)
+
+
+def solve_held(K: csc_array, f: FloatArray) -> FloatArray:
+    """K u = f (free,) for a structure that must be held.
+
+    Raises
+    ------
+    ModelError
+        `static-loose` if a rigid motion is not held: K is singular, or the energy u K u is not the work u f.
+    """
+    try:
+        u = np.asarray(factorise(K).solve(f))
+    except EigenError as error:
+        raise ModelError("static-loose", "static solution: found a singular stiffness") from error
+    work, strain = float(u @ f), float(u @ (K @ u))
+    if not abs(work - strain) <= BALANCE * abs(work):
+        raise ModelError("static-loose", f"static solution: found {strain:.3g} J of strain for {work:.3g} J of work")
+    return u

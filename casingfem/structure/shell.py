@@ -19,6 +19,7 @@ from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.random_field import typical
 from casingfem.structure.ring import Ring
+from casingfem.structure.rotation import Rotation
 from casingfem.structure.strip import Strip, breaks_between, check_strips, spread
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry, grip
 from casingfem.structure.taper import Taper
@@ -164,6 +165,8 @@ class Shell:
         Bands along the first parameter with a thickness, or a material, of their own.
     taper
         How the thickness is meant to vary: factors of it from root to tip and across.
+    rotation
+        Steady rotation: speed and axis; at rest if left out.
     mesh
         Order and element counts; a default for the kind of chart if left out.
 
@@ -196,6 +199,7 @@ class Shell:
     shear_correction: float = 5.0 / 6.0
     strips: tuple[Strip, ...] = ()
     taper: Taper | None = None
+    rotation: Rotation | None = None
     mesh: ShellMesh = None  # type: ignore[assignment]  # chosen in __post_init__ where left out
 
     def __post_init__(self) -> None:
@@ -285,10 +289,10 @@ class Shell:
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether nothing varies around: no fields, and springs equal all along their edges."""
+        """Whether nothing varies around: no fields, springs equal all along their edges, and at rest."""
         even = all(support.uniform for support in self.supports.values() if isinstance(support, Sprung | Ring))
         even = even and (self.taper is None or self.taper.even)
-        return self.chart.periodic and even and not self.defects
+        return self.chart.periodic and even and not self.defects and self.rotation is None
 
     @property
     def thinnest(self) -> float:

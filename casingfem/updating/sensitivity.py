@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import Array, FloatArray
+from casingfem.errors import ModelError
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.assembly import nodal_mass
 from casingfem.structure.edges import edge_forms
@@ -81,8 +82,10 @@ def eigen_derivatives(modes: Modes, vary: list[Parameter]) -> FloatArray:
     """G[p, i, j] = phi_i^T (K_p - omega_i^2 M_p) phi_j, (parameters, modes, modes) [rad^2/s^2 per unit].
 
     The diagonal is d(omega_i^2)/dp; G[p, i, j]/(omega_i^2 - omega_j^2) is mode j's share in the change of mode i.
-    Units are those of the solver: per decade for a log parameter.
+    Units are those of the solver: per decade for a log parameter. A rotating shell is refused (`rotation-update`).
     """
+    if modes.shell.rotation is not None:
+        raise ModelError("rotation-update", "update: found a rotating shell")
     at = point_fields(modes.shell, modes.grid, modes.fields, modes.own)
     derivatives = np.empty((len(vary), len(modes), len(modes)))
     for k, parameter in enumerate(vary):

@@ -1,0 +1,111 @@
+"""Frequencies over a range of speeds from one assembly: K(Omega) = K + Omega^2 K1 + Omega^4 K2."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csc_array
+
+from casingfem.arrays import FloatArray, frozen
+from casingfem.errors import ModelError
+from casingfem.modal.modes import modes
+from casingfem.structure.assembly import assemble, spin
+from casingfem.structure.shell import Shell
+
+SPARE = 6  # modes computed beyond those followed, so that one may leave the range and another come in
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Campbell:
+    """Frequencies against speed, each column one mode followed by its shape.
+
+    Attributes
+    ----------
+    omega
+        Speeds [rad/s], (speeds,).
+    freq
+        Frequencies [Hz] in the rotating frame, without Coriolis forces, (speeds, modes), ascending at the first speed.
+    southwell
+        d(omega_k^2)/d(Omega^2) = phi_k^T K1 phi_k of the shapes at the first speed, (modes,): Southwell's coefficients,
+        exact slopes if that speed is 0.
+    overlap
+        |phi^T M phi_before| of each mode with itself at the speed before, (speeds, modes): 1 where nothing mixes.
+    """
+
+    omega: FloatArray
+    freq: FloatArray
+    southwell: FloatArray
+    overlap: FloatArray
+
+    @property
+    def speed_hz(self) -> FloatArray:
+        """Speeds [Hz], (speeds,)."""
+        return self.omega / (2.0 * np.pi)
+
+    def crossings(self, order: int) -> list[tuple[int, float]]:
+        """Where an engine order meets a mode: (mode, speed [Hz]) with f = order * speed, linear between speeds.
+
+        >>> data = Campbell(omega=np.array([0.0, 2 * np.pi * 50]), freq=np.array([[100.0], [110.0]]),
+        ...                 southwell=np.zeros(1), overlap=np.ones((2, 1)))
+        >>> [(mode, round(speed, 3)) for mode, speed in data.crossings(4)]
+        [(0, 26.316)]
+        """
+        gap = self.freq - order * self.speed_hz[:, None]
+        met = []
+        for k, mode in np.argwhere(np.sign(gap[:-1]) * np.sign(gap[1:]) < 0.0).tolist():
+            part = gap[k, mode] / (gap[k, mode] - gap[k + 1, mode])
+            met.append((mode, float(self.speed_hz[k] + part * np.diff(self.speed_hz)[k])))
+        return met
+
+
+def campbell(shell: Shell, omega: Sequence[float] | FloatArray, count: int = 6) -> Campbell:
+    """Follow the lowest `count` modes of a shell over speeds [rad/s], one assembly and one static solution for all.
+
+    Parameters
+    ----------
+    shell
+        A supported shell with a `rotation`; its own speed is not used.
+    omega
+        Speeds [rad/s], ascending.
+    count
+        Modes followed, lowest at the first speed.
+
+    Raises
+    ------
+    ModelError
+        `rotation-none` for a shell without an axis; `rotation-unstable` where K(Omega) is not positive definite.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> chart = cf.Plate(length=0.2, width=0.04)
+    >>> blade = cf.Shell(chart=chart, thickness=3e-3, material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=6, rows=2, around=1),
+    ...                  rotation=cf.Rotation.of_blade(chart, omega=0.0, hub_radius=0.3))
+    >>> cf.campbell(blade, [0.0, 500.0, 1000.0], count=1).freq[:, 0].round(1).tolist()
+    [63.6, 140.7, 254.8]
+    """
+    if shell.rotation is None:
+        raise ModelError("rotation-none", "campbell: found a shell without rotation")
+    system = assemble(replace(shell, rotation=None))
+    added = spin(system, shell.rotation)
+    speeds = np.asarray(omega, dtype=float)
+    wanted = count + SPARE
+    freq, overlap = np.empty((len(speeds), count)), np.ones((len(speeds), count))
+    before = southwell = np.zeros(0)
+    for k, speed in enumerate(speeds):
+        turning = replace(shell, rotation=shell.rotation.at(float(speed)))
+        K = csc_array(system.K + added.stiffness(speed))
+        found = modes(turning, wanted, system=replace(system, shell=turning, K=K))
+        shapes = np.asarray(system.restrict(found.fields))
+        if k == 0:
+            columns = np.arange(count)
+            southwell = np.einsum("fk,fk->k", shapes[:, :count], added.K1 @ shapes[:, :count])
+        else:
+            likeness = np.abs(before.T @ (system.mass[:, None] * shapes))
+            _, columns = linear_sum_assignment(-(likeness**2))
+            overlap[k] = likeness[np.arange(count), columns]
+        before = shapes[:, columns]
+        freq[k] = found.freq[columns]
+    return Campbell(omega=frozen(speeds), freq=frozen(freq), southwell=frozen(southwell), overlap=frozen(overlap))

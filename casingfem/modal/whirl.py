@@ -1,0 +1,169 @@
+"""Modes of a rotating shell with Coriolis forces: what turns the doublets of a casing into travelling waves.
+
+In the rotating frame M x'' + Omega G x' + K(Omega) x = 0 with M, K symmetric and G skew. With (x, v = x') the inverse
+problem (x, v) -> (-K^-1 (M v + Omega G x), x) has the eigenvalues 1/(i omega): one factorisation of K and Arnoldi's
+largest ones. While K is positive definite all omega are real, and K + i omega Omega G - omega^2 M has as many negative
+eigenvalues as there are frequencies between 0 and omega: the count that certifies them (K. Veselic, Damped Oscillations
+of Linear Systems, 2011).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csc_array, diags_array
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigs
+
+from casingfem.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.errors import ModelError
+from casingfem.modal.eigen import START_SEED, gap_after
+from casingfem.modal.harmonics import ring_content
+from casingfem.modal.mode_set import frequency_scale
+from casingfem.structure.assembly import System, assemble, spin
+from casingfem.structure.factor import EigenError, factorise
+from casingfem.structure.shell import Shell
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WhirlModes:
+    """Modes of a rotating shell, ascending, as an observer who turns with it sees them.
+
+    Attributes
+    ----------
+    freq
+        Frequencies in the rotating frame [Hz], (modes,).
+    fields
+        Complex shapes at the nodes, (nodes, 5, modes): the motion is the real part of shape times e^(i omega t).
+    nodal_diameters
+        Dominant n of a closed casing, -1 on open shells, (modes,).
+    sense
+        1 for a wave that runs with the rotation, -1 for one against it, 0 for none (n = 0, open shells), (modes,).
+    sturm_count
+        Modes up to the last one, by inertia.
+    """
+
+    shell: Shell
+    freq: FloatArray
+    fields: Array
+    nodal_diameters: IntArray
+    sense: IntArray
+    sturm_count: int
+
+    def __len__(self) -> int:
+        """Return the number of modes."""
+        return len(self.freq)
+
+    @property
+    def freq_fixed(self) -> FloatArray:
+        """Frequencies [Hz] of the waves on a casing for an observer at rest: |f + sense n Omega/2 pi|, (modes,)."""
+        turns = 0.0 if self.shell.rotation is None else abs(self.shell.rotation.omega) / (2.0 * np.pi)
+        return np.abs(self.freq + self.sense * np.maximum(self.nodal_diameters, 0) * turns)
+
+
+def whirl_modes(shell: Shell, count: int = 10) -> WhirlModes:
+    """Lowest `count` modes of a rotating shell, Coriolis forces included, complete by a count of inertia.
+
+    Parameters
+    ----------
+    shell
+        A supported shell with a `rotation`.
+    count
+        Number of modes; each doublet of a casing gives a forward and a backward wave.
+
+    Raises
+    ------
+    ModelError
+        `rotation-none` for a shell at rest, `rotation-unstable` if K(Omega) is not positive definite.
+    EigenError
+        If the modes cannot be computed or certified.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> drum = cf.Shell(chart=cf.Cylinder(radius=0.2, height=0.1), thickness=2e-3, supports={"base": cf.Clamped()},
+    ...                 material=cf.Material(E=210e9, nu=0.3, rho=7800.0), rotation=cf.Rotation(omega=300.0),
+    ...                 mesh=cf.ShellMesh(order=6, rows=2, around=9))
+    >>> low = cf.whirl_modes(drum, 2)
+    >>> low.nodal_diameters.tolist(), low.sense.tolist()
+    ([7, 7], [1, -1])
+    """
+    if shell.rotation is None:
+        raise ModelError("rotation-none", "whirl_modes: found a shell without rotation")
+    from_rest = assemble(at_rest(shell))
+    added = spin(from_rest, shell.rotation)
+    omega = shell.rotation.omega
+    K = csc_array(from_rest.K + added.stiffness(omega))
+    root = diags_array(1.0 / np.sqrt(from_rest.mass))
+    A, G = csc_array(root @ K @ root), csc_array(omega * (root @ added.G @ root))
+    values, vectors, certified = gyroscopic_modes(A, G, count, scale=frequency_scale(shell))
+    fields = expand_complex(from_rest, root @ vectors)[:, :, :count]
+    n, sense = wave_labels(shell, from_rest, fields)
+    return WhirlModes(
+        shell=shell,
+        freq=frozen(values[:count] / (2.0 * np.pi)),
+        fields=frozen(fields),
+        nodal_diameters=n,
+        sense=sense,
+        sturm_count=certified,
+    )
+
+
+def at_rest(shell: Shell) -> Shell:
+    """The shell without its rotation, on the same mesh."""
+    return replace(shell, rotation=None)
+
+
+def gyroscopic_modes(
+    A: csc_array, G: csc_array, count: int, scale: float, extra: int = 4
+) -> tuple[FloatArray, Array, int]:
+    """Frequencies [rad/s] ascending and complex shapes of x'' + G x' + A x = 0, up to a gap at or after `count`."""
+    size = A.shape[0]
+    if not 1 <= count < size // 2 - extra:
+        raise EigenError(f"count must lie between 1 and {size // 2 - extra - 1}, found {count}")
+    factor = factorise(A)
+    if factor.negative():
+        raise ModelError("rotation-unstable", f"whirl_modes: found {factor.negative()} negative stiffnesses")
+
+    def inverse(state: FloatArray) -> FloatArray:
+        x, v = np.split(np.ravel(state), 2)  # v stands for x'/scale
+        return np.concatenate([-factor.solve(scale * v + G @ x), x / scale])
+
+    operator = LinearOperator((2 * size, 2 * size), matvec=inverse, dtype=float)
+    start = np.random.default_rng(START_SEED).standard_normal(2 * size)
+    try:
+        found, states = eigs(operator, 2 * (count + extra), v0=start)
+    except ArpackError as error:
+        raise EigenError(f"ARPACK did not converge on {count + extra} rotating modes: {error}") from error
+    upper = np.flatnonzero(found.imag < 0.0)  # 1/(i omega), omega > 0
+    upper = upper[np.argsort(-np.abs(found[upper]))]
+    omega = 1.0 / np.abs(found[upper])
+    below, sigma = gap_after(omega, count)
+    shifted = csc_array(A + 1j * sigma * G - sigma**2 * diags_array(np.ones(size)))
+    certified = factorise(shifted).negative()
+    if certified != below:
+        raise EigenError(f"{certified} modes lie below {sigma / 2 / np.pi:.6g} Hz, {below} were found")
+    return omega[:below], states[:size, upper[:below]], certified
+
+
+def expand_complex(system: System, vectors: Array) -> Array:
+    """Free dofs (free, modes) -> nodal fields (nodes, 5, modes) with the largest displacement 1."""
+    fields = system.expand(vectors)
+    flat = fields[:, :3].reshape(-1, fields.shape[2])
+    return np.asarray(fields / flat[np.abs(flat).argmax(axis=0), np.arange(fields.shape[2])])
+
+
+def wave_labels(shell: Shell, system: System, fields: Array) -> tuple[IntArray, IntArray]:
+    """Nodal diameters and sense of the waves on a closed casing, each (modes,).
+
+    e^(i n theta) e^(i omega t) runs towards smaller theta, e^(-i n theta) e^(i omega t) towards larger.
+    """
+    modes = fields.shape[2]
+    if not shell.chart.periodic or shell.rotation is None:
+        return np.full(modes, -1), np.zeros(modes, dtype=np.int64)
+    n_max = max(2, system.grid.mesh.order * system.grid.mesh.around // 3)
+    waves = [ring_content(shell.chart, system.grid, part, n_max) for part in (fields.conj(), fields)]
+    energy = np.stack([np.einsum("nrcm,r->nm", np.abs(wave.amplitudes) ** 2, wave.weights) for wave in waves])
+    n = energy.sum(axis=0).argmax(axis=0)
+    forward, backward = energy[:, n, np.arange(modes)]
+    turning = float(np.sign(shell.rotation.omega * shell.rotation.direction[2]))
+    sense = np.where(n > 0, np.sign(forward - backward) * turning, 0.0)
+    return n, sense.astype(np.int64)
