@@ -26,6 +26,7 @@ from reports import (
     splitting,
     twisted_plate,
     verify_blades,
+    verify_fields,
     verify_rotation,
     verify_static,
     verify_strips,
@@ -207,6 +208,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     rows += (
         verify_static.rows(quick) + verify_rotation.rows(quick) + verify_strips.rows(quick) + verify_blades.rows(quick)
     )
+    rows += verify_fields.rows(quick)
     show("Verification", rows)
     passed, failed = (sum(row["verdict"] == word for row in rows) for word in ("pass", "FAIL"))
     print(f"{len(rows)} rows: {passed} pass, {len(rows) - passed - failed} have a reason, {failed} fail")

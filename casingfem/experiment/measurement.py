@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.arrays import Array, FloatArray, IntArray
-from casingfem.experiment.grouping import Group, grouped
+from casingfem.experiment.grouping import Doublet, Group, grouped
 from casingfem.structure.strict_csv import CsvError, StrictCsv, read
 
 COLUMNS = ("mode", "n", "freq_hz", "sigma_hz", "angle_deg", "zeta")
@@ -172,6 +172,15 @@ class FrequencyTable:
     def groups(self) -> tuple[Group, ...]:
         """Doublets and singles of the table; the rule is that of ``grouping.grouped``."""
         return grouped(self.n, self.freq_hz, self.angle_deg)
+
+    def splits(self) -> dict[int, float]:
+        """Relative split (f_upper - f_lower)/mean of the lowest doublet of each n."""
+        found: dict[int, float] = {}
+        for group in self.groups():
+            if isinstance(group, Doublet) and group.n not in found:
+                low, high = self.freq_hz[list(group.rows)]
+                found[group.n] = float((high - low) / (0.5 * (low + high)))
+        return found
 
     def without(self, *modes: int) -> FrequencyTable:
         """Leave out the rows with these mode numbers.
