@@ -349,6 +349,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "this method does not apply",
             "leave method out; harmonics need a casing on which nothing varies around",
         ),
+        "modes-rigid": Fault(
+            "on a mesh this coarse a thin free body bends before it turns as a whole: the rotations are not resolved",
+            "leave the mesh out, or raise mesh.order or mesh.around",
+        ),
         "reduce-damping": Fault(
             "the damping ratio is not one of a vibrating mode",
             "give zeta from 0 to below 1 (half a per cent as 0.005)",

@@ -10,7 +10,7 @@ from pathlib import Path
 from reports.tables import command_line
 
 REPORTS = (
-    "frustum_convergence", "cylinder", "contact_accuracy", "rotating_beam", "bases", "speed", "verification", "rig",
+    "frustum_convergence", "cylinder", "contact_accuracy", "rotating_beam", "bases", "speed", "verification", "sturm", "rig",
 )  # fmt: skip
 
 

@@ -6,10 +6,10 @@ from typing import TypeAlias
 import numpy as np
 from scipy.sparse import csc_array
 
-from casingfem.arrays import FloatArray
-from casingfem.modal.krylov import BLOCKS, START_SEED, nearest
+from casingfem.arrays import FloatArray, IntArray
+from casingfem.modal.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
 from casingfem.modal.pencil import Mass, Pencil, make_pencil
-from casingfem.modal.slicing import CLEAR, Slice, slices
+from casingfem.modal.slicing import CLEAR, CLEARER, slices
 from casingfem.structure.factor import Direct, EigenError, factorise
 
 __all__ = [
@@ -72,13 +72,20 @@ def solve(K: csc_array, mass: Mass, wanted: int | Band, shift: float, direct: Di
     return solve_band(K, mass, (low, high), shift=shift, direct=direct)
 
 
-def gap_after(eigenvalues: FloatArray, count: int) -> tuple[int, float]:
+def gaps(eigenvalues: FloatArray, count: int, floor: float, clear: float) -> IntArray:
+    """Which eigenvalues from number `count` on are followed by a clear gap, counted from there.
+
+    Eigenvalues below `floor` are zero but for round-off: what parts them counts against the floor.
+    """
+    return np.flatnonzero(np.diff(eigenvalues)[count - 1 :] > clear * np.maximum(eigenvalues[count:], floor))
+
+
+def gap_after(eigenvalues: FloatArray, count: int, floor: float = 0.0, clear: float = CLEAR) -> tuple[int, float]:
     """The first clear gap at or after `count` eigenvalues: how many lie below it, and a shift inside it."""
-    steps = np.diff(eigenvalues) / np.maximum(np.abs(eigenvalues[1:]), np.finfo(float).tiny)
-    clear = np.flatnonzero(steps[count - 1 :] > CLEAR)
-    if not len(clear):
+    found = gaps(eigenvalues, count, floor, clear)
+    if not len(found):
         raise EigenError(f"no gap among eigenvalues {count} to {len(eigenvalues)}: ask for more modes")
-    below = count + int(clear[0])
+    below = count + int(found[0])
     return below, float(0.5 * (eigenvalues[below - 1] + eigenvalues[below]))
 
 
@@ -111,18 +118,34 @@ def solve_modes(
     if count < 1 or count + extra >= size:
         raise CountError(f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}")
     pencil = make_pencil(K, mass)
+    for step in (1.0, 1e2, 1e4):  # a shift too close to rigid motions drowns the elastic modes in their round-off
+        try:
+            return solve_from(pencil, count, step * shift, extra, direct)
+        except ConvergenceError as error:
+            failed = error
+    raise failed
+
+
+def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Direct) -> EigenResult:
+    """`solve_modes` of a scaled pencil from one shift."""
     factor = factorise(pencil.shifted(shift), direct)
     wanted, products = count + extra, 0
-    for block in BLOCKS:  # a missed mode shows in the count: look for more, with more vectors at once
-        found = nearest(pencil, factor.solve, shift, min(wanted, size), block)
+    tries = list(zip(BLOCKS, CLEARER, strict=True))
+    while tries:
+        block, clear = tries[0]
+        found = nearest(pencil, factor.solve, shift, min(wanted, pencil.size), block)
         products += found.products
         order = np.argsort(found.values)
         values, vectors = found.values[order], found.vectors[:, order]
-        below, sigma = gap_after(values, count)
+        if not gaps(values, count, abs(shift), clear).size and wanted < pencil.size:
+            wanted += 2 * extra  # a cluster goes on
+            continue
+        below, sigma = gap_after(values, count, abs(shift), clear)
         certified = pencil.count_below(sigma, direct)
         if certified == below:
             return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
         wanted += 2 * max(certified - below, 1) + extra
+        tries.pop(0)  # a missed mode shows in the count: look again, with more vectors at once
     raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
 
 
@@ -150,7 +173,7 @@ def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direc
     if not 0.0 <= low < high < np.inf:
         raise EigenError(f"a band runs from 0 or above to a higher end, found {low:.6g} to {high:.6g}")
     pencil = make_pencil(K, mass)
-    parts: list[Slice] = list(slices(pencil, shift if low == 0.0 else low, high, rigid=low == 0.0, direct=direct))
+    parts = list(slices(pencil, low, high, shift, direct))
     values = np.concatenate([part.values for part in parts])
     vectors = np.hstack([part.vectors for part in parts])
     products = sum(part.products for part in parts)

@@ -205,7 +205,7 @@ def labelled(
         grid=grid,
         own=frozen(own[:, :kept]),
         **first_modes(freq, labels, kept),
-        rigid=rigid,
+        rigid=min(rigid, kept),
         sturm_count=sturm,
         dofs=dofs,
         rings=rings,

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import FloatArray
-from casingfem.modal.krylov import BLOCKS, RitzPairs, nearest
+from casingfem.modal.krylov import BLOCKS, ConvergenceError, RitzPairs, nearest
 from casingfem.modal.pencil import Pencil
 from casingfem.structure.factor import Direct, EigenError, factorise
 
 CLEAR = 1e-7  # eigenvalues closer than this, relative, are not parted
+CLEARER = (CLEAR, 1e-5, 1e-3)  # the same, try by try: on a miss, a gap that no round-off bridges
 MANY = 64  # eigenvalues of one slice
 PLACES = (0.5, 0.47, 0.53, 0.44)  # where in a slice the shift may stand
 
@@ -40,16 +41,55 @@ class End:
     settled: bool = False
 
 
-def slices(pencil: Pencil, low: float, high: float, *, rigid: bool, direct: Direct) -> Iterator[Slice]:
-    """The slices of a band from low to high, ascending; `rigid`: nothing lies below low, no factor is needed there.
+@dataclass(frozen=True, slots=True, eq=False)
+class Counter:
+    """Counts eigenvalues below places; those below `floor` are zero but for round-off."""
+
+    pencil: Pencil
+    floor: float
+    direct: Direct
+
+    def width(self, place: float, clear: float = CLEAR) -> float:
+        """How far from a place an eigenvalue still stands on it."""
+        return clear * max(abs(place), self.floor)
+
+    def counted(self, place: float, way: float) -> End:
+        """An end, moved in its way (1 up, -1 down) so that a mode exactly there is met; twice if one is there too."""
+        for step in (1.0, 2.0):
+            there = place + way * step * self.width(place)
+            try:
+                return End(there, self.pencil.count_below(there, self.direct))
+            except EigenError as error:
+                singular = error
+        raise singular
+
+    def moved(self, end: End, values: FloatArray, way: float, clear: float) -> End:
+        """The end itself, or, where an eigenvalue stands on it, a place in the first clear gap outwards.
+
+        `values` ascend in the outward direction: `way` is 1 at an upper end, -1 at a lower one, where they are negated.
+        """
+        place, width = way * end.place, self.width(end.place, clear)
+        if end.settled or not np.any(np.abs(values - place) <= width):
+            return End(end.place, end.below, settled=True)
+        last = int(np.flatnonzero(values <= place + width)[-1])
+        while last + 1 < len(values) and values[last + 1] - values[last] <= width:
+            last += 1
+        gap = values[last + 1] - values[last] if last + 1 < len(values) else 10.0 * width
+        outside = way * float(values[last] + min(0.5 * gap, 5.0 * width))
+        return End(outside, self.pencil.count_below(outside, self.direct), settled=True)
+
+
+def slices(pencil: Pencil, low: float, high: float, shift: float, direct: Direct) -> Iterator[Slice]:
+    """The slices of a band from low to high, ascending; from 0 they start at the negative shift, below all modes.
 
     Raises
     ------
     EigenError
         If a slice does not show as many eigenvalues as its ends count.
     """
-    start = End(low, 0, settled=True) if rigid else counted(pencil, low, -1.0, direct)
-    ends = [counted(pencil, high, 1.0, direct)]
+    counter = Counter(pencil, abs(shift), direct)
+    start = End(shift, 0, settled=True) if low == 0.0 else counter.counted(low, -1.0)
+    ends = [counter.counted(high, 1.0)]
     while ends:
         end = ends[-1]
         if end.place <= start.place:  # the last slice had to reach beyond it
@@ -57,24 +97,22 @@ def slices(pencil: Pencil, low: float, high: float, *, rigid: bool, direct: Dire
             continue
         if end.below - start.below > MANY and end.place - start.place > 1e-3 * abs(end.place):
             middle = 0.25 * (np.sqrt(max(start.place, 0.0)) + np.sqrt(end.place)) ** 2
-            ends.append(counted(pencil, middle, 1.0, direct))
+            ends.append(counter.counted(middle, 1.0))
             continue
-        found = solve_slice(pencil, start, ends.pop(), direct)
+        found = solve_slice(counter, start, ends.pop())
         yield found
         start = End(found.high, start.below + len(found.values), settled=True)
 
 
-def solve_slice(pencil: Pencil, start: End, end: End, direct: Direct) -> Slice:
+def solve_slice(counter: Counter, start: End, end: End) -> Slice:
     """The eigenvalues between two ends, which move outwards where an eigenvalue stands on them."""
-    inside = end.below - start.below
     products = 0
-    for block in BLOCKS:  # a missed mode shows in the count: look with more vectors at once
-        found = around_middle(pencil, start.place, end.place, inside, direct, block)
+    for block, clear in zip(BLOCKS, CLEARER, strict=True):  # a missed mode shows in the count: look again
+        found = around_middle(counter, start, end, block, clear)
         products += found.products
         order = np.argsort(found.values)
         values, vectors = found.values[order], found.vectors[:, order]
-        low = start if start.settled else moved(pencil, start, -values[::-1], -1.0, direct)
-        high = end if end.settled else moved(pencil, end, values, 1.0, direct)
+        low, high = counter.moved(start, -values[::-1], -1.0, clear), counter.moved(end, values, 1.0, clear)
         between = (values > low.place) & (values < high.place)
         if np.count_nonzero(between) == high.below - low.below:
             return Slice(low.place, high.place, values[between], vectors[:, between], products)
@@ -82,29 +120,22 @@ def solve_slice(pencil: Pencil, start: End, end: End, direct: Direct) -> Slice:
     raise EigenError(f"{high.below - low.below} modes lie in {ends[0]} to {ends[1]} Hz, {between.sum()} were found")
 
 
-def counted(pencil: Pencil, place: float, way: float, direct: Direct) -> End:
-    """An end, moved by CLEAR in its way so that a mode exactly there is met, twice that where one stands there too."""
-    for step in (1.0, 2.0):
-        there = place + way * step * CLEAR * abs(place)
-        try:
-            return End(there, pencil.count_below(there, direct))
-        except EigenError as error:
-            singular = error
-    raise singular
-
-
-def around_middle(pencil: Pencil, low: float, high: float, inside: int, direct: Direct, block: int) -> RitzPairs:
-    """More pairs about the middle of a slice than it holds: all on its ends and between them, and what is next."""
+def around_middle(counter: Counter, start: End, end: End, block: int, clear: float) -> RitzPairs:
+    """All pairs of a slice, those on its ends, and what is next to them, from a shift near its middle."""
+    pencil, low, high = counter.pencil, start.place, end.place
     for place in PLACES:
         sigma = low + place * (high - low)
-        radius = (1.0 + 10.0 * CLEAR) * max(high - sigma, sigma - low)
+        radius = max(high - sigma + 10.0 * counter.width(high, clear), sigma - low + 10.0 * counter.width(low, clear))
         try:
-            factor = factorise(pencil.shifted(sigma), direct)
+            factor = factorise(pencil.shifted(sigma), counter.direct)
         except EigenError:
             continue
-        wanted, products = inside + 4, 0
+        wanted, products = end.below - start.below + 4, 0
         while True:
-            found = nearest(pencil, factor.solve, sigma, min(wanted, pencil.size), block)
+            try:
+                found = nearest(pencil, factor.solve, sigma, min(wanted, pencil.size), block)
+            except ConvergenceError:
+                break
             products += found.products
             reach = np.abs(found.values - sigma)
             if reach[0] < 1e-7 * radius:
@@ -113,19 +144,3 @@ def around_middle(pencil: Pencil, low: float, high: float, inside: int, direct: 
                 return RitzPairs(values=found.values, vectors=found.vectors, products=products)
             wanted += max(8, wanted // 2)
     raise EigenError(f"no shift between {low:.6g} and {high:.6g} [rad^2/s^2] lies clear of the modes")
-
-
-def moved(pencil: Pencil, end: End, values: FloatArray, way: float, direct: Direct) -> End:
-    """The end itself, or, where an eigenvalue stands on it, a place in the first clear gap outwards.
-
-    `values` ascend in the outward direction: `way` is 1 at an upper end, -1 at a lower one, where they are negated.
-    """
-    place, width = way * end.place, CLEAR * abs(end.place)
-    if not np.any(np.abs(values - place) <= width):
-        return End(end.place, end.below, settled=True)
-    last = int(np.flatnonzero(values <= place + width)[-1])
-    while last + 1 < len(values) and values[last + 1] - values[last] <= width:
-        last += 1
-    gap = values[last + 1] - values[last] if last + 1 < len(values) else 10.0 * width
-    outside = way * float(values[last] + min(0.5 * gap, 5.0 * width))
-    return End(outside, pencil.count_below(outside, direct), settled=True)

@@ -7,6 +7,7 @@ supports alone: no frequency has to be called small, and a body on soft springs 
 import numpy as np
 
 from casingfem.arrays import FloatArray
+from casingfem.errors import doubt
 from casingfem.structure.assembly import held_dofs, nodal_mass
 from casingfem.structure.curved_beam import skew
 from casingfem.structure.edges import holding_forms, own_dofs
@@ -64,7 +65,11 @@ def ring_turns(shell: Shell, grid: Grid, fields: FloatArray) -> FloatArray:
 
 
 def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray) -> int:
-    """How many of the first modes (nodes, 5, modes) are rigid motions that the supports leave free."""
+    """How many of the first modes (nodes, 5, modes) are rigid motions that the supports leave free.
+
+    Translations are exact on every mesh, rotations are interpolated: on a mesh too coarse for a thin wall a body does
+    not turn as a whole before it bends, and a warning says so.
+    """
     motions = free_motions(shell, grid)
     if not motions.shape[2]:
         return 0
@@ -72,4 +77,8 @@ def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray) -> int:
     Q, _ = np.linalg.qr(root * motions.reshape(len(root), -1))
     moved = root * fields.reshape(len(root), -1)
     rigid = np.sum((Q.T @ moved) ** 2, axis=0) > SHARE * np.sum(moved**2, axis=0)
-    return int(np.argmin(np.append(rigid, False)))
+    first = int(np.argmin(np.append(rigid, False)))
+    expected = min(motions.shape[2], len(rigid))
+    if 0 < first < expected:
+        doubt("modes-rigid", f"{expected} rigid motions are free, {first} modes show them", stacklevel=5)
+    return first

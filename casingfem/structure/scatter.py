@@ -21,8 +21,8 @@ def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> Non
 def scatter_elements(matrices: FloatArray, grid: Grid, frames: FloatArray, free: IntArray) -> csc_array:
     """Sum of element matrices (elements, 5 functions, 5 functions) on the free dofs; they are turned in place."""
     rotate_elements(matrices, grid, frames)
-    number = np.full(grid.nodes.shape[1] * DOFS, -1)
-    number[free] = np.arange(len(free))
+    number = np.full(grid.nodes.shape[1] * DOFS, -1, dtype=np.int32)  # what SuperLU takes without a copy
+    number[free] = np.arange(len(free), dtype=np.int32)
     dofs = number[(grid.elements[:, :, None] * DOFS + np.arange(DOFS)).reshape(len(grid.elements), -1)]
     rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
     i, j = rows.ravel(), columns.ravel()

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from casingfem.errors import ModelWarning
 from casingfem.modal.eigen import EigenError
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.modes import count_below, modes
@@ -351,6 +352,16 @@ def test_refuses_bands_that_are_none(frustum):
 
 
 # --- rigid motions --------------------------------------------------------------------------------------------
+
+
+def test_a_mesh_too_coarse_to_turn_a_thin_body_is_doubted(steel):
+    """Order 3, 7 elements around, R/t = 3,000: it bends before it turns."""
+    shell = Shell(
+        chart=Frustum(r_base=0.07, r_top=0.09, height=0.03), thickness=2.4e-5, material=steel,
+        mesh=ShellMesh(order=3, rows=1, around=7),
+    )  # fmt: skip
+    with pytest.warns(ModelWarning, match=r"6 rigid motions are free, 4 modes show them.*modes-rigid"):
+        assert modes(shell, 12, method="shell").rigid == 4
 
 
 @pytest.mark.parametrize("around", [3, 5])

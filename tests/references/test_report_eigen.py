@@ -1,0 +1,26 @@
+"""Reports on the eigen solvers run small, and their faults show."""
+
+import pandas as pd
+
+from casingfem.modal import eigen, krylov
+from reports import sturm
+
+
+def test_every_random_structure_shows_as_many_modes_as_are_counted(tmp_path, capsys):
+    rows = sturm.main(tmp_path, quick=True)
+    assert sum(row["drawn"] for row in rows) == 30
+    assert sum(row["faults"] for row in rows) == 0
+    assert sum(row["free"] for row in rows) >= 5
+    assert sum(row["doublets"] for row in rows) >= 10
+    assert "30 structures, 0 faults" in capsys.readouterr().out
+    assert len(pd.read_csv(tmp_path / "sturm.csv")) == len(rows)
+
+
+def test_a_mode_lost_among_random_structures_is_a_fault(monkeypatch, capsys):
+    def losing(*arguments):
+        found = krylov.nearest(*arguments)
+        return krylov.RitzPairs(values=found.values[1:], vectors=found.vectors[:, 1:], products=found.products)
+
+    monkeypatch.setattr(eigen, "nearest", losing)
+    assert "modes lie below" in sturm.outcome(3).fault
+    assert "structure 3" in capsys.readouterr().out
