@@ -10,7 +10,8 @@ from pathlib import Path
 from reports.tables import command_line
 
 REPORTS = (
-    "frustum_convergence", "cylinder", "contact_accuracy", "rotating_beam", "bases", "speed", "verification", "sturm", "rig",
+    "frustum_convergence", "cylinder", "contact_accuracy", "rotating_beam", "bases", "speed",
+    "verification", "sturm", "rig",
 )  # fmt: skip
 
 
