@@ -3,6 +3,7 @@
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any, NoReturn, ParamSpec, TypeVar
 import click
 import numpy as np
 
+from casingfem.errors import ModelWarning
 from casingfem.modal.eigen import EigenError
 from casingfem.outfiles import Content, json_text, write_files
 
@@ -36,6 +38,7 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        warnings.showwarning = say_warning
         try:
             return command(*args, **kwargs)
         except ValueError as error:
@@ -54,6 +57,19 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
             fail(f"{where} {kwargs.get('file', '')}: the numerics failed: {error}", NUMERICS_FAILED)
 
     return run
+
+
+def say_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: object = None,
+    line: str | None = None,
+) -> None:
+    """A doubt about the model on stderr, in its own words; other warnings with their place."""
+    place = "" if issubclass(category, ModelWarning) else f"{filename}:{lineno}: "
+    click.echo(f"{place}warning: {message}", err=True)
 
 
 def known(error: Exception) -> bool:

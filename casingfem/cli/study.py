@@ -9,8 +9,8 @@ from casingfem.cli.running import Working, deliver, options
 from casingfem.outfiles import Content, json_text
 
 if TYPE_CHECKING:
-    from casingfem.modal.mode_set import Modes
-    from casingfem.study import Study
+    from casingfem.modal.mode_set import Modes, ModeSet
+    from casingfem.study import MeshStudy, Study
 
 STUDY = click.argument("file", metavar="STUDY", type=click.Path(path_type=Path))
 
@@ -34,16 +34,19 @@ def numbers(context: click.Context, option: click.Parameter, value: str | None) 
 @options
 def modes(file: Path, as_json: bool, out: Path | None, vtu: bool, shown: tuple[int, ...] | None) -> None:
     """Modes of the structure of STUDY, labelled and counted."""
+    from casingfem.modal.modes import Modes
     from casingfem.modal.modes import modes as compute
-    from casingfem.study import load_study
+    from casingfem.study import MeshStudy, load_any
 
     if shown is not None and not vtu:
         raise click.UsageError("--modes chooses what --vtu writes: give --vtu too")
     if vtu and out is None:
         raise click.UsageError("--vtu needs --out DIR")
-    study = load_study(file)
+    study = load_any(file)
+    if vtu and isinstance(study, MeshStudy):
+        raise click.UsageError("--vtu writes the shapes of shells on a chart, not those of imported meshes")
     with Working(f"modes of {file.name}"):
-        found = compute(study.shell, **study.file.modes.wanted)
+        found = compute(study.structure, **study.file.modes.wanted)
     if found.rigid and study.file.modes.elastic_only:
         what = f"true, and {found.rigid} rigid modes"
         raise study.error("modes.elastic_only", what, "a structure whose supports leave no rigid motion")
@@ -56,7 +59,7 @@ def modes(file: Path, as_json: bool, out: Path | None, vtu: bool, shown: tuple[i
         "source": study.source,
     }
     files: dict[str, Content] = {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study)}
-    if vtu:
+    if vtu and isinstance(found, Modes):
         files |= shapes(found, shown)
     deliver(document, repr(found), as_json=as_json, out=out, files=files)
 
@@ -73,7 +76,7 @@ def shapes(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, bytes]:
     return {f"vtu/{name}": content for name, content in mode_files(found, which).items()}
 
 
-def modes_csv(found: "Modes", study: "Study") -> str:
+def modes_csv(found: "ModeSet", study: "Study | MeshStudy") -> str:
     """The modes as a table with its card."""
     source = study.source
     versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())

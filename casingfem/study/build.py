@@ -24,6 +24,7 @@ from casingfem.study.schema import (
     BoltsTable,
     ChartTable,
     ElasticTable,
+    FixedTable,
     Harmonic,
     ImperfectionTable,
     MeshTable,
@@ -139,6 +140,8 @@ def build_support(table: SupportTable, edge: str, chart: Chart | None) -> Suppor
         return build_bolts(table, edge, chart)
     if isinstance(table, ElasticTable):
         return ElasticEdge(**table.model_dump(exclude={"kind", "around"}), around=build_around(table))
+    if isinstance(table, FixedTable):
+        raise ValueError("kind: found 'fixed', which is for imported meshes, expected a kind for a chart's edge")
     return Clamped() if table.kind == "clamped" else ShearDiaphragm()
 
 

@@ -17,6 +17,7 @@ from casingfem.modal.interface import Rim, Tip
 from casingfem.structure.chart import Chart
 from casingfem.structure.shell import Shell
 from casingfem.study.build import build_shell, try_chart
+from casingfem.study.imported import MeshStudy, build_imported, is_imported
 from casingfem.study.problems import Problems, StudyError
 from casingfem.study.schema import REQUIRED, ParameterTable, ReduceTable, StudyFile
 from casingfem.updating.parameters import Parameter, get_value, with_value
@@ -53,6 +54,11 @@ class Study:
     interface: Rim | Tip | None
     source: dict[str, Any]
 
+    @property
+    def structure(self) -> Shell:
+        """The structure, by the name it has in every study."""
+        return self.shell
+
     def error(self, key: str, found: str, expected: str) -> StudyError:
         """An error that names this file and a key of it, to be raised."""
         problems = Problems(self.path)
@@ -61,7 +67,22 @@ class Study:
 
 
 def load_study(path: str | Path) -> Study:
-    """Read a study file; surveys and tables are found relative to it.
+    """Read the study of a shell on a chart; surveys and tables are found relative to it.
+
+    Raises
+    ------
+    StudyError
+        With all problems, one a line: file: key: found X, expected Y.
+    """
+    study = load_any(path)
+    if isinstance(study, MeshStudy):
+        key = "solid" if study.file.solid is not None else "shell.mesh"
+        raise study.error(key, "an imported mesh, which has modes only", "a shell on a [chart] for this command")
+    return study
+
+
+def load_any(path: str | Path) -> Study | MeshStudy:
+    """Read a study file, of a shell on a chart or of an imported mesh.
 
     Raises
     ------
@@ -72,6 +93,11 @@ def load_study(path: str | Path) -> Study:
     problems = Problems(file)
     text, data = read_toml(file)
     tables = validated(data, problems)
+    if is_imported(data):
+        structure = build_imported(tables, data, problems)
+        if problems or structure is None:
+            raise StudyError(problems)
+        return MeshStudy(path=file, file=tables, structure=structure, source=source(file, text, tables))
     shell = build_shell(tables, problems)
     table, parameters, start = load_update(tables, shell, problems)
     chart = try_chart(tables, Problems(file))  # its problems are noted with the shell's
@@ -107,7 +133,7 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
 
 def validated(data: dict[str, Any], problems: Problems) -> StudyFile:
     """The tables that are in order; the problems of the others are noted."""
-    for name in REQUIRED:
+    for name in REQUIRED[:1] if is_imported(data) else REQUIRED:
         if name not in data:
             meaning = StudyFile.model_fields[name].description
             problems.add(name, "nothing", f"a table [{name}]: {meaning}")
@@ -168,6 +194,7 @@ def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:
     """Name and hash of the input, package versions, seed."""
     names: Sequence[str | None] = [entry.survey for entry in tables.imperfection]
     names = [*names, tables.update.table if tables.update is not None else None]
+    names = [*names, *(table.mesh for table in (tables.solid, tables.shell) if table is not None)]
     contents = [text, *((file.parent / name).read_bytes() for name in names if name is not None)]
     return {
         "study": file.name,

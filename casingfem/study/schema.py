@@ -1,7 +1,7 @@
 """Schema of study.toml (pydantic): the keys, their types and ranges, all SI.
 
 Every table may be missing here, so that one bad table does not hide the problems of the others; `REQUIRED`
-names those a study cannot do without.
+names those that the study of a shell on a chart cannot do without; one of an imported mesh needs the first.
 """
 
 from collections.abc import Mapping
@@ -109,10 +109,31 @@ class TaperTable(Table):
     across: Stations = Field(default=1.0, description="from left to right")
 
 
-class ShellTable(Table):
-    """[shell]."""
+class ImportTable(Table):
+    """A mesh file and how it is read: keys that [solid] and [shell] share."""
+
+    mesh: str | None = Field(default=None, min_length=1, description="mesh file, relative to this file")
+    scale: Positive = Field(default=1.0, description="factor that makes the file's lengths metres: 1e-3 for mm")
+    join: NotNegative = Field(default=0.0, description="nodes closer than this become one [m]")
+
+
+class SolidTable(ImportTable):
+    """[solid]: an imported mesh of tetrahedra or bricks, instead of [chart] and [shell]."""
+
+    mesh: str = Field(min_length=1, description="mesh file, relative to this file")
+    material: dict[str, MaterialTable] = Field(default={}, description="group of cells -> its own material")
+
+
+class ShellTable(ImportTable):
+    """[shell]: a wall on [chart], or on an imported mesh of quadrilaterals."""
 
     thickness: Length = Field(description="nominal wall thickness [m]")
+
+    @model_validator(mode="after")
+    def _mesh_keys(self) -> "ShellTable":
+        if self.mesh is None and (self.scale != 1.0 or self.join != 0.0):
+            raise ValueError("found scale or join without mesh, expected them with a mesh file only")
+        return self
 
 
 class StripTable(Table):
@@ -207,6 +228,13 @@ class DiaphragmTable(Table):
     """[support.EDGE] of kind "shear-diaphragm"."""
 
     kind: Literal["shear-diaphragm"]
+
+
+class FixedTable(Table):
+    """[support.GROUP] of kind "fixed": displacements held, on imported meshes."""
+
+    kind: Literal["fixed"]
+    directions: list[Literal["x", "y", "z"]] = Field(min_length=1, description="which of x, y, z are held")
 
 
 class ElasticTable(Table):
@@ -333,21 +361,27 @@ class ReduceTable(Table):
 ChartTable = Annotated[
     FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable | BladeTable, Field(discriminator="kind")
 ]
-SupportTable = Annotated[ClampedTable | DiaphragmTable | ElasticTable | BoltsTable, Field(discriminator="kind")]
+SupportTable = Annotated[
+    ClampedTable | DiaphragmTable | ElasticTable | BoltsTable | FixedTable, Field(discriminator="kind")
+]
 
 
 class StudyFile(Table):
     """A whole study.toml."""
 
-    model_config = ConfigDict(json_schema_extra={"required": list(REQUIRED)}, title="study.toml")
+    model_config = ConfigDict(
+        json_schema_extra={"required": ["material"], "anyOf": [{"required": ["shell"]}, {"required": ["solid"]}]},
+        title="study.toml",
+    )
 
     material: MaterialTable | None = Field(default=None, description="E, nu, rho")
     chart: ChartTable | None = Field(default=None, description="kind and dimensions")
-    shell: ShellTable | None = Field(default=None, description="thickness")
+    shell: ShellTable | None = Field(default=None, description="thickness; mesh if imported")
+    solid: SolidTable | None = Field(default=None, description="mesh, instead of [chart] and [shell]")
     taper: TaperTable | None = Field(default=None, description="how the thickness varies by design")
     strip: list[StripTable] = Field(default=[], description="tables [[strip]]")
     imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
-    support: dict[Edge, SupportTable] = Field(default={}, description="edge -> kind and stiffnesses")
+    support: dict[Edge, SupportTable] = Field(default={}, description="edge or group -> kind and stiffnesses")
     modes: ModesTable = ModesTable()
     mesh: MeshTable = MeshTable()
     update: UpdateTable | None = None
