@@ -42,10 +42,11 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     """The mesh used when none is given; `python -m reports.frustum_convergence` measures the choice.
 
     Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
-    13 where something varies around, so that the mesh itself splits doublets by some 1e-9 only; and 14 nodes a wave of
-    the fields themselves, harmonics below 2 % of their largest left aside. An odd number, or a multiple of the common
-    period of all that varies where that exceeds twice those nodal diameters. Along the meridian: the shear layer of a
-    free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
+    17 where something varies around, so that turning it changes no frequency by more than some 1e-10 and what symmetry
+    forbids to split stays whole (`reports.splitting`); and 14 nodes a wave of the fields themselves, harmonics below
+    2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned; where springs
+    vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian: the shear
+    layer of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
     Strips put an element line at each of their ends, and each stretch between them is divided on its own.
     Bolts are followed: a multiple of their number around, and a layer along their edge, which is free between them.
     """
@@ -62,9 +63,10 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
     lowest = 0.46 * radius / np.sqrt(t * length)
     finest = max((finest_harmonic(shell, f) for f in shell.defects.values()), default=0)
-    elements = max((16.0 if shell.axisymmetric else 26.0) * lowest, 14.0 * finest) / order
+    elements = max((16.0 if shell.axisymmetric else 34.0) * lowest, 14.0 * finest) / order
     around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
-    period = around_period(shell)
+    springy = any(not s.uniform for s in shell.supports.values() if isinstance(s, Sprung | Ring))
+    period = around_period(shell) if springy else 1
     whole = period * -(-around // period) if period > 1 else 0
     if 4.4 * lowest < whole <= 1.25 * around:  # what symmetry forbids to split, the mesh leaves whole
         around = whole
