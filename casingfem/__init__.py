@@ -29,6 +29,7 @@ from casingfem.structure.mesh_data import MeshData
 from casingfem.structure.mesh_in import read_mesh
 from casingfem.structure.mesh_shell import MeshShell
 from casingfem.structure.mesh_support import Fixed
+from casingfem.structure.point_mass import PointMass
 from casingfem.structure.random_field import RandomField, Spectrum
 from casingfem.structure.revolved import Arc, Profile, Revolved, RevolvedPanel
 from casingfem.structure.ring import Ring
@@ -78,6 +79,7 @@ __all__ = [
     "ParameterError",
     "Plate",
     "PointLoad",
+    "PointMass",
     "Pressure",
     "Profile",
     "RandomField",

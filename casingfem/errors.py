@@ -149,6 +149,12 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "load-place": Fault(
             "a point load lies off the surface", "give the two parameters of the chart, as its `bounds` have them"
         ),
+        "mass-edge": Fault(
+            "masses stand on the edges of the shell", "name an edge of the chart and give PointMass values"
+        ),
+        "mass-value": Fault(
+            "a mass that is negative or not finite, or at no angle", "give the mass in kg and the angle in rad"
+        ),
         "material-density": Fault(
             "the density is not a positive finite number",
             "give rho in kg/m^3 (steel 7800)",

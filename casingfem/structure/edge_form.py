@@ -121,6 +121,16 @@ def spring_form(springs: PointSprings) -> EdgeForm:
     return EdgeForm(dofs=dofs, B=B, D=D)
 
 
+def places_of(nodes: IntArray, numbers: IntArray) -> IntArray:
+    """Where node numbers stand in the list of an edge's nodes.
+
+    >>> places_of(np.array([7, 3, 9]), np.array([[9, 7]])).tolist()
+    [[2, 0]]
+    """
+    order = np.argsort(nodes)
+    return np.asarray(order[np.searchsorted(nodes, numbers, sorter=order)])
+
+
 def single_place(at: LineFrame) -> EdgeLine:
     """An edge seen at theta = 0 only, per unit angle: what one harmonic of a perfect casing needs."""
     return EdgeLine(

@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.arrays import Array, IntArray
-from casingfem.structure.edge_form import EdgeForm, EdgeLine, LineFrame, Sprung, single_place, spring_form
+from casingfem.structure.edge_form import EdgeForm, EdgeLine, LineFrame, Sprung, places_of, single_place, spring_form
 from casingfem.structure.kinematics import DOFS, dot
 from casingfem.structure.mesh import Grid, edge_breaks, rim_values
 from casingfem.structure.ring import Ring
-from casingfem.structure.ring_form import foothold_form, harmonic_ring, ring_forms
+from casingfem.structure.ring_form import foothold_form, harmonic_ring, node_dofs, outward, ring_forms, ties
 from casingfem.structure.shell import Shell
 
 
@@ -63,7 +63,7 @@ def edge_forms(shell: Shell, grid: Grid) -> EdgeForms:
     ]
     return EdgeForms(
         stiffness=[beam for beam, _ in rings] + holding_forms(shell, grid),
-        mass=[inertia for _, inertia in rings],
+        mass=[inertia for _, inertia in rings] + mass_forms(shell, grid),
         own=sum(map(len, own.values())),
     )
 
@@ -79,6 +79,26 @@ def holding_forms(shell: Shell, grid: Grid) -> list[EdgeForm]:
                 forms.append(foothold_form(shell, grid, name, support, own[name], line))
         elif isinstance(support, Sprung):
             forms.append(spring_form(support.springs(line)))
+    return forms
+
+
+def mass_forms(shell: Shell, grid: Grid) -> list[EdgeForm]:
+    """The masses on the edges: on the edge itself, or on the centre line of its ring."""
+    own = own_dofs(shell, grid)
+    forms = []
+    for name, masses in shell.masses.items():
+        support, nodes = shell.supports.get(name), grid.edges[name].nodes
+        motions = np.tile(np.eye(3, DOFS), (len(nodes), 1, 1))
+        dofs = nodes[:, None] * DOFS + np.arange(DOFS)
+        if isinstance(support, Ring):
+            a, b = grid.nodes[:, nodes]
+            motions = ties(shell, a, b, support.centre(outward(shell, name)))[0][:, :3]
+            dofs = node_dofs(grid, name, own[name])
+        at, values = rim_values(grid, name, np.array([mass.angle for mass in masses]))
+        at = places_of(nodes, at)
+        B = np.einsum("qm,qmik->qimk", values, motions[at]).reshape(len(at), 3, -1)
+        D = np.array([mass.mass for mass in masses])[:, None, None] * np.eye(3)
+        forms.append(EdgeForm(dofs=dofs[at].reshape(len(at), -1), B=B, D=D))
     return forms
 
 

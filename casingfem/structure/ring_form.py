@@ -12,7 +12,7 @@ from casingfem.structure.curved_beam import (
     section_stiffness,
     tie,
 )
-from casingfem.structure.edge_form import EdgeForm, EdgeLine, PointSprings, Sprung
+from casingfem.structure.edge_form import EdgeForm, EdgeLine, PointSprings, Sprung, places_of
 from casingfem.structure.kinematics import DOFS, frame
 from casingfem.structure.mesh import Grid
 from casingfem.structure.ring import Ring
@@ -68,9 +68,7 @@ def foothold_form(shell: Shell, grid: Grid, name: str, ring: Ring, own: IntArray
     nodes = grid.edges[name].nodes
     a, b = grid.nodes[:, nodes]
     G, _, radial = ties(shell, a, b, ring.foothold(outward(shell, name)))
-    place = np.full(int(nodes.max()) + 1, -1)
-    place[nodes] = np.arange(len(nodes))
-    at = place[springs.nodes]
+    at = places_of(nodes, springs.nodes)
     B = np.einsum("qm,qmik->qimk", springs.values, G[at]).reshape(len(at), MOTIONS, -1)
     dofs = node_dofs(grid, name, own)[at].reshape(len(at), -1)
     return EdgeForm(dofs=dofs, B=B, D=foot_stiffness(springs, np.einsum("qm,qmi->qi", springs.values, radial[at])))

@@ -1,6 +1,6 @@
 """A shell: chart, thickness, material, supports and imperfection fields. A value; nothing is computed here."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, pairwise
 from types import MappingProxyType
@@ -17,6 +17,7 @@ from casingfem.structure.edge_form import Sprung
 from casingfem.structure.field import Field, relative
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.point_mass import PointMass
 from casingfem.structure.random_field import typical
 from casingfem.structure.ring import Ring
 from casingfem.structure.rotation import Rotation
@@ -169,6 +170,8 @@ class Shell:
         How the thickness is meant to vary: factors of it from root to tip and across.
     rotation
         Steady rotation: speed and axis; at rest if left out.
+    masses
+        Edge -> point masses on it, or on the centre line of its ring.
     mesh
         Order and element counts; a default for the kind of chart if left out.
 
@@ -202,6 +205,7 @@ class Shell:
     strips: tuple[Strip, ...] = ()
     taper: Taper | None = None
     rotation: Rotation | None = None
+    masses: Mapping[str, Sequence[PointMass]] = field(default_factory=dict)
     mesh: ShellMesh = None  # type: ignore[assignment]  # chosen in __post_init__ where left out
 
     def __post_init__(self) -> None:
@@ -225,6 +229,10 @@ class Shell:
             if isinstance(holding, Bolts):
                 low, high = (float(np.real(end)) for end in self.chart.bounds[1 - held])
                 holding.require_on((low, high), self.chart.periodic and held == 0, edge)
+        for edge, masses in self.masses.items():
+            if edge not in known or not all(isinstance(mass, PointMass) for mass in masses):
+                raise ModelError("mass-edge", f"masses.{edge}: expected masses on one of {', '.join(known)}")
+        object.__setattr__(self, "masses", MappingProxyType({e: tuple(m) for e, m in self.masses.items() if m}))
         object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
         object.__setattr__(self, "strips", tuple(self.strips))
         ends = self.chart.bounds[0]
@@ -294,7 +302,7 @@ class Shell:
         """Whether nothing varies around: no fields, springs equal all along their edges, and at rest."""
         even = all(support.uniform for support in self.supports.values() if isinstance(support, Sprung | Ring))
         even = even and (self.taper is None or self.taper.even)
-        return self.chart.periodic and even and not self.defects and self.rotation is None
+        return self.chart.periodic and even and not self.defects and not self.masses and self.rotation is None
 
     @property
     def thinnest(self) -> float:

@@ -7,6 +7,7 @@ support.<edge>.k_face.p4.cos (how that spring varies along its edge, relative) a
 (all springs of the edge together). Bolts have support.<edge>.k | k_rot | bolts.3.k, where k is the largest of a
 bolt's three stiffnesses and the others keep their ratios; bolts.3.k alone where one edge has bolts.
 chart.chord.2, taper.along.1: a station of a law, the root's first.
+Under a ring the same names are those of the ring's own support.
 """
 
 import re
@@ -18,8 +19,9 @@ import numpy as np
 
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.field import Field, FourierField
+from casingfem.structure.ring import Ring
 from casingfem.structure.shell import DEFECTS, Shell
-from casingfem.structure.support import ElasticEdge
+from casingfem.structure.support import ElasticEdge, grip
 
 HARMONIC = re.compile(r"p(\d+)$")
 SHARED = "around"  # in the place of a spring: all springs of an edge
@@ -85,7 +87,7 @@ def _path(shell: Shell, name: str) -> list[str]:
     parts = _split(name)
     if parts[0] != "bolts":
         return parts
-    bolted = [edge for edge, support in shell.supports.items() if isinstance(support, Bolts)]
+    bolted = [edge for edge, support in shell.supports.items() if isinstance(grip(support), Bolts)]
     if len(bolted) != 1:
         raise ParameterError(f"{name!r}: {len(bolted)} edges have bolts; name one as support.<edge>.{name}")
     return ["support", bolted[0], *parts]
@@ -93,7 +95,7 @@ def _path(shell: Shell, name: str) -> list[str]:
 
 def _numbered(shell: Shell, parts: list[str]) -> bool:
     """Whether a name leads into a support that knows its own numbers."""
-    return parts[0] == "support" and len(parts) > 2 and isinstance(shell.supports.get(parts[1]), Bolts)
+    return parts[0] == "support" and len(parts) > 2 and isinstance(shell.supports.get(parts[1]), Bolts | Ring)
 
 
 def _number(shell: Shell, name: str, parts: list[str]) -> Any:

@@ -1,0 +1,197 @@
+"""Rings: sections, closed forms of free rings, energy of rigid motions, the shell and its harmonics alike, masses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from casingfem.errors import ModelError
+from casingfem.modal.harmonic_basis import harmonic_basis
+from casingfem.modal.interface import Rim
+from casingfem.modal.modes import modes
+from casingfem.modal.reduction import reduce
+from casingfem.structure.assembly import assemble
+from casingfem.structure.bolts import Bolts
+from casingfem.structure.chart import Cylinder, Panel
+from casingfem.structure.diagonal_mass import diagonalised
+from casingfem.structure.edge_form import single_place
+from casingfem.structure.edges import edge_forms, line_frame
+from casingfem.structure.material import Material
+from casingfem.structure.mesh import ShellMesh, make_grid
+from casingfem.structure.point_mass import PointMass
+from casingfem.structure.rigid import free_motions
+from casingfem.structure.ring import Ring
+from casingfem.structure.ring_form import harmonic_ring
+from casingfem.structure.section import Section
+from casingfem.structure.shell import Shell
+from casingfem.structure.support import Clamped, ElasticEdge
+from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.sensitivity import eigen_derivatives
+
+BAR = Section.rectangle(width=0.04, depth=0.03)
+COARSE = ShellMesh(order=6, rows=1, around=9)
+HELD = Ring(section=BAR, support=ElasticEdge(k_r=3e8, k_theta=2e8, k_z=4e8, k_rot=1e5))
+
+
+def free_ring(section, n, material, radius=1.0):
+    """omega [rad/s] of the ring alone at n nodal diameters, ascending, its edge anywhere: the wall does not matter."""
+    shell = Shell(chart=Cylinder(radius=radius, height=0.1), thickness=1e-3, material=material)
+    z = np.zeros(1)
+    line = single_place(line_frame(shell, 1, z, np.zeros(1)))
+    K, M = harmonic_ring(shell, "base", Ring(section=section, offset=(0.0, 0.0)), n, z, line)
+    return np.sqrt(np.maximum(eigh(K, M, eigvals_only=True), 0.0))
+
+
+def plane_ring(section, n, material, radius=1.0):
+    """In-plane omega by components w, v, b ~ cos, sin, sin: stretch v' + w/R, shear w' - v/R - b, curvature b'."""
+    E, G, A, R = material.E, material.shear_modulus, section.area, radius
+    strain = np.array([[1.0 / R, n / R, 0.0], [-n / R, -1.0 / R, -1.0], [0.0, 0.0, n / R]])
+    K = strain.T @ np.diag([E * A, section.shear * G * A, E * section.I_z]) @ strain
+    return np.sqrt(np.maximum(eigh(K, material.rho * np.diag([A, A, section.I_z]), eigvals_only=True), 0.0))
+
+
+def side_ring(section, n, material, radius=1.0):
+    """Out-of-plane omega: u ~ cos, slope b ~ sin, twist c ~ cos; shear u' - b, curvature b' + c/R, torsion c' - b/R."""
+    E, G, A, R = material.E, material.shear_modulus, section.area, radius
+    strain = np.array([[-n / R, -1.0, 0.0], [0.0, n / R, 1.0 / R], [0.0, -1.0 / R, -n / R]])
+    K = strain.T @ np.diag([section.shear * G * A, E * section.I_r, G * section.J]) @ strain
+    M = material.rho * np.diag([A, section.I_r, section.I_r + section.I_z])
+    return np.sqrt(np.maximum(eigh(K, M, eigvals_only=True), 0.0))
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 3, 8, 20])
+def test_a_free_ring_is_the_plane_and_the_side_one_in_components(steel, n):
+    expected = np.sort(np.concatenate([plane_ring(BAR, n, steel), side_ring(BAR, n, steel)]))
+    np.testing.assert_allclose(free_ring(BAR, n, steel), expected, rtol=1e-9, atol=1e-3 * expected.max() ** 0.5)
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_a_slender_ring_has_the_classical_frequencies(steel, n):
+    """Inextensional, over sqrt(EI/(rho A R^4)): n (n^2-1)/sqrt(n^2+1), out of plane n^2 + EI/GJ below (Love)."""
+    thin = Section.circle(diameter=2e-3)
+    scale = np.sqrt(steel.E * thin.I_z / (steel.rho * thin.area))
+    torsion = steel.E * thin.I_r / (steel.shear_modulus * thin.J)
+    found = free_ring(thin, n, steel)[:2] / scale
+    exact = n * (n**2 - 1) / np.sqrt([n**2 + torsion, n**2 + 1])
+    np.testing.assert_allclose(found, exact, rtol=1e-4)
+
+
+@pytest.mark.parametrize("values", [{}, {"offset": (0.02, -0.05), "foot": (-0.01, -0.03)}])
+def test_the_shell_with_a_ring_is_its_harmonics(frustum, values):
+    """Eccentric ring on springs: the two-dimensional shell against one small problem for each n."""
+    casing = frustum(supports={"base": replace(HELD, **values)}, mesh=ShellMesh(order=7, rows=1, around=19))
+    exact, found = modes(casing, 12), modes(casing, 12, method="shell")
+    np.testing.assert_allclose(found.freq, exact.freq, rtol=2e-6)
+    assert found.splits.max() < 1e-9
+    np.testing.assert_array_equal(found.nodal_diameters, exact.nodal_diameters)
+    for pair in exact.doublets[:2]:  # the rings' own turns, in the space of the pair
+        a, b = exact.own[:, pair], found.own[:, pair]
+        np.testing.assert_allclose(np.abs(np.linalg.det(np.linalg.lstsq(a, b, rcond=None)[0])), 1.0, rtol=1e-4)
+        assert np.linalg.norm(a @ np.linalg.lstsq(a, b, rcond=None)[0] - b) < 1e-3 * np.linalg.norm(b)
+
+
+def test_rigid_motions_strain_no_ring_and_move_all_its_mass(frustum, steel):
+    loose = frustum(supports={"base": Ring(section=BAR, offset=(0.03, -0.02))}, mesh=COARSE)
+    grid = make_grid(loose.chart, loose.mesh)
+    assert free_motions(loose, grid).shape[2] == 6
+    forms = edge_forms(loose, grid)
+    shift = np.zeros((grid.nodes.shape[1], 5))
+    shift[:, 2] = 1.0
+    motion = np.append(shift.ravel(), np.zeros(forms.own))[:, None]
+    length = 2.0 * np.pi * 0.53
+    np.testing.assert_allclose(forms.mass[0].product(motion), [[steel.rho * BAR.area * length]], rtol=1e-9)
+    found = modes(loose, 10, method="shell")
+    assert found.rigid == 6
+    assert modes(frustum(supports={"base": HELD}, mesh=COARSE), 2, method="shell").rigid == 0
+
+
+def test_mass_is_diagonal_and_vectors_go_there_and_back(frustum):
+    system = assemble(frustum(supports={"base": HELD}, mesh=COARSE, masses={"top": [PointMass(angle=0.3, mass=0.5)]}))
+    vectors = np.random.default_rng(17).normal(size=(system.size, 2))
+    back = system.collect(system.expand(vectors), system.expand_own(vectors))
+    np.testing.assert_allclose(back, vectors, atol=1e-10 * np.abs(vectors).max())
+    forces = np.random.default_rng(18).normal(size=(len(system.frames), 5, 1))
+    work = np.sum(forces * system.expand(vectors[:, :1]))
+    np.testing.assert_allclose(system.restrict(forces).T @ vectors[:, :1], [[work]], rtol=1e-9)
+
+
+def test_a_mass_without_diagonal_is_refused():
+    from scipy.sparse import csc_array
+
+    for M in ([[1.0, 0.0], [0.0, 0.0]], [[1.0, 2.0], [2.0, 1.0]]):
+        with pytest.raises(ValueError, match="not positive"):
+            diagonalised(csc_array(np.array(M)))
+
+
+@pytest.mark.parametrize("name", ["material.E", "material.rho", "shell.thickness", "chart.r_base", "support.base.k_z"])
+def test_derivatives_with_a_ring_and_a_mass(frustum, name):
+    """Against central differences of single modes: the masses part all pairs; the ring's steel is the casing's."""
+    masses = {"base": [PointMass(angle=0.2, mass=3.0), PointMass(angle=1.1, mass=2.0)]}
+    casing = frustum(supports={"base": HELD}, mesh=COARSE, masses=masses)
+    value = get_value(casing, name)
+    slope = np.diagonal(eigen_derivatives(modes(casing, 6), [Parameter(name=name, lower=0.0, upper=1e15)])[0])
+    step = 1e-5 * value
+    low, high = (modes(with_value(casing, name, value + d), 6).omega ** 2 for d in (-step, step))
+    np.testing.assert_allclose(slope, (high - low) / (2.0 * step), rtol=2e-4, atol=1e-6 * np.abs(slope).max())
+
+
+def test_reduction_of_a_casing_on_a_ring(frustum):
+    """Free modes with residual compliance answer a static push as the harmonics do."""
+    casing = frustum(supports={"base": HELD}, mesh=ShellMesh(order=7, rows=1, around=13))
+    rim = Rim("top", n_max=6)
+    whole, exact = reduce(casing, rim, modes=10), harmonic_basis(casing, rim, orders=2)
+    scale = np.abs(exact.compliance).max()
+    np.testing.assert_allclose(whole.compliance, exact.compliance, atol=1e-6 * scale)
+    held = reduce(casing, rim, modes=10, method="craig-bampton")
+    np.testing.assert_allclose(held.compliance, exact.compliance, atol=1e-6 * scale)
+
+
+def test_a_stiff_massless_ring_holds_the_edge_round(frustum, steel):
+    """A ring without mass only stiffens; a huge one on stiff springs is a clamp."""
+    light = Material(E=steel.E, nu=steel.nu, rho=1e-6)
+    springs = ElasticEdge(k_face=1e12)
+    bare = modes(frustum(supports={"base": springs}), 8).freq
+    ringed = modes(frustum(supports={"base": Ring(section=BAR, material=light, support=springs)}), 8).freq
+    assert np.all(ringed > bare)
+    block = Ring(section=Section.rectangle(width=0.2, depth=0.2), material=Material(E=2e15, nu=0.3, rho=1e-3),
+                 support=ElasticEdge(k_face=1e16))  # fmt: skip
+    clamped = modes(frustum(supports={"base": Clamped()}), 8).freq
+    np.testing.assert_allclose(modes(frustum(supports={"base": block}), 8).freq, clamped, rtol=1e-3)
+
+
+def test_bolts_under_a_ring_split_only_what_their_number_allows(frustum):
+    ring = Ring(section=BAR, support=Bolts(count=8, k=5e7))
+    found = modes(frustum(supports={"base": ring}, mesh=ShellMesh(order=6, rows=1, around=16)), 16)
+    n = np.array([found.nodal_diameters[low] for low, _ in found.doublets])
+    assert found.splits[2 * n % 8 != 0].max() < 1e-9
+    assert found.splits[2 * n % 8 == 0].max() > 1e-4
+    assert get_value(found.shell, "bolts.3.k") == 5e7
+    assert with_value(found.shell, "bolts.3.k", 1e7).supports["base"].support.loose[3] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize(
+    ("make", "code"),
+    [
+        (lambda: Section.rectangle(width=-0.04, depth=0.03), "ring-section"),
+        (lambda: Section.circle(diameter=float("nan")), "ring-section"),
+        (lambda: replace(BAR, J=0.0), "ring-section"),
+        (lambda: Ring(section=BAR, offset=(0.0, float("inf"))), "ring-offset"),
+        (lambda: Ring(section=BAR, foot=(0.0,)), "ring-offset"),
+        (lambda: Ring(section=BAR, support=Clamped()), "ring-support"),
+        (lambda: PointMass(angle=0.0, mass=-1.0), "mass-value"),
+        (lambda: PointMass(angle=float("nan"), mass=1.0), "mass-value"),
+    ],
+)
+def test_refuses_rings_and_masses_that_are_none(make, code):
+    with pytest.raises(ModelError) as caught:
+        make()
+    assert caught.value.code == code
+
+
+def test_rings_and_masses_stand_on_edges_that_run_around(steel, frustum):
+    panel = Panel(radius=0.6, length=0.3, angle=0.5)
+    with pytest.raises(ModelError, match="ring-edge"):
+        Shell(chart=panel, thickness=3e-3, material=steel, supports={"left": Ring(section=BAR)})
+    with pytest.raises(ModelError, match="mass-edge"):
+        frustum(masses={"rim": [PointMass(angle=0.0, mass=1.0)]})
