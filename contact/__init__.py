@@ -1,7 +1,7 @@
 """contact: dynamic unilateral contact on rods, linear structures, modal bodies and rotating rims.
 
-Bodies (Rod, PointMass, Wall, LinearBody, ModalBody, HingedBeam), gaps (PointGap, RotatingRim, BeamInCircle), laws
-(Unilateral, Penalty, AugmentedLagrangian, Coulomb) and schemes (one file each in `contact.scheme`) are frozen
+Bodies (Rod, PointMass, Wall, LinearBody, ModalBody, HingedBeam), gaps (PointGap, RotatingRim, BeamInCircle, Patch),
+laws (Unilateral, Penalty, AugmentedLagrangian, Coulomb) and schemes (one file each in `contact.scheme`) are frozen
 values; `run` brings them together and returns a Result. Scene files: `load_scene`.
 
 >>> import contact as ct
@@ -20,6 +20,7 @@ from contact.model.gap import PointGap, RotatingRim, Side
 from contact.model.law import AugmentedLagrangian, Coulomb, Penalty, Unilateral
 from contact.model.linear import Forcing, LinearBody, Part
 from contact.model.modal_body import ModalBody
+from contact.model.patch import Patch
 from contact.model.ring_modes import ThinRing, ring_elements, ring_modes
 from contact.model.rod_modes import rod_modes
 from contact.record import Record
@@ -41,7 +42,7 @@ from contact.scheme.stabilised_newmark import StabilisedNewmark
 __all__ = [
     "HHT", "AugmentedLagrangian", "BeamInCircle", "CDLagrange", "CentralDifference", "Coulomb", "EnergyBudget",
     "ExactModal", "Forcing", "HingedBeam", "InputError", "LimitError", "LinearBody", "MasslessBoundary", "ModalBody",
-    "MoreauJean", "Newmark", "NonsmoothAlpha", "NumericsError", "PaoliSchatzman", "Part", "Penalty",
+    "MoreauJean", "Newmark", "NonsmoothAlpha", "NumericsError", "PaoliSchatzman", "Part", "Patch", "Penalty",
     "PenaltyDifference", "PointGap", "PointMass", "Record", "Result", "Rod", "RotatingRim", "Scene", "SceneError",
     "Side", "StabilisedNewmark", "ThinRing", "Unilateral", "Wall", "load_scene", "ring_elements", "ring_modes",
     "rod_modes", "run", "scene_schema",

@@ -20,16 +20,18 @@ from typing import Literal
 import numpy as np
 
 from contact.errors import InputError, LimitError
-from contact.model.arrays import require_positive
+from contact.model.arrays import Array, require_positive
 from contact.model.beam import BeamInCircle
 from contact.model.chain import Chain
 from contact.model.gap import PointGap
 from contact.model.law import Coulomb, Law, Penalty
 from contact.model.linear import LinearBody
 from contact.model.modal_system import ModalSystem, point_system, rim_system
+from contact.model.patch import Patch
 from contact.model.rod_modes import chain_gap
 from contact.scheme.energy_stepper import energy_stepper
 from contact.scheme.modal_stepper import modal_stepper
+from contact.scheme.patch_stepper import patch_stepper
 from contact.scheme.propagator import Propagator, propagator
 from contact.scheme.protocol import Problem, Stepper
 
@@ -69,14 +71,17 @@ class ExactModal:
         if isinstance(law, Penalty):
             raise InputError(f"law: found {law!r}, expected Unilateral() or Coulomb(mu=...) with ExactModal")
         mu = law.mu if isinstance(law, Coulomb) else 0.0
+        if isinstance(problem, Patch):
+            return self._patch(problem, mu, dt, courant)
         system = _system(problem, self.modes)
         if mu > 0.0 and system.table is None:
             raise InputError("law: found Coulomb friction on a scene without tangential motion, expected a rim")
-        h = _step(system, dt, courant)
+        h = _step(system.omega, dt, courant)
         parts = propagator(system.omega, system.zeta, system.load, h)
         if self.law == "energy":
             return energy_stepper(system, parts)
-        self._require_resolved(system, h)
+        self._require_slow(system.omega, h)
+        self._require_slow_turn(system, h)
         H, S, rho = delassus(system, parts, mu)
         averaged = self.law == "averaged" or (self.law == "auto" and rho <= AUTO_RHO)
         if averaged and rho > 1.0:
@@ -90,14 +95,30 @@ class ExactModal:
         label = f"exact modal, {chosen} law, {reached}"
         return modal_stepper(system, parts, averaged=averaged, mu=mu, label=label)
 
-    def _require_resolved(self, system: ModalSystem, h: float) -> None:
-        top = float(system.omega.max(initial=0.0))
+    def _patch(self, problem: Patch, mu: float, dt: float | None, courant: float | None) -> Stepper:
+        if self.law in ("averaged", "energy"):
+            raise InputError(f"law: found {self.law!r} with several contacts, expected 'forward' or 'auto'")
+        if mu > 0.0 and problem.dimensions == 1:
+            raise InputError(
+                "law: found Coulomb friction on a Patch without tangent, expected channels along the ground"
+            )
+        omega = problem.body.omega
+        h = _step(omega, dt, courant)
+        self._require_slow(omega, h)
+        parts = propagator(omega, problem.body.zeta, np.asarray(problem.load), h)
+        reached = f"dt omega_max = {h * float(omega.max(initial=0.0)):.3g} (limit {self.omega_h_limit:g})"
+        return patch_stepper(problem, parts, mu, f"exact modal, forward law in every contact, {reached}")
+
+    def _require_slow(self, omega: Array, h: float) -> None:
+        top = float(omega.max(initial=0.0))
         if h * top > self.omega_h_limit * (1.0 + 1e-12):
             raise LimitError(
                 f"dt: found omega_max dt = {h * top:.4g}, expected <= {self.omega_h_limit:g} (step "
                 f"resonance at pi): take dt <= {self.omega_h_limit / top:.4g} s, or keep modes up to "
                 f"{self.omega_h_limit / h:.5g} rad/s (ModalBody.truncated)"
             )
+
+    def _require_slow_turn(self, system: ModalSystem, h: float) -> None:
         if system.table is not None:
             n_max = int(max(system.table.harmonic.max(initial=0), system.clearance.degree))
             angle = n_max * abs(system.speed) * h
@@ -135,19 +156,19 @@ def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, 
 def _system(problem: Problem, modes: int) -> ModalSystem:
     if isinstance(problem, Chain):
         return point_system(chain_gap(problem, modes=modes))
-    if isinstance(problem, LinearBody | BeamInCircle):
+    if isinstance(problem, LinearBody | BeamInCircle | Patch):
         name = type(problem).__name__
         raise InputError(f"scheme: found ExactModal for {name}, expected such as CentralDifference")
     return point_system(problem) if isinstance(problem, PointGap) else rim_system(problem)
 
 
-def _step(system: ModalSystem, dt: float | None, courant: float | None) -> float:
+def _step(omega: Array, dt: float | None, courant: float | None) -> float:
     if dt is not None and courant is not None:
         raise InputError("dt: found both dt and courant, expected one of them")
     if dt is not None:
         require_positive(dt=dt)
         return dt
-    top = float(system.omega.max(initial=0.0))
+    top = float(omega.max(initial=0.0))
     if top == 0.0:
         raise InputError("dt: found none with rigid bodies only, expected a time step")
     product = 0.8 if courant is None else 2.0 * courant

@@ -24,9 +24,10 @@ from contact.model.chain import Chain
 from contact.model.gap import PointGap, RotatingRim
 from contact.model.law import Law
 from contact.model.linear import LinearBody
+from contact.model.patch import Patch
 from contact.record import Samples, Tally
 
-Problem = Chain | LinearBody | PointGap | RotatingRim | BeamInCircle
+Problem = Chain | LinearBody | PointGap | RotatingRim | BeamInCircle | Patch
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

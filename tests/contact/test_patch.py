@@ -1,0 +1,147 @@
+"""Several contacts of one modal body: stick and slip against closed forms, redundancy, the ledger, bad input."""
+
+import math
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.record import samples
+
+
+def body(omega, rows, names, S=None, zeta=0.0):
+    rows = np.atleast_2d(rows)
+    S = np.zeros((len(rows), len(rows))) if S is None else S
+    return ct.ModalBody(omega=omega, zeta=np.full(len(omega), zeta), channels=names, rows=rows, S=S)
+
+
+def oscillator(**changes):
+    """Mass 1 on a spring 1 along x, pressed on the ground with force 1 along y."""
+    block = body([1.0, 0.0], np.eye(2), ("x", "y"))
+    given = {"body": block, "normal": ("y",), "tangent": (("x",),), "load": [0.0, -1.0], "displacement": [1.0, 0.0]}
+    return ct.Patch(**{**given, **changes})
+
+
+def run(patch, mu, t_end, dt, **more):
+    law = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
+    return ct.run(patch, law=law, scheme=ct.ExactModal(), t_end=t_end, dt=dt, **more)
+
+
+@pytest.mark.parametrize(
+    ("mu", "rest", "stops"), [(0.1, 0.0, 5.0), (0.07, -0.02, 7.0), (0.3, -0.2, 2.0), (1.2, 1.0, 0.0)]
+)
+def test_a_coulomb_oscillator_comes_to_rest_where_the_closed_form_says(mu, rest, stops):
+    """Each half swing is a cosine about +-mu, so that turning points fall by 2 mu, until one lies within mu of zero."""
+    turning, swings = 1.0, 0
+    while abs(turning) > mu * (1.0 + 1e-9):
+        turning = -math.copysign(1.0, turning) * (abs(turning) - 2.0 * mu)
+        swings += 1
+    assert (turning, swings) == (pytest.approx(rest, abs=1e-12), stops)
+    result = run(oscillator(), mu, 30.0, 1e-3, record=ct.Record(state_every=1))
+    x = result.state[:, 0]
+    assert x[-1] == pytest.approx(rest, abs=2e-7)
+    assert np.ptp(x[result.state_time > stops * np.pi + 0.01]) < 1e-8
+    assert result.energy.friction == pytest.approx(0.5 * rest**2 - 0.5, abs=2e-6)
+    assert abs(result.energy.unaccounted) < 1e-12
+
+
+def test_the_rest_position_converges_with_the_square_of_the_step():
+    def worst(*steps):  # where a turning point falls within its step is luck: the largest error of three
+        runs = [run(oscillator(), 0.07, 30.0, dt, record=ct.Record(state_every=1)) for dt in steps]
+        return max(abs(result.state[-1, 0] + 0.02) for result in runs)
+
+    assert worst(0.1, 0.08, 0.05) > 50.0 * worst(0.01, 0.008, 0.005)
+
+
+def test_a_belt_drags_a_block_to_the_friction_limit_and_holds_it_there():
+    patch = oscillator(displacement=[0.0, 0.0], slide=0.3, body=body([1.0, 0.0], np.eye(2), ("x", "y"), zeta=0.2))
+    result = run(patch, 0.5, 80.0, 1e-2, record=ct.Record(state_every=1))
+    assert result.state[-1, 0] == pytest.approx(0.5, rel=1e-3)
+    sticking = np.diff(result.state[:, 0])[80:110] / 1e-2
+    np.testing.assert_allclose(sticking, 0.3, rtol=1e-9)  # it rides with the belt, once it is as fast
+
+
+def test_one_frictionless_contact_is_the_point_gap():
+    rows = np.array([[1.0, 0.7, 0.4]])
+    bar = body([0.0, 30.0, 70.0], rows, ("tip",), S=np.array([[1e-5]]))
+    velocity = np.array([-2.0, 0.3, 0.0])
+    side = ct.Side(body=bar, channel="tip", sign=1, velocity=velocity)
+    one = ct.run(ct.PointGap(sides=(side,), clearance=0.05), scheme=ct.ExactModal(law="forward"), t_end=1.0, dt=1e-3)
+    many = run(ct.Patch(body=bar, normal=("tip",), clearance=0.05, velocity=velocity), 0.0, 1.0, 1e-3)
+    assert one.impulse[0] > 1.0
+    np.testing.assert_allclose(many.force, one.force, rtol=1e-9, atol=1e-9 * one.force.max())
+    np.testing.assert_allclose(many.gap, one.gap, atol=1e-12)
+    assert many.energy.lost_in_contact == pytest.approx(one.energy.lost_in_contact, rel=1e-9)
+
+
+def test_redundant_contacts_share_a_force_and_change_nothing():
+    rows = np.array([[1.0, 0.7, 0.4]] * 5)
+    names = tuple(f"tip{k}" for k in range(5))
+    bar = body([0.0, 30.0, 70.0], rows, names)
+    given = {"clearance": 0.05, "velocity": [-2.0, 0.3, 0.0]}
+    one, five = (run(ct.Patch(body=bar, normal=normal, **given), 0.0, 1.0, 1e-3) for normal in (names[:1], names))
+    np.testing.assert_allclose(five.force.sum(axis=1), one.force[:, 0], atol=1e-9 * one.force.max())
+    assert five.max_penetration.max() < 1e-15
+
+
+def table(contacts=16, modes=50, slide=(0.05, 0.02)):
+    """A body on many points of the ground, three-dimensional, pressed down on all of them."""
+    rng = np.random.default_rng(31)
+    rows = rng.standard_normal((3 * contacts, modes))
+    omega = np.concatenate([np.zeros(6), np.sort(rng.uniform(100.0, 5000.0, modes - 6))])
+    names = tuple(f"{direction}{k}" for k in range(contacts) for direction in "nst")
+    return ct.Patch(
+        body=body(omega, rows, names, zeta=0.002), normal=names[::3], clearance=1e-4 * rng.random(contacts),
+        tangent=tuple((names[k + 1], names[k + 2]) for k in range(0, 3 * contacts, 3)), slide=slide,
+        load=-5.0 * rows[::3].sum(axis=0),
+    )  # fmt: skip
+
+
+def test_sixteen_contacts_with_friction_in_three_dimensions():
+    scheme, steps = ct.ExactModal(), 3000
+    stepper = scheme.prepare(table(), ct.Coulomb(mu=0.3), dt=1e-4, courant=None)
+    start = stepper.stored()
+    assert stepper.advance(samples(ct.Record(), steps, 16, stepper.size), 0, steps) == -1
+    most, total, solved, _ = stepper.state.counts
+    assert most <= 50
+    assert total / solved < 5.0
+    assert solved > 0.9 * steps
+    sums, end = stepper.sums, stepper.stored()
+    assert sums.penetration.max() == 0.0
+    work = sums.work.sum() + sums.friction.sum() + sums.damping[0]
+    scale = abs(end.total) + abs(sums.work.sum()) + abs(sums.friction.sum())
+    assert abs(end.discrete - start.discrete - work) <= 1e-12 * scale
+
+
+def test_a_load_within_the_cone_sticks_for_as_long_as_it_acts():
+    block = body([0.0, 0.0], np.eye(2), ("x", "y"))
+    patch = ct.Patch(body=block, normal=("y",), tangent=(("x",),), load=[0.29, -1.0])
+    result = run(patch, 0.3, 100.0, 1e-3, record=ct.Record(every=100, state_every=100))
+    assert np.abs(result.state).max() < 1e-12
+    np.testing.assert_allclose(result.force[1:, 0], 1.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"normal": ()}, "normal"),
+        ({"normal": ("z",)}, "channel"),
+        ({"tangent": (("x",), ("x",))}, "tangent"),
+        ({"tangent": (("x", "x", "x"),)}, "tangent"),
+        ({"displacement": [0.0, -0.1]}, "penetrates"),
+        ({"load": [1.0]}, "load"),
+        ({"velocity": [np.nan, 0.0]}, "velocity"),
+    ],
+)
+def test_patches_that_cannot_be_are_refused(change, word):
+    with pytest.raises(ct.InputError, match=word):
+        oscillator(**change)
+
+
+def test_laws_and_schemes_that_do_not_fit_are_refused():
+    with pytest.raises(ct.InputError, match="without tangent"):
+        run(oscillator(tangent=()), 0.1, 1.0, 1e-2)
+    with pytest.raises(ct.InputError, match="averaged"):
+        ct.run(oscillator(), law=ct.Coulomb(mu=0.1), scheme=ct.ExactModal(law="averaged"), t_end=1.0, dt=1e-2)
+    with pytest.raises(ct.LimitError, match="resonance"):
+        run(oscillator(), 0.1, 10.0, 3.0)
