@@ -12,17 +12,20 @@ from casingfem.structure.field import Field, FourierField
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.random_field import RAYLEIGH, RandomField, Spectrum
+from casingfem.structure.revolved import Arc, Revolved
 from casingfem.structure.shell import Shell
 from casingfem.structure.strip import Strip, check_strips
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
+from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
 from casingfem.structure.survey import SampledField
 from casingfem.structure.taper import Taper
 from casingfem.structure.twisted import TwistedPlate
 from casingfem.study.problems import Problems
+from casingfem.study.rotation import build_rotation
 from casingfem.study.schema import (
     BladeTable,
     BoltsTable,
     ChartTable,
+    DomeTable,
     ElasticTable,
     FixedTable,
     Harmonic,
@@ -31,6 +34,7 @@ from casingfem.study.schema import (
     StripTable,
     StudyFile,
     SupportTable,
+    SymmetryTable,
     TwistedPlateTable,
 )
 
@@ -52,6 +56,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
     if tables.taper is not None:
         with problems.at("taper"):
             taper = Taper(**tables.taper.model_dump())
+    rotation = build_rotation(tables.rotation, chart, problems)
     fields: dict[str, Field] = {}
     for k, table in enumerate(tables.imperfection):
         field = build_field(table, f"imperfection[{k + 1}]", tables, problems)
@@ -63,7 +68,13 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
     with problems.at("support" if supports else "shell"):
         thickness = tables.shell.thickness
         shell = Shell(
-            chart=chart, thickness=thickness, material=material, supports=supports, strips=strips, taper=taper
+            chart=chart,
+            thickness=thickness,
+            material=material,
+            supports=supports,
+            strips=strips,
+            taper=taper,
+            rotation=rotation,
         )
     if shell is None:
         return None
@@ -89,6 +100,9 @@ def build_chart(table: ChartTable) -> Chart:
     """The chart of a [chart] table."""
     if isinstance(table, TwistedPlateTable):
         return TwistedPlate(length=table.length, width=table.width, twist=float(np.radians(table.twist_deg)))
+    if isinstance(table, DomeTable):
+        ends = np.radians([table.start_deg, table.end_deg]).tolist()
+        return Revolved(profile=Arc(radius=table.radius, start=ends[0], end=ends[1], r0=table.r0))
     if isinstance(table, BladeTable):
         laws = {
             name: np.radians(value).tolist() if name.endswith("_deg") else value
@@ -142,6 +156,8 @@ def build_support(table: SupportTable, edge: str, chart: Chart | None) -> Suppor
         return ElasticEdge(**table.model_dump(exclude={"kind", "around"}), around=build_around(table))
     if isinstance(table, FixedTable):
         raise ValueError("kind: found 'fixed', which is for imported meshes, expected a kind for a chart's edge")
+    if isinstance(table, SymmetryTable):
+        return Symmetry()
     return Clamped() if table.kind == "clamped" else ShearDiaphragm()
 
 

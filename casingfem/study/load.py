@@ -150,6 +150,8 @@ def load_update(
     """The frequency table, the parameters, and the shell with their start values."""
     if tables.update is None:
         return None, (), shell
+    if tables.rotation is not None:
+        problems.add("update", "an update beside [rotation]", "a test at rest; give the fitted part its speed later")
     table = None
     with problems.at("update.table"):
         table = FrequencyTable.from_csv(problems.file.parent / tables.update.table)

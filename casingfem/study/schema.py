@@ -78,6 +78,16 @@ class PlateTable(Table):
     width: Length = Field(description="width [m]")
 
 
+class DomeTable(Table):
+    """[chart] of kind "dome": a circular meridian, r = r0 + radius cos phi, z = radius sin phi, turned about z."""
+
+    kind: Literal["dome"]
+    radius: Length = Field(description="radius of the meridian [m]")
+    start_deg: float = Field(ge=-360, le=360, description="phi at the base [degrees], 0 at the equator")
+    end_deg: float = Field(ge=-360, le=360, description="phi at the top [degrees]")
+    r0: float = Field(default=0.0, ge=-1e3, le=1e3, description="distance of the meridian's centre from the axis [m]")
+
+
 class TwistedPlateTable(Table):
     """[chart] of kind "twisted-plate"."""
 
@@ -237,6 +247,12 @@ class FixedTable(Table):
     directions: list[Literal["x", "y", "z"]] = Field(min_length=1, description="which of x, y, z are held")
 
 
+class SymmetryTable(Table):
+    """[support.EDGE] of kind "symmetry": the edge lies in a plane of symmetry."""
+
+    kind: Literal["symmetry"]
+
+
 class ElasticTable(Table):
     """[support.EDGE] of kind "elastic"; `around` multiplies all springs, or each by its own, by 1 + harmonics."""
 
@@ -291,6 +307,27 @@ class Wanted(TypedDict, total=False):
 
     count: int
     band: tuple[float, float]
+
+
+Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+class RotationTable(Table):
+    """[rotation]: a blade on its hub (hub_radius, stagger_deg), or any axis (axis, centre)."""
+
+    speed_hz: float = Field(ge=0, le=1e5, description="turns a second")
+    hub_radius: Annotated[float, Field(ge=0, le=1e3)] | None = Field(
+        default=None, description="from the axis to the middle of the root [m], open charts"
+    )
+    stagger_deg: float = Field(default=0.0, ge=-360, le=360, description="from the axis to the root's chord [degrees]")
+    axis: (
+        Annotated[
+            Annotated[Literal["x", "y", "z"], Tag("name")] | Annotated[Vector, Tag("vector")],
+            Discriminator(lambda value: "name" if isinstance(value, str) else "vector"),
+        ]
+        | None
+    ) = Field(default=None, description='"x", "y", "z" or a direction [x, y, z]; z if left out')
+    centre: Vector | None = Field(default=None, description="a point on the axis [m]; the origin if left out")
 
 
 class ModesTable(Table):
@@ -359,10 +396,11 @@ class ReduceTable(Table):
 
 
 ChartTable = Annotated[
-    FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable | BladeTable, Field(discriminator="kind")
+    FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable | DomeTable | BladeTable,
+    Field(discriminator="kind"),
 ]
 SupportTable = Annotated[
-    ClampedTable | DiaphragmTable | ElasticTable | BoltsTable | FixedTable, Field(discriminator="kind")
+    ClampedTable | DiaphragmTable | SymmetryTable | ElasticTable | BoltsTable | FixedTable, Field(discriminator="kind")
 ]
 
 
@@ -380,6 +418,7 @@ class StudyFile(Table):
     solid: SolidTable | None = Field(default=None, description="mesh, instead of [chart] and [shell]")
     taper: TaperTable | None = Field(default=None, description="how the thickness varies by design")
     strip: list[StripTable] = Field(default=[], description="tables [[strip]]")
+    rotation: RotationTable | None = Field(default=None, description="speed and axis")
     imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
     support: dict[Edge, SupportTable] = Field(default={}, description="edge or group -> kind and stiffnesses")
     modes: ModesTable = ModesTable()

@@ -1,0 +1,39 @@
+"""[rotation] of a study file: speed, and where the axis lies."""
+
+import numpy as np
+
+from casingfem.structure.chart import Chart
+from casingfem.structure.rotation import Rotation
+from casingfem.study.problems import Problems
+from casingfem.study.schema import RotationTable
+
+NAMED = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def build_rotation(table: RotationTable | None, chart: Chart | None, problems: Problems) -> Rotation | None:
+    """The rotation of a study: of a blade on its hub, or about an axis in the chart's coordinates.
+
+    A closed casing turns about z unless an axis is named; an open chart needs a hub radius or an axis.
+    """
+    if table is None or chart is None:
+        return None
+    on_hub = table.hub_radius is not None or table.stagger_deg != 0.0
+    if on_hub and (table.axis is not None or table.centre is not None):
+        problems.add("rotation", "a hub radius or a stagger beside an axis or a centre", "one way to place the axis")
+        return None
+    if not on_hub and table.axis is None and not chart.periodic:
+        problems.add("rotation", "neither hub_radius nor axis on an open chart", "hub_radius, or axis and centre")
+        return None
+    omega = 2.0 * np.pi * table.speed_hz
+    with problems.at("rotation"):
+        if on_hub:
+            stagger = float(np.radians(table.stagger_deg))
+            return Rotation.of_blade(chart, omega=omega, hub_radius=table.hub_radius or 0.0, stagger=stagger)
+        axis = NAMED[table.axis] if isinstance(table.axis, str) else table.axis or NAMED["z"]
+        return Rotation(omega=omega, axis=_vector(axis), centre=_vector(table.centre or (0.0, 0.0, 0.0)))
+    return None
+
+
+def _vector(numbers: tuple[float, ...] | list[float]) -> tuple[float, float, float]:
+    x, y, z = numbers
+    return x, y, z
