@@ -11,7 +11,9 @@ from casingfem.structure.assembly import assemble, nodal_mass, spin
 from casingfem.structure.chart import Surface
 from casingfem.structure.kinematics import frame, strain_slots, tangent_rates
 from casingfem.structure.prestress import gradients, quadratic_strains, softening
+from casingfem.structure.ring import Ring
 from casingfem.structure.scatter import scatter_blocks
+from casingfem.structure.section import Section
 from casingfem.structure.strains import constitutive, point_jets
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports.verify_rotation import FACTORS, rotating_beam, strip, strip_factors
@@ -19,6 +21,14 @@ from reports.verify_rotation import FACTORS, rotating_beam, strip, strip_factors
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 BLADE = cf.Plate(length=0.2, width=0.04)
 SMALL = cf.ShellMesh(order=6, rows=2, around=1)
+RINGED = cf.Shell(
+    chart=cf.Cylinder(radius=0.2, height=0.1),
+    thickness=2e-3,
+    material=STEEL,
+    supports={"base": Ring(section=Section.rectangle(width=0.02, depth=0.02)), "top": cf.Clamped()},
+    rotation=cf.Rotation(omega=100.0),
+    mesh=cf.ShellMesh(order=4, rows=1, around=5),
+)
 
 
 def blade(**changes):
@@ -228,6 +238,7 @@ def test_matrices_are_the_derivatives_of_the_strain_energy():
         (lambda: cf.campbell(blade(rotation=None), [1.0]), "rotation-none"),
         (lambda: cf.whirl_modes(blade(rotation=None)), "rotation-none"),
         (lambda: cf.modes(blade(supports={}), 1), "static-loose"),
+        (lambda: cf.modes(RINGED, 1), "rotation-ring"),
         (lambda: eigen_derivatives(cf.modes(blade(), 1), []), "rotation-update"),
     ],
 )
