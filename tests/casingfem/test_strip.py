@@ -12,7 +12,7 @@ from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.assembly import nodal_mass
 from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.edges import edge_stiffness
+from casingfem.structure.edges import holding_forms
 from casingfem.structure.mesh import ShellMesh, make_grid
 from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
@@ -92,7 +92,7 @@ def test_a_foundation_along_a_side_feels_each_strips_wall(steel):
         chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel, supports={"left": edge},
         strips=(cf.Strip(start=0.25, end=0.5, thickness=0.03),), mesh=ShellMesh(order=3, rows=4, around=2),
     )  # fmt: skip
-    (form,) = edge_stiffness(plate, make_grid(plate.chart, plate.mesh))
+    (form,) = holding_forms(plate, make_grid(plate.chart, plate.mesh))
     np.testing.assert_allclose(form.D[:, :3, :3].sum(axis=0), 1e9 * (0.75 * 0.01 + 0.25 * 0.03) * np.eye(3), rtol=1e-13)
     assert form.D[:, 3, 3].sum() == pytest.approx(1e9 * (0.75 * 0.01**3 + 0.25 * 0.03**3) / 12.0, rel=1e-13)
 
