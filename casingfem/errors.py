@@ -351,6 +351,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "no such number of modes can be computed",
             "ask for at least 1 and far fewer than the mesh has unknowns",
         ),
+        "modes-lobpcg": Fault(
+            "LOBPCG with multigrid did not find the modes, as on thin walls; shift-invert was used instead",
+            "leave method out: shift-invert is the default",
+        ),
         "modes-method": Fault(
             "this method does not apply",
             "leave method out; harmonics need a casing on which nothing varies around",

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from casingfem.modal import eigen, krylov
-from reports import sturm
+from reports import solid_solvers, sturm
 
 
 def test_every_random_structure_shows_as_many_modes_as_are_counted(tmp_path, capsys):
@@ -24,3 +24,10 @@ def test_a_mode_lost_among_random_structures_is_a_fault(monkeypatch, capsys):
     monkeypatch.setattr(eigen, "nearest", losing)
     assert "modes lie below" in sturm.outcome(3).fault
     assert "structure 3" in capsys.readouterr().out
+
+
+def test_multigrid_serves_a_thick_block_and_says_that_it_fails_on_a_thin_plate(tmp_path):
+    thick, thin = solid_solvers.main(tmp_path, quick=True)
+    assert thick["LOBPCG"] == "converged"
+    assert thick["worst difference"] < 1e-9
+    assert "modes converged, the largest residual" in thin["LOBPCG"]

@@ -1,0 +1,103 @@
+"""Lowest modes of large thick solids without a factorisation: LOBPCG with algebraic multigrid.
+
+Block preconditioned conjugate gradients (Knyazev, SIAM J. Sci. Comput. 23, 2001, 517), preconditioned by one cycle of
+smoothed aggregation whose coarse spaces hold the six rigid motions (Vanek, Mandel & Brezina, Computing 56, 1996, 179;
+pyamg). Thin walls defeat it: there the cycle misses the bending, and the iteration stalls. What did not converge, or
+is not all there by a Sturm count, is never returned: the solution falls back to shift-invert, and a warning says so.
+`python -m reports.solid_solvers` measures where it pays.
+"""
+
+import warnings
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array, csr_matrix
+from scipy.sparse.linalg import LinearOperator, lobpcg
+
+from casingfem.arrays import FloatArray
+from casingfem.errors import doubt
+from casingfem.modal.eigen import EigenResult, gap_after, result, solve_modes
+from casingfem.modal.krylov import START_SEED, ConvergenceError
+from casingfem.modal.pencil import Mass, Pencil, make_pencil
+from casingfem.structure.factor import EigenError
+
+ITERATIONS = 200
+TOLERANCE = 1e-4  # of the residual, relative to the negative shift: some 1e-6 of the first elastic eigenvalue
+ACCEPTED = 1e-5  # residual over eigenvalue; its square is the error
+
+
+def multigrid_modes(
+    K: csc_array, mass: Mass, near_null: FloatArray, count: int, shift: float, extra: int = 4
+) -> EigenResult:
+    """Lowest `count` modes by LOBPCG and multigrid, complete by a Sturm count, or else by `solve_modes`.
+
+    Parameters
+    ----------
+    K, mass, count, shift, extra
+        As in `solve_modes`.
+    near_null
+        The rigid motions on the free dofs, (free, 6).
+
+    Raises
+    ------
+    EigenError
+        If `solve_modes` fails too.
+    """
+    pencil = make_pencil(K, mass)
+    try:
+        values, vectors, products = iterate(pencil, near_null, count + extra, shift)
+        below, sigma = gap_after(values, count, abs(shift))
+        certified = pencil.count_below(sigma)
+        if certified != below:
+            raise ConvergenceError(f"{below} of {certified} modes found")
+    except EigenError as error:
+        doubt("modes-lobpcg", f"LOBPCG with multigrid: {error}")
+        return solve_modes(K, mass, count, shift, extra)
+    return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
+
+
+def iterate(
+    pencil: Pencil, near_null: FloatArray, wanted: int, shift: float, iterations: int = ITERATIONS
+) -> tuple[FloatArray, FloatArray, int]:
+    """Eigenvalues ascending, B-orthonormal vectors, and preconditioned vectors, all converged.
+
+    Raises
+    ------
+    ConvergenceError
+        If a residual stays above `ACCEPTED` times its eigenvalue.
+    """
+    A = csr_array(pencil.shifted(shift))
+    cycle = preconditioner(A, near_null / pencil.scale[:, None])
+    start = np.random.default_rng(START_SEED).standard_normal((pencil.size, wanted))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # residuals are judged below
+        try:
+            values, vectors, history = lobpcg(
+                A, cycle @ start, B=pencil.B, M=cycle, largest=False, tol=TOLERANCE * abs(shift), maxiter=iterations,
+                retResidualNormsHistory=True,
+            )  # fmt: skip
+        except (ValueError, np.linalg.LinAlgError) as error:
+            raise ConvergenceError(f"the iteration broke down: {error}") from error
+    order = np.argsort(values)
+    values, vectors = values[order] + shift, vectors[:, order]
+    residuals = pencil.residuals(values, vectors, abs(shift))
+    if not np.all(residuals <= ACCEPTED):
+        done = int(np.count_nonzero(residuals <= ACCEPTED))
+        raise ConvergenceError(f"{done} of {wanted} modes converged, the largest residual is {residuals.max():.1e}")
+    return values, vectors, wanted * len(history)
+
+
+def preconditioner(A: csr_array, near_null: FloatArray) -> LinearOperator:
+    """One cycle of smoothed aggregation for A, with the near null space (free, 6) in its coarse spaces."""
+    from pyamg import smoothed_aggregation_solver
+
+    nodal = A.shape[0] % 3 == 0
+    matrix = csr_matrix((A.data, A.indices.astype(np.int32), A.indptr.astype(np.int32)), shape=A.shape)
+    solver = smoothed_aggregation_solver(
+        matrix.tobsr(blocksize=(3, 3)) if nodal else matrix,
+        B=near_null,
+        symmetry="symmetric",
+        strength=("symmetric", {"theta": 0.0}),
+        smooth="energy" if nodal else "jacobi",
+        max_coarse=500,
+    )
+    return solver.aspreconditioner(cycle="V")

@@ -1,0 +1,51 @@
+"""LOBPCG with multigrid: equal to shift-invert on thick solids, free ones too; never a result where it fails."""
+
+import numpy as np
+import pytest
+
+from casingfem.errors import ModelWarning
+from casingfem.modal import multigrid
+from casingfem.modal.eigen import solve_modes
+from casingfem.modal.multigrid import multigrid_modes
+from casingfem.structure.mesh_assembly import rigid_motions
+from casingfem.structure.mesh_grid import grid_mesh
+from casingfem.structure.solid import Solid, assemble_solid
+from casingfem.structure.support import Clamped
+
+
+def block(steel, counts, size, *, free=False):
+    mesh = grid_mesh("hexahedron20", counts, lambda u: u * np.array(size), groups={"root": (0, 0.0)})
+    system = assemble_solid(Solid(mesh=mesh, material=steel, supports={} if free else {"root": Clamped()}))
+    return system, rigid_motions(system.points)[system.free], -((0.5 * system.frequency_scale) ** 2)
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_a_thick_block_equals_shift_invert(steel, free):
+    system, near_null, shift = block(steel, (3, 3, 2), (1.0, 0.8, 0.6), free=free)
+    a = multigrid_modes(system.K, system.M, near_null, 9, shift)
+    b = solve_modes(system.K, system.M, 9, shift)
+    np.testing.assert_allclose(a.eigenvalues, b.eigenvalues, rtol=1e-8, atol=1e-8 * b.eigenvalues[-1])
+    assert a.sturm_count == b.sturm_count
+    np.testing.assert_allclose(a.vectors.T @ (system.M @ a.vectors), np.eye(len(a.eigenvalues)), atol=1e-8)
+
+
+def test_what_does_not_converge_is_said_and_solved_by_shift_invert(steel, monkeypatch):
+    monkeypatch.setattr(multigrid.iterate, "__defaults__", (2,))
+    system, near_null, shift = block(steel, (8, 6, 1), (1.0, 0.8, 0.004))
+    with pytest.warns(ModelWarning, match=r"modes converged, the largest residual.*modes-lobpcg"):
+        found = multigrid_modes(system.K, system.M, near_null, 6, shift)
+    exact = solve_modes(system.K, system.M, 6, shift)
+    np.testing.assert_array_equal(found.eigenvalues, exact.eigenvalues)
+
+
+def test_a_mode_that_it_misses_shows_in_the_count(steel, monkeypatch):
+    def losing(*arguments):
+        values, vectors, products = iterate(*arguments)
+        return np.delete(values, 1), np.delete(vectors, 1, axis=1), products
+
+    iterate = multigrid.iterate
+    monkeypatch.setattr(multigrid, "iterate", losing)
+    system, near_null, shift = block(steel, (3, 3, 2), (1.0, 0.8, 0.6))
+    with pytest.warns(ModelWarning, match="4 of 5 modes found"):
+        found = multigrid_modes(system.K, system.M, near_null, 4, shift)
+    assert found.sturm_count == len(found.eigenvalues) == 4
