@@ -122,11 +122,12 @@ def bar_by_characteristics(rod: Rod, *, gravity: float, t_end: float, cells: int
     return BarHistory(time=readonly(dt * np.arange(count + 1)), gap=readonly(gap), force=readonly(force))
 
 
-def force_error(time: Array, force: Array, dt: float, exact: Force, *, points: int = 16) -> float:
-    """L1 error of a force, integral |F - F_exact| dt / integral F_exact dt, F constant over t_n -+ dt/2."""
+def force_error(time: Array, force: Array, dt: float, exact: Force, *, points: int = 16, norm: int = 1) -> float:
+    """L1 or L2 error of a force over the same norm of the exact one, F constant over t_n -+ dt/2."""
     offsets = ((np.arange(points) + 0.5) / points - 0.5) * dt
     reference = exact((time[:, None] + offsets).ravel()).reshape(time.size, points)
-    return float(np.abs(force[:, None] - reference).sum() / reference.sum())
+    error = np.sum(np.abs(force[:, None] - reference) ** norm) / np.sum(np.abs(reference) ** norm)
+    return float(error ** (1.0 / norm))
 
 
 def _plateau(start: float, duration: float, force: float) -> ExactContact:

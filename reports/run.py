@@ -10,7 +10,8 @@ from pathlib import Path
 from reports.tables import command_line
 
 REPORTS = (
-    "frustum_convergence", "cylinder", "contact_accuracy", "rotating_beam", "bases", "speed",
+    "frustum_convergence", "cylinder", "contact_accuracy", "rods", "rod_wall", "work_precision", "stability",
+    "contact_targets", "contact_physics", "rotating_beam", "bases", "speed",
     "verification", "sturm", "rig",
 )  # fmt: skip
 

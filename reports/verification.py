@@ -26,6 +26,7 @@ from reports import (
     splitting,
     twisted_plate,
     verify_blades,
+    verify_contact,
     verify_fields,
     verify_rings,
     verify_rotation,
@@ -209,7 +210,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     rows += (
         verify_static.rows(quick) + verify_rotation.rows(quick) + verify_strips.rows(quick) + verify_blades.rows(quick)
     )
-    rows += verify_fields.rows(quick) + verify_rings.rows(quick)
+    rows += verify_fields.rows(quick) + verify_rings.rows(quick) + verify_contact.rows(quick)
     show("Verification", rows)
     passed, failed = (sum(row["verdict"] == word for row in rows) for word in ("pass", "FAIL"))
     print(f"{len(rows)} rows: {passed} pass, {len(rows) - passed - failed} have a reason, {failed} fail")

@@ -15,6 +15,7 @@ from contact.model.linear import Forcing, LinearBody, Part
 def linear(chain: Chain) -> LinearBody:
     """M, C, K, Q and gap0 of a chain: one coordinate a node, held nodes with unit mass and no stiffness.
 
+    >>> from contact.model.body import Rod
     >>> from contact.model.chain import assemble
     >>> body = linear(assemble([Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=2, x=0.5), Wall(x=0.0)]))
     >>> body.size, body.gap0.tolist(), body.M.diagonal().tolist()

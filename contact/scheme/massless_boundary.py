@@ -16,7 +16,7 @@ import numpy as np
 
 from contact.errors import InputError
 from contact.model.arrays import Array, Indices
-from contact.model.band import Band, combine, diagonal
+from contact.model.band import Band, band, combine, diagonal
 from contact.model.law import Law, Unilateral
 from contact.model.linear_system import LinearSystem, omega_max
 from contact.record import Samples, Tally
@@ -61,11 +61,11 @@ class MasslessBoundary:
         heavy[bare] = False
         one = np.where(heavy, 0.0, 1.0)
         solid = replace(system, M=Band(system.M.ground + one, system.M.off))
-        omega = omega_max(solid, free=heavy)
+        static = _massless(system, bare)
+        omega = omega_max(replace(solid, K=_closed_stiffness(system, static)), free=heavy)
         label = f"massless boundary, {require_stable(h, omega, 2.0, 'central differences, contact closed')}"
         A = combine((1.0 / h**2, solid.M), (0.5 / h, system.C))
         parts = parts_of(solid, A, 1.0)._replace(M=system.M)
-        static = _massless(system, bare)
         u, v, _ = start(solid)
         begin = (u, v, np.zeros(u.size))
 
@@ -150,6 +150,23 @@ def _massless(system: LinearSystem, bare: Indices) -> Massless:
         lift=np.ascontiguousarray(Q @ flex), S=np.ascontiguousarray(Q @ flex @ Q.T),
         residual=np.zeros(bare.size), force=np.zeros(Q.shape[0]),
     )  # fmt: skip
+
+
+def _closed_stiffness(system: LinearSystem, static: Massless) -> Band:
+    """K of the coordinates with mass while every contact is closed: K_mm - K_mc K_cc^-1 K_cm + B^T S^-1 B.
+
+    B = Q_m - Q_c K_cc^-1 K_cm: how they move the gap when the massless ones follow.
+    """
+    from scipy.sparse import csr_array
+
+    bare, order = static.place, system.order
+    K = csr_array(csr_array(system.body.K)[order][:, order])
+    Q = csr_array(system.rows())
+    coupling = csr_array(K[bare])
+    follow = csr_array(static.lift) @ coupling
+    B = csr_array(Q - follow)
+    closed = K - coupling.T @ csr_array(static.flex) @ coupling + B.T @ csr_array(np.linalg.pinv(static.S)) @ B
+    return band(csr_array(closed), np.arange(system.size))
 
 
 def _settle_start(stepper: LinearStepper, static: Massless, law: LawNumbers) -> None:

@@ -260,7 +260,7 @@ def test_a_load_that_turns_nan_is_named_with_its_instant():
         (lambda: ct.run(pair(), scheme=ct.MoreauJean(), law=ct.Penalty(stiffness=1.0), t_end=1.0, courant=0.5), "law"),
         (lambda: ct.run([ct.PointMass(mass=1.0, x=1.0), ct.Wall()], scheme=ct.MasslessBoundary(), t_end=1.0, dt=0.1),
          "contact 1 has no elastic side"),
-        (lambda: ct.run(frame(), scheme=ct.ExactModal(), t_end=1.0, dt=0.1), "ExactModal for a LinearBody"),
+        (lambda: ct.run(frame(), scheme=ct.ExactModal(), t_end=1.0, dt=0.1), "ExactModal for LinearBody"),
         (lambda: ct.run(frame(), scheme=ct.HHT(), t_end=1.0, courant=0.5), "courant"),
         (lambda: ct.run(frame(), scheme=ct.HHT(), t_end=1.0, dt=-0.5), "dt: found -0.5"),
     ],

@@ -1,0 +1,33 @@
+"""Targets of the contact part, line by line: what is asked, what is reached, and whether that passes.
+
+`python -m reports.contact_targets [--quick] [--out DIR]` prints and writes contact_targets.csv. The lines come from the
+functions in `LINES`; each returns rows made by `target`. Missed lines say so. --quick leaves out the long runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from reports import contact_targets_modal, contact_targets_rods, contact_targets_study
+from reports.tables import Row, command_line, show, write
+
+LINES: tuple[Callable[[bool], list[Row]], ...] = (
+    contact_targets_rods.rows,
+    contact_targets_modal.rows,
+    contact_targets_study.rows,
+)
+
+
+def main(out: Path, quick: bool = False) -> list[Row]:
+    """Print the table and the count of verdicts, and write it."""
+    rows = [row for lines in LINES for row in lines(quick)]
+    show("Contact targets", rows)
+    verdicts = [row["verdict"] for row in rows]
+    print(f"\n{len(rows)} targets: " + ", ".join(f"{verdicts.count(word)} {word}" for word in dict.fromkeys(verdicts)))
+    write(out / "contact_targets.csv", rows)
+    return rows
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main)
