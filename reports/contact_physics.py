@@ -1,7 +1,7 @@
 """What each piece of physics costs a run of rods: steps per second with it and without, and what a run loads.
 
 `python -m reports.contact_physics [--quick] [--out DIR]` prints and writes contact_physics.csv. Every row adds one
-thing to a bar of 100 elements on a wall; friction, which rods do not have, is the rub of `reports.speed`. The last lines
+thing to a bar of 100 elements on a wall; friction, which rods lack, is the rub of `reports.speed`. The last lines
 are the packages that a run of rods has loaded: no finite elements, no plotting.
 """
 
