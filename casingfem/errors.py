@@ -149,6 +149,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "load-place": Fault(
             "a point load lies off the surface", "give the two parameters of the chart, as its `bounds` have them"
         ),
+        "load-ring": Fault(
+            "the weight of rings and point masses is not modelled",
+            "add it as an EdgeLoad or PointLoad, and give the shell's own weight as a SurfaceLoad",
+        ),
         "mass-edge": Fault(
             "masses stand on the edges of the shell", "name an edge of the chart and give PointMass values"
         ),

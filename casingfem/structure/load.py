@@ -12,6 +12,7 @@ import numpy as np
 from casingfem.arrays import FloatArray
 from casingfem.errors import ModelError
 from casingfem.structure.assembly import nodal_mass, nodal_sums
+from casingfem.structure.edges import edge_forms
 from casingfem.structure.kinematics import DOFS, frame
 from casingfem.structure.mesh import Grid
 from casingfem.structure.place import interpolation
@@ -82,7 +83,12 @@ class Pressure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gravity:
-    """A body force: acceleration [m/s^2], Cartesian, times the mass.
+    """A body force: acceleration [m/s^2], Cartesian, times the mass of the shell.
+
+    Raises
+    ------
+    ModelError
+        `load-ring` where the shell carries rings or point masses: their weight is not among the loads.
 
     >>> Gravity().acceleration
     (0.0, 0.0, -9.80665)
@@ -92,6 +98,8 @@ class Gravity:
 
     def nodal(self, shell: Shell, grid: Grid) -> FloatArray:
         """Nodal forces, (nodes, 5)."""
+        if edge_forms(shell, grid).mass:
+            raise ModelError("load-ring", "gravity: found a ring or point masses on an edge")
         return forces(grid, nodal_mass(shell, grid)[:, :1] * np.asarray(self.acceleration))
 
 
@@ -139,5 +147,6 @@ class PointLoad:
         except ValueError as error:
             raise ModelError("load-place", f"load.at: {error}") from error
         loads = np.zeros((grid.nodes.shape[1], DOFS))
-        loads[nodes[0], :3] = weights[0][:, None] * np.asarray(self.force)
+        # where one element closes on itself, a node stands twice
+        np.add.at(loads[:, :3], nodes[0], weights[0][:, None] * np.asarray(self.force))
         return loads

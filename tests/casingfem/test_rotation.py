@@ -10,7 +10,7 @@ from casingfem.errors import ModelError, ModelWarning
 from casingfem.structure.assembly import assemble, nodal_mass, spin
 from casingfem.structure.chart import Surface
 from casingfem.structure.kinematics import frame, strain_slots, tangent_rates
-from casingfem.structure.prestress import gradients, quadratic_strains, softening
+from casingfem.structure.prestress import centrifugal, gradients, gyroscopic, quadratic_strains, softening
 from casingfem.structure.ring import Ring
 from casingfem.structure.scatter import scatter_blocks
 from casingfem.structure.section import Section
@@ -102,6 +102,33 @@ def test_a_rigid_rotation_of_the_spinning_shell_costs_what_its_springs_cost(char
     inner = free.K @ system.restrict(added.fields[:, :, None])[:, 0]
     assert sigma == pytest.approx(-2.0 * inner @ second, rel=1e-8)
     assert abs(sigma) > 0.1
+
+
+def test_nodal_blocks_are_the_derivatives_of_the_kinetic_energy():
+    """T = [mu |u' + a x (x + u)|^2 + mi |d' + a x d|^2]/2 with d = n + w - |w|^2 n/2, of one node, by differences."""
+    rng = np.random.default_rng(11)
+    tangents, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    n = tangents[:, 2]
+    rotation = cf.Rotation(omega=1.0, axis=tuple(rng.normal(size=3)), centre=(0.1, 0.2, -0.3))
+    x, mass = rng.normal(size=3), np.array([[2.0, 0.7]])
+
+    def kinetic(state):
+        (u, w), (v, rate) = ((part[:3], part[3:]) for part in state.reshape(2, 5))
+        d = n + tangents[:, :2] @ w - 0.5 * (w @ w) * n
+        turning = tangents[:, :2] @ rate - (w @ rate) * n
+        moving = v + np.cross(rotation.direction, x + u - rotation.centre)
+        turning = turning + np.cross(rotation.direction, d)
+        return 0.5 * (mass[0, 0] * moving @ moving + mass[0, 1] * turning @ turning)
+
+    h, steps = 1e-3, 1e-3 * np.eye(10)
+    slope = np.array([kinetic(step) - kinetic(-step) for step in steps]) / (2.0 * h)
+    curve = np.array([
+        [kinetic(p + q) - kinetic(p - q) - kinetic(q - p) + kinetic(-p - q) for q in steps] for p in steps
+    ]) / (4.0 * h**2)  # fmt: skip
+    own = tangents[None, :, :2]
+    np.testing.assert_allclose(centrifugal(rotation, mass, x[None], own, n[None])[0], slope[:5], atol=1e-6)
+    np.testing.assert_allclose(softening(rotation, mass, own, n[None])[0], curve[:5, :5], atol=1e-6)
+    np.testing.assert_allclose(gyroscopic(rotation, mass, own)[0], curve[5:, :5] - curve[:5, 5:], atol=1e-6)
 
 
 def test_added_matrices_are_symmetric_and_skew():

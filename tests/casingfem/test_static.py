@@ -6,10 +6,14 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.structure.assembly import assemble
+from casingfem.structure.mesh import make_grid
 from casingfem.structure.place import interpolation
+from casingfem.structure.ring import Ring
+from casingfem.structure.section import Section
 from reports import verify_static
 
 SOFT = cf.Material(E=210e9, nu=0.0, rho=7800.0)
+ROUND = cf.ShellMesh(order=5, rows=2, around=5)
 MESH = cf.ShellMesh(order=5, rows=2, around=1)
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 
@@ -129,6 +133,24 @@ def test_refused(supports, loads, code):
     with pytest.raises(ModelError) as caught:
         cf.solve_static(strip(supports=supports), loads)
     assert caught.value.code == code
+
+
+def test_point_load_on_an_element_that_closes_on_itself():
+    grid = make_grid(cf.Cylinder(radius=1.0, height=1.0), MESH)
+    tube = cf.Shell(chart=cf.Cylinder(radius=1.0, height=1.0), thickness=0.01, material=STEEL, mesh=MESH)
+    assert cf.PointLoad(at=(0.3, 0.0), force=(2.0, 0.0, 0.0)).nodal(tube, grid)[:, 0].sum() == pytest.approx(2.0)
+
+
+def test_a_ring_carries_loads_and_its_weight_is_refused():
+    """A ring stiffens the loaded edge of a tube; gravity would miss its mass."""
+    parts = {"chart": cf.Cylinder(radius=0.2, height=0.1), "thickness": 2e-3, "material": STEEL, "mesh": ROUND}
+    ring = Ring(section=Section.rectangle(width=0.02, depth=0.02))
+    plain, ringed = (cf.Shell(**parts, supports={"base": cf.Clamped()} | top) for top in ({}, {"top": ring}))
+    push = [cf.PointLoad(at=(0.1, 0.0), force=(1.0, 0.0, 0.0))]
+    bare, stiff = (cf.solve_static(shell, push).at(0.1, 0.0)[0] for shell in (plain, ringed))
+    assert 0.0 < stiff < 0.2 * bare
+    with pytest.raises(ModelError, match="load-ring"):
+        cf.solve_static(ringed, [cf.Gravity()])
 
 
 @pytest.mark.slow
