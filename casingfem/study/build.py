@@ -11,8 +11,11 @@ from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.field import Field, FourierField
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.point_mass import PointMass
 from casingfem.structure.random_field import RAYLEIGH, RandomField, Spectrum
 from casingfem.structure.revolved import Arc, Revolved
+from casingfem.structure.ring import Ring
+from casingfem.structure.section import Section
 from casingfem.structure.shell import Shell
 from casingfem.structure.strip import Strip, check_strips
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
@@ -30,7 +33,9 @@ from casingfem.study.schema import (
     FixedTable,
     Harmonic,
     ImperfectionTable,
+    MassTable,
     MeshTable,
+    RingTable,
     StripTable,
     StudyFile,
     SupportTable,
@@ -57,6 +62,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
         with problems.at("taper"):
             taper = Taper(**tables.taper.model_dump())
     rotation = build_rotation(tables.rotation, chart, problems)
+    masses = build_masses(tables.mass, chart, problems)
     fields: dict[str, Field] = {}
     for k, table in enumerate(tables.imperfection):
         field = build_field(table, f"imperfection[{k + 1}]", tables, problems)
@@ -75,6 +81,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
             strips=strips,
             taper=taper,
             rotation=rotation,
+            masses=masses,
         )
     if shell is None:
         return None
@@ -152,6 +159,8 @@ def build_support(table: SupportTable, edge: str, chart: Chart | None) -> Suppor
     """The support of a [support.EDGE] table."""
     if isinstance(table, BoltsTable):
         return build_bolts(table, edge, chart)
+    if isinstance(table, RingTable):
+        return build_ring(table, edge, chart)
     if isinstance(table, ElasticTable):
         return ElasticEdge(**table.model_dump(exclude={"kind", "around"}), around=build_around(table))
     if isinstance(table, FixedTable):
@@ -178,6 +187,36 @@ def build_bolts(table: BoltsTable, edge: str, chart: Chart | None) -> Bolts:
         spacing=None if table.spacing_deg is None else float(np.radians(table.spacing_deg)),
         loose={entry.bolt: entry.factor for entry in table.loose},
     )
+
+
+def build_ring(table: RingTable, edge: str, chart: Chart | None) -> Ring:
+    """A ring of the file, with its own support."""
+    if table.diameter is not None:
+        section = Section.circle(diameter=table.diameter)
+    else:
+        assert table.width is not None  # the table has seen to it
+        assert table.depth is not None
+        section = Section.rectangle(width=table.width, depth=table.depth)
+    held = None if table.support is None else build_support(table.support, edge, chart)
+    return Ring(
+        section=section,
+        material=None if table.material is None else Material(**table.material.model_dump()),
+        offset=None if table.offset is None else (table.offset[0], table.offset[1]),
+        foot=None if table.foot is None else (table.foot[0], table.foot[1]),
+        support=held,  # type: ignore[arg-type]  # an elastic edge or bolts, as the table says
+    )
+
+
+def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problems) -> dict[str, list[PointMass]]:
+    """Point masses by edge; edges the chart does not have are noted."""
+    masses: dict[str, list[PointMass]] = {}
+    for k, table in enumerate(tables):
+        if chart is not None and table.edge not in chart.edges:
+            problems.add(f"mass[{k + 1}].edge", repr(table.edge), f"one of the chart's edges {', '.join(chart.edges)}")
+            continue
+        place = PointMass(angle=float(np.radians(table.angle_deg)), mass=table.mass)
+        masses.setdefault(table.edge, []).append(place)
+    return masses
 
 
 def edge_radius(chart: Chart, edge: str) -> float:

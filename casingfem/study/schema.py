@@ -330,6 +330,38 @@ class RotationTable(Table):
     centre: Vector | None = Field(default=None, description="a point on the axis [m]; the origin if left out")
 
 
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+RingSupport = Annotated[ElasticTable | BoltsTable, Field(discriminator="kind")]
+
+
+class RingTable(Table):
+    """[support.EDGE] of kind "ring": a rectangle, or a circle by its diameter; [support.EDGE.support] holds it."""
+
+    kind: Literal["ring"]
+    width: Length | None = Field(default=None, description="radial size of the section [m]")
+    depth: Length | None = Field(default=None, description="axial size of the section [m]")
+    diameter: Length | None = Field(default=None, description="diameter of a round section [m]")
+    material: MaterialTable | None = Field(default=None, description="E, nu, rho; the casing's if left out")
+    offset: Pair | None = Field(default=None, description="[radial, axial] from the edge to the centre [m]")
+    foot: Pair | None = Field(default=None, description="[radial, axial] from the centre to the springs [m]")
+    support: RingSupport | None = Field(default=None, description="what holds the ring: elastic or bolts")
+
+    @model_validator(mode="after")
+    def _one_section(self) -> "RingTable":
+        sides = [name for name in ("width", "depth", "diameter") if getattr(self, name) is not None]
+        if sides not in (["width", "depth"], ["diameter"]):
+            raise ValueError(f"found {', '.join(sides) or 'no section'}, expected width and depth, or diameter")
+        return self
+
+
+class MassTable(Table):
+    """[[mass]]: a point mass on an edge, on the centre line of its ring if it has one."""
+
+    edge: Edge = Field(min_length=1, description="an edge of the chart")
+    angle_deg: float = Field(ge=-360, le=360, description="where it stands [degrees]")
+    mass: NotNegative = Field(description="mass [kg]")
+
+
 class ModesTable(Table):
     """[modes]: a count, or a band."""
 
@@ -400,7 +432,8 @@ ChartTable = Annotated[
     Field(discriminator="kind"),
 ]
 SupportTable = Annotated[
-    ClampedTable | DiaphragmTable | SymmetryTable | ElasticTable | BoltsTable | FixedTable, Field(discriminator="kind")
+    ClampedTable | DiaphragmTable | SymmetryTable | ElasticTable | BoltsTable | RingTable | FixedTable,
+    Field(discriminator="kind"),
 ]
 
 
@@ -420,6 +453,7 @@ class StudyFile(Table):
     strip: list[StripTable] = Field(default=[], description="tables [[strip]]")
     rotation: RotationTable | None = Field(default=None, description="speed and axis")
     imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
+    mass: list[MassTable] = Field(default=[], description="tables [[mass]]: point masses on edges")
     support: dict[Edge, SupportTable] = Field(default={}, description="edge or group -> kind and stiffnesses")
     modes: ModesTable = ModesTable()
     mesh: MeshTable = MeshTable()

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from casingfem.structure.bolts import Bolts
+from casingfem.structure.ring import Ring
 from casingfem.structure.shell import DEFECTS, Shell
-from casingfem.structure.support import ElasticEdge, Support
+from casingfem.structure.support import ElasticEdge, Support, grip
 from casingfem.study.load import Study
 from casingfem.updating.parameters import get_value
 
@@ -36,6 +37,8 @@ def even(support: Support) -> Support:
     """The same support, equal all along its edge; bolts all as tight."""
     if isinstance(support, ElasticEdge):
         return replace(support, around=None)
+    if isinstance(support, Ring) and support.support is not None:
+        return replace(support, support=even(support.support))  # type: ignore[arg-type]
     return replace(support, loose={}) if isinstance(support, Bolts) else support
 
 
@@ -67,10 +70,16 @@ def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
         p, part, change = int(parts[1][1:]), parts[2], value - float(get_value(shell, name))
         add_harmonic(tables.setdefault("imperfection", []), parts[0], p, part, change)
     elif "bolts" in parts:
-        edge = parts[1] if parts[0] == "support" else next(e for e, s in shell.supports.items() if isinstance(s, Bolts))
-        loosen(tables["support"][edge], int(parts[-2]), value)
+        edge = (
+            parts[1]
+            if parts[0] == "support"
+            else next(e for e, s in shell.supports.items() if isinstance(grip(s), Bolts))
+        )
+        loosen(holding(tables, edge), int(parts[-2]), value)
     elif parts[0] == "support" and parts[2] == "k":
-        tighten(tables["support"][parts[1]], value)
+        tighten(holding(tables, parts[1]), value)
+    elif parts[0] == "support" and len(parts) == 3:
+        holding(tables, parts[1])[parts[2]] = value
     elif parts[0] == "support" and len(parts) == 5:
         for waves in pattern_lists(tables["support"][parts[1]], parts[2]):
             harmonic(waves, int(parts[3][1:]))[parts[4]] = value
@@ -84,6 +93,12 @@ def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
 def place(owner: Any, part: str) -> Any:
     """Where a part of a name stands: a key of a table, or an entry of a list, counted from 1."""
     return int(part) - 1 if isinstance(owner, list) else part
+
+
+def holding(tables: dict[str, Any], edge: str) -> dict[str, Any]:
+    """The table of what holds an edge from outside: of the ring's own support under a ring."""
+    support: dict[str, Any] = tables["support"][edge]
+    return support["support"] if support["kind"] == "ring" else support
 
 
 def stiffnesses(support: dict[str, Any]) -> dict[str, float]:

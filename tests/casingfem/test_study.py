@@ -242,8 +242,8 @@ def test_perfect_takes_all_variation_away(tmp_path):
 
 def test_the_schema_knows_every_table():
     assert set(schema()["properties"]) == {
-        "material", "chart", "shell", "solid", "taper", "strip", "rotation", "imperfection", "support", "modes", "mesh",
-        "update", "reduce",
+        "material", "chart", "shell", "solid", "taper", "strip", "rotation", "imperfection", "mass", "support", "modes",
+        "mesh", "update", "reduce",
     }  # fmt: skip
     assert schema()["required"] == ["material"]
     assert schema()["anyOf"] == [{"required": ["shell"]}, {"required": ["solid"]}]

@@ -81,3 +81,64 @@ def test_an_updated_study_says_what_was_found(study, tmp_path, k):
     again = study(text[text.index("[support.base]") :])
     for name, value in values.items():
         assert get_value(again.shell, name) == pytest.approx(value, rel=1e-12)
+
+
+RING = """
+[support.base]
+kind = "ring"
+width = 0.04
+depth = 0.03
+offset = [0.004, -0.02]
+[support.base.material]
+E = 70e9
+nu = 0.33
+rho = 2700.0
+[support.base.support]
+kind = "bolts"
+count = 24
+k = 2e8
+[[mass]]
+edge = "base"
+angle_deg = 90.0
+mass = 0.25
+"""
+
+
+def test_a_ring_on_bolts_and_a_mass_of_a_study(study, tmp_path):
+    shell = study(RING).shell
+    ring = shell.supports["base"]
+    assert (ring.section.width, ring.section.depth, ring.offset, ring.foot) == (0.04, 0.03, (0.004, -0.02), None)
+    assert ring.material.E == 70e9
+    assert ring.support.count == 24
+    assert shell.mesh.around % 24 == 0
+    (mass,) = shell.masses["base"]
+    np.testing.assert_allclose([mass.angle, mass.mass], [np.pi / 2, 0.25], rtol=1e-14)
+    text = updated_toml(study(RING), {"support.base.k": 4e8, "bolts.3.k": 1e8}, tmp_path)
+    again = study(text[text.index("[[mass]]") :]).shell
+    assert get_value(again, "bolts.3.k") == pytest.approx(1e8)
+    assert get_value(again, "support.base.k") == pytest.approx(4e8)
+    assert again.supports["base"].section == ring.section
+
+
+def test_a_ring_on_an_elastic_bed_is_a_parameter_too(study, tmp_path):
+    bed = RING.replace('kind = "bolts"\ncount = 24\nk = 2e8', 'kind = "elastic"\nk_face = 1e12')
+    given = study(bed)
+    assert get_value(given.shell, "support.base.k_face") == 1e12
+    text = updated_toml(given, {"support.base.k_face": 3e12}, tmp_path)
+    assert study(text[text.index("[[mass]]") :]).shell.supports["base"].support.k_face == 3e12
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("width = 0.04", "", r"support\.base: found depth, expected width and depth, or diameter"),
+        ("width = 0.04", "width = 0.04\ndiameter = 0.1", r"expected width and depth, or diameter"),
+        ("offset = [0.004, -0.02]", "offset = [0.004]", r"support\.base\.offset"),
+        ('edge = "base"', 'edge = "rim"', r"mass\[1\]\.edge: found 'rim'"),
+        ("mass = 0.25", "mass = -0.25", r"mass\[1\]\.mass: found -0\.25"),
+        ("count = 24", "count = 0", r"support\.base\.support\.count: found 0"),
+    ],
+)
+def test_problems_of_rings_and_masses_name_their_key(study, old, new, message):
+    with pytest.raises(StudyError, match=message):
+        study(RING.replace(old, new))

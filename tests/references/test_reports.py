@@ -7,7 +7,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports import cone, cylinder, frustum_convergence, run, speed, splitting, tables, twisted_plate, verification
+from reports import (
+    cone,
+    cylinder,
+    frustum_convergence,
+    loose_bolts,
+    run,
+    speed,
+    splitting,
+    steel_ring,
+    tables,
+    twisted_plate,
+    verification,
+    verify_rings,
+)
 
 
 def test_frustum_convergence_marks_the_default_mesh_and_finds_it_good(tmp_path, capsys):
@@ -106,3 +119,30 @@ def test_a_split_that_the_rule_forbids_is_seen():
     shell = frustum_convergence.reference_frustum(splitting.ODD)
     row = splitting.stays_double(name, replace(shell, **parts), 5, "a wrong rule")
     assert row["verdict"] == "FAIL"
+
+
+def test_a_ring_as_strip_and_as_beam_agree(tmp_path):
+    rows = steel_ring.main(tmp_path, quick=True)
+    gaps = [abs(row["beam/strip - 1 %"]) for row in rows]
+    assert max(gaps) < 1.0
+    assert max(abs(row["strip Hz"] / row["no ring Hz"] - 1.0) for row in rows) > 0.08  # the ring matters more
+    assert len(pd.read_csv(tmp_path / "steel_ring_bolts.csv")) == 6
+
+
+@pytest.mark.slow
+def test_two_loose_bolts_settle_and_lead_the_lowest_mode(tmp_path):
+    rows = loose_bolts.main(tmp_path, quick=True)
+    assert [row["worst"] for row in rows] == sorted((row["worst"] for row in rows), reverse=True)
+    assert rows[1]["worst"] < 3e-3
+    first = pd.read_csv(tmp_path / "loose_bolts.csv")
+    assert first["shift %"][0] < -10.0
+    assert np.all(first["shift %"] < 0.0)  # springs were only taken away
+    ratio = pd.read_csv(tmp_path / "bolt_meshes.csv")["estimate/computed"]
+    assert np.all((ratio > 0.1) & (ratio < 10.0))
+
+
+def test_rows_of_rings_pass_or_say_why():
+    verdicts = [row["verdict"] for row in verify_rings.rows(quick=True)]
+    assert len(verdicts) == 18
+    assert "FAIL" not in verdicts
+    assert verdicts.count("pass") == 16
