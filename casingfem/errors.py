@@ -120,6 +120,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "a relative field takes away almost all of what it acts on, or multiplies it tenfold",
             "give fields relative to the nominal value (.4 % as 0.004), between -0.9 and 9",
         ),
+        "field-resolution": Fault(
+            "a pair of n nodal diameters is split by harmonic 2n of a defect, which the survey is too coarse to show",
+            "survey more points around (more than 4n to a ring), or trust the splits of fewer nodal diameters only",
+        ),
         "field-seed": Fault(
             "a random field needs seeds that are whole numbers from 0",
             "give seed = 1, 2, ...; the same seed gives the same field",
@@ -509,6 +513,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "survey-other": Fault(
             "the survey is of another casing: its mean is not the nominal value, or its heights are not the shell's",
             "use the survey of this casing, in metres and degrees, or correct the nominal value",
+        ),
+        "survey-outliers": Fault(
+            "a robust fit of a survey left stray points out",
+            "look at the points named: chips, seams and slips of the probe are no shape, a dent is",
         ),
         "survey-quantity": Fault(
             "the survey is of another quantity",

@@ -5,7 +5,7 @@ from typing import overload
 
 import numpy as np
 
-from casingfem.errors import ModelError
+from casingfem.errors import ModelError, doubt
 from casingfem.modal.eigen import Band, solve, sturm_count
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
 from casingfem.modal.mesh_modes import IMPORTED, MeshModes, mesh_modes
@@ -110,7 +110,7 @@ def modes(
     if shell.rotation is not None and found.eigenvalues[0] < 0.0:
         raise ModelError("rotation-unstable", f"modes: found omega^2 = {found.eigenvalues[0]:.4g} rad^2/s^2")
     solved = time.perf_counter()
-    return labelled(
+    named = labelled(
         shell,
         system.grid,
         found.freq,
@@ -121,6 +121,18 @@ def modes(
         own=system.expand_own(found.vectors),
         seconds={"assemble": assembled - started, "solve": solved - assembled},
     )
+    doubt_surveys(named)
+    return named
+
+
+def doubt_surveys(found: Modes) -> None:
+    """Warn where modes have more nodal diameters than a survey can split: cos 2n theta beyond its resolution."""
+    n = int(found.nodal_diameters.max(initial=0))
+    for quantity, field in found.shell.defects.items():
+        resolved = getattr(field, "n_resolved", None)
+        if resolved is not None and 2 * n > resolved:
+            message = f"modes to n = {n} split by harmonic {2 * n}; the survey of the {quantity} resolves {resolved}"
+            doubt("field-resolution", message, stacklevel=4)
 
 
 def count_or_band(count: int | None, band: Band | None) -> int | Band:

@@ -271,6 +271,12 @@ class SumField:
         numbers = [n for n in known if n is not None]
         return max(numbers) if len(numbers) == len(known) else None
 
+    @property
+    def n_resolved(self) -> int | None:
+        """The highest harmonic that all surveyed terms resolve; None where no term is a survey."""
+        known = [n for field in self.fields if (n := getattr(field, "n_resolved", None)) is not None]
+        return min(known, default=None)
+
     def __add__(self, other: Field) -> SumField:
         return SumField((self, other))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,9 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.arrays import FloatArray
+from casingfem.errors import doubt
 from casingfem.structure.field import Field, FourierField, SeriesBehind
 from casingfem.structure.survey_fit import fit_points, resolved_harmonic
 from casingfem.structure.survey_points import Quantity, SurveyError, SurveyPoints, read_points
+from casingfem.structure.survey_robust import pure_error
 
 __all__ = ["SampledField", "SurveyError", "SurveyPoints"]
 
@@ -35,6 +38,9 @@ class SampledField(SeriesBehind):
     residual_rms, residual_max : relative, what the fit leaves of the measured points
     coverage_deg : largest gap in theta between measured points
     z_range : m, lowest and highest point
+    set_aside : points that a robust fit left out: (theta [deg], z [m], relative residual) of each
+    pure_error : standard deviation [m] of points measured again at one place, None without such repeats
+    repeats : how many there are
 
     Examples
     --------
@@ -55,10 +61,13 @@ class SampledField(SeriesBehind):
     z_range: tuple[float, float]
     path: str
     card: tuple[str, ...]
+    set_aside: tuple[tuple[float, float, float], ...] = ()
+    pure_error: float | None = None
+    repeats: int = 0
 
     @classmethod
     def from_csv(
-        cls, path: str | os.PathLike[str], n_max: int | None = None, degree: int | None = None
+        cls, path: str | os.PathLike[str], n_max: int | None = None, degree: int | None = None, *, robust: bool = False
     ) -> SampledField:
         """Read and fit a survey CSV: theta_deg|theta_rad, z_m|z_mm, radius_m|radius_mm (or thickness).
 
@@ -67,13 +76,20 @@ class SampledField(SeriesBehind):
         n_max : highest harmonic fitted; by default .8 of what the largest gap resolves, at most 40
         degree : of the polynomial in z; by default 0 for one height, 1 below four, else 2,
             lowered (then n_max) while the points cannot carry it
+        robust : weigh stray points down (Huber, then bisquare weights, scale by the median deviation), and say which
+            were set aside
+
+        Warns
+        -----
+        ModelWarning
+            `survey-outliers`: a robust fit set points aside.
 
         Raises
         ------
         SurveyError
             Malformed or implausible tables, a circle not covered for the n_max asked, too few points.
         """
-        return cls.fitted(read_points(path), n_max=n_max, degree=degree)
+        return cls.fitted(read_points(path), n_max=n_max, degree=degree, robust=robust)
 
     @classmethod
     def from_points(
@@ -85,28 +101,40 @@ class SampledField(SeriesBehind):
         quantity: Quantity = "radius",
         n_max: int | None = None,
         degree: int | None = None,
+        robust: bool = False,
     ) -> SampledField:
         """Fit points given as arrays (points,): theta [rad], z [m], radius or thickness [m]."""
         theta, z, value = (np.asarray(array, float) for array in (theta, z, value))
         points = SurveyPoints(theta=theta, z=z, value=value, quantity=quantity)
-        return cls.fitted(points, n_max=n_max, degree=degree)
+        return cls.fitted(points, n_max=n_max, degree=degree, robust=robust)
 
     @classmethod
-    def fitted(cls, points: SurveyPoints, *, n_max: int | None = None, degree: int | None = None) -> SampledField:
-        """Fit points already read; n_max and degree as in from_csv."""
-        fit = fit_points(points, n_max, degree)
+    def fitted(
+        cls, points: SurveyPoints, *, n_max: int | None = None, degree: int | None = None, robust: bool = False
+    ) -> SampledField:
+        """Fit points already read; n_max, degree and robust as in from_csv."""
+        fit = fit_points(points, n_max, degree, robust)
+        stray = ~fit.kept
+        places = zip(np.degrees(points.theta[stray]), points.z[stray], fit.residual[stray], strict=True)
+        set_aside = tuple((float(theta), float(z), float(r)) for theta, z, r in places)
+        if set_aside:
+            doubt("survey-outliers", f"{Path(points.path).name}: {stray_words(set_aside, len(points))}", stacklevel=4)
+        residual, (scatter, repeats) = fit.residual[fit.kept], pure_error(points.at(fit.kept))
         return cls(
             fit=fit.field,
             mean=fit.mean,
             quantity=points.quantity,
             points=len(points),
             heights=fit.heights,
-            residual_rms=float(np.sqrt(np.mean(fit.residual**2))),
-            residual_max=float(np.max(np.abs(fit.residual))),
+            residual_rms=float(np.sqrt(np.mean(residual**2))),
+            residual_max=float(np.max(np.abs(residual))),
             coverage_deg=fit.gap_deg,
             z_range=(float(points.z.min()), float(points.z.max())),
             path=points.path,
             card=points.card,
+            set_aside=set_aside,
+            pure_error=scatter,
+            repeats=repeats,
         )
 
     def mean_radius(self, z: ArrayLike) -> FloatArray:
@@ -146,4 +174,16 @@ class SampledField(SeriesBehind):
             f"  residual  rms {self.residual_rms:.2e} ({self.residual_rms_m * 1e6:.3g} um),"
             f" max {self.residual_max:.2e}",
         ]
+        if self.pure_error is not None:
+            lines.append(f"  repeats   {self.repeats}, pure error {self.pure_error * 1e6:.3g} um")
+        if self.set_aside:
+            lines.append(f"  outliers  {stray_words(self.set_aside, self.points)}")
         return "\n".join([*lines, repr(self.fit)])
+
+
+def stray_words(stray: Sequence[tuple[float, float, float]], points: int) -> str:
+    """How many points were set aside, and where the worst of them are."""
+    worst = sorted(stray, key=lambda point: -abs(point[2]))[:5]
+    places = "; ".join(f"theta {theta:.4g} deg, z {z:.4g} m: {r:+.2e}" for theta, z, r in worst)
+    more = f"; and {len(stray) - len(worst)} more" if len(stray) > len(worst) else ""
+    return f"{len(stray)} of {points} points set aside ({places}{more})"

@@ -7,14 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
+from casingfem.arrays import BoolArray, FloatArray
 from casingfem.structure.field import FourierField
 from casingfem.structure.survey_points import SurveyError, SurveyPoints
+from casingfem.structure.survey_robust import robust_weights
 
 _MOST_HARMONICS = 40
 _MARGIN = 0.8  # of the Nyquist harmonic, and of the number of points: what a fit is asked by default
 _WORST_CONDITION = 100.0  # noise is amplified by no more than this
 _WIDEST_GAP_DEG = 90.0
+_LEAST_KEPT = 0.7  # of the points: what a robust fit must keep
 
 
 class SurveyFit(NamedTuple):
@@ -23,6 +25,7 @@ class SurveyFit(NamedTuple):
     field: FourierField
     mean: tuple[float, float]
     residual: FloatArray
+    kept: BoolArray  # points that took part; a robust fit sets stray ones aside
     gap_deg: float
     heights: int
 
@@ -38,8 +41,11 @@ def resolved_harmonic(gap_deg: float) -> int:
     return max(math.ceil(180.0 / gap_deg * (1 - 1e-9)) - 1, 0)
 
 
-def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None) -> SurveyFit:
+def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robust: bool = False) -> SurveyFit:
     """Choose the fit that the points carry, or check the one asked, and make it.
+
+    A robust fit weighs points down by their residual; those set aside altogether count neither for the gap in theta
+    nor for what the points carry.
 
     Raises
     ------
@@ -61,7 +67,18 @@ def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None) -> S
         else:
             expected = f"more points, or less than n_max = {n}, degree = {d}"
             raise SurveyError(points.path, found=problem.weakness(), expected=expected)
-    return SurveyFit(*problem.solved(), gap, heights)
+    if not robust:
+        return SurveyFit(*problem.solved(), np.ones(len(points), bool), gap, heights)
+    weights = robust_weights(lambda w: problem.solved(w)[2], *problem.design(1.0).shape)
+    kept = weights > 0.0
+    if np.mean(kept) < _LEAST_KEPT:
+        found = f"{np.sum(~kept)} of {len(points)} points far off any smooth surface"
+        raise SurveyError(points.path, found=found, expected=f"at least {_LEAST_KEPT:.0%} of them on one")
+    remaining = points.at(kept)
+    if not _Problem(remaining, heights, n, d).determined(margin=False):
+        found = f"{np.sum(~kept)} points set aside, and too few left where they were"
+        raise SurveyError(points.path, found=found, expected=f"points enough for n_max = {n}, degree = {d}")
+    return SurveyFit(*problem.solved(weights), kept, remaining.coverage()[0], heights)
 
 
 def _check_coverage(points: SurveyPoints, gap: float, n_max: int | None, degree: int | None) -> None:
@@ -117,12 +134,13 @@ class _Problem:
         spectrum = np.linalg.eigvalsh(design.T @ design)
         return bool(spectrum[0] > spectrum[-1] / _WORST_CONDITION**2)
 
-    def solved(self) -> tuple[FourierField, tuple[float, float], FloatArray]:
+    def solved(self, weights: FloatArray | None = None) -> tuple[FourierField, tuple[float, float], FloatArray]:
         """Fit r = alpha + beta z + c(z) f, c being the cone itself: linear, repeated until c stands."""
         value, trend = self.points.value, self.mean_columns.shape[1]
-        cone = np.full(len(self.points), value.mean())
+        cone = np.full(len(self.points), np.median(value))
+        root = np.ones(len(value)) if weights is None else np.sqrt(weights)
         for _ in range(20):
-            x = np.asarray(np.linalg.lstsq(self.design(cone), value, rcond=None)[0], np.float64)
+            x = np.asarray(np.linalg.lstsq(root[:, None] * self.design(cone), root * value, rcond=None)[0], np.float64)
             alpha, beta = x[:trend], x[trend:]
             last, cone = cone, np.full_like(cone, alpha[0]) if self.tapered else self.mean_columns @ alpha
             if np.max(np.abs(cone - last)) <= 1e-14 * alpha[0]:

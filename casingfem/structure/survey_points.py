@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
 
-from casingfem.arrays import FloatArray, IntArray
+from casingfem.arrays import BoolArray, FloatArray, IntArray
 from casingfem.structure.strict_csv import CsvError, StrictCsv, read
 
 Quantity: TypeAlias = Literal["radius", "thickness"]
@@ -59,6 +59,10 @@ class SurveyPoints:
 
     def __len__(self) -> int:
         return int(np.size(self.z))
+
+    def at(self, kept: BoolArray) -> SurveyPoints:
+        """Some of the points, by a mask (points,)."""
+        return replace(self, theta=self.theta[kept], z=self.z[kept], value=self.value[kept])
 
     def rings(self) -> IntArray:
         """Number the heights from the lowest: points within half a millimetre share a ring; (points,)."""

@@ -256,7 +256,9 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
             return build_random(table, int(key.partition("[")[2][:-1]), tables)
     elif table.survey is not None:
         with problems.at(f"{key}.survey"):
-            survey = SampledField.from_csv(problems.file.parent / table.survey, table.n_max, table.degree)
+            survey = SampledField.from_csv(
+                problems.file.parent / table.survey, table.n_max, table.degree, robust=bool(table.robust)
+            )
             check_survey(survey, table, tables)
             return survey
     return None

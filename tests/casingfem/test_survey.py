@@ -5,7 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.structure.field import Field, FourierField
+from casingfem.errors import ModelWarning
+from casingfem.modal.modes import modes
+from casingfem.structure.field import Field, FieldValues, FourierField
 from casingfem.structure.strict_csv import CsvError, parse
 from casingfem.structure.survey import SampledField, SurveyError
 
@@ -138,6 +140,84 @@ def test_one_bad_ring_decides_the_coverage():
     assert survey.coverage_deg == pytest.approx(60.0)
     with pytest.raises(SurveyError, match="gap of 60 deg"):
         SampledField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=4)
+
+
+# --- outliers, repeats, resolution ----------------------------------------------------------------------------
+
+
+def noisy(points=120, sigma=2e-5, seed=17):
+    theta, z = rings(points=points)
+    return theta, z, casing(theta, z) + np.random.default_rng(seed).normal(scale=sigma, size=z.size)
+
+
+def test_a_robust_fit_sets_stray_points_aside_and_names_them():
+    """Nine chips of .5 mm in noise of 20 um: the fit is as good as without them; plain least squares is not."""
+    theta, z, radius = noisy()
+    stray = np.random.default_rng(3).choice(z.size, 9, replace=False)
+    chipped = radius.copy()
+    chipped[stray] -= 5e-4
+    clean = SampledField.from_points(theta, z, radius, n_max=24, degree=1)
+    plain = SampledField.from_points(theta, z, chipped, n_max=24, degree=1)
+    with pytest.warns(ModelWarning, match=r"survey: .* of 360 points set aside .*survey-outliers") as caught:
+        robust = SampledField.from_points(theta, z, chipped, n_max=24, degree=1, robust=True)
+    assert caught[0].filename == __file__
+    named = {round(theta, 6) for theta, _, r in robust.set_aside if r < -5e-4}
+    assert named == {round(float(np.degrees(theta[k])), 6) for k in stray}
+    assert len(robust.set_aside) <= 9 + 5
+    off = [np.abs(fit.fit.cos - clean.fit.cos).max() for fit in (plain, robust)]
+    assert off[0] > 4 * off[1]
+    assert robust.residual_rms < 1.2 * clean.residual_rms < plain.residual_rms / 2
+    assert "points set aside (theta" in repr(robust)
+
+
+def test_a_robust_fit_of_clean_points_is_the_plain_one():
+    theta, z = rings()
+    robust = SampledField.from_points(theta, z, casing(theta, z), robust=True)
+    assert robust.set_aside == ()
+    np.testing.assert_allclose(robust.fit.cos, SampledField.from_points(theta, z, casing(theta, z)).fit.cos, atol=1e-12)
+
+
+def test_a_robust_fit_does_not_believe_a_minority():
+    theta, z, radius = noisy()
+    radius[np.random.default_rng(5).random(z.size) < 0.34] += 0.02
+    with pytest.raises(SurveyError, match=r"points far off any smooth surface.* at least 70% of them"):
+        SampledField.from_points(theta, z, radius, n_max=20, degree=0, robust=True)
+
+
+def test_repeats_give_the_noise_whatever_the_fit():
+    """200 repeats of 20 um: the estimate scatters by 1/sqrt(2 * 200) = 5 %; the fit misses harmonic 20."""
+    theta, z = rings(points=180)
+    again = np.random.default_rng(8).choice(z.size, 200, replace=False)
+    theta, z = np.append(theta, theta[again] + 2 * np.pi), np.append(z, z[again])
+    radius = casing(theta, z) + np.random.default_rng(31).normal(scale=2e-5, size=z.size)
+    survey = SampledField.from_points(theta, z, radius, n_max=12)
+    assert survey.repeats == 200
+    assert survey.pure_error == pytest.approx(2e-5, rel=0.15)
+    assert survey.residual_rms_m > 20 * survey.pure_error
+    assert "repeats   200, pure error" in repr(survey)
+    assert SampledField.from_points(*rings(), 0.5 + 0 * rings()[0]).pure_error is None
+
+
+def test_modes_beyond_the_surveys_resolution_are_doubted(frustum, coarse):
+    theta, z = rings(points=24)  # every 15 degrees: resolves harmonic 11, splits to n = 5
+    survey = SampledField.from_points(theta, z, (0.5 - 0.2 * z) * (1 + 1e-3 * np.cos(4 * theta)))
+    assert survey.n_resolved == 11
+    for field in (survey, survey.fit + RandomlyNothing() + survey):
+        with pytest.warns(ModelWarning, match=r"modes to n = .* resolves 11.*field-resolution") as caught:
+            modes(frustum(mesh=coarse, radius_defect=field), 6)
+        assert len(caught) == 1
+    modes(frustum(mesh=coarse, radius_defect=survey.fit), 6)  # given by hand: exact, nothing to say
+    theta, z = rings(points=72)
+    modes(frustum(mesh=coarse, radius_defect=SampledField.from_points(theta, z, 0.5 - 0.2 * z, n_max=20)), 6)
+
+
+class RandomlyNothing:
+    def derivatives(self, z, theta):
+        zero = np.zeros(np.broadcast(z, theta).shape)
+        return FieldValues(*[zero] * 6)
+
+    def rotated(self, angle):
+        return self
 
 
 def csv_rows(count=36, value="0.5"):
