@@ -1,10 +1,13 @@
 """Blades against independent solutions: skew and tapered plates, tapered beams, other charts, a solid blade.
 
+`python -m reports.verify_blades [--quick] [--out DIR]` prints and writes verify_blades.csv; reports.verification has
+the same rows.
 FV22's printed frequencies scatter by -.5 to +1.0 % about the converged first-order shear theory. What stands beside
 them is a Ritz solution of that theory in skew coordinates, computed here, and 3-D elasticity.
 """
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -27,7 +30,7 @@ from casingfem.structure.support import Clamped
 from casingfem.structure.taper import Taper
 from casingfem.structure.twisted import TwistedPlate
 from reports.spectral_solid import Orders, solid_modes, unit_cube
-from reports.tables import DATA, Row, check
+from reports.tables import DATA, Row, check, command_line, show, write
 from reports.tapered_beam import cantilever, wedge
 
 NAFEMS = Material(E=200e9, nu=0.3, rho=8000.0)
@@ -227,3 +230,15 @@ def against_solid(quick: bool) -> list[Row]:
 def rows(quick: bool) -> list[Row]:
     """All of them."""
     return fv22(quick) + fv32() + beams(quick) + limits() + against_solid(quick)
+
+
+def main(out: Path, quick: bool = False) -> list[Row]:
+    """Print and write them."""
+    found = rows(quick)
+    show("Blades", found)
+    write(out / "verify_blades.csv", found)
+    return found
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main)

@@ -1,5 +1,8 @@
 """Strips against exact solutions: a stepped cylinder of two materials, wave by wave, and a stepped tube in torsion.
 
+`python -m reports.verify_strips [--quick] [--out DIR]` prints and writes verify_strips.csv; reports.verification has
+the same rows.
+
 The cylinder's equations are written here once more, in cylindrical components, as ten first-order equations along the
 axis. The matrix exponential solves them exactly on short pieces; their dynamic stiffnesses are assembled, and mode m
 of n nodal diameters is where the m-th eigenvalue passes through zero (Wittrick & Williams, Quart. J. Mech. Appl. Math.
@@ -8,6 +11,7 @@ of n nodal diameters is where the m-th eigenvalue passes through zero (Wittrick 
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from scipy.linalg import eigvalsh, expm
@@ -22,7 +26,7 @@ from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
 from casingfem.structure.strip import Strip
 from casingfem.structure.support import Clamped
-from reports.tables import Row, check
+from reports.tables import Row, check, command_line, show, write
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 ALUMINIUM = Material(E=70e9, nu=0.33, rho=2700.0)
@@ -42,6 +46,11 @@ def stepped(segments: Sequence[Segment] = SEGMENTS, **changes: object) -> Shell:
     return Shell(
         chart=Cylinder(radius=RADIUS, height=ends[-1]), thickness=segments[0][1], material=segments[0][2], **parts
     )
+
+
+def refined(shell: Shell, order: int) -> Shell:
+    """The same strips on a mesh of higher order."""
+    return replace(shell, mesh=replace(shell.mesh, order=order))
 
 
 def state_matrix(n: int, t: float, material: Material, omega: float) -> FloatArray:
@@ -133,6 +142,13 @@ def rows(quick: bool) -> list[Row]:
     return [*table, check("strips: free tube 2 mm and 5 mm, first torsion", "wave equation", reference, near, 0.1)]
 
 
-def refined(shell: Shell, order: int) -> Shell:
-    """The same strips on a mesh of higher order."""
-    return replace(shell, mesh=replace(shell.mesh, order=order))
+def main(out: Path, quick: bool = False) -> list[Row]:
+    """Print and write them."""
+    found = rows(quick)
+    show("Strips", found)
+    write(out / "verify_strips.csv", found)
+    return found
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main)

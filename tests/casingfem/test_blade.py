@@ -224,6 +224,7 @@ def test_a_wedge_flaps_as_a_beam_does():
     assert max(abs(row["error %"]) for row in rows) < 1e-3
 
 
+@pytest.mark.slow
 def test_a_blade_of_every_law_is_its_solid():
     assert {row["verdict"] for row in verify_blades.against_solid(quick=True)} == {"pass"}
 

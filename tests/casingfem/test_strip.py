@@ -45,7 +45,11 @@ def test_every_verification_row_passes_on_the_default_mesh():
     assert len(rows) == 7
 
 
-@pytest.mark.parametrize("edge", [cf.Clamped(), cf.ElasticEdge(k_face=1e12)], ids=["clamped", "elastic"])
+@pytest.mark.parametrize(
+    "edge",
+    [cf.Clamped(), pytest.param(cf.ElasticEdge(k_face=1e12), marks=pytest.mark.slow)],
+    ids=["clamped", "elastic"],
+)
 def test_the_shell_agrees_with_its_meridian(frustum, edge):
     casing = frustum(
         chart=cf.Frustum(r_base=0.2, r_top=0.18, height=0.3), thickness=10e-3, supports={"top": edge},
