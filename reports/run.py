@@ -13,7 +13,7 @@ REPORTS = (
     "frustum_convergence", "cylinder", "contact_accuracy", "rods", "rod_wall", "work_precision", "stability",
     "contact_targets", "contact_physics", "rotating_beam", "bases", "speed",
     "loose_bolts", "steel_ring",
-    "verification", "sturm", "rig",
+    "verification", "imported", "sturm", "rig",
 )  # fmt: skip
 
 

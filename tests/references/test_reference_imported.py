@@ -1,0 +1,37 @@
+"""Imported meshes: the report runs small, formats agree, references are met, thin bricks lock where it says."""
+
+import pandas as pd
+import pytest
+
+from reports import imported, verify_imported
+
+
+@pytest.mark.slow
+def test_report_on_imported_meshes(tmp_path, capsys):
+    imported.main(tmp_path, quick=True)
+    formats = pd.read_csv(tmp_path / "imported_formats.csv")
+    assert len(formats) == 5
+    assert formats["largest change of 20 frequencies"].max() < 1e-11
+    solids = pd.read_csv(tmp_path / "imported_solids.csv")
+    assert solids["worst error"].max() < 0.035
+    assert solids["worst error"][0] < 1e-3
+    shells = pd.read_csv(tmp_path / "imported_shells.csv").set_index("cells")
+    assert shells.loc["quad9", "worst error"] < 0.013
+    assert abs(shells.loc["quad8", "worst error"] / shells.loc["quad9", "worst error"] - 1) < 1e-3
+    assert shells["gap in perfect pairs"].max() < 1e-10
+    locking = pd.read_csv(tmp_path / "imported_locking.csv").set_index("R/t")
+    assert locking.loc[100, "hexahedron27: error"] > 0.04 > 20 * 0.75 * locking.loc[30, "quad9 shell: error"]
+    assert "One part in five formats" in capsys.readouterr().out
+
+
+def test_quick_rows_pass():
+    rows = verify_imported.rows(quick=True)
+    assert len(rows) == 10
+    assert {row["verdict"] for row in rows} == {"pass"}
+
+
+@pytest.mark.slow
+def test_all_rows_pass_or_say_why_not():
+    verdicts = [row["verdict"] for row in verify_imported.slow_rows()]
+    assert len(verdicts) == 3
+    assert "FAIL" not in verdicts
