@@ -211,11 +211,8 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     rows += (
         verify_static.rows(quick) + verify_rotation.rows(quick) + verify_strips.rows(quick) + verify_blades.rows(quick)
     )
-<<<<<<< HEAD
     rows += verify_fields.rows(quick) + verify_rings.rows(quick) + verify_contact.rows(quick)
-=======
-    rows += verify_fields.rows(quick) + verify_rings.rows(quick) + verify_imported.rows(quick)
->>>>>>> 0a2d79f (Report on imported meshes: five formats, references, where thin bricks lock; rows in the verification)
+    rows += verify_imported.rows(quick)
     show("Verification", rows)
     passed, failed = (sum(row["verdict"] == word for row in rows) for word in ("pass", "FAIL"))
     print(f"{len(rows)} rows: {passed} pass, {len(rows) - passed - failed} have a reason, {failed} fail")
