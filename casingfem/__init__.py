@@ -37,6 +37,7 @@ from casingfem.structure.rotation import Rotation
 from casingfem.structure.section import Section
 from casingfem.structure.shell import Shell
 from casingfem.structure.solid import Solid
+from casingfem.structure.spline import Spline
 from casingfem.structure.static import Deflection, solve_static
 from casingfem.structure.strip import Strip
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
@@ -95,6 +96,7 @@ __all__ = [
     "ShellMesh",
     "Solid",
     "Spectrum",
+    "Spline",
     "Strip",
     "SumField",
     "SurfaceLoad",

@@ -132,6 +132,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "a spectrum is not a list of harmonics with a positive median and a higher 90th percentile each",
             "give p ascending from 1 and 0 < median <= high at each",
         ),
+        "field-spline": Fault(
+            "a spline along the axis has no such ends, intervals or degree",
+            "give z_low below z_high in metres, 1 interval or more, degree 2 or more; a natural spline is cubic",
+        ),
         "interface-edge": Fault(
             "the interface is not an edge that contact can see",
             "name a curved edge of a casing (Rim), or root or tip of an open panel or blade (Tip)",

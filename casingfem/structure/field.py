@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from casingfem.arrays import Array, IntArray
 from casingfem.errors import ModelError
+from casingfem.structure.spline import Spline
 
 Coefficient: TypeAlias = float | complex
 
@@ -53,9 +54,12 @@ def relative(field: Field | None, a: ArrayLike, b: ArrayLike) -> Array:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FourierField:
-    """Fourier series around, polynomial along the axis.
+    """Fourier series around, polynomial or spline along the axis.
 
     f(z, theta) = sum_hd (cos[h,d] cos p_h theta + sin[h,d] sin p_h theta) zeta^d,  zeta = (z - z_mid)/z_half
+
+    With a `spline` its functions B_d(z) stand in the place of zeta^d; "the constant part" of a harmonic is then its
+    mean from end to end, without one the coefficient of zeta^0.
 
     Coefficients carry the unit of the field (none for relative defects).  They may be
     complex: the evaluation is analytic in them, so that the imaginary part of what is
@@ -64,8 +68,9 @@ class FourierField:
     Parameters
     ----------
     p : (H,) integers >= 0, each once
-    cos, sin : (H, D), coefficient of zeta^d; a sine at p = 0 must be zero
+    cos, sin : (H, D), coefficient of zeta^d or B_d; a sine at p = 0 must be zero
     z_mid, z_half : m, the axial coordinate's origin and scale
+    spline : B-splines along z in the place of powers, D of them
 
     Raises
     ------
@@ -91,6 +96,7 @@ class FourierField:
     sin: Array
     z_mid: float = 0.0
     z_half: float = 1.0
+    spline: Spline | None = None
 
     def __post_init__(self) -> None:
         p, cos, sin = _harmonics(self.p), _coefficients("cos", self.cos), _coefficients("sin", self.sin)
@@ -99,6 +105,10 @@ class FourierField:
                 "field-coefficients",
                 f"FourierField: cos {cos.shape} and sin {sin.shape} must both be (harmonics, degrees), "
                 f"with one row for each of the {p.size} harmonics",
+            )
+        if self.spline is not None and cos.shape[1] != self.spline.size:
+            raise ModelError(
+                "field-coefficients", f"FourierField: cos {cos.shape} for a spline of {self.spline.size} functions"
             )
         if np.any(sin[p == 0]):
             raise ModelError(
@@ -139,7 +149,7 @@ class FourierField:
         around = c @ cos + s @ sin  # (theta.shape, D): the polynomial's coefficients at each theta
         around_1 = c @ (p * sin) - s @ (p * cos)
         around_2 = -(c @ (p**2 * cos) + s @ (p**2 * sin))
-        along, along_1, along_2 = self._powers(z)
+        along, along_1, along_2 = self._powers(z) if self.spline is None else self.spline.evaluate(z)
         return FieldValues(
             value=_contract(around, along),
             d_z=_contract(around, along_1),
@@ -173,26 +183,38 @@ class FourierField:
         """
         held = np.flatnonzero(self.p == p)
         if held.size == 0:
-            zero = FourierField(p=np.array([p]), cos=np.zeros((1, 1)), sin=np.zeros((1, 1)))
+            none = np.zeros((1, 1 if self.spline is None else self.spline.size))
+            zero = FourierField(p=np.array([p]), cos=none, sin=none, spline=self.spline)
             return _merged(self, zero).with_harmonic(p, cos=cos, sin=sin)
         new_cos, new_sin = (
             array if value is None else array.astype(np.result_type(array, value))
             for array, value in ((self.cos, cos), (self.sin, sin))
         )
+        constant, mean = self._constant
         for old, new, value in ((self.cos, new_cos, cos), (self.sin, new_sin, sin)):
             if new is not old:
-                new[held[0], 0] = value
+                row = new[held[0]]
+                new[held[0]] = row - constant * (mean @ row) + constant * value
         return self._with(cos=new_cos, sin=new_sin)
 
     def _with(self, cos: Array, sin: Array) -> FourierField:
-        return FourierField(p=self.p, cos=cos, sin=sin, z_mid=self.z_mid, z_half=self.z_half)
+        return replace(self, cos=cos, sin=sin)
+
+    @property
+    def _constant(self) -> tuple[Array, Array]:
+        """The coefficients (D,) of a constant 1, and the functional (D,) that reads a row's constant part."""
+        if self.spline is not None:
+            return np.ones(self.spline.size), self.spline.means
+        unit = np.eye(1, self.cos.shape[1])[0]
+        return unit, unit
 
     def coefficients(self, p: int) -> tuple[Coefficient, Coefficient]:
         """Return (cos, sin) of harmonic p at d = 0; zeros when the field does not hold it."""
         held = np.flatnonzero(self.p == p)
         if held.size == 0:
             return 0.0, 0.0
-        cos, sin = self.cos[held[0], 0].item(), self.sin[held[0], 0].item()
+        mean = self._constant[1]
+        cos, sin = (mean @ self.cos[held[0]]).item(), (mean @ self.sin[held[0]]).item()
         return cos, sin
 
     def amplitude(self, p: int) -> float:
@@ -218,7 +240,9 @@ class FourierField:
     def __repr__(self) -> str:
         amplitudes = np.hypot(self.cos.real, self.sin.real)
         title = f"FourierField({self.p.size} harmonics, |f| <= {amplitudes.sum():.2e}"
-        if self.cos.shape[1] > 1:
+        if self.spline is not None:
+            title += f", {self.spline.size} splines along z from {self.spline.z_low:g} to {self.spline.z_high:g} m"
+        elif self.cos.shape[1] > 1:
             title += f", degree {self.cos.shape[1] - 1} along z on {self.z_mid:g} +- {self.z_half:g} m"
         lines = [title + ")"]
         if self.p.size:
@@ -340,6 +364,8 @@ def _coefficients(name: str, values: ArrayLike) -> Array:
 
 
 def _same_scaling(a: FourierField, b: FourierField) -> bool:
+    if a.spline is not None or b.spline is not None:
+        return a.spline == b.spline
     constant = a.cos.shape[1] == 1 or b.cos.shape[1] == 1
     return constant or (a.z_mid, a.z_half) == (b.z_mid, b.z_half)
 
@@ -354,4 +380,4 @@ def _merged(a: FourierField, b: FourierField) -> FourierField:
         rows = [p.index(n) for n in field.harmonics]
         cos[rows, : field.cos.shape[1]] += field.cos
         sin[rows, : field.sin.shape[1]] += field.sin
-    return FourierField(p=np.array(p), cos=cos, sin=sin, z_mid=scale.z_mid, z_half=scale.z_half)
+    return replace(scale, p=np.array(p), cos=cos, sin=sin)

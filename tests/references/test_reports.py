@@ -12,6 +12,7 @@ from reports import (
     cylinder,
     frustum_convergence,
     loose_bolts,
+    mistuning,
     run,
     speed,
     splitting,
@@ -19,6 +20,7 @@ from reports import (
     tables,
     twisted_plate,
     verification,
+    verify_fields,
     verify_rings,
 )
 
@@ -146,3 +148,18 @@ def test_rows_of_rings_pass_or_say_why():
     assert len(verdicts) == 18
     assert "FAIL" not in verdicts
     assert verdicts.count("pass") == 16
+
+
+@pytest.mark.slow
+def test_mistuning_restarts_gain_digits_with_each_step(tmp_path):
+    rows = mistuning.main(tmp_path, quick=True)
+    krylov, subspace = (
+        [row["worst error"] for row in rows if row["space"] == space] for space in ("Krylov", "subspace")
+    )
+    assert krylov[2] < 1e-7
+    assert krylov[1] < subspace[1] / 50
+    assert len(pd.read_csv(tmp_path / "mistuning.csv")) == 6
+
+
+def test_fields_quick_rows_pass():
+    assert {row["verdict"] for row in verify_fields.rows(quick=True)} == {"pass"}
