@@ -13,7 +13,7 @@ from casingfem.structure.element import gauss, lagrange
 from casingfem.structure.mesh import ShellMesh
 
 SEEN = 1e-7  # estimated splits below this are not worth a warning
-PULL, TILT = 0.05, 0.5  # the edge opposes PULL E t to a short wave of it, TILT D to a tilt: fits reports.loose_bolts
+PULL, TILT = 0.05, 0.5  # a short wave of the edge takes some PULL E t, a tilt TILT D: fitted to reports.loose_bolts
 MOST = 96  # elements around up to which the default mesh follows every bolt
 
 

@@ -49,7 +49,8 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian: the shear
     layer of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
     Strips put an element line at each of their ends, and each stretch between them is divided on its own.
-    Bolts are followed: a multiple of their number around, and a layer along their edge, which is free between them.
+    Bolts are followed: a multiple of their number around, which by itself keeps whole what symmetry does, at 8 nodes a
+    wave where nothing else varies; and a layer along their edge, which is free between them.
     """
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
     t, length, span = shell.thinnest, float(a1 - a0), float(b1 - b0)
@@ -64,14 +65,16 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
     lowest = 0.46 * radius / np.sqrt(t * length)
     finest = max((finest_harmonic(shell, f) for f in shell.defects.values()), default=0)
-    elements = max((16.0 if shell.axisymmetric else 34.0) * lowest, 14.0 * finest) / order
+    bolted = {edge: support.count for edge, support in grips(shell).items() if isinstance(support, Bolts)}
+    patterned = any(isinstance(support, ElasticEdge) and support.patterns for support in grips(shell).values())
+    only_bolts = bool(bolted) and not (shell.defects or shell.masses or patterned)  # which the mesh follows
+    elements = max((16.0 if shell.axisymmetric or only_bolts else 34.0) * lowest, 14.0 * finest) / order
     around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
     springy = any(not s.uniform for s in shell.supports.values() if isinstance(s, Sprung | Ring))
     period = around_period(shell) if springy else 1
     whole = period * -(-around // period) if period > 1 else 0
     if 4.4 * lowest < whole <= 1.25 * around:  # what symmetry forbids to split, the mesh leaves whole
         around = whole
-    bolted = {edge: support.count for edge, support in grips(shell).items() if isinstance(support, Bolts)}
     if bolted:
         around = following(around, int(np.lcm.reduce(list(bolted.values()))))
     held = {shell.chart.edges[edge] for edge in shell.supports.keys() - bolted.keys()}

@@ -1,6 +1,7 @@
 """What study.toml says of edges: bolts, rings and masses become objects, or problems with their key."""
 
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -142,3 +143,9 @@ def test_a_ring_on_an_elastic_bed_is_a_parameter_too(study, tmp_path):
 def test_problems_of_rings_and_masses_name_their_key(study, old, new, message):
     with pytest.raises(StudyError, match=message):
         study(RING.replace(old, new))
+
+
+def test_the_example_of_a_bolted_ring():
+    shell = load_study(Path(__file__).parents[2] / "data" / "studies" / "bolted_ring.toml").shell
+    assert get_value(shell, "bolts.3.k") == pytest.approx(6e7)
+    assert shell.mesh.around == 24
