@@ -9,7 +9,7 @@ from casingfem.errors import ModelError
 from casingfem.structure.chart import Bounds, Open, Surface, require_positive
 from casingfem.structure.field import FieldValues
 from casingfem.structure.jet import Jet, cos, jets, reciprocal, sin, sinc, surface
-from casingfem.structure.law import Law, along, along_jet, lowest, stations
+from casingfem.structure.law import Law, along, lowest, stations
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,7 +76,7 @@ class Blade(Open):
 
     def section(self, xi: Jet, eta: Jet) -> tuple[Jet, Jet]:
         """Camber line in the section's own axes: along the chord and across it [m]."""
-        chord, k = along_jet(self.chord, xi), along_jet(self.camber, xi)
+        chord, k = along(self.chord, xi), along(self.camber, xi)
         scale = chord * reciprocal(sinc(k * 0.5))
         rise, drop = sinc(k * 0.25), eta * sinc(k * eta * 0.5)
         return scale * eta * sinc(k * eta), scale * k * (rise * rise * 0.125 - drop * drop * 0.5)
@@ -88,10 +88,10 @@ class Blade(Open):
         x, eta = jets(a, b)
         xi = x * (1.0 / self.length)
         p, q = self.section(xi, eta)
-        turn = along_jet(self.twist, xi)
+        turn = along(self.twist, xi)
         c, s = cos(turn), sin(turn)
-        y = along_jet(self.sweep, xi) + p * c - q * s
-        z = along_jet(self.lean, xi) + p * s + q * c
+        y = along(self.sweep, xi) + p * c - q * s
+        z = along(self.lean, xi) + p * s + q * c
         return surface(x, y, z)
 
     def directions(self, a: Array, b: Array) -> Array:

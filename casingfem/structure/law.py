@@ -1,6 +1,6 @@
 """Laws from root to tip: one number, or values at equally spaced stations with the polynomial through them."""
 
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from casingfem.errors import ModelError
 from casingfem.structure.jet import Jet
 
 Law: TypeAlias = float | tuple[float, ...]
+Number = TypeVar("Number", Array, Jet)
 MOST = 8  # stations: a polynomial through more, equally spaced, swings between them
 
 
@@ -42,20 +43,12 @@ def coefficients(law: Law) -> Array:
     return np.asarray(np.linalg.solve(np.vander(places, increasing=True), values))
 
 
-def along(law: Law, xi: Array) -> Array:
-    """A law at places xi, 0 at its first station and 1 at its last.
+def along(law: Law, xi: Number) -> Number:
+    """A law at places xi, 0 at its first station and 1 at its last: an array, or a jet that keeps its derivatives.
 
     >>> along((2.0, 1.0), np.array([0.25])).tolist()
     [1.75]
     """
-    total = np.zeros_like(xi)
-    for c in coefficients(law)[::-1]:
-        total = total * xi + c
-    return np.asarray(total)
-
-
-def along_jet(law: Law, xi: Jet) -> Jet:
-    """The same with derivatives."""
     total = xi * 0.0
     for c in coefficients(law)[::-1]:
         total = total * xi + c
