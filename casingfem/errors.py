@@ -343,6 +343,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "an imported mesh cannot have this kind of support",
             "use clamped, fixed (directions) or elastic with k_face alone",
         ),
+        "mesh-thin-curved": Fault(
+            "thin curved walls of solid cells lock: frequencies come out too high",
+            "use more cells along the curve, or mesh the mid-surface and compute a shell",
+        ),
         "mesh-too-large": Fault(
             "the mesh has more unknowns than a factorisation in memory can take",
             "take fewer elements; 1e5 unknowns are plenty for a shell",

@@ -5,6 +5,8 @@ import pytest
 
 from reports import imported, verify_imported
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # locking is what it shows
+
 
 @pytest.mark.slow
 def test_report_on_imported_meshes(tmp_path, capsys):
