@@ -53,7 +53,8 @@ def modes(
 ) -> ModeSet:
     """Lowest `count` modes of a structure, or all in a band, labelled, complete by Sturm counts.
 
-    K phi = omega^2 M phi, phi^T M phi = 1.
+    K phi = omega^2 M phi, phi^T M phi = 1. A rotating shell has the stiffness of its speed; Coriolis forces
+    are left to `whirl_modes`.
 
     Parameters
     ----------
