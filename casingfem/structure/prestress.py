@@ -1,4 +1,4 @@
-"""What rotation adds to a shell: the stiffness K(Omega) = K + Omega^2 K1 + Omega^4 K2 and the gyroscopic matrix Omega G.
+"""What rotation adds to a shell: stiffness K(Omega) = K + Omega^2 K1 + Omega^4 K2, and the gyroscopic matrix Omega G.
 
 In the rotating frame, with strains quadratic in the displacements and the director a3 + w - |w|^2 a3/2 (it keeps its
 length to second order), small motions v about the steady shape u0 = Omega^2 u1 see
