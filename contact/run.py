@@ -161,17 +161,22 @@ def _collect(
             progress(chunk.done)
     seconds = time.perf_counter() - began
     sums = stepper.sums
-    energy = EnergyBudget(
-        start=start, end=stepper.stored(), contact=float(np.sum(sums.work)),
-        rotation=float(np.sum(sums.rotation)),
-        friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]),
-        external=float(sums.external[0]), algorithmic=float(sums.algorithmic[0]), load_step=load_step,
-    )  # fmt: skip
-    taken = sum(chunk.steps for chunk in chunks)
-    result = collect(stepper, [chunk.samples for chunk in chunks], energy, taken, seconds, source, record.every)
-    if chunks[-1].failed >= 0:
-        at = chunks[-1].failed
-        error = NumericsError(f"step {at} (t = {at * stepper.dt:.6g} s): {stepper.why()}")
+    with np.errstate(over="ignore", invalid="ignore"):  # a run that overflowed is read too
+        energy = EnergyBudget(
+            start=start, end=stepper.stored(), contact=float(np.sum(sums.work)),
+            rotation=float(np.sum(sums.rotation)),
+            friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]),
+            external=float(sums.external[0]), algorithmic=float(sums.algorithmic[0]), load_step=load_step,
+        )  # fmt: skip
+        taken = sum(chunk.steps for chunk in chunks)
+        result = collect(stepper, [chunk.samples for chunk in chunks], energy, taken, seconds, source, record.every)
+    at, why = chunks[-1].failed, ""
+    if at >= 0:
+        why = stepper.why()
+    elif not math.isfinite(energy.unaccounted):
+        at, why = taken - 1, "the energy is not a finite number, the motion has outgrown the arithmetic"
+    if why:
+        error = NumericsError(f"step {at} (t = {at * stepper.dt:.6g} s): {why}")
         error.result = result
         raise error
     return result

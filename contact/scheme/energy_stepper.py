@@ -8,9 +8,6 @@ closing or opening complementarity holds on average only, which `Result.residual
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,66 +16,14 @@ from contact.energy import Stored
 from contact.errors import InputError
 from contact.model.modal_system import ModalSystem
 from contact.record import Samples, Tally, tally
-from contact.scheme.modal_stepper import blocks_of, motions_of
+from contact.scheme.modal_run import ModalRun
 from contact.scheme.propagator import Propagator
-from contact.scheme.protocol import Block, Motion
 
 if TYPE_CHECKING:
     from contact.scheme.loop_energy import EnergyState
 
-Loop = Callable[["EnergyState", Tally, Samples, int, int], int]
 
-
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class EnergyStepper:
-    """A run with the discrete gradient law in progress."""
-
-    system: ModalSystem
-    dt: float
-    state: EnergyState
-    sums: Tally
-    loop: Loop
-    label: str
-
-    @property
-    def window(self) -> float:
-        """Period of the highest mode [s]."""
-        top = float(self.system.omega.max(initial=0.0))
-        return max(2.0 * math.pi / top, self.dt) if top > 0.0 else self.dt
-
-    @property
-    def size(self) -> int:
-        """Number of modes."""
-        return self.state.q.size
-
-    @property
-    def blocks(self) -> tuple[Block, ...]:
-        """Modes of each body."""
-        return blocks_of(self.system)
-
-    def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Advance by whole steps; -1, or the step that failed."""
-        return self.loop(self.state, self.sums, out, first, steps)
-
-    def why(self) -> str:
-        """Explain a failed step."""
-        return "the gap is not a number"
-
-    def stored(self) -> Stored:
-        """Energy at t_n; phi(g) counts as residual."""
-        q, v, system = self.state.q, self.state.v, self.system
-        kinetic, strain = 0.5 * float(v @ v), 0.5 * float(np.sum((system.omega * q) ** 2))
-        potential = system.potential - float(system.load @ q)
-        residual = 0.5 * min(float(self.state.memory[0]), 0.0) ** 2 / system.S_nn(0.0)
-        total = kinetic + strain + potential
-        return Stored(kinetic=kinetic, strain=strain, potential=potential, residual=residual, discrete=total)
-
-    def motions(self) -> tuple[Motion, ...]:
-        """Rigid motion of each body: from its mode of frequency zero, NaN without one."""
-        return motions_of(self.system, self.state.v)
-
-
-def energy_stepper(system: ModalSystem, parts: Propagator) -> EnergyStepper:
+def energy_stepper(system: ModalSystem, parts: Propagator) -> ModalRun:
     """Stepper at t = 0; raises InputError for a rim, damping, or S = 0."""
     from contact.scheme.loop_energy import EnergyState, advance_energy
 
@@ -97,9 +42,22 @@ def energy_stepper(system: ModalSystem, parts: Propagator) -> EnergyStepper:
         force=np.zeros(1), gap=np.zeros(1),
     )  # fmt: skip
 
-    def loop(state: EnergyState, sums: Tally, out: Samples, first: int, steps: int) -> int:
+    def loop(sums: Tally, out: Samples, first: int, steps: int) -> int:
         return advance_energy(state, Q, clearance, S, b, sums, out, h, first, steps)
 
     top = float(system.omega.max(initial=0.0))
     label = f"exact modal, energy law, dt omega_max = {h * top:.3g} (no limit)"
-    return EnergyStepper(system=system, dt=h, state=state, sums=tally(1), loop=loop, label=label)
+    return ModalRun(
+        system=system, dt=h, sums=tally(1), label=label, loop=loop, steps=[0], energy=lambda _: _stored(system, state),
+        velocity=lambda: state.v, failure=lambda: "the gap is not a number",
+    )  # fmt: skip
+
+
+def _stored(system: ModalSystem, state: EnergyState) -> Stored:
+    """Energy at t_n; phi(g) counts as residual."""
+    q, v = state.q, state.v
+    kinetic, strain = 0.5 * float(v @ v), 0.5 * float(np.sum((system.omega * q) ** 2))
+    potential = system.potential - float(system.load @ q)
+    residual = 0.5 * min(float(state.memory[0]), 0.0) ** 2 / system.S_nn(0.0)
+    total = kinetic + strain + potential
+    return Stored(kinetic=kinetic, strain=strain, potential=potential, residual=residual, discrete=total)

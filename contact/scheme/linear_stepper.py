@@ -43,6 +43,7 @@ class LinearStepper:
     window: float
     label: str
     leapfrog: bool
+    fault: list[str]  # filled when a load fails, empty until then
 
     @property
     def size(self) -> int:
@@ -57,13 +58,21 @@ class LinearStepper:
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
         amplitudes = self.system.amplitudes(first, steps, self.dt)
-        failed = self.loop(self.parts, self.state, self.sums, out, amplitudes, self.dt, first, steps)
+        rows, loads = np.nonzero(~np.isfinite(amplitudes))
+        good = steps if rows.size == 0 else max(int(rows[0]) - 1, 0)
+        failed = self.loop(self.parts, self.state, self.sums, out, amplitudes, self.dt, first, good)
+        if good < steps and failed < 0:
+            value, at = amplitudes[rows[0], loads[0]], (first + int(rows[0])) * self.dt
+            self.fault.append(f"forcing {int(loads[0]) + 1}: found {value} at t = {at:.6g} s, expected a finite force")
+            failed = first + good
         states = int(self.sums.filled[1])
         out.state[:states] = out.state[:states, self.system.place]
         return failed
 
     def why(self) -> str:
         """Explain a failed step."""
+        if self.fault:
+            return self.fault[-1]
         if not np.isfinite(self.state.u).all() or not np.isfinite(self.state.v).all():
             return "the motion is not a finite number"
         return "the contacts have no common answer: their forces cycle, or a gap is not a number"
@@ -211,5 +220,5 @@ def linear_stepper(
     window = 2.0 * math.pi / omega if omega > 0.0 else h
     return LinearStepper(
         system=system, parts=parts, state=state,
-        sums=tally(contacts), loop=loop, dt=h, window=max(window, h), label=label, leapfrog=leapfrog,
+        sums=tally(contacts), loop=loop, dt=h, window=max(window, h), label=label, leapfrog=leapfrog, fault=[],
     )  # fmt: skip

@@ -49,7 +49,7 @@ def law_gap(rule: int, e: float, now: float, was: float, will: float) -> float:
     if rule == AVERAGED:
         return now + (will - e * was) / (1.0 + e)
     if rule == IMPULSE:
-        return will + e * was if now <= 0.0 else math.inf
+        return math.inf if now > 0.0 else will + e * was
     return now
 
 

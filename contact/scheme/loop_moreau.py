@@ -81,8 +81,8 @@ def advance_moreau(
         solve_in_place(p.A, dv)
         for k in range(contacts):
             speed = along(p, k, s.v)
-            near = gap_of(p, k, s.u) + 0.5 * h * speed <= 0.0
-            s.free[k] = (1.0 + e) * speed + along(p, k, dv) if near else math.inf
+            open_ = gap_of(p, k, s.u) + 0.5 * h * speed > 0.0
+            s.free[k] = math.inf if open_ else (1.0 + e) * speed + along(p, k, dv)
         if not contact_forces(p.W, law, s.free, s.force, s.closed, s.square, s.shifted):
             return step
         add_response(p, 1.0, s.force, dv)
@@ -122,8 +122,8 @@ def advance_nonsmooth(
         free_acceleration(p, s, w, net, u, v, next_load, h, a, spare)
         for k in range(contacts):
             speed = along(p, k, s.v)
-            near = gap_of(p, k, u) + w.beta * h * h * along(p, k, a) <= 0.0
-            s.free[k] = along(p, k, v) + w.gamma * h * along(p, k, a) + e * speed if near else math.inf
+            open_ = gap_of(p, k, u) + w.beta * h * h * along(p, k, a) > 0.0
+            s.free[k] = math.inf if open_ else along(p, k, v) + w.gamma * h * along(p, k, a) + e * speed
         if not contact_forces(p.W, law, s.free, s.force, s.closed, s.square, s.shifted):
             return step
         add_response(p, 1.0, s.force, a)

@@ -1,10 +1,8 @@
-"""The exact-modal run in progress: state, loop and readings."""
+"""The forward and averaged laws on the exact propagation: state, loop and readings; see `exact_modal`."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +12,8 @@ from contact.model.arrays import Array
 from contact.model.modal_system import ModalSystem
 from contact.model.trig import Trig
 from contact.record import Samples, Tally, tally
+from contact.scheme.modal_run import ModalRun
 from contact.scheme.propagator import Propagator
-from contact.scheme.protocol import Block, Motion
 
 if TYPE_CHECKING:
     from contact.scheme.loop_modal import ModalState
@@ -26,89 +24,7 @@ FULL = 0.15  # share of entries above which full tables are faster (they vectori
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
 
 
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class ModalStepper:
-    """State of an exact-modal run; see `exact_modal` for the equations."""
-
-    system: ModalSystem
-    parts: Propagator
-    state: ModalState
-    sums: Tally
-    loop: Loop
-    label: str
-    steps: list[int]  # steps taken so far, one entry
-
-    @property
-    def dt(self) -> float:
-        """Time step [s]."""
-        return self.parts.h
-
-    @property
-    def window(self) -> float:
-        """Period of the highest mode [s]."""
-        top = float(self.system.omega.max(initial=0.0))
-        return max(2.0 * math.pi / top, self.dt) if top > 0.0 else self.dt
-
-    @property
-    def size(self) -> int:
-        """Number of modes."""
-        return self.state.q.size
-
-    @property
-    def blocks(self) -> tuple[Block, ...]:
-        """Modes of each body."""
-        return blocks_of(self.system)
-
-    def advance(self, out: Samples, first: int, steps: int) -> int:
-        """Advance by whole steps; -1, or the step that failed."""
-        failed = self.loop(self.state, self.sums, out, first, steps)
-        self.steps[0] = first + steps
-        return failed
-
-    def why(self) -> str:
-        """Explain a failed step."""
-        if np.isnan(self.state.q).any() or np.isnan(self.state.d).any():
-            return "the motion is not a number"
-        H, scale = self.state.memory[2:4]
-        return (
-            f"the contact jams: Delassus number {scale:.4g} m/N (modes {H:.4g}), expected > 0; friction "
-            "exceeds what the lean of the blade allows: reduce mu or the lean"
-        )
-
-    def stored(self) -> Stored:
-        """Energy at t_n; lam^2 S/2 counts as residual."""
-        system, memory = self.system, self.state.memory
-        phi = system.angle - system.speed * self.steps[0] * self.dt
-        force, pull = float(memory[2]), float(memory[3])
-        Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q * 0.0)
-        residual = 0.5 * force**2 * (system.S_nn(phi) - pull * system.S_nt(phi))
-        return self.parts.stored(self.state.q, self.state.d, (Q - pull * T) * force, residual, system.potential)
-
-    def motions(self) -> tuple[Motion, ...]:
-        """Rigid motion of each body: from its mode of frequency zero, NaN without one."""
-        return motions_of(self.system, self.state.d / self.dt)
-
-
-def blocks_of(system: ModalSystem) -> tuple[Block, ...]:
-    """Name, first and one past the last mode of each body."""
-    first = system.first.tolist()
-    return tuple(zip(system.names, first[:-1], first[1:], strict=True))
-
-
-def motions_of(system: ModalSystem, velocity: Array) -> tuple[Motion, ...]:
-    """Mean velocity and momentum of each body that has one rigid mode."""
-    found = []
-    for b, (name, mass) in enumerate(zip(system.names, system.masses, strict=True)):
-        modes = slice(int(system.first[b]), int(system.first[b + 1]))
-        rigid = system.omega[modes] == 0.0
-        speed = math.nan
-        if np.count_nonzero(rigid) == 1 and mass > 0.0:
-            speed = float(np.sum(velocity[modes][rigid])) / math.sqrt(mass)
-        found.append(Motion(kind=name, number=b, mean_velocity=speed, momentum=speed * mass))
-    return tuple(found)
-
-
-def modal_stepper(system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str) -> ModalStepper:
+def modal_stepper(system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str) -> ModalRun:
     """Stepper at t = 0, with the compiled loop that this scene needs and no other."""
     q = np.zeros(system.omega.size)
     d = parts.backward(q, system.velocity)
@@ -119,7 +35,34 @@ def modal_stepper(system: ModalSystem, parts: Propagator, *, averaged: bool, mu:
         if system.table
         else _point_loop(system, parts, averaged, damped)
     )
-    return ModalStepper(system=system, parts=parts, state=state, sums=tally(1), loop=loop, label=label, steps=[0])
+
+    def advance(sums: Tally, out: Samples, first: int, steps: int) -> int:
+        return loop(state, sums, out, first, steps)
+
+    return ModalRun(
+        system=system, dt=parts.h, sums=tally(1), label=label, loop=advance, steps=[0],
+        energy=lambda steps: _stored(system, parts, state, steps), velocity=lambda: state.d / parts.h,
+        failure=lambda: _failure(state),
+    )  # fmt: skip
+
+
+def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: int) -> Stored:
+    """Energy at t_n; lam^2 S/2 counts as residual."""
+    phi = system.angle - system.speed * steps * parts.h
+    force, pull = float(state.memory[2]), float(state.memory[3])
+    Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q * 0.0)
+    residual = 0.5 * force**2 * (system.S_nn(phi) - pull * system.S_nt(phi))
+    return parts.stored(state.q, state.d, (Q - pull * T) * force, residual, system.potential)
+
+
+def _failure(state: ModalState) -> str:
+    if np.isnan(state.q).any() or np.isnan(state.d).any():
+        return "the motion is not a number"
+    H, scale = state.memory[2:4]
+    return (
+        f"the contact jams: Delassus number {scale:.4g} m/N (modes {H:.4g}), expected > 0; friction "
+        "exceeds what the lean of the blade allows: reduce mu or the lean"
+    )
 
 
 def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalState:

@@ -245,10 +245,21 @@ def test_linear_bodies_that_cannot_be(given, message):
         frame(**given)
 
 
-def test_a_load_that_turns_nan_is_named_with_its_instant():
-    forcing = ct.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.5, np.nan, 1.0))
-    with pytest.raises(ct.InputError, match=r"forcing 1: found nan at t = 0.51 s, expected a finite force"):
-        ct.run(frame(forcing=(forcing,)), t_end=1.0, dt=0.01)
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
+def test_a_load_that_turns_nan_is_named_and_the_run_kept(scheme):
+    forcing = ct.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.505, np.nan, 1.0))
+    with pytest.raises(ct.NumericsError, match=r"step 50 .* forcing 1: found nan at t = 0.51 s, expected") as caught:
+        ct.run(frame(forcing=(forcing,)), scheme=scheme, t_end=1.0, dt=0.01)
+    assert caught.value.result.steps == 50
+    assert np.isfinite(caught.value.result.force).all()
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
+def test_a_motion_that_overflows_stops_the_run_and_keeps_it(scheme):
+    forcing = ct.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.5, 1e308 * np.sin(1e3 * t), 0.0))
+    with pytest.raises(ct.NumericsError, match=r"step \d+ .*(not a finite number|no common answer)") as caught:
+        ct.run(frame(forcing=(forcing,)), scheme=scheme, t_end=50.0, dt=0.01)
+    assert caught.value.result.steps >= 50
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,73 @@
+"""A modal run in progress: what the laws on one exact propagation share. A law brings its loop and its readings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.energy import Stored
+from contact.model.arrays import Array
+from contact.model.modal_system import ModalSystem
+from contact.record import Samples, Tally
+from contact.scheme.protocol import Block, Motion
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ModalRun:
+    """Modes of `system` under one law: its compiled loop, and how to read energy, velocity and a failure."""
+
+    system: ModalSystem
+    dt: float
+    sums: Tally
+    label: str
+    loop: Callable[[Tally, Samples, int, int], int]
+    energy: Callable[[int], Stored]  # after this many steps
+    velocity: Callable[[], Array]
+    failure: Callable[[], str]
+    steps: list[int]  # steps taken so far, one entry
+
+    @property
+    def window(self) -> float:
+        """Period of the highest mode [s]."""
+        top = float(self.system.omega.max(initial=0.0))
+        return max(2.0 * math.pi / top, self.dt) if top > 0.0 else self.dt
+
+    @property
+    def size(self) -> int:
+        """Number of modes."""
+        return self.system.omega.size
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """Name, first and one past the last mode of each body."""
+        first = self.system.first.tolist()
+        return tuple(zip(self.system.names, first[:-1], first[1:], strict=True))
+
+    def advance(self, out: Samples, first: int, steps: int) -> int:
+        """Advance by whole steps; -1, or the step that failed."""
+        failed = self.loop(self.sums, out, first, steps)
+        self.steps[0] = first + steps
+        return failed
+
+    def why(self) -> str:
+        """Explain a failed step."""
+        return self.failure()
+
+    def stored(self) -> Stored:
+        """Energy now."""
+        return self.energy(self.steps[0])
+
+    def motions(self) -> tuple[Motion, ...]:
+        """Mean velocity and momentum of each body from its mode of frequency zero, NaN unless it has one."""
+        found, system, velocity = [], self.system, self.velocity()
+        for b, (name, mass) in enumerate(zip(system.names, system.masses, strict=True)):
+            modes = slice(int(system.first[b]), int(system.first[b + 1]))
+            rigid = system.omega[modes] == 0.0
+            speed = math.nan
+            if np.count_nonzero(rigid) == 1 and mass > 0.0:
+                speed = float(np.sum(velocity[modes][rigid])) / math.sqrt(mass)
+            found.append(Motion(kind=name, number=b, mean_velocity=speed, momentum=speed * mass))
+        return tuple(found)
