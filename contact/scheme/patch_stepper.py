@@ -18,7 +18,6 @@ from contact.model.patch import Patch
 from contact.record import Samples, Tally, tally
 from contact.scheme.propagator import Propagator
 from contact.scheme.protocol import Block, Motion
-from contact.solver.active_set import delassus_rows
 
 if TYPE_CHECKING:
     from contact.scheme.loop_patch import PatchState
@@ -120,4 +119,6 @@ def _delassus(rows: Array, c: Array, S: Array) -> Array:
 
 def _roots(rows: Array, c: Array, S: Array) -> Array:
     """Rows A with A A^T = H + S, for the active set."""
+    from contact.solver.active_set import delassus_rows
+
     return np.ascontiguousarray(delassus_rows(_delassus(rows, c, S)) if S.size else rows * np.sqrt(c))
