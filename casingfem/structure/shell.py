@@ -80,7 +80,7 @@ def default_mesh(shell: "Shell") -> ShellMesh:
     held = {shell.chart.edges[edge] for edge in shell.supports.keys() - bolted.keys()}
     at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
     layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
-    longest = max(10.0 * np.sqrt(radius * t) / length, 0.25)
+    longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.locking
     return ShellMesh(order=order, rows=divided(shell, longest, (layers[0], layers[1])), around=around)
 
 

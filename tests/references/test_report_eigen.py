@@ -1,11 +1,13 @@
 """Reports on the eigen solvers run small, and their faults show."""
 
 import pandas as pd
+import pytest
 
 from casingfem.modal import eigen, krylov
-from reports import solid_solvers, sturm
+from reports import locking, modal_speed, solid_solvers, sturm
 
 
+@pytest.mark.slow
 def test_every_random_structure_shows_as_many_modes_as_are_counted(tmp_path, capsys):
     rows = sturm.main(tmp_path, quick=True)
     assert sum(row["drawn"] for row in rows) == 30
@@ -26,8 +28,30 @@ def test_a_mode_lost_among_random_structures_is_a_fault(monkeypatch, capsys):
     assert "structure 3" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_multigrid_serves_a_thick_block_and_says_that_it_fails_on_a_thin_plate(tmp_path):
     thick, thin = solid_solvers.main(tmp_path, quick=True)
     assert thick["LOBPCG"] == "converged"
     assert thick["worst difference"] < 1e-9
     assert "modes converged, the largest residual" in thin["LOBPCG"]
+
+
+@pytest.mark.slow
+def test_modal_speed_names_its_parts_and_the_harmonics_are_right(tmp_path):
+    rows = modal_speed.main(tmp_path, quick=True)
+    assert [row["sturm"] for row in rows] == [40, 40, None]
+    assert rows[-1]["worst error"] < 5e-4
+    parts = pd.read_csv(tmp_path / "modal_parts.csv").set_index("part")
+    assert parts.loc["whole", "of the whole"] == 1.0
+    assert {"element matrices", "factor", "block Lanczos", "Sturm count", "instead: ARPACK"} <= set(parts.index)
+
+
+@pytest.mark.slow
+def test_default_mesh_does_not_lock(tmp_path):
+    rows = locking.main(tmp_path, quick=True)
+    default = {row["R/t"]: row["worst error"] for row in rows if row["mesh"] == "default"}
+    assert default[100] < 1e-4
+    assert default[1000] < 1e-4
+    low = {row["R/t"]: row["worst error"] for row in rows if row["order"] == 3}
+    assert min(low.values()) > 1e-2  # what locking looks like
+    assert max(row["reference moves"] for row in rows) < 1e-7
