@@ -392,8 +392,8 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "support it before reducing",
         ),
         "ring-edge": Fault(
-            "a ring's section is placed by radius and axis, across the edge",
-            "put the ring on an edge that runs around: base, top, root or tip",
+            "a ring's section is placed by radius and axis, and its ends are free",
+            "put the ring on an edge that runs around (base, top, root or tip) and ends on no held one",
         ),
         "ring-offset": Fault(
             "the place of a ring's section or foot is no pair of lengths",

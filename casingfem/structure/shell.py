@@ -228,6 +228,9 @@ class Shell:
             held, _ = known[edge]
             if isinstance(support, Ring) and held != 0:
                 raise ModelError("ring-edge", f"support.{edge}: a ring on an edge that runs along the axis")
+            across = [other for other in self.supports if known[other][0] != 0 and self.supports[other].held]
+            if isinstance(support, Ring) and across:  # nothing would hold the ring's own turn at the corner
+                raise ModelError("ring-edge", f"support.{edge}: a ring ends on the held edge {across[0]!r}")
             holding = grip(support)
             if isinstance(holding, Bolts):
                 low, high = (float(np.real(end)) for end in self.chart.bounds[1 - held])

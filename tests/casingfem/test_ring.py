@@ -11,18 +11,18 @@ from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.modal.interface import Rim
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
-from casingfem.structure.assembly import assemble
+from casingfem.structure.assembly import assemble, nodal_mass
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Cylinder, Panel
 from casingfem.structure.diagonal_mass import diagonalised
-from casingfem.structure.edge_form import single_place
+from casingfem.structure.edge_form import PointSprings, single_place
 from casingfem.structure.edges import edge_forms, line_frame
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh, make_grid
 from casingfem.structure.point_mass import PointMass
-from casingfem.structure.rigid import free_motions
+from casingfem.structure.rigid import free_motions, rigid_fields, ring_turns
 from casingfem.structure.ring import Ring
-from casingfem.structure.ring_form import harmonic_ring
+from casingfem.structure.ring_form import foot_stiffness, harmonic_ring
 from casingfem.structure.section import Section
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped, ElasticEdge
@@ -101,6 +101,12 @@ def test_rigid_motions_strain_no_ring_and_move_all_its_mass(frustum, steel):
     motion = np.append(shift.ravel(), np.zeros(forms.own))[:, None]
     length = 2.0 * np.pi * 0.53
     np.testing.assert_allclose(forms.mass[0].product(motion), [[steel.rho * BAR.area * length]], rtol=1e-9)
+    rigid = rigid_fields(loose, grid)
+    motions = np.vstack([rigid.reshape(-1, 6), ring_turns(loose, grid, rigid)])
+    stretched = motions.copy()
+    stretched[::5] *= 1.1  # no rigid motion any more
+    strained, still = (np.trace(form.product(x)) for form in forms.stiffness for x in (stretched, motions))
+    assert abs(still) < 1e-12 * strained
     found = modes(loose, 10, method="shell")
     assert found.rigid == 6
     assert modes(frustum(supports={"base": HELD}, mesh=COARSE), 2, method="shell").rigid == 0
@@ -111,9 +117,24 @@ def test_mass_is_diagonal_and_vectors_go_there_and_back(frustum):
     vectors = np.random.default_rng(17).normal(size=(system.size, 2))
     back = system.collect(system.expand(vectors), system.expand_own(vectors))
     np.testing.assert_allclose(back, vectors, atol=1e-10 * np.abs(vectors).max())
+    motions = np.vstack([system.expand(vectors).reshape(-1, 2), system.expand_own(vectors)])
+    nodal = np.repeat(nodal_mass(system.shell, system.grid), (3, 2), axis=1).reshape(-1, 1)
+    kinetic = motions[: len(nodal)].T @ (nodal * motions[: len(nodal)])
+    kinetic = kinetic + sum(form.product(motions) for form in edge_forms(system.shell, system.grid).mass)
+    np.testing.assert_allclose(vectors.T @ (system.mass[:, None] * vectors), kinetic, rtol=1e-10)
     forces = np.random.default_rng(18).normal(size=(len(system.frames), 5, 1))
     work = np.sum(forces * system.expand(vectors[:, :1]))
     np.testing.assert_allclose(system.restrict(forces).T @ vectors[:, :1], [[work]], rtol=1e-9)
+
+
+def test_rotational_springs_of_a_foot_oppose_turns_about_hoop_and_axis():
+    springs = PointSprings(nodes=np.zeros((1, 1), dtype=int), values=np.ones((1, 1)), blocks=np.zeros((1, 3, 3)),
+                           rotation=np.array([5.0]))  # fmt: skip
+    radial = np.array([[0.6, 0.8, 0.0]])
+    felt = foot_stiffness(springs, radial)[0, 3:, 3:]
+    np.testing.assert_allclose(felt @ radial[0], 0.0, atol=1e-15)
+    for axis in ([-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]):
+        np.testing.assert_allclose(felt @ axis, 5.0 * np.array(axis), rtol=1e-14)
 
 
 def test_a_mass_without_diagonal_is_refused():
@@ -193,5 +214,7 @@ def test_rings_and_masses_stand_on_edges_that_run_around(steel, frustum):
     panel = Panel(radius=0.6, length=0.3, angle=0.5)
     with pytest.raises(ModelError, match="ring-edge"):
         Shell(chart=panel, thickness=3e-3, material=steel, supports={"left": Ring(section=BAR)})
+    with pytest.raises(ModelError, match="ends on the held edge 'left'"):
+        Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": Ring(section=BAR), "left": Clamped()})
     with pytest.raises(ModelError, match="mass-edge"):
         frustum(masses={"rim": [PointMass(angle=0.0, mass=1.0)]})
