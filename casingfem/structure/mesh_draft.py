@@ -27,8 +27,8 @@ class Block:
 
     @property
     def dim(self) -> int:
-        """Dimension of the cells."""
-        return DIMENSIONS[self.kind.rstrip("0123456789")] if self.kind not in DIMENSIONS else DIMENSIONS[self.kind]
+        """Dimension of the cells; 3 for kinds that nobody here knows, so that they are refused and not passed over."""
+        return DIMENSIONS.get(self.kind, DIMENSIONS.get(self.kind.rstrip("0123456789"), 3))
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -10,6 +10,7 @@ import pytest
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.cell_kind import KINDS, SHELLS, SOLIDS
+from casingfem.structure.mesh_draft import Block, Draft, build, joined
 from casingfem.structure.mesh_grid import grid_mesh, revolved
 from casingfem.structure.mesh_in import read_mesh
 from casingfem.structure.solid import Solid
@@ -181,8 +182,6 @@ def test_gmsh_cells_in_two_groups_are_one_cell_and_numbers_without_names_are_gro
 
 
 def test_join_closes_a_seam(steel):
-    from casingfem.structure.mesh_draft import joined
-
     slit = grid_mesh("hexahedron20", (1, 8, 2), WALL, groups=ENDS)
     with pytest.raises(ModelError, match="mesh-open-seam"):
         Solid(mesh=slit, material=steel)
@@ -239,6 +238,12 @@ def test_what_meshio_drops_without_a_word_is_counted(tmp_path):
     text = (tmp_path / "a.vtu").read_text().replace('"types" format="ascii">\n25', '"types" format="ascii">\n99')
     with pytest.raises(ModelError, match="15 of 16 cells were read"):
         read_mesh(write(tmp_path / "a.vtu", text))
+
+
+def test_kinds_that_nobody_knows_are_refused():
+    block = Block("VTK_LAGRANGE_TETRAHEDRON", np.arange(4)[None], np.array([1]))
+    with pytest.raises(ModelError, match="1 VTK_LAGRANGE_TETRAHEDRON.*mesh-unsupported-cell"):
+        build(Draft(points=np.eye(4, 3), node_numbers=np.arange(4), blocks=[block]), "a.vtu")
 
 
 def test_truncated_binary_is_refused(tmp_path):
