@@ -105,6 +105,13 @@ def test_refused_with_cell_and_remedy(name):
     assert "part.msh: " in str(caught.value)
 
 
+def test_a_slit_of_a_micrometre_is_seen():
+    points, cells = torn()
+    points = edited(points, (slice(len(SOUND.points), None), 2), points[len(SOUND.points) :, 2] + 1e-6)
+    with pytest.raises(ModelError, match="mesh-open-seam"):
+        Solid(mesh=changed(points=points, cells=cells, groups={}), material=STEEL)
+
+
 def test_the_sound_mesh_has_no_finding():
     with warnings.catch_warnings():
         warnings.simplefilter("error")

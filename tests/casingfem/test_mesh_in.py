@@ -242,7 +242,7 @@ def test_what_meshio_drops_without_a_word_is_counted(tmp_path):
 
 def test_kinds_that_nobody_knows_are_refused():
     block = Block("VTK_LAGRANGE_TETRAHEDRON", np.arange(4)[None], np.array([1]))
-    with pytest.raises(ModelError, match="1 VTK_LAGRANGE_TETRAHEDRON.*mesh-unsupported-cell"):
+    with pytest.raises(ModelError, match=r"1 VTK_LAGRANGE_TETRAHEDRON.*mesh-unsupported-cell"):
         build(Draft(points=np.eye(4, 3), node_numbers=np.arange(4), blocks=[block]), "a.vtu")
 
 
