@@ -466,6 +466,6 @@ def schema() -> dict[str, Any]:
     """JSON schema of study.toml.
 
     >>> sorted(schema()["properties"])[:4]
-    ['chart', 'imperfection', 'material', 'mesh']
+    ['chart', 'imperfection', 'mass', 'material']
     """
     return StudyFile.model_json_schema()

@@ -297,7 +297,7 @@ BROKEN = {
     "length in millimetres": ("0.45", "450000.0", "chart.r_top: found 450000.0, expected less than"),
     "no array": ("[[imperfection]]", "[imperfection]", "imperfection: found {'of': 'radius'"),
     "edge that does not exist": ("[support.base]", "[support.bottom]", "support.bottom: found edge 'bottom'"),
-    "support unknown": ('kind = "elastic"', 'kind = "glue"', "clamped, shear-diaphragm, elastic"),
+    "support unknown": ('kind = "elastic"', 'kind = "glue"', "clamped, shear-diaphragm, symmetry, elastic"),
     "spring negative": ("1e12", "-1e12", "support.base.k_face"),
     "spring zero": ("1e12", "0.0", "support.base: an elastic support with all of its springs zero"),
     "spring pattern negative": ("1e12", "1e12\naround = [{p = 2, cos = 0.8}, {p = 3, cos = 1}]", "around makes k_face"),
