@@ -3,36 +3,28 @@
 Faults that would give wrong frequencies are refused, all of them in one error; what may be meant is doubted.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from casingfem.arrays import Array, FloatArray, IntArray
+from casingfem.arrays import Array, FloatArray
 from casingfem.errors import ModelError, doubt, sentence
 from casingfem.structure.cell_kind import SHELLS, shape_functions
 from casingfem.structure.material import Material
 from casingfem.structure.mesh_assembly import mapped
 from casingfem.structure.mesh_data import MeshData
+from casingfem.structure.mesh_findings import SHOWN, Finding, cells_named, edge_vectors, nodes_named, where
 
-SHOWN = 5  # cells or nodes named in a message
 STRAY = 0.35  # a middle node this far from the middle, relative to its corners, belongs elsewhere
 COINCIDENT = 1e-3  # nodes closer than this part of the shortest edge are the same place
 ASPECT, DISTORTED = 100.0, 0.02
 BOW = 0.15  # bow of a cell's edges over its thickness
 LARGE = 25.0  # m: beyond this a part is probably in millimetres
 SOUND = (100.0, 20_000.0)  # m/s: sqrt(E/rho) of what parts are made of
-
-
-class Finding(NamedTuple):
-    """A fault found, its code in the catalogue and where."""
-
-    code: str
-    message: str
 
 
 def check_mesh(mesh: MeshData) -> None:
@@ -49,28 +41,6 @@ def check_mesh(mesh: MeshData) -> None:
         raise ModelError(found[-1].code, "\n".join([*lines, f"{mesh.source}: {found[-1].message}"]))
     for finding in [f for look in DOUBTS for f in look(mesh)]:
         doubt(finding.code, f"{mesh.source}: {finding.message}", stacklevel=5)
-
-
-def cells_named(mesh: MeshData, bad: IntArray) -> str:
-    """Count and first numbers of cells."""
-    return named("cell", mesh.cell_numbers[bad])
-
-
-def nodes_named(mesh: MeshData, bad: IntArray) -> str:
-    """Count and first numbers of nodes."""
-    return named("node", mesh.node_numbers[bad])
-
-
-def named(what: str, numbers: IntArray) -> str:
-    """Count and first numbers, such as `3 cells (7, 8, 9)`."""
-    first = ", ".join(str(n) for n in numbers[:SHOWN])
-    return f"{len(numbers)} {what}{'s' * (len(numbers) > 1)} ({first}{', ...' * (len(numbers) > SHOWN)})"
-
-
-def where(code: str, bad: Array | np.bool_, message: Callable[[IntArray], str]) -> list[Finding]:
-    """A finding if any entry of the mask is true."""
-    place = np.flatnonzero(bad)
-    return [Finding(code, message(place))] if len(place) else []
 
 
 def non_finite(mesh: MeshData) -> list[Finding]:
@@ -103,12 +73,6 @@ def orientation(mesh: MeshData) -> FloatArray:
         local = np.einsum("eqc,ec->eq", normal, centre)
     edges = np.linalg.norm(edge_vectors(mesh), axis=2)
     return np.asarray(local / edges.max(axis=1)[:, None] ** kind.dim)
-
-
-def edge_vectors(mesh: MeshData) -> FloatArray:
-    """Straight edges of every cell, (cells, edges, 3)."""
-    ends = mesh.points[mesh.cells[:, np.array(mesh.cell_kind.edges)]]
-    return np.asarray(ends[:, :, 1] - ends[:, :, 0])
 
 
 def bad_cells(mesh: MeshData) -> list[Finding]:

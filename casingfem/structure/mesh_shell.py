@@ -33,8 +33,9 @@ from casingfem.structure.mesh_assembly import (
     rigid_motions,
     scatter,
 )
-from casingfem.structure.mesh_checks import cells_named, check_groups, check_mesh, check_units
+from casingfem.structure.mesh_checks import check_groups, check_mesh, check_units
 from casingfem.structure.mesh_data import MeshData
+from casingfem.structure.mesh_findings import cells_named
 from casingfem.structure.mesh_support import MeshSupport, check_support
 from casingfem.structure.mesh_tying import tied_strains
 from casingfem.structure.support import ElasticEdge
