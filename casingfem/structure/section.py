@@ -20,8 +20,8 @@ class Section:
         ring-section: a value that is not positive and finite.
 
     >>> square = Section.rectangle(width=0.04, depth=0.04)
-    >>> round(square.J / 0.04**4, 6)
-    0.140577
+    >>> f"{square.J / 0.04**4:.6f}"
+    '0.140577'
     """
 
     width: float
