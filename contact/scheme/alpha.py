@@ -7,23 +7,11 @@ from typing import TYPE_CHECKING
 
 from contact.model.band import combine
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
-from contact.model.linear_system import omega_max
-from contact.record import Samples, Tally
-from contact.scheme.linear_stepper import (
-    LinearStepper,
-    linear_step,
-    linear_stepper,
-    parts_of,
-    require_law,
-    require_linear,
-    require_stable,
-)
+from contact.scheme.linear_stepper import LinearStepper, linear_stepper, parts_of, setup
 from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
-    from contact.model.arrays import Array
     from contact.scheme.loop_alpha import Weights
-    from contact.scheme.loop_linear import Parts, State
 
 
 def newmark_limit(beta: float, gamma: float) -> float:
@@ -42,20 +30,12 @@ def prepare_alpha(
     """Stepper of the family; raises InputError, LimitError beyond dt omega_max = `limit`."""
     from contact.scheme.loop_alpha import advance_alpha
 
-    system = require_linear(problem, name)
-    numbers = require_law(law, name, Unilateral, Penalty, AugmentedLagrangian)
-    h = linear_step(problem, dt, courant)
-    omega = omega_max(system)
-    words = f"{words} + {_law_words(law)}, {require_stable(h, omega, limit, name)}"
-    implicit = 1.0 - w.af
+    run = setup(name, problem, law, (Unilateral, Penalty, AugmentedLagrangian), dt, courant)
+    system, h, implicit = run.system, run.h, 1.0 - w.af
     A = combine((1.0 - w.am, system.M), (implicit * w.gamma * h, system.C), (implicit * w.beta * h * h, system.K))
     parts = parts_of(system, A, 1.0)
     parts = parts._replace(W=w.beta * h * h * parts.W)
-
-    def loop(p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int) -> int:
-        return advance_alpha(p, s, numbers, w, sums, out, amplitudes, h, first, steps)
-
-    return linear_stepper(system, parts, loop, h, words, omega=omega)
+    return linear_stepper(run, parts, advance_alpha, (run.law, w), f"{words} + {_law_words(law)}", limit=limit)
 
 
 def _law_words(law: Law) -> str:

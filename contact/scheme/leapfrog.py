@@ -2,27 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from contact.errors import InputError
 from contact.model.band import combine
 from contact.model.law import Law, Penalty
 from contact.model.linear_system import omega_max
-from contact.record import Samples, Tally
-from contact.scheme.linear_stepper import (
-    LinearStepper,
-    linear_step,
-    linear_stepper,
-    parts_of,
-    require_law,
-    require_linear,
-    require_stable,
-)
+from contact.scheme.linear_stepper import LinearStepper, linear_stepper, parts_of, setup
 from contact.scheme.protocol import Problem
 
-if TYPE_CHECKING:
-    from contact.model.arrays import Array
-    from contact.scheme.loop_linear import Parts, State
+CONSISTENT = 200  # coordinates up to which solving with M in every step is let pass
 
 
 def prepare_leapfrog(
@@ -35,18 +22,12 @@ def prepare_leapfrog(
     """
     from contact.scheme.loop_leapfrog import advance_leapfrog
 
-    system, numbers = require_linear(problem, name), require_law(law, name, *allowed)
-    h = linear_step(problem, dt, courant)
-    omega = omega_max(system)
+    run = setup(name, problem, law, allowed, dt, courant)
+    system, h = run.system, run.h
     spring = law.stiffness if isinstance(law, Penalty) else 0.0
-    reached = require_stable(
-        h, omega_max(system, contact_stiffness=spring) if spring else omega, 2.0, "central differences"
-    )
-    if system.M.off.shape[0] and system.size > 200:
+    omega = omega_max(system, contact_stiffness=spring) if spring else run.omega
+    if system.M.off.shape[0] and system.size > CONSISTENT:
         raise InputError(f"M: found a consistent mass matrix, expected a lumped one for {name} (it is explicit)")
     parts = parts_of(system, combine((1.0 / h**2, system.M), (0.5 / h, system.C)), 1.0)
-
-    def loop(p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int) -> int:
-        return advance_leapfrog(p, s, numbers, rule, restitution, sums, out, amplitudes, h, first, steps)
-
-    return linear_stepper(system, parts, loop, h, f"{words}, {reached}", omega=omega, leapfrog=True)
+    method = (run.law, rule, restitution)
+    return linear_stepper(run, parts, advance_leapfrog, method, words, limit=2.0, omega=omega, leapfrog=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from contact.model.band import Band, Factor, factor, solve
 from contact.model.chain import Chain
 from contact.model.law import AugmentedLagrangian, Law, Penalty
 from contact.model.linear import LinearBody
-from contact.model.linear_system import LinearSystem, linear_system
+from contact.model.linear_system import LinearSystem, linear_system, omega_max
 from contact.record import Samples, Tally, tally
 from contact.scheme.protocol import Block, Motion, Problem
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from contact.scheme.loop_linear import Parts, State
     from contact.solver.complementarity import LawNumbers
 
-Loop = Callable[["Parts", "State", Tally, Samples, Array, float, int, int], int]
+Advance = Callable[..., int]  # (parts, state, sums, out, amplitudes, h, first, steps, *method)
 
 
 FAINT = 1e-40  # of the largest response to a contact force: below, it is zero
@@ -38,7 +38,8 @@ class LinearStepper:
     parts: Parts
     state: State
     sums: Tally
-    loop: Loop
+    loop: Advance
+    method: tuple[Any, ...]  # what the loop takes beside: law, weights, arrays of the scheme
     dt: float
     window: float
     label: str
@@ -60,7 +61,7 @@ class LinearStepper:
         amplitudes = self.system.amplitudes(first, steps, self.dt)
         rows, loads = np.nonzero(~np.isfinite(amplitudes))
         good = steps if rows.size == 0 else max(int(rows[0]) - 1, 0)
-        failed = self.loop(self.parts, self.state, self.sums, out, amplitudes, self.dt, first, good)
+        failed = self.loop(self.parts, self.state, self.sums, out, amplitudes, self.dt, first, good, *self.method)
         if good < steps and failed < 0:
             value, at = amplitudes[rows[0], loads[0]], (first + int(rows[0])) * self.dt
             self.fault.append(f"forcing {int(loads[0]) + 1}: found {value} at t = {at:.6g} s, expected a finite force")
@@ -203,22 +204,46 @@ def start(system: LinearSystem) -> tuple[Array, Array, Array]:
     return u, v, solve(factor(system.M, "M"), force[:, None])[:, 0]
 
 
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Setup:
+    """What every scheme on a linear problem begins with: the packed system, the law's numbers, step and omega_max."""
+
+    name: str
+    system: LinearSystem
+    law: LawNumbers
+    h: float
+    omega: float
+
+
+def setup(
+    name: str, problem: Problem, law: Law, allowed: tuple[type, ...], dt: float | None, courant: float | None
+) -> Setup:
+    """Pack the problem and check law and step; raises InputError."""
+    system, numbers = require_linear(problem, name), require_law(law, name, *allowed)
+    h = linear_step(problem, dt, courant)
+    return Setup(name=name, system=system, law=numbers, h=h, omega=omega_max(system))
+
+
 def linear_stepper(
-    system: LinearSystem, parts: Parts, loop: Loop, h: float, label: str, *, omega: float, leapfrog: bool = False,
-    begin: tuple[Array, Array, Array] | None = None,
+    run: Setup, parts: Parts, loop: Advance, method: tuple[Any, ...], words: str, *, limit: float = math.inf,
+    omega: float | None = None, leapfrog: bool = False, begin: tuple[Array, Array, Array] | None = None,
 ) -> LinearStepper:  # fmt: skip
-    """Stepper at t = 0; leapfrog schemes start from u_1 = u_0 + h v_0 + h^2 a_0/2."""
+    """Stepper at t = 0; raises LimitError where h omega, with the free omega_max or the one given, exceeds `limit`.
+
+    Leapfrog schemes start from u_1 = u_0 + h v_0 + h^2 a_0/2.
+    """
     from contact.scheme.loop_linear import State
 
-    u, v, a = begin or start(system)
+    h, contacts = run.h, run.system.gap0.size
+    reached = require_stable(h, run.omega if omega is None else omega, limit, run.name)
+    u, v, a = begin or start(run.system)
     if leapfrog:
         v = h * v - 0.5 * h * h * a
-    contacts = system.gap0.size
-    square, width = np.zeros((contacts, contacts)), max(part.off.shape[0] for part in (parts.M, parts.C, parts.K))
     force, gap, free, shifted, closed = np.zeros((5, contacts))
+    square, width = np.zeros((contacts, contacts)), max(part.off.shape[0] for part in (parts.M, parts.C, parts.K))
     state = State(u, v, a, force, gap, free, shifted, closed, square, np.zeros((8, u.size)), np.zeros(u.size + width))
-    window = 2.0 * math.pi / omega if omega > 0.0 else h
+    window = 2.0 * math.pi / run.omega if run.omega > 0.0 else h
     return LinearStepper(
-        system=system, parts=parts, state=state,
-        sums=tally(contacts), loop=loop, dt=h, window=max(window, h), label=label, leapfrog=leapfrog, fault=[],
+        system=run.system, parts=parts, state=state, sums=tally(contacts), loop=loop, method=method, dt=h,
+        window=max(window, h), label=f"{words}, {reached}", leapfrog=leapfrog, fault=[],
     )  # fmt: skip

@@ -78,8 +78,8 @@ def own_gain(
 
 @jit
 def advance_alpha(
-    p: Parts, s: State, law: LawNumbers, w: Weights, sums: Tally, out: Samples, amplitudes: Array, h: float,
-    first: int, steps: int,
+    p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
+    law: LawNumbers, w: Weights,
 ) -> int:  # fmt: skip
     """Steps first .. first + steps - 1; -1, or the step that failed."""
     n, contacts = s.u.size, s.force.size

@@ -55,8 +55,8 @@ def law_gap(rule: int, e: float, now: float, was: float, will: float) -> float:
 
 @jit
 def advance_leapfrog(
-    p: Parts, s: State, law: LawNumbers, rule: int, e: float, sums: Tally, out: Samples, amplitudes: Array, h: float,
-    first: int, steps: int,
+    p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
+    law: LawNumbers, rule: int, e: float,
 ) -> int:  # fmt: skip
     """Steps first .. first + steps - 1; -1, or the step that failed."""
     n, contacts = s.u.size, s.force.size

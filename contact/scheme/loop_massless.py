@@ -58,8 +58,8 @@ def settle(p: Parts, c: Massless, s: State, law: LawNumbers, amplitudes: Array) 
 
 @jit
 def advance_massless(
-    p: Parts, c: Massless, s: State, law: LawNumbers, sums: Tally, out: Samples, amplitudes: Array, h: float,
-    first: int, steps: int,
+    p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
+    law: LawNumbers, c: Massless,
 ) -> int:  # fmt: skip
     """Steps first .. first + steps - 1; the force stored at t_n is the one that holds the gap at t_n."""
     n, contacts = s.u.size, s.force.size

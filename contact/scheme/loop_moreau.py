@@ -59,8 +59,8 @@ def note_works(
 
 @jit
 def advance_moreau(
-    p: Parts, s: State, law: LawNumbers, theta: float, e: float, sums: Tally, out: Samples, amplitudes: Array,
-    h: float, first: int, steps: int,
+    p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
+    law: LawNumbers, theta: float, e: float,
 ) -> int:  # fmt: skip
     """Moreau-Jean steps; A = M + h theta C + h^2 theta^2 K, W = Q A^-1 Q^T."""
     n, contacts = s.u.size, s.force.size
@@ -107,8 +107,8 @@ def advance_moreau(
 
 @jit
 def advance_nonsmooth(
-    p: Parts, s: State, law: LawNumbers, w: Weights, jump: Array, e: float, sums: Tally, out: Samples,
-    amplitudes: Array, h: float, first: int, steps: int,
+    p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
+    law: LawNumbers, w: Weights, jump: Array, e: float,
 ) -> int:  # fmt: skip
     """Nonsmooth generalised-alpha steps; `jump` = M^-1 Q^T as rows, p.response = the smooth da/dP."""
     n, contacts = s.u.size, s.force.size

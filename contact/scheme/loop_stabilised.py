@@ -40,8 +40,8 @@ def project(p: Parts, s: State, h: float, law: LawNumbers, jump: Array, opening:
 
 @jit
 def advance_stabilised(
-    p: Parts, s: State, law: LawNumbers, jump: Array, opening: Array, sums: Tally, out: Samples, amplitudes: Array,
-    h: float, first: int, steps: int,
+    p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
+    law: LawNumbers, jump: Array, opening: Array,
 ) -> int:  # fmt: skip
     """Steps with p.response = h A^-1 Q^T, p.W = h/2 Q response, A = M + h C/2 + h^2 K/4."""
     n, contacts = s.u.size, s.force.size

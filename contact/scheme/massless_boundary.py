@@ -19,22 +19,10 @@ from contact.model.arrays import Array, Indices
 from contact.model.band import Band, band, combine, diagonal
 from contact.model.law import Law, Unilateral
 from contact.model.linear_system import LinearSystem, omega_max
-from contact.record import Samples, Tally
-from contact.scheme.linear_stepper import (
-    LinearStepper,
-    linear_step,
-    linear_stepper,
-    parts_of,
-    product,
-    require_law,
-    require_linear,
-    require_stable,
-    start,
-)
+from contact.scheme.linear_stepper import LinearStepper, linear_stepper, parts_of, product, setup, start
 from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_linear import Parts, State
     from contact.scheme.loop_massless import Massless
     from contact.solver.complementarity import LawNumbers
 
@@ -52,30 +40,24 @@ class MasslessBoundary:
         from contact.scheme.loop_massless import advance_massless
 
         name = "MasslessBoundary"
-        full, numbers = require_linear(problem, name), require_law(law, name, Unilateral)
+        run = setup(name, problem, law, (Unilateral,), dt, courant)
+        full, h = run.system, run.h
         if full.M.off.shape[0] or full.C.off.shape[0]:
             raise InputError(f"M, C: found coupled coordinates, expected lumped mass and damping for {name}")
-        h, bare = linear_step(problem, dt, courant), _massless_places(full)
+        bare = _massless_places(full)
         system = replace(full, M=_moved(full.M, full.K, bare), C=_moved(full.C, full.K, bare))
         heavy = np.ones(system.size, dtype=bool)
         heavy[bare] = False
-        one = np.where(heavy, 0.0, 1.0)
-        solid = replace(system, M=Band(system.M.ground + one, system.M.off))
+        solid = replace(system, M=Band(system.M.ground + np.where(heavy, 0.0, 1.0), system.M.off))
         static = _massless(system, bare)
         omega = omega_max(replace(solid, K=_closed_stiffness(system, static)), free=heavy)
-        label = f"massless boundary, {require_stable(h, omega, 2.0, 'central differences, contact closed')}"
-        A = combine((1.0 / h**2, solid.M), (0.5 / h, system.C))
-        parts = parts_of(solid, A, 1.0)._replace(M=system.M)
+        parts = parts_of(solid, combine((1.0 / h**2, solid.M), (0.5 / h, system.C)), 1.0)._replace(M=system.M)
         u, v, _ = start(solid)
-        begin = (u, v, np.zeros(u.size))
-
-        def loop(
-            p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int
-        ) -> int:
-            return advance_massless(p, static, s, numbers, sums, out, amplitudes, h, first, steps)
-
-        stepper = linear_stepper(system, parts, loop, h, label, omega=omega, leapfrog=True, begin=begin)
-        _settle_start(stepper, static, numbers)
+        stepper = linear_stepper(
+            replace(run, system=system, omega=omega), parts, advance_massless, (run.law, static),
+            "massless boundary, contact closed", limit=2.0, leapfrog=True, begin=(u, v, np.zeros(u.size)),
+        )  # fmt: skip
+        _settle_start(stepper, static, run.law)
         return stepper
 
 

@@ -9,30 +9,13 @@ between impacts, and through them with e = 1 (Acary, Z. Angew. Math. Mech. 96, 2
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from contact.errors import InputError
 from contact.model.band import combine
 from contact.model.law import Law, Unilateral
-from contact.model.linear_system import omega_max
-from contact.record import Samples, Tally
-from contact.scheme.linear_stepper import (
-    LinearStepper,
-    linear_step,
-    linear_stepper,
-    parts_of,
-    require_law,
-    require_linear,
-    require_restitution,
-    require_stable,
-)
+from contact.scheme.linear_stepper import LinearStepper, linear_stepper, parts_of, require_restitution, setup
 from contact.scheme.protocol import Problem
-
-if TYPE_CHECKING:
-    from contact.model.arrays import Array
-    from contact.scheme.loop_linear import Parts, State
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,16 +38,8 @@ class MoreauJean:
         """Check law and step; raises InputError."""
         from contact.scheme.loop_moreau import advance_moreau
 
-        system, numbers = require_linear(problem, "MoreauJean"), require_law(law, "MoreauJean", Unilateral)
-        h, theta, e = linear_step(problem, dt, courant), self.theta, self.restitution
-        omega = omega_max(system)
-        A = combine((1.0, system.M), (h * theta, system.C), ((h * theta) ** 2, system.K))
-        reached = require_stable(h, omega, math.inf, "MoreauJean")
-
-        def loop(
-            p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int
-        ) -> int:
-            return advance_moreau(p, s, numbers, theta, e, sums, out, amplitudes, h, first, steps)
-
-        label = f"Moreau-Jean, theta = {theta:g}, e = {e:g}, {reached}"
-        return linear_stepper(system, parts_of(system, A, 1.0), loop, h, label, omega=omega)
+        run = setup("MoreauJean", problem, law, (Unilateral,), dt, courant)
+        system, step = run.system, run.h * self.theta
+        parts = parts_of(system, combine((1.0, system.M), (step, system.C), (step**2, system.K)), 1.0)
+        words = f"Moreau-Jean, theta = {self.theta:g}, e = {self.restitution:g}"
+        return linear_stepper(run, parts, advance_moreau, (run.law, self.theta, self.restitution), words)

@@ -10,7 +10,6 @@ Unconditionally stable; takes energy from high frequencies, more for a smaller r
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,25 +18,14 @@ import numpy as np
 from contact.errors import InputError
 from contact.model.band import combine, factor, solve
 from contact.model.law import Law, Unilateral
-from contact.model.linear_system import LinearSystem, omega_max
-from contact.record import Samples, Tally
-from contact.scheme.linear_stepper import (
-    LinearStepper,
-    linear_step,
-    linear_stepper,
-    parts_of,
-    product,
-    require_law,
-    require_linear,
-    require_restitution,
-    require_stable,
-)
+from contact.model.linear_system import LinearSystem
+from contact.scheme.linear_stepper import LinearStepper, linear_stepper, parts_of, product, require_restitution, setup
 from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
     from contact.model.arrays import Array
     from contact.scheme.loop_alpha import Weights
-    from contact.scheme.loop_linear import Parts, State
+    from contact.scheme.loop_linear import Parts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,19 +48,10 @@ class NonsmoothAlpha:
         """Check law and step; raises InputError."""
         from contact.scheme.loop_moreau import advance_nonsmooth
 
-        system, numbers = require_linear(problem, "NonsmoothAlpha"), require_law(law, "NonsmoothAlpha", Unilateral)
-        h, e, w = linear_step(problem, dt, courant), self.restitution, chung_hulbert(self.rho_inf)
-        omega = omega_max(system)
-        parts, jump = _parts(system, w, h)
-        reached = require_stable(h, omega, math.inf, "NonsmoothAlpha")
-
-        def loop(
-            p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int
-        ) -> int:
-            return advance_nonsmooth(p, s, numbers, w, jump, e, sums, out, amplitudes, h, first, steps)
-
-        label = f"nonsmooth generalised-alpha, rho_inf = {self.rho_inf:g}, e = {e:g}, {reached}"
-        return linear_stepper(system, parts, loop, h, label, omega=omega)
+        run, w = setup("NonsmoothAlpha", problem, law, (Unilateral,), dt, courant), chung_hulbert(self.rho_inf)
+        parts, jump = _parts(run.system, w, run.h)
+        words = f"nonsmooth generalised-alpha, rho_inf = {self.rho_inf:g}, e = {self.restitution:g}"
+        return linear_stepper(run, parts, advance_nonsmooth, (run.law, w, jump, self.restitution), words)
 
 
 def chung_hulbert(rho_inf: float) -> Weights:
