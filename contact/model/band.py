@@ -104,17 +104,16 @@ def factor(A: Band, name: str) -> Factor:
     >>> factor(Band(np.array([2.0, 4.0]), np.zeros((0, 2))), "M").inverse.tolist()
     [0.5, 0.25]
     """
+    if not np.all(diagonal(A) > 0.0):
+        raise InputError(f"{name}: found a diagonal entry <= 0 in row {int(np.argmin(diagonal(A))) + 1}, expected > 0")
     if A.off.shape[0] == 0:
-        root = np.sqrt(np.maximum(A.ground, 0.0))[None]
-    else:
-        from scipy.linalg import LinAlgError, cholesky_banded
+        return Factor(1.0 / A.ground, np.zeros((A.ground.size, 0)))
+    from scipy.linalg import LinAlgError, cholesky_banded
 
-        try:
-            root = cholesky_banded(lower_form(A), lower=True)
-        except LinAlgError as error:
-            raise InputError(f"{name}: found a matrix that is not positive definite ({error})") from error
-    if not np.all(root[0] > 0.0):
-        raise InputError(f"{name}: found a diagonal entry <= 0 in row {int(np.argmin(root[0])) + 1}, expected > 0")
+    try:
+        root = cholesky_banded(lower_form(A), lower=True)
+    except LinAlgError as error:
+        raise InputError(f"{name}: found a matrix that is not positive definite ({error})") from error
     return Factor(1.0 / root[0] ** 2, np.ascontiguousarray((root[1:] / root[0]).T))
 
 

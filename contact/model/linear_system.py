@@ -15,7 +15,6 @@ from contact.model.chain_linear import linear
 from contact.model.linear import LinearBody
 
 DENSE = 1500  # coordinates up to which a consistent mass matrix is treated by a dense eigen solver
-INERTIA = 1e8  # of the largest: a band frequency above means the mass matrix has no inertia there
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -63,7 +62,7 @@ class LinearSystem:
 
 
 def linear_system(problem: Chain | LinearBody) -> LinearSystem:
-    """Pack a chain or a linear body."""
+    """Pack a chain or a linear body; raises InputError unless its mass matrix is positive definite."""
     body = linear(problem) if isinstance(problem, Chain) else problem
     n = body.size
     order = np.arange(n) if isinstance(problem, Chain) else _narrow(body)
@@ -71,11 +70,13 @@ def linear_system(problem: Chain | LinearBody) -> LinearSystem:
     place[order] = np.arange(n)
     columns, value = _lists(body, place)
     assert body.load is not None
-    return LinearSystem(
+    system = LinearSystem(
         body=body, order=order, place=place, M=band(body.M, order), C=band(body.C, order), K=band(body.K, order),
         load=body.load[order], shapes=np.array([f.shape[order] for f in body.forcing]).reshape(-1, n),
         columns=columns, value=value, gap0=body.gap0,
     )  # fmt: skip
+    factor(system.M, "M")
+    return system
 
 
 def _narrow(body: LinearBody) -> Indices:
@@ -146,8 +147,3 @@ def _dense(A: Band) -> Array:
     for d in range(1, A.off.shape[0] + 1):
         dense += np.diag(A.off[d - 1, : n - d], d) + np.diag(A.off[d - 1, : n - d], -d)
     return dense
-
-
-def require_mass(system: LinearSystem) -> None:
-    """Raise InputError unless M is positive definite."""
-    factor(system.M, "M")

@@ -206,6 +206,12 @@ def test_the_order_of_coordinates_does_not_matter(scheme):
     assert b.impulse[0] == pytest.approx(a.impulse[0], rel=1e-9)
 
 
+def test_a_mass_matrix_that_is_not_positive_is_refused():
+    M = np.array([[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    with pytest.raises(ct.InputError, match="not positive definite"):
+        ct.run(frame(M=M), scheme=ct.MoreauJean(), t_end=1.0, dt=0.01)
+
+
 def test_a_consistent_mass_matrix_runs_in_implicit_schemes():
     M = np.array([[2.0, 0.5, 0.0], [0.5, 2.0, 0.5], [0.0, 0.5, 1.0]])
     result = ct.run(frame(M=M), scheme=ct.StabilisedNewmark(), t_end=10.0, dt=0.01)
@@ -230,6 +236,7 @@ def test_limits_are_refused_with_numbers(scheme, dt, limit):
     [
         ({"M": np.array([1.0, -2.0, 1.0])}, "M: found -2 kg at coordinate 2, expected a mass > 0"),
         ({"M": np.array([1.0, 0.0, 1.0])}, "M: found 0 kg at coordinate 2"),
+        ({"M": np.array([1.0, np.nan, 1.0])}, "M: found 1 entries that are NaN"),
         ({"K": np.eye(2)}, r"K: found shape \(2, 2\), expected \(3, 3\)"),
         ({"K": np.triu(np.ones((3, 3)))}, "K: found an asymmetry of 1"),
         ({"K": np.diag([1.0, np.nan, 1.0])}, "K: found entries that are NaN"),
