@@ -143,6 +143,7 @@ def test_a_mass_at_rest_raises_no_alarm(scheme):
         ("central difference + forward Lagrange, dt omega_max = 1", "reduce dt"),
         ("exact modal, energy law, dt omega_max = 1", "reduce dt"),
         ("central difference + penalty 1e+04 N/m", "reduce dt, or take forward Lagrange"),
+        ("Newmark (0.25, 0.5) + Lagrange, dt omega_max = 1", "take Newmark (.5, .55) or Moreau-Jean"),
     ],
 )
 def test_the_alarm_recommends_another_law_than_the_one_in_use(scheme, advice):
