@@ -98,7 +98,7 @@ def _friction(count: int) -> list[Row]:
 
 
 def _oscillator() -> list[Row]:
-    """Unit mass and spring, Coulomb force .1, from x = 1: turning points fall by .2, it stops at 0 after five swings."""
+    """Unit mass and spring, Coulomb force .1, from x = 1: turning points fall by .2, it stops at 0 after 5 swings."""
     block = ct.ModalBody(omega=[1.0, 0.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)))
     patch = ct.Patch(body=block, normal=("y",), tangent=(("x",),), load=[0.0, -1.0], displacement=[1.0, 0.0])
     result = ct.run(patch, law=ct.Coulomb(mu=0.1), t_end=30.0, dt=1e-3, record=ct.Record(state_every=1))
