@@ -10,6 +10,7 @@ from casingfem.modal.eigen import Band, solve, sturm_count
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
 from casingfem.modal.mesh_modes import IMPORTED, MeshModes, mesh_modes
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
+from casingfem.modal.ritz import RitzModes, ritz_modes
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.factor import Direct
 from casingfem.structure.mesh_assembly import MeshSystem
@@ -110,16 +111,20 @@ def modes(
     found = solve(system.K, system.mass, wanted, shift=-((SHIFT * frequency_scale(shell)) ** 2), direct=direct)
     if shell.rotation is not None and found.eigenvalues[0] < 0.0:
         raise ModelError("rotation-unstable", f"modes: found omega^2 = {found.eigenvalues[0]:.4g} rad^2/s^2")
+    if shell.rotation is None:
+        ritz = ritz_modes(system, found.vectors)
+    else:  # prestress is assembled, and no sum of squares
+        ritz = RitzModes(found.freq, system.expand(found.vectors), system.expand_own(found.vectors))
     solved = time.perf_counter()
     named = labelled(
         shell,
         system.grid,
-        found.freq,
-        system.expand(found.vectors),
+        ritz.freq,
+        ritz.fields,
         count=wanted if isinstance(wanted, int) else len(found.eigenvalues),
         sturm=found.sturm_count,
         dofs=system.size,
-        own=system.expand_own(found.vectors),
+        own=ritz.own,
         seconds={"assemble": assembled - started, "solve": solved - assembled},
     )
     doubt_surveys(named)

@@ -16,6 +16,7 @@ from casingfem.modal.eigen import EigenError, gap_after
 from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
 from casingfem.modal.pencil import Pencil, make_pencil
+from casingfem.modal.ritz import ritz_modes
 from casingfem.structure.assembly import assemble
 from casingfem.structure.factor import factorise
 from casingfem.structure.shell import Shell
@@ -61,17 +62,17 @@ def restarted_modes(shell: Shell, known: Modes, count: int, *, steps: int = STEP
     certified = pencil.count_below(sigma)
     if certified != below:
         raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
+    ritz = ritz_modes(system, pencil.scale[:, None] * vectors[:, :below])
     solved = time.perf_counter()
-    vectors = pencil.scale[:, None] * vectors[:, :below]
     return labelled(
         shell,
         system.grid,
-        np.sqrt(np.maximum(values[:below], 0.0)) / (2.0 * np.pi),
-        system.expand(vectors),
+        ritz.freq,
+        ritz.fields,
         count=count,
         sturm=certified,
         dofs=system.size,
-        own=system.expand_own(vectors),
+        own=ritz.own,
         seconds={"assemble": assembled - started, "solve": solved - assembled},
     )
 

@@ -13,6 +13,7 @@ from casingfem.modal.modes import count_below, modes
 from casingfem.structure.assembly import assemble
 from casingfem.structure.axisymmetric import harmonic_matrices
 from casingfem.structure.chart import Cylinder, Frustum, Plate
+from casingfem.structure.energies import modal_products, point_fields
 from casingfem.structure.field import FourierField
 from casingfem.structure.mesh import ShellMesh, rim_values
 from casingfem.structure.shell import Shell
@@ -381,3 +382,14 @@ def test_a_casing_on_soft_springs_is_supported(frustum, coarse):
 def test_a_casing_that_may_slide_and_turn_has_two_rigid_motions(frustum, coarse):
     found = modes(frustum(supports={"base": ElasticEdge(k_r=1e9), "top": ElasticEdge(k_r=1e9)}, mesh=coarse), 6)
     assert found.rigid == 2
+
+
+@pytest.mark.parametrize(("t", "rows"), [(3e-3, 1), pytest.param(5e-5, 4, marks=pytest.mark.slow)])
+def test_doublets_of_a_perfect_casing_agree_to_round_off_whatever_its_thickness(frustum, t, rows):
+    shell = frustum(thickness=t, mesh=ShellMesh(order=8, rows=rows, around=21))
+    found = modes(shell, 12, method="shell")
+    assert len(found.doublets) == 6
+    assert found.splits.max() < 1e-12
+    products = modal_products(shell, point_fields(shell, found.grid, found.fields, found.own))
+    np.testing.assert_allclose(products.M, np.eye(12), atol=1e-12)
+    np.testing.assert_allclose(np.diag(products.K), found.omega**2, rtol=1e-12)

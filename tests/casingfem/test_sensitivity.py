@@ -7,12 +7,13 @@ import pytest
 
 from casingfem.modal.modes import modes
 from casingfem.structure.chart import Panel
+from casingfem.structure.energies import modal_products, point_fields
 from casingfem.structure.field import FourierField
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.updating.parameters import Parameter, get_value, with_value
-from casingfem.updating.sensitivity import eigen_derivatives, modal_products, point_fields
+from casingfem.updating.sensitivity import eigen_derivatives
 
 COUNT = 10
 NAMES = [
