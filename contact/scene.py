@@ -10,17 +10,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from contact.errors import InputError
+from contact.model.beam import BeamInCircle, HingedBeam
 from contact.model.body import Body, PointMass, Rod, Wall
 from contact.model.chain import assemble
 from contact.model.gap import RotatingRim
 from contact.model.law import Coulomb, Unilateral
 from contact.model.modal_body import ModalBody
+from contact.model.ring_modes import ThinRing, ring_modes
 from contact.record import Record
 from contact.run import Scene
 from contact.scheme.exact_modal import ExactModal
 
 if TYPE_CHECKING:
-    from contact.scene_tables import RecordTable, RimFile, RodsFile
+    from contact.scene_tables import BeamFile, RecordTable, RimFile, RingTable, RodsFile
 
 Built = TypeVar("Built")
 
@@ -34,7 +36,7 @@ class SceneError(InputError):
 
 
 def load_scene(path: str | Path) -> Scene:
-    """Read a scene file of kind "rods" or "rim"; basis files are found relative to it.
+    """Read a scene file of kind "rods", "rim" or "beam"; basis files are found relative to it.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
     """
@@ -46,22 +48,24 @@ def load_scene(path: str | Path) -> Scene:
         raise SceneError([f"{file}: cannot be read ({error.strerror}), expected a scene.toml"]) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SceneError([f"{file}: not TOML: {error}"]) from error
-    from contact.scene_tables import RimFile
+    from contact.scene_tables import BeamFile, RimFile
 
     table = _validated(data, file)
     if isinstance(table, RimFile):
         return _rim(table, file, text)
+    if isinstance(table, BeamFile):
+        return _beam(table, file, text)
     return _rods(table, file, text)
 
 
 def scene_schema() -> dict[str, Any]:
-    """JSON schema of both kinds of scene files, by kind."""
+    """JSON schema of all kinds of scene files, by kind."""
     from contact.scene_tables import FILES
 
     return {kind: model.model_json_schema() for kind, model in FILES.items()}
 
 
-def _validated(data: dict[str, Any], file: Path) -> RodsFile | RimFile:
+def _validated(data: dict[str, Any], file: Path) -> RodsFile | RimFile | BeamFile:
     from pydantic import ValidationError
 
     from contact.scene_tables import FILES
@@ -140,6 +144,33 @@ def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
         record=_record(table.record),
         source=_source(file, text, *(path.read_bytes() for path in paths.values())),
     )  # fmt: skip
+
+
+def _beam(table: BeamFile, file: Path, text: bytes) -> Scene:
+    problems: list[str] = []
+    beam = _tried(lambda: HingedBeam(**table.beam.model_dump()), file, problems, "beam")
+    ring = None if table.ring is None else _tried(partial(_ring, table.ring, table, file), file, problems, "ring")
+    method = _tried(table.scheme.method, file, problems, "scheme")
+    if beam is None or method is None or problems:
+        raise SceneError(problems)
+    circle = table.circle
+    what = _tried(lambda: BeamInCircle(beam, radius=circle.radius, offset=circle.offset, ring=ring), file, problems)
+    if what is None:
+        raise SceneError(problems)
+    law, scheme = method
+    basis = [] if table.ring is None or table.ring.basis is None else [(file.parent / table.ring.basis).read_bytes()]
+    return Scene(
+        what=what, law=law, scheme=scheme, t_end=table.scene.t_end, dt=table.scheme.dt, courant=table.scheme.courant,
+        record=_record(table.record), source=_source(file, text, *basis),
+    )  # fmt: skip
+
+
+def _ring(ring: RingTable, table: BeamFile, file: Path) -> ModalBody:
+    """The ring of a [ring] table: from its file, or by its section on the circle's radius."""
+    if ring.basis is not None:
+        return ModalBody.load(file.parent / ring.basis)
+    section = ring.model_dump(exclude={"basis", "n_max"})
+    return ring_modes(ThinRing(radius=table.circle.radius, **section), ring.n_max)
 
 
 def _tried(build: Callable[[], Built], file: Path, problems: list[str], key: str = "") -> Built | None:

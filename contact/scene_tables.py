@@ -143,4 +143,68 @@ class RimFile(Table):
     record: RecordTable | None = None
 
 
-FILES: dict[str, type[RodsFile] | type[RimFile]] = {"rods": RodsFile, "rim": RimFile}
+class BeamHead(Table):
+    """[scene] of kind "beam"."""
+
+    kind: Literal["beam"]
+    t_end: Positive
+
+
+class BeamTable(Table):
+    """[beam]: the fields of `HingedBeam`."""
+
+    length: Positive
+    width: Positive
+    height: Positive
+    E: Positive
+    rho: Positive
+    elements: Annotated[int, Field(ge=1)] = 40
+    torque: FiniteFloat = 0.0
+    angle_deg: FiniteFloat = 0.0
+    spin: FiniteFloat = 0.0
+
+
+class CircleTable(Table):
+    """[circle]: radius and offset of its centre from the hinge [m]."""
+
+    radius: Positive
+    offset: NotNegative = 0.0
+
+
+class RingTable(Table):
+    """[ring]: an elastic ring in place of the rigid circle: the section of `ThinRing`, or a modal basis file."""
+
+    basis: str | None = None
+    width: Positive | None = None
+    height: Positive | None = None
+    E: Positive | None = None
+    rho: Positive | None = None
+    k_r: NotNegative = 0.0
+    k_t: NotNegative = 0.0
+    zeta: NotNegative = 0.0
+    n_max: Annotated[int, Field(ge=1, le=200)] = 20
+
+    @model_validator(mode="after")
+    def _whole(self) -> RingTable:
+        given = [name for name in ("width", "height", "E", "rho") if getattr(self, name) is not None]
+        if (self.basis is None) != (len(given) == 4) or (self.basis is not None and given):
+            raise ValueError(
+                f"{', '.join(given) or 'nothing'} found, expected a basis, or all of width, height, E, rho"
+            )
+        return self
+
+
+class BeamFile(Table):
+    """A hinged beam in an eccentric circle, rigid or an elastic ring."""
+
+    scene: BeamHead
+    beam: BeamTable
+    circle: CircleTable
+    ring: RingTable | None = None
+    scheme: SchemeTable
+    record: RecordTable | None = None
+
+
+FILES: dict[str, type[RodsFile] | type[RimFile] | type[BeamFile]] = {
+    "rods": RodsFile, "rim": RimFile, "beam": BeamFile,
+}  # fmt: skip

@@ -14,7 +14,7 @@ SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
 @SCENE
 @options
 def contact(file: Path, as_json: bool, out: Path | None) -> None:
-    """Run SCENE: rods, masses and walls, or a rim against a blade."""
+    """Run SCENE: rods, masses and walls, a rim against a blade, or a beam in a circle."""
     run_scene(file, "contact", as_json, out)
 
 
@@ -28,12 +28,13 @@ def rub(file: Path, as_json: bool, out: Path | None) -> None:
 
 def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None:
     """Load, run, deliver."""
-    from contact import RotatingRim, SceneError, load_scene
+    from contact import BeamInCircle, RotatingRim, SceneError, load_scene
     from contact import run as run_contact
 
     scene = load_scene(file)
     if command == "rub" and not isinstance(scene.what, RotatingRim):
-        raise SceneError([f"{file}: scene.kind: found 'rods', expected 'rim' (casingfem contact runs rods)"])
+        kind = "beam" if isinstance(scene.what, BeamInCircle) else "rods"
+        raise SceneError([f"{file}: scene.kind: found {kind!r}, expected 'rim' (casingfem contact runs them all)"])
     with Working(f"{command} {file.name}") as working:
         result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
     document = result.to_dict()
