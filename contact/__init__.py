@@ -16,6 +16,7 @@ from contact.energy import EnergyBudget
 from contact.errors import InputError, LimitError, NumericsError
 from contact.model.beam import BeamInCircle, HingedBeam
 from contact.model.body import PointMass, Rod, Wall
+from contact.model.cantilever import Cantilever
 from contact.model.gap import PointGap, RotatingRim, Side
 from contact.model.law import AugmentedLagrangian, Coulomb, Penalty, Unilateral
 from contact.model.linear import Forcing, LinearBody, Part
@@ -40,10 +41,10 @@ from contact.scheme.penalty import PenaltyDifference
 from contact.scheme.stabilised_newmark import StabilisedNewmark
 
 __all__ = [
-    "HHT", "AugmentedLagrangian", "BeamInCircle", "CDLagrange", "CentralDifference", "Coulomb", "EnergyBudget",
-    "ExactModal", "Forcing", "HingedBeam", "InputError", "LimitError", "LinearBody", "MasslessBoundary", "ModalBody",
-    "MoreauJean", "Newmark", "NonsmoothAlpha", "NumericsError", "PaoliSchatzman", "Part", "Patch", "Penalty",
-    "PenaltyDifference", "PointGap", "PointMass", "Record", "Result", "Rod", "RotatingRim", "Scene", "SceneError",
-    "Side", "StabilisedNewmark", "ThinRing", "Unilateral", "Wall", "load_scene", "ring_elements", "ring_modes",
-    "rod_modes", "run", "scene_schema",
+    "HHT", "AugmentedLagrangian", "BeamInCircle", "CDLagrange", "Cantilever", "CentralDifference", "Coulomb",
+    "EnergyBudget", "ExactModal", "Forcing", "HingedBeam", "InputError", "LimitError", "LinearBody",
+    "MasslessBoundary", "ModalBody", "MoreauJean", "Newmark", "NonsmoothAlpha", "NumericsError", "PaoliSchatzman",
+    "Part", "Patch", "Penalty", "PenaltyDifference", "PointGap", "PointMass", "Record", "Result", "Rod",
+    "RotatingRim", "Scene", "SceneError", "Side", "StabilisedNewmark", "ThinRing", "Unilateral", "Wall",
+    "load_scene", "ring_elements", "ring_modes", "rod_modes", "run", "scene_schema",
 ]  # fmt: skip

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from contact.errors import InputError
 from contact.model.beam import BeamInCircle, HingedBeam
 from contact.model.body import Body, PointMass, Rod, Wall
+from contact.model.cantilever import Cantilever
 from contact.model.chain import assemble
 from contact.model.gap import RotatingRim
 from contact.model.law import Coulomb, Unilateral
@@ -22,7 +23,7 @@ from contact.run import Scene
 from contact.scheme.exact_modal import ExactModal
 
 if TYPE_CHECKING:
-    from contact.scene_tables import BeamFile, RecordTable, RimFile, RingTable, RodsFile
+    from contact.scene_tables import BeamFile, CantileverFile, File, RecordTable, RimFile, RingTable, RodsFile
 
 Built = TypeVar("Built")
 
@@ -36,7 +37,7 @@ class SceneError(InputError):
 
 
 def load_scene(path: str | Path) -> Scene:
-    """Read a scene file of kind "rods", "rim" or "beam"; basis files are found relative to it.
+    """Read a scene file of kind "rods", "rim", "beam" or "cantilever"; basis files are found relative to it.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
     """
@@ -48,13 +49,15 @@ def load_scene(path: str | Path) -> Scene:
         raise SceneError([f"{file}: cannot be read ({error.strerror}), expected a scene.toml"]) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SceneError([f"{file}: not TOML: {error}"]) from error
-    from contact.scene_tables import BeamFile, RimFile
+    from contact.scene_tables import BeamFile, CantileverFile, RimFile
 
     table = _validated(data, file)
     if isinstance(table, RimFile):
         return _rim(table, file, text)
     if isinstance(table, BeamFile):
         return _beam(table, file, text)
+    if isinstance(table, CantileverFile):
+        return _cantilever(table, file, text)
     return _rods(table, file, text)
 
 
@@ -65,7 +68,7 @@ def scene_schema() -> dict[str, Any]:
     return {kind: model.model_json_schema() for kind, model in FILES.items()}
 
 
-def _validated(data: dict[str, Any], file: Path) -> RodsFile | RimFile | BeamFile:
+def _validated(data: dict[str, Any], file: Path) -> File:
     from pydantic import ValidationError
 
     from contact.scene_tables import FILES
@@ -162,6 +165,24 @@ def _beam(table: BeamFile, file: Path, text: bytes) -> Scene:
     return Scene(
         what=what, law=law, scheme=scheme, t_end=table.scene.t_end, dt=table.scheme.dt, courant=table.scheme.courant,
         record=_record(table.record), source=_source(file, text, *basis),
+    )  # fmt: skip
+
+
+def _cantilever(table: CantileverFile, file: Path, text: bytes) -> Scene:
+    problems: list[str] = []
+    beam, scheme = table.beam, table.scheme
+    gap = _tried(
+        lambda: Cantilever(**beam.model_dump(exclude={"load", "velocity"})).before_stop(
+            clearance=table.stop.clearance, load=beam.load, velocity=beam.velocity, modes=scheme.modes or 20
+        ),
+        file, problems,
+    )  # fmt: skip
+    method = _tried(scheme.method, file, problems, "scheme")
+    if gap is None or method is None:
+        raise SceneError(problems)
+    return Scene(
+        what=gap, law=method[0], scheme=method[1], t_end=table.scene.t_end, dt=scheme.dt, courant=scheme.courant,
+        record=_record(table.record), source=_source(file, text),
     )  # fmt: skip
 
 

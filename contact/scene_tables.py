@@ -205,6 +205,49 @@ class BeamFile(Table):
     record: RecordTable | None = None
 
 
-FILES: dict[str, type[RodsFile] | type[RimFile] | type[BeamFile]] = {
-    "rods": RodsFile, "rim": RimFile, "beam": BeamFile,
+class CantileverHead(Table):
+    """[scene] of kind "cantilever"."""
+
+    kind: Literal["cantilever"]
+    t_end: Positive
+
+
+class CantileverTable(Table):
+    """[beam] of a cantilever: the fields of `Cantilever`, a line load [N/m] and a velocity [m/s] towards the stop."""
+
+    length: Positive
+    width: Positive
+    height: Positive
+    E: Positive
+    rho: Positive
+    zeta: Annotated[FiniteFloat, Field(ge=0, lt=1)] = 0.0
+    load: FiniteFloat = 0.0
+    velocity: FiniteFloat = 0.0
+
+
+class StopTable(Table):
+    """[stop]: its distance from the tip of the straight beam [m]."""
+
+    clearance: NotNegative
+
+
+class CantileverFile(Table):
+    """A clamped beam whose tip meets a stop."""
+
+    scene: CantileverHead
+    beam: CantileverTable
+    stop: StopTable
+    scheme: SchemeTable
+    record: RecordTable | None = None
+
+    @model_validator(mode="after")
+    def _modal(self) -> CantileverFile:
+        if self.scheme.kind != "exact-modal":
+            raise ValueError(f"scheme.kind {self.scheme.kind!r} found, expected 'exact-modal'")
+        return self
+
+
+File = RodsFile | RimFile | BeamFile | CantileverFile
+FILES: dict[str, type[File]] = {
+    "rods": RodsFile, "rim": RimFile, "beam": BeamFile, "cantilever": CantileverFile,
 }  # fmt: skip
