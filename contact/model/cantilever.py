@@ -26,7 +26,7 @@ class Cantilever:
 
     >>> beam = Cantilever(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0)
     >>> (beam.modes(3).omega / (2 * np.pi)).round(2).tolist()
-    [16.76, 105.04, 294.11]
+    [16.76, 105.06, 294.16]
     """
 
     length: float
