@@ -17,8 +17,9 @@ from casingfem.modal.multigrid import iterate
 from casingfem.modal.pencil import make_pencil
 from casingfem.structure.factor import SuperLUFactor, factorise
 from casingfem.structure.material import Material
-from casingfem.structure.mesh_assembly import MeshSystem, rigid_motions
+from casingfem.structure.mesh_assembly import MeshSystem
 from casingfem.structure.mesh_grid import grid_mesh
+from casingfem.structure.rigid_body import rigid_motions
 from casingfem.structure.solid import Solid, assemble_solid
 from casingfem.structure.support import Clamped
 from reports.tables import Row, command_line, show, write

@@ -29,6 +29,7 @@ from reports import (
     verify_contact,
     verify_fields,
     verify_imported,
+    verify_locking,
     verify_rings,
     verify_rotation,
     verify_static,
@@ -212,7 +213,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         verify_static.rows(quick) + verify_rotation.rows(quick) + verify_strips.rows(quick) + verify_blades.rows(quick)
     )
     rows += verify_fields.rows(quick) + verify_rings.rows(quick) + verify_contact.rows(quick)
-    rows += verify_imported.rows(quick)
+    rows += verify_imported.rows(quick) + verify_locking.rows(quick)
     show("Verification", rows)
     passed, failed = (sum(row["verdict"] == word for row in rows) for word in ("pass", "FAIL"))
     print(f"{len(rows)} rows: {passed} pass, {len(rows) - passed - failed} have a reason, {failed} fail")

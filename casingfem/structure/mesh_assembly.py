@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.linalg import null_space
 from scipy.sparse import coo_array, csc_array
 
 from casingfem.arrays import Array, FloatArray, IntArray
@@ -121,30 +120,3 @@ def facet_shape_products(mesh: MeshData, facets: IntArray) -> tuple[FloatArray, 
     on = mapped(mesh.cell_kind.facet, mesh.points, nodes)
     products = np.einsum("iq,jq,mq->mij", on.values, on.values, on.measure, optimize=True)
     return products, nodes, on.measure.sum(axis=1)
-
-
-def rigid_left(motions: FloatArray, held: IntArray, springs: csc_array) -> int:
-    """How many combinations of rigid motions (dofs, 6) neither move a held dof nor strain a spring."""
-    free = null_space(motions[held], rcond=1e-8) if len(held) else np.eye(motions.shape[1])
-    if not free.shape[1] or not springs.nnz:
-        return int(free.shape[1])
-    strained = np.linalg.eigvalsh(free.T @ (motions.T @ (springs @ motions)) @ free)
-    return int(np.count_nonzero(strained <= 1e-12 * strained.max()))
-
-
-def rigid_motions(x: FloatArray, normals: FloatArray | None = None, frames: FloatArray | None = None) -> FloatArray:
-    """Three translations and three rotations about the centre as columns (dofs, 6), of the size of one.
-
-    With nodal normals (nodes, 3) and tangents (nodes, 2, 3), the rotations of the normals are appended to each node.
-    """
-    arms = x - x.mean(axis=0)
-    arms = arms / np.abs(arms).max()
-    turns = np.stack([np.cross(axis, arms) for axis in np.eye(3)], axis=-1)  # (nodes, 3, 3)
-    shifts = np.broadcast_to(np.eye(3), turns.shape)
-    motions = np.concatenate([shifts, turns], axis=2)
-    if normals is not None and frames is not None:
-        size = np.abs(x - x.mean(axis=0)).max()
-        tilts = np.stack([np.cross(axis, normals) for axis in np.eye(3)], axis=-1) / size
-        rotations = np.einsum("nic,nck->nik", frames, tilts)
-        motions = np.concatenate([motions, np.concatenate([np.zeros_like(rotations), rotations], axis=2)], axis=1)
-    return motions.reshape(-1, 6)

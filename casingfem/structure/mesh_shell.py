@@ -29,8 +29,6 @@ from casingfem.structure.mesh_assembly import (
     facet_shape_products,
     mapped,
     on_free,
-    rigid_left,
-    rigid_motions,
     scatter,
 )
 from casingfem.structure.mesh_checks import check_groups, check_mesh, check_units
@@ -38,6 +36,7 @@ from casingfem.structure.mesh_data import MeshData
 from casingfem.structure.mesh_findings import cells_named
 from casingfem.structure.mesh_support import MeshSupport, check_support
 from casingfem.structure.mesh_tying import tied_strains
+from casingfem.structure.rigid_body import rigid_left, rigid_motions
 from casingfem.structure.support import ElasticEdge
 
 DOFS = 5
@@ -171,7 +170,7 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     material = shell.material
     return MeshSystem(
         structure=shell,
-        K=on_free(csc_array(K + springs), free),
+        K=on_free(csc_array(sum(springs, K)), free),
         M=on_free(M, free),
         free=free,
         dofs=DOFS,
@@ -220,17 +219,17 @@ def five_dofs(moved: FloatArray, turned: FloatArray, frames: FloatArray) -> Floa
     return matrices.reshape(cells, DOFS * k, DOFS * k)
 
 
-def edge_springs(shell: MeshShell, frames: FloatArray) -> csc_array:
-    """Springs of the elastic edges."""
+def edge_springs(shell: MeshShell, frames: FloatArray) -> list[csc_array]:
+    """Springs of each elastic edge."""
     size = DOFS * len(shell.mesh.points)
-    total = csc_array((size, size))
+    springs = []
     for name, support in shell.supports.items():
         if isinstance(support, ElasticEdge):
             products, nodes, _ = facet_shape_products(shell.mesh, shell.mesh.group_facets(name))
             k, t = support.k_face, shell.thickness
             matrices = five_dofs(k * t * products, k * t**3 / 12.0 * products, frames[nodes])
-            total = csc_array(total + scatter(matrices, cell_dofs(nodes, DOFS), size))
-    return total
+            springs.append(scatter(matrices, cell_dofs(nodes, DOFS), size))
+    return springs
 
 
 def held_dofs(shell: MeshShell) -> IntArray:

@@ -13,10 +13,9 @@ from casingfem.structure.curved_beam import skew
 from casingfem.structure.edges import holding_forms, own_dofs
 from casingfem.structure.kinematics import DOFS, frame
 from casingfem.structure.mesh import Grid
-from casingfem.structure.mesh_assembly import rigid_motions
+from casingfem.structure.rigid_body import rigid_motions, unfelt
 from casingfem.structure.shell import Shell
 
-STILL = 1e-12  # share of the largest reaction below which a support is not felt
 SHARE = 0.5  # of a mode's kinetic energy in rigid motions, from which it is one
 
 
@@ -47,9 +46,7 @@ def free_motions(shell: Shell, grid: Grid) -> FloatArray:
     moved[free] = 0.0
     motions = np.vstack([fields.reshape(-1, 6), ring_turns(shell, grid, fields)])
     reactions = [moved.T @ moved, *(np.real(form.product(motions)) for form in holding_forms(shell, grid))]
-    total = sum((R / np.trace(R) for R in reactions if np.trace(R) > 0.0), np.zeros((6, 6)))
-    size, shares = np.linalg.eigh(total)
-    return np.asarray(fields @ shares[:, size <= STILL])
+    return np.asarray(fields @ unfelt(reactions))
 
 
 def ring_turns(shell: Shell, grid: Grid, fields: FloatArray) -> FloatArray:

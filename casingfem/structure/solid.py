@@ -25,13 +25,12 @@ from casingfem.structure.mesh_assembly import (
     facet_shape_products,
     mapped,
     on_free,
-    rigid_left,
-    rigid_motions,
     scatter,
 )
 from casingfem.structure.mesh_checks import check_groups, check_mesh, check_units
 from casingfem.structure.mesh_data import MeshData
 from casingfem.structure.mesh_support import MeshSupport, check_support
+from casingfem.structure.rigid_body import rigid_left, rigid_motions
 from casingfem.structure.support import ElasticEdge
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
@@ -114,7 +113,7 @@ def assemble_solid(solid: Solid) -> MeshSystem:
     constants = solid.constants()
     K = scatter(stiffness(on, constants), dofs, size)
     M = scatter(consistent_mass(on, constants[2]), dofs, size)
-    springs = foundation(solid)
+    springs = foundations(solid)
     held = held_dofs(solid)
     loose = np.zeros(size, dtype=bool)
     loose[cell_dofs(mesh.used[None], 3)] = True
@@ -125,7 +124,7 @@ def assemble_solid(solid: Solid) -> MeshSystem:
     E, _, rho = constants
     return MeshSystem(
         structure=solid,
-        K=on_free(csc_array(K + springs), free),
+        K=on_free(csc_array(sum(springs, K)), free),
         M=on_free(M, free),
         free=free,
         dofs=3,
@@ -170,16 +169,16 @@ def consistent_mass(on: Mapped, rho: FloatArray) -> FloatArray:
     return matrices.reshape(len(rho), 3 * nodes, 3 * nodes)
 
 
-def foundation(solid: Solid) -> csc_array:
-    """Springs of the elastic foundations: int k u.v over the facets of their groups."""
+def foundations(solid: Solid) -> list[csc_array]:
+    """Springs of each elastic foundation: int k u.v over the facets of its group."""
     size = 3 * len(solid.mesh.points)
-    total = csc_array((size, size))
+    springs = []
     for name, support in solid.supports.items():
         if isinstance(support, ElasticEdge):
             products, nodes, _ = facet_shape_products(solid.mesh, solid.mesh.group_facets(name))
             matrices = support.k_face * np.kron(products, np.eye(3))
-            total = csc_array(total + scatter(matrices, cell_dofs(nodes, 3), size))
-    return total
+            springs.append(scatter(matrices, cell_dofs(nodes, 3), size))
+    return springs
 
 
 def held_dofs(solid: Solid) -> IntArray:

@@ -7,8 +7,8 @@ from casingfem.errors import ModelWarning
 from casingfem.modal import multigrid
 from casingfem.modal.eigen import solve_modes
 from casingfem.modal.multigrid import multigrid_modes
-from casingfem.structure.mesh_assembly import rigid_motions
 from casingfem.structure.mesh_grid import grid_mesh
+from casingfem.structure.rigid_body import rigid_motions
 from casingfem.structure.solid import Solid, assemble_solid
 from casingfem.structure.support import Clamped
 

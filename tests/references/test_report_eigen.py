@@ -1,10 +1,15 @@
 """Reports on the eigen solvers run small, and their faults show."""
 
+import numpy as np
 import pandas as pd
 import pytest
 
 from casingfem.modal import eigen, krylov
-from reports import locking, modal_speed, solid_solvers, sturm
+from casingfem.structure.mesh import ShellMesh
+from reports import locking, modal_speed, solid_solvers, sturm, verify_locking
+from reports.cylinder import REFERENCE, cylinder
+
+LOW = ShellMesh(order=3, rows=2, around=1)
 
 
 @pytest.mark.slow
@@ -49,9 +54,25 @@ def test_modal_speed_names_its_parts_and_the_harmonics_are_right(tmp_path):
 @pytest.mark.slow
 def test_default_mesh_does_not_lock(tmp_path):
     rows = locking.main(tmp_path, quick=True)
-    default = {row["R/t"]: row["worst error"] for row in rows if row["mesh"] == "default"}
+    default = {row["R/t"]: row["harmonics"] for row in rows if row["mesh"] == "default"}
     assert default[100] < 1e-4
     assert default[1000] < 1e-4
-    low = {row["R/t"]: row["worst error"] for row in rows if row["order"] == 3}
-    assert min(low.values()) > 1e-2  # what locking looks like
+    low = {row["R/t"]: row["harmonics"] for row in rows if row["order"] == 3}
+    assert low[1000] > 1e-2  # what locking looks like
     assert max(row["reference moves"] for row in rows) < 1e-7
+
+
+def test_closed_form_of_thin_cylinders_is_the_one_of_the_reference_table():
+    table = pd.read_csv(REFERENCE, comment="#")
+    found = [verify_locking.fluegge(row.h_over_R, row.L_over_R, row.n, row.m)[0] for row in table.itertuples()]
+    np.testing.assert_allclose(found, table.omega_fluegge, rtol=0, atol=6e-10)  # nine digits are printed
+    assert verify_locking.valley(1e-4, 0.5) == 33
+
+
+def test_thin_cylinders_do_not_lock_where_low_orders_do(monkeypatch):
+    verdicts = {row["verdict"] for row in verify_locking.rows(quick=True)}
+    assert verdicts == {"pass"}
+    monkeypatch.setattr(verify_locking, "cylinder", lambda h, length: cylinder(h, length, LOW))
+    rows = verify_locking.rows(quick=True)
+    assert {row["verdict"] for row in rows} == {"FAIL"}
+    assert min(row["error %"] for row in rows if "h/R 0.0001" in row["case"]) > 5.0  # too stiff
