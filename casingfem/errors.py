@@ -4,10 +4,13 @@ A message says what was found where; the remedy and the code come from the catal
 up and a program can react to it.
 """
 
+import re
 import warnings
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
+
+CODE = re.compile(r"\[([a-z0-9-]+)\]$")
 
 
 class Fault(NamedTuple):
@@ -23,18 +26,25 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the sections of a blade have no chord somewhere, or close on themselves",
             "keep the chord above 0 and the camber below 2 pi rad from root to tip",
         ),
-        "bolt-count": Fault("there is no such number of bolts", "give the number of bolts, 1 to 1000"),
+        "bolt-count": Fault(
+            "there is no such number of bolts",
+            "give the number of bolts, 1 to 1000",
+        ),
         "bolt-mesh": Fault(
             "elements around that do not follow the bolts see some bolts stiffer than others and split perfect pairs",
             "leave mesh.around out, or make it a multiple of the number of bolts",
         ),
-        "bolt-number": Fault("a loose bolt is named that does not exist", "number the bolts from 1 to their count"),
+        "bolt-number": Fault(
+            "a loose bolt is named that does not exist",
+            "number the bolts from 1 to their count",
+        ),
         "bolt-off-edge": Fault(
             "a bolt, with the patch it acts on, does not lie on the edge",
             "change first_angle, spacing or width, or take fewer bolts",
         ),
         "bolt-overlap": Fault(
-            "neighbouring bolts act on the same part of the edge", "give a smaller width, or a larger spacing"
+            "neighbouring bolts act on the same part of the edge",
+            "give a smaller width, or a larger spacing",
         ),
         "bolt-stiffness": Fault(
             "a bolt without stiffness, or with an impossible one, holds nothing",
@@ -152,10 +162,17 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "a law from root to tip is neither a number nor a list of them",
             "give one number, or 2 to 8 finite values at equally spaced stations, the root's first",
         ),
-        "load-edge": Fault("a load names an edge that the chart does not have", "name one of the chart's edges"),
-        "load-none": Fault("a static solution without loads is zero", "give at least one load"),
+        "load-edge": Fault(
+            "a load names an edge that the chart does not have",
+            "name one of the chart's edges",
+        ),
+        "load-none": Fault(
+            "a static solution without loads is zero",
+            "give at least one load",
+        ),
         "load-place": Fault(
-            "a point load lies off the surface", "give the two parameters of the chart, as its `bounds` have them"
+            "a point load lies off the surface",
+            "give the two parameters of the chart, as its `bounds` have them",
         ),
         "load-ring": Fault(
             "the weight of rings and point masses is not modelled",
@@ -192,7 +209,8 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "give E in Pa (steel 210e9) and rho in kg/m^3 (steel 7800)",
         ),
         "meridian-arc": Fault(
-            "an arc of no length or of more than a turn", "give two angles in radians, less than 2 pi apart"
+            "an arc of no length or of more than a turn",
+            "give two angles in radians, less than 2 pi apart",
         ),
         "meridian-axis": Fault(
             "the meridian reaches the axis, where a chart of revolution ends in a pole",
@@ -271,11 +289,8 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "use quadratic cells (order 2 in the mesher)",
         ),
         "mesh-loose-facets": Fault(
-            "facets of a group lie on no cell of the part", "they are left out; save the group with the part it is on"
-        ),
-        "mesh-low-order": Fault(
-            "elements of low order lock: thin shells come out much too stiff",
-            "use order 6 or more, or leave mesh.order out",
+            "facets of a group lie on no cell of the part",
+            "they are left out; save the group with the part it is on",
         ),
         "mesh-material-twice": Fault(
             "a cell lies in two groups that each have a material",
@@ -290,7 +305,8 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "mesh with one kind: all quadratic tetrahedra, or all bricks with the same middle nodes",
         ),
         "mesh-no-cells": Fault(
-            "a mesh file holds no volume or surface cells", "export the mesh, not the geometry alone, with its volumes"
+            "a mesh file holds no volume or surface cells",
+            "export the mesh, not the geometry alone, with its volumes",
         ),
         "mesh-no-group": Fault(
             "a support or material names a group the mesh does not have",
@@ -301,7 +317,8 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "repair the file's node block",
         ),
         "mesh-not-shell": Fault(
-            "a shell needs quadrilaterals", "mesh the mid-surface with quadrilaterals, or use the mesh as a solid"
+            "a shell needs quadrilaterals",
+            "mesh the mid-surface with quadrilaterals, or use the mesh as a solid",
         ),
         "mesh-not-solid": Fault(
             "a solid needs tetrahedra or hexahedra",
@@ -464,16 +481,21 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "hold every motion that the loads drive; where they balance, a soft elastic edge is enough",
         ),
         "strip-extent": Fault(
-            "the ends of a strip are not finite numbers in order", "give start below end, in metres along the axis"
+            "the ends of a strip are not finite numbers in order",
+            "give start below end, in metres along the axis",
         ),
         "strip-off-line": Fault(
             "a strip ends inside an element, where its jump of thickness or material would be smeared",
             "leave the mesh's rows to the program, or put a break of mesh.rows at each end of the strip",
         ),
         "strip-outside": Fault(
-            "a strip reaches beyond the ends of the shell", "give start and end in metres within the chart's bounds"
+            "a strip reaches beyond the ends of the shell",
+            "give start and end in metres within the chart's bounds",
         ),
-        "strip-overlap": Fault("two strips claim the same part of the wall", "let one strip end where the next begins"),
+        "strip-overlap": Fault(
+            "two strips claim the same part of the wall",
+            "let one strip end where the next begins",
+        ),
         "study-file": Fault(
             "the file cannot be read",
             "give the path of a text file in UTF-8",
@@ -514,10 +536,6 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "a spring stiffness is negative or not finite, or no spring has this name",
             "give k_r, k_theta, k_z [N/m per m], k_rot [N m/rad per m], k_face [N/m^3] from 0",
         ),
-        "support-stiff": Fault(
-            "the springs are so stiff beside the wall that round-off spoils the frequencies",
-            "use clamped, or smaller stiffnesses",
-        ),
         "survey-other": Fault(
             "the survey is of another casing: its mean is not the nominal value, or its heights are not the shell's",
             "use the survey of this casing, in metres and degrees, or correct the nominal value",
@@ -529,6 +547,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "survey-quantity": Fault(
             "the survey is of another quantity",
             "let `of` name what was surveyed",
+        ),
+        "survey-table": Fault(
+            "the survey cannot be used as it stands, or does not carry the fit asked for",
+            "correct the line named, or fit fewer harmonics (n_max) and a lower degree",
         ),
         "taper-thickness": Fault(
             "the law of the thickness leaves no wall somewhere",
@@ -566,3 +588,22 @@ def doubt(code: str, message: str, *, stacklevel: int = 3) -> None:
 def sentence(code: str, message: str) -> str:
     """What was found, what helps, and the code."""
     return f"{message}: {CATALOGUE[code].remedy} [{code}]"
+
+
+def coded(code: str, message: str) -> str:
+    """A message that says itself what helps, with its code; one that ends with a code keeps that.
+
+    >>> coded("study-value", "material.nu: found 0.7, expected less than 0.5")
+    'material.nu: found 0.7, expected less than 0.5 [study-value]'
+    """
+    return message if code_of(message) else f"{message} [{code}]"
+
+
+def code_of(message: str) -> str:
+    """The code at the end of a message, "" if there is none.
+
+    >>> code_of("a wall of -3 m [shell-thickness]"), code_of("no code here")
+    ('shell-thickness', '')
+    """
+    found = CODE.search(message)
+    return found[1] if found and found[1] in CATALOGUE else ""

@@ -4,6 +4,7 @@ import click
 
 from casingfem.cli.contact import contact, rub
 from casingfem.cli.doctor import doctor
+from casingfem.cli.explain import explain
 from casingfem.cli.mistune import mistune
 from casingfem.cli.study import modes, reduce, report, schema, update
 
@@ -23,5 +24,5 @@ def main() -> None:
     """
 
 
-for command in (modes, mistune, update, reduce, contact, rub, report, schema, doctor):
+for command in (modes, mistune, update, reduce, contact, rub, report, schema, explain, doctor):
     main.add_command(command)

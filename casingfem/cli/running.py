@@ -3,7 +3,6 @@
 import sys
 import threading
 import time
-import warnings
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any, NoReturn, ParamSpec, TypeVar
 import click
 import numpy as np
 
-from casingfem.errors import ModelWarning
+from casingfem.cli.warned import noted, noting
 from casingfem.modal.eigen import EigenError
 from casingfem.outfiles import Content, json_text, write_files
 
@@ -38,9 +37,9 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
-        warnings.showwarning = say_warning
         try:
-            return command(*args, **kwargs)
+            with noting():
+                return command(*args, **kwargs)
         except ValueError as error:
             if not known(error):
                 raise
@@ -57,19 +56,6 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
             fail(f"{where} {kwargs.get('file', '')}: the numerics failed: {error}", NUMERICS_FAILED)
 
     return run
-
-
-def say_warning(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: object = None,
-    line: str | None = None,
-) -> None:
-    """A doubt about the model on stderr, in its own words; other warnings with their place."""
-    place = "" if issubclass(category, ModelWarning) else f"{filename}:{lineno}: "
-    click.echo(f"{place}warning: {message}", err=True)
 
 
 def known(error: Exception) -> bool:
@@ -90,7 +76,7 @@ def deliver(
     """Write the files, then print the document or the text and where the files went."""
     written = write_files(out, files) if out is not None and files else []
     if as_json:
-        click.echo(json_text(document), nl=False)
+        click.echo(json_text({**document, "warnings": noted()}), nl=False)
         return
     click.echo(text)
     for path in written:

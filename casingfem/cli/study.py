@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.warned import noted
 from casingfem.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ def modes(file: Path, as_json: bool, out: Path | None, vtu: bool, shown: tuple[i
         "seconds": found.seconds,
         "sturm_count": found.sturm_count,
         "rigid": found.rigid,
+        "warnings": noted(),
         "source": study.source,
     }
     files: dict[str, Content] = {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study)}
@@ -98,7 +100,7 @@ def update(file: Path, as_json: bool, out: Path | None) -> None:
     study = load_study(file)
     with Working(f"update of {file.name}") as working:
         fit = run_update(study, lambda k, rms: working.say(f"evaluation {k}: rms {rms:.3g} sigma"))
-    document = {**fit.to_json(), "seconds": working.seconds, "source": study.source}
+    document = {**fit.to_json(), "seconds": working.seconds, "warnings": noted(), "source": study.source}
     files = {"update.json": json_text(document, indent=1)}
     if out is not None:
         values = {p.name: value for p, value in zip(fit.parameters, fit.value, strict=True)}

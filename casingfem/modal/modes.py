@@ -10,11 +10,13 @@ from casingfem.modal.eigen import Band, solve, sturm_count
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
 from casingfem.modal.mesh_modes import IMPORTED, MeshModes, mesh_modes
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
+from casingfem.modal.resolution import judged
 from casingfem.modal.ritz import RitzModes, ritz_modes
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.factor import Direct
 from casingfem.structure.mesh_assembly import MeshSystem
 from casingfem.structure.mesh_shell import MeshShell
+from casingfem.structure.plausible import warn_of
 from casingfem.structure.shell import Shell
 from casingfem.structure.solid import Solid
 
@@ -103,8 +105,10 @@ def modes(
         return mesh_modes(shell, wanted, system=system if isinstance(system, MeshSystem) else None, direct=direct)
     if method not in ("auto", "shell", "fourier"):
         raise ModelError("modes-method", f'method must be "auto", "shell" or "fourier", found {method!r}')
+    warn_of(shell)
     if method == "fourier" or (method == "auto" and shell.axisymmetric and system is None):
-        return fourier_modes(shell, wanted) if isinstance(wanted, int) else fourier_band(shell, wanted)
+        found_by_n = fourier_modes(shell, wanted) if isinstance(wanted, int) else fourier_band(shell, wanted)
+        return judged(found_by_n, around=False)
     started = time.perf_counter()
     system = system if isinstance(system, System) else assemble(shell)
     assembled = time.perf_counter()
@@ -128,7 +132,7 @@ def modes(
         seconds={"assemble": assembled - started, "solve": solved - assembled},
     )
     doubt_surveys(named)
-    return named
+    return judged(named)
 
 
 def doubt_surveys(found: Modes) -> None:

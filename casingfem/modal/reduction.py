@@ -23,6 +23,7 @@ from casingfem.modal.modes import modes as lowest_modes
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.factor import Factor, factorise
 from casingfem.structure.kinematics import DOFS
+from casingfem.structure.plausible import warn_of
 from casingfem.structure.rigid import free_motions
 from casingfem.structure.shell import Shell
 
@@ -71,6 +72,7 @@ def reduce(
         raise ModelError("reduce-damping", f"zeta must lie in [0, 1), found {zeta!r}")
     if not any(structure.supports.values()):
         raise ModelError("reduce-rigid", "an unsupported shell has rigid motions")
+    warn_of(structure)
     system = system or assemble(structure)
     if not 1 <= modes < system.size // 2:
         raise ModelError("modes-count", f"modes must lie between 1 and {system.size // 2 - 1} here, found {modes!r}")

@@ -11,6 +11,8 @@ from casingfem.errors import ModelError
 from casingfem.structure.chart import Chart, Surface
 from casingfem.structure.element import ElementQuadLobatto, gauss, lagrange, lobatto
 
+LARGEST = 2_000_000  # unknowns: their factor needs some 20 GB
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShellMesh:
@@ -33,18 +35,21 @@ class ShellMesh:
             raise ModelError("mesh-order", f"mesh.order must be a whole number from 2 to 20, found {self.order!r}")
         if not (isinstance(self.around, int | np.integer) and self.around >= 1):
             raise ModelError("mesh-around", f"mesh.around must be a whole number of at least 1, found {self.around!r}")
-        if isinstance(self.rows, int):
+        if isinstance(self.rows, int | np.integer):
             if self.rows < 1:
                 raise ModelError("mesh-rows", f"mesh.rows must be at least 1, found {self.rows}")
         else:
             breaks = np.asarray(self.rows, dtype=float)
             if len(breaks) < 2 or breaks[0] != 0.0 or breaks[-1] != 1.0 or not np.all(np.diff(breaks) > 0.0):
                 raise ModelError("mesh-rows", f"mesh.rows must increase from 0 to 1, found {self.rows}")
+        unknowns = 5 * self.order**2 * (len(self.breaks) - 1) * self.around
+        if unknowns > LARGEST:
+            raise ModelError("mesh-too-large", f"mesh: some {unknowns:.2g} unknowns")
 
     @property
     def breaks(self) -> FloatArray:
         """Break points of the rows on [0, 1]."""
-        if isinstance(self.rows, int):
+        if isinstance(self.rows, int | np.integer):
             return np.linspace(0.0, 1.0, self.rows + 1)
         return np.asarray(self.rows, dtype=float)
 

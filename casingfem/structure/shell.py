@@ -13,7 +13,9 @@ from casingfem.errors import ModelError, doubt
 from casingfem.structure.bolt_mesh import SEEN, following, springs_per_wave, spurious_split
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Surface, require_positive
+from casingfem.structure.chart_checks import check_chart
 from casingfem.structure.edge_form import Sprung
+from casingfem.structure.extent import check_wall
 from casingfem.structure.field import Field, relative
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
@@ -23,6 +25,7 @@ from casingfem.structure.ring import Ring
 from casingfem.structure.rotation import Rotation
 from casingfem.structure.strip import Strip, breaks_between, check_strips, spread
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry, grip
+from casingfem.structure.survey_check import check_survey, surveys
 from casingfem.structure.taper import Taper
 
 SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bolts, Ring)
@@ -213,6 +216,7 @@ class Shell:
 
     def __post_init__(self) -> None:
         require_positive("shell", thickness=self.thickness, shear_correction=self.shear_correction)
+        check_chart(self.chart)
         known = self.chart.edges
         for edge, support in self.supports.items():
             if edge not in known:
@@ -248,6 +252,9 @@ class Shell:
         check_strips(self.strips, ends, ends[0] + (ends[1] - ends[0]) * self.mesh.breaks)
         for quantity, defect in self.defects.items():
             self._check_field(f"{quantity}_defect", defect)
+            for survey in surveys(defect):
+                check_survey(survey, quantity, self.chart, float(np.real(self.thickness)))
+        check_wall(self)
         for edge, holding in grips(self).items():
             if isinstance(holding, ElasticEdge) and holding.patterns:
                 self._check_springs(edge, holding)
@@ -288,8 +295,9 @@ class Shell:
         values = np.real(defect.derivatives(a[:, None], b[None, :]).value)
         if not np.all(np.isfinite(values)):
             raise ModelError("field-not-finite", f"{name}: the field is not finite everywhere on the surface")
-        if values.min() <= -0.9:
-            raise ModelError("field-range", f"{name}: the field reaches {values.min():.3g}, below -0.9")
+        if values.min() <= -0.9 or values.max() > 9.0:
+            reached = values.min() if values.min() <= -0.9 else values.max()
+            raise ModelError("field-range", f"{name}: the field reaches {reached:.3g}, it may run from -0.9 to 9")
         nodes = self.mesh.order * self.mesh.around
         finest = finest_harmonic(self, defect) if self.chart.periodic else 0
         if 2 * finest > nodes:

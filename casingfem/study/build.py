@@ -1,10 +1,10 @@
 """From the tables of a study file to a shell: each part is tried, and what fails is noted with its key."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
+from casingfem.errors import doubt
 from casingfem.structure.blade import Blade
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
@@ -20,6 +20,7 @@ from casingfem.structure.shell import Shell
 from casingfem.structure.strip import Strip, check_strips
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
 from casingfem.structure.survey import SampledField
+from casingfem.structure.survey_check import check_survey, mean_radius
 from casingfem.structure.taper import Taper
 from casingfem.structure.twisted import TwistedPlate
 from casingfem.study.problems import Problems
@@ -45,7 +46,6 @@ from casingfem.study.schema import (
 
 CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
 FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
-ALIKE = 0.1  # a survey's mean and the study's nominal radius or thickness may differ by this part
 
 
 def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
@@ -90,6 +90,8 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
         shell = replace(shell, mesh=None, **defects)  # type: ignore[arg-type]  # the default mesh follows the fields
         shell.geometry(*(np.array([ends[0]]) for ends in chart.bounds))
     if not problems:
+        if not supports:
+            doubt("shell-free", f"{problems.file}: no [support.EDGE]")
         with problems.at("mesh"):
             return replace(shell, mesh=build_mesh(tables.mesh, shell.mesh))
     return None
@@ -148,7 +150,8 @@ def build_supports(tables: dict[str, SupportTable], chart: Chart | None, problem
     supports: dict[str, Support] = {}
     for edge, table in tables.items():
         if chart is not None and edge not in chart.edges:
-            problems.add(f"support.{edge}", f"edge {edge!r}", f"one of the chart's edges {', '.join(chart.edges)}")
+            expected = f"one of the chart's edges {', '.join(chart.edges)}"
+            problems.add(f"support.{edge}", f"edge {edge!r}", expected, "support-edge")
             continue
         with problems.at(f"support.{edge}"):
             supports[edge] = build_support(table, edge, chart)
@@ -246,7 +249,8 @@ def series(waves: list[Harmonic], key: str, least: int = 0) -> FourierField:
 def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems: Problems) -> Field | None:
     """One imperfection field, or None with the reason noted."""
     if tables.chart is not None and tables.chart.kind in FLAT and table.of == "radius":
-        problems.add(f"{key}.of", "'radius' on a plate, which has none", "thickness, or a chart with a radius")
+        found, expected = "'radius' on a plate, which has none", "thickness, or a chart with a radius"
+        problems.add(f"{key}.of", found, expected, "field-no-radius")
         return None
     if table.harmonics is not None:
         with problems.at(f"{key}.harmonics"):
@@ -259,7 +263,8 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
             survey = SampledField.from_csv(
                 problems.file.parent / table.survey, table.n_max, table.degree, robust=bool(table.robust)
             )
-            check_survey(survey, table, tables)
+            chart = None if tables.chart is None else build_chart(tables.chart)
+            check_survey(survey, table.of, chart, None if tables.shell is None else tables.shell.thickness)
             return survey
     return None
 
@@ -280,33 +285,3 @@ def build_random(table: ImperfectionTable, stream: int, tables: StudyFile) -> Ra
     return RandomField.laboratory(
         thickness=thickness, radius=radius, seed=seed, scale=scale, p_max=p_max, stream=stream
     )
-
-
-def mean_radius(chart: Chart) -> float:
-    """The radius at the middle of a chart's first parameter [m]."""
-    middle = np.array([np.mean(chart.bounds[0])]), np.zeros(1)
-    return float(np.linalg.norm(chart.surface(*middle, None).x[:2]))
-
-
-def check_survey(survey: SampledField, table: ImperfectionTable, tables: StudyFile) -> None:
-    """Refuse a survey of another quantity or of another casing than the study's."""
-    name = Path(survey.path).name
-    if survey.quantity != table.of:
-        raise ValueError(f"{name}: found a survey of {survey.quantity}, expected one of {table.of}")
-    chart = None if tables.chart is None else build_chart(tables.chart)
-    if table.of == "thickness" or chart is None:
-        nominal = None if tables.shell is None else tables.shell.thickness
-        mean = survey.mean[0]
-    else:
-        nominal = mean_radius(chart)
-        mean = float(survey.mean_radius(np.mean(chart.bounds[0])))
-    if nominal is not None and abs(mean / nominal - 1.0) > ALIKE:
-        raise ValueError(
-            f"{name}: found a mean {table.of} of {mean:.4g} m, expected about {nominal:.4g} m as the study has it"
-        )
-    if chart is not None and survey.heights > 1:
-        (low, high), (z0, z1) = survey.z_range, chart.bounds[0]
-        if min(high, z1) - max(low, z0) < 0.5 * (z1 - z0):
-            raise ValueError(
-                f"{name}: found z from {low:g} to {high:g} m, expected at least half of the shell's {z0:g} to {z1:g} m"
-            )

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from casingfem.errors import coded
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.eigen import START_SEED
 from casingfem.modal.interface import Rim, Tip
@@ -122,13 +123,15 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
         text = file.read_bytes()
         return text, tomllib.loads(text.decode("utf-8"))
     except OSError as error:
-        raise StudyError([f"{file}: found {error.strerror}, expected a study.toml"]) from None
+        raise StudyError([coded("study-file", f"{file}: found {error.strerror}, expected a study.toml")]) from None
     except UnicodeDecodeError as error:
         line = text.count(b"\n", 0, error.start) + 1
         found = f"byte 0x{text[error.start]:02x}, which is not UTF-8"
-        raise StudyError([f"{file}: line {line}: found {found}, expected a UTF-8 text file"]) from None
+        raise StudyError(
+            [coded("study-file", f"{file}: line {line}: found {found}, expected a UTF-8 text file")]
+        ) from None
     except tomllib.TOMLDecodeError as error:
-        raise StudyError([f"{file}: not TOML: {error}"]) from None
+        raise StudyError([coded("study-toml", f"{file}: not TOML: {error}")]) from None
 
 
 def validated(data: dict[str, Any], problems: Problems) -> StudyFile:
@@ -136,7 +139,7 @@ def validated(data: dict[str, Any], problems: Problems) -> StudyFile:
     for name in REQUIRED[:1] if is_imported(data) else REQUIRED:
         if name not in data:
             meaning = StudyFile.model_fields[name].description
-            problems.add(name, "nothing", f"a table [{name}]: {meaning}")
+            problems.add(name, "nothing", f"a table [{name}]: {meaning}", "study-missing")
     try:
         return StudyFile.model_validate(data)
     except ValidationError as error:
@@ -184,11 +187,15 @@ def load_interface(table: ReduceTable | None, chart: Chart | None, problems: Pro
         return None
     curved = [edge for edge, (held, _) in chart.edges.items() if held == 0]
     if table.interface not in curved:
-        problems.add("reduce.interface", repr(table.interface), f"one of the chart's edges {', '.join(curved)}")
+        problems.add(
+            "reduce.interface", repr(table.interface), f"one of the chart's edges {', '.join(curved)}", "interface-edge"
+        )
     if chart.periodic:
         return Rim(table.interface, 40 if table.n_max is None else table.n_max)
     if table.n_max is not None:
-        problems.add("reduce.n_max", str(table.n_max), "no such key: an open chart has no harmonics around")
+        problems.add(
+            "reduce.n_max", str(table.n_max), "no such key: an open chart has no harmonics around", "study-key"
+        )
     return Tip(table.interface)
 
 

@@ -8,14 +8,38 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
+from casingfem.errors import code_of, coded
 from casingfem.study.schema import StudyFile
+
+KEYS = {  # the code of a value that the schema refuses, by table and key, or by table
+    ("material", "E"): "material-modulus",
+    ("material", "nu"): "material-poisson",
+    ("material", "rho"): "material-density",
+    ("shell", "thickness"): "shell-thickness",
+    ("strip", "thickness"): "shell-thickness",
+    ("chart",): "chart-dimension",
+    ("mesh", "order"): "mesh-order",
+    ("mesh", "rows"): "mesh-rows",
+    ("mesh", "around"): "mesh-around",
+    ("modes", "count"): "modes-count",
+    ("imperfection", "p"): "field-harmonics",
+    ("imperfection", "cos"): "field-range",
+    ("imperfection", "sin"): "field-range",
+    ("support", "k_r"): "support-springs",
+    ("support", "k_theta"): "support-springs",
+    ("support", "k_z"): "support-springs",
+    ("support", "k_rot"): "support-springs",
+    ("support", "k_face"): "support-springs",
+}
+KINDS = {"extra_forbidden": "study-key", "missing": "study-missing", "too_short": "study-missing"}
 
 
 class StudyError(ValueError):
-    """A study that cannot be used: `problems` lists them all, one line each, with file and key."""
+    """A study that cannot be used: `problems` lists them all, one line each, with file, key and code."""
 
     def __init__(self, problems: Sequence[str]) -> None:
         self.problems = tuple(problems)
+        self.codes = tuple(map(code_of, problems))
         super().__init__("\n".join(self.problems))
 
 
@@ -25,16 +49,16 @@ class Problems(list[str]):
     >>> found = Problems(Path("study.toml"))
     >>> found.add("shell.thickness", "-3", "a number above 0")
     >>> found
-    ['study.toml: shell.thickness: found -3, expected a number above 0']
+    ['study.toml: shell.thickness: found -3, expected a number above 0 [study-value]']
     """
 
     def __init__(self, file: Path) -> None:
         super().__init__()
         self.file = file
 
-    def add(self, key: str, found: str, expected: str) -> None:
+    def add(self, key: str, found: str, expected: str, code: str = "study-value") -> None:
         """Note one problem."""
-        self.append(f"{self.file}: {key}: found {found}, expected {expected}")
+        self.append(coded(code, f"{self.file}: {key}: found {found}, expected {expected}"))
 
     def at(self, key: str) -> "Attempt":
         """Note a ValueError or OSError raised inside as a problem of this key, and go on."""
@@ -43,7 +67,7 @@ class Problems(list[str]):
     def add_invalid(self, error: ValidationError, data: Mapping[str, Any]) -> set[str]:
         """Note all problems of a validation; returns the top-level tables that have some."""
         for detail in error.errors():
-            self.append(f"{self.file}: {sentence(detail, data)}")
+            self.append(coded(code_at(detail, data), f"{self.file}: {sentence(detail, data)}"))
         return {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]}
 
 
@@ -59,12 +83,21 @@ class Attempt:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> bool:
         """Note an error of the input; everything else passes through."""
         if isinstance(error, OSError):
-            self.problems.add(self.key, f"{error.filename!s} ({error.strerror})", "a file that can be read")
+            found = f"{error.filename!s} ({error.strerror})"
+            self.problems.add(self.key, found, "a file that can be read", "study-file")
         elif isinstance(error, ValueError):
+            key = table_of(error, self.key)
             for line in str(error).splitlines():
-                line = line.removeprefix(f"{self.key} ").removeprefix(f"{self.key}: ")
-                self.problems.append(f"{self.problems.file}: {self.key}: {line}")
+                line = line.removeprefix(f"{key} ").removeprefix(f"{key}: ")
+                code = "survey-table" if self.key.endswith("survey") else "study-value"
+                self.problems.append(coded(code, f"{self.problems.file}: {key}: {line}"))
         return isinstance(error, OSError | ValueError)
+
+
+def table_of(error: ValueError, key: str) -> str:
+    """The key to name: another table's where the error's code says that it is at fault."""
+    head = getattr(error, "code", "").partition("-")[0]
+    return key if head not in ("material", "chart", "shell", "mesh") or key.startswith(head) else head
 
 
 def sentence(detail: Any, data: Mapping[str, Any]) -> str:
@@ -103,6 +136,16 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
     if kind == "string_pattern_mismatch" and meaning:
         return f"{key}: found {detail['input']!r}, expected {meaning}"
     return f"{key}: found {shown(detail['input'])}, expected {expected}{f' ({meaning})' if meaning else ''}"
+
+
+def code_at(detail: Any, data: Mapping[str, Any]) -> str:
+    """The code of a pydantic error, by its kind or by where it is."""
+    path = [str(part) for part in resolved(detail["loc"], detail["type"], data)] or [""]
+    if detail["type"] in KINDS:
+        return KINDS[detail["type"]]
+    if detail["type"].startswith("union_tag"):
+        return "study-value"
+    return KEYS.get((path[0], path[-1]), KEYS.get((path[0],), "study-value"))
 
 
 def shown(value: object) -> str:

@@ -456,6 +456,7 @@ def test_the_program_itself_prints_one_document_and_loads_only_what_it_needs(stu
 def test_the_program_itself_refuses_and_helps(tmp_path):
     bad = run("modes", tmp_path / "no.toml", "--json")
     assert (bad.returncode, bad.stdout) == (2, "")
-    assert bad.stderr == f"{tmp_path / 'no.toml'}: found No such file or directory, expected a study.toml\n"
+    expected = "found No such file or directory, expected a study.toml [study-file]"
+    assert bad.stderr == f"{tmp_path / 'no.toml'}: {expected}\n"
     bare = run()
     assert "Commands:" in bare.stdout + bare.stderr

@@ -1,0 +1,55 @@
+"""Whether a mesh carries the modes computed on it: how much of a shape lies in the finest polynomials.
+
+A shape is expanded in Legendre polynomials of each element; where it is resolved the coefficients fall off. On frusta,
+cylinders and plates from order 2 to 8, every mesh whose frequencies were more than 2.5 % off had a share above FINEST.
+"""
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from casingfem.arrays import FloatArray
+from casingfem.errors import doubt
+from casingfem.modal.mode_set import Modes
+from casingfem.structure.element import ElementQuadLobatto, lobatto
+
+FINEST = 0.015
+
+
+def finest_shares(modes: Modes) -> FloatArray:
+    """Amplitude in the highest polynomials over the whole, along both parameters, (2, modes)."""
+    order = modes.grid.mesh.order
+    i, j = ElementQuadLobatto(order).pairs.T
+    to_legendre = np.linalg.inv(legendre.legvander(2.0 * lobatto(order)[0] - 1.0, order))
+    u = modes.fields[modes.grid.elements][:, :, :3]
+    lattice = np.empty((order + 1, order + 1, u.shape[0], 3, u.shape[3]))
+    lattice[i, j] = np.moveaxis(u, 1, 0)
+    coefficients = np.einsum("ai,bj,ijeck->abeck", to_legendre, to_legendre, lattice, optimize=True)
+    norms = 1.0 / (2.0 * np.arange(order + 1) + 1.0)  # mean squares of Legendre polynomials
+    energy = np.einsum("abeck,a,b->abk", coefficients**2, norms, norms, optimize=True)
+    finest = np.stack([energy[-1].sum(axis=0), energy[:, -1].sum(axis=0)])
+    return np.asarray(np.sqrt(finest / energy.sum(axis=(0, 1))))
+
+
+def doubt_coarse(modes: Modes, *, around: bool = True) -> None:
+    """Warn of shapes the mesh does not carry; `around` False looks along the meridian only."""
+    shares = finest_shares(modes)
+    worst = shares.max(axis=0) if around else shares[0]
+    poor = np.flatnonzero(worst > FINEST)
+    if len(poor):
+        which = f"mode {poor[0] + 1}" if len(poor) == 1 else f"{len(poor)} modes from mode {poor[0] + 1} on"
+        mesh = modes.grid.mesh
+        doubt(
+            "mesh-coarse",
+            f"{which}: up to {worst.max():.0%} of the shape in the finest polynomials of {len(mesh.breaks) - 1} x "
+            f"{mesh.around} elements of order {mesh.order}",
+            stacklevel=5,
+        )
+
+
+def judged(modes: Modes, *, around: bool = True) -> Modes:
+    """The same modes, with a warning where they show a coarse mesh, or supports that leave motions free."""
+    doubt_coarse(modes, around=around)
+    if modes.rigid and modes.shell.supports:
+        held = ", ".join(modes.shell.supports)
+        doubt("support-incomplete", f"{modes.rigid} rigid motions beside supports at {held}", stacklevel=4)
+    return modes

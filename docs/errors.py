@@ -1,0 +1,26 @@
+"""The page of codes: `.venv/bin/python docs/errors.py` writes docs/errors.md from the catalogue."""
+
+from pathlib import Path
+
+from casingfem.errors import CATALOGUE
+
+PAGE = Path(__file__).parent / "errors.md"
+HEAD = """# What can be wrong with a model
+
+Made by `.venv/bin/python docs/errors.py` from `casingfem/errors.py`. Every refusal and warning about a structural
+model ends with one of these codes; `casingfem explain shell-thickness` prints its line.
+
+| code | cause | remedy |
+|---|---|---|
+"""
+
+
+def page() -> str:
+    """The page as text."""
+    rows = (f"| {code} | {fault.cause} | {fault.remedy} |\n" for code, fault in sorted(CATALOGUE.items()))
+    return HEAD + "".join(row.replace("| |", "| – |") for row in rows)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
+    print(f"wrote {PAGE}")
