@@ -179,10 +179,12 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "add it as an EdgeLoad or PointLoad, and give the shell's own weight as a SurfaceLoad",
         ),
         "mass-edge": Fault(
-            "masses stand on the edges of the shell", "name an edge of the chart and give PointMass values"
+            "masses stand on the edges of the shell",
+            "name an edge of the chart and give PointMass values",
         ),
         "mass-value": Fault(
-            "a mass that is negative or not finite, or at no angle", "give the mass in kg and the angle in rad"
+            "a mass that is negative or not finite, or at no angle",
+            "give the mass in kg and the angle in rad",
         ),
         "material-density": Fault(
             "the density is not a positive finite number",
@@ -425,21 +427,29 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "give the ring an elastic support, bolts or none; to clamp it, clamp the edge",
         ),
         "rotation-axis": Fault(
-            "an axis of rotation without direction or place", "give two vectors of three finite numbers"
+            "an axis of rotation without direction or place",
+            "give two vectors of three finite numbers",
         ),
         "rotation-blade": Fault(
-            "hub radius and stagger place a blade on its hub", "give a hub radius of 0 or more, on an open chart"
+            "hub radius and stagger place a blade on its hub",
+            "give a hub radius of 0 or more, on an open chart",
         ),
         "rotation-large": Fault(
             "the centrifugal force bends or untwists the shell so much that linear statics no longer describe it",
             "lower the speed, or align the part with its radius; frequencies of such a state need nonlinear statics",
         ),
-        "rotation-none": Fault("the shell does not rotate", "give it a Rotation: replace(shell, rotation=...)"),
+        "rotation-none": Fault(
+            "the shell does not rotate",
+            "give it a Rotation: replace(shell, rotation=...)",
+        ),
         "rotation-ring": Fault(
             "the centrifugal force of rings and point masses on an edge is not modelled",
             "take them off, or make a ring a thick Strip of the shell",
         ),
-        "rotation-speed": Fault("the speed of rotation is not finite", "give it in rad/s, 2 pi times turns a second"),
+        "rotation-speed": Fault(
+            "the speed of rotation is not finite",
+            "give it in rad/s, 2 pi times turns a second",
+        ),
         "rotation-unstable": Fault(
             "spin softening exceeds the stiffness: at this speed the shell leaves its shape",
             "lower the speed, stiffen the support, or see that the hub radius and the axis are meant",
@@ -531,6 +541,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "support-no-springs": Fault(
             "an elastic support without any spring holds nothing",
             "give at least one of k_r, k_theta, k_z, k_rot, k_face, or leave the support out",
+        ),
+        "support-soft": Fault(
+            "the springs are so soft that the structure floats",
+            "give k_r, k_theta, k_z in N/m per m and k_face in N/m^3 (a stiff embedding has some 1e13)",
         ),
         "support-springs": Fault(
             "a spring stiffness is negative or not finite, or no spring has this name",

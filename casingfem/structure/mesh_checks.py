@@ -18,13 +18,13 @@ from casingfem.structure.material import Material
 from casingfem.structure.mesh_assembly import mapped
 from casingfem.structure.mesh_data import MeshData
 from casingfem.structure.mesh_findings import SHOWN, Finding, cells_named, edge_vectors, nodes_named, where
+from casingfem.structure.plausible import SOUND
 
 STRAY = 0.35  # a middle node this far from the middle, relative to its corners, belongs elsewhere
 COINCIDENT = 1e-3  # nodes closer than this part of the shortest edge are the same place
 ASPECT, DISTORTED = 100.0, 0.02
 BOW = 0.15  # bow of a cell's edges over its thickness
 LARGE = 25.0  # m: beyond this a part is probably in millimetres
-SOUND = (100.0, 20_000.0)  # m/s: sqrt(E/rho) of what parts are made of
 
 
 def check_mesh(mesh: MeshData) -> None:

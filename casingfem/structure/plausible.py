@@ -11,11 +11,12 @@ import numpy as np
 from casingfem.errors import doubt
 from casingfem.structure.extent import extent
 from casingfem.structure.material import Material
+from casingfem.structure.support import ElasticEdge
 
 if TYPE_CHECKING:
     from casingfem.structure.shell import Shell
 
-SOUND = (100.0, 20_000.0)  # m/s: sqrt(E/rho) from rubber to diamond
+SOUND = (200.0, 20_000.0)  # m/s: sqrt(E/rho) from hard rubber to diamond
 DENSITY = (1.0, 25_000.0)  # kg/m^3: from aerogel to osmium
 SIZE = (1e-3, 25.0)  # m: from a chip to the largest turbine casing; beyond, lengths are probably in mm or km
 ASPECT = 1000.0
@@ -24,6 +25,7 @@ STOUT = 0.5  # wall over the shortest side
 THIN = 1e-5  # wall over diagonal: 3 mm written as 3e-6 on half a metre; rockets and cans lie above 2e-4
 SHEAR = (0.5, 1.0, 10.0)  # 5/6 and its kin up to 1; above 10 it means the limit of thin shells
 TWIST = np.pi  # rad: more is probably in degrees
+SOFT = 1e-9  # springs per length over E: a casing on softer ones swings below a hertz
 NEARLY_CLOSED = 0.99  # of a full turn
 DEFECT = {"radius": 0.1}  # relative; others 1: a wall half or twice as thick is a law, not an imperfection
 
@@ -32,7 +34,7 @@ Doubt = tuple[str, str]  # code, message
 
 def warn_of(shell: "Shell") -> None:
     """Warn of all that is doubtful about a shell."""
-    for code, message in (*material_doubts(shell), *chart_doubts(shell), *wall_doubts(shell)):
+    for code, message in (*material_doubts(shell), *chart_doubts(shell), *wall_doubts(shell), *spring_doubts(shell)):
         doubt(code, message, stacklevel=4)
 
 
@@ -94,3 +96,14 @@ def wall_doubts(shell: "Shell") -> Iterator[Doubt]:
     factor = float(np.real(shell.shear_correction))
     if not (SHEAR[0] <= factor <= SHEAR[1] or factor >= SHEAR[2]):
         yield "shear-correction", f"shell.shear_correction = {factor:g}"
+
+
+def spring_doubts(shell: "Shell") -> Iterator[Doubt]:
+    """Springs that hold nothing beside such a wall."""
+    E, t = float(np.real(shell.material.E)), float(np.real(shell.thickness))
+    for edge, support in shell.supports.items():
+        if isinstance(support, ElasticEdge):
+            line = max(float(np.real(k)) for k in (support.k_r, support.k_theta, support.k_z))
+            ratio = max(line, float(np.real(support.k_face)) * t, float(np.real(support.k_rot)) / t**2) / E
+            if ratio < SOFT:
+                yield "support-soft", f"support.{edge}: springs of {ratio:.2g} E"
