@@ -7,6 +7,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.arrays import FloatArray, IntArray
+from casingfem.errors import sentence
 from casingfem.modal.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
 from casingfem.modal.pencil import Mass, Pencil, make_pencil
 from casingfem.modal.slicing import CLEAR, CLEARER, slices
@@ -116,7 +117,8 @@ def solve_modes(
     """
     size = K.shape[0]
     if count < 1 or count + extra >= size:
-        raise CountError(f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}")
+        asked = f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}"
+        raise CountError(sentence("modes-count", asked))
     pencil = make_pencil(K, mass)
     for step in (1.0, 1e2, 1e4):  # a shift too close to rigid motions drowns the elastic modes in their round-off
         try:
