@@ -71,7 +71,7 @@ def test_sound_models_meet_no_doubt(name):
 
 def test_the_finest_share_tells_a_coarse_mesh_from_a_good_one(frustum, perfect_modes):
     coarse = cf.modes(frustum(mesh=cf.ShellMesh(order=5, around=9)), 12, method="shell")
-    assert finest_shares(perfect_modes).max() < 0.1 * FINEST
+    assert finest_shares(perfect_modes).max() < 0.2 * FINEST
     assert finest_shares(coarse).max() > FINEST
     assert (coarse.freq / perfect_modes.freq[:12]).max() > 1.05
 
