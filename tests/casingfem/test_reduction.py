@@ -189,6 +189,7 @@ def test_refuses_an_interface_the_shell_does_not_have(casing, blade):
 
 
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
+@pytest.mark.filterwarnings("ignore:.*support-incomplete")
 @pytest.mark.parametrize("supports", [{}, {"base": ElasticEdge(k_z=1e12)}], ids=["free", "sliding"])
 def test_refuses_rigid_motions(frustum, supports, method):
     shell = frustum(supports=supports, mesh=ShellMesh(order=6, rows=1, around=9))
