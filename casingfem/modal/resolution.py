@@ -11,6 +11,7 @@ from casingfem.arrays import FloatArray
 from casingfem.errors import doubt
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.element import ElementQuadLobatto, lobatto
+from casingfem.structure.shell import grips
 
 FINEST = 0.015
 
@@ -49,7 +50,7 @@ def doubt_coarse(modes: Modes, *, around: bool = True) -> None:
 def judged(modes: Modes, *, around: bool = True) -> Modes:
     """The same modes, with a warning where they show a coarse mesh, or supports that leave motions free."""
     doubt_coarse(modes, around=around)
-    if modes.rigid and modes.shell.supports:
-        held = ", ".join(modes.shell.supports)
+    held = ", ".join(edge for edge, holding in grips(modes.shell).items() if holding is not None)
+    if modes.rigid and held:
         doubt("support-incomplete", f"{modes.rigid} rigid motions beside supports at {held}", stacklevel=4)
     return modes
