@@ -18,10 +18,11 @@ if TYPE_CHECKING:
 
 SOUND = (200.0, 20_000.0)  # m/s: sqrt(E/rho) from hard rubber to diamond
 DENSITY = (1.0, 25_000.0)  # kg/m^3: from aerogel to osmium
+WEIGHTLESS = 0.01  # kg/m^3: below, a carrier is meant to weigh nothing; g/cm^3 and lb/in^3 lie above
 SIZE = (1e-3, 25.0)  # m: from a chip to the largest turbine casing; beyond, lengths are probably in mm or km
 ASPECT = 1000.0
 THICK = 0.2  # wall times curvature: at .1 the shell is 1.4 % off the three-dimensional solution (README), here more
-STOUT = 0.5  # wall over the shortest side
+STOUT = 0.6  # wall over the shortest side
 THIN = 1e-5  # wall over diagonal: 3 mm written as 3e-6 on half a metre; rockets and cans lie above 2e-4
 SHEAR = (0.5, 1.0, 10.0)  # 5/6 and its kin up to 1; above 10 it means the limit of thin shells
 TWIST = np.pi  # rad: more is probably in degrees
@@ -53,7 +54,7 @@ def doubts_of(material: Material) -> Iterator[Doubt]:
         return
     if not SOUND[0] <= speed <= SOUND[1]:
         yield "material-units", f"E = {E:.3g} Pa and rho = {rho:.3g} kg/m^3, sound at {speed:.3g} m/s"
-    if not DENSITY[0] <= rho <= DENSITY[1]:
+    if WEIGHTLESS <= rho < DENSITY[0] or rho > DENSITY[1]:
         yield "material-density-units", f"material.rho = {rho:.3g} kg/m^3"
     if nu < 0.0:
         yield "material-poisson-negative", f"material.nu = {nu:g}"
