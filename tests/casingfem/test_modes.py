@@ -372,6 +372,7 @@ def test_a_thin_free_casing_on_a_very_coarse_mesh_has_six_rigid_motions(frustum,
     assert found.rigid == 6
 
 
+@pytest.mark.filterwarnings("ignore:.*support-soft")
 def test_a_casing_on_soft_springs_is_supported(frustum, coarse):
     soft = {"base": ElasticEdge(k_r=1.0, k_theta=1.0, k_z=1.0)}
     found = modes(frustum(supports=soft, mesh=coarse), 8)
@@ -379,6 +380,7 @@ def test_a_casing_on_soft_springs_is_supported(frustum, coarse):
     assert found.freq[5] < 1.0
 
 
+@pytest.mark.filterwarnings("ignore:.*support-incomplete")
 def test_a_casing_that_may_slide_and_turn_has_two_rigid_motions(frustum, coarse):
     found = modes(frustum(supports={"base": ElasticEdge(k_r=1e9), "top": ElasticEdge(k_r=1e9)}, mesh=coarse), 6)
     assert found.rigid == 2
