@@ -45,7 +45,10 @@ def sparse(steps: int) -> Record:
 
 
 class Samples(NamedTuple):
-    """Buffers of one chunk: K contacts, N coordinates; an event closes (1) or opens (0) a contact."""
+    """Buffers of one chunk: K contacts, N coordinates.
+
+    An event closes (1) or opens (0) a contact, or begins (3) or ends (2) its sticking.
+    """
 
     every: int
     state_every: int
@@ -74,6 +77,7 @@ class Tally(NamedTuple):
     penetration: Array
     residual: Array
     closed: Indices
+    stuck: Indices
     contact_steps: Indices
     reversals: Indices
     filled: Indices  # (3,): samples, states and events in the present chunk
@@ -91,7 +95,7 @@ def tally(contacts: int) -> Tally:
     return Tally(
         impulse=real(), work=real(), rotation=real(), friction=real(), damping=np.zeros(1),
         external=np.zeros(1), algorithmic=np.zeros(1), peak=real(),
-        penetration=real(), residual=real(), closed=whole(), contact_steps=whole(), reversals=whole(),
+        penetration=real(), residual=real(), closed=whole(), stuck=whole(), contact_steps=whole(), reversals=whole(),
         filled=np.zeros(3, dtype=np.int64),
     )  # fmt: skip
 
@@ -100,10 +104,11 @@ def samples(record: Record, steps: int, contacts: int, size: int) -> Samples:
     """Buffers that hold whatever `steps` steps can produce."""
     rows = steps // record.every + 1
     states = steps // record.state_every + 1 if record.state_every else 0
+    events = 2 * steps * contacts  # a contact opens or closes, and begins or ends to stick
     return Samples(
         every=record.every, state_every=record.state_every, time=np.zeros(rows),
         force=np.zeros((rows, contacts)), gap=np.zeros((rows, contacts)), impulse=np.zeros((rows, contacts)),
         state_time=np.zeros(states), state=np.zeros((states, size)),
-        event_contact=np.zeros(steps * contacts, dtype=np.int64),
-        event_kind=np.zeros(steps * contacts, dtype=np.int64), event_time=np.zeros(steps * contacts),
+        event_contact=np.zeros(events, dtype=np.int64), event_kind=np.zeros(events, dtype=np.int64),
+        event_time=np.zeros(events),
     )  # fmt: skip

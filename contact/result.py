@@ -33,7 +33,8 @@ class Result:
     """One run: n samples, K contacts. Forces are compressive >= 0 [N]; `lam` = -force is the public sign.
 
     `time` (n,) [s]; `force`, `gap` (n, K); `impulse_history` (n, K): impulse up to time + dt/2 [N s];
-    `intervals` of contact per contact [s]; `impulse`, `peak_force`, `max_penetration` [m], `residual` =
+    `intervals` of contact per contact [s], `sticking` those without slip (friction on a `Patch`), to a step;
+    `impulse`, `peak_force`, `max_penetration` [m], `residual` =
     max|min(-lam W_ii, g)| [m], `contact_steps` and `reversals` (steps in which the slip changed sign) (K,),
     all over every step whatever was stored. `state` (ns, N) displacements or modal coordinates at
     `state_time`. `every`: of how many steps one was stored as a sample.
@@ -64,6 +65,7 @@ class Result:
     scheme: str
     source: dict[str, str]
     every: int = 1
+    sticking: tuple[Intervals, ...] = ()
 
     @property
     def lam(self) -> Array:
@@ -172,7 +174,7 @@ class Result:
     def save(self, path: str | Path) -> None:
         """Write npz without pickle, complete or not at all."""
         rest = {
-            "intervals": self.intervals, "energy": asdict(self.energy),
+            "intervals": self.intervals, "sticking": self.sticking, "energy": asdict(self.energy),
             "motions": [asdict(m) for m in self.motions],
             "blocks": self.blocks, "steps": self.steps, "dt": self.dt, "window": self.window,
             "seconds": self.seconds,
@@ -188,7 +190,8 @@ class Result:
         rest: dict[str, Any] = json.loads(str(data["document"]))
         energy: dict[str, Any] = rest.pop("energy")
         energy |= {name: Stored(**energy[name]) for name in ("start", "end")}
-        rest["intervals"] = tuple(tuple((a, b) for a, b in pairs) for pairs in rest["intervals"])
+        for name in ("intervals", "sticking"):
+            rest[name] = tuple(tuple((a, b) for a, b in pairs) for pairs in rest.get(name, ()))
         rest["blocks"] = tuple((name, start, end) for name, start, end in rest["blocks"])
         rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
         rest |= {name: readonly(data[name]) for name in ARRAYS}
@@ -207,10 +210,12 @@ def collect(
 
     contact, kind, when = joined("event_contact"), joined("event_kind"), joined("event_time")
     end = steps * stepper.dt
-    intervals = tuple(_intervals(kind[contact == k], when[contact == k], end) for k in range(sums.closed.size))
+    here = [contact == k for k in range(sums.closed.size)]
+    intervals = tuple(_intervals(kind[own], when[own], end) for own in here)
+    sticking = tuple(_intervals(kind[own] - 2.0, when[own], end) for own in here) if np.any(kind > 1.0) else ()
     return Result(
         time=joined("time"), force=joined("force"), gap=joined("gap"), impulse_history=joined("impulse"),
-        intervals=intervals, impulse=readonly(sums.impulse), peak_force=readonly(sums.peak),
+        intervals=intervals, sticking=sticking, impulse=readonly(sums.impulse), peak_force=readonly(sums.peak),
         max_penetration=readonly(np.maximum(sums.penetration, 0.0)), residual=readonly(sums.residual),
         contact_steps=readonly(sums.contact_steps), reversals=readonly(sums.reversals),
         state_time=joined("state_time"), state=joined("state"), energy=energy,

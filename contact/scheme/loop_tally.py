@@ -51,6 +51,16 @@ def note_event(sums: Tally, out: Samples, k: int, kind: int, time: float) -> Non
 
 
 @jit
+def note_stick(sums: Tally, out: Samples, k: int, stuck: int, time: float) -> None:
+    """Append the beginning (3) or end (2) of sticking where contact k changes between the two."""
+    if sums.stuck[k] != stuck:
+        sums.stuck[k] = stuck
+        row = sums.filled[2]
+        out.event_contact[row], out.event_kind[row], out.event_time[row] = k, 2 + stuck, time
+        sums.filled[2] = row + 1
+
+
+@jit
 def store(sums: Tally, out: Samples, step: int, time: float, force: Array, gap: Array) -> None:
     """Store force, gap and impulse when this step is to be recorded."""
     if step % out.every == 0:

@@ -115,6 +115,17 @@ def test_sixteen_contacts_with_friction_in_three_dimensions():
     assert abs(end.discrete - start.discrete - work) <= 1e-12 * scale
 
 
+def test_sticking_is_told_from_slipping_step_by_step(tmp_path):
+    result = run(oscillator(), 0.3, 30.0, 1e-3, record=ct.Record(every=10))
+    (pauses,) = result.sticking
+    assert pauses[-1][0] == pytest.approx(2.0 * np.pi, abs=5e-3)  # two half swings, then rest at -.2 for good
+    assert pauses[-1][1] == pytest.approx(30.0, abs=1e-2)
+    assert sum(end - start for start, end in pauses[:-1]) < 0.01
+    result.save(tmp_path / "run.npz")
+    assert ct.Result.load(tmp_path / "run.npz").sticking == result.sticking
+    assert run(oscillator(tangent=()), 0.0, 1.0, 1e-2).sticking == ()
+
+
 def test_a_load_within_the_cone_sticks_for_as_long_as_it_acts():
     block = body([0.0, 0.0], np.eye(2), ("x", "y"))
     patch = ct.Patch(body=block, normal=("y",), tangent=(("x",),), load=[0.29, -1.0])
