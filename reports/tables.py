@@ -63,10 +63,12 @@ def write(path: Path, rows: Sequence[Row]) -> None:
         writer.writerows(rows)
 
 
-def command_line(description: str | None, main: Callable[[Path, bool], object]) -> None:
-    """Run a report's `main(out, quick)` with --out and --quick."""
+def command_line(description: str | None, main: Callable[..., object], **flags: str) -> None:
+    """Run a report's `main(out, quick)` with --out, --quick and flags of its own, name -> help."""
     parser = argparse.ArgumentParser(description=(description or "").partition("\n")[0])
     parser.add_argument("--quick", action="store_true", help="leave out what takes long")
+    for name, words in flags.items():
+        parser.add_argument(f"--{name}", action="store_true", help=words)
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
     arguments = parser.parse_args()
-    main(arguments.out, arguments.quick)
+    main(arguments.out, arguments.quick, **{name: getattr(arguments, name) for name in flags})

@@ -10,13 +10,14 @@ is not all there by a Sturm count, is never returned: the solution falls back to
 import warnings
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, csr_matrix
-from scipy.sparse.linalg import LinearOperator, lobpcg
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.linalg import lobpcg
 
 from casingfem.arrays import FloatArray
 from casingfem.errors import doubt
 from casingfem.modal.eigen import EigenResult, gap_after, result, solve_modes
 from casingfem.modal.krylov import START_SEED, ConvergenceError
+from casingfem.modal.multigrid_cycle import Hierarchy, make_hierarchy
 from casingfem.modal.pencil import Mass, Pencil, make_pencil
 from casingfem.structure.factor import EigenError
 
@@ -65,15 +66,26 @@ def iterate(
     ConvergenceError
         If a residual stays above `ACCEPTED` times its eigenvalue.
     """
+    return iterate_with(pencil, make_levels(pencil, near_null, shift), wanted, shift, iterations)
+
+
+def make_levels(pencil: Pencil, near_null: FloatArray, shift: float) -> Hierarchy:
+    """The multigrid levels of the shifted pencil, whose unknowns are scaled by the mass."""
+    return make_hierarchy(csr_array(pencil.shifted(shift)), near_null / pencil.scale[:, None])
+
+
+def iterate_with(
+    pencil: Pencil, levels: Hierarchy, wanted: int, shift: float, iterations: int = ITERATIONS
+) -> tuple[FloatArray, FloatArray, int]:
+    """`iterate` on levels that are there."""
     A = csr_array(pencil.shifted(shift))
-    cycle = preconditioner(A, near_null / pencil.scale[:, None])
     start = np.random.default_rng(START_SEED).standard_normal((pencil.size, wanted))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # residuals are judged below
         try:
             values, vectors, history = lobpcg(
-                A, cycle @ start, B=pencil.B, M=cycle, largest=False, tol=TOLERANCE * abs(shift), maxiter=iterations,
-                retResidualNormsHistory=True,
+                A, levels.cycle(start), B=pencil.B, M=levels.operator, largest=False, tol=TOLERANCE * abs(shift),
+                maxiter=iterations, retResidualNormsHistory=True,
             )  # fmt: skip
         except (ValueError, np.linalg.LinAlgError) as error:
             raise ConvergenceError(f"the iteration broke down: {error}") from error
@@ -84,20 +96,3 @@ def iterate(
         done = int(np.count_nonzero(residuals <= ACCEPTED))
         raise ConvergenceError(f"{done} of {wanted} modes converged, the largest residual is {residuals.max():.1e}")
     return values, vectors, wanted * len(history)
-
-
-def preconditioner(A: csr_array, near_null: FloatArray) -> LinearOperator:
-    """One cycle of smoothed aggregation for A, with the near null space (free, 6) in its coarse spaces."""
-    from pyamg import smoothed_aggregation_solver
-
-    nodal = A.shape[0] % 3 == 0
-    matrix = csr_matrix((A.data, A.indices.astype(np.int32), A.indptr.astype(np.int32)), shape=A.shape)
-    solver = smoothed_aggregation_solver(
-        matrix.tobsr(blocksize=(3, 3)) if nodal else matrix,
-        B=near_null,
-        symmetry="symmetric",
-        strength=("symmetric", {"theta": 0.0}),
-        smooth="energy" if nodal else "jacobi",
-        max_coarse=500,
-    )
-    return solver.aspreconditioner(cycle="V")

@@ -1,12 +1,14 @@
 """Reports on the eigen solvers run small, and their faults show."""
 
+import time
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from casingfem.modal import eigen, krylov
 from casingfem.structure.mesh import ShellMesh
-from reports import locking, modal_speed, solid_solvers, sturm, verify_locking
+from reports import child, locking, modal_speed, solid_solvers, sturm, verify_locking
 from reports.cylinder import REFERENCE, cylinder
 
 LOW = ShellMesh(order=3, rows=2, around=1)
@@ -35,10 +37,29 @@ def test_a_mode_lost_among_random_structures_is_a_fault(monkeypatch, capsys):
 
 @pytest.mark.slow
 def test_multigrid_serves_a_thick_block_and_says_that_it_fails_on_a_thin_plate(tmp_path):
-    thick, thin = solid_solvers.main(tmp_path, quick=True)
-    assert thick["LOBPCG"] == "converged"
-    assert thick["worst difference"] < 1e-9
-    assert "modes converged, the largest residual" in thin["LOBPCG"]
+    rows = solid_solvers.main(tmp_path, quick=True)
+    direct, multigrid, _, thin = rows
+    assert [row["ended"] for row in rows[:3]] == ["done"] * 3
+    assert multigrid["difference"] < 1e-9
+    assert direct["missed"] == 0
+    assert "modes converged, the largest residual" in thin["ended"]
+    assert len(pd.read_csv(tmp_path / "solid_solvers.csv")) == 4
+
+
+def test_a_child_that_is_stopped_shows_what_it_reached():
+    def slow():
+        yield {"first": 1}
+        time.sleep(60.0)
+
+    def large():
+        yield {"first": 2}
+        bytearray(2**34)
+
+    outcome = child.in_child(slow, child.Limits(seconds=0.3))
+    assert (outcome.numbers, outcome.ended) == ({"first": 1}, "not done after 0 s")
+    outcome = child.in_child(large, child.Limits())
+    assert (outcome.numbers, outcome.ended) == ({"first": 2}, "more than 14 GB")
+    assert outcome.peak > 10.0
 
 
 @pytest.mark.slow

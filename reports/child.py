@@ -1,0 +1,82 @@
+"""Work in a child process, with limits on its memory and time: what it takes, or what it reached when stopped."""
+
+import resource
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+
+Numbers = dict[str, object]
+GIGABYTE = 2**30
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a child may take: seconds of wall time, bytes of address space."""
+
+    seconds: float = 540.0
+    memory: int = 14 * GIGABYTE
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What the child told, the largest memory it had [MB], and how it ended: "done", or what stopped it."""
+
+    numbers: Numbers = field(default_factory=dict)
+    peak: float | None = None
+    ended: str = "done"
+
+
+def peak_memory() -> float:
+    """Largest resident memory of this process so far [MB]."""
+    unit = 1e-6 if sys.platform == "darwin" else 1e-6 * 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
+
+
+def tell(pipe: Connection, work: Callable[[], Iterator[Numbers]], limits: Limits) -> None:
+    """The child: send each part of the work as it comes, and how it ended."""
+    resource.setrlimit(resource.RLIMIT_AS, (limits.memory, limits.memory))
+    ended = "done"
+    try:
+        for numbers in work():
+            pipe.send((numbers, peak_memory(), "stopped"))
+    except MemoryError:
+        ended = f"more than {limits.memory / GIGABYTE:.3g} GB"
+    except Exception as error:  # a failure is a row of the table
+        ended = str(error)
+    pipe.send(({}, peak_memory(), ended))
+
+
+def in_child(work: Callable[[], Iterator[Numbers]], limits: Limits) -> Outcome:
+    """Run work, which yields numbers as it reaches them, in a fork of this process.
+
+    >>> def work():
+    ...     yield {"half": 1}
+    ...     bytearray(2**40)
+    >>> outcome = in_child(work, Limits(seconds=60.0))
+    >>> outcome.numbers, outcome.ended
+    ({'half': 1}, 'more than 14 GB')
+    """
+    context = get_context("fork")
+    here, there = context.Pipe(duplex=False)
+    child = context.Process(target=tell, args=(there, work, limits))
+    child.start()
+    there.close()
+    numbers: Numbers = {}
+    peak, ended = None, "stopped"
+    deadline = time.monotonic() + limits.seconds
+    while ended == "stopped":
+        if not here.poll(max(0.0, deadline - time.monotonic())):
+            ended = f"not done after {limits.seconds:.0f} s"
+            break
+        try:
+            part, peak, ended = here.recv()
+        except EOFError:
+            ended = "killed by the system"
+            break
+        numbers |= part
+    child.kill()
+    child.join()
+    return Outcome(numbers, peak, ended)
