@@ -40,13 +40,13 @@ class EigenResult:
     """Eigenvalues [rad^2/s^2] ascending, mass-normalised vectors (free, modes), and the certificate.
 
     `sturm_count` is the number of eigenvalues below the last one returned (its double included), for a band the
-    number inside it, counted by the inertia of factorisations; `residuals` are |A x - omega^2 x|/omega^2 of the
-    mass-scaled problem; `products` counts the vectors that the factors solved for.
+    number inside it, counted by the inertia of factorisations, None where that was too large; `residuals` are
+    |A x - omega^2 x|/omega^2 of the mass-scaled problem; `products` counts the vectors that the factors solved for.
     """
 
     eigenvalues: FloatArray
     vectors: FloatArray
-    sturm_count: int
+    sturm_count: int | None
     residuals: FloatArray
     products: int = 0
 
@@ -183,7 +183,7 @@ def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direc
 
 
 def result(
-    pencil: Pencil, values: FloatArray, vectors: FloatArray, certified: int, products: int, floor: float
+    pencil: Pencil, values: FloatArray, vectors: FloatArray, certified: int | None, products: int, floor: float
 ) -> EigenResult:
     """Certified pairs of the scaled pencil as modes of K and M."""
     return EigenResult(

@@ -7,17 +7,21 @@ import numpy as np
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.errors import doubt
-from casingfem.modal.eigen import Band, solve
+from casingfem.modal.eigen import Band, EigenResult, solve
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
+from casingfem.modal.multigrid import multigrid_modes
 from casingfem.structure.factor import Direct
 from casingfem.structure.mesh_assembly import MeshSystem, mapped
 from casingfem.structure.mesh_shell import MeshShell, assemble_mesh_shell
 from casingfem.structure.revolution import elements_around, round_about_z
+from casingfem.structure.rigid_body import rigid_motions
 from casingfem.structure.solid import Solid, assemble_solid
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of the system's `frequency_scale`
 IMPORTED = (Solid, MeshShell)
+LARGE, THICK = 20_000, 0.1  # unknowns, and wall over size, from which LOBPCG with multigrid is quicker
+COUNTABLE = 100_000  # unknowns of a thick solid up to which a Sturm count is affordable
 DEGREE = 3  # of the polynomials in r and z that carry the meridional shape in the projection
 
 
@@ -34,8 +38,13 @@ def mesh_modes(
     *,
     system: MeshSystem | None = None,
     direct: Direct = "superlu",
+    multigrid: bool | None = None,
 ) -> MeshModes:
     """So many modes of an imported structure, or those of a band [Hz], labelled, complete by Sturm counts.
+
+    A count of modes of a large thick solid (`large_and_thick`) is found by LOBPCG with multigrid unless `multigrid` is
+    false or `direct` is not "superlu"; where that fails, by shift-invert with a warning. Of more than `COUNTABLE`
+    unknowns a factor takes gigabytes: their completeness is searched instead of counted, `sturm_count` is None.
 
     Raises
     ------
@@ -57,7 +66,9 @@ def mesh_modes(
     started = time.perf_counter()
     system = system or assemble_mesh(structure)
     assembled = time.perf_counter()
-    found = solve(system.K, system.M, wanted, shift=-((SHIFT * system.frequency_scale) ** 2), direct=direct)
+    if multigrid is None:
+        multigrid = direct == "superlu" and large_and_thick(system)
+    found = solved_by(system, wanted, direct, multigrid=multigrid)
     solved = time.perf_counter()
     freq = found.freq
     check_rigid(system, freq)
@@ -80,6 +91,28 @@ def mesh_modes(
             "label": time.perf_counter() - solved,
         },
     )
+
+
+def large_and_thick(system: MeshSystem) -> bool:
+    """Whether LOBPCG with multigrid is worth it: a solid of `LARGE` unknowns or more, its wall `THICK` of its size.
+
+    The wall is twice the volume over the surface, the size the diagonal of its box. `python -m reports.solid_solvers
+    --large` measures both.
+    """
+    if not isinstance(system.structure, Solid) or system.size < LARGE:
+        return False
+    E, _, rho = system.structure.constants()
+    wall = system.frequency_scale * system.structure.mesh.size**2 / np.sqrt((E / rho).min())
+    return bool(wall >= THICK * system.structure.mesh.size)
+
+
+def solved_by(system: MeshSystem, wanted: int | Band, direct: Direct, *, multigrid: bool) -> EigenResult:
+    """The eigenpairs, by LOBPCG with multigrid where that is wanted and a count is asked for, or by shift-invert."""
+    shift = -((SHIFT * system.frequency_scale) ** 2)
+    if multigrid and isinstance(wanted, int):
+        near_null = rigid_motions(system.points)[system.free]
+        return multigrid_modes(system.K, system.M, near_null, wanted, shift, counted=system.size <= COUNTABLE)
+    return solve(system.K, system.M, wanted, shift=shift, direct=direct)
 
 
 def assemble_mesh(structure: Solid | MeshShell) -> MeshSystem:

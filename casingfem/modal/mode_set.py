@@ -40,7 +40,7 @@ class ModeSet:
         Number of rigid motions, which come first: modes that move as the supports let the body move.
     sturm_count
         Modes up to the last one returned, or in the band, by inertia: equal to len(modes) unless the cut splits a
-        pair.
+        pair. None for solids too large to count (`mesh_modes`).
     dofs
         Unknowns of the eigenproblem (over all harmonics for a perfect casing).
     rings
@@ -57,7 +57,7 @@ class ModeSet:
     doublets: tuple[tuple[int, int], ...]
     angle_deg: FloatArray
     rigid: int
-    sturm_count: int
+    sturm_count: int | None
     dofs: int
     rings: Rings | None = field(default=None, repr=False)
     seconds: dict[str, float] = field(default_factory=dict)
@@ -115,9 +115,8 @@ class ModeSet:
             lines.append(
                 f"{row['mode']:>4} {row['freq_hz']:>11.3f} {n:>3} {purity:>5} {row['m']:>2} {split:>9} {angle:>11}"
             )
-        lines.append(
-            f"{len(self)} modes, {self.dofs} dofs, Sturm count {self.sturm_count}, {sum(self.seconds.values()):.2f} s"
-        )
+        counted = f"Sturm count {self.sturm_count}" if self.sturm_count is not None else "not counted"
+        lines.append(f"{len(self)} modes, {self.dofs} dofs, {counted}, {sum(self.seconds.values()):.2f} s")
         return "\n".join(lines)
 
 
@@ -180,7 +179,7 @@ def labelled(
     fields: FloatArray,
     *,
     count: int,
-    sturm: int,
+    sturm: int | None,
     dofs: int,
     seconds: dict[str, float],
     own: FloatArray,

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelWarning
+from casingfem.modal import mesh_modes as mesh_module
 from casingfem.modal.mesh_modes import mesh_modes, projected
 from casingfem.modal.modes import modes
+from casingfem.modal.multigrid import multigrid_modes
 from casingfem.structure.chart import Frustum
 from casingfem.structure.mesh_data import MeshData
 from casingfem.structure.mesh_grid import grid_mesh, revolved
@@ -125,3 +127,26 @@ def test_parts_that_hinge_are_doubted(steel):
     mesh = MeshData(kind=one.kind, points=one.points[used], cells=cells.reshape(kept.shape))
     with pytest.warns(ModelWarning, match="7 modes near zero, rigid motions explain 6"):
         mesh_modes(Solid(mesh=mesh, material=steel), 8)
+
+
+def test_large_thick_solids_are_solved_by_multigrid_and_others_are_not(steel, monkeypatch):
+    def block(size):
+        mesh = grid_mesh("hexahedron20", (4, 3, 2), lambda u: u * np.array(size), groups={"root": (0, 0.0)})
+        return Solid(mesh=mesh, material=steel, supports={"root": Clamped()})
+
+    thick, thin = block((1.0, 0.8, 0.6)), block((1.0, 0.8, 0.02))
+    exact = mesh_modes(thick, 5)
+    calls = []
+    monkeypatch.setattr(mesh_module, "multigrid_modes", lambda *a, **k: calls.append(k) or multigrid_modes(*a, **k))
+    mesh_modes(thick, 5)
+    assert not calls
+    monkeypatch.setattr(mesh_module, "LARGE", 100)
+    found = mesh_modes(thick, 5)
+    mesh_modes(thin, 5)
+    mesh_modes(thick, 5, multigrid=False)
+    mesh_modes(thick, (0.0, 1.1 * exact.freq[0]))
+    assert calls == [{"counted": True}]
+    assert found.sturm_count == 5
+    np.testing.assert_allclose(found.freq, exact.freq, rtol=1e-9)
+    monkeypatch.setattr(mesh_module, "COUNTABLE", 100)
+    assert "5 modes, 492 dofs, not counted" in repr(mesh_modes(thick, 5))

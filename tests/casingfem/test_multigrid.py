@@ -30,7 +30,7 @@ def test_a_thick_block_equals_shift_invert(steel, free):
 
 
 def test_what_does_not_converge_is_said_and_solved_by_shift_invert(steel, monkeypatch):
-    monkeypatch.setattr(multigrid.iterate, "__defaults__", (2,))
+    monkeypatch.setattr(multigrid.iterate, "__defaults__", (2, None))
     system, near_null, shift = block(steel, (8, 6, 1), (1.0, 0.8, 0.004))
     with pytest.warns(ModelWarning, match=r"modes converged, the largest residual.*modes-lobpcg"):
         found = multigrid_modes(system.K, system.M, near_null, 6, shift)
@@ -49,3 +49,20 @@ def test_a_mode_that_it_misses_shows_in_the_count(steel, monkeypatch):
     with pytest.warns(ModelWarning, match="4 of 5 modes found"):
         found = multigrid_modes(system.K, system.M, near_null, 4, shift)
     assert found.sturm_count == len(found.eigenvalues) == 4
+
+
+def test_a_mode_that_it_misses_shows_in_a_search_where_nothing_is_counted(steel, monkeypatch):
+    def losing(*arguments, **options):
+        values, vectors, products = iterate(*arguments, **options)
+        return (values, vectors, products) if options else (np.delete(values, 1), np.delete(vectors, 1, 1), products)
+
+    system, near_null, shift = block(steel, (3, 3, 2), (1.0, 0.8, 0.6))
+    exact = solve_modes(system.K, system.M, 4, shift)
+    found = multigrid_modes(system.K, system.M, near_null, 4, shift, counted=False)
+    np.testing.assert_allclose(found.eigenvalues, exact.eigenvalues, rtol=1e-8)
+    assert found.sturm_count is None
+    iterate = multigrid.iterate
+    monkeypatch.setattr(multigrid, "iterate", losing)
+    with pytest.warns(ModelWarning, match="1 modes missed at first"):
+        again = multigrid_modes(system.K, system.M, near_null, 4, shift, counted=False)
+    np.testing.assert_array_equal(again.eigenvalues, exact.eigenvalues)
