@@ -34,8 +34,8 @@ class View(NamedTuple):
 def view_from(elevation: float, azimuth: float) -> View:
     """The view from an elevation above the x-y plane and an azimuth from x [degrees], z upward.
 
-    >>> view_from(0.0, 0.0).right.round(3).tolist()
-    [0.0, 1.0, 0.0]
+    >>> view_from(0.0, 90.0).right.round(3).tolist()
+    [-1.0, 0.0, 0.0]
     """
     e, a = np.radians([elevation, azimuth])
     near = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])

@@ -4,6 +4,7 @@ import json
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -12,8 +13,6 @@ import casingfem as cf
 from casingfem.cli import main
 from casingfem.mesh_out import drawn_surface, mode_files
 from casingfem.outfiles import write_files
-
-meshio = pytest.importorskip("meshio")
 
 
 @pytest.fixture(scope="module")
