@@ -1,5 +1,7 @@
 """Imported meshes against references: bricks, twisted solids, a shell of quadrilaterals."""
 
+import warnings
+
 import numpy as np
 
 from casingfem.modal.modes import modes
@@ -17,7 +19,9 @@ def rows(quick: bool) -> list[Row]:
         check(f"{case} {k}", "NAFEMS", float(nafems.loc[("FV52", k), "frequency_hz"]), float(found[place]), 0.2)
         for k, place in (("4", 3), ("5-6", 4), ("7", 6), ("8", 7), ("9-10", 8))
     ]
-    values = axisymmetric(modes(thick_cylinder("hexahedron27", (1, 12, 12)), band=(200.0, 410.0)))
+    with warnings.catch_warnings():  # coarse around on purpose: only n = 0 is wanted, which does not bend the cells
+        warnings.filterwarnings("ignore", ".*mesh-thin-curved")
+        values = axisymmetric(modes(thick_cylinder("hexahedron27", (1, 12, 12)), band=(200.0, 410.0)))
     for k, value in enumerate(values[:5].tolist(), 2):
         exact = float(nafems.loc[("FV41", str(k)), "check_hz"])
         table.append(check(f"A5 FV41 free thick cylinder, 27-node bricks, mode {k}", "3-D, Fourier", exact, value, 0.2))
