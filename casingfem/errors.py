@@ -388,7 +388,7 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         ),
         "modes-lobpcg": Fault(
             "LOBPCG with multigrid did not find the modes, as on thin walls; shift-invert was used instead",
-            "leave method out: shift-invert is the default",
+            "none is needed; `mesh_modes(solid, count, multigrid=False)` saves the attempt",
         ),
         "modes-method": Fault(
             "this method does not apply",

@@ -25,7 +25,7 @@ from casingfem.structure.factor import EigenError
 
 ITERATIONS = 200
 TOLERANCE = 1e-4  # of the residual, relative to the negative shift: some 1e-6 of the first elastic eigenvalue
-SEARCHED = 4  # vectors of the search for what was missed
+SEARCHED, SEARCH_STEPS = 6, 60  # vectors and iterations of the search for what was missed; the lowest must converge
 ACCEPTED = 1e-5  # residual over eigenvalue; its square is the error
 
 
@@ -79,7 +79,7 @@ def search(pencil: Pencil, levels: Hierarchy, found: FloatArray, sigma: float, s
     ConvergenceError
         If there is one, or the search does not converge.
     """
-    values, _, products = iterate(pencil, levels, SEARCHED, shift, beside=found)
+    values, _, products = iterate(pencil, levels, SEARCHED, shift, SEARCH_STEPS, found, needed=1)
     missed = int(np.count_nonzero(values < sigma))
     if missed:
         raise ConvergenceError(f"{missed} modes missed at first")
@@ -88,7 +88,10 @@ def search(pencil: Pencil, levels: Hierarchy, found: FloatArray, sigma: float, s
 
 def make_levels(pencil: Pencil, near_null: FloatArray, shift: float) -> Hierarchy:
     """The multigrid levels of the shifted pencil, whose unknowns are scaled by the mass."""
-    return make_hierarchy(csr_array(pencil.shifted(shift)), near_null / pencil.scale[:, None])
+    try:
+        return make_hierarchy(csr_array(pencil.shifted(shift)), near_null / pencil.scale[:, None])
+    except np.linalg.LinAlgError as error:
+        raise ConvergenceError(f"the coarsest matrix is not positive definite: {error}") from error
 
 
 def iterate(
@@ -98,10 +101,11 @@ def iterate(
     shift: float,
     iterations: int = ITERATIONS,
     beside: FloatArray | None = None,
+    needed: int | None = None,
 ) -> tuple[FloatArray, FloatArray, int]:
-    """Lowest eigenvalues ascending, B-orthonormal vectors, and preconditioned vectors, all converged.
+    """Lowest eigenvalues ascending, B-orthonormal vectors, and preconditioned vectors; the first `needed` converged.
 
-    With `beside`, (free, k) B-orthonormal, those of what is B-orthogonal to it.
+    All are needed if nothing is said. With `beside`, (free, k) B-orthonormal, those of what is B-orthogonal to it.
 
     Raises
     ------
@@ -122,8 +126,10 @@ def iterate(
             raise ConvergenceError(f"the iteration broke down: {error}") from error
     order = np.argsort(values)
     values, vectors = values[order] + shift, vectors[:, order]
-    residuals = pencil.residuals(values, vectors, abs(shift))
+    residuals = pencil.residuals(values, vectors, abs(shift))[:needed]
     if not np.all(residuals <= ACCEPTED):
         done = int(np.count_nonzero(residuals <= ACCEPTED))
-        raise ConvergenceError(f"{done} of {wanted} modes converged, the largest residual is {residuals.max():.1e}")
+        raise ConvergenceError(
+            f"{done} of {len(residuals)} modes converged, the largest residual is {residuals.max():.1e}"
+        )
     return values, vectors, wanted * len(history)

@@ -30,7 +30,7 @@ def test_a_thick_block_equals_shift_invert(steel, free):
 
 
 def test_what_does_not_converge_is_said_and_solved_by_shift_invert(steel, monkeypatch):
-    monkeypatch.setattr(multigrid.iterate, "__defaults__", (2, None))
+    monkeypatch.setattr(multigrid.iterate, "__defaults__", (2, None, None))
     system, near_null, shift = block(steel, (8, 6, 1), (1.0, 0.8, 0.004))
     with pytest.warns(ModelWarning, match=r"modes converged, the largest residual.*modes-lobpcg"):
         found = multigrid_modes(system.K, system.M, near_null, 6, shift)
