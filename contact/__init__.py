@@ -14,6 +14,7 @@ values; `run` brings them together and returns a Result. Scene files: `load_scen
 
 from contact.energy import EnergyBudget
 from contact.errors import InputError, LimitError, NumericsError
+from contact.growth_map import StabilityMap
 from contact.model.beam import BeamInCircle, HingedBeam
 from contact.model.body import PointMass, Rod, Wall
 from contact.model.cantilever import Cantilever
@@ -22,12 +23,14 @@ from contact.model.law import AugmentedLagrangian, Coulomb, Penalty, Unilateral
 from contact.model.linear import Forcing, LinearBody, Part
 from contact.model.modal_body import ModalBody
 from contact.model.patch import Patch
+from contact.model.permanent import HandPair, ModalPair, rim_contact
 from contact.model.ring_modes import ThinRing, ring_elements, ring_modes
 from contact.model.rod_modes import rod_modes
 from contact.record import Record
 from contact.result import Result
 from contact.run import Scene, run
 from contact.scene import SceneError, load_scene, scene_schema
+from contact.scene_stability import load_stability
 from contact.scheme.cd_lagrange import CDLagrange
 from contact.scheme.central_difference import CentralDifference
 from contact.scheme.exact_modal import ExactModal
@@ -39,12 +42,14 @@ from contact.scheme.nonsmooth_alpha import NonsmoothAlpha
 from contact.scheme.paoli_schatzman import PaoliSchatzman
 from contact.scheme.penalty import PenaltyDifference
 from contact.scheme.stabilised_newmark import StabilisedNewmark
+from contact.stability import poles, rim_stability, stability
 
 __all__ = [
     "HHT", "AugmentedLagrangian", "BeamInCircle", "CDLagrange", "Cantilever", "CentralDifference", "Coulomb",
-    "EnergyBudget", "ExactModal", "Forcing", "HingedBeam", "InputError", "LimitError", "LinearBody",
-    "MasslessBoundary", "ModalBody", "MoreauJean", "Newmark", "NonsmoothAlpha", "NumericsError", "PaoliSchatzman",
-    "Part", "Patch", "Penalty", "PenaltyDifference", "PointGap", "PointMass", "Record", "Result", "Rod",
-    "RotatingRim", "Scene", "SceneError", "Side", "StabilisedNewmark", "ThinRing", "Unilateral", "Wall",
-    "load_scene", "ring_elements", "ring_modes", "rod_modes", "run", "scene_schema",
+    "EnergyBudget", "ExactModal", "Forcing", "HandPair", "HingedBeam", "InputError", "LimitError", "LinearBody",
+    "MasslessBoundary", "ModalBody", "ModalPair", "MoreauJean", "Newmark", "NonsmoothAlpha", "NumericsError",
+    "PaoliSchatzman", "Part", "Patch", "Penalty", "PenaltyDifference", "PointGap", "PointMass", "Record", "Result",
+    "Rod", "RotatingRim", "Scene", "SceneError", "Side", "StabilisedNewmark", "StabilityMap", "ThinRing", "Unilateral",
+    "Wall", "load_scene", "load_stability", "poles", "rim_contact", "rim_stability", "ring_elements", "ring_modes",
+    "rod_modes", "run", "scene_schema", "stability",
 ]  # fmt: skip

@@ -41,17 +41,12 @@ def load_scene(path: str | Path) -> Scene:
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
     """
-    file = Path(path)
-    try:
-        text = file.read_bytes()
-        data = tomllib.loads(text.decode("utf-8"))
-    except OSError as error:
-        raise SceneError([f"{file}: cannot be read ({error.strerror}), expected a scene.toml"]) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SceneError([f"{file}: not TOML: {error}"]) from error
-    from contact.scene_tables import BeamFile, CantileverFile, RimFile
+    from contact.scene_tables import BeamFile, CantileverFile, PairFile, RimFile
 
-    table = _validated(data, file)
+    file = Path(path)
+    table, text = read_scene(file)
+    if isinstance(table, PairFile):
+        raise SceneError([f"{file}: scene.kind: found 'pair', which casingfem stability takes"])
     if isinstance(table, RimFile):
         return _rim(table, file, text)
     if isinstance(table, BeamFile):
@@ -61,8 +56,20 @@ def load_scene(path: str | Path) -> Scene:
     return _rods(table, file, text)
 
 
+def read_scene(file: Path) -> tuple[File, bytes]:
+    """Read and validate a scene file of any kind: its tables and its text. Raises SceneError."""
+    try:
+        text = file.read_bytes()
+        data = tomllib.loads(text.decode("utf-8"))
+    except OSError as error:
+        raise SceneError([f"{file}: cannot be read ({error.strerror}), expected a scene.toml"]) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SceneError([f"{file}: not TOML: {error}"]) from error
+    return _validated(data, file), text
+
+
 def scene_schema() -> dict[str, Any]:
-    """JSON schema of all kinds of scene files, by kind."""
+    """JSON schema of every kind of scene files, by kind."""
     from contact.scene_tables import FILES
 
     return {kind: model.model_json_schema() for kind, model in FILES.items()}

@@ -117,10 +117,25 @@ class RimContact(Table):
     angle_deg: FiniteFloat = 0.0
 
 
+class ScanTable(Table):
+    """Speeds from, to [Hz] and how many of them: what `casingfem stability` looks at."""
+
+    from_hz: FiniteFloat
+    to_hz: FiniteFloat
+    steps: Annotated[int, Field(ge=2, le=1_000_000)] = 401
+
+    @model_validator(mode="after")
+    def _ascends(self) -> ScanTable:
+        if not self.from_hz < self.to_hz:
+            raise ValueError(f"from_hz = {self.from_hz!r} and to_hz = {self.to_hz!r}, expected from_hz < to_hz")
+        return self
+
+
 class SpeedTable(Table):
-    """[speed]: turns per second."""
+    """[speed]: turns per second; `scan` the speeds of a growth map."""
 
     hz: FiniteFloat
+    scan: ScanTable | None = None
 
 
 class RimScheme(Table):
@@ -247,7 +262,53 @@ class CantileverFile(Table):
         return self
 
 
-File = RodsFile | RimFile | BeamFile | CantileverFile
+class PairHead(Table):
+    """[scene] of kind "pair"."""
+
+    kind: Literal["pair"]
+
+
+class BladeModeTable(Table):
+    """[blade] of a pair: one mode, its mass [kg] for unit motion along the contact's normal."""
+
+    freq_hz: Positive
+    modal_mass: Positive
+    zeta: Annotated[NotNegative, Field(lt=1)] = 0.0
+
+
+class CasingPairTable(BladeModeTable):
+    """[casing] of a pair: n nodal diameters, and what a blade mode has."""
+
+    n: Annotated[int, Field(ge=1)]
+
+
+class PairContact(Table):
+    """[contact] of a pair: stiffness [N/m] or compliance [m/N], friction, lean of the blade into the motion."""
+
+    stiffness: Positive | None = None
+    compliance: Positive | None = None
+    friction: NotNegative = 0.0
+    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = 0.0
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> PairContact:
+        if (self.stiffness is None) == (self.compliance is None):
+            found = "neither stiffness nor compliance" if self.stiffness is None else "stiffness and compliance both"
+            raise ValueError(f"{found} given, expected one of them")
+        return self
+
+
+class PairFile(Table):
+    """One casing pair against one blade mode, contact closed: for `casingfem stability`."""
+
+    scene: PairHead
+    casing: CasingPairTable
+    blade: BladeModeTable
+    contact: PairContact
+    speed: ScanTable
+
+
+File = RodsFile | RimFile | BeamFile | CantileverFile | PairFile
 FILES: dict[str, type[File]] = {
-    "rods": RodsFile, "rim": RimFile, "beam": BeamFile, "cantilever": CantileverFile,
+    "rods": RodsFile, "rim": RimFile, "beam": BeamFile, "cantilever": CantileverFile, "pair": PairFile,
 }  # fmt: skip

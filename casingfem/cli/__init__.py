@@ -2,7 +2,7 @@
 
 import click
 
-from casingfem.cli.contact import contact, rub
+from casingfem.cli.contact import contact, rub, stability
 from casingfem.cli.doctor import doctor
 from casingfem.cli.explain import explain
 from casingfem.cli.mistune import mistune
@@ -24,5 +24,5 @@ def main() -> None:
     """
 
 
-for command in (modes, mistune, update, reduce, contact, rub, report, schema, explain, doctor):
+for command in (modes, mistune, update, reduce, contact, rub, stability, report, schema, explain, doctor):
     main.add_command(command)

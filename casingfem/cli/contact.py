@@ -1,4 +1,4 @@
-"""Commands on scene.toml: contact and rub."""
+"""Commands on scene.toml: contact, rub and stability."""
 
 from pathlib import Path
 
@@ -24,6 +24,20 @@ def contact(file: Path, as_json: bool, out: Path | None) -> None:
 def rub(file: Path, as_json: bool, out: Path | None) -> None:
     """Run SCENE: a rotating casing rim against a fixed blade."""
     run_scene(file, "rub", as_json, out)
+
+
+@click.command()
+@SCENE
+@options
+def stability(file: Path, as_json: bool, out: Path | None) -> None:
+    """Growth over speed of a contact that stays closed: SCENE is a pair, or a rim with speed.scan."""
+    from contact.scene_stability import load_stability
+
+    scene = load_stability(file)
+    with Working(f"stability {file.name}"):
+        found = scene.solve()
+    document = found.to_dict()
+    deliver(document, repr(found), as_json=as_json, out=out, files={"stability.json": json_text(document)})
 
 
 def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None:

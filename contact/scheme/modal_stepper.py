@@ -95,7 +95,7 @@ def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: 
 def _rim_loop(system: ModalSystem, h: float, averaged: bool, damped: bool, mu: float) -> Loop:
     from contact.scheme.loop_rim import advance_rim
 
-    rows, m = _rim_rows(system, mu), system.omega.size
+    rows, m = rim_rows(system, mu), system.omega.size
     Q, Q_next, T = np.zeros(m), np.zeros(m), np.zeros(m)
 
     def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
@@ -104,7 +104,8 @@ def _rim_loop(system: ModalSystem, h: float, averaged: bool, damped: bool, mu: f
     return loop
 
 
-def _rim_rows(system: ModalSystem, mu: float) -> RimRows:
+def rim_rows(system: ModalSystem, mu: float) -> RimRows:
+    """What the compiled loops need of a rim: rows, polynomials of the angle, work space."""
     from contact.scheme.loop_rim import RimRows, RowEntries, Terms
 
     def terms(p: Trig) -> Terms:

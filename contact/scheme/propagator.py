@@ -83,3 +83,15 @@ def _rest(force: Array, omega: Array) -> Array:
     """Static displacement of elastic modes, zero for rigid ones."""
     elastic = omega > 0.0
     return np.asarray(np.where(elastic, force / np.where(elastic, omega, 1.0) ** 2, 0.0))
+
+
+def free_motion(omega: Array, zeta: Array, h: float) -> Array:
+    """Exact (q, q') -> (q, q') of free modes over h [s], which may be negative: entries 11, 12, 21, 22, (4, m).
+
+    >>> free_motion(np.array([np.pi]), np.zeros(1), 1.0).round(12).ravel().tolist()
+    [-1.0, 0.0, -0.0, -1.0]
+    """
+    w_d, slope = omega * np.sqrt(1.0 - zeta**2), zeta / np.sqrt(1.0 - zeta**2)
+    fade, cos, sin = np.exp(-zeta * omega * h), np.cos(w_d * h), np.sin(w_d * h)
+    across = fade * h * np.sinc(w_d * h / np.pi)
+    return np.array([fade * (cos + slope * sin), across, -(omega**2) * across, fade * (cos - slope * sin)])
