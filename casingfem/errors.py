@@ -570,6 +570,22 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the law of the thickness leaves no wall somewhere",
             "keep the polynomial through the stations above 0",
         ),
+        "uff-gap": Fault(
+            "sets of nodes and elements hold no count, and here a few of their numbers are left out",
+            "compare with the program that wrote the file: were lines lost?",
+        ),
+        "uff-local": Fault(
+            "the coordinates of nodes refer to coordinate systems of the file that are not read",
+            "export the geometry in global coordinates, or see that these systems are the global one",
+        ),
+        "uff-shapes": Fault(
+            "sets of shapes hold no count, and the shapes of one file have values at different nodes",
+            "compare with the program that wrote the file: were lines lost?",
+        ),
+        "uff-unknown": Fault(
+            "the file has a set of a number that this reader does not know; it is skipped",
+            "look whether the number is the one meant",
+        ),
     }
 )
 

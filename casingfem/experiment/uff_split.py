@@ -1,0 +1,248 @@
+"""Universal files: cutting a file into its sets, and the error that names set and line.
+
+A set stands between two lines `-1`; its first line is its number (SDRC universal file format, published by the
+Structural Dynamics Research Laboratory, University of Cincinnati). Readers that search for the text `    -1` cut
+sets in two where a header holds a node number -1; here a mark is a whole line, and one inside the text lines of a
+header is text unless another mark or the end of the file follows it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+KINDS = {
+    "15": "nodes",
+    "18": "coordinate systems",
+    "55": "shapes at nodes",
+    "56": "data at elements",
+    "57": "data at the nodes of elements",
+    "58": "functions",
+    "58b": "functions, binary",
+    "82": "trace lines",
+    "151": "header",
+    "161": "history",
+    "164": "units",
+    "780": "elements",
+    "755": "restraints",
+    "757": "constraints",
+    "770": "permanent groups",
+    "781": "nodes, double precision",
+    "1858": "qualifiers of functions",
+    "2400": "model header",
+    "2411": "nodes, double precision",
+    "2412": "elements",
+    "2414": "analysis data",
+    "2417": "permanent groups",
+    "2420": "coordinate systems",
+    "2429": "permanent groups",
+    "2435": "permanent groups",
+    "2452": "permanent groups",
+    "2467": "permanent groups",
+}
+TEXT_LINES = {"55": 5, "58": 5, "151": 7}  # lines below the number that may hold any text
+BINARY_LINES = 11  # the header of a binary function
+_BINARY_ENDS = (7, 13, 19, 31, 43)  # ends of the columns of the line "58b ..."
+
+
+class UffError(ValueError):
+    """A universal file that cannot be read as it stands: says set, line, what was found, what was expected."""
+
+    def __init__(self, path: str, *, where: str, line: int, found: str, expected: str) -> None:
+        self.path, self.where, self.line, self.found, self.expected = path, where, line, found, expected
+        super().__init__(f"{path}, line {line}, {where}: found {found}; expected {expected}")
+
+
+class BinaryHeader(NamedTuple):
+    """What the first line of a binary function says: byte order ("<" or ">") and number of bytes."""
+
+    order: str
+    size: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RawSet:
+    """One set as text: its lines below the number, the number of the first of them, and the bytes of binary data."""
+
+    path: str
+    number: str
+    lines: tuple[str, ...]
+    first: int
+    binary: BinaryHeader | None = None
+    payload: bytes = b""
+
+    @property
+    def name(self) -> str:
+        """Number and kind, as errors have it."""
+        return named(self.number)
+
+    def error(self, index: int, found: str, expected: str) -> UffError:
+        """The error for a line, counted from 0 below the set's number."""
+        return UffError(self.path, where=self.name, line=self.first + index, found=found, expected=expected)
+
+    def line(self, index: int, meaning: str) -> str:
+        """One line, which must be there."""
+        if index >= len(self.lines):
+            raise self.error(len(self.lines), "the end of the set", meaning)
+        return self.lines[index]
+
+
+def named(number: str) -> str:
+    """Set number and kind.
+
+    >>> named("58"), named("9999")
+    ('set 58 (functions)', 'set 9999 (a kind this reader does not know)')
+    """
+    return f"set {number} ({KINDS.get(number, 'a kind this reader does not know')})"
+
+
+def split(data: bytes, path: str) -> list[RawSet]:
+    r"""Cut a universal file into its sets; no byte but blank lines may lie outside them.
+
+    Raises
+    ------
+    UffError
+        No set; text outside sets; a set that does not end; binary data of another length than its header says.
+
+    Examples
+    --------
+    >>> [raw.number for raw in split(b"    -1\n   151\na\nb\n    -1\n", "test.uff")]
+    ['151']
+    """
+    scan = _Scan(data=data, path=path)
+    sets: list[RawSet] = []
+    position = scan.skip_blank(0)
+    if position >= len(data):
+        raise UffError(path, where="before the first set", line=1, found="nothing", expected="a universal file")
+    while position < len(data):
+        before = f"after {sets[-1].name}" if sets else "before the first set"
+        text, following = scan.text(position)
+        if not is_mark(text):
+            found, expected = repr(text.strip()[:40]), "-1 in columns 5 and 6, which opens a set"
+            raise UffError(path, where=before, line=scan.number(position), found=found, expected=expected)
+        raw, position = _one_set(scan, following, before)
+        sets.append(raw)
+        position = scan.skip_blank(position)
+    return sets
+
+
+def is_mark(text: str) -> bool:
+    """Whether a line opens or closes a set: -1 within the first six columns, and nothing else."""
+    return text.strip() == "-1" and len(text.rstrip()) <= 6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Scan:
+    data: bytes
+    path: str
+
+    def text(self, position: int) -> tuple[str, int]:
+        """The line at a position, decoded, and the position of the next."""
+        end = self.data.find(b"\n", position)
+        stop = len(self.data) if end < 0 else end
+        return decoded(self.data[position:stop].removesuffix(b"\r")), (stop if end < 0 else end + 1)
+
+    def number(self, position: int) -> int:
+        """The number of the line at a position, from 1."""
+        return self.data.count(b"\n", 0, position) + 1
+
+    def skip_blank(self, position: int) -> int:
+        """The position of the next line that is not blank, or the end."""
+        while position < len(self.data):
+            text, following = self.text(position)
+            if text.strip():
+                break
+            position = following
+        return position
+
+    def closes(self, following: int) -> bool:
+        """Whether what follows a mark shows that it closed a set: the end, or the mark that opens the next."""
+        position = self.skip_blank(following)
+        return position >= len(self.data) or is_mark(self.text(position)[0])
+
+
+def decoded(line: bytes) -> str:
+    r"""Text of a line: UTF-8 where it is, else Latin-1, which testers' units are often written in.
+
+    >>> decoded(b"m/s\xb2"), decoded("m/s²".encode())
+    ('m/s²', 'm/s²')
+    """
+    try:
+        return line.decode("utf-8")
+    except UnicodeDecodeError:
+        return line.decode("latin-1")
+
+
+def _one_set(scan: _Scan, position: int, before: str) -> tuple[RawSet, int]:
+    """The set whose number stands at a position, and the position behind its closing mark."""
+    text, following = scan.text(position)
+    start = scan.number(position)
+    number = re.fullmatch(r"[0-9]{1,6}", text.strip())
+    if text[:7].strip() == "58b":
+        return _binary_set(scan, text, start, following)
+    if number is None or len(text.rstrip()) > 6:
+        found = repr(text.strip()[:40]) if position < len(scan.data) else "the end of the file"
+        expected = "the number of a set in columns 1 to 6"
+        raise UffError(scan.path, where=before, line=start, found=found, expected=expected)
+    name = number.group()
+    lines: list[str] = []
+    while following < len(scan.data):
+        text, after = scan.text(following)
+        if is_mark(text):
+            if scan.closes(after):
+                return RawSet(path=scan.path, number=name, lines=tuple(lines), first=start + 1), after
+            if len(lines) >= TEXT_LINES.get(name, 0):
+                found = "-1, and neither another -1 nor the end of the file below it"
+                expected = "-1 where a set ends, and again where the next begins"
+                raise UffError(
+                    scan.path, where=named(name), line=scan.number(following), found=found, expected=expected
+                )
+        lines.append(text)
+        following = after
+    raise UffError(
+        scan.path, where=named(name), line=start + len(lines), found="the end of the file", expected="-1, the set's end"
+    )
+
+
+def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawSet, int]:
+    """A binary function: its header's lines, then as many bytes as it says, then the closing mark."""
+    header = _binary_header(scan.path, text, start)
+    lines: list[str] = []
+    for _ in range(BINARY_LINES):
+        if position >= len(scan.data):
+            found, expected = "the end of the file", f"{BINARY_LINES} lines of header"
+            raise UffError(scan.path, where=named("58b"), line=start + len(lines) + 1, found=found, expected=expected)
+        line, position = scan.text(position)
+        lines.append(line)
+    payload = scan.data[position : position + header.size]
+    place = scan.number(position)
+    end = position + header.size
+    if len(payload) < header.size:
+        found, expected = f"{len(payload)} bytes of data", f"{header.size}, as line {start} says"
+        raise UffError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
+    mark, after = scan.text(scan.skip_blank(end))
+    if not is_mark(mark) or not scan.closes(after):
+        found, expected = f"no closing -1 behind {header.size} bytes of data", f"it there, as line {start} says"
+        raise UffError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
+    raw = RawSet(path=scan.path, number="58b", lines=tuple(lines), first=start + 1, binary=header, payload=payload)
+    return raw, after
+
+
+def _binary_header(path: str, text: str, start: int) -> BinaryHeader:
+    """Byte order and length from the line `58b`: (I6, A1, 2I6, 2I12, 2I6, 2I12)."""
+    cells = [text[low:high] for low, high in pairwise(_BINARY_ENDS)]
+    if not all(re.fullmatch(r" *[0-9]+", cell) for cell in cells):
+        found, expected = repr(text.strip()), "58b, byte order, floating format, lines of header, bytes of data"
+        raise UffError(path, where=named("58b"), line=start, found=found, expected=expected)
+    order, form, lines, size = map(int, cells)
+    for what, value, good in (
+        ("byte order", order, {1: "little endian", 2: "big endian"}),
+        ("floating format", form, {2: "IEEE 754; DEC and IBM numbers are not read"}),
+        ("lines of header", lines, {BINARY_LINES: "the header of set 58"}),
+    ):
+        if value not in good:
+            expected = ", ".join(f"{key} ({word})" for key, word in good.items())
+            raise UffError(path, where=named("58b"), line=start, found=f"{what} {value}", expected=expected)
+    return BinaryHeader("<" if order == 1 else ">", size)
