@@ -8,7 +8,10 @@ print(cf.modes(casing, count=40))
 """
 
 from casingfem.experiment.correlation import Pairing, mac, pair, subspace_mac
+from casingfem.experiment.frf import FrfError, FrfSet
 from casingfem.experiment.measurement import FrequencyTable, TableError
+from casingfem.experiment.uff import UniversalFile, read_uff
+from casingfem.experiment.uff_split import UffError
 from casingfem.modal.basis import BasisError, ModalBasis
 from casingfem.modal.campbell import Campbell, campbell
 from casingfem.modal.eigen import EigenError
@@ -65,6 +68,8 @@ __all__ = [
     "Fixed",
     "FourierField",
     "FrequencyTable",
+    "FrfError",
+    "FrfSet",
     "Frustum",
     "Gravity",
     "Material",
@@ -107,6 +112,8 @@ __all__ = [
     "Taper",
     "Tip",
     "TwistedPlate",
+    "UffError",
+    "UniversalFile",
     "UpdateError",
     "UpdateResult",
     "WhirlModes",
@@ -117,6 +124,7 @@ __all__ = [
     "modes",
     "pair",
     "read_mesh",
+    "read_uff",
     "reduce",
     "solve_static",
     "subspace_mac",

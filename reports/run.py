@@ -13,7 +13,7 @@ REPORTS = (
     "frustum_convergence", "cylinder", "contact_accuracy", "rods", "rod_wall", "work_precision",
     "stability", "contact_targets", "contact_physics", "rotating_beam", "hertz", "bases", "speed",
     "loose_bolts", "steel_ring", "mistuning", "verification", "imported", "sturm",
-    "locking", "modal_speed", "solid_solvers", "broken_models", "rig",
+    "locking", "modal_speed", "solid_solvers", "broken_models", "uff_mutations", "rig",
 )  # fmt: skip
 
 

@@ -70,6 +70,8 @@ def read_shape(raw: RawSet) -> Shape:
     model, analysis, characteristic, quantity, form, count = integers(raw, [TEXTS], Columns(0, 10, 6))[0].tolist()
     if form not in (REAL, COMPLEX):
         raise raw.error(TEXTS, f"data type {form}", "2 (real) or 5 (complex)")
+    if not 0 <= characteristic <= 6:
+        raise raw.error(TEXTS, f"data characteristic {characteristic}", "0 to 6")
     if count < 1 or VALUES.get(characteristic, count) != count:
         expected = f"{VALUES.get(characteristic, '1 or more')}, by data characteristic {characteristic}"
         raise raw.error(TEXTS, f"{count} values a node", expected)

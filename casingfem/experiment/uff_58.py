@@ -7,7 +7,7 @@ readers return fewer points, or none, from files that were cut or edited, and th
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,7 @@ KIND_WORDS = (
 )  # fmt: skip
 TEXTS = 5  # lines of text, then those of the function, of the numbers and of four axes
 REAL, REAL_DOUBLE, COMPLEX, COMPLEX_DOUBLE = 2, 4, 5, 6
+DECADES = 30  # what is measured spans fewer; bytes in the wrong order span more
 
 
 class Channel(NamedTuple):
@@ -155,9 +156,7 @@ def _identity(raw: RawSet) -> tuple[int, tuple[int, int, int], Channel, Channel]
     def whole(start: int, width: int, *, last: bool = False) -> int:
         return int(integers(raw, [row], Columns(start, width, 1), last=last)[0, 0])
 
-    for column in (30, 55):
-        if line[column] != " ":
-            raise raw.error(row, f"{line[column]!r} in column {column + 1}", "a blank between names and numbers")
+    _check_blank(raw, row, (30, 55))
     kind = whole(0, 5)
     if not 0 <= kind < len(KIND_WORDS):
         raise raw.error(row, f"function type {kind}", f"0 to {len(KIND_WORDS) - 1}")
@@ -168,6 +167,14 @@ def _identity(raw: RawSet) -> tuple[int, tuple[int, int, int], Channel, Channel]
             raise raw.error(row, f"direction {direction}", "-6 to 6")
         channels.append(Channel(line[start : start + 10].strip(), node, direction))
     return kind, (whole(5, 10), whole(15, 5), whole(20, 10)), channels[0], channels[1]
+
+
+def _check_blank(raw: RawSet, row: int, columns: tuple[int, ...]) -> None:
+    """Refuse text where names and numbers are kept apart."""
+    for column in columns:
+        if raw.lines[row][column : column + 1].strip():
+            found = f"{raw.lines[row][column]!r} in column {column + 1}"
+            raise raw.error(row, found, "a blank between names and numbers")
 
 
 def _record7(raw: RawSet) -> tuple[Layout, float, float, float]:
@@ -190,6 +197,7 @@ def _record7(raw: RawSet) -> tuple[Layout, float, float, float]:
 def _axis(raw: RawSet, row: int) -> Axis:
     """Records 8 to 11: I10, 3I5, 2(1X, 20A1)."""
     line = raw.lines[row]
+    _check_blank(raw, row, (25, 46))
     kind = int(integers(raw, [row], Columns(0, 10, 1), last=False)[0, 0])
     length, force, temperature = integers(raw, [row], Columns(10, 5, 3), last=False)[0].tolist()
     return Axis(kind, (length, force, temperature), line[26:46].strip(), line[47:].strip())
@@ -243,7 +251,19 @@ def _from_bytes(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
     if not np.isfinite(whole).all():
         point = int(np.argwhere(~np.isfinite(whole))[0, 0]) + 1
         raise raw.error(TEXTS + 6, f"nan or infinity at point {point}", "finite numbers")
+    _check_order(raw, table["y"], fitting[0]["y"].base)
     return _parted(whole, layout)
+
+
+def _check_order(raw: RawSet, values: Array, form: np.dtype[Any]) -> None:
+    """Refuse numbers over many decades that shrink to a few in the other byte order."""
+    decades = []
+    for each in (values, np.ascontiguousarray(values).view(form.newbyteorder())):
+        sizes = np.abs(each[each != 0.0].astype(np.float64))
+        decades.append(np.ptp(np.log10(sizes)) if sizes.size and np.isfinite(sizes).all() else np.inf)
+    if decades[0] > DECADES and decades[1] < 0.5 * decades[0]:
+        found = f"numbers over {decades[0]:.0f} decades, over {decades[1]:.0f} in the other byte order"
+        raise raw.error(-1, found, "the byte order of the data")
 
 
 def _parted(table: FloatArray, layout: Layout) -> tuple[FloatArray, Array]:

@@ -13,6 +13,12 @@ from casingfem.experiment.uff_split import RawSet
 
 BEAMS = (11, 21, 22, 23, 24)  # descriptors of elements with a line about their orientation
 HEADER_LINES = 7
+# nodes of elements by descriptor: beams, plane stress and strain, thin shells, solids; others have what they say
+NODES_OF = {
+    **{11: 2, 21: 2, 22: 2},
+    **{41: 3, 42: 6, 44: 4, 45: 8, 51: 3, 52: 6, 54: 4, 55: 8},
+    **{91: 3, 92: 6, 94: 4, 95: 8, 111: 4, 112: 6, 113: 15, 115: 8, 116: 20, 118: 10},
+}
 
 
 class Units(NamedTuple):
@@ -20,7 +26,6 @@ class Units(NamedTuple):
 
     code: int = 1
     name: str = "SI: Meter (newton)"
-    temperature_mode: int = 0
     length: float = 1.0
     force: float = 1.0
     temperature: float = 1.0
@@ -87,17 +92,15 @@ def read_header(raw: RawSet) -> tuple[str, ...]:
 
 
 def read_units(raw: RawSet) -> Units:
-    """Set 164: I10, 20A1, I10; three factors and an offset in D25.17."""
+    """Set 164: I10, 20A1 (and how temperatures are meant, left out here); three factors and an offset in D25.17."""
     check_lines(raw, 0, 3, "units")
     check_end(raw, 3, "four numbers")
     line = raw.lines[0]
     code = int(integers(raw, [0], Columns(0, 10, 1), last=False)[0, 0])
-    mode = int(integers(raw, [0], Columns(30, 10, 1))[0, 0]) if line[30:].strip() else 0
-    length, force, temperature = reals(raw, [1], Columns(0, 25, 3))[0].tolist()
-    (offset,) = reals(raw, [2], Columns(0, 25, 1))[0].tolist()
+    length, force, temperature, offset = series(raw, 1, 4, Columns(0, 25, 3), reals, "units").tolist()
     if min(length, force, temperature) <= 0.0:
         raise raw.error(1, f"the factors {length:g}, {force:g}, {temperature:g}", "factors above 0")
-    return Units(code, line[10:30].strip(), mode, length, force, temperature, offset)
+    return Units(code, line[10:30].strip(), length, force, temperature, offset)
 
 
 def read_nodes(raw: RawSet, units: Units) -> Nodes:
@@ -144,8 +147,8 @@ def read_elements(raw: RawSet) -> Elements:
     row = 0
     while row < lines:
         _, kind, *_, count = integers(raw, [row], Columns(0, 10, 6))[0].tolist()
-        if count < 1:
-            raise raw.error(row, f"{count} nodes", "1 or more")
+        if count < 1 or NODES_OF.get(kind, count) != count:
+            raise raw.error(row, f"{count} nodes", f"{NODES_OF.get(kind, '1 or more')} for descriptor {kind}")
         heads.append(row)
         row += 1 + (kind in BEAMS) - (-count // 8)
     check_lines(raw, 0, row, "elements")

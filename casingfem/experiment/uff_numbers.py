@@ -1,7 +1,7 @@
 """Numbers in the fixed columns of universal files, all lines of a block at once.
 
 Columns are fixed (Fortran formats), so a character too many or too few shifts what follows. That is seen by two
-rules: integers end in the last column of their field, and reals do, or all have the same number of decimals.
+rules: integers end in the last column of their field; reals do, or all end one column earlier with as many digits.
 """
 
 from __future__ import annotations
@@ -146,21 +146,22 @@ def _real(cell: str) -> float:
 
 
 def _check_columns(raw: RawSet, rows: Sequence[int], columns: Columns, block: Array) -> None:
-    """Refuse reals that are neither flush right nor alike: a character is missing or too many."""
+    """Refuse reals that end in different columns, or before the last without as many digits: characters are missing."""
     ends = columns.width - np.argmax(block[..., ::-1] != _BLANK, axis=-1)
-    if np.all(ends == columns.width):
-        return
-    letters = np.isin(block, _EXPONENTS)
-    mantissa_end = np.where(letters.any(axis=-1), letters.argmax(axis=-1), ends)
-    points = block == ord(".")
-    decimals = np.where(points.any(axis=-1), mantissa_end - points.argmax(axis=-1) - 1, -1)
-    short = letters.any(axis=-1) & (ends - mantissa_end < 4)  # a letter, a sign, two digits
-    usual = np.bincount(np.maximum(decimals.ravel(), 0)).argmax()
-    odd = (decimals != usual) | short
+    odd = ends != np.bincount(ends.ravel()).argmax()
+    if not odd.any() and np.any(ends < columns.width):
+        letters = np.isin(block, _EXPONENTS)
+        mantissa_end = np.where(letters.any(axis=-1), letters.argmax(axis=-1), ends)
+        points = block == ord(".")
+        decimals = np.where(points.any(axis=-1), mantissa_end - points.argmax(axis=-1) - 1, 0)
+        short = letters.any(axis=-1) & (ends - mantissa_end < 4)  # a letter, a sign, two digits
+        before = np.roll(block, 1, axis=-1) >= ord("0")
+        led = np.any(points & before, axis=-1)  # a digit stands before the point
+        odd = (decimals != np.bincount(decimals.ravel()).argmax()) | short | (led != led.flat[-1])
     if odd.any():
         row, field = np.argwhere(odd)[0]
         found = repr(cells(raw.lines[rows[row]], columns)[field])
-        raise raw.error(rows[row], found, "numbers flush right in their columns, or all with as many digits")
+        raise raw.error(rows[row], found, "numbers that end in one column of their fields, with as many digits each")
 
 
 def _first_bad(

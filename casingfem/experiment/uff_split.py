@@ -222,8 +222,10 @@ def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawS
     if len(payload) < header.size:
         found, expected = f"{len(payload)} bytes of data", f"{header.size}, as line {start} says"
         raise UffError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
-    mark, after = scan.text(scan.skip_blank(end))
-    if not is_mark(mark) or not scan.closes(after):
+    behind = next(end + len(mark) for mark in (b"\r\n", b"\n", b"") if scan.data.startswith(mark, end))
+    mark, after = scan.text(behind)
+    swallowed = header.order == "<" and behind == end and payload.endswith(b"\n")  # a number of 1e-33 at most
+    if mark.rstrip() != "    -1" or not scan.closes(after) or swallowed:
         found, expected = f"no closing -1 behind {header.size} bytes of data", f"it there, as line {start} says"
         raise UffError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
     raw = RawSet(path=scan.path, number="58b", lines=tuple(lines), first=start + 1, binary=header, payload=payload)

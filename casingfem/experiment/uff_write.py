@@ -101,7 +101,7 @@ def _units(units: Units) -> list[str]:
     factors = "".join(f"{value:25.16E}" for value in (units.length, units.force, units.temperature))
     name = _fitted(units.name, 20)
     return [
-        f"{_whole(units.code)}{name}{_whole(units.temperature_mode)}",
+        f"{_whole(units.code)}{name}".rstrip(),
         factors,
         f"{units.temperature_offset:25.16E}",
     ]
@@ -164,7 +164,7 @@ def _function_set(function: Function, *, binary: bool) -> bytes:
         table = np.column_stack([function.x, table])
     data = table.astype(form).tobytes()
     first = f"{'58b':>7}{1:6d}{2:6d}{11:12d}{len(data):12d}{0:6d}{0:6d}{0:12d}{0:12d}"
-    return "\n".join([MARK, first, *header, ""]).encode("utf-8") + data + f"\n{MARK}\n".encode()
+    return "\n".join([MARK, first, *header, ""]).encode("utf-8") + data + f"{MARK}\n".encode()
 
 
 def _function_rows(function: Function) -> list[str]:

@@ -1,0 +1,117 @@
+"""Sets of measured functions: three formats in, the same numbers out, and what does not belong together refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.experiment.frf import FrfError, FrfSet
+from casingfem.experiment.uff_write import write_uff
+
+
+@pytest.fixture
+def three() -> FrfSet:
+    rng = np.random.default_rng(311)
+    return FrfSet.from_arrays(
+        kind="frf",
+        x=100.0 + 0.25 * np.arange(33),
+        responses=rng.normal(size=(3, 33)) + 1j * rng.normal(size=(3, 33)),
+        response_point=[1, 2, 2],
+        response_direction=[3, 1, -3],
+        reference_point=7,
+        reference_direction=3,
+        unit="(m/s^2)/N",
+        card=("MEASURED: a test of the test",),
+    )
+
+
+def same(left: FrfSet, right: FrfSet) -> bool:
+    names = ("x", "responses", "response_point", "response_direction", "reference_point", "reference_direction")
+    arrays = all(np.array_equal(getattr(left, name), getattr(right, name)) for name in names)
+    return arrays and (left.kind, left.unit) == (right.kind, right.unit)
+
+
+def test_three_formats_hold_every_bit(three, tmp_path):
+    assert same(FrfSet.from_csv(three.to_csv(tmp_path / "f.csv")), three)
+    assert same(FrfSet.load(three.save(tmp_path / "f.npz")), three)
+    path = write_uff(tmp_path / "f.uff", functions=three.functions(), binary=True)
+    assert same(cf.FrfSet.from_uff(path), three)
+    assert FrfSet.load(tmp_path / "f.npz").card == three.card
+    assert not three.responses.flags.writeable
+
+
+@pytest.mark.parametrize("kind", ["time", "spectrum"])
+def test_time_records_and_spectra_too(kind, three, tmp_path):
+    values = three.responses.real if kind == "time" else three.responses
+    given = replace(three, kind=kind, responses=values, unit="Pa")
+    assert same(FrfSet.from_csv(given.to_csv(tmp_path / "f.csv")), given)
+    path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
+    assert same(FrfSet.from_uff(path, kind), given)
+    assert ("time_s" in (tmp_path / "f.csv").read_text()) == (kind == "time")
+    with pytest.raises(FrfError, match="expected functions of kind 'frf'"):
+        FrfSet.from_uff(path)
+
+
+def test_uneven_abscissas_keep_their_bits(three, tmp_path):
+    given = replace(three, x=np.sort(np.random.default_rng(5).uniform(1.0, 2.0, 33)))
+    path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
+    assert same(FrfSet.from_uff(path), given)
+
+
+def test_functions_that_do_not_belong_together_are_refused(three):
+    first, second, _ = three.functions()
+    ordinate = second.axes.ordinate._replace(unit="m/s")
+    for odd, words in (
+        (replace(second, x=second.x + 1.0), "function 2 over other abscissas"),
+        (replace(second, axes=second.axes._replace(ordinate=ordinate)), "function 2 in 'm/s'"),
+        (replace(second, axes=second.axes._replace(abscissa=ordinate)), "expected frequency in Hz"),
+    ):
+        with pytest.raises(FrfError, match=words):
+            FrfSet.from_functions([first, odd], "frf")
+
+
+CSV = (
+    "# unit: m/N\nfreq_hz,response_point,response_direction,reference_point,reference_direction,real,imag\n"
+    "10,1,3,1,3,0.5,0\n20,1,3,1,3,0.6,0\n10,2,3,1,3,0.5,1\n20,2,3,1,3,0.6,2\n"
+)
+
+
+def test_a_table_written_by_hand(tmp_path):
+    (tmp_path / "f.csv").write_text(CSV)
+    found = FrfSet.from_csv(tmp_path / "f.csv")
+    assert found.responses.tolist() == [[0.5, 0.6], [0.5 + 1j, 0.6 + 2j]]
+    assert found.response_point.tolist() == [1, 2]
+    assert repr(found) == "FrfSet(frf, 2 channels, 2 lines, 10 to 20 Hz, m/N)"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("# unit: m/N\n", "", "no card line 'unit"),
+        ("# unit", "# kind: thing\n# unit", "kind 'thing'"),
+        ("imag\n", "imaginary\n", "line 2, column 'imaginary': found an unknown column"),
+        ("20,2,3,1,3,0.6,2\n", "", "line 5: found 1 rows of a channel over other abscissas"),
+        ("20,2,3,1,3,0.6,2", "21,2,3,1,3,0.6,2", "over other abscissas"),
+        ("20,", "5,", "5 after 10"),
+        ("0.6,2", "nan,2", "finite number"),
+        ("10,1,3", "10,1.5,3", "whole number"),
+    ],
+)
+def test_broken_tables_are_refused(old, new, words, tmp_path):
+    assert old in CSV
+    (tmp_path / "f.csv").write_text(CSV.replace(old, new))
+    with pytest.raises(FrfError, match=words):
+        FrfSet.from_csv(tmp_path / "f.csv")
+
+
+def test_arrays_that_do_not_fit_are_refused(three):
+    for change, words in (
+        ({"x": three.x[:-1]}, "x \\(32,\\)"),
+        ({"reference_point": np.array([1])}, "reference_point \\(1,\\)"),
+        ({"responses": three.responses * np.nan}, "nan"),
+        ({"kind": "time"}, "complex time record"),
+        ({"kind": "other"}, "kind 'other'"),
+    ):
+        with pytest.raises(FrfError, match=words):
+            replace(three, **change)
