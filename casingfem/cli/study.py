@@ -29,23 +29,24 @@ def numbers(context: click.Context, option: click.Parameter, value: str | None) 
 @click.command()
 @STUDY
 @click.option("--vtu", is_flag=True, help="Also write the shapes for ParaView, to DIR/vtu.")
+@click.option("--uff", is_flag=True, help="Also write the shapes for test software, to DIR/modes.uff.")
 @click.option(
-    "--modes", "shown", callback=numbers, metavar="1,2,5", help="The modes that --vtu writes; all if left out."
+    "--modes", "shown", callback=numbers, metavar="1,2,5", help="The modes that --vtu and --uff write; all if left out."
 )
 @options
-def modes(file: Path, as_json: bool, out: Path | None, vtu: bool, shown: tuple[int, ...] | None) -> None:
+def modes(file: Path, as_json: bool, out: Path | None, vtu: bool, uff: bool, shown: tuple[int, ...] | None) -> None:
     """Modes of the structure of STUDY, labelled and counted."""
     from casingfem.modal.modes import Modes
     from casingfem.modal.modes import modes as compute
     from casingfem.study import MeshStudy, load_any
 
-    if shown is not None and not vtu:
-        raise click.UsageError("--modes chooses what --vtu writes: give --vtu too")
-    if vtu and out is None:
-        raise click.UsageError("--vtu needs --out DIR")
+    if shown is not None and not (vtu or uff):
+        raise click.UsageError("--modes chooses what --vtu or --uff writes: give --vtu too")
+    if (vtu or uff) and out is None:
+        raise click.UsageError("--vtu or --uff needs --out DIR")
     study = load_any(file)
-    if vtu and isinstance(study, MeshStudy):
-        raise click.UsageError("--vtu writes the shapes of shells on a chart, not those of imported meshes")
+    if (vtu or uff) and isinstance(study, MeshStudy):
+        raise click.UsageError("--vtu or --uff writes the shapes of shells on a chart, not those of imported meshes")
     with Working(f"modes of {file.name}"):
         found = compute(study.structure, **study.file.modes.wanted)
     if found.rigid and study.file.modes.elastic_only:
@@ -63,6 +64,8 @@ def modes(file: Path, as_json: bool, out: Path | None, vtu: bool, shown: tuple[i
     files: dict[str, Content] = {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study)}
     if vtu and isinstance(found, Modes):
         files |= shapes(found, shown)
+    if uff and isinstance(found, Modes):
+        files |= universal(found, shown)
     deliver(document, repr(found), as_json=as_json, out=out, files=files)
 
 
@@ -70,12 +73,23 @@ def shapes(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, bytes]:
     """The files of --vtu by name."""
     from casingfem.mesh_out import mode_files
 
-    which = None if shown is None else [number - 1 for number in shown]
-    if which is not None and max(which) >= len(found):
-        raise click.UsageError(
-            f"--modes: found {max(which) + 1}, expected numbers up to the {len(found)} modes computed"
-        )
+    which = indices(found, shown)
     return {f"vtu/{name}": content for name, content in mode_files(found, which).items()}
+
+
+def universal(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, Content]:
+    """The file of --uff."""
+    from casingfem.modes_uff import write_modes_uff
+
+    which = indices(found, shown)
+    return {"modes.uff": lambda path: write_modes_uff(found, path, which)}
+
+
+def indices(found: "Modes", shown: tuple[int, ...] | None) -> list[int] | None:
+    """The modes chosen, from 0, which must be among those computed."""
+    if shown is not None and max(shown) > len(found):
+        raise click.UsageError(f"--modes: found {max(shown)}, expected numbers up to the {len(found)} modes computed")
+    return None if shown is None else [number - 1 for number in shown]
 
 
 def modes_csv(found: "ModeSet", study: "Study | MeshStudy") -> str:
