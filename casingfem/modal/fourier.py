@@ -13,9 +13,9 @@ from casingfem.modal.mode_set import Modes, frequency_scale, labelled
 from casingfem.modal.slicing import CLEAR
 from casingfem.structure.axisymmetric import HOOP, Meridian, harmonic_matrices
 from casingfem.structure.kinematics import DOFS
-from casingfem.structure.material import Material
 from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.ring import Ring
+from casingfem.structure.ring_form import outward, ties
 from casingfem.structure.shell import Shell, sampled_geometry
 
 Found: TypeAlias = tuple[float, int, bool, FloatArray, FloatArray]  # omega^2, n, sine, meridian shape, rings' turns
@@ -123,13 +123,19 @@ def harmonic_floor(shell: Shell, n: int) -> float:
     bending = at.E * at.thickness**2 / (12.0 * at.rho * radius**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1)
     shear = shell.shear_correction * at.E / (2.0 * (1.0 + at.nu)) * n**2 / (at.rho * radius**2)
     lowest = float(np.min(0.7 * bending * shear / (bending + shear)))
-    rings = [support for support in shell.supports.values() if isinstance(support, Ring)]
-    return min([lowest, *(ring_floor(ring, ring.material or shell.material, n, radius) for ring in rings)])
+    rings = [(name, support) for name, support in shell.supports.items() if isinstance(support, Ring)]
+    return min([lowest, *(ring_floor(shell, name, ring, n) for name, ring in rings)])
 
 
-def ring_floor(ring: Ring, material: Material, n: int, radius: float) -> float:
-    """The same for a ring's beam: its weaker bending, out of plane with torsion (Love), in series with shear."""
-    section, G = ring.section, material.shear_modulus
+def ring_floor(shell: Shell, name: str, ring: Ring, n: int) -> float:
+    """The same for a ring's beam: its weaker bending, out of plane with torsion (Love), in series with shear.
+
+    R is the radius of its own centre line, which an offset moves away from the edge.
+    """
+    material, section = ring.material or shell.material, ring.section
+    end = np.array([shell.chart.bounds[0][shell.chart.edges[name][1]]])
+    points = ties(shell, end, np.zeros(1), ring.centre(outward(shell, name)))[1]
+    radius, G = float(np.linalg.norm(points[0, :2])), material.shear_modulus
     weak = material.E * min(section.I_r, section.I_z)
     inertia = material.rho * section.area
     ratio = max(1.0, weak / (G * section.J))

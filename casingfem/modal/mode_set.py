@@ -186,7 +186,7 @@ def labelled(
 ) -> Modes:
     """Label modes computed up to a clear gap, align perfect pairs, and keep the first `count`."""
     started = time.perf_counter()
-    rigid = rigid_modes(shell, grid, fields)
+    rigid = rigid_modes(shell, grid, fields, own)
     rings: Rings | None = None
     if shell.chart.periodic:
         nodes_around = grid.mesh.order * grid.mesh.around

@@ -10,7 +10,7 @@ from casingfem.arrays import FloatArray
 from casingfem.errors import doubt
 from casingfem.structure.assembly import held_dofs, nodal_mass
 from casingfem.structure.curved_beam import skew
-from casingfem.structure.edges import holding_forms, own_dofs
+from casingfem.structure.edges import edge_forms, holding_forms, own_dofs
 from casingfem.structure.kinematics import DOFS, frame
 from casingfem.structure.mesh import Grid
 from casingfem.structure.rigid_body import rigid_motions, unfelt
@@ -61,21 +61,33 @@ def ring_turns(shell: Shell, grid: Grid, fields: FloatArray) -> FloatArray:
     return np.asarray(normal[np.concatenate(edges)] @ shift_and_turn[3:])
 
 
-def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray) -> int:
+def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -> int:
     """How many of the first modes (nodes, 5, modes) are rigid motions that the supports leave free.
 
-    Translations are exact on every mesh, rotations are interpolated: on a mesh too coarse for a thin wall a body does
-    not turn as a whole before it bends, and a warning says so.
+    `own` are the motions of the rings' own dofs, (own, modes). Translations are exact on every mesh, rotations are
+    interpolated: on a mesh too coarse for a thin wall a body does not turn as a whole before it bends, and a warning
+    says so.
     """
     motions = free_motions(shell, grid)
-    if not motions.shape[2]:
+    expected: int = min(motions.shape[2], fields.shape[2])
+    if not expected:
         return 0
-    root = np.sqrt(np.repeat(nodal_mass(shell, grid), (3, 2), axis=1)).reshape(-1, 1)
-    Q, _ = np.linalg.qr(root * motions.reshape(len(root), -1))
-    moved = root * fields.reshape(len(root), -1)
-    rigid = np.sum((Q.T @ moved) ** 2, axis=0) > SHARE * np.sum(moved**2, axis=0)
-    first = int(np.argmin(np.append(rigid, False)))
-    expected = min(motions.shape[2], len(rigid))
+    kinetic = kinetic_products(
+        shell, grid, np.dstack([motions, fields]), np.hstack([ring_turns(shell, grid, motions), own])
+    )
+    k = motions.shape[2]  # a mode's energy in rigid motions: its M-orthogonal projection on them
+    projected = np.linalg.solve(np.linalg.cholesky(kinetic[:k, :k]), kinetic[:k, k:])
+    rigid = np.sum(projected**2, axis=0) > SHARE * np.diag(kinetic)[k:]
+    first = min(int(np.argmin(np.append(rigid, False))), expected)
     if 0 < first < expected:
         doubt("modes-rigid", f"{expected} rigid motions are free, {first} modes show them", stacklevel=5)
     return first
+
+
+def kinetic_products(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -> FloatArray:
+    """Phi^T M Phi of nodal fields (nodes, 5, columns) and rings' turns (own, columns): rings and masses included."""
+    flat = fields.reshape(-1, fields.shape[2])
+    inertia = np.repeat(nodal_mass(shell, grid), (3, 2), axis=1).reshape(-1, 1)
+    motions = np.vstack([flat, own])
+    forms = edge_forms(shell, grid).mass
+    return np.asarray(sum((form.product(motions) for form in forms), start=flat.T @ (inertia * flat)))

@@ -7,11 +7,13 @@ import pytest
 from scipy.linalg import eigh
 
 from casingfem.errors import ModelError
+from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.modal.interface import Rim
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.assembly import assemble, nodal_mass
+from casingfem.structure.axisymmetric import harmonic_matrices
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Cylinder, Panel
 from casingfem.structure.diagonal_mass import diagonalised
@@ -110,6 +112,44 @@ def test_rigid_motions_strain_no_ring_and_move_all_its_mass(frustum, steel):
     found = modes(loose, 10, method="shell")
     assert found.rigid == 6
     assert modes(frustum(supports={"base": HELD}, mesh=COARSE), 2, method="shell").rigid == 0
+
+
+def test_a_ring_far_outside_its_casing_hides_no_mode(steel):
+    """A soft heavy ring of twice the radius: its harmonics lie lower than of one at the edge."""
+    soft = Material(E=2e9, nu=0.3, rho=20000.0)
+    square = Section.rectangle(width=0.02, depth=0.02)
+    casing = Shell(
+        chart=Cylinder(radius=0.2, height=0.05),
+        thickness=2e-3,
+        material=Material(E=2e8, nu=0.3, rho=100.0),
+        supports={"top": Ring(section=square, material=soft, offset=(0.25, 0.0))},
+        mesh=ShellMesh(order=6, rows=1, around=13),
+    )
+    found = modes(casing, 20)
+    assert found.sturm_count == 20
+    np.testing.assert_allclose(found.freq[6:], modes(casing, 20, method="shell").freq[6:], rtol=1e-5)
+    for n in (2, 8, 20):
+        assert harmonic_floor(casing, n) < lowest(harmonic_matrices(casing, n), 1, 1.0)[0][0]
+
+
+@pytest.mark.parametrize("heavy", ["ring", "masses"])
+def test_modes_of_a_tube_on_what_outweighs_it_are_not_rigid(steel, heavy):
+    """As if clamped there: its lowest bending mode looks like a turn about the heavy end, but the end stands still."""
+    lead = replace(steel, rho=10.0 * steel.rho)
+    parts = {
+        "ring": {"supports": {"base": Ring(section=Section.rectangle(width=0.05, depth=0.6), material=lead)}},
+        "masses": {"masses": {"base": [PointMass(angle=angle, mass=400.0) for angle in (0.0, 2.1, 4.2)]}},
+    }
+    tube = Shell(
+        chart=Cylinder(radius=0.05, height=2.0),
+        thickness=5e-3,
+        material=steel,
+        mesh=ShellMesh(order=6, rows=3, around=5),
+        **parts[heavy],
+    )
+    found = modes(tube, 8)
+    assert found.rigid == 6
+    assert found.freq[5] < 1e-3 * found.freq[6]
 
 
 def test_mass_is_diagonal_and_vectors_go_there_and_back(frustum):
