@@ -259,7 +259,8 @@ def _check_order(raw: RawSet, values: Array, form: np.dtype[Any]) -> None:
     """Refuse numbers over many decades that shrink to a few in the other byte order."""
     decades = []
     for each in (values, np.ascontiguousarray(values).view(form.newbyteorder())):
-        sizes = np.abs(each[each != 0.0].astype(np.float64))
+        with np.errstate(invalid="ignore"):  # bytes in the other order may be signalling nans
+            sizes = np.abs(each[each != 0.0].astype(np.float64))
         decades.append(np.ptp(np.log10(sizes)) if sizes.size and np.isfinite(sizes).all() else np.inf)
     if decades[0] > DECADES and decades[1] < 0.5 * decades[0]:
         found = f"numbers over {decades[0]:.0f} decades, over {decades[1]:.0f} in the other byte order"

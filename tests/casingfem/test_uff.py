@@ -240,6 +240,15 @@ def test_bytes_in_the_other_order_are_seen(tmp_path):
     )
 
 
+def test_bytes_that_would_be_nan_in_the_other_order_are_read(tmp_path):
+    plain = function(even=True, is_complex=False, double=False)
+    values = np.frombuffer(bytes([0x7F, 0x80, 0x01, 0x3F] * len(plain.x)), "<f4").astype(float)
+    given = replace(plain, values=values)
+    assert np.array_equal(
+        read_uff(write_uff(tmp_path / "f.uff", functions=[given], binary=True)).functions[0].values, values
+    )
+
+
 def test_what_a_set_has_no_room_for_is_not_written(tmp_path):
     plain = function(even=True, is_complex=False, double=False)
     long = replace(plain, step=1.0 / 3.0, x=np.arange(2.0e6) / 3.0, values=np.zeros(2_000_000))
