@@ -18,7 +18,7 @@ from casingfem.arrays import FloatArray
 DEGREE = 3  # of the polynomial
 DAMPED = 15.0  # the spectrum's upper end over the lower end of what is damped
 SAFETY = 1.1  # on the upper end, which is estimated from below
-COARSEST = 500  # unknowns solved directly
+COARSEST = 500  # nodes or aggregates solved directly
 START_SEED = 9176  # of the estimate: same input, same bits
 
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelWarning
-from casingfem.modal import multigrid
+from casingfem.modal import multigrid, multigrid_cycle
 from casingfem.modal.eigen import solve_modes
 from casingfem.modal.multigrid import multigrid_modes
+from casingfem.modal.pencil import make_pencil
 from casingfem.structure.mesh_grid import grid_mesh
 from casingfem.structure.rigid_body import rigid_motions
 from casingfem.structure.solid import Solid, assemble_solid
@@ -20,8 +21,9 @@ def block(steel, counts, size, *, free=False):
 
 
 @pytest.mark.parametrize("free", [False, True])
-def test_a_thick_block_equals_shift_invert(steel, free):
-    system, near_null, shift = block(steel, (3, 3, 2), (1.0, 0.8, 0.6), free=free)
+def test_a_thick_block_equals_shift_invert(steel, free, monkeypatch):
+    monkeypatch.setattr(multigrid_cycle, "COARSEST", 20)
+    system, near_null, shift = block(steel, (4, 4, 3), (1.0, 0.8, 0.6), free=free)
     a = multigrid_modes(system.K, system.M, near_null, 9, shift)
     b = solve_modes(system.K, system.M, 9, shift)
     np.testing.assert_allclose(a.eigenvalues, b.eigenvalues, rtol=1e-8, atol=1e-8 * b.eigenvalues[-1])
@@ -66,3 +68,21 @@ def test_a_mode_that_it_misses_shows_in_a_search_where_nothing_is_counted(steel,
     with pytest.warns(ModelWarning, match="1 modes missed at first"):
         again = multigrid_modes(system.K, system.M, near_null, 4, shift, counted=False)
     np.testing.assert_array_equal(again.eigenvalues, exact.eigenvalues)
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_a_cycle_is_symmetric_positive_definite_and_near_the_inverse(steel, free, monkeypatch):
+    """C = C^T and the eigenvalues of C A: between 0 and about 1, the smaller ones not small, rigid motions included."""
+    monkeypatch.setattr(multigrid_cycle, "COARSEST", 20)
+    system, near_null, shift = block(steel, (4, 3, 3), (1.0, 0.8, 0.6), free=free)
+    pencil = make_pencil(system.K, system.M)
+    levels = multigrid.make_levels(pencil, near_null, shift)
+    assert len(levels.levels) >= 1
+    C = levels.cycle(np.eye(system.size))
+    np.testing.assert_allclose(C, C.T, atol=1e-10 * np.abs(C).max())
+    np.testing.assert_allclose(levels.operator @ np.eye(system.size)[3], C[3], atol=1e-10 * np.abs(C).max())
+    L = np.linalg.cholesky(pencil.shifted(shift).toarray())
+    damped = np.linalg.eigvalsh(L.T @ C @ L)
+    assert damped[0] > 0.05
+    assert damped[-1] < 1.1
+    assert levels.bytes > 12 * system.K.nnz
