@@ -15,6 +15,7 @@ from casingfem.experiment.uff_split import UffError
 from casingfem.modal.basis import BasisError, ModalBasis
 from casingfem.modal.campbell import Campbell, campbell
 from casingfem.modal.eigen import EigenError
+from casingfem.modal.interaction import BladedDisk, Interactions, interactions
 from casingfem.modal.interface import Rim, Tip
 from casingfem.modal.mistuning import Mistuning, mistune
 from casingfem.modal.modes import MeshModes, Modes, modes
@@ -55,6 +56,7 @@ __all__ = [
     "Arc",
     "BasisError",
     "Blade",
+    "BladedDisk",
     "Bolts",
     "Campbell",
     "Chart",
@@ -72,6 +74,7 @@ __all__ = [
     "FrfSet",
     "Frustum",
     "Gravity",
+    "Interactions",
     "Material",
     "MeshData",
     "MeshModes",
@@ -119,6 +122,7 @@ __all__ = [
     "WhirlModes",
     "assemble",
     "campbell",
+    "interactions",
     "mac",
     "mistune",
     "modes",

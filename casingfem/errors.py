@@ -162,6 +162,18 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "a law from root to tip is neither a number nor a list of them",
             "give one number, or 2 to 8 finite values at equally spaced stations, the root's first",
         ),
+        "interaction-blade": Fault(
+            "a blade or bladed disk has no positive frequencies, or nodal diameters that its blades cannot carry",
+            "give frequencies in Hz; a disk of N blades has nodal diameters 0 to N/2",
+        ),
+        "interaction-casing": Fault(
+            "a casing has no elastic pair with nodal diameters",
+            "take modes of a closed casing, or give frequencies by n >= 1",
+        ),
+        "interaction-speed": Fault(
+            "there is no such range of speeds, or nothing that turns",
+            'give speed_hz = (first, last) with 0 <= first < last, and turning "blade" or "casing"',
+        ),
         "load-edge": Fault(
             "a load names an edge that the chart does not have",
             "name one of the chart's edges",

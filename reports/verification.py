@@ -29,6 +29,7 @@ from reports import (
     verify_contact,
     verify_fields,
     verify_imported,
+    verify_interaction,
     verify_locking,
     verify_rings,
     verify_rotation,
@@ -212,7 +213,12 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     rows += (
         verify_static.rows(quick) + verify_rotation.rows(quick) + verify_strips.rows(quick) + verify_blades.rows(quick)
     )
-    rows += verify_fields.rows(quick) + verify_rings.rows(quick) + verify_contact.rows(quick)
+    rows += (
+        verify_fields.rows(quick)
+        + verify_rings.rows(quick)
+        + verify_contact.rows(quick)
+        + verify_interaction.rows(quick)
+    )
     rows += verify_imported.rows(quick) + verify_locking.rows(quick)
     show("Verification", rows)
     passed, failed = (sum(row["verdict"] == word for row in rows) for word in ("pass", "FAIL"))

@@ -51,12 +51,21 @@ class Campbell:
         >>> [(mode, round(speed, 3)) for mode, speed in data.crossings(4)]
         [(0, 26.316)]
         """
-        gap = self.freq - order * self.speed_hz[:, None]
-        met = []
-        for k, mode in np.argwhere(np.sign(gap[:-1]) * np.sign(gap[1:]) < 0.0).tolist():
-            part = gap[k, mode] / (gap[k, mode] - gap[k + 1, mode])
-            met.append((mode, float(self.speed_hz[k] + part * np.diff(self.speed_hz)[k])))
-        return met
+        return zero_crossings(self.speed_hz, self.freq - order * self.speed_hz[:, None])
+
+
+def zero_crossings(speed: FloatArray, gap: FloatArray) -> list[tuple[int, float]]:
+    """Where columns of `gap` (speeds, modes) change sign or are zero: (mode, speed), linear between speeds.
+
+    >>> zero_crossings(np.array([0.0, 1.0, 2.0]), np.array([[-1.0, 3.0], [3.0, 0.0], [5.0, -1.0]]))
+    [(0, 0.25), (1, 1.0)]
+    """
+    met = []
+    for k, mode in np.argwhere((gap[:-1] * gap[1:] < 0.0) | ((gap[:-1] == 0.0) & (gap[1:] != 0.0))).tolist():
+        part = gap[k, mode] / (gap[k, mode] - gap[k + 1, mode])
+        met.append((mode, float(speed[k] + part * (speed[k + 1] - speed[k]))))
+    met += [(int(mode), float(speed[-1])) for mode in np.flatnonzero(gap[-1] == 0.0)]
+    return met
 
 
 def campbell(shell: Shell, omega: Sequence[float] | FloatArray, count: int = 6) -> Campbell:

@@ -1,0 +1,213 @@
+"""Where casing and blade can drive each other: f_c + f_b = n f and its difference forms, over the speed range.
+
+A wave of n nodal diameters and frequency f_c is met by a blade that moves past it at f turns a second with the
+frequency |f_c -+ n f|. Sum: f_b = n f - f_c, both grow while they touch, even without friction. Difference:
+f_b = |f_c -+ n f|, a resonance that something must force, unless friction drives the blade into the casing,
+mu > tan(lean). For a bladed disk f_b is that of n diameters, folded at half the number of blades (Legrand, Pierre,
+Cartraud, Lombard, J. Sound Vib. 319, 2009, 366). The contact shifts all of it: `casingfem stability` computes by how
+much.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.errors import ModelError
+from casingfem.modal.campbell import Campbell, zero_crossings
+from casingfem.modal.mode_set import ModeSet
+
+Turning = Literal["casing", "blade"]
+Branch = Literal["sum", "backward", "forward"]
+BRANCHES: tuple[Branch, ...] = ("sum", "backward", "forward")
+CONDITION = {"sum": "f_c + f_b = n f", "backward": "f_b = f_c - n f", "forward": "f_b = f_c + n f"}
+EFFECT = {
+    "sum": "flutter, even without friction",
+    "backward": "resonance; flutter if mu > tan(lean)",
+    "forward": "resonance; flutter if mu > tan(lean)",
+}
+WAVES = {
+    "casing": {"sum": "backward, carried along", "backward": "backward", "forward": "forward"},
+    "blade": {"sum": "forward, overtaken", "backward": "forward", "forward": "backward"},
+}  # sense of the casing's wave, with the rotation or against it, by what turns
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BladedDisk:
+    """A disk of equal blades: frequencies [Hz] by its nodal diameters 0 .. blades/2.
+
+    >>> BladedDisk(blades=22, freq={3: (110.0,), 5: (120.0,)}).of(19)
+    (110.0,)
+    """
+
+    blades: int
+    freq: Mapping[int, Sequence[float]]
+
+    def __post_init__(self) -> None:
+        wrong = [k for k in self.freq if not 0 <= k <= self.blades // 2]
+        if self.blades < 1 or wrong:
+            found = f"{self.blades} blades and nodal diameters {wrong or 'none'}"
+            raise ModelError("interaction-blade", f"interactions: found {found} beyond half the blades")
+
+    def folded(self, n: int) -> int:
+        """Nodal diameters of the disk that n of the casing press on: n, folded at half the number of blades."""
+        return min(n % self.blades, -n % self.blades)
+
+    def of(self, n: int) -> tuple[float, ...]:
+        """Frequencies [Hz] that n diameters of the casing can meet."""
+        return tuple(self.freq.get(self.folded(n), ()))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Meeting:
+    """One coincidence: casing pair of n diameters, rank m; blade mode; the speed; which condition, which wave."""
+
+    n: int
+    m: int
+    blade: int
+    branch: Branch
+    wave: str
+    speed_hz: float
+    casing_hz: float
+    blade_hz: float
+
+    @property
+    def effect(self) -> str:
+        """What touching does there."""
+        return EFFECT[self.branch]
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Interactions:
+    """Coincidences by speed; `pairs` (n, m, f_c) that were looked at, `speed_hz` the range."""
+
+    meetings: tuple[Meeting, ...]
+    pairs: tuple[tuple[int, int, float], ...]
+    speed_hz: tuple[float, float]
+    turning: Turning
+
+    def of(self, branch: Branch) -> tuple[Meeting, ...]:
+        """Those of one condition."""
+        return tuple(meeting for meeting in self.meetings if meeting.branch == branch)
+
+    def __repr__(self) -> str:
+        """Table by speed, and what cannot be met in the range."""
+        head = f"{'speed [Hz]':>10} {'n':>3} {'m':>2} {'f_c [Hz]':>9} {'blade':>5} {'f_b [Hz]':>9}  "
+        lines = [head + f"{'condition':<16} {'wave of the casing':<24} while they touch"]
+        lines += [
+            f"{c.speed_hz:>10.3f} {c.n:>3} {c.m:>2} {c.casing_hz:>9.2f} {c.blade:>5} {c.blade_hz:>9.2f}  "
+            f"{CONDITION[c.branch]:<16} {c.wave:<24} {c.effect}"
+            for c in self.meetings
+        ]
+        low, high = self.speed_hz
+        lines.append(f"{len(self.meetings)} coincidences from {low:g} to {high:g} Hz, the {self.turning} turns")
+        if self.pairs and all(n * high < freq for n, _, freq in self.pairs):
+            n, _, freq = max(self.pairs, key=lambda pair: pair[0] * high / pair[2])
+            lines.append(
+                f"n f = {n * high:.4g} Hz < f_c = {freq:.4g} Hz, and so for every n here: f_c + f_b = n f cannot be met"
+            )
+        return "\n".join(lines)
+
+
+def interactions(
+    casing: ModeSet | Mapping[int, Sequence[float]],
+    blade: Sequence[float] | FloatArray | Campbell | BladedDisk,
+    *,
+    speed_hz: tuple[float, float],
+    turning: Turning = "blade",
+) -> Interactions:
+    """Every speed in a range at which a casing's pair meets a blade: f_c + f_b = n f and f_b = f_c -+ n f.
+
+    Parameters
+    ----------
+    casing
+        Modes of a casing (a doublet counts by its mean frequency), or frequencies [Hz] by nodal diameters.
+    blade
+        Frequencies [Hz] of one blade, which meets every n; or over speed, as `campbell` gives them; or a bladed disk,
+        whose n diameters meet the casing's.
+    speed_hz
+        First and last speed f [Hz], 0 <= first < last; with a `Campbell` cut to its speeds.
+    turning
+        What turns: "blade" in a fixed "casing", or the reverse. The speeds are the same; the waves change sides.
+        A turning casing's frequencies are taken as they are at rest.
+
+    Raises
+    ------
+    ModelError
+        `interaction-speed` for a range that is none, `interaction-blade` for frequencies that are not positive,
+        `interaction-casing` for a casing without nodal diameters.
+
+    Examples
+    --------
+    >>> found = interactions({8: [300.0]}, [120.0], speed_hz=(0.0, 100.0))
+    >>> [(c.branch, c.speed_hz) for c in found.meetings]
+    [('backward', 22.5), ('sum', 52.5)]
+    """
+    low, high = (float(value) for value in speed_hz)
+    if not 0.0 <= low < high < np.inf:
+        raise ModelError("interaction-speed", f"interactions: found speeds from {low:g} to {high:g} Hz")
+    if turning not in WAVES:
+        raise ModelError("interaction-speed", f"interactions: found turning = {turning!r}")
+    pairs = casing_pairs(casing)
+    met = [meeting for pair in pairs for meeting in _meetings(pair, blade, low, high, WAVES[turning])]
+    met.sort(key=lambda c: (c.speed_hz, c.n, c.blade))
+    return Interactions(meetings=tuple(met), pairs=pairs, speed_hz=(low, high), turning=turning)
+
+
+def casing_pairs(casing: ModeSet | Mapping[int, Sequence[float]]) -> tuple[tuple[int, int, float], ...]:
+    """(n, m, f_c [Hz]) of every pair with n >= 1, the mean of the two; a mode whose partner was cut off by itself."""
+    if isinstance(casing, ModeSet):
+        upper = {high: low for low, high in casing.doublets}
+        partner = {low: high for high, low in upper.items()}
+        kept = [k for k in range(casing.rigid, len(casing)) if casing.nodal_diameters[k] >= 1 and k not in upper]
+        found = [
+            (
+                int(casing.nodal_diameters[k]),
+                int(casing.meridional[k]),
+                float(casing.freq[[k, partner.get(k, k)]].mean()),
+            )
+            for k in kept
+        ]
+    else:
+        found = [(n, m + 1, float(f)) for n, freq in casing.items() if n >= 1 for m, f in enumerate(sorted(freq))]
+    if not found or min(freq for _, _, freq in found) <= 0.0:
+        raise ModelError("interaction-casing", f"interactions: found {len(found)} pairs of at least one nodal diameter")
+    return tuple(found)
+
+
+def blade_over_speed(
+    blade: Sequence[float] | FloatArray | Campbell | BladedDisk, n: int, low: float, high: float
+) -> tuple[FloatArray, FloatArray]:
+    """Speeds [Hz] (k,) and the blade's frequencies at them [Hz] (k, modes), for a casing pair of n diameters."""
+    if isinstance(blade, Campbell):
+        inside = (blade.speed_hz > low) & (blade.speed_hz < high)
+        ends = np.clip([low, high], blade.speed_hz[0], blade.speed_hz[-1])
+        speed = np.unique(np.concatenate([ends[:1], blade.speed_hz[inside], ends[1:]]))
+        freq = np.array([np.interp(speed, blade.speed_hz, column) for column in blade.freq.T]).T
+    else:
+        speed = np.array([low, high])
+        freq = np.tile(np.asarray(blade.of(n) if isinstance(blade, BladedDisk) else blade, dtype=float), (2, 1))
+    if not np.all(np.isfinite(freq)) or freq.min(initial=1.0) <= 0.0:
+        raise ModelError("interaction-blade", f"interactions: found blade frequencies {freq[0]}")
+    return speed, freq
+
+
+def _meetings(
+    pair: tuple[int, int, float],
+    blade: Sequence[float] | FloatArray | Campbell | BladedDisk,
+    low: float,
+    high: float,
+    waves: Mapping[str, str],
+) -> Iterator[Meeting]:
+    """Coincidences of one casing pair: zeros of n f - (f_c + f_b), n f - (f_c - f_b) and n f - (f_b - f_c)."""
+    n, m, f_c = pair
+    speed, f_b = blade_over_speed(blade, n, low, high)
+    for branch, (sign_c, sign_b) in zip(BRANCHES, ((1, 1), (1, -1), (-1, 1)), strict=True):
+        gap = n * speed[:, None] - sign_c * f_c - sign_b * f_b
+        for mode, at in zero_crossings(speed, gap):
+            yield Meeting(
+                n=n, m=m, blade=mode + 1, branch=branch, wave=waves[branch], speed_hz=at, casing_hz=f_c,
+                blade_hz=float(np.interp(at, speed, f_b[:, mode])),
+            )  # fmt: skip

@@ -1,0 +1,76 @@
+"""Verification rows of closed contact: B6, two more coincidences, the disk in its casing, digging friction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+import contact as ct
+from contact.coincidence import loaded
+from contact.growth_map import StabilityMap
+from contact.model.permanent import disk_contact
+from contact.stability import growth
+from reports.tables import Row, check
+
+
+def hand(
+    n: int, casing: tuple[float, float, float], blade: tuple[float, float, float], stiffness: float
+) -> ct.HandPair:
+    """A hand calculation: (Hz, kg, zeta) of casing pair and blade mode, contact stiffness [N/m]."""
+    return ct.HandPair(
+        casing=ct.ModalPair(n=n, freq_hz=casing[0], modal_mass=casing[1], zeta=casing[2]),
+        blade=ct.ModalPair(freq_hz=blade[0], modal_mass=blade[1], zeta=blade[2]), compliance=1.0 / stiffness,
+    )  # fmt: skip
+
+
+B6 = hand(8, (300.0, 1.5, 0.0), (120.0, 0.4, 0.0), 1e4)
+OTHERS = {
+    "n = 4, damped": hand(4, (250.0, 2.0, 2e-4), (90.0, 0.8, 5e-4), 1e4),
+    "n = 12, blade damped": hand(12, (800.0, 0.9, 0.0), (410.0, 0.2, 1e-4), 5e4),
+}
+
+
+def around(pair: ct.HandPair, steps: int = 401) -> StabilityMap:
+    """Growth map within 2 % of the loaded sum."""
+    return ct.stability(pair.contact(), loaded(pair).speed_hz * np.linspace(0.98, 1.02, steps))
+
+
+def rows(quick: bool) -> list[Row]:
+    """B6 and its neighbours; all are quick."""
+    found = ct.stability(B6.contact(), np.linspace(52.0, 54.0, 401))
+    six = "6-state eigenvalues"
+    low, high = found.bands_hz[0]
+    lines = [
+        check("B6 pair n = 8, peak growth [1/s]", six, 3.7883, found.peak_growth, 0.01),
+        check("B6 pair n = 8, speed of the peak [Hz]", six, 52.844, found.peak_speed_hz, 0.002),
+        check("B6 pair n = 8, unstable from [Hz]", six, 52.693, low, 0.002),
+        check("B6 pair n = 8, unstable to [Hz]", six, 52.994, high, 0.002),
+        check("B6 pair n = 8, formula's growth [1/s]", "closed form", 3.7868, loaded(B6).growth, 0.01),
+        check("B6 pair n = 8, growth at 22.5 Hz, the difference [1/s]", six, 0.0,
+              float(growth(B6.contact(), np.array([22.5]))[0]), 1e-4),
+    ]  # fmt: skip
+    for name, pair in OTHERS.items():
+        peak, formula = around(pair), loaded(pair)
+        lines.append(check(f"B6 pair {name}, peak growth [1/s]", "closed form", formula.growth, peak.peak_growth, 1.0))
+        lines.append(check(f"B6 pair {name}, speed [Hz]", "closed form", formula.speed_hz, peak.peak_speed_hz, 0.05))
+    disk = disk_contact(
+        ct.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0), ct.ModalPair(n=5, freq_hz=120.0, modal_mass=1.0),
+        stiffness=1e3, blades=22,
+    )  # fmt: skip
+    peak = ct.stability(disk, np.linspace(80.0, 88.0, 401))
+    lines.append(
+        check("Legrand disk in casing, n = 5, unstable speed [Hz]", "f_c + f_b = n f", 84.0, peak.peak_speed_hz, 1.0)
+    )
+    return lines
+
+
+def digging(friction: float, lean_deg: float, zeta: float = 1e-3) -> ct.HandPair:
+    """B6, damped, with friction and lean."""
+    return replace(
+        B6,
+        casing=replace(B6.casing, zeta=zeta),
+        blade=replace(B6.blade, zeta=zeta),
+        friction=friction,
+        lean_deg=lean_deg,
+    )

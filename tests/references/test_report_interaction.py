@@ -1,0 +1,22 @@
+"""The sign of the pole is what a run does; the rows of B6 pass."""
+
+from reports import interaction, verify_interaction
+
+
+def test_signs_agree_and_pictures_are_written(tmp_path, capsys):
+    rows = interaction.main(tmp_path, quick=True)
+    assert len(rows) == 14
+    assert {row["signs"] for row in rows} == {"agree"}
+    assert sum(row["pole 1/s"] > 0.0 for row in rows) == 6
+    assert (tmp_path / "interaction_campbell.png").stat().st_size > 10_000
+    assert (tmp_path / "interaction_safe.png").exists()
+    assert "14 pairs: 14 agree" in capsys.readouterr().out
+
+
+def test_rows_of_closed_contact_pass():
+    assert {row["verdict"] for row in verify_interaction.rows(quick=True)} == {"pass"}
+
+
+def test_peaks_in_time_come_within_two_per_cent():
+    for row in interaction.peaks():
+        assert abs(row["run 1/s"] / row["pole 1/s"] - 1.0) < 0.02
