@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import qr
 from scipy.sparse import block_diag, bsr_array, csc_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
@@ -148,7 +149,7 @@ def nodal_sums(grid: Grid, density: Array) -> Array:
     return sums
 
 
-def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> FloatArray:
+def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> Array:
     """Frame of an edge at parameters (2, nodes), as columns on the five dofs of a node, (nodes, 5, 5).
 
     Displacements across, along and normal to the edge; rotations of the normal across and along it.
@@ -156,13 +157,52 @@ def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> FloatArra
     surface = shell.geometry(*parameters).surface
     basis = frame(surface)
     tangent = surface.x2 if along == 1 else surface.x1
-    tangent = tangent / np.linalg.norm(tangent, axis=0)
+    tangent = tangent / np.sqrt(dot(tangent, tangent))
     across = np.cross(tangent, basis.normal, axis=0)
-    turn = np.zeros((tangent.shape[1], DOFS, DOFS))
+    turn = np.zeros((tangent.shape[1], DOFS, DOFS), dtype=tangent.dtype)
     turn[:, :3, :3] = np.stack([across, tangent, basis.normal], axis=-1).transpose(1, 0, 2)
     for i, e in enumerate((basis.e1, basis.e2)):
         turn[:, 3 + i, 3], turn[:, 3 + i, 4] = dot(e, across), dot(e, tangent)
     return turn
+
+
+def held_frames(shell: Shell, grid: Grid) -> dict[str, Array]:
+    """Edge -> the frames (nodes, 5, 5) in which its support holds the dofs of its nodes; edges that hold any."""
+    frames: dict[str, Array] = {}
+    for name, support in shell.supports.items():
+        edge = grid.edges[name]
+        if support.held and support.frame == "edge":
+            frames[name] = edge_rotation(shell, grid.nodes[:, edge.nodes], edge.along)
+        elif support.held:
+            frames[name] = np.tile(np.eye(DOFS), (len(edge.nodes), 1, 1))
+    return frames
+
+
+def admitted(shell: Shell, grid: Grid, fields: FloatArray) -> Array:
+    """Nodal fields (nodes, 5, k) without what the shell's edges hold: P = I - A (A^T A)^-1 A^T, A the held directions.
+
+    Analytic in the shell: a small change of the surface turns the directions that a diaphragm holds, and the modes of
+    the unchanged shell with them.
+    """
+    directions: dict[int, list[Array]] = {}
+    changed = fields
+    for name, turn in held_frames(shell, grid).items():
+        on, A = grid.edges[name].nodes, turn[:, :, list(shell.supports[name].held)]
+        changed = changed.astype(np.result_type(changed, A))
+        changed[on] = fields[on] - A @ (A.swapaxes(1, 2) @ fields[on])  # A^T A = I on one edge
+        for node, columns in zip(on.tolist(), A, strict=True):
+            directions.setdefault(node, []).append(columns)
+    for node, columns in directions.items():
+        if len(columns) > 1:
+            A = independent(np.hstack(columns))
+            changed[node] = fields[node] - A @ np.linalg.solve(A.T @ A, A.T @ fields[node])
+    return changed
+
+
+def independent(directions: Array) -> Array:
+    """As many of the columns (5, k) as their span needs."""
+    _, R, order = qr(np.real(directions), pivoting=True)
+    return np.asarray(directions[:, order[: np.count_nonzero(np.abs(np.diag(R)) > 1e-6)]])
 
 
 def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
@@ -174,16 +214,11 @@ def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
     held = np.zeros((nodes, DOFS), dtype=bool)
     frames = np.tile(np.eye(DOFS), (nodes, 1, 1))
     directions: dict[int, list[FloatArray]] = {}
-    for name, support in shell.supports.items():
-        if not support.held:
-            continue
-        edge = grid.edges[name]
-        turn = np.tile(np.eye(DOFS), (len(edge.nodes), 1, 1))
-        if support.frame == "edge":
-            turn = edge_rotation(shell, grid.nodes[:, edge.nodes], edge.along)
-        frames[edge.nodes] = turn
-        held[edge.nodes[:, None], list(support.held)] = True
-        for node, columns in zip(edge.nodes.tolist(), turn[:, :, list(support.held)], strict=True):
+    for name, turn in held_frames(shell, grid).items():
+        on, which = grid.edges[name].nodes, list(shell.supports[name].held)
+        frames[on] = turn
+        held[on[:, None], which] = True
+        for node, columns in zip(on.tolist(), turn[:, :, which], strict=True):
             directions.setdefault(node, []).append(columns)
     for node, columns in directions.items():
         if len(columns) > 1:

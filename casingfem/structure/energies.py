@@ -6,12 +6,12 @@ a perfect casing agree to 2e-15 instead of 1e-11 (instead of 1e-8 at R/t 10,000)
 parameter of the shell: complex steps pass through.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray
-from casingfem.structure.assembly import nodal_mass
+from casingfem.arrays import Array
+from casingfem.structure.assembly import admitted, nodal_mass
 from casingfem.structure.edges import edge_forms
 from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.shell import Shell
@@ -37,14 +37,14 @@ class PointFields:
 
     shell: Shell
     grid: Grid
-    fields: FloatArray
-    own: FloatArray
-    jets: FloatArray
-    strain: FloatArray
-    jacobian: FloatArray
+    fields: Array
+    own: Array
+    jets: Array
+    strain: Array
+    jacobian: Array
 
 
-def point_fields(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -> PointFields:
+def point_fields(shell: Shell, grid: Grid, fields: Array, own: Array) -> PointFields:
     """Evaluate modes (nodes, 5, modes) and their parameter derivatives at all quadrature points."""
     jets = point_jets(grid, fields)
     strain, jacobian = point_strains(shell, grid, jets)
@@ -53,18 +53,28 @@ def point_fields(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) 
 
 def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
     """Phi^T K Phi and Phi^T M Phi of a shell whose parameters may be complex, for given modes."""
-    if shell.chart.bounds != at.shell.chart.bounds:  # the parameter stretches the mesh itself
-        at = point_fields(shell, make_grid(shell.chart, shell.mesh), at.fields, at.own)
     same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
-    strain, jacobian = (at.strain, at.jacobian) if same else point_strains(shell, at.grid, at.jets)
+    if not same:
+        at = on_surface(shell, at)
     geometry = shell.geometry(*at.grid.parameters, at.grid.middle)
-    D = constitutive(shell, geometry) * (jacobian * at.grid.measure)
-    stress = np.matmul(np.moveaxis(D, (0, 1), (2, 3)), strain)
+    D = constitutive(shell, geometry) * (at.jacobian * at.grid.measure)
+    stress = np.matmul(np.moveaxis(D, (0, 1), (2, 3)), at.strain)
     modes = at.fields.shape[2]
-    K = strain.reshape(-1, modes).T @ stress.reshape(-1, modes)
+    K = at.strain.reshape(-1, modes).T @ stress.reshape(-1, modes)
     flat = at.fields.reshape(-1, modes)
     inertia = np.repeat(nodal_mass(shell, at.grid), (3, 2), axis=1).ravel()
     M = flat.T @ (inertia[:, None] * flat)
     forms, motions = edge_forms(shell, at.grid), np.vstack([flat, at.own])
     K = sum((form.product(motions) for form in forms.stiffness), start=K)
     return ModalProducts(K=K, M=sum((form.product(motions) for form in forms.mass), start=M))
+
+
+def on_surface(shell: Shell, at: PointFields) -> PointFields:
+    """The modes on another surface, near that of their shell; held directions of an edge's own frame turn with it."""
+    stretched = shell.chart.bounds != at.shell.chart.bounds  # the parameter stretches the mesh itself
+    turned = any(support.frame == "edge" for support in shell.supports.values())
+    if stretched or turned:
+        grid = make_grid(shell.chart, shell.mesh) if stretched else at.grid
+        return point_fields(shell, grid, admitted(shell, grid, at.fields) if turned else at.fields, at.own)
+    strain, jacobian = point_strains(shell, at.grid, at.jets)
+    return replace(at, shell=shell, strain=strain, jacobian=jacobian)

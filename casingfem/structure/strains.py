@@ -7,7 +7,7 @@ M_11, M_22, M_12 [N m/m], transverse shear forces Q_1, Q_2 [N/m].
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray
+from casingfem.arrays import Array
 from casingfem.structure.kinematics import DOFS, STRAINS, strain_slots
 from casingfem.structure.material import plane_stress
 from casingfem.structure.mesh import Grid
@@ -24,7 +24,7 @@ def constitutive(shell: Shell, geometry: ShellGeometry) -> Array:
     return D
 
 
-def point_jets(grid: Grid, fields: FloatArray) -> FloatArray:
+def point_jets(grid: Grid, fields: Array) -> Array:
     """U, d_1 U, d_2 U of nodal fields (nodes, 5, k) at the quadrature points: (elements, points, 15, k)."""
     local = fields[grid.elements]
     elements, points = len(grid.elements), grid.table.shape[2]
@@ -34,7 +34,7 @@ def point_jets(grid: Grid, fields: FloatArray) -> FloatArray:
     return np.asarray(jets.reshape(elements, points, 3 * DOFS, fields.shape[2]))
 
 
-def point_strains(shell: Shell, grid: Grid, jets: FloatArray) -> tuple[Array, Array]:
+def point_strains(shell: Shell, grid: Grid, jets: Array) -> tuple[Array, Array]:
     """Strains (elements, points, 8, k) and area Jacobian (elements, points) on a shell's surface."""
     L, basis = strain_slots(shell.geometry(*grid.parameters).surface)
     coefficients = np.moveaxis(L, (3, 4), (0, 1)).transpose(0, 1, 3, 2, 4)

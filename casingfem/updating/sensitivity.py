@@ -6,7 +6,8 @@ kinetic energies. They are analytic in every parameter, so one evaluation at p +
     Phi^T K_p Phi = Im(Phi^T K(p + i h) Phi)/h
 
 to round-off (complex step: Squire & Trapp, SIAM Review 40, 1998, 110), for moduli, densities, thickness, harmonics
-of any field and springs alike. Held directions of a diaphragm edge are taken as they stand.
+of any field and springs alike. Where a parameter moves the surface, the directions that a diaphragm or a plane of
+symmetry holds turn with it, and the modes with them.
 """
 
 import numpy as np

@@ -11,7 +11,7 @@ from casingfem.structure.energies import modal_products, point_fields
 from casingfem.structure.field import FourierField
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
 from casingfem.updating.parameters import Parameter, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 
@@ -66,9 +66,9 @@ def pair_means(found, values):
     return np.array([values[list(pair)].mean() for pair in found.doublets])
 
 
-def central_difference(shell, p, quantity):
+def central_difference(shell, p, quantity, part=2e-4):
     x = p.to_internal(get_value(shell, p.name))
-    h = 2e-4 * abs(x)
+    h = part * abs(x)
     plus, minus = (modes(with_value(shell, p.name, p.from_internal(v)), COUNT) for v in (x + h, x - h))
     return (quantity(plus) - quantity(minus)) / (2 * h)
 
@@ -145,3 +145,24 @@ def test_edges_held_in_their_own_frame(frustum, coarse):
     exact = np.diag(eigen_derivatives(found, [parameter("shell.thickness")])[0])
     plus, minus = (modes(replace(shell, thickness=3e-3 * (1 + s)), 4, method="shell").omega ** 2 for s in (1e-4, -1e-4))
     np.testing.assert_allclose(exact, (plus - minus) / (2e-4 * 3e-3), rtol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["chart.r_top", "radius.p8.cos", "chart.angle", "radius.p12.cos"])
+def test_held_directions_turn_with_the_surface(frustum, steel, name):
+    """A diaphragm on a cone, and a panel whose corners lie on a diaphragm and on clamped or symmetric edges."""
+    waves = FourierField.of({8: (0.004, 0.001), 12: 0.003})
+    coarse = ShellMesh(order=5, rows=1, around=9)
+    casing = frustum(supports={"base": ShearDiaphragm()}, radius_defect=waves, mesh=coarse)
+    panel = Shell(
+        chart=Panel(radius=0.6, length=0.3, angle=0.5),
+        thickness=3e-3,
+        material=steel,
+        supports={"root": Clamped(), "left": ShearDiaphragm(), "tip": Symmetry()},
+        radius_defect=waves,
+        mesh=ShellMesh(order=5, rows=1, around=2),
+    )
+    shell, p = panel if name in ("chart.angle", "radius.p12.cos") else casing, parameter(name)
+    found = modes(shell, 6)
+    exact = np.diag(eigen_derivatives(found, [p])[0])
+    numeric = central_difference(shell, p, lambda moved: moved.omega[:6] ** 2, part=1e-5)
+    np.testing.assert_allclose(exact, numeric, rtol=1e-5, atol=1e-6 * np.abs(exact).max())
