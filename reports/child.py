@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from pathlib import Path
 
 Numbers = dict[str, object]
 GIGABYTE = 2**30
@@ -33,6 +34,13 @@ def peak_memory() -> float:
     """Largest resident memory of this process so far [MB]."""
     unit = 1e-6 if sys.platform == "darwin" else 1e-6 * 1024
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
+
+
+def peak_of(child: int | None) -> float | None:
+    """The same of a child that still runs; None where the system does not tell."""
+    status = Path(f"/proc/{child}/status")
+    lines = status.read_text(encoding="ascii").splitlines() if status.exists() else []
+    return next((1e-6 * 1024 * float(line.split()[1]) for line in lines if line.startswith("VmHWM")), None)
 
 
 def tell(pipe: Connection, work: Callable[[], Iterator[Numbers]], limits: Limits) -> None:
@@ -69,7 +77,7 @@ def in_child(work: Callable[[], Iterator[Numbers]], limits: Limits) -> Outcome:
     deadline = time.monotonic() + limits.seconds
     while ended == "stopped":
         if not here.poll(max(0.0, deadline - time.monotonic())):
-            ended = f"not done after {limits.seconds:.0f} s"
+            ended, peak = f"not done after {limits.seconds:.0f} s", peak_of(child.pid)
             break
         try:
             part, peak, ended = here.recv()
