@@ -76,7 +76,7 @@ def stability(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
 def rim_stability(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0) -> StabilityMap:
     """Growth map of a rim against its blade in closed contact; the rim's own speed is not used.
 
-    A perfect casing by eigenvalues, a split one by Floquet's theory, which takes longer: a thousand times and more.
+    A perfect casing by eigenvalues; a split one by Floquet's theory, which follows every turn and takes longer.
     """
     try:
         contact = rim_contact(rim, mu=mu)

@@ -180,6 +180,17 @@ def test_a_rim_that_turns_is_the_same_wherever_it_starts():
     )
 
 
+def test_ripples_of_a_mesh_do_not_make_a_casing_split():
+    """Harmonics of 2e-4 beside a mode's own are left out of its turn, and change the growth by less."""
+    perfect = rim()
+    rows = perfect.casing.rows.copy()
+    rows[[5, 11], [0, 1]] += 2e-4
+    rippled = replace(perfect, casing=replace(perfect.casing, rows=rows))
+    speeds = np.array([12.0])
+    found = growth(ct.rim_contact(rippled, mu=0.3), speeds)
+    assert found == pytest.approx(floquet_growth(rippled, speeds, mu=0.3, phase=0.2), rel=1e-5)
+
+
 def test_a_split_casing_goes_to_floquet():
     split = rim(imperfect=1e-2)
     with pytest.raises(SplitError, match="expected a perfect casing"):
