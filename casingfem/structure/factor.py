@@ -68,11 +68,12 @@ def superlu(A: csc_array) -> Factor:
 
 def pardiso(A: csc_array) -> Factor:
     """Factorise by pypardiso, an optional package."""
+    from casingfem.structure.pardiso import PardisoFactor
+
     try:
-        from casingfem.structure.pardiso import PardisoFactor
+        factor: Factor = PardisoFactor(A)
     except ImportError as error:
         raise EigenError('direct = "pardiso" needs the package pypardiso: pip install "casingfem[direct]"') from error
-    factor: Factor = PardisoFactor(A)
     return factor
 
 

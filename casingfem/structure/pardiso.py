@@ -3,8 +3,6 @@
 import weakref
 
 import numpy as np
-from pypardiso import PyPardisoSolver
-from pypardiso.pardiso_wrapper import PyPardisoError
 from scipy.sparse import csc_array, csr_matrix, triu
 
 from casingfem.arrays import FloatArray
@@ -18,6 +16,9 @@ class PardisoFactor:
     """L D L^T of a symmetric matrix; the inertia is Pardiso's own count of negative eigenvalues of D."""
 
     def __init__(self, A: csc_array) -> None:
+        from pypardiso import PyPardisoSolver
+        from pypardiso.pardiso_wrapper import PyPardisoError
+
         self.upper = csr_matrix(triu(A, format="csr"))
         self.upper.sort_indices()
         self.solver = PyPardisoSolver(mtype=SYMMETRIC_INDEFINITE)
