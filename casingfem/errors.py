@@ -578,6 +578,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the survey cannot be used as it stands, or does not carry the fit asked for",
             "correct the line named, or fit fewer harmonics (n_max) and a lower degree",
         ),
+        "symmetry-slanted": Fault(
+            "an edge of symmetry lies in a plane that the surface meets at a right angle; a cone's rim has none",
+            "model the whole body, or choose the support that is meant: clamped or shear-diaphragm",
+        ),
         "taper-thickness": Fault(
             "the law of the thickness leaves no wall somewhere",
             "keep the polynomial through the stations above 0",

@@ -12,6 +12,7 @@ from casingfem.structure.chart import Chart, Surface
 
 STEP = 1e-5  # of the differences, as a part of each parameter's range
 ALIKE = 1e-4  # differences and derivatives agree to this part of the largest derivative
+SLANT = 1e-6  # directions across an edge of symmetry agree to this [rad]
 FLAT = 1e-9  # tangents that span less than this part of the largest area do not span a plane
 
 
@@ -63,3 +64,21 @@ def check_derivatives(chart: Chart, surface: Surface, points: tuple[Array, Array
 def real(surface: Surface) -> Surface:
     """The surface without the imaginary parts of a complex step."""
     return Surface(*(np.asarray(np.real(part), dtype=float) for part in surface))
+
+
+def check_symmetry(chart: Chart, edge: str) -> None:
+    """Refuse an edge as one of symmetry that the surface does not meet at a right angle to one plane.
+
+    Fields are left aside: a small one bends the surface by as little.
+    """
+    held, end = chart.edges[edge]
+    low, high = np.real(chart.bounds[1 - held])
+    along, fixed = np.linspace(low, high, 17), np.full(17, np.real(chart.bounds[held][end]))
+    a, b = (fixed, along) if held == 0 else (along, fixed)
+    surface = real(chart.surface(a, b, None))
+    normal = np.cross(surface.x1, surface.x2, axis=0)
+    across = np.cross(surface.x2 if held == 0 else surface.x1, normal, axis=0)
+    across = across / np.linalg.norm(across, axis=0)
+    lean = float(np.abs(across - across[:, :1]).max())
+    if lean > SLANT:
+        raise ModelError("symmetry-slanted", f"support.{edge}: directions across this edge differ by {lean:.2g} rad")

@@ -11,6 +11,8 @@ from casingfem.errors import ModelError
 class PointMass:
     """A mass [kg] on an edge at an angle [rad]; on the section's centre line where the edge carries a ring.
 
+    On a straight edge `angle` is its own parameter: the width of a plate [m], for example.
+
     It has no rotary inertia. Heavy ones sink into a shear-deformable edge as the mesh is refined, slowly (as the
     logarithm of the element's size); a mass small beside that of a wave of the wall does not feel it.
 

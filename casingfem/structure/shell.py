@@ -13,7 +13,7 @@ from casingfem.errors import ModelError, doubt
 from casingfem.structure.bolt_mesh import SEEN, following, springs_per_wave, spurious_split
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Surface, require_positive
-from casingfem.structure.chart_checks import check_chart
+from casingfem.structure.chart_checks import check_chart, check_symmetry
 from casingfem.structure.edge_form import Sprung
 from casingfem.structure.extent import check_wall
 from casingfem.structure.field import Field, relative
@@ -235,6 +235,8 @@ class Shell:
             across = [other for other in self.supports if known[other][0] != 0 and self.supports[other].held]
             if isinstance(support, Ring) and across:  # nothing would hold the ring's own turn at the corner
                 raise ModelError("ring-edge", f"support.{edge}: a ring ends on the held edge {across[0]!r}")
+            if isinstance(support, Symmetry):
+                check_symmetry(self.chart, edge)
             holding = grip(support)
             if isinstance(holding, Bolts):
                 low, high = (float(np.real(end)) for end in self.chart.bounds[1 - held])

@@ -16,9 +16,9 @@ ON_LINE = 1e-9  # a mesh line this part of the shell's length away is the end of
 class Strip:
     """A band of other thickness or material: a flange, a stiffener, one of several casings in a row.
 
-    `start` and `end` [m] count along the chart's first parameter (the axis of a casing, the span of a blade), from
-    where the chart begins. The strip lies symmetrically about the mid-surface: no offset. Fields of thickness are
-    relative and act on a strip as on the wall beside it.
+    `start` and `end` [m] are values of the chart's first parameter: the axis of a casing, the span of a blade, the
+    meridian's arc of a dome, 0 where they begin. The strip lies symmetrically about the mid-surface: no offset. Fields
+    of thickness are relative and act on a strip as on the wall beside it.
 
     Raises
     ------

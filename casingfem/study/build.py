@@ -175,6 +175,7 @@ def build_support(table: SupportTable, edge: str, chart: Chart | None) -> Suppor
 
 def build_bolts(table: BoltsTable, edge: str, chart: Chart | None) -> Bolts:
     """Bolts of the file: degrees become radians, a width in metres an angle on the edge's mean radius."""
+    require_angle(chart, edge, "bolts")
     width = None if table.width_deg is None else float(np.radians(table.width_deg))
     if table.width_m is not None:
         if chart is None or not chart.periodic:
@@ -217,8 +218,10 @@ def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problem
         if chart is not None and table.edge not in chart.edges:
             problems.add(f"mass[{k + 1}].edge", repr(table.edge), f"one of the chart's edges {', '.join(chart.edges)}")
             continue
-        place = PointMass(angle=float(np.radians(table.angle_deg)), mass=table.mass)
-        masses.setdefault(table.edge, []).append(place)
+        with problems.at(f"mass[{k + 1}]"):
+            require_angle(chart, table.edge, "angle_deg")
+            place = PointMass(angle=float(np.radians(table.angle_deg)), mass=table.mass)
+            masses.setdefault(table.edge, []).append(place)
     return masses
 
 
@@ -226,6 +229,12 @@ def edge_radius(chart: Chart, edge: str) -> float:
     """Radius of the base or top of a closed chart [m]."""
     z = np.array([chart.bounds[0][chart.edges[edge][1]]])
     return float(np.linalg.norm(chart.surface(z, np.zeros(1), None).x[:2]))
+
+
+def require_angle(chart: Chart | None, edge: str, key: str) -> None:
+    """Refuse an angle on an edge that is measured in metres: of a plate or blade, or one that runs along the axis."""
+    if chart is not None and (isinstance(chart, Plate | TwistedPlate | Blade) or chart.edges[edge][0] != 0):
+        raise ValueError(f"{key}: found an edge without angles, {edge!r}, expected one that runs around an axis")
 
 
 def build_around(table: ElasticTable) -> Field | dict[str, Field] | None:

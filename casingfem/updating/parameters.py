@@ -24,6 +24,7 @@ from casingfem.structure.shell import DEFECTS, Shell
 from casingfem.structure.support import ElasticEdge, grip
 
 HARMONIC = re.compile(r"p(\d+)$")
+NUMBERS = (int, float, complex, np.number, tuple)  # what may be varied; a law has one a station
 SHARED = "around"  # in the place of a spring: all springs of an edge
 
 
@@ -180,11 +181,12 @@ def _plain(shell: Shell, name: str, parts: list[str]) -> tuple[Any, str]:
     owners = {word: owner for word, owner in owners.items() if owner is not None}
     owner = owners.get(parts[0])
     if owner is None or len(parts) not in (2, 3):
-        known = ", ".join([*owners, *DEFECTS])
-        raise ParameterError(f"{name!r}: a parameter starts with {known}, strip or support")
-    numbers = ["thickness"] if owner is shell else [f.name for f in fields(owner)] if is_dataclass(owner) else []
+        starts = ", ".join([*owners, *DEFECTS])
+        raise ParameterError(f"{name!r}: a parameter starts with {starts}, strip or support")
+    known = [f.name for f in fields(owner)] if is_dataclass(owner) else []
+    numbers = ["thickness"] if owner is shell else [k for k in known if isinstance(getattr(owner, k), NUMBERS)]
     if parts[1] not in numbers:
-        raise ParameterError(f"{name!r}: {parts[0]} has {', '.join(numbers)}, not {parts[1]!r}")
+        raise ParameterError(f"{name!r}: {parts[0]} has {', '.join(numbers) or 'no numbers'}, not {parts[1]!r}")
     return owner, parts[1]
 
 

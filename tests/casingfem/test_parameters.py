@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 
 from casingfem.structure.field import FieldValues, FourierField
 from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.revolved import Arc, Revolved
+from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped, ElasticEdge
 from casingfem.structure.survey import SampledField
 from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
@@ -185,3 +187,10 @@ def test_log_parameters_are_varied_in_decades(value):
     assert parameter.to_internal(10 * value) - parameter.to_internal(value) == pytest.approx(1.0, rel=1e-12)
     plain = Parameter(name="material.E", lower=0.0, upper=1.0)
     assert plain.from_internal(plain.to_internal(value)) == value
+
+
+def test_a_profile_is_no_number(steel):
+    """It was handed on as one, and the program ended in a traceback."""
+    bowl = Shell(chart=Revolved(profile=Arc(radius=0.5, start=0.0, end=1.0)), thickness=3e-3, material=steel)
+    with pytest.raises(ParameterError, match="chart has no numbers, not 'profile'"):
+        get_value(bowl, "chart.profile")

@@ -165,3 +165,12 @@ def test_obstacle_set_lies_within_a_hundredth(tmp_path, capsys):
 def test_a_wrong_twist_sense_is_not_the_twisted_beam():
     """In plane and out of plane are not the same number: the rows can fail."""
     assert verify_static.beam(0.32, 1.0, (0.0, 0.0, 1.0)) > 3.0 * verify_static.beam(0.32, 1.0, (0.0, 1.0, 0.0))
+
+
+def test_a_cone_has_no_plane_of_symmetry_at_its_rim(frustum):
+    with pytest.raises(ModelError, match="symmetry-slanted"):
+        frustum(supports={"base": cf.Symmetry()})
+    bowl = cf.Revolved(profile=cf.Arc(radius=0.5, start=0.0, end=1.0))  # at the equator it has one
+    cf.Shell(chart=bowl, thickness=3e-3, material=STEEL, supports={"base": cf.Symmetry(), "top": cf.Clamped()})
+    with pytest.raises(ModelError, match="symmetry-slanted"):
+        cf.Shell(chart=bowl, thickness=3e-3, material=STEEL, supports={"top": cf.Symmetry()})

@@ -24,6 +24,7 @@ height = 0.25
 [shell]
 thickness = 3.0e-3
 """
+PLATE = CASING[: CASING.index("kind")] + "{}" + CASING[CASING.index("[shell]") :]
 BOLTS = """
 [support.base]
 kind = "bolts"
@@ -40,9 +41,9 @@ loose = [{bolt = 3, factor = 0.3}, {bolt = 7, factor = 0.0}]
 def study(tmp_path):
     """Load a study from the casing and more tables."""
 
-    def load(more):
+    def load(more, chart=None):
         path = tmp_path / "study.toml"
-        path.write_text(CASING + more, encoding="utf-8")
+        path.write_text((PLATE.format(chart) if chart else CASING) + more, encoding="utf-8")
         return load_study(path)
 
     return load
@@ -149,3 +150,17 @@ def test_the_example_of_a_bolted_ring():
     shell = load_study(Path(__file__).parents[2] / "data" / "studies" / "bolted_ring.toml").shell
     assert get_value(shell, "bolts.3.k") == pytest.approx(6e7)
     assert shell.mesh.around == 24
+
+
+@pytest.mark.parametrize(
+    ("more", "key"),
+    [
+        ('[[mass]]\nedge = "tip"\nangle_deg = 1.0\nmass = 0.02', "mass[1]"),
+        ('[support.root]\nkind = "bolts"\ncount = 1\nk = 1e8\nwidth_deg = 1.0', "support.root"),
+    ],
+)
+def test_degrees_on_the_straight_edge_of_a_plate_are_refused(study, more, key):
+    """They were taken for metres times 180/pi."""
+    with pytest.raises(StudyError, match="an edge without angles") as caught:
+        study(more, chart='kind = "plate"\nlength = 0.2\nwidth = 0.04\n')
+    assert key in str(caught.value)
