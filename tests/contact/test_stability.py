@@ -222,6 +222,41 @@ def test_a_broken_pair_is_refused_with_file_and_key(tmp_path, old, new, words):
     assert any(str(file) in line and words in line for line in refused.value.problems)
 
 
+RIM_SCENE = """
+[scene]
+kind = "rim"
+t_end = 0.1
+[casing]
+basis = "casing.npz"
+[blade]
+basis = "blade.npz"
+lean_deg = 10.0
+[contact]
+clearance = 1e-4
+friction = 0.3
+[speed]
+hz = 20.0
+scan = {from_hz = 10.0, to_hz = 30.0, steps = 21}
+[scheme]
+kind = "exact-modal"
+dt = 1e-5
+"""
+
+
+def test_a_rim_scene_is_scanned_with_its_friction_and_runs_too(tmp_path):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    file = tmp_path / "rim.toml"
+    file.write_text(RIM_SCENE, encoding="utf-8")
+    found = ct.load_stability(file).solve()
+    exact = growth(ct.rim_contact(rim(), mu=0.3), np.linspace(10.0, 30.0, 21))
+    assert found.growth == pytest.approx(exact)
+    assert ct.load_scene(file).what.speed_hz == 20.0
+    file.write_text(RIM_SCENE.replace("scan = ", "# "), encoding="utf-8")
+    with pytest.raises(ct.SceneError, match=r"speed\.scan: missing"):
+        ct.load_stability(file)
+
+
 def test_a_pair_does_not_run_and_rods_have_no_poles():
     with pytest.raises(ct.SceneError, match="found 'pair', which casingfem stability takes"):
         ct.load_scene(SCENE)
