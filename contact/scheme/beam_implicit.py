@@ -15,33 +15,19 @@ from contact.energy import Stored
 from contact.errors import InputError
 from contact.model.arrays import require_positive
 from contact.model.beam import BeamInCircle
-from contact.record import Samples, Tally, tally
-from contact.scheme.protocol import Block, Motion
+from contact.record import Samples, tally
+from contact.scheme.beam_run import BeamRun
+from contact.scheme.protocol import Motion
 
 if TYPE_CHECKING:
     from contact.scheme.loop_beam_implicit import ImplicitBeam
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class ImplicitBeamStepper:
-    """State of an implicit beam run; contacts are the nodes 1, 2, ... from the hinge outwards."""
+class ImplicitBeamStepper(BeamRun):
+    """State of an implicit beam run."""
 
-    problem: BeamInCircle
     state: ImplicitBeam
-    sums: Tally
-    dt: float
-    window: float
-    label: str
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates: x, y, theta of each node."""
-        return self.state.x.size
-
-    @property
-    def blocks(self) -> tuple[Block, ...]:
-        """The beam alone."""
-        return (("beam 1", 0, self.size),)
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
@@ -66,15 +52,11 @@ class ImplicitBeamStepper:
 
     def motions(self) -> tuple[Motion, ...]:
         """Momentum of the beam along x."""
-        mass = self.state.mass[:, 0]
-        momentum = float(mass @ self.state.v[:, 0])
-        return (Motion(kind="beam", number=0, mean_velocity=momentum / float(mass.sum()), momentum=momentum),)
+        return self.motion(self.state.v)
 
     def angular_momentum(self) -> tuple[float, float]:
         """About the hinge, and the impulse of the contacts' moment so far [kg m^2/s, N m s]."""
-        s = self.state
-        spin = s.mass[:, 0] * (s.x[:, 0] * s.v[:, 1] - s.x[:, 1] * s.v[:, 0]) + s.mass[:, 2] * s.v[:, 2]
-        return float(spin.sum()), float(s.ledger[1])
+        return self.spin(self.state.x, self.state.v), float(self.state.ledger[1])
 
 
 def prepare_beam_newmark(problem: BeamInCircle, beta: float, gamma: float, dt: float | None) -> ImplicitBeamStepper:

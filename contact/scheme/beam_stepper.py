@@ -17,35 +17,21 @@ from contact.energy import Stored
 from contact.errors import InputError, LimitError
 from contact.model.arrays import require_positive
 from contact.model.beam import BeamInCircle, ring_table
-from contact.record import Samples, Tally, tally
+from contact.record import Samples, tally
+from contact.scheme.beam_run import BeamRun
 from contact.scheme.propagator import Propagator, propagator
-from contact.scheme.protocol import Block, Motion
+from contact.scheme.protocol import Motion
 
 if TYPE_CHECKING:
     from contact.scheme.loop_beam import BeamState
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class BeamStepper:
-    """State of a beam run; contacts are the nodes 1, 2, ... from the hinge outwards."""
+class BeamStepper(BeamRun):
+    """State of an explicit beam run."""
 
-    problem: BeamInCircle
     state: BeamState
     ring: Propagator
-    sums: Tally
-    dt: float
-    window: float
-    label: str
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates of the beam: x, y, theta of each node."""
-        return self.state.x.size
-
-    @property
-    def blocks(self) -> tuple[Block, ...]:
-        """The beam alone."""
-        return (("beam 1", 0, self.size),)
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
@@ -81,18 +67,14 @@ class BeamStepper:
 
     def motions(self) -> tuple[Motion, ...]:
         """Momentum of the beam along x, at the half step."""
-        mass = self.problem.beam.lumped()[:, 0]
-        momentum = float(mass @ self.state.d[:, 0]) / self.dt
-        return (Motion(kind="beam", number=0, mean_velocity=momentum / float(mass.sum()), momentum=momentum),)
+        return self.motion(self.state.d / self.dt)
 
     def angular_momentum(self) -> tuple[float, float]:
         """About the hinge, at the half step, and the impulse of the contacts' moment so far [kg m^2/s, N m s]."""
         from contact.scheme.loop_beam import MOMENT
 
-        s, mass = self.state, self.problem.beam.lumped()
-        v = s.d / self.dt
-        spin = mass[:, 0] * (s.x[:, 0] * v[:, 1] - s.x[:, 1] * v[:, 0]) + mass[:, 2] * v[:, 2]
-        return float(spin.sum()), float(s.ledger[MOMENT]) * self.dt
+        s = self.state
+        return self.spin(s.x, s.d / self.dt), float(s.ledger[MOMENT]) * self.dt
 
 
 def beam_step(problem: BeamInCircle, dt: float | None, courant: float | None) -> float:
