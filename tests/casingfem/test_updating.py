@@ -282,7 +282,8 @@ def test_refuses_a_table_that_nothing_pairs_with():
 
 
 def test_refuses_fewer_residuals_than_parameters():
-    vary = [Parameter(name=n, lower=1e-4, upper=1e12) for n in ("material.E", "shell.thickness", "material.rho")]
+    bounds = {"material.E": (1e9, 1e12), "shell.thickness": (1e-4, 1e-2), "material.rho": (1e2, 1e5)}
+    vary = [Parameter(name=name, lower=low, upper=high) for name, (low, high) in bounds.items()]
     with pytest.raises(UpdateError, match="2 residuals cannot determine 3 parameters"):
         update(blade(), blade_table(rows=2), vary)
 
