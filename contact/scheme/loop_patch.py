@@ -34,7 +34,6 @@ class PatchState(NamedTuple):
     roots: Array  # A with A A^T = W, empty with friction
     own: Array  # W of each normal with itself (k,)
     mu: Array  # (k,)
-    clearance: Array
     slide: Array  # (d k,), motion of the ground in one step
     lam: Array  # (d k,)
     moved: Array  # rows D of the last step (d k,)

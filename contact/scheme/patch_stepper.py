@@ -106,7 +106,7 @@ def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> P
         q=q, d=d, al=parts.al, be=parts.be, c=parts.c, kick=parts.c * parts.load,
         weight=(1.0 - parts.al) / (2.0 * parts.c), rows=rows, S=S, own=own,
         W=_delassus(rows, parts.c, S) if rough else none, roots=none if rough else _roots(rows, parts.c, S),
-        mu=np.full(k, mu), clearance=np.array(clearance), slide=slide.ravel(), lam=np.zeros(len(rows)), moved=rows @ d,
+        mu=np.full(k, mu), slide=slide.ravel(), lam=np.zeros(len(rows)), moved=rows @ d,
         place=clearance + rows[::dim] @ q, force=np.zeros(k), gap=np.zeros(k), counts=np.zeros(4),
     )  # fmt: skip
     return PatchStepper(problem=problem, parts=parts, state=state, rough=rough, sums=tally(k), label=label)
