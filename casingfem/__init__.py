@@ -10,6 +10,8 @@ print(cf.modes(casing, count=40))
 from casingfem.experiment.correlation import Pairing, mac, pair, subspace_mac
 from casingfem.experiment.frf import FrfError, FrfSet
 from casingfem.experiment.measurement import FrequencyTable, TableError
+from casingfem.experiment.rig import Probe, Rig, RigError
+from casingfem.experiment.rig_structure import Place, rig_of
 from casingfem.experiment.uff import UniversalFile, read_uff
 from casingfem.experiment.uff_split import UffError
 from casingfem.modal.basis import BasisError, ModalBasis
@@ -86,14 +88,18 @@ __all__ = [
     "Panel",
     "Parameter",
     "ParameterError",
+    "Place",
     "Plate",
     "PointLoad",
     "PointMass",
     "Pressure",
+    "Probe",
     "Profile",
     "RandomField",
     "Revolved",
     "RevolvedPanel",
+    "Rig",
+    "RigError",
     "Rim",
     "Ring",
     "Rotation",
@@ -130,6 +136,7 @@ __all__ = [
     "read_mesh",
     "read_uff",
     "reduce",
+    "rig_of",
     "solve_static",
     "subspace_mac",
     "update",

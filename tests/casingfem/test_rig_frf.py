@@ -1,0 +1,145 @@
+"""Frequency responses of the virtual test rig: one degree of freedom, the full model, what is left out, noise."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.experiment.rig import SYNTHETIC, Rig, RigError
+from casingfem.experiment.rig_noise import Converter, noise, noisy
+from casingfem.experiment.rig_structure import Place, circle, damping_spread, rig_of
+from casingfem.structure.assembly import assemble
+from casingfem.structure.load import PointLoad
+from casingfem.structure.static import solve_static
+
+SEED = 20611
+
+
+def test_one_degree_of_freedom_answers_as_its_equation_says():
+    m, k, zeta = 2.5, 4e6, 0.02
+    omega = np.sqrt(k / m)
+    rig = Rig.of(omega=[omega], zeta=[zeta], rows=[[1.0 / np.sqrt(m)]])
+    freq = np.linspace(10.0, 500.0, 40)
+    w = 2.0 * np.pi * freq
+    exact = 1.0 / (k - m * w**2 + 1j * w * 2.0 * zeta * np.sqrt(k * m))
+    for quantity, power in (("receptance", 0), ("mobility", 1), ("accelerance", 2)):
+        got = rig.frfs(freq, sensors=[0], drives=[0], quantity=quantity).responses[0]
+        np.testing.assert_allclose(got, exact * (1j * w) ** power, rtol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def casing(coarse, frustum):
+    return cf.modes(frustum(mesh=coarse, radius_defect=cf.FourierField.of({8: 0.001})), 60, method="shell")
+
+
+def test_static_answer_is_that_of_the_whole_model_however_few_the_modes(casing):
+    system = assemble(casing.shell)
+    rig = rig_of(casing, [Place(at=(0.25, 0.3)), Place(at=(0.2, 1.1))], zeta=0.002, system=system)
+    c, s = np.cos(0.3), np.sin(0.3)
+    pushed = solve_static(casing.shell, [PointLoad(at=(0.25, 0.3), force=(c, s, 0.0))], system=system)
+    at = pushed.at(0.2, 1.1) @ [np.cos(1.1), np.sin(1.1), 0.0]
+    assert rig.receptance([1], [0], [0.0])[0, 0, 0] == pytest.approx(at, rel=1e-8)
+    without = Rig.of(omega=rig.omega, zeta=rig.zeta, rows=rig.rows)
+    assert abs(without.receptance([1], [0], [0.0])[0, 0, 0] / at - 1.0) > 0.01
+
+
+def test_what_is_left_out_is_made_good_below_the_last_mode(casing, coarse):
+    few = cf.modes(casing.shell, 24, method="shell")
+    places = [Place(at=(0.25, 0.3)), *circle(0.25, 4)]
+    full, cut = (rig_of(m, places, zeta=0.002) for m in (casing, few))
+    bare = Rig.of(omega=cut.omega, zeta=cut.zeta, rows=cut.rows)
+    freq = np.linspace(0.2, 0.6, 50) * few.freq[-1]
+    H, with_S, without = (r.receptance([1, 2, 3, 4], [0], freq) for r in (full, cut, bare))
+    error, blind = (np.linalg.norm(x - H) / np.linalg.norm(H) for x in (with_S, without))
+    assert error < 0.02
+    assert blind > 4.0 * error
+
+
+def test_reciprocity_and_order_of_channels(casing):
+    rig = rig_of(casing, [*circle(0.25, 3), Place(at=(0.1, 2.0))], zeta=0.003)
+    both = rig.frfs([300.0, 400.0], sensors=[0, 3], drives=[3, 0])
+    assert both.response_point.tolist() == [1, 4, 1, 4]
+    assert both.reference_point.tolist() == [4, 4, 1, 1]
+    np.testing.assert_allclose(both.responses[0], both.responses[3], rtol=1e-10)
+    assert both.unit == "(m/s^2)/N"
+    assert both.card[0] == SYNTHETIC
+
+
+def test_directions_have_their_numbers(casing):
+    at = (0.25, np.pi / 2)
+    rig = rig_of(casing, [Place(at=at, direction=d) for d in ("radial", "hoop", "axial", "x", "y")], zeta=0.002)
+    assert [p.direction for p in rig.probes] == [1, 2, 3, 0, 0]
+    assert {p.node for p in rig.probes} == {1}
+    np.testing.assert_allclose(rig.rows[0], rig.rows[4], atol=1e-12)
+    np.testing.assert_allclose(rig.rows[1], -rig.rows[3], atol=1e-12)
+
+
+def test_noise_is_as_strong_as_said_and_the_same_for_a_seed():
+    rig = Rig.of(omega=[600.0, 900.0], zeta=[0.01, 0.02], rows=[[1.0, 0.5], [0.1, -0.2]])
+    clean = rig.frfs(np.linspace(50.0, 200.0, 4000), sensors=[0, 1], drives=[0])
+    dirty, again, other = (noisy(clean, 30.0, seed=s) for s in (SEED, SEED, SEED + 1))
+    added = dirty.responses - clean.responses
+    rms = np.sqrt(np.mean(np.abs(added) ** 2, axis=1) / np.mean(np.abs(clean.responses) ** 2, axis=1))
+    np.testing.assert_allclose(20.0 * np.log10(rms), -30.0, atol=0.2)
+    assert np.array_equal(dirty.responses, again.responses)
+    assert not np.array_equal(dirty.responses, other.responses)
+    assert np.isrealobj(noise(np.ones((1, 4)), 20.0, np.random.default_rng(SEED)))
+
+
+def test_a_converter_errs_by_a_twelfth_of_its_step_squared():
+    rng = np.random.default_rng(SEED)
+    values = rng.normal(0.0, 1.0, 200_000)
+    adc = Converter(bits=12, full_scale=8.0)
+    error = adc.convert(values) - values
+    assert np.mean(error**2) == pytest.approx(adc.lsb**2 / 12.0, rel=0.01)
+    assert adc.clipped(values) == 0
+    assert Converter(bits=12, full_scale=1.0).clipped(values) == np.count_nonzero(
+        (values > 1.0 - 0.5 / 2048) | (values < -1.0 - 0.5 / 2048)
+    )
+
+
+def test_damping_spreads_as_said():
+    zeta = damping_spread(0.002, 0.3, 20_000, seed=SEED)
+    assert np.std(np.log(zeta)) == pytest.approx(0.3, rel=0.02)
+    assert np.median(zeta) == pytest.approx(0.002, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "words"),
+    [
+        ({"omega": [0.0]}, "above 0"),
+        ({"omega": [9.0, 8.0], "rows": [[1.0, 1.0]]}, "ascending"),
+        ({"zeta": [2.0]}, "not per cent"),
+        ({"rows": [[1.0, 2.0]]}, r"shape \(1, 2\), expected finite numbers of shape \(1, 1\)"),
+        ({"rows": [[np.nan]]}, "nan or infinity"),
+        ({"rows": [1.0]}, r"expected \(probes, modes\)"),
+        ({"S": [[1.0, 0.0]]}, "S: found shape"),
+    ],
+)
+def test_a_rig_that_cannot_be_is_refused(arrays, words):
+    with pytest.raises(RigError, match=words):
+        Rig.of(**({"omega": [9.0], "zeta": 0.01, "rows": [[1.0]]} | arrays))
+
+
+def test_what_cannot_be_asked_is_refused(casing, frustum, coarse):
+    rig = Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0]])
+    for sensors, drives in (([1], [0]), ([0], [-1]), ([], [0])):
+        with pytest.raises(RigError, match="each from 0 to 0"):
+            rig.frfs([1.0], sensors=sensors, drives=drives)
+    with pytest.raises(RigError, match="'velocity', expected receptance or mobility or accelerance"):
+        rig.frfs([1.0], sensors=[0], drives=[0], quantity="velocity")
+    with pytest.raises(RigError, match="off the surface"):
+        rig_of(casing, [Place(at=(0.3, 0.0))], zeta=0.002)
+    with pytest.raises(RigError, match="found none"):
+        rig_of(casing, [], zeta=0.002)
+    with pytest.raises(RigError, match="direction: found 'up'"):
+        Place(at=(0.0, 0.0), direction="up")
+    with pytest.raises(RigError, match="bits: found 2"):
+        Converter(bits=2, full_scale=1.0)
+    with pytest.raises(RigError, match="snr_db"):
+        noise(np.ones((1, 3)), np.nan, np.random.default_rng(1))
+
+
+def test_a_loose_body_is_refused(frustum, coarse):
+    loose = cf.modes(frustum(mesh=coarse, supports={}), 8, method="shell")
+    with pytest.raises(RigError, match="6 rigid motions"):
+        rig_of(loose, [Place(at=(0.25, 0.0))], zeta=0.002)
