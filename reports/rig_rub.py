@@ -13,6 +13,8 @@ from casingfem.modal.modes import Modes
 from casingfem.outfiles import write_atomic
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
+from contact.coincidence import coincidences
+from reports.rim_levels import excess_db, rim_levels
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,8 +41,7 @@ class Rub:
 
     def excess_db(self, n: int) -> float:
         """Level of n over the highest other one [dB]."""
-        others = np.delete(self.levels, n)
-        return float(20.0 * np.log10(self.levels[n] / others.max()))
+        return excess_db(self.levels, n)
 
 
 def casing_target(casing: Modes, n: int) -> float:
@@ -95,9 +96,8 @@ class Tuning:
 def growing_band(casing: cf.ModalBasis, blade: cf.ModalBasis, plan: RubPlan) -> tuple[float, float]:
     """Blade frequencies between which a permanent contact grows, from the free coincidence f_b = f_c - n f [Hz].
 
-    While the contact is closed, H_c(nu) + H_b(nu) + S = 0. Near the coincidence the casing's pair gives c/(w_c' - nu),
-    c = 1/(4 m_n w_c), the blade's mode b/(w_b - nu), b = kappa/(2 w_b), negative where friction exceeds tan(lean), and
-    all the rest a compliance S: growth where |w_b - w_c' - (c - b)/S| < 2 sqrt(-b c)/S, damping aside.
+    The casing's doublet of n diameters, taken as a pair of equal modes, meets the blade's first mode; all other modes
+    at that frequency and the residual compliance are the S between them (`contact.coincidence`).
     """
     N, n, turning = casing.n_max, plan.n, 2.0 * np.pi * plan.speed_hz
     radial = casing.rows[: 2 * N + 1]
@@ -106,14 +106,11 @@ def growing_band(casing: cf.ModalBasis, blade: cf.ModalBasis, plan: RubPlan) -> 
     pair = np.flatnonzero(mobility.argmax(axis=0) == n)[:2]
     w_c = float(casing.omega[pair].mean())
     nu = w_c - n * turning
-    c = float(mobility[n, pair].mean()) / (4.0 * w_c)
 
     lean = np.radians(plan.lean_deg)
     normal = np.array([np.cos(lean), np.sin(lean)])
     pressing = normal @ blade.rows
-    sliding = np.array([-np.sin(lean), np.cos(lean)]) @ blade.rows
-    kappa = pressing * (pressing - plan.friction * sliding)
-    b = float(kappa[0]) / (2.0 * nu)
+    kappa = pressing * (pressing - plan.friction * (np.array([-np.sin(lean), np.cos(lean)]) @ blade.rows))
 
     k = np.arange(N + 1)[:, None]
     others = np.delete(np.arange(len(casing)), pair)
@@ -123,10 +120,18 @@ def growing_band(casing: cf.ModalBasis, blade: cf.ModalBasis, plan: RubPlan) -> 
     )
     S += float(casing.S[0, 0] + 0.5 * np.trace(casing.S[1 : 2 * N + 1, 1 : 2 * N + 1]))
     S += float(np.sum(kappa[1:] / (blade.omega[1:] ** 2 - nu**2))) + float(normal @ blade.S @ normal)
-    if b * c >= 0.0:
+    hand = ct.HandPair(
+        casing=ct.ModalPair(n=n, freq_hz=w_c / (2.0 * np.pi), modal_mass=1.0 / float(mobility[n, pair].mean())),
+        blade=ct.ModalPair(freq_hz=nu / (2.0 * np.pi), modal_mass=1.0 / float(pressing[0]) ** 2),
+        compliance=S,
+        friction=plan.friction,
+        lean_deg=plan.lean_deg,
+    )
+    met = next(c for c in coincidences(hand.contact()) if c.branch == "backward" and c.free_hz > 0.0)
+    if not met.drives:
         raise ValueError(f"friction {plan.friction} below tan(lean): no speed of this blade grows at f_b = f_c - n f")
-    centre, half = (c - b) / S, 2.0 * np.sqrt(-b * c) / S
-    return float(centre - half) / (2.0 * np.pi), float(centre + half) / (2.0 * np.pi)
+    centre, half = n * (met.speed_hz - met.free_hz), n * met.half_hz
+    return centre - half, centre + half
 
 
 def bodies(
@@ -206,16 +211,3 @@ hz = {plan.speed_hz!r}
 kind = "exact-modal"
 dt = {plan.dt!r}
 """
-
-
-def rim_levels(casing: ct.ModalBody, result: ct.Result, last: float = 0.25) -> FloatArray:
-    """RMS radial motion of the rim by nodal diameters over the last part of a run [m], (n_max + 1,)."""
-    late = result.state_time >= (1.0 - last) * result.state_time[-1]
-    q = result.state_of("casing")[late]
-    N = casing.n_max
-    radial = q @ casing.rows[: 2 * N + 1].T
-    radial = radial - radial.mean(axis=0)  # the vibration about the static push
-    power = np.mean(radial**2, axis=0)
-    levels = power[: N + 1].copy()
-    levels[1:] = 0.5 * (levels[1:] + power[N + 1 :])
-    return np.asarray(np.sqrt(levels))
