@@ -9,6 +9,7 @@ import numpy as np
 
 from casingfem.arrays import FloatArray
 from casingfem.experiment.rig import Probe, Rig, RigError
+from casingfem.experiment.rig_mass import loaded
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.assembly import System, assemble
 from casingfem.structure.factor import factorise
@@ -24,7 +25,7 @@ DIRECTIONS = (*CYLINDRICAL, *CARTESIAN, "normal")
 class Place:
     """Parameters (a, b) of the chart and a direction: radial, hoop, axial about z; x, y, z; or normal to the wall.
 
-    On a casing a is the height [m] and b the angle [rad].
+    On a casing a is the height [m] and b the angle [rad]. `mass` [kg] is that of the sensor glued there.
 
     >>> Place(at=(0.25, 0.0)).direction
     'radial'
@@ -32,13 +33,18 @@ class Place:
 
     at: tuple[float, float]
     direction: str = "radial"
+    mass: float = 0.0
 
     def __post_init__(self) -> None:
+        if not 0.0 <= self.mass < np.inf:
+            raise RigError(f"mass: found {self.mass!r} kg, expected 0 or more")
         if self.direction not in DIRECTIONS:
             raise RigError(f"direction: found {self.direction!r}, expected one of {', '.join(DIRECTIONS)}")
 
 
-def circle(height: float, count: int, *, first_angle: float = 0.0, direction: str = "radial") -> list[Place]:
+def circle(
+    height: float, count: int, *, first_angle: float = 0.0, direction: str = "radial", mass: float = 0.0
+) -> list[Place]:
     """Evenly spaced places around a casing.
 
     >>> [round(float(place.at[1]), 4) for place in circle(0.25, 4)]
@@ -46,7 +52,8 @@ def circle(height: float, count: int, *, first_angle: float = 0.0, direction: st
     """
     if count < 1:
         raise RigError(f"count: found {count}, expected at least one place")
-    return [Place(at=(height, first_angle + 2.0 * np.pi * k / count), direction=direction) for k in range(count)]
+    angles = (first_angle + 2.0 * np.pi * np.arange(count) / count).tolist()
+    return [Place(at=(height, angle), direction=direction, mass=mass) for angle in angles]
 
 
 def rig_of(
@@ -54,8 +61,9 @@ def rig_of(
 ) -> Rig:
     """The rig of a shell: its modes at places, with S from one static solution.
 
-    S = P^T K^-1 P - sum_k phi_k phi_k^T/omega_k^2. On a shear-deformable wall S of a force's own place grows as
-    ln(1/h) with the mesh (`PointLoad`): the mesh stands for the size of the shaker's head.
+    S = P^T K^-1 P - sum_k phi_k phi_k^T/omega_k^2. The masses of sensors change the modes (`loaded`). On a
+    shear-deformable wall S of a force's own place grows as ln(1/h) with the mesh (`PointLoad`): the mesh stands for
+    the size of the shaker's head.
 
     Parameters
     ----------
@@ -75,19 +83,25 @@ def rig_of(
     """
     if modes.rigid:
         raise RigError(f"modes: found {modes.rigid} rigid motions, expected a supported structure")
+    if not places:
+        raise RigError("places: found none, expected at least one")
     system = system or assemble(modes.shell)
-    nodal, probes = probe_rows(modes, places, first)
+    heavy = [place for place in places if place.mass]
+    under = [Place(at=place.at, direction=d) for place in heavy for d in CARTESIAN]
+    nodal, probes = probe_rows(modes, [*places, *under], first)
     rows = np.einsum("pnd,ndm->pm", nodal, modes.fields, optimize=True)
     P = system.restrict(nodal.transpose(1, 2, 0))
     S = P.T @ factorise(system.K).solve(P) - (rows / modes.omega**2) @ rows.T
     damping = np.broadcast_to(np.asarray(zeta, np.float64), modes.omega.shape)
-    return Rig(omega=modes.omega, zeta=damping, rows=rows, S=0.5 * (S + S.T), probes=probes)
+    bare = Rig(omega=modes.omega, zeta=damping, rows=rows, S=0.5 * (S + S.T), probes=probes)
+    if not heavy:
+        return bare
+    weighed = range(len(places), len(probes))
+    return loaded(bare, weighed, np.repeat([place.mass for place in heavy], 3)).taking(range(len(places)))
 
 
 def probe_rows(modes: Modes, places: Sequence[Place], first: int) -> tuple[FloatArray, tuple[Probe, ...]]:
     """Displacements of the places as rows over nodal fields, (places, nodes, 5), and the probes."""
-    if not places:
-        raise RigError("places: found none, expected at least one")
     at = np.array([place.at for place in places], np.float64).T
     try:
         nodes, weights = interpolation(modes.grid, *at)

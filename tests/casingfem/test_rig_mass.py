@@ -1,0 +1,64 @@
+"""Accelerometers weigh: one degree of freedom, the model with the masses built in, static answers."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.experiment.rig import Rig, RigError
+from casingfem.experiment.rig_mass import loaded
+from casingfem.experiment.rig_structure import Place, circle, rig_of
+from casingfem.structure.assembly import assemble
+
+ANGLES = (0.2, 1.9)
+MASS = 0.012
+
+
+@pytest.fixture(scope="module")
+def bare(coarse, frustum):
+    return cf.modes(frustum(mesh=coarse), 30, method="shell")
+
+
+def test_a_mass_on_one_degree_of_freedom():
+    rig = Rig.of(omega=[700.0], zeta=[0.02], rows=[[2.0], [1.0]])  # 1/4 kg
+    heavy = loaded(rig, [0], [0.01])
+    assert heavy.omega[0] == pytest.approx(700.0 * np.sqrt(0.25 / 0.26), rel=1e-12)
+    np.testing.assert_allclose(heavy.rows[:, 0], [1.0 / np.sqrt(0.26), 0.5 / np.sqrt(0.26)], rtol=1e-12)
+    viscous = 2.0 * heavy.zeta[0] * heavy.omega[0] * 0.26  # c does not change
+    assert viscous == pytest.approx(2.0 * 0.02 * 700.0 * 0.25, rel=1e-12)
+
+
+def test_masses_of_sensors_move_the_modes_as_masses_of_the_model_do(bare):
+    places = [Place(at=(0.25, a), mass=MASS) for a in ANGLES]
+    rig = rig_of(bare, places, zeta=0.002)
+    masses = {"top": [cf.PointMass(angle=a, mass=MASS) for a in ANGLES]}
+    truth = cf.modes(cf.Shell(chart=bare.shell.chart, thickness=bare.shell.thickness, material=bare.shell.material,
+                              supports=bare.shell.supports, mesh=bare.shell.mesh, masses=masses), 30)  # fmt: skip
+    shift = truth.freq / bare.freq - 1.0
+    assert shift[:14].min() < -4e-3
+    np.testing.assert_allclose(rig.freq[:14], truth.freq[:14], rtol=2e-5)
+
+
+def test_without_the_residual_the_shift_is_too_small(bare):
+    at = [Place(at=(0.25, a), direction=d) for a in ANGLES for d in ("x", "y", "z")]
+    rig = rig_of(bare, at, zeta=0.002)
+    with_S = loaded(rig, range(6), MASS).freq
+    without = loaded(Rig.of(omega=rig.omega, zeta=rig.zeta, rows=rig.rows), range(6), MASS).freq
+    assert np.max(without[:20] / with_S[:20] - 1.0) > 2e-4
+
+
+def test_static_answers_do_not_feel_the_mass(bare):
+    system = assemble(bare.shell)
+    places = circle(0.25, 5)
+    light = rig_of(bare, places, zeta=0.002, system=system)
+    heavy = rig_of(bare, circle(0.25, 5, mass=0.05), zeta=0.002, system=system)
+    at = range(5)
+    np.testing.assert_allclose(heavy.receptance(at, at, [0.0]), light.receptance(at, at, [0.0]), rtol=1e-9, atol=1e-18)
+
+
+def test_bad_masses_are_refused():
+    rig = Rig.of(omega=[700.0], zeta=[0.02], rows=[[2.0]])
+    for mass in (-1.0, np.nan):
+        with pytest.raises(RigError, match="masses of 0 kg or more"):
+            loaded(rig, [0], [mass])
+        with pytest.raises(RigError, match="expected 0 or more"):
+            Place(at=(0.0, 0.0), mass=mass)

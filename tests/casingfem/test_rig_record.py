@@ -1,0 +1,147 @@
+"""Time records of the virtual test rig: exact steps, agreement with the frequency domain, estimates, leakage."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from casingfem.experiment.frf_estimate import estimate
+from casingfem.experiment.rig import Rig, RigError
+from casingfem.experiment.rig_excitation import BurstRandom, Impact, Random, StepSine
+from casingfem.experiment.rig_record import measured, record, respond
+
+SEED = 8123
+FS = 2048.0
+RIG = Rig.of(
+    omega=2.0 * np.pi * np.array([151.3, 153.0, 402.7]),
+    zeta=[0.004, 0.006, 0.01],
+    rows=[[1.0, 0.2, 0.7], [-0.4, 0.9, 0.5], [0.3, 0.3, -1.1]],
+    S=np.diag([2e-9, 3e-9, 1e-9]),
+)
+
+
+def test_steps_under_straight_forces_are_exact():
+    rig = Rig.of(omega=[40.0], zeta=[0.05], rows=[[1.0]])
+    fs, knots = 20.0, np.array([0.0, 1.0, -2.0, 0.5, 3.0, 3.0, -1.0, 0.0])
+    t = np.arange(len(knots)) / fs
+
+    def rate(at, x):
+        return [x[1], np.interp(at, t, knots) - 2.0 * 0.05 * 40.0 * x[1] - 1600.0 * x[0]]
+
+    exact = solve_ivp(rate, (0.0, t[-1]), [0.0, 0.0], t_eval=t, max_step=1e-3, rtol=1e-10, atol=1e-14).y
+    for quantity, want in (("receptance", exact[0]), ("mobility", exact[1])):
+        np.testing.assert_allclose(respond(rig, knots[None], fs, [0], [0], quantity)[0], want, atol=1e-8)
+    acceleration = knots - 2.0 * 0.05 * 40.0 * exact[1] - 1600.0 * exact[0]
+    np.testing.assert_allclose(respond(rig, knots[None], fs, [0], [0], "accelerance")[0], acceleration, atol=1e-5)
+
+
+@pytest.mark.parametrize("quantity", ["receptance", "mobility", "accelerance"])
+@pytest.mark.parametrize(
+    "excitation", [BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25), Impact(peak=10.0, width=4e-3)]
+)
+def test_records_that_die_out_give_the_analytic_responses(quantity, excitation):
+    test = record(RIG, [excitation], drives=[0], sensors=[0, 1, 2], fs=FS, block=8192, blocks=4, seed=SEED,
+                  quantity=quantity)  # fmt: skip
+    high = 700.0 if isinstance(excitation, BurstRandom) else 420.0
+    found = estimate(test, window="rectangular", overlap=0.0, band=(80.0, high))
+    exact = RIG.frfs(found.frfs.x, sensors=[0, 1, 2], drives=[0], quantity=quantity)
+    scale = np.abs(exact.responses).max(axis=1, keepdims=True)
+    assert np.max(np.abs(found.frfs.responses - exact.responses) / scale) < 2e-3
+    assert np.abs(found.coherence.responses.real - 1.0).max() < 1e-3
+
+
+def test_two_shakers_at_once_are_told_apart():
+    forces = [BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25)] * 2
+    test = record(RIG, forces, drives=[0, 2], sensors=[1], fs=FS, block=8192, blocks=6, seed=SEED)
+    found = estimate(test, window="rectangular", overlap=0.0, band=(80.0, 600.0)).frfs
+    exact = RIG.frfs(found.x, sensors=[1], drives=[0, 2])
+    assert found.reference_point.tolist() == [1, 3]
+    for channel in (0, 1):
+        scale = np.abs(exact.responses[channel]).max()
+        assert np.abs(found.responses[channel] - exact.responses[channel]).max() < 5e-3 * scale
+
+
+def test_leakage_of_a_windowed_random_record_falls_with_its_length():
+    errors = []
+    for block in (2048, 8192):
+        test = record(RIG, [Random(rms=1.0, band=(20.0, 780.0))], drives=[0], sensors=[0], fs=FS, block=block,
+                      blocks=40, seed=SEED)  # fmt: skip
+        found = estimate(test, band=(140.0, 165.0)).frfs
+        exact = RIG.frfs(found.x, sensors=[0], drives=[0])
+        errors.append(np.abs(found.responses - exact.responses).max() / np.abs(exact.responses).max())
+    assert errors[1] < 0.35 * errors[0]  # the bias goes with the square of the resolution
+
+
+def test_coherence_shows_the_noise():
+    clean = record(RIG, [BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25)], drives=[0], sensors=[0, 1], fs=FS,
+                   block=4096, blocks=60, seed=SEED)  # fmt: skip
+    dirty = measured(clean, snr_db=6.0, seed=SEED)
+    found = estimate(dirty, window="rectangular", overlap=0.0, band=(100.0, 600.0))
+    noise = np.mean(np.abs(np.fft.rfft((dirty.response - clean.response)[0].reshape(-1, 4096))) ** 2, axis=0)
+    signal = np.mean(np.abs(np.fft.rfft(clean.response[0].reshape(-1, 4096))) ** 2, axis=0)
+    lines = np.isin(np.fft.rfftfreq(4096, 1.0 / FS), found.frfs.x)
+    expected = (signal / (signal + noise))[lines]
+    assert np.abs(found.coherence.responses[0].real - expected).mean() < 0.05
+    assert expected.min() < 0.7
+
+
+def test_converters_and_noise_leave_their_mark_and_seeds_decide():
+    clean = record(RIG, [Random(rms=1.0, band=(60.0, 700.0))], drives=[0], sensors=[0], fs=FS, block=4096, blocks=8,
+                   seed=SEED)  # fmt: skip
+    again = record(RIG, [Random(rms=1.0, band=(60.0, 700.0))], drives=[0], sensors=[0], fs=FS, block=4096, blocks=8,
+                   seed=SEED)  # fmt: skip
+    assert np.array_equal(clean.response, again.response)
+    coarse = measured(clean, seed=SEED, bits=10)
+    lsb = 2.5 * np.abs(clean.response).max() / 2**10
+    assert np.var(coarse.response - clean.response) == pytest.approx(lsb**2 / 12.0, rel=0.05)
+    assert "10 bits" in coarse.card[-1]
+    assert clean.card[0].startswith("SYNTHETIC")
+
+
+def test_stepped_sine_settles_on_the_phasor():
+    freq = (152.0, 400.0)
+    test = record(RIG, [StepSine(amplitude=2.0, freq=freq)], drives=[0], sensors=[1], fs=FS, block=8192, blocks=2,
+                  seed=SEED, quantity="mobility")  # fmt: skip
+    exact = RIG.frfs(freq, sensors=[1], drives=[0], quantity="mobility").responses[0]
+    for k, f in enumerate(freq):
+        part = slice((k + 1) * 8192 - 2048, (k + 1) * 8192)
+        turn = np.exp(-2j * np.pi * f * test.time[part])
+        assert (test.response[0, part] @ turn) / (test.force[0, part] @ turn) == pytest.approx(exact[k], rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"fs": 500.0}, "expected 2.56 times the highest"),
+        ({"excitations": []}, "one for each of 1 drives"),
+        ({"block": 4}, "16 samples or more"),
+        ({"drives": [7]}, "each from 0 to 2"),
+        ({"excitations": [Random(rms=1.0, band=(700.01, 700.02))]}, "no line of a record"),
+    ],
+)
+def test_what_cannot_be_recorded_is_refused(change, words):
+    asked = {"excitations": [Random(rms=1.0, band=(60.0, 700.0))], "drives": [0], "sensors": [0], "fs": FS,
+             "block": 256, "blocks": 1, "seed": SEED} | change  # fmt: skip
+    with pytest.raises(RigError, match=words):
+        record(RIG, asked.pop("excitations"), **asked)
+
+
+def test_what_cannot_be_estimated_is_refused():
+    test = record(RIG, [Random(rms=1.0, band=(60.0, 700.0))] * 2, drives=[0, 1], sensors=[0], fs=FS, block=256,
+                  blocks=1, seed=SEED)  # fmt: skip
+    for keys, words in (
+        ({"window": "flat"}, "window: found 'flat'"),
+        ({"estimator": "H3"}, "estimator: found 'H3'"),
+        ({"estimator": "H2"}, "H2 with 2 drives"),
+        ({"overlap": 1.0}, "overlap"),
+        ({}, "1 averages"),
+    ):
+        with pytest.raises(RigError, match=words):
+            estimate(test, **keys)
+    with pytest.raises(RigError, match="width"):
+        Impact(peak=1.0, width=0.0)
+    with pytest.raises(RigError, match="freq"):
+        StepSine(amplitude=1.0, freq=())
+    with pytest.raises(RigError, match="part"):
+        BurstRandom(rms=1.0, band=(1.0, 2.0), part=1.0)
+    with pytest.raises(RigError, match="band"):
+        Random(rms=1.0, band=(3.0, 2.0))
