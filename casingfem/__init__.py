@@ -8,7 +8,10 @@ print(cf.modes(casing, count=40))
 """
 
 from casingfem.experiment.correlation import Pairing, mac, pair, subspace_mac
+from casingfem.experiment.ema_poles import MissingExtraError
 from casingfem.experiment.frf import FrfError, FrfSet
+from casingfem.experiment.identification import identify
+from casingfem.experiment.identified import Identified
 from casingfem.experiment.measurement import FrequencyTable, TableError
 from casingfem.experiment.rig import Probe, Rig, RigError
 from casingfem.experiment.rig_structure import Place, rig_of
@@ -76,11 +79,13 @@ __all__ = [
     "FrfSet",
     "Frustum",
     "Gravity",
+    "Identified",
     "Interactions",
     "Material",
     "MeshData",
     "MeshModes",
     "MeshShell",
+    "MissingExtraError",
     "Mistuning",
     "ModalBasis",
     "Modes",
@@ -128,6 +133,7 @@ __all__ = [
     "WhirlModes",
     "assemble",
     "campbell",
+    "identify",
     "interactions",
     "mac",
     "mistune",

@@ -1,0 +1,184 @@
+"""Modes from frequency responses, without a hand on the mouse.
+
+The axis is cut at the valleys between peaks; in each band sdypy-EMA's LSCF gives poles for growing orders, those that
+stay are the start, and a least-squares fit with residues eliminated does the rest: it decides how many poles there
+are, refines them, and says how sure each is. Shapes give n, orientation and partners. sdypy's part ends with the
+start.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from casingfem.arrays import Array, FloatArray
+from casingfem.experiment.bands import Band, find_bands, line_noise
+from casingfem.experiment.circle import Circle
+from casingfem.experiment.ema_poles import lscf_poles
+from casingfem.experiment.found_modes import FoundMode, found_modes, notes_of, paired
+from casingfem.experiment.frf import FrfError, FrfSet
+from casingfem.experiment.identified import Identified
+from casingfem.experiment.pole_fit import PoleFit
+from casingfem.experiment.pole_selection import select_poles
+from casingfem.experiment.pole_window import Window
+from casingfem.experiment.sensor_grid import SensorGrid, form_of, radial_signs, sensor_grid
+from casingfem.experiment.stabilisation import Stabilisation, join, stabilise
+
+FLOOR = 3e-4  # of a window's rms: a model is not better than that
+LEAST_LINES = 30
+ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most
+EVEN = 1e-6
+
+
+def identify(
+    frfs: FrfSet,
+    *,
+    angles: Mapping[int, float] | None = None,
+    band: tuple[float, float] | None = None,
+    form: str | None = None,
+    order: int | None = None,
+    n_max: int | None = None,
+) -> Identified:
+    """Frequencies, damping, shapes, nodal diameters and orientations of the modes in frequency responses.
+
+    Parameters
+    ----------
+    frfs
+        Responses of every sensor to one or more references, over evenly spaced lines.
+    angles
+        Angle [deg] of each response point on the sensors' circle; without them modes have no n and no orientation.
+    band
+        Frequencies [Hz] from, to; all lines if None.
+    form
+        "receptance", "mobility" or "accelerance"; None reads it from the unit.
+    order
+        Largest number of modes in a window's LSCF sweep; None takes it from the number of peaks.
+    n_max
+        Largest nodal diameter; None as far as the sensors tell them apart.
+
+    Raises
+    ------
+    FrfError
+        No frequency responses, uneven or too few lines, dead channels, sensors without angle or reference.
+    MissingExtraError
+        sdypy-EMA is not installed.
+
+    Examples
+    --------
+    >>> theta, x = np.arange(8) * np.pi / 4, np.arange(80.0, 120.0, 0.1)
+    >>> H = np.cos(2 * theta)[:, None] * 100.0**2 / (100.0**2 - x**2 + 2j * 0.004 * 100.0 * x)
+    >>> frfs = FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=np.arange(8))
+    >>> found = identify(frfs, angles=dict(enumerate(np.degrees(theta))))
+    >>> found.freq.round(4).tolist(), found.zeta.round(6).tolist(), found.n.tolist()
+    ([100.0], [0.004], [2])
+    """
+    started = time.perf_counter()
+    grid = sensor_grid(frfs, angles)
+    power = form_of(frfs, form)
+    freq, H = _lines(frfs, band)
+    noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
+    bands = find_bands(H, noise)
+    fits, diagrams, cores = [], [], []
+    for cut in bands:
+        fit, diagram = _band(freq, H, noise, cut, power, order)
+        fits.append(fit)
+        diagrams.append(diagram)
+        cores.append((float(freq[cut.core[0]]), _edge(freq, cut.core[1])))
+    circle = None if angles is None else Circle.of(grid.theta, n_max)
+    modes = found_modes(fits, cores, grid, radial_signs(grid), circle)
+    return Identified(
+        **_columns(modes, grid),
+        sensors=grid,
+        lines=freq,
+        measured=H,
+        fitted=_fitted(fits, bands, H),
+        diagram=join(diagrams, cores),
+        card=frfs.card,
+        seconds=time.perf_counter() - started,
+    )
+
+
+def _edge(freq: FloatArray, line: int) -> float:
+    """Frequency at which a core ends: at its next line, behind the last."""
+    return float(freq[line]) if line < len(freq) else float(2.0 * freq[-1] - freq[-2])
+
+
+def _lines(frfs: FrfSet, band: tuple[float, float] | None) -> tuple[FloatArray, Array]:
+    """Lines of the band and the responses there, refused where they cannot be used."""
+    if frfs.kind != "frf":
+        raise FrfError(frfs.path, found=f"kind {frfs.kind!r}", expected="frequency responses")
+    low, high = band or (0.0, np.inf)
+    if not 0.0 <= low < high:
+        raise FrfError(frfs.path, found=f"band {low:g} to {high:g} Hz", expected="0 <= from < to")
+    kept = (frfs.x >= low) & (frfs.x <= high) & (frfs.x > 0.0)
+    freq, H = np.array(frfs.x[kept]), np.array(frfs.responses[:, kept])
+    if len(freq) < LEAST_LINES:
+        raise FrfError(frfs.path, found=f"{len(freq)} lines in the band", expected=f"at least {LEAST_LINES}")
+    steps = np.diff(freq)
+    if np.ptp(steps) > EVEN * freq[-1]:
+        raise FrfError(frfs.path, found=f"steps from {steps.min():g} to {steps.max():g} Hz", expected="even steps")
+    dead = np.flatnonzero(np.abs(H).max(axis=1) == 0.0)
+    if dead.size:
+        place = f"channel {dead[0] + 1} (point {frfs.response_point[dead[0]]})"
+        raise FrfError(frfs.path, found=f"{place} is zero on every line", expected="a signal, or leave it out")
+    return freq, H
+
+
+def _band(
+    freq: FloatArray, H: Array, noise: FloatArray, cut: Band, power: int, order: int | None
+) -> tuple[PoleFit, Stabilisation]:
+    """Sweep, stabilise and fit one window."""
+    lines = slice(*cut.window)
+    weighted = H[:, lines] / noise[:, None]
+    most = order or min(ORDER[0] + ORDER[1] * cut.peaks, ORDER[2], (cut.window[1] - cut.window[0]) // 6)
+    swept = lscf_poles(freq[lines], weighted, most)
+    diagram, starts = stabilise(swept, freq[lines], weighted)
+    stacked = np.concatenate([weighted.real, weighted.imag], axis=1).T
+    window = Window(
+        freq=freq[lines],
+        Y=stacked,
+        power=power,
+        residues="real",
+        weight=1.0 / noise,
+        floor=FLOOR * float(np.sqrt(np.mean(stacked**2))),
+    )
+    return select_poles(window, starts), diagram
+
+
+def _fitted(fits: list[PoleFit], bands: list[Band], H: Array) -> Array:
+    """The fits over their cores, in the units of the responses; nan elsewhere."""
+    whole = np.full(H.shape, complex(np.nan, np.nan))
+    for fit, cut in zip(fits, bands, strict=True):
+        shift = cut.window[0]
+        core = slice(cut.core[0] - shift, cut.core[1] - shift)
+        whole[:, slice(*cut.core)] = H[:, slice(*cut.core)] - (fit.spread[core] / fit.window.weight).T
+    return whole
+
+
+def _columns(modes: list[FoundMode], grid: SensorGrid) -> dict[str, Any]:
+    """Fields of `Identified` that have one entry for each mode."""
+
+    def column(name: str) -> FloatArray:
+        return np.array([getattr(mode, name) for mode in modes], float)
+
+    doublets, unresolved = paired(modes)
+    count = len(grid), len(grid.references)
+    names = ("freq", "sigma_freq", "zeta", "sigma_zeta", "purity", "collinearity", "signal", "residue_scale")
+    members = {k for pair in doublets for k in pair}
+    bound = np.array([np.nan if k in members or mode.n == 0 else mode.split_bound for k, mode in enumerate(modes)])
+    return {
+        **{name: column(name) for name in names},
+        "n": np.array([mode.n for mode in modes], np.int64),
+        "angle_deg": np.degrees(column("angle")),
+        "sigma_angle": np.degrees(column("sigma_angle")),
+        "shapes": np.array([mode.shape for mode in modes]).reshape(-1, count[0]).T,
+        "sigma_shapes": np.array([mode.sigma_shape for mode in modes]).reshape(-1, count[0]).T,
+        "residues": np.array([mode.residues for mode in modes], complex).reshape(-1, *count).transpose(1, 2, 0),
+        "doublets": doublets,
+        "unresolved": unresolved,
+        "split_bound": bound.reshape(-1),
+        "notes": notes_of(modes, doublets, unresolved),
+    }

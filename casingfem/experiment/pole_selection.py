@@ -1,0 +1,150 @@
+"""How many poles a window has: poles are left out and added as long as the data say so.
+
+The yardstick is the Bayesian information criterion (Schwarz, Ann. Statist. 6, 1978, 461): a pole stays if leaving it
+out raises the sum of squares, in units of the noise, by more than (its parameters) ln(number of data). A second pole
+beside the first has to earn itself the same way, so that a single mode is not split in two; two close poles with the
+same shape are a misfit of one mode and are merged.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.experiment.pole_fit import PoleFit, fit_poles
+from casingfem.experiment.pole_window import Window
+from casingfem.experiment.stabilisation import ZETA_MAX
+
+GRID = 400  # frequencies tried for a further pole
+TRIES = 2  # starts tried before the search ends
+NEAR, SAME = 3.0, 0.9  # half-power bandwidths; MAC
+ENOUGH = 6  # channels below which shapes say nothing
+MISFIT = 1.3  # deviation over noise, squared, that asks for complex residues
+
+
+def price(window: Window) -> float:
+    """Fall of the sum of squares, in units of the noise, that a pole must bring."""
+    return float((window.Y.shape[1] * window.columns + 2) * np.log(window.Y.size))
+
+
+def select_poles(window: Window, starts: FloatArray) -> PoleFit:
+    """Fit with as many poles as the data carry, from starts (poles, 2) of freq [Hz], zeta.
+
+    Real residues first; complex ones if real ones leave more than the noise and complex ones earn themselves.
+    """
+    fit = _searched(window, starts)
+    if fit.variance > MISFIT and fit.variance > window.floor**2 and window.residues == "real":
+        turned = _searched(replace(window, residues="complex"), np.column_stack([fit.freq, fit.zeta]))
+        more = turned.parameters - fit.parameters
+        if (fit.squares - turned.squares) / turned.noise > more * np.log(window.Y.size):
+            return turned
+    return fit
+
+
+def _searched(window: Window, starts: FloatArray) -> PoleFit:
+    """Prune the starts, then add poles where the deviation asks for them."""
+    fit = pruned(fit_poles(window, starts[:, 0], starts[:, 1]))
+    for _ in range(2 * len(starts) + 8):
+        more = _one_more(fit)
+        if more is None:
+            return fit
+        fit = more
+    return fit
+
+
+def gains(fit: PoleFit) -> FloatArray:
+    """Rise of the sum of squares, in units of the noise, if a pole were left out and the others stayed, (poles,)."""
+    each = range(len(fit.freq))
+    rise = [np.einsum("sc,st,tc->", fit.A[k], np.linalg.inv(fit.gram[k, :, k, :]), fit.A[k]) for k in each]
+    return np.array(rise, float) / fit.noise
+
+
+def pruned(fit: PoleFit) -> PoleFit:
+    """Leave out poles, one by one, that do not earn themselves, are no resonance, or repeat a neighbour."""
+    while len(fit.freq):
+        lines = fit.window.freq
+        worth = gains(fit)
+        outside = (fit.freq < lines[0]) | (fit.freq > lines[-1]) | (fit.zeta >= ZETA_MAX)
+        worth = np.where(outside, 0.0, worth)
+        for low, high in _repeats(fit):
+            worth[low if worth[low] < worth[high] else high] = 0.0
+        least = int(worth.argmin())
+        if worth[least] > price(fit.window):
+            return fit
+        kept = np.arange(len(fit.freq)) != least
+        fit = fit_poles(fit.window, fit.freq[kept], fit.zeta[kept])
+    return fit
+
+
+def _repeats(fit: PoleFit) -> list[tuple[int, int]]:
+    """Neighbouring poles within three bandwidths and of the same shape."""
+    if fit.window.Y.shape[1] < ENOUGH:
+        return []
+    shapes = (fit.A[:, 0] + 1j * fit.A[:, 1] if fit.A.shape[1] == 2 else fit.A[:, 0]) / fit.window.weight
+    found = []
+    for low in range(len(fit.freq) - 1):
+        high = low + 1
+        width = 2.0 * max(fit.zeta[low] * fit.freq[low], fit.zeta[high] * fit.freq[high])
+        alike = abs(np.vdot(shapes[low], shapes[high])) ** 2
+        norms = np.vdot(shapes[low], shapes[low]).real * np.vdot(shapes[high], shapes[high]).real
+        if fit.freq[high] - fit.freq[low] < NEAR * width and alike > SAME * norms:
+            found.append((low, high))
+    return found
+
+
+def _one_more(fit: PoleFit) -> PoleFit | None:
+    """A fit with one pole more that has earned itself, or None."""
+    for f, zeta in _places(fit):
+        trial = fit_poles(fit.window, np.append(fit.freq, f), np.append(fit.zeta, zeta))
+        if (fit.squares - trial.squares) / trial.noise <= price(fit.window):
+            continue
+        trial = pruned(trial)
+        if len(trial.freq) > len(fit.freq):
+            return trial
+    return None
+
+
+def _places(fit: PoleFit) -> list[tuple[float, float]]:
+    """Where one more pole would take most from the deviation: frequency and damping, best first."""
+    window = fit.window
+    grid = window.freq[:: max(1, len(window.freq) // GRID)]
+    R = np.concatenate([fit.spread.real, fit.spread.imag])
+    Q = basis(fit)
+    usual = float(np.median(fit.zeta)) if len(fit.zeta) else 2e-3
+    best: list[tuple[float, float, float]] = []
+    for zeta in (usual, 3.0 * usual):
+        g = window.resonances(grid, np.full(len(grid), zeta))[:, :: window.columns]
+        best += [(gain, float(grid[k]), zeta) for k, gain in _peaks(g, Q, R, grid, zeta)]
+    best.sort(reverse=True)
+    return [(f, zeta) for _, f, zeta in best[:TRIES]]
+
+
+def basis(fit: PoleFit) -> FloatArray:
+    """Orthonormal basis of all fitted terms, (2 lines, terms)."""
+    columns = fit.window.resonances(fit.freq, fit.zeta), fit.window.residuals()
+    return np.linalg.qr(np.concatenate(columns, axis=1))[0]
+
+
+def _peaks(g: FloatArray, Q: FloatArray, R: FloatArray, grid: FloatArray, zeta: float) -> list[tuple[int, float]]:
+    """Place and size of the largest gain, and of the largest a bandwidth or more away from it."""
+    size = np.sum(g * g, axis=0)
+    across = size - np.sum((Q.T @ g) ** 2, axis=0)
+    gain = np.sum((g.T @ R) ** 2, axis=1) / np.maximum(across, 1e-6 * size)
+    first = int(gain.argmax())
+    second = int(np.where(np.abs(grid - grid[first]) > 2.0 * zeta * grid[first], gain, 0.0).argmax())
+    return [(k, float(gain[k])) for k in (first, second)]
+
+
+def hidden_split(fit: PoleFit, pole: int) -> float:
+    """Relative split of two equally driven, orthogonal partners that the data would just not have shown.
+
+    Split by delta, the two give g(f) (u + v) + (delta/2) g'(f) (u - v) with |u - v| = |u + v|; the second term is seen
+    once its sum of squares across the fitted terms exceeds the price of a pole, noise against it (three sigma).
+    """
+    one = slice(pole, pole + 1)
+    g = fit.window.slopes(fit.freq[one], fit.zeta[one])[:, 0]
+    across = float(np.sum(g * g) - np.sum((basis(fit).T @ g) ** 2)) * float(np.sum(fit.A[pole] ** 2))
+    seen = np.sqrt(price(fit.window)) + 3.0
+    return float(2.0 * seen * np.sqrt(fit.noise / across)) if across > 0.0 else float("nan")

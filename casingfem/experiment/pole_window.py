@@ -1,0 +1,76 @@
+"""The terms of a modal model over a window of lines, as real columns.
+
+    H(omega) = sum_k a_k (j x)^q w_k^2/(w_k^2 - x^2 + 2 j zeta_k w_k x) + (j x)^q sum_i c_i T_i,
+
+x and w_k in units of the window's mean frequency; q = 0, 1, 2 for receptance, mobility, accelerance. a_k are real
+where damping is proportional, complex otherwise; the Chebyshev polynomials T_i stand for modes outside the window.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import Array, FloatArray, frozen
+
+TERMS = 4  # polynomials
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Window:
+    """Lines and channels of one fit: freq [Hz] (lines,), Y (2 lines, channels) real over imaginary, weighted.
+
+    `power` is q above; `residues` "real" or "complex"; `weight` (channels,) what Y was multiplied by; `floor` the
+    least rms deviation per entry of Y that counts: models are never better than that.
+    """
+
+    freq: FloatArray
+    Y: FloatArray
+    power: int
+    residues: str
+    weight: FloatArray
+    floor: float
+
+    def __post_init__(self) -> None:
+        for name in ("freq", "Y", "weight"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def columns(self) -> int:
+        """Real columns of each pole, or polynomial."""
+        return 1 if self.residues == "real" else 2
+
+    @property
+    def scale(self) -> float:
+        """Mean frequency [Hz]."""
+        return float(self.freq.mean())
+
+    def resonances(self, f: FloatArray, zeta: FloatArray) -> FloatArray:
+        """Columns (2 lines, poles x columns) of unit residue at poles f [Hz], zeta."""
+        return self.as_real(self._resonances(f, zeta)[0])
+
+    def slopes(self, f: FloatArray, zeta: FloatArray) -> FloatArray:
+        """Derivatives of `resonances` by ln f of all poles, then by ln zeta, (2 lines, 2 poles x columns)."""
+        g, by_zeta, w, below = self._resonances(f, zeta)
+        by_f = 2.0 * g * (1.0 - w**2 / below) + by_zeta
+        return self.as_real(np.concatenate([by_f, by_zeta], axis=1))
+
+    def residuals(self) -> FloatArray:
+        """Columns (2 lines, TERMS x columns) of modes outside the window."""
+        x = self.freq[:, None] / self.scale
+        span = (2.0 * self.freq - self.freq[0] - self.freq[-1]) / (self.freq[-1] - self.freq[0])
+        return self.as_real((1j * x) ** self.power * np.polynomial.chebyshev.chebvander(span, TERMS - 1))
+
+    def as_real(self, columns: Array) -> FloatArray:
+        """Complex columns (lines, n) as real ones; for complex residues with j times each beside it."""
+        if self.columns == 2:
+            columns = np.stack([columns, 1j * columns], axis=2).reshape(len(columns), -1)
+        return np.concatenate([columns.real, columns.imag])
+
+    def _resonances(self, f: FloatArray, zeta: FloatArray) -> tuple[Array, Array, Array, Array]:
+        """Complex columns (lines, poles), their derivative by ln zeta, w and the denominator."""
+        x, w = self.freq[:, None] / self.scale, f / self.scale
+        below = w**2 - x**2 + 2j * zeta * w * x
+        g = (1j * x) ** self.power * w**2 / below
+        return g, -g * 2j * zeta * w * x / below, w, below

@@ -1,0 +1,122 @@
+"""Which poles stay where they are when the model order grows: the stabilisation diagram, read by a rule.
+
+A pole of one order is stable if the next lower order has one with the same frequency, damping and shape; poles that
+come back in most orders are the start of the fit. Nobody has to click.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import Array, BoolArray, FloatArray, IntArray, frozen
+
+SAME_FREQ, SAME_ZETA, SAME_SHAPE = 0.3, 0.3, 0.9  # of a half-power bandwidth; relative; MAC
+OFTEN = 0.4  # of the orders in the upper half
+ZETA_MAX = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stabilisation:
+    """Poles of all orders: freq [Hz], zeta, order, stable, each (poles,)."""
+
+    freq: FloatArray
+    zeta: FloatArray
+    order: IntArray
+    stable: BoolArray
+
+    def __post_init__(self) -> None:
+        for name in ("freq", "zeta", "order", "stable"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def __repr__(self) -> str:
+        return f"Stabilisation({len(self.freq)} poles, {int(self.stable.sum())} stable)"
+
+
+def join(parts: list[Stabilisation], cores: list[tuple[float, float]]) -> Stabilisation:
+    """One diagram of several bands, each with its poles in [from, to) Hz."""
+    kept = [(part.freq >= low) & (part.freq < high) for part, (low, high) in zip(parts, cores, strict=True)]
+    names = ("freq", "zeta", "order", "stable")
+    arrays = {
+        name: np.concatenate([np.zeros(0), *(getattr(part, name)[k] for part, k in zip(parts, kept, strict=True))])
+        for name in names
+    }
+    return Stabilisation(
+        freq=arrays["freq"],
+        zeta=arrays["zeta"],
+        order=arrays["order"].astype(np.int64),
+        stable=arrays["stable"].astype(bool),
+    )
+
+
+def residues(poles: Array, freq: FloatArray, H: Array) -> Array:
+    """Complex residues (poles, channels) of H with a constant and a slope beside them, by least squares (LSFD)."""
+    s = 2j * np.pi * freq[:, None]
+    span = np.linspace(-1.0, 1.0, len(freq))[:, None]
+    columns = np.concatenate([abs(poles.real) / (s - poles), np.ones_like(span), span], axis=1)
+    return np.asarray(np.linalg.lstsq(columns, H.T, rcond=None)[0][: len(poles)])
+
+
+def stabilise(swept: list[Array], freq: FloatArray, H: Array) -> tuple[Stabilisation, FloatArray]:
+    """The diagram of poles [rad/s] of orders 1, 2, ..., and the poles that come back: (modes, 2) of freq [Hz], zeta.
+
+    Examples
+    --------
+    >>> freq = np.arange(95.0, 105.0, 0.05)
+    >>> pole = 2 * np.pi * 100.0 * (-0.005 + 1j)
+    >>> chance = [2 * np.pi * (-1.0 + 1j * (96.0 + k)) for k in range(8)]
+    >>> H = (1.0 / (2j * np.pi * freq - pole))[None]
+    >>> diagram, starts = stabilise([np.array([pole, other]) for other in chance], freq, H)
+    >>> diagram, starts.round(4).tolist()
+    (Stabilisation(16 poles, 7 stable), [[100.0012, 0.005]])
+    """
+    all_poles: list[FloatArray] = []
+    clusters: list[list[tuple[float, float]]] = []
+    before = np.zeros((0, 2)), np.zeros((0, len(H)), complex)
+    shapes: list[Array] = []
+    upper = len(swept) // 2
+    for order, poles in enumerate(swept, start=1):
+        here = np.column_stack([np.abs(poles) / (2.0 * np.pi), -poles.real / np.abs(poles)])
+        good = here[:, 1] < ZETA_MAX
+        here, poles = here[good], poles[good]
+        shape = residues(poles, freq, H)
+        same = _alike(here, shape, *before)
+        stays = same.any(axis=1)
+        all_poles.append(np.column_stack([here, np.full(len(here), order), stays]))
+        if order > upper:
+            _collect(clusters, shapes, here[stays], shape[stays])
+        before = here, shape
+    often = [np.median(cluster, axis=0) for cluster in clusters if len(cluster) >= OFTEN * (len(swept) - upper)]
+    starts = np.array(sorted(often, key=lambda pole: float(pole[0]))).reshape(-1, 2)
+    freqs, zetas, orders, stable = np.concatenate(all_poles).T
+    diagram = Stabilisation(freq=freqs, zeta=zetas, order=orders.astype(np.int64), stable=stable == 1.0)
+    return diagram, starts
+
+
+def _alike(a: FloatArray, a_shape: Array, b: FloatArray, b_shape: Array) -> BoolArray:
+    """Which poles of a have the frequency, damping and shape of which poles of b, (a, b)."""
+    width = 2.0 * (a[:, 1] * a[:, 0])[:, None]
+    close = np.abs(a[:, None, 0] - b[None, :, 0]) < SAME_FREQ * width
+    damped = np.abs(a[:, None, 1] - b[None, :, 1]) < SAME_ZETA * a[:, None, 1]
+    norms = np.outer(np.sum(np.abs(a_shape) ** 2, axis=1), np.sum(np.abs(b_shape) ** 2, axis=1)) + 1e-300
+    shaped = np.abs(a_shape.conj() @ b_shape.T) ** 2 > SAME_SHAPE * norms
+    return np.asarray(close & damped & shaped)
+
+
+def _collect(
+    clusters: list[list[tuple[float, float]]], shapes: list[Array], found: FloatArray, found_shapes: Array
+) -> None:
+    """Put each pole into the cluster whose last member it is like, or into one of its own."""
+    last = np.array([cluster[-1] for cluster in clusters]).reshape(-1, 2)
+    last_shapes = np.array(shapes).reshape(-1, found_shapes.shape[1])
+    same = _alike(found, found_shapes, last, last_shapes)
+    for k, (f, zeta) in enumerate(found.tolist()):
+        at = int(np.argmax(same[k])) if same.shape[1] and same[k].any() else -1
+        if at >= 0:
+            same[:, at] = False
+            clusters[at].append((f, zeta))
+            shapes[at] = found_shapes[k]
+        else:
+            clusters.append([(f, zeta)])
+            shapes.append(found_shapes[k])

@@ -1,0 +1,126 @@
+"""Identification from responses whose modes are known."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.experiment.rig import Probe, Rig
+from casingfem.experiment.rig_noise import noisy
+
+SEED = 1917
+
+
+def ring_rig(pairs, *, theta, drives, zeta=0.002):
+    """Rig with pairs (n, freq, relative split, angle [deg]) of pure shapes; probes at theta, then at the drives."""
+    at = np.r_[theta, drives]
+    modes = []
+    for n, freq, split, angle in pairs:
+        for k, side in enumerate((-0.5, 0.5) if n else (0.0,)):
+            place = np.radians(angle) + k * np.pi / (2 * n) if n else 0.0
+            modes.append((freq * (1 + side * split), np.cos(n * (at - place))))
+    modes.sort(key=lambda mode: mode[0])
+    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), angle) for k, angle in enumerate(at)]
+    freq, rows = zip(*modes, strict=True)
+    return Rig.of(omega=2 * np.pi * np.array(freq), zeta=zeta, rows=np.array(rows).T, probes=probes)
+
+
+def measured(rig, lines, sensors, drives, snr=40.0, seed=SEED):
+    frfs = rig.frfs(lines, sensors=range(sensors), drives=range(sensors, sensors + drives))
+    return noisy(frfs, snr, seed=seed) if snr else frfs
+
+
+THETA = np.radians([0, 14, 31, 44, 62, 76, 88, 107, 119, 135, 152, 166, 181, 194, 212, 224, 241, 256, 271, 286])
+ANGLES = {k + 1: float(np.degrees(angle)) for k, angle in enumerate(THETA)}
+
+
+@pytest.mark.parametrize("drives", [[0.3], [0.3, 2.0]])
+def test_finds_every_member_of_split_pairs_and_nothing_else(drives):
+    pairs = [(6, 330.0, 0.004, 11.0), (7, 345.0, 0.01, 3.0), (5, 352.0, 0.0025, 20.0)]
+    rig = ring_rig(pairs, theta=THETA, drives=drives)
+    found = cf.identify(measured(rig, np.arange(320.0, 362.0, 0.1), len(THETA), len(drives)), angles=ANGLES)
+    assert found.n.tolist() == [6, 6, 7, 7, 5, 5]
+    assert found.doublets == ((0, 1), (2, 3), (4, 5))
+    assert np.abs(found.freq / rig.freq - 1).max() < 5e-5
+    assert np.abs(found.zeta / 0.002 - 1).max() < 0.03
+    want = np.array([11, 26, 3, 3 + 90 / 7, 20, 2])
+    quarter = 90.0 / found.n
+    error = (found.angle_deg - want + quarter) % (2 * quarter) - quarter
+    assert np.abs(error).max() < 1.0
+    assert np.all(np.abs(error) < 5 * found.sigma_angle)
+    assert np.all(np.abs(found.freq - rig.freq) < 5 * found.sigma_freq)
+
+
+def test_a_pair_half_a_bandwidth_apart_is_resolved_and_one_far_below_is_said_to_be_one():
+    bandwidth = 2 * 0.002
+    pairs = [(6, 330.0, 0.5 * bandwidth, 11.0), (5, 350.0, 0.002 * bandwidth, 4.0)]
+    rig = ring_rig(pairs, theta=THETA, drives=[0.3, 2.0])
+    found = cf.identify(measured(rig, np.arange(315.0, 365.0, 0.1), len(THETA), 2), angles=ANGLES)
+    assert found.n.tolist() == [6, 6, 5]
+    assert found.doublets == ((0, 1),)
+    assert found.unresolved == (2,)
+    assert 0.002 * bandwidth < found.split_bound[2] < 0.5 * bandwidth
+    assert "pair at 350.0" in found.notes[0]
+    assert np.isnan(found.split_bound[:2]).all()
+
+
+def test_a_single_mode_is_not_split():
+    rig = ring_rig([(0, 340.0, 0.0, 0.0)], theta=THETA, drives=[0.3, 2.0])
+    found = cf.identify(measured(rig, np.arange(320.0, 360.0, 0.1), len(THETA), 2, snr=25.0), angles=ANGLES)
+    assert len(found) == 1
+    assert found.n.tolist() == [0]
+    assert not found.unresolved
+    assert not found.notes
+
+
+def test_responses_without_noise_have_no_spurious_modes():
+    rig = ring_rig([(6, 330.0, 0.004, 11.0), (4, 410.0, 0.02, 5.0)], theta=THETA, drives=[0.3])
+    found = cf.identify(measured(rig, np.arange(300.0, 450.0, 0.1), len(THETA), 1, snr=None), angles=ANGLES)
+    assert len(found) == 4
+    assert np.abs(found.freq / rig.freq - 1).max() < 1e-6
+    assert found.deviation < 1e-3
+
+
+def test_noise_alone_has_no_modes():
+    rng = np.random.default_rng(SEED)
+    H = rng.standard_normal((8, 900)) + 1j * rng.standard_normal((8, 900))
+    x = 100 + 0.1 * np.arange(900)
+    frfs = cf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=range(8))
+    found = cf.identify(frfs)
+    assert len(found) == 0
+    with pytest.raises(ValueError, match="no mode"):
+        found.table()
+
+
+def test_the_table_carries_sigma_and_says_synthetic():
+    rig = ring_rig([(6, 330.0, 0.004, 11.0)], theta=THETA, drives=[0.3])
+    found = cf.identify(measured(rig, np.arange(320.0, 340.0, 0.1), len(THETA), 1), angles=ANGLES)
+    table = found.table()
+    assert table.synthetic
+    assert table.n.tolist() == [6, 6]
+    np.testing.assert_array_equal(table.sigma_hz, found.sigma_freq)
+
+
+def _frfs(**changes):
+    values = {"kind": "frf", "x": 100 + 0.1 * np.arange(90), "responses": np.ones((2, 90)), "unit": "m/N"}
+    values |= {"response_point": [1, 2]}
+    return cf.FrfSet.from_arrays(**(values | changes))
+
+
+@pytest.mark.parametrize(
+    ("frfs", "options", "words"),
+    [
+        (_frfs(kind="spectrum"), {}, "spectrum"),
+        (_frfs(unit="furlong"), {}, "furlong"),
+        (_frfs(), {"form": "inertance"}, "inertance"),
+        (_frfs(), {"band": (100.0, 101.0)}, "lines in the band"),
+        (_frfs(), {"band": (9.0, 1.0)}, "from < to"),
+        (_frfs(x=np.geomspace(100, 200, 90)), {}, "even steps"),
+        (_frfs(responses=np.array([np.ones(90), np.zeros(90)])), {}, "channel 2"),
+        (_frfs(response_point=[1, 1]), {}, "channels 1 and 2"),
+        (_frfs(reference_point=[5, 6]), {}, "no channel from point 1 to reference 6"),
+        (_frfs(), {"angles": {1: 0.0}}, "no angle for point 2"),
+    ],
+)
+def test_refuses_what_cannot_be_identified(frfs, options, words):
+    with pytest.raises(cf.FrfError, match=words):
+        cf.identify(frfs, **options)
