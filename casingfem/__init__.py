@@ -54,8 +54,9 @@ from casingfem.structure.survey import SampledField, SurveyError
 from casingfem.structure.taper import Taper
 from casingfem.structure.twisted import TwistedPlate
 from casingfem.updating.parameters import Parameter, ParameterError
+from casingfem.updating.problem import UpdateError
 from casingfem.updating.result import UpdateResult
-from casingfem.updating.updating import UpdateError, update
+from casingfem.updating.updating import update
 
 __all__ = [
     "Arc",

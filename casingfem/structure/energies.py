@@ -17,6 +17,9 @@ from casingfem.structure.mesh import Grid, make_grid
 from casingfem.structure.shell import Shell
 from casingfem.structure.strains import constitutive, point_jets, point_strains
 
+WALL = ("chart", "thickness", "material", "shear_correction", "strips", "taper", "radius_defect", "thickness_defect",
+        "modulus_defect", "density_defect")  # fmt: skip
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ModalProducts:
@@ -56,9 +59,7 @@ def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
     same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
     if not same:
         at = on_surface(shell, at)
-    geometry = shell.geometry(*at.grid.parameters, at.grid.middle)
-    D = constitutive(shell, geometry) * (at.jacobian * at.grid.measure)
-    stress = np.matmul(np.moveaxis(D, (0, 1), (2, 3)), at.strain)
+    stress = np.matmul(point_stiffness(shell, at), at.strain)
     modes = at.fields.shape[2]
     K = at.strain.reshape(-1, modes).T @ stress.reshape(-1, modes)
     flat = at.fields.reshape(-1, modes)
@@ -67,6 +68,40 @@ def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
     forms, motions = edge_forms(shell, at.grid), np.vstack([flat, at.own])
     K = sum((form.product(motions) for form in forms.stiffness), start=K)
     return ModalProducts(K=K, M=sum((form.product(motions) for form in forms.mass), start=M))
+
+
+def point_stiffness(shell: Shell, at: PointFields) -> Array:
+    """Section stiffness times the area of each quadrature point, (elements, points, 8, 8)."""
+    geometry = shell.geometry(*at.grid.parameters, at.grid.middle)
+    return np.moveaxis(constitutive(shell, geometry) * (at.jacobian * at.grid.measure), (0, 1), (2, 3))
+
+
+def product_rates(shell: Shell, at: PointFields) -> ModalProducts:
+    """The imaginary parts of `modal_products` for a shell one tiny complex step away from that of `at`.
+
+    In real arithmetic, Im(S^T D S) = S'^T D_i S' + (S"^T D' S') + its transpose with S = S' + i S"; the wall is left
+    out where only what stands on its edges has changed.
+    """
+    same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
+    moved = at if same else on_surface(shell, at)
+    modes = at.fields.shape[2]
+    flat = moved.fields.reshape(-1, modes)
+    forms, motions = edge_forms(shell, moved.grid), np.vstack([flat, moved.own])
+    K = sum((form.product(motions).imag for form in forms.stiffness), start=np.zeros((modes, modes)))
+    M = sum((form.product(motions).imag for form in forms.mass), start=np.zeros((modes, modes)))
+    if all(getattr(shell, name) is getattr(at.shell, name) for name in WALL):
+        return ModalProducts(K=K, M=M)
+    D, strain = point_stiffness(shell, moved), np.real(moved.strain)
+    K = K + strain.reshape(-1, modes).T @ np.matmul(D.imag, strain).reshape(-1, modes)
+    if np.iscomplexobj(moved.strain):
+        cross = moved.strain.imag.reshape(-1, modes).T @ np.matmul(D.real, strain).reshape(-1, modes)
+        K = K + cross + cross.T
+    inertia = np.repeat(nodal_mass(shell, moved.grid), (3, 2), axis=1).ravel()[:, None]
+    M = M + np.real(flat).T @ (inertia.imag * np.real(flat))
+    if np.iscomplexobj(flat):
+        cross = flat.imag.T @ (inertia.real * flat.real)
+        M = M + cross + cross.T
+    return ModalProducts(K=K, M=M)
 
 
 def on_surface(shell: Shell, at: PointFields) -> PointFields:

@@ -8,8 +8,9 @@ from casingfem.structure.assembly import System
 from casingfem.structure.shell import Shell
 from casingfem.study.load import Study
 from casingfem.study.problems import StudyError
+from casingfem.updating.problem import Progress
 from casingfem.updating.result import UpdateResult
-from casingfem.updating.updating import Progress, update
+from casingfem.updating.updating import update
 
 
 def run_update(study: Study, progress: Progress | None = None) -> UpdateResult:

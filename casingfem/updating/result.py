@@ -1,7 +1,7 @@
 """What an update found: values with their uncertainties, before and after, and what the data cannot tell."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -39,10 +39,14 @@ class UpdateResult:
         (J^T J)^-1 in the solver's variables (decades for log parameters), (parameters, parameters).
     at_bound
         Parameters that ended on a bound: the model or the bound is wrong.
-    chi2, residuals
-        Sum of squared weighted residuals of the data, and their number.
+    values, jacobian
+        Weighted residuals of the data at the solution, and their derivatives by the solver's variables.
     history
         RMS of the weighted residuals at each evaluation.
+    lost
+        Rows of the table whose mode a refused step could not follow; empty mostly.
+    seconds
+        Run time by part.
     """
 
     structure: Shell
@@ -57,10 +61,22 @@ class UpdateResult:
     table: FrequencyTable
     pairing_before: Pairing
     pairing: Pairing
-    chi2: float
-    residuals: int
+    values: FloatArray
+    jacobian: FloatArray
     history: tuple[float, ...]
     stopped: str
+    lost: tuple[int, ...] = ()
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def chi2(self) -> float:
+        """Sum of squared weighted residuals of the data."""
+        return float(np.sum(self.values**2))
+
+    @property
+    def residuals(self) -> int:
+        """Number of residuals of the data."""
+        return len(self.values)
 
     @property
     def sigma(self) -> FloatArray:

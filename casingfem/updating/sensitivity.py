@@ -10,30 +10,41 @@ of any field and springs alike. Where a parameter moves the surface, the directi
 symmetry holds turn with it, and the modes with them.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from casingfem.arrays import FloatArray
 from casingfem.errors import ModelError
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.energies import modal_products, point_fields
+from casingfem.structure.energies import point_fields, product_rates
 from casingfem.updating.parameters import Parameter, get_value, with_value
 
 STEP = 1e-30
 
 
-def eigen_derivatives(modes: Modes, vary: list[Parameter]) -> FloatArray:
-    """G[p, i, j] = phi_i^T (K_p - omega_i^2 M_p) phi_j, (parameters, modes, modes) [rad^2/s^2 per unit].
+def product_derivatives(
+    modes: Modes, vary: Sequence[Parameter], fields: FloatArray, own: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """X^T K_p X and X^T M_p X for motions X of a solved shell, each (parameters, motions, motions) [per unit].
 
-    The diagonal is d(omega_i^2)/dp; G[p, i, j]/(omega_i^2 - omega_j^2) is mode j's share in the change of mode i.
     Units are those of the solver: per decade for a log parameter. A rotating shell is refused (`rotation-update`).
     """
     if modes.shell.rotation is not None:
         raise ModelError("rotation-update", "update: found a rotating shell")
-    at = point_fields(modes.shell, modes.grid, modes.fields, modes.own)
-    derivatives = np.empty((len(vary), len(modes), len(modes)))
+    at = point_fields(modes.shell, modes.grid, fields, own)
+    K, M = np.empty((2, len(vary), fields.shape[2], fields.shape[2]))
     for k, parameter in enumerate(vary):
         x = parameter.to_internal(get_value(modes.shell, parameter.name)) + 1j * STEP
-        changed = with_value(modes.shell, parameter.name, parameter.from_internal(x))
-        products = modal_products(changed, at)
-        derivatives[k] = (products.K.imag - modes.omega[:, None] ** 2 * products.M.imag) / STEP
-    return derivatives
+        rates = product_rates(with_value(modes.shell, parameter.name, parameter.from_internal(x)), at)
+        K[k], M[k] = rates.K / STEP, rates.M / STEP
+    return K, M
+
+
+def eigen_derivatives(modes: Modes, vary: Sequence[Parameter]) -> FloatArray:
+    """G[p, i, j] = phi_i^T (K_p - omega_i^2 M_p) phi_j, (parameters, modes, modes) [rad^2/s^2 per unit].
+
+    The diagonal is d(omega_i^2)/dp; G[p, i, j]/(omega_i^2 - omega_j^2) is mode j's share in the change of mode i.
+    """
+    K, M = product_derivatives(modes, vary, modes.fields, modes.own)
+    return np.asarray(K - modes.omega[:, None] ** 2 * M)

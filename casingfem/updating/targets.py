@@ -1,4 +1,4 @@
-"""Residuals between paired modes and a frequency table, and their derivatives.
+"""Residuals between paired modes and a frequency table, and their derivatives, each over its standard deviation.
 
 A single mode gives (f_c - f_m)/sigma. A doublet gives the mean, f = sqrt((f1^2 + f2^2)/2), and the split vector
 
@@ -8,25 +8,22 @@ because f1 and f2 themselves have a cone at zero split, while d is linear in the
 splits the pair. A table without angles gives the length of d only.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from casingfem.arrays import FloatArray
-from casingfem.experiment.correlation import Match
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.pairing import Match
+from casingfem.modal.adjoint import adjoint_space
 from casingfem.modal.mode_set import Modes
+from casingfem.modal.neighbour import Solution
+from casingfem.updating.orientation import lower_phase, partner_turn, phase_loads
+from casingfem.updating.parameters import Parameter
+from casingfem.updating.sensitivity import product_derivatives
 
 HERTZ2 = 4.0 * np.pi**2  # rad^2/s^2 per Hz^2
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Residual:
-    """Some weighted residuals of one match and their derivatives: (rows,) and (rows, parameters)."""
-
-    values: FloatArray
-    jacobian: FloatArray
 
 
 def pair_state(f1: float, f2: float) -> tuple[float, float]:
@@ -35,9 +32,8 @@ def pair_state(f1: float, f2: float) -> tuple[float, float]:
     return mean, (f2**2 - f1**2) / (2.0 * mean)
 
 
-def split_vector(split: float, n: int, angle_deg: float) -> FloatArray:
-    """The split as a vector in the plane of 2 n psi; psi = 0 where there is no angle (no split either)."""
-    phase = 2.0 * n * np.radians(angle_deg) if np.isfinite(angle_deg) else 0.0
+def split_vector(split: float, phase: float) -> FloatArray:
+    """The split as a vector in the plane of the phase 2 n psi."""
     return split * np.array([np.cos(phase), np.sin(phase)])
 
 
@@ -50,81 +46,121 @@ def lower_angle(angles: FloatArray, n: int) -> float:
     return float(low) if np.isfinite(low) else float(high) - 90.0 / n
 
 
-def turning(modes: Modes, low: int, high: int, G: FloatArray) -> FloatArray:
-    """How the split vector turns: (f2^2 - f1^2) d(2 n psi)/dp [Hz^2 per unit], (parameters,).
+@dataclass(frozen=True, slots=True, eq=False)
+class Rates:
+    """Derivatives of modes by the parameters.
 
-    With the ring amplitudes c of the lower member, 2 n psi = -arg(sum c^2), and its shape changes by
-    sum_j phi_j G_1j/(omega_1^2 - omega_j^2) over the computed modes; the partner's share stays finite as the
-    split goes to zero.
+    Attributes
+    ----------
+    G
+        phi_i^T (K_p - omega_i^2 M_p) phi_j, (parameters, modes, modes) [rad^2/s^2 per unit].
+    turning
+        For doublets with a measured angle, by their modes: how the phase 2 n psi of the lower member changes through
+        all modes but its partner, (parameters,) [rad per unit].
     """
-    if modes.rings is None:
-        raise ValueError("an open shell has no doublets")
-    n = int(modes.nodal_diameters[low])
-    radial = modes.rings.amplitudes[n, :, 0] * np.sqrt(modes.rings.weights)[:, None]
-    eigenvalues = modes.omega**2
-    split = (eigenvalues[high] - eigenvalues[low]) / HERTZ2
-    others = np.delete(np.arange(len(modes)), [low, high])
-    share = np.zeros((len(G), len(modes)))
-    share[:, high] = -G[:, low, high] / HERTZ2
-    share[:, others] = split * G[:, low, others] / (eigenvalues[low] - eigenvalues[others])
-    change = share @ (radial.T @ radial[:, low])
-    return np.asarray(-2.0 * np.imag(change / np.sum(radial[:, low] ** 2)))
+
+    G: FloatArray
+    turning: Mapping[tuple[int, ...], FloatArray]
 
 
-def single_residual(modes: Modes, table: FrequencyTable, match: Match, G: FloatArray) -> Residual:
-    """(f_c - f_m)/sigma of one row and one mode."""
-    row, mode = match.rows[0], match.modes[0]
-    f, sigma = modes.freq[mode], table.sigma_hz[row]
-    return Residual(
-        values=np.array([(f - table.freq_hz[row]) / sigma]),
-        jacobian=(G[:, mode, mode] / (2.0 * HERTZ2 * f * sigma))[None, :],
-    )
+def is_doublet(match: Match) -> bool:
+    """Whether a match is of two rows with two modes."""
+    return len(match.rows) == 2 and len(match.modes) == 2
 
 
-def doublet_residual(modes: Modes, table: FrequencyTable, match: Match, G: FloatArray) -> Residual:
+def has_angle(match: Match, table: FrequencyTable) -> bool:
+    """Whether a match is a doublet of measured orientation."""
+    return is_doublet(match) and bool(np.isfinite(table.angle_deg[list(match.rows)]).any())
+
+
+def rates(
+    modes: Modes,
+    solution: Solution | None,
+    vary: Sequence[Parameter],
+    table: FrequencyTable,
+    matches: Sequence[Match],
+) -> Rates:
+    """What the derivatives of all residuals need, from one evaluation of the energies for each parameter.
+
+    Without a solution pairs are taken as perfect: only their partners turn them.
+    """
+    turned = [match for match in matches if has_angle(match, table)]
+    if not turned or solution is None:
+        K, M = product_derivatives(modes, vary, modes.fields, modes.own)
+        still = np.zeros(len(vary))
+        return Rates(G=K - modes.omega[:, None] ** 2 * M, turning={match.modes: still for match in turned})
+    space = adjoint_space(solution, phase_loads(modes, turned))
+    adjoints = np.stack([space.weights(k, match.modes[0], match.modes) for k, match in enumerate(turned)], axis=1)
+    fields = np.concatenate([modes.fields, space.fields @ adjoints], axis=2)
+    K, M = product_derivatives(modes, vary, fields, np.concatenate([modes.own, space.own @ adjoints], axis=1))
+    G = K - np.append(modes.omega, np.zeros(len(turned)))[:, None] ** 2 * M
+    count = len(modes)
+    turning = {}
+    for k, match in enumerate(turned):
+        low = match.modes[0]
+        turning[match.modes] = K[:, count + k, low] - modes.omega[low] ** 2 * M[:, count + k, low]
+    return Rates(G=G[:, :count, :count], turning=turning)
+
+
+def doublet_values(modes: Modes, table: FrequencyTable, match: Match) -> FloatArray:
     """Mean and split vector (or its length) of a doublet, over their standard deviations."""
     rows, (low, high) = list(match.rows), match.modes
-    n = int(modes.nodal_diameters[low])
-    mean_c, split_c = pair_state(modes.freq[low], modes.freq[high])
-    mean_m, split_m = pair_state(*table.freq_hz[rows])
+    mean, split = pair_state(modes.freq[low], modes.freq[high])
+    measured_mean, measured_split = pair_state(*table.freq_hz[rows])
     sigma = float(np.hypot(*table.sigma_hz[rows]))
-
-    squares = np.stack([G[:, low, low], G[:, high, high]]) / HERTZ2  # d(f1^2), d(f2^2)
-    mean_rate = squares.mean(axis=0) / (2.0 * mean_c)
-    rate = np.stack([squares[1] - squares[0], turning(modes, low, high, G)])  # along the vector, across it
-    rate = (rate - np.outer([split_c, 0.0], 2.0 * mean_rate)) / (2.0 * mean_c)
-    angle = modes.angle_deg[low]
-    phase = 2.0 * n * np.radians(angle) if np.isfinite(angle) else 0.0
-    turn = np.array([[np.cos(phase), -np.sin(phase)], [np.sin(phase), np.cos(phase)]])
-
-    values, jacobian = [(mean_c - mean_m) / (sigma / 2.0)], [mean_rate / (sigma / 2.0)]
-    measured_angle = lower_angle(table.angle_deg[rows], n)
-    if np.isfinite(measured_angle):
-        gap = split_vector(split_c, n, angle) - split_vector(split_m, n, measured_angle)
-        values += list(gap / sigma)
-        jacobian += list((turn @ rate) / sigma)
+    angle = lower_angle(table.angle_deg[rows], match.n)
+    if not np.isfinite(angle):
+        gap = np.array([split - measured_split])
     else:
-        values.append((split_c - split_m) / sigma)
-        jacobian.append(rate[0] / sigma)
-    return Residual(values=np.array(values), jacobian=np.array(jacobian))
+        measured = split_vector(measured_split, 2.0 * match.n * np.radians(angle))
+        gap = split_vector(split, lower_phase(modes, low, high, match.n)) - measured
+    return np.append((mean - measured_mean) / (sigma / 2.0), gap / sigma)
 
 
-def residuals(
-    modes: Modes, table: FrequencyTable, matches: Sequence[Match], G: FloatArray, model_error: float = 0.0
-) -> Residual:
-    """All residuals of a pairing, in the order of its matches.
+def doublet_jacobian(modes: Modes, table: FrequencyTable, match: Match, at: Rates) -> FloatArray:
+    """Derivatives of `doublet_values`, (2 or 3, parameters).
 
-    `model_error` is what the model itself may be off by, relative; it adds to each sigma in squares.
+    Along the split vector the difference of the members' rates, across it the split times the turning; the partner's
+    share of that is G_12 without a quotient.
     """
-    if model_error > 0.0:
-        table = replace(table, sigma_hz=np.hypot(table.sigma_hz, model_error * table.freq_hz))
+    low, high = match.modes
+    mean, split = pair_state(modes.freq[low], modes.freq[high])
+    sigma = float(np.hypot(*table.sigma_hz[list(match.rows)]))
+    squares = np.stack([at.G[:, low, low], at.G[:, high, high]]) / HERTZ2  # d(f1^2), d(f2^2)
+    mean_rate = squares.mean(axis=0) / (2.0 * mean)
+    along = (squares[1] - squares[0] - 2.0 * split * mean_rate) / (2.0 * mean)
+    if match.modes not in at.turning:
+        return np.stack([mean_rate / (sigma / 2.0), along / sigma])
+    partner = -at.G[:, low, high] / HERTZ2 * partner_turn(modes, low, high, match.n)
+    across = partner / (2.0 * mean) + split * at.turning[match.modes]
+    phase = lower_phase(modes, low, high, match.n)
+    turn = np.array([[np.cos(phase), -np.sin(phase)], [np.sin(phase), np.cos(phase)]])
+    return np.vstack([mean_rate / (sigma / 2.0), turn @ np.stack([along, across]) / sigma])
+
+
+def values(modes: Modes, table: FrequencyTable, matches: Sequence[Match]) -> FloatArray:
+    """All residuals of a pairing, in the order of its matches."""
     parts = [
-        (doublet_residual if len(match.rows) == 2 and len(match.modes) == 2 else single_residual)(
-            modes, table, match, G
-        )
+        doublet_values(modes, table, match)
+        if is_doublet(match)
+        else (modes.freq[list(match.modes)] - table.freq_hz[list(match.rows)]) / table.sigma_hz[list(match.rows)]
         for match in matches
     ]
-    return Residual(
-        values=np.concatenate([part.values for part in parts]),
-        jacobian=np.concatenate([part.jacobian for part in parts]),
-    )
+    return np.concatenate(parts)
+
+
+def jacobian(modes: Modes, table: FrequencyTable, matches: Sequence[Match], at: Rates) -> FloatArray:
+    """Derivatives of `values`, (residuals, parameters)."""
+    parts = []
+    for match in matches:
+        if is_doublet(match):
+            parts.append(doublet_jacobian(modes, table, match, at))
+        else:
+            mode, sigma = match.modes[0], table.sigma_hz[match.rows[0]]
+            parts.append((at.G[:, mode, mode] / (2.0 * HERTZ2 * modes.freq[mode] * sigma))[None, :])
+    return np.concatenate(parts)
+
+
+def allowing(table: FrequencyTable, model_error: float) -> FrequencyTable:
+    """The table with what the model itself may be off by, relative, added to each sigma in squares."""
+    return replace(table, sigma_hz=np.hypot(table.sigma_hz, model_error * table.freq_hz)) if model_error else table

@@ -6,118 +6,27 @@ with r from `targets.py`, exact Jacobians from `sensitivity.py`, and scipy's tru
 covariance is (J^T J)^-1 at the solution, J with the prior rows.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from casingfem.arrays import FloatArray
-from casingfem.experiment.correlation import Pairing
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.modal.modes import Modes, count_below, modes
+from casingfem.modal.modes import count_below
 from casingfem.structure.shell import Shell
-from casingfem.updating.labels import Rows, followed, keeps, paired_rows
-from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
+from casingfem.updating.following import paired_rows
+from casingfem.updating.parameters import Parameter, ParameterError, check_parameters
+from casingfem.updating.problem import Problem, Progress, State, UpdateError
 from casingfem.updating.result import UpdateResult, weak_priors
-from casingfem.updating.sensitivity import eigen_derivatives
-from casingfem.updating.targets import Residual, residuals
+from casingfem.updating.targets import allowing
 
-Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted residuals)
-
-
-class UpdateError(ValueError):
-    """An update that cannot be set up: nothing pairs, no data for the parameters, start outside the bounds."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class State:
-    """One evaluated point: structure, modes, pairing, residuals."""
-
-    shell: Shell
-    modes: Modes
-    pairing: Pairing
-    residual: Residual
+LOOSE = 0.01  # a residual of modes counted from nothing may differ by this many sigma from those followed
 
 
 def mode_count(table: FrequencyTable, shell: Shell) -> int:
     """Modes to compute so that every row has a candidate: all up to 15 % past the table, and a few more."""
     return max(count_below(shell, 1.15 * float(table.freq_hz.max())), len(table)) + 4
-
-
-@dataclass(eq=False)
-class Problem:
-    """Residuals and Jacobian as least_squares wants them, remembering the last point and the history."""
-
-    shell: Shell
-    table: FrequencyTable
-    vary: Sequence[Parameter]
-    count: int
-    reach: float
-    model_error: float = 0.0
-    progress: Progress | None = None
-    start: FloatArray = field(init=False)
-    history: list[tuple[FloatArray, float]] = field(default_factory=list)
-    rows: Rows | None = None  # that should keep pairing
-    _key: bytes = b""
-    _state: State | None = None
-
-    def __post_init__(self) -> None:
-        self.start = np.array([p.to_internal(get_value(self.shell, p.name)) for p in self.vary], dtype=float)
-
-    def structure(self, x: FloatArray) -> Shell:
-        """The shell at solver variables x."""
-        shell = self.shell
-        for parameter, value in zip(self.vary, x, strict=True):
-            shell = with_value(shell, parameter.name, float(parameter.from_internal(value)))
-        return shell
-
-    def state(self, x: FloatArray) -> State:
-        """Modes, pairing and residuals at x; the last point is kept, for the Jacobian follows the residual."""
-        key = np.asarray(x, dtype=float).tobytes()
-        if self._state is None or key != self._key:
-            shell = self.structure(x)
-            found = modes(shell, self.count)
-            found, pairing = followed(found, self.table, self.reach, self.rows)
-            if not pairing.matches:
-                raise UpdateError(
-                    f"no row of {self.table.path} pairs with a computed mode within {self.reach:.0%}: "
-                    f"measured {self.table.freq_hz.min():.1f} to {self.table.freq_hz.max():.1f} Hz, "
-                    f"computed {found.freq[0]:.1f} to {found.freq[-1]:.1f} Hz"
-                )
-            G = eigen_derivatives(found, list(self.vary))
-            ordered = sorted(pairing.matches, key=lambda match: match.rows)
-            if self.rows is not None and keeps(pairing, self.rows):
-                ordered = [match for match in ordered if match.rows in self.rows]
-            residual = residuals(found, self.table, ordered, G, self.model_error)
-            self._key, self._state = key, State(shell, found, pairing, residual)
-            rms = float(np.sqrt(np.mean(residual.values**2)))
-            self.history.append((np.array(x, dtype=float), rms))
-            if self.progress is not None:
-                self.progress(len(self.history), rms)
-        return self._state
-
-    def forget(self) -> None:
-        """Let all rows pair again that can."""
-        if self.rows is not None:
-            self.rows, self._state = None, None
-
-    def _prior(self) -> tuple[FloatArray, FloatArray]:
-        """Rows that hold parameters with a sigma to their start: selector over sigma, and its columns."""
-        known = [k for k, p in enumerate(self.vary) if p.sigma is not None]
-        rows = np.zeros((len(known), len(self.vary)))
-        for i, k in enumerate(known):
-            rows[i, k] = 1.0 / float(self.vary[k].sigma or 1.0)
-        return rows, rows @ self.start
-
-    def fun(self, x: FloatArray) -> FloatArray:
-        """Weighted residuals, the prior's last."""
-        rows, offset = self._prior()
-        return np.concatenate([self.state(x).residual.values, rows @ x - offset])
-
-    def jac(self, x: FloatArray) -> FloatArray:
-        """Their derivatives."""
-        return np.vstack([self.state(x).residual.jacobian, self._prior()[0]])
 
 
 def update(
@@ -165,7 +74,7 @@ def update(
         raise UpdateError(f"model_error must lie in [0, 1), found {model_error!r}")
     check_parameters(structure, vary)
     count = count or mode_count(table, structure)
-    problem = Problem(structure, table, vary, count, reach, model_error, progress)
+    problem = Problem(structure, allowing(table, model_error), vary, count, reach, progress)
     lower = np.array([p.to_internal(p.lower) for p in vary])
     upper = np.array([p.to_internal(p.upper) for p in vary])
     before = problem.state(problem.start)
@@ -177,7 +86,7 @@ def update(
             "measure more modes, vary less, or give priors"
         )
     x, stopped = solve(problem, lower, upper, max_iterations)
-    after = problem.state(x)
+    after, jacobian = problem.state(x), problem.data_jacobian(x)
     return UpdateResult(
         structure=after.shell,
         parameters=tuple(vary),
@@ -185,16 +94,18 @@ def update(
         value=tuple(float(p.from_internal(v)) for p, v in zip(vary, x, strict=True)),
         covariance=covariance(problem.jac(x)),
         at_bound=tuple(bool(v) for v in np.minimum(x - lower, upper - x) < 1e-3 * (upper - lower)),
-        prior_only=weak_priors(vary, after.residual.jacobian),
+        prior_only=weak_priors(vary, jacobian),
         before=before.modes,
         after=after.modes,
         table=table,
         pairing_before=before.pairing,
         pairing=after.pairing,
-        chi2=float(np.sum(after.residual.values**2)),
-        residuals=len(after.residual.values),
-        history=tuple(rms for _, rms in problem.history),
+        values=after.values,
+        jacobian=jacobian,
+        history=tuple(problem.history),
         stopped=stopped,
+        lost=() if problem.lost is None else problem.lost.rows,
+        seconds=dict(problem.seconds),
     )
 
 
@@ -207,43 +118,63 @@ def covariance(jacobian: FloatArray) -> FloatArray:
 
 
 def solve(problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations: int) -> tuple[FloatArray, str]:
-    """Run least_squares on the rows that pair at the start; again from its end where more rows pair there.
+    """Run least_squares on the rows that pair at the start; again from its end where they pair better there.
 
-    Variables are scaled to one standard deviation of the data alone, so that its step tolerance means the same
-    for a modulus of 1e11 and a harmonic of 1e-3. A step that loses a row, or leads to no possible structure, is
-    refused as if it had made everything worse, and the trust region shrinks; rows that begin to pair on the way wait
-    for the next round.
+    The end is solved from nothing and counted. Should that change its residuals, a mode was missed on the way, and
+    the update is done once more with every point from nothing.
     """
     x, message = np.clip(problem.start, lower, upper), ""
+    problem.repaired(x)
     for _ in range(4):
-        problem.forget()
-        rows = problem.rows = paired_rows(problem.state(x).pairing)
-        refused = np.full(len(problem.fun(x)), 1e3 * float(np.abs(problem.fun(x)).max() + 1.0))
-        norms = np.linalg.norm(problem.jac(x), axis=0)
-        unit = 2.0 ** -np.round(np.log2(np.where(norms > 0.0, norms, 1.0)))  # powers of two: x/unit loses no bit
-
-        def fun(y: FloatArray, rows: Rows, refused: FloatArray, unit: FloatArray) -> FloatArray:
-            try:
-                values = problem.fun(unit * y)
-            except ValueError:  # no such structure: springs turned negative, say
-                return refused
-            return values if keeps(problem.state(unit * y).pairing, rows) else refused
-
-        def jac(y: FloatArray, rows: Rows, refused: FloatArray, unit: FloatArray) -> FloatArray:
-            return problem.jac(unit * y) * unit
-
-        found = least_squares(
-            fun,
-            x / unit,
-            jac=jac,
-            bounds=(lower / unit, upper / unit),
-            max_nfev=max_iterations,
-            ftol=1e-6,
-            xtol=1e-8,
-            gtol=1e-10,
-            args=(rows, refused, unit),
-        )
-        x, message = unit * found.x, str(found.message)
-        if sum(map(len, paired_rows(problem.state(x).pairing))) <= sum(map(len, rows)):
+        x, message = descend(problem, x, lower, upper, max_iterations)
+        end = problem.state(x)
+        if end.solution is not None and not problem.exact:
+            near, end = end, problem.counted(x)
+            problem.adopt(x, end)
+            if np.abs(end.values - near.values).max() > LOOSE:
+                problem.exact = True
+                problem.repaired(x)
+                continue
+        if not better(end, problem.repaired(x)):
+            problem.adopt(x, end)
             break
     return x, message
+
+
+def better(old: State, new: State) -> bool:
+    """Whether rows paired anew are more, or as many and nearer, than those followed so far."""
+    rows = [sum(map(len, paired_rows(state.pairing))) for state in (old, new)]
+    return rows[1] > rows[0] or (rows[1] == rows[0] and new.pairing.rms < 0.999 * old.pairing.rms)
+
+
+def descend(
+    problem: Problem, x: FloatArray, lower: FloatArray, upper: FloatArray, max_iterations: int
+) -> tuple[FloatArray, str]:
+    """One run of least_squares from x.
+
+    Variables are scaled to one standard deviation of the data alone, so that its step tolerance means the same
+    for a modulus of 1e11 and a harmonic of 1e-3. A step that loses a mode, or leads to no possible structure, is
+    refused as if it had made everything worse, and the trust region shrinks.
+    """
+    norms = np.linalg.norm(problem.jac(x), axis=0)
+    unit = 2.0 ** -np.round(np.log2(np.where(norms > 0.0, norms, 1.0)))  # powers of two: x/unit loses no bit
+    here = problem.fun(x)
+    refused = np.full(len(here), 1e3 * float(np.abs(here).max() + 1.0))
+
+    def fun(y: FloatArray) -> FloatArray:
+        try:
+            return problem.fun(unit * y)
+        except ValueError:  # a lost mode; or no such structure: springs turned negative, say
+            return refused
+
+    found = least_squares(
+        fun,
+        x / unit,
+        jac=lambda y: problem.jac(unit * y) * unit,
+        bounds=(lower / unit, upper / unit),
+        max_nfev=max_iterations,
+        ftol=1e-6,
+        xtol=1e-8,
+        gtol=1e-10,
+    )
+    return unit * found.x, str(found.message)

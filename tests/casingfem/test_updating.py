@@ -14,7 +14,8 @@ from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped, ElasticEdge
 from casingfem.updating.parameters import Parameter, ParameterError, get_value, with_value
-from casingfem.updating.updating import UpdateError, covariance, update
+from casingfem.updating.problem import UpdateError
+from casingfem.updating.updating import covariance, update
 
 MESH = ShellMesh(order=6, rows=1, around=13)
 ROWS = 20

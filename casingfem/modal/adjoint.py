@@ -1,0 +1,72 @@
+"""How linear readings of mode shapes change: their adjoints, for all modes from one Krylov space.
+
+A reading b^T phi_i of mode i changes with a parameter by z^T (K' - lambda_i M') phi_i, plus what its own plane does,
+
+    (K - lambda_i M) z = -(b - M Phi_i Phi_i^T b),   z M-orthogonal to Phi_i, the mode or its doublet,
+
+(Fox & Kapoor, AIAA J. 6, 1968, 2426, with the modes not computed by their static response). Among the computed modes
+the solution is explicit. What is left lies in span[F b, F M F b, ...], F = (K - s M)^-1: one Galerkin space serves all
+lambda_i, and each more depth multiplies its error by about (lambda_i/lambda_m)^2, m the first mode left out.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh, qr
+
+from casingfem.arrays import FloatArray
+from casingfem.modal.neighbour import Solution
+
+DEPTH = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AdjointSpace:
+    """Motions that carry all adjoints of some readings: the computed modes, and directions beyond them.
+
+    Attributes
+    ----------
+    fields, own
+        Nodal motions and those of the rings' own dofs, modes first: (nodes, 5, motions), (own, motions).
+    values
+        phi^T K phi of the motions, all mass-normalised and orthogonal [rad^2/s^2], (motions,).
+    readings
+        b^T of each motion, (readings, motions).
+    """
+
+    fields: FloatArray
+    own: FloatArray
+    values: FloatArray
+    readings: FloatArray
+
+    def weights(self, reading: int, mode: int, plane: Sequence[int]) -> FloatArray:
+        """The motions' shares (motions,) in the adjoint z of one reading at one mode."""
+        away = self.values[mode] - self.values
+        away[list(plane)] = np.inf
+        return np.asarray(self.readings[reading] / away)
+
+
+def adjoint_space(solution: Solution, loads: FloatArray, depth: int = DEPTH) -> AdjointSpace:
+    """The space of the adjoints of readings given as nodal loads (nodes, 5, readings)."""
+    pencil, system, modes = solution.pencil, solution.system, solution.modes
+    scale = pencil.scale[:, None]
+    b = scale * system.restrict(loads)
+    X = solution.vectors[:, : len(modes)]
+    basis, block = X, b
+    for _ in range(depth):
+        block = solution.old.apply(pencil, block)
+        for _ in range(2):
+            block = block - basis @ (basis.T @ block)
+        block = qr(block, mode="economic")[0]
+        basis = np.hstack([basis, block])
+    V = basis[:, len(modes) :]
+    values, turn = eigh(V.T @ (pencil.A @ V))
+    V = V @ turn
+    fields, own = system.expand(scale * V), system.expand_own(scale * V)
+    return AdjointSpace(
+        fields=np.concatenate([modes.fields, fields], axis=2),
+        own=np.concatenate([modes.own, own], axis=1),
+        values=np.concatenate([modes.omega**2, values]),
+        readings=np.concatenate([np.einsum("ncr,ncm->rm", loads, modes.fields), b.T @ V], axis=1),
+    )

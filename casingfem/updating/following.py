@@ -1,0 +1,81 @@
+"""Which mode is which from one step of an update to the next: by its shape, never by its place.
+
+Modes of neighbouring structures are the same where their shapes span the same space: the modes that go with a row of
+the table are those with the largest share in the plane of the modes that went with it before,
+
+    share of mode j in the plane of (a, b) = (phi_a^T M phi_j)^2 + (phi_b^T M phi_j)^2,
+
+doublets as planes, assigned all at once. A mode of which less than half is found again is lost.
+"""
+
+from dataclasses import replace
+from itertools import chain
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from casingfem.arrays import FloatArray
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.pairing import Match, Pairing
+from casingfem.modal.mode_set import Modes
+from casingfem.structure.assembly import nodal_mass
+
+LOST = 0.5
+
+
+class LostModeError(ValueError):
+    """A step so long that a mode of the table cannot be found again; `rows` of the table went with it."""
+
+    def __init__(self, rows: tuple[int, ...], share: float) -> None:
+        super().__init__(f"rows {rows}: only {share:.2f} of their mode is found again")
+        self.rows = rows
+
+
+def overlaps(old: Modes, new: Modes) -> FloatArray:
+    """(phi_i^T M phi_j)^2 of old and new modes over their norms, (old, new)."""
+    inertia = np.repeat(nodal_mass(old.shell, old.grid), (3, 2), axis=1).ravel()[:, None]
+    before, after = (modes.fields.reshape(-1, len(modes)) for modes in (old, new))
+    weighted = inertia * after
+    norms = np.sqrt(np.outer(np.sum(before**2 * inertia, axis=0), np.sum(after * weighted, axis=0)))
+    return np.asarray((before.T @ weighted / norms) ** 2)
+
+
+def followed(pairing: Pairing, old: Modes, new: Modes, table: FrequencyTable) -> Pairing:
+    """The pairing of old modes with rows, carried over to new ones.
+
+    Raises
+    ------
+    LostModeError
+        If a mode with a row is not found again.
+    """
+    share = overlaps(old, new)
+    partner = {mode: pair for pair in old.doublets for mode in pair}
+    planes = [partner.get(match.modes[0], match.modes) for match in pairing.matches]
+    wanted = [(k, share[list(plane)].sum(axis=0)) for k, plane in enumerate(planes) for _ in pairing.matches[k].modes]
+    profit = np.array([row for _, row in wanted])
+    profit = np.pad(profit, ((0, 0), (0, max(len(profit) - len(new), 0))))  # fewer modes than rows: some are lost
+    places, found = linear_sum_assignment(-profit)
+    of: dict[int, list[int]] = {}
+    for place, mode in zip(places.tolist(), found.tolist(), strict=True):
+        match = wanted[place][0]
+        if profit[place, mode] < LOST:
+            raise LostModeError(pairing.matches[match].rows, float(profit[place, mode]))
+        of.setdefault(match, []).append(mode)
+    matches = tuple(moved(match, sorted(of[k]), new, table) for k, match in enumerate(pairing.matches))
+    taken = set(chain.from_iterable(match.modes for match in matches))
+    rest = tuple(mode for mode in range(len(new)) if mode not in taken)
+    return replace(pairing, matches=matches, unpaired_modes=rest)
+
+
+def moved(match: Match, modes: list[int], new: Modes, table: FrequencyTable) -> Match:
+    """A match with other modes; half a doublet takes the member nearer to its row, as in pairing."""
+    if len(modes) == 1:
+        pair = next((pair for pair in new.doublets if modes[0] in pair), (modes[0],))
+        target = table.freq_hz[match.rows[0]]
+        modes = [min(pair, key=lambda mode: abs(float(new.freq[mode]) - target))]
+    return replace(match, modes=tuple(modes), computed_hz=tuple(float(new.freq[mode]) for mode in modes))
+
+
+def paired_rows(pairing: Pairing) -> tuple[tuple[int, ...], ...]:
+    """Which rows of the table pair, and how they are grouped."""
+    return tuple(sorted(match.rows for match in pairing.matches))

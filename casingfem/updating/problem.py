@@ -1,0 +1,167 @@
+"""The least-squares problem of an update: residuals and Jacobian at solver variables, modes followed between them."""
+
+import time
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.experiment.correlation import Pairing, pair
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.modal.modes import Modes, modes
+from casingfem.modal.neighbour import Solution, solved, solved_near
+from casingfem.structure.shell import Shell
+from casingfem.updating.following import LostModeError, followed
+from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.targets import jacobian, rates, values
+
+Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted residuals)
+
+
+class UpdateError(ValueError):
+    """An update that cannot be set up: nothing pairs, no data for the parameters, start outside the bounds."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """One evaluated point; `solution` is None for perfect casings, which are solved harmonic by harmonic."""
+
+    shell: Shell
+    modes: Modes
+    solution: Solution | None
+    pairing: Pairing
+    values: FloatArray
+
+
+@dataclass(eq=False)
+class Problem:
+    """Residuals and Jacobian as least_squares wants them.
+
+    The last point evaluated is kept, for the Jacobian follows the residual. `anchor` is the last point whose Jacobian
+    was asked for, one that the solver has accepted: modes are followed and restarted from there. `prior` are one over
+    the standard deviations that hold parameters to the start, 0 for none. `exact` solves every point from nothing.
+    """
+
+    shell: Shell
+    table: FrequencyTable  # with the model's error in its sigma
+    vary: Sequence[Parameter]
+    count: int
+    reach: float
+    progress: Progress | None = None
+    exact: bool = False
+    start: FloatArray = field(init=False)
+    prior: FloatArray = field(init=False)
+    history: list[float] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
+    lost: LostModeError | None = None
+    anchor: State | None = None
+    _key: bytes = b""
+    _state: State | None = None
+    _jacobian: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        self.start = np.array([p.to_internal(get_value(self.shell, p.name)) for p in self.vary], dtype=float)
+        self.prior = np.array([0.0 if p.sigma is None else 1.0 / p.sigma for p in self.vary])
+
+    def structure(self, x: FloatArray) -> Shell:
+        """The shell at solver variables x."""
+        shell = self.shell
+        for parameter, value in zip(self.vary, x, strict=True):
+            shell = with_value(shell, parameter.name, float(parameter.from_internal(value)))
+        return shell
+
+    def state(self, x: FloatArray) -> State:
+        """Modes, pairing and residuals at x.
+
+        Raises
+        ------
+        LostModeError
+            If a mode that has a row cannot be followed there.
+        """
+        key = np.asarray(x, dtype=float).tobytes()
+        if self._state is None or key != self._key:
+            found, solution = self._solve(self.structure(x))
+            state = self._make(found, solution, self._pairing(found))
+            self.adopt(x, state)
+            self.history.append(float(np.sqrt(np.mean(state.values**2))))
+            if self.progress is not None:
+                self.progress(len(self.history), self.history[-1])
+        assert self._state is not None
+        return self._state
+
+    def repaired(self, x: FloatArray) -> State:
+        """The point x with its rows paired anew, by label and frequency: where modes are followed from now on."""
+        state = self.state(x)
+        self.anchor = None
+        fresh = self._make(state.modes, state.solution, self._pairing(state.modes))
+        self.adopt(x, fresh)
+        self.anchor = fresh
+        return fresh
+
+    def counted(self, x: FloatArray) -> State:
+        """The point x solved from nothing, complete by a Sturm count, with its rows as they pair now."""
+        state = self.state(x)
+        found = solved(state.shell, self.count)
+        pairing = followed(state.pairing, state.modes, found.modes, self.table)
+        return self._make(found.modes, found, pairing)
+
+    def fun(self, x: FloatArray) -> FloatArray:
+        """Weighted residuals, those of the priors last."""
+        held = self.prior > 0.0
+        return np.concatenate([self.state(x).values, (self.prior * (x - self.start))[held]])
+
+    def jac(self, x: FloatArray) -> FloatArray:
+        """Their derivatives."""
+        return np.vstack([self.data_jacobian(x), np.diag(self.prior)[self.prior > 0.0]])
+
+    def data_jacobian(self, x: FloatArray) -> FloatArray:
+        """Derivatives of the data's residuals; x becomes the point that modes are followed from."""
+        state = self.state(x)
+        self.anchor = state
+        if self._jacobian is None:
+            started = time.perf_counter()
+            at = rates(state.modes, state.solution, self.vary, self.table, state.pairing.matches)
+            self._jacobian = jacobian(state.modes, self.table, state.pairing.matches, at)
+            self.seconds["sensitivities"] += time.perf_counter() - started
+        return self._jacobian
+
+    def _solve(self, shell: Shell) -> tuple[Modes, Solution | None]:
+        if shell.axisymmetric:
+            found, solution = modes(shell, self.count), None
+        else:
+            known = None if self.exact or self.anchor is None else self.anchor.solution
+            solution = solved(shell, self.count) if known is None else solved_near(shell, known, self.count)
+            found = solution.modes
+        for part, spent in found.seconds.items():
+            self.seconds[part] += spent
+        return found, solution
+
+    def _pairing(self, found: Modes) -> Pairing:
+        started = time.perf_counter()
+        try:
+            if self.anchor is None:
+                pairing = pair(found, self.table, reach=self.reach)
+            else:
+                pairing = followed(self.anchor.pairing, self.anchor.modes, found, self.table)
+        except LostModeError as error:
+            self.lost = error
+            raise
+        finally:
+            self.seconds["pairing"] += time.perf_counter() - started
+        if not pairing.matches:
+            raise UpdateError(
+                f"no row of {self.table.path} pairs with a computed mode within {self.reach:.0%}: "
+                f"measured {self.table.freq_hz.min():.1f} to {self.table.freq_hz.max():.1f} Hz, "
+                f"computed {found.freq[0]:.1f} to {found.freq[-1]:.1f} Hz"
+            )
+        return pairing
+
+    def _make(self, found: Modes, solution: Solution | None, pairing: Pairing) -> State:
+        residual = values(found, self.table, pairing.matches)
+        return State(found.shell, found, solution, pairing, residual)
+
+    def adopt(self, x: FloatArray, state: State) -> None:
+        """Take a point as evaluated."""
+        self._key, self._state, self._jacobian = np.asarray(x, dtype=float).tobytes(), state, None
