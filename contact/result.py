@@ -16,13 +16,13 @@ from contact.errors import InputError
 from contact.model.arrays import Array, readonly
 from contact.model.law import pressure
 from contact.model.modal_body import read_npz, write_npz
-from contact.record import MOST_SAMPLES, Samples
+from contact.record import MOST_SAMPLES, Record, Samples
 from contact.scheme.protocol import Block, Motion, Stepper
 
 FORMAT = "contact-result-1"
 ARRAYS = (
     "time", "force", "gap", "impulse_history", "impulse", "peak_force", "max_penetration", "residual",
-    "contact_steps", "reversals", "state_time", "state",
+    "contact_steps", "reversals", "state_time", "state", "channels",
 )  # fmt: skip
 
 Intervals = tuple[tuple[float, float], ...]
@@ -36,8 +36,9 @@ class Result:
     `intervals` of contact per contact [s], `sticking` those without slip (friction on a `Patch`), to a step;
     `impulse`, `peak_force`, `max_penetration` [m], `residual` =
     max|min(-lam W_ii, g)| [m], `contact_steps` and `reversals` (steps in which the slip changed sign) (K,),
-    all over every step whatever was stored. `state` (ns, N) displacements or modal coordinates at
-    `state_time`. `every`: of how many steps one was stored as a sample.
+    all over every step whatever was stored. `state` (ns, N) displacements or modal coordinates u at `state_time`, or
+    R u (ns, c) where `channels` = R (c, N) is not empty. `every`: of how many steps one was stored as a sample, 0 when
+    the record asked for instants.
 
     The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
     """
@@ -64,6 +65,7 @@ class Result:
     seconds: float
     scheme: str
     source: dict[str, str]
+    channels: Array
     every: int = 1
     sticking: tuple[Intervals, ...] = ()
 
@@ -73,7 +75,12 @@ class Result:
         return pressure(self.force)
 
     def state_of(self, name: str) -> Array:
-        """Columns of `state` that belong to one body, (ns, its coordinates); raises InputError listing names."""
+        """Columns of `state` that belong to one body, (ns, its coordinates).
+
+        Raises InputError listing the names, or where channels were stored instead.
+        """
+        if self.channels.size:
+            raise InputError(f"state: found {len(self.channels)} channels of all bodies, expected a record without")
         found = [slice(start, end) for body, start, end in self.blocks if body == name]
         if not found:
             raise InputError(f"name: found {name!r}, expected one of {', '.join(b[0] for b in self.blocks)}")
@@ -136,10 +143,11 @@ class Result:
             lines.append(f"contact added energy, which it cannot: {_remedy(self.scheme)}")
         if self.reversals.any():
             lines.append(f"slip changed sign in {int(self.reversals.sum())} steps: sticking is not modelled there")
-        if self.every > 1:
+        if self.every != 1:
+            which = f"one of every {self.every} steps (at most {MOST_SAMPLES:,} unless a Record says otherwise)"
             lines.append(
-                f"stored: {self.time.size:,} samples, one of every {self.every} steps (at most {MOST_SAMPLES:,} unless "
-                "a Record says otherwise); sums, intervals, impulse and energy are over every step"
+                f"stored: {self.time.size:,} samples, {which if self.every else 'at the steps nearest to the instants'}"
+                "; sums, intervals, impulse and energy are over every step"
             )
         return "\n".join(lines)
 
@@ -200,7 +208,7 @@ class Result:
 
 def collect(
     stepper: Stepper, parts: Sequence[Samples], energy: EnergyBudget, steps: int, seconds: float,
-    source: dict[str, str], every: int,
+    source: dict[str, str], record: Record,
 ) -> Result:  # fmt: skip
     """Join the samples of all chunks with the sums of the run."""
     sums = stepper.sums
@@ -222,7 +230,8 @@ def collect(
         motions=tuple(sorted(stepper.motions(), key=lambda m: (m.kind == "rod", m.number))),
         blocks=stepper.blocks, steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds,
         scheme=stepper.label,
-        source={**versions(), **source}, every=every,
+        source={**versions(), **source}, every=record.every if record.at is None else 0,
+        channels=readonly(record.rows(stepper.size)),
     )  # fmt: skip
 
 

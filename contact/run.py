@@ -60,14 +60,16 @@ class Chunk:
 
 def steps(stepper: Stepper, count: int, *, record: Record) -> Iterator[Chunk]:
     """Yield the chunks of a run of `count` steps; ends early after a chunk whose `failed` >= 0."""
-    first = 0
+    first, contacts, at = 0, stepper.sums.closed.size, record.steps(dt=stepper.dt, count=count)
+    most = min(CHUNK, record.chunk(contacts, stepper.size))
     while first < count:
-        size = min(CHUNK, count - first)
-        out = samples(record, size, stepper.sums.closed.size, stepper.size)
+        size = min(most, count - first)
+        here = at[np.searchsorted(at, first) : np.searchsorted(at, first + size)]
+        out = samples(record, size, contacts, stepper.size, here)
         stepper.sums.filled[:] = 0
         failed = stepper.advance(out, first, size)
         n, states, events = (int(value) for value in stepper.sums.filled)
-        # events are copied: a view would keep the whole buffer, room for one event per step
+        # events are copied: a view would keep the whole buffer, room for every step's
         filled = out._replace(
             time=out.time[:n], force=out.force[:n], gap=out.gap[:n], impulse=out.impulse[:n],
             state_time=out.state_time[:states], state=out.state[:states],
@@ -153,6 +155,7 @@ def _collect(
     stepper: Stepper, count: int, record: Record, progress: Progress | None, source: dict[str, str],
     load_step: float,
 ) -> Result:  # fmt: skip
+    record.steps(dt=stepper.dt, count=count)  # raises before the first step, as the buffers do for channels
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
     start, began, chunks = stepper.stored(), time.perf_counter(), []
     for chunk in steps(stepper, count, record=record):
@@ -169,7 +172,7 @@ def _collect(
             external=float(sums.external[0]), algorithmic=float(sums.algorithmic[0]), load_step=load_step,
         )  # fmt: skip
         taken = sum(chunk.steps for chunk in chunks)
-        result = collect(stepper, [chunk.samples for chunk in chunks], energy, taken, seconds, source, record.every)
+        result = collect(stepper, [chunk.samples for chunk in chunks], energy, taken, seconds, source, record)
     at, why = chunks[-1].failed, ""
     if at >= 0:
         why = stepper.why()

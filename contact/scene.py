@@ -9,6 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import numpy as np
+
 from contact.errors import InputError
 from contact.model.beam import BeamInCircle, HingedBeam
 from contact.model.body import Body, PointMass, Rod, Wall
@@ -121,13 +123,28 @@ def _rods(table: RodsFile, file: Path, text: bytes) -> Scene:
     law, scheme = method
     return Scene(
         what=bodies, law=law, scheme=scheme, t_end=table.scene.t_end, dt=table.scheme.dt,
-        courant=table.scheme.courant, gravity=table.scene.gravity, record=_record(table.record),
+        courant=table.scheme.courant, gravity=table.scene.gravity, record=_record(table.record, file),
         source=_source(file, text),
     )  # fmt: skip
 
 
-def _record(table: RecordTable | None) -> Record | None:
-    return None if table is None else Record(**table.model_dump())
+def _record(table: RecordTable | None, file: Path) -> Record | None:
+    """The record of a [record] table; channels may stand in a CSV file beside the scene. Raises SceneError."""
+    if table is None:
+        return None
+    channels: object = table.channels
+    if isinstance(channels, str):
+        path = file.parent / channels
+        try:
+            channels = np.loadtxt(path, delimiter=",", comments="#", ndmin=2)
+        except (OSError, ValueError) as error:
+            raise SceneError([f"{file}: record.channels: {path}: {error}, expected rows of numbers"]) from error
+    given = table.model_dump(exclude={"channels"}) | {"channels": channels}
+    problems: list[str] = []
+    record = _tried(lambda: Record(**given), file, problems, "record")
+    if record is None:
+        raise SceneError(problems)
+    return record
 
 
 def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
@@ -151,7 +168,7 @@ def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
     return Scene(
         what=rim, law=Coulomb(mu=contact.friction) if contact.friction > 0.0 else Unilateral(),
         scheme=ExactModal(law=table.scheme.law), t_end=table.scene.t_end, dt=table.scheme.dt,
-        record=_record(table.record),
+        record=_record(table.record, file),
         source=_source(file, text, *(path.read_bytes() for path in paths.values())),
     )  # fmt: skip
 
@@ -171,7 +188,7 @@ def _beam(table: BeamFile, file: Path, text: bytes) -> Scene:
     basis = [] if table.ring is None or table.ring.basis is None else [(file.parent / table.ring.basis).read_bytes()]
     return Scene(
         what=what, law=law, scheme=scheme, t_end=table.scene.t_end, dt=table.scheme.dt, courant=table.scheme.courant,
-        record=_record(table.record), source=_source(file, text, *basis),
+        record=_record(table.record, file), source=_source(file, text, *basis),
     )  # fmt: skip
 
 
@@ -189,7 +206,7 @@ def _cantilever(table: CantileverFile, file: Path, text: bytes) -> Scene:
         raise SceneError(problems)
     return Scene(
         what=gap, law=method[0], scheme=method[1], t_end=table.scene.t_end, dt=scheme.dt, courant=scheme.courant,
-        record=_record(table.record), source=_source(file, text),
+        record=_record(table.record, file), source=_source(file, text),
     )  # fmt: skip
 
 

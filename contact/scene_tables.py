@@ -54,14 +54,20 @@ class RodsHead(Table):
 
 
 class RecordTable(Table):
-    """[record]: the fields of `Record`; left out, a run stores at most 1,000,000 samples."""
+    """[record]: the fields of `Record`, channels as rows or as a CSV file of them; left out, 1,000,000 samples."""
 
     every: Annotated[int, Field(ge=1)] = 1
     state_every: Annotated[int, Field(ge=0)] = 0
+    at: Annotated[list[NotNegative], Field(min_length=1)] | None = None
+    channels: Annotated[list[list[FiniteFloat]], Field(min_length=1)] | str | None = None
 
     @model_validator(mode="after")
     def _fits(self) -> RecordTable:
-        Record(every=self.every, state_every=self.state_every)
+        Record(every=self.every, state_every=self.state_every, at=self.at)
+        if self.channels is not None and self.at is None and self.state_every == 0:
+            raise ValueError("channels found without state_every or at, expected one of them")
+        if isinstance(self.channels, list) and len({len(row) for row in self.channels}) > 1:
+            raise ValueError("channels of different lengths found, expected one number for each coordinate in all")
         return self
 
 

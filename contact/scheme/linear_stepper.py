@@ -61,13 +61,16 @@ class LinearStepper:
         amplitudes = self.system.amplitudes(first, steps, self.dt)
         rows, loads = np.nonzero(~np.isfinite(amplitudes))
         good = steps if rows.size == 0 else max(int(rows[0]) - 1, 0)
-        failed = self.loop(self.parts, self.state, self.sums, out, amplitudes, self.dt, first, good, *self.method)
+        whole = len(out.rows) == 0
+        stored = out if whole else out._replace(rows=np.ascontiguousarray(out.rows[:, self.system.order]))
+        failed = self.loop(self.parts, self.state, self.sums, stored, amplitudes, self.dt, first, good, *self.method)
         if good < steps and failed < 0:
             value, at = amplitudes[rows[0], loads[0]], (first + int(rows[0])) * self.dt
             self.fault.append(f"forcing {int(loads[0]) + 1}: found {value} at t = {at:.6g} s, expected a finite force")
             failed = first + good
-        states = int(self.sums.filled[1])
-        out.state[:states] = out.state[:states, self.system.place]
+        if whole:
+            states = int(self.sums.filled[1])
+            out.state[:states] = out.state[:states, self.system.place]
         return failed
 
     def why(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contact.compiled import jit
-from contact.model.arrays import Array
+from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
 
 
@@ -61,10 +61,16 @@ def note_stick(sums: Tally, out: Samples, k: int, stuck: int, time: float) -> No
 
 
 @jit
+def due(step: int, every: int, at: Indices, filled: int) -> bool:
+    """Whether a step is stored: the next of `at`, or every `every`-th."""
+    return bool(step % every == 0) if every > 0 else bool(filled < at.size and at[filled] == step)
+
+
+@jit
 def store(sums: Tally, out: Samples, step: int, time: float, force: Array, gap: Array) -> None:
     """Store force, gap and impulse when this step is to be recorded."""
-    if step % out.every == 0:
-        row = sums.filled[0]
+    row = sums.filled[0]
+    if due(step, out.every, out.at, row):
         out.time[row] = time
         for k in range(force.size):
             out.force[row, k] = force[k]
@@ -75,10 +81,16 @@ def store(sums: Tally, out: Samples, step: int, time: float, force: Array, gap: 
 
 @jit
 def store_state(sums: Tally, out: Samples, step: int, time: float, state: Array) -> None:
-    """Store the displacements at the start of this step when they are to be recorded."""
-    if out.state_every > 0 and step % out.state_every == 0:
-        row = sums.filled[1]
+    """Store the displacements at the start of this step, or their channels, when they are to be recorded."""
+    row = sums.filled[1]
+    if (out.every == 0 or out.state_every > 0) and due(step, out.state_every, out.at, row):
         out.state_time[row] = time
-        for i in range(state.size):
-            out.state[row, i] = state[i]
+        if out.rows.shape[0] == 0:
+            for i in range(state.size):
+                out.state[row, i] = state[i]
+        for c in range(out.rows.shape[0]):
+            total = 0.0
+            for i in range(state.size):
+                total += out.rows[c, i] * state[i]
+            out.state[row, c] = total
         sums.filled[1] = row + 1

@@ -173,7 +173,7 @@ def test_record_table(tmp_path):
         assert ct.load_scene(file).record is None
         file.write_text(text + "[record]\nevery = 5\nstate_every = 10\n")
         scene = ct.load_scene(file)
-        assert scene.record == ct.Record(every=5, state_every=10)
+        assert (scene.record.every, scene.record.state_every) == (5, 10)
         result = ct.run(scene)
         assert result.every == 5
         assert result.state.shape[0] == (result.steps - 1) // 10 + 1
