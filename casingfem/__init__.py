@@ -7,6 +7,9 @@ material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped(
 print(cf.modes(casing, count=40))
 """
 
+from casingfem.experiment.circle_lines import ScanError
+from casingfem.experiment.circle_record import ScanRecord
+from casingfem.experiment.circle_scan import CircleScan, demodulate
 from casingfem.experiment.correlation import Pairing, mac, pair, subspace_mac
 from casingfem.experiment.ema_poles import MissingExtraError
 from casingfem.experiment.frf import FrfError, FrfSet
@@ -66,6 +69,7 @@ __all__ = [
     "Bolts",
     "Campbell",
     "Chart",
+    "CircleScan",
     "Clamped",
     "Cylinder",
     "Deflection",
@@ -110,6 +114,8 @@ __all__ = [
     "Ring",
     "Rotation",
     "SampledField",
+    "ScanError",
+    "ScanRecord",
     "Section",
     "ShearDiaphragm",
     "Shell",
@@ -134,6 +140,7 @@ __all__ = [
     "WhirlModes",
     "assemble",
     "campbell",
+    "demodulate",
     "identify",
     "interactions",
     "mac",

@@ -1,0 +1,266 @@
+"""Circle scans: lines against closed forms, noise against the Cramer-Rao bound, collisions, pairs."""
+
+import numpy as np
+import pytest
+
+from casingfem.experiment.circle_lines import ScanError, clear_rate, line_frequencies
+from casingfem.experiment.circle_pair import split_pair
+from casingfem.experiment.circle_record import ScanRecord, from_tacho, turning
+from casingfem.experiment.circle_scan import demodulate
+from casingfem.experiment.rig import Probe, Rig, RigError
+from casingfem.experiment.rig_scan import Tone, Turning, scan
+
+SEED = 7719
+FS = 2000.0
+
+
+def wave(n, psi, back=0.0, tone=371.3, rate=2.3, seconds=6.0, phase=0.4):
+    """A record of cos n(theta - psi) and, `back` as strong, one that runs backwards."""
+    count = round(seconds * FS)
+    theta, t = turning(rate, FS, count, first_angle=0.3), np.arange(count) / FS
+    carried = 2.0 * np.pi * tone * t + phase
+    seen = np.cos(n * (theta - psi)) * np.cos(carried) + back * np.cos(carried + n * (theta - psi))
+    return ScanRecord(fs=FS, velocity=seen, angle=theta, tones=(tone,))
+
+
+@pytest.mark.parametrize("rate", [2.3, -1.7])
+@pytest.mark.parametrize(("n", "psi"), [(1, 0.5), (8, 0.11), (13, 0.2)])
+def test_a_standing_wave_gives_two_equal_lines_with_opposite_phases(n, psi, rate):
+    found = demodulate(wave(n, psi, rate=rate), 15)
+    up, down = (found.V[0, np.flatnonzero(found.n == k)[0]] for k in (n, -n))
+    assert up == pytest.approx(0.5 * np.exp(1j * (0.4 - n * psi)), abs=1e-10)
+    assert down == pytest.approx(0.5 * np.exp(1j * (0.4 + n * psi)), abs=1e-10)
+    assert found.lines[0, found.n == n][0] == pytest.approx(371.3 + n * rate, abs=1e-9)
+    seen = found.wave(0, n)
+    assert seen.angle_deg == pytest.approx(np.degrees(psi) % (180.0 / n), abs=1e-8)
+    assert [w.n for w in found.waves() if w.amplitude > 1e-9] == [n]
+
+
+@pytest.mark.parametrize("back", [0.0, 0.25, 3.0])
+def test_what_travels_is_told(back):
+    seen = demodulate(wave(6, 0.2, back=back), 8).wave(0, 6)
+    assert seen.travelling == pytest.approx(-back / (1.0 + back), abs=1e-9)
+    assert seen.amplitude == pytest.approx(1.0 + back, rel=1e-9)
+    assert seen.angle_deg == pytest.approx(np.degrees(0.2), abs=1e-7)
+
+
+def test_the_shape_is_the_wave():
+    record = wave(5, 0.3, back=0.2)
+    theta = np.linspace(0.0, 6.0, 50)
+    V = (np.cos(5 * (theta - 0.3)) + 0.2 * np.exp(5j * (theta - 0.3))) * np.exp(0.4j)
+    np.testing.assert_allclose(demodulate(record, 7).shape(0, theta), V, atol=1e-9)
+
+
+def test_orientation_and_amplitude_err_as_the_cramer_rao_bound_allows():
+    n, psi, level = 8, 0.11, 0.5
+    clean = wave(n, psi, seconds=2.0)
+    rng = np.random.default_rng(SEED)
+    noisy = [clean.velocity + level * rng.standard_normal(clean.velocity.size) for _ in range(60)]
+    waves = [
+        demodulate(ScanRecord(fs=FS, velocity=v, angle=clean.angle, tones=clean.tones), [n]).wave(0, n) for v in noisy
+    ]
+    count = clean.velocity.size
+    bound = np.degrees(2.0 * level / (n * np.sqrt(count)))  # of psi at amplitude 1: 4 s^2/(n^2 N)
+    errors = np.array([w.angle_deg for w in waves]) - np.degrees(psi)
+    assert np.sqrt(np.mean(errors**2)) == pytest.approx(bound, rel=0.2)
+    assert np.median([w.angle_sigma_deg for w in waves]) == pytest.approx(bound, rel=0.1)
+    amplitude = np.array([w.amplitude for w in waves])
+    assert np.std(amplitude) == pytest.approx(np.median([w.amplitude_sigma for w in waves]), rel=0.25)
+    travel = np.array([w.travelling for w in waves])
+    assert np.std(travel) == pytest.approx(np.median([w.travelling_sigma for w in waves]), rel=0.25)
+
+
+def test_orders_that_are_not_there_are_not_seen():
+    clean = wave(8, 0.11, seconds=4.0)
+    rng = np.random.default_rng(SEED)
+    false = 0
+    for _ in range(20):
+        noisy = clean.velocity + 0.3 * rng.standard_normal(clean.velocity.size)
+        found = demodulate(ScanRecord(fs=FS, velocity=noisy, angle=clean.angle, tones=clean.tones), 12)
+        false += sum(w.seen for w in found.waves()) - 1
+    assert false <= 2
+
+
+def test_a_record_of_no_whole_turns_or_periods_does_not_leak():
+    found = demodulate(wave(8, 0.11, seconds=3.4567, rate=1.234), 12)
+    others = np.abs(found.V[0, np.abs(found.n) != 8])
+    assert others.max() < 1e-11
+    record = wave(8, 0.11, seconds=3.4567, rate=1.234)
+    spectrum = np.abs(np.fft.rfft(record.velocity)) / len(record.velocity)
+    at = np.fft.rfftfreq(len(record.velocity), 1.0 / FS)
+    assert spectrum[np.abs(at - 371.3) < 0.3].max() > 1e-3  # n = 0 is not there, but a bin says so
+
+
+def test_a_tacho_mends_an_uneven_rate():
+    rig, circle = ring_rig()
+    turn = Turning(mirror=2.0, wander=0.01)
+    made = scan(rig, turn, [Tone(370.4)], circle=circle, drive=0, fs=FS, seconds=8.0, seed=SEED)
+    truth = made.V[0, made.n == 8][0]
+    turns = made.record.angle / (2.0 * np.pi)
+    time = np.arange(len(turns)) / FS
+    pulses = np.interp(np.arange(int(16 * turns[-1]) + 1) / 16, turns, time)
+    after = pulses[-1] + np.diff(pulses)[-1]
+    angle = from_tacho(np.r_[pulses, after], FS, len(turns), per_turn=16)
+    known, blind = (
+        demodulate(ScanRecord(fs=FS, velocity=made.record.velocity, angle=a, tones=(370.4,)), [8]).V[0, 1]
+        for a in (angle, turning(2.0, FS, len(turns)))
+    )
+    assert abs(known / truth - 1.0) < 2e-3
+    assert abs(blind / truth - 1.0) > 0.05
+
+
+def ring_rig(split=0.0, psi=0.13, zeta=0.002, count=48):
+    """Pairs n = 8 and n = 7 seen from a circle: cosines and sines about psi."""
+    theta = 2.0 * np.pi * np.arange(count) / count
+    probes = [Probe(k + 1, 1, (float(np.cos(a)), float(np.sin(a)), 0.0), float(a)) for k, a in enumerate(theta)]
+    freq = [370.0 - split / 2.0, 370.0 + split / 2.0, 383.0, 384.0]
+    shapes = [np.cos(8 * (theta - psi)), np.sin(8 * (theta - psi)), np.cos(7 * theta), np.sin(7 * theta)]
+    return Rig.of(omega=2.0 * np.pi * np.array(freq), zeta=zeta, rows=np.array(shapes).T, probes=probes), range(count)
+
+
+def test_the_rig_makes_the_lines_of_its_modes():
+    rig, circle = ring_rig(split=0.8)
+    made = scan(
+        rig, Turning(mirror=1.7), [Tone(370.2, 2.0, 0.3)], circle=circle, drive=5, fs=FS, seconds=4.0, seed=SEED
+    )
+    H = rig.frfs([370.2], sensors=circle, drives=[5], quantity="mobility").responses[:, 0] * 2.0 * np.exp(0.3j)
+    theta = np.array([p.angle for p in rig.probes])
+    np.testing.assert_allclose(np.exp(1j * np.multiply.outer(theta, made.n)) @ made.V[0], H, rtol=1e-9)
+    found = demodulate(made.record, 12)
+    inside = np.abs(made.n) <= 12
+    np.testing.assert_allclose(found.V[0], made.V[0, inside], atol=1e-9 * np.abs(made.V).max())
+
+
+def test_a_turning_casing_runs_the_other_way():
+    rig, circle = ring_rig(split=0.8)
+    mirror, lathe = (
+        scan(rig, turn, [Tone(370.2)], circle=circle, drive=5, fs=FS, seconds=4.0, seed=SEED)
+        for turn in (Turning(mirror=1.7), Turning(casing=1.7))
+    )
+    assert lathe.record.rate == pytest.approx(-mirror.record.rate)
+    both = [demodulate(made.record, 9).wave(0, 8) for made in (mirror, lathe)]
+    assert both[0].angle_deg == pytest.approx(both[1].angle_deg, abs=1e-7)
+    assert both[0].travelling == pytest.approx(both[1].travelling, abs=1e-9)
+    assert abs(both[0].travelling) > 0.05  # two members, out of phase
+
+
+def test_a_force_fixed_in_space_excites_a_perfect_casing_at_rest_in_space():
+    rig, circle = ring_rig(split=0.0)
+    made = scan(rig, Turning(mirror=2.05, casing=0.05), [Tone(369.9)], circle=circle, drive_circle=circle,
+                drive_angle=0.2, fs=FS, seconds=40.0, seed=SEED, highest=8)  # fmt: skip
+    felt = np.array(made.record.tones)
+    np.testing.assert_allclose(felt, 369.9 + 0.05 * np.arange(-8, 9), atol=1e-9)
+    for k, order in enumerate(range(8, -9, -1)):  # felt at omega - m W: only n = -m answers, by symmetry
+        other = made.n != -order
+        if abs(order) == 8:
+            assert np.abs(made.V[k, other]).max() < 1e-9 * np.abs(made.V[k, ~other]).max()
+    found = demodulate(made.record, [7, 8])
+    truth = made.V[:, np.isin(np.abs(made.n), [7, 8])]
+    np.testing.assert_allclose(found.V, truth, atol=1e-6 * np.abs(truth).max())
+    still = scan(rig, Turning(casing=0.5), [Tone(369.9)], circle=circle, drive_circle=circle, fs=FS, seconds=40.0,
+                 seed=SEED, highest=8)  # fmt: skip
+    with pytest.raises(ScanError, match="fall together"):
+        demodulate(still.record, 8)
+
+
+def test_run_out_and_speckle_repeat_every_turn_and_are_told_from_the_wave():
+    rig, circle = ring_rig()
+    turn = Turning(mirror=2.0, runout=((0.1, 0.0), (0.0, 0.05)), speckle=1e-3)
+    made = scan(rig, turn, [Tone(370.41)], circle=circle, drive=5, fs=FS, seconds=8.0, seed=SEED)
+    found = demodulate(made.record, 10, runout=3)
+    truth = made.V[0, made.n == 8][0]
+    assert abs(found.V[0, found.n == 8][0] / truth - 1.0) < 1e-2
+    whole = made.record.velocity.reshape(8, -1)  # two turns each, the tone apart
+    rest = Turning(mirror=2.0, speckle=1e-3)
+    quiet = scan(rig, rest, [Tone(370.41, 0.0)], circle=circle, drive=5, fs=FS, seconds=8.0, seed=SEED).record.velocity
+    np.testing.assert_allclose(quiet.reshape(16, -1)[1:], quiet.reshape(16, -1)[:-1], atol=1e-12)
+    assert np.std(quiet) == pytest.approx(1e-3, rel=0.1)
+    assert whole.shape == (8, 2000)
+
+
+def test_force_makes_mobility():
+    rig, circle = ring_rig(split=0.8)
+    tone = Tone(370.2, 2.0, 0.3)
+    made = scan(rig, Turning(mirror=1.7), [tone], circle=circle, drive=5, fs=FS, seconds=4.0, seed=SEED).record
+    force = 2.0 * np.cos(2.0 * np.pi * 370.2 * np.arange(len(made.velocity)) / FS + 0.3)
+    with_force = ScanRecord(fs=FS, velocity=made.velocity, angle=made.angle, tones=made.tones, force=force)
+    bare, over = demodulate(made, [8]), demodulate(with_force, [8])
+    np.testing.assert_allclose(over.V, bare.V / (2.0 * np.exp(0.3j)), rtol=1e-8)
+
+
+@pytest.mark.parametrize("split", [1.5, 0.75])  # half-power bandwidth 1.48 Hz
+def test_a_close_pair_both_excited_is_told_apart(split):
+    rig, circle = ring_rig(split=split, zeta=[0.002, 0.0025, 0.002, 0.002])
+    tones = [Tone(f) for f in np.linspace(368.13, 371.93, 13)]
+    made = scan(rig, Turning(mirror=2.71), tones, circle=circle, drive=5, fs=FS, seconds=20.0, seed=SEED, snr_db=30.0)
+    pair = split_pair(demodulate(made.record, [8]), 8)
+    np.testing.assert_allclose(pair.freq, rig.freq[:2], atol=0.01)
+    assert np.all(np.abs(pair.freq - rig.freq[:2]) < 4.0 * pair.freq_sigma)
+    truth = np.degrees(0.13) + np.array([0.0, 90.0 / 8])
+    off = (pair.angle_deg - truth + 90.0 / 8) % (180.0 / 8) - 90.0 / 8
+    assert np.all(np.abs(off) < 4.0 * pair.angle_sigma_deg)
+    assert pair.angle_sigma_deg.max() < 0.5
+    np.testing.assert_allclose(pair.zeta, [0.002, 0.0025], rtol=0.05)
+    assert pair.split == pytest.approx(split, abs=4.0 * pair.split_sigma)
+    assert 0.6 < pair.misfit < 1.6
+
+
+def test_lines_that_fall_together_are_named_and_a_better_rate_works():
+    n = np.arange(-9, 10)
+    tones = (370.0, 383.0)  # 13 Hz apart: 13 W at 1 turn/s
+    with pytest.raises(ScanError, match=r"fall together: n = \d of 3\d\d.000 Hz .* turn at ([\d.]+) turns/s") as caught:
+        demodulate(ScanRecord(fs=FS, velocity=np.ones(20000), angle=turning(1.0, FS, 20000), tones=tones), 9)
+    better = float(str(caught.value).split("turn at ")[1].split()[0])
+    freq = np.sort(line_frequencies(tones, n, better))
+    assert np.diff(freq).min() >= 0.19
+    demodulate(ScanRecord(fs=FS, velocity=np.ones(20000), angle=turning(better, FS, 20000), tones=tones), 9)
+    assert clear_rate(tones, n, 0.1, 1.0, FS) is None
+
+
+def test_what_cannot_be_demodulated_is_refused():
+    def record(seconds=5.0, rate=2.3, tones=(371.3,), fs=FS):
+        count = round(seconds * fs)
+        return ScanRecord(fs=fs, velocity=np.ones(count), angle=turning(rate, fs, count), tones=tones)
+
+    for given, orders, words in (
+        (record(seconds=0.5), 8, r"too short: found 1.15 turns.*1.5 \(0.652 s\)"),
+        (record(rate=0.0), 8, "a spot that turns"),
+        (record(fs=760.0), 8, "expected all below fs/2"),
+        (record(), [-1], "orders"),
+        (record(), [], "orders"),
+    ):
+        with pytest.raises(ScanError, match=words):
+            demodulate(given, orders)
+    with pytest.raises(ScanError, match="run-out's harmonic"):
+        demodulate(record(tones=(4.6,)), 3, runout=4)
+    found = demodulate(record(), 8)
+    for call, words in (
+        (lambda: found.wave(0, 9), "order n = 9"),
+        (lambda: split_pair(found, 8), "found 1 tones"),
+        (lambda: split_pair(found, 9), "order n = 9"),
+        (lambda: record(tones=(0.0,)), "tones"),
+        (lambda: record(tones=()), "tones"),
+        (lambda: ScanRecord(fs=FS, velocity=[1.0], angle=[1.0, 2.0], tones=(3.0,)), "angle: found shape"),
+        (lambda: ScanRecord(fs=FS, velocity=[np.nan], angle=[1.0], tones=(3.0,)), "velocity: found shape"),
+        (lambda: from_tacho([0.0, 1.0], FS, 5000), "span the record"),
+        (lambda: from_tacho([0.0, 0.0], FS, 5), "ascending"),
+    ):
+        with pytest.raises(ScanError, match=words):
+            call()
+
+
+def test_what_cannot_be_scanned_is_refused():
+    rig, circle = ring_rig()
+    asked = {"circle": circle, "drive": 0, "fs": FS, "seconds": 1.0, "seed": SEED}
+    for turn, changes, words in (
+        (Turning(mirror=1.0), {"drive": None}, "a probe fixed to the casing, or a circle"),
+        (Turning(mirror=1.0), {"drive_circle": circle}, "a probe fixed to the casing, or a circle"),
+        (Turning(mirror=1.0), {"circle": [0, 1, 3]}, "uneven angles"),
+        (Turning(mirror=1.0), {"seconds": 0.0}, "two samples"),
+        (Turning(mirror=1.0), {"drive": 99}, "each from 0 to 47"),
+    ):
+        with pytest.raises(RigError, match=words):
+            scan(rig, turn, [Tone(370.0)], **(asked | changes))
+    for bad in ({}, {"mirror": np.inf}, {"mirror": 1.0, "wander": 0.5}, {"mirror": 1.0, "casing": 1.0}):
+        with pytest.raises(RigError):
+            Turning(**bad)
