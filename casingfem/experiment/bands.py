@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +12,9 @@ from casingfem.arrays import Array, FloatArray, IntArray
 
 PROMINENCE_DB = 3.0
 ABOVE_NOISE = 6.0  # standard deviations
-PEAKS = 3, 5  # in a band: at least, at most
-MOST_LINES = 3000  # of a window
+PEAKS = 3, 5  # in a band: at least, where there are more near by, and at most
+MARGIN = 0.025  # of a peak's frequency: what a window shows around its peaks
+LINES = 40, 1500  # around peaks at least; in a band without peaks at most
 
 
 class Band(NamedTuple):
@@ -36,39 +38,58 @@ def line_noise(H: Array) -> FloatArray:
     return np.asarray(np.median(rough, axis=1) / np.sqrt(20.0 * 2.0 * np.log(2.0)))
 
 
-def find_bands(H: Array, noise: FloatArray) -> list[Band]:
-    """Bands of three to five peaks of sum |H_c/noise_c|^2, cut at valleys; a window reaches one peak further.
+def find_bands(freq: FloatArray, H: Array, noise: FloatArray) -> list[Band]:
+    """Bands of a few peaks of sum |H_c/noise_c|^2, cut at valleys, and the bands without peaks between them.
 
-    >>> x = np.linspace(0.0, 50.0, 2000)
-    >>> H = sum(1.0 / (1j * (x - at) + 0.1) for at in range(5, 50, 6))[None]
-    >>> [(band.core, band.peaks) for band in find_bands(H, np.array([1e-3]))]
-    [((0, 1039), 5), ((1039, 2000), 5)]
+    >>> f = np.arange(100.0, 200.0, 0.05)
+    >>> H = sum(1.0 / (1j * (f - at) + 0.1) for at in (120.0, 121.0, 150.0))[None]
+    >>> for band in find_bands(f, H, np.array([1e-3])):
+    ...     print(f[band.core[0]].round(1), f[band.core[1] - 1].round(1), band.peaks)
+    100.0 116.9 0
+    117.0 124.0 2
+    124.0 146.2 0
+    146.2 153.7 1
+    153.8 199.9 0
     """
     power = np.sum(np.abs(H / noise[:, None]) ** 2, axis=0)
     level = 2.0 * len(H) + ABOVE_NOISE * 2.0 * np.sqrt(len(H))
     peaks, _ = find_peaks(10.0 * np.log10(power), prominence=PROMINENCE_DB, height=10.0 * np.log10(level))
-    if not peaks.size:
-        return []
     cuts = _cuts(power, peaks)
-    bands, end = [], 0
+    bands: list[Band] = []
+    reached, end = 0, 0
     while end < len(peaks):
-        start, end = end, _end(power, cuts, end)
-        first, last = max(start - 1, 0), min(end + 1, len(peaks))
-        reach = MOST_LINES // 2
-        window = max(cuts[first], cuts[start] - reach), min(cuts[last], cuts[end] + reach)
-        bands.append(Band((cuts[start], cuts[end]), window, last - first))
-    return bands
+        start, end = end, _end(power, cuts, freq[peaks], end)
+        low, high = _around(freq, int(peaks[start]), int(peaks[end - 1]))
+        core = max(low, cuts[start]), min(high, cuts[end])
+        bands += _empty(reached, core[0])
+        bands.append(Band(core, (low, high), int(np.sum((peaks >= low) & (peaks < high)))))
+        reached = core[1]
+    return bands + _empty(reached, len(freq))
 
 
-def _end(power: FloatArray, cuts: list[int], start: int) -> int:
-    """Peak before which the band from `start` ends: at the deepest valley within reach."""
-    last = len(cuts) - 1
-    if last - start <= PEAKS[1]:
-        return last
-    return min(range(start + PEAKS[0], start + PEAKS[1] + 1), key=lambda k: float(power[cuts[k]]))
+def _around(freq: FloatArray, first: int, last: int) -> tuple[int, int]:
+    """Lines about the peaks from first to last."""
+    low, high = np.searchsorted(freq, [freq[first] * (1.0 - MARGIN), freq[last] * (1.0 + MARGIN)]).tolist()
+    return max(min(low, first - LINES[0]), 0), min(max(high, last + LINES[0]), len(freq))
+
+
+def _empty(low: int, high: int) -> list[Band]:
+    """Bands without peaks; slivers are left to none."""
+    if high - low < LINES[0]:
+        return []
+    edges = np.linspace(low, high, -(-(high - low) // LINES[1]) + 1).astype(int).tolist()
+    return [Band((a, b), (a, b), 0) for a, b in pairwise(edges)]
+
+
+def _end(power: FloatArray, cuts: list[int], freq: FloatArray, start: int) -> int:
+    """Peak before which the band from `start` ends: at a wide gap, or the deepest valley within reach."""
+    most = min(len(freq), start + PEAKS[1])
+    gap = next((k for k in range(start + 1, most) if freq[k] - freq[k - 1] > 2.0 * MARGIN * freq[k]), most)
+    if gap < start + PEAKS[1] or gap == len(freq):
+        return gap
+    return min(range(start + PEAKS[0], gap + 1), key=lambda k: float(power[cuts[k]]))
 
 
 def _cuts(power: FloatArray, peaks: IntArray) -> list[int]:
     """Line of the lowest value between each two peaks, with both ends of the axis."""
-    pairs = zip(peaks[:-1].tolist(), peaks[1:].tolist(), strict=True)
-    return [0, *(low + int(np.argmin(power[low:high])) for low, high in pairs), len(power)]
+    return [0, *(a + int(np.argmin(power[a:b])) for a, b in pairwise(peaks.tolist())), len(power)]

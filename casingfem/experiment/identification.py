@@ -15,21 +15,16 @@ from typing import Any
 import numpy as np
 
 from casingfem.arrays import Array, FloatArray
-from casingfem.experiment.bands import Band, find_bands, line_noise
+from casingfem.experiment.band_fits import BandFits, Responses, core_of, fit_bands
+from casingfem.experiment.bands import find_bands, line_noise
 from casingfem.experiment.circle import Circle
-from casingfem.experiment.ema_poles import lscf_poles
 from casingfem.experiment.found_modes import FoundMode, found_modes, notes_of, paired
 from casingfem.experiment.frf import FrfError, FrfSet
 from casingfem.experiment.identified import Identified
-from casingfem.experiment.pole_fit import PoleFit
-from casingfem.experiment.pole_selection import select_poles
-from casingfem.experiment.pole_window import Window
 from casingfem.experiment.sensor_grid import SensorGrid, form_of, radial_signs, sensor_grid
-from casingfem.experiment.stabilisation import Stabilisation, join, stabilise
+from casingfem.experiment.stabilisation import join
 
-FLOOR = 3e-4  # of a window's rms: a model is not better than that
 LEAST_LINES = 30
-ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most
 EVEN = 1e-6
 
 
@@ -77,33 +72,23 @@ def identify(
     """
     started = time.perf_counter()
     grid = sensor_grid(frfs, angles)
-    power = form_of(frfs, form)
     freq, H = _lines(frfs, band)
     noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
-    bands = find_bands(H, noise)
-    fits, diagrams, cores = [], [], []
-    for cut in bands:
-        fit, diagram = _band(freq, H, noise, cut, power, order)
-        fits.append(fit)
-        diagrams.append(diagram)
-        cores.append((float(freq[cut.core[0]]), _edge(freq, cut.core[1])))
+    data = Responses(freq, H, noise, form_of(frfs, form))
+    found = fit_bands(data, find_bands(freq, H, noise), order)
+    cores = [core_of(freq, band) for band in found.bands]
     circle = None if angles is None else Circle.of(grid.theta, n_max)
-    modes = found_modes(fits, cores, grid, radial_signs(grid), circle)
+    modes = found_modes(found.fits, cores, grid, radial_signs(grid), circle)
     return Identified(
         **_columns(modes, grid),
         sensors=grid,
         lines=freq,
         measured=H,
-        fitted=_fitted(fits, bands, H),
-        diagram=join(diagrams, cores),
+        fitted=_fitted(found, H),
+        diagram=join(found.diagrams, cores),
         card=frfs.card,
         seconds=time.perf_counter() - started,
     )
-
-
-def _edge(freq: FloatArray, line: int) -> float:
-    """Frequency at which a core ends: at its next line, behind the last."""
-    return float(freq[line]) if line < len(freq) else float(2.0 * freq[-1] - freq[-2])
 
 
 def _lines(frfs: FrfSet, band: tuple[float, float] | None) -> tuple[FloatArray, Array]:
@@ -127,34 +112,13 @@ def _lines(frfs: FrfSet, band: tuple[float, float] | None) -> tuple[FloatArray, 
     return freq, H
 
 
-def _band(
-    freq: FloatArray, H: Array, noise: FloatArray, cut: Band, power: int, order: int | None
-) -> tuple[PoleFit, Stabilisation]:
-    """Sweep, stabilise and fit one window."""
-    lines = slice(*cut.window)
-    weighted = H[:, lines] / noise[:, None]
-    most = order or min(ORDER[0] + ORDER[1] * cut.peaks, ORDER[2], (cut.window[1] - cut.window[0]) // 6)
-    swept = lscf_poles(freq[lines], weighted, most)
-    diagram, starts = stabilise(swept, freq[lines], weighted)
-    stacked = np.concatenate([weighted.real, weighted.imag], axis=1).T
-    window = Window(
-        freq=freq[lines],
-        Y=stacked,
-        power=power,
-        residues="real",
-        weight=1.0 / noise,
-        floor=FLOOR * float(np.sqrt(np.mean(stacked**2))),
-    )
-    return select_poles(window, starts), diagram
-
-
-def _fitted(fits: list[PoleFit], bands: list[Band], H: Array) -> Array:
+def _fitted(found: BandFits, H: Array) -> Array:
     """The fits over their cores, in the units of the responses; nan elsewhere."""
     whole = np.full(H.shape, complex(np.nan, np.nan))
-    for fit, cut in zip(fits, bands, strict=True):
-        shift = cut.window[0]
-        core = slice(cut.core[0] - shift, cut.core[1] - shift)
-        whole[:, slice(*cut.core)] = H[:, slice(*cut.core)] - (fit.spread[core] / fit.window.weight).T
+    for fit, band in zip(found.fits, found.bands, strict=True):
+        start = band.window[0]
+        core = slice(band.core[0] - start, band.core[1] - start)
+        whole[:, slice(*band.core)] = H[:, slice(*band.core)] - (fit.spread[core] / fit.window.weight).T
     return whole
 
 

@@ -54,8 +54,7 @@ def mode_shape(fit: PoleFit, pole: int, grid: IntArray) -> Shape:
     parts = np.stack([factor.real, -factor.imag], axis=1)[:, : fit.A.shape[1]]
     covariance = shape_covariance(fit, (pole, parts), (pole, parts), grid)
     norm = float(np.linalg.norm(whole.real))
-    per_entry = np.trace(fit.gram[pole, :, pole, :]) * fit.noise * np.mean(1.0 / fit.window.weight[grid] ** 2)
-    limit = np.sqrt(per_entry) * (np.sqrt(len(matrix)) + np.sqrt(matrix.shape[1]) + 3.0)
+    limit = _noise_size(fit, pole, grid)
     return Shape(
         values=whole.real / norm,
         covariance=covariance / norm**2,
@@ -64,6 +63,23 @@ def mode_shape(fit: PoleFit, pole: int, grid: IntArray) -> Shape:
         second=float(sizes[1] / limit) if len(sizes) > 1 else 0.0,
         balance=float(2.0 * sizes[0] * sizes[1] / np.sum(sizes[:2] ** 2)) if len(sizes) > 1 else 0.0,
     )
+
+
+def _noise_size(fit: PoleFit, pole: int, grid: IntArray) -> float:
+    """Size (spectral norm) that noise may give a residue matrix: three sigma beyond its mean.
+
+    Direct noise is alike in all entries, sigma (sqrt m + sqrt n) for an m x n matrix; that through the poles is one
+    matrix for each of their parameters.
+    """
+    m, n = grid.shape
+    weight = fit.window.weight[grid]
+    direct = np.sqrt(np.trace(fit.gram[pole, :, pole, :]) * np.mean(1.0 / weight**2))
+    variance = 0.0
+    for column in range(n):
+        for part in np.eye(fit.A.shape[1]):
+            slopes = pole_slopes(fit, pole, part[None], grid[:, [column]])
+            variance += float(np.einsum("oj,jk,ok->", slopes, fit.covariance, slopes))
+    return float(np.sqrt(fit.noise) * (direct * (np.sqrt(m) + np.sqrt(n) + 3.0) + 3.0 * np.sqrt(variance)))
 
 
 def shape_covariance(

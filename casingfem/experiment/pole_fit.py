@@ -130,7 +130,7 @@ def _system(window: Window, at: _State) -> _System:
     A = np.tile(at.A[: s * m], (2, 1))  # residues that belong to each column of D
     information = _blocks((D.T @ D - inside.T @ inside) * (A @ A.T), s)
     turned = D.T @ at.R  # (2 poles x columns, channels)
-    gradient = -np.sum((turned * A).reshape(2 * m, -1), axis=1)
+    gradient = -np.sum((turned * A).reshape(2 * m, s * A.shape[1]), axis=1)
     inverse = np.linalg.inv(at.T)[: s * m]
     bent = np.tile(inverse @ inverse.T, (2, 2)) * (turned @ turned.T)
     return _System(information + _blocks(bent, s), information, gradient, inverse @ inside)
@@ -164,7 +164,7 @@ def _finished(window: Window, at: _State, converged: bool) -> PoleFit:
         window=window,
         freq=at.f,
         zeta=at.zeta,
-        A=at.A[: s * m].reshape(m, s, -1),
+        A=at.A[: s * m].reshape(m, s, at.A.shape[1]),
         squares=at.squares,
         variance=at.squares / max(free, 1),
         covariance=np.asarray(np.linalg.pinv(system.information, hermitian=True), np.float64),
