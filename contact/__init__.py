@@ -26,6 +26,8 @@ from contact.model.patch import Patch
 from contact.model.permanent import HandPair, ModalPair, rim_contact
 from contact.model.ring_modes import ThinRing, ring_elements, ring_modes
 from contact.model.rod_modes import rod_modes
+from contact.model.rub import Rub, Start, Stiffening, Tip
+from contact.model.rub_laws import Closing, Profile, Speed, Whirl
 from contact.record import Record
 from contact.result import Result
 from contact.run import Scene, run
@@ -45,11 +47,12 @@ from contact.scheme.stabilised_newmark import StabilisedNewmark
 from contact.stability import poles, rim_stability, stability
 
 __all__ = [
-    "HHT", "AugmentedLagrangian", "BeamInCircle", "CDLagrange", "Cantilever", "CentralDifference", "Coulomb",
-    "EnergyBudget", "ExactModal", "Forcing", "HandPair", "HingedBeam", "InputError", "LimitError", "LinearBody",
-    "MasslessBoundary", "ModalBody", "ModalPair", "MoreauJean", "Newmark", "NonsmoothAlpha", "NumericsError",
-    "PaoliSchatzman", "Part", "Patch", "Penalty", "PenaltyDifference", "PointGap", "PointMass", "Record", "Result",
-    "Rod", "RotatingRim", "Scene", "SceneError", "Side", "StabilisedNewmark", "StabilityMap", "ThinRing", "Unilateral",
-    "Wall", "load_scene", "load_stability", "poles", "rim_contact", "rim_stability", "ring_elements", "ring_modes",
+    "HHT", "AugmentedLagrangian", "BeamInCircle", "CDLagrange", "Cantilever", "CentralDifference", "Closing",
+    "Coulomb", "EnergyBudget", "ExactModal", "Forcing", "HandPair", "HingedBeam", "InputError", "LimitError",
+    "LinearBody", "MasslessBoundary", "ModalBody", "ModalPair", "MoreauJean", "Newmark", "NonsmoothAlpha",
+    "NumericsError", "PaoliSchatzman", "Part", "Patch", "Penalty", "PenaltyDifference", "PointGap", "PointMass",
+    "Profile", "Record", "Result", "Rod", "RotatingRim", "Rub", "Scene", "SceneError", "Side", "Speed",
+    "StabilisedNewmark", "StabilityMap", "Start", "Stiffening", "ThinRing", "Tip", "Unilateral", "Wall", "Whirl",
+    "load_scene", "load_stability", "poles", "rim_contact", "rim_stability", "ring_elements", "ring_modes",
     "rod_modes", "run", "scene_schema", "stability",
 ]  # fmt: skip

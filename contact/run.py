@@ -19,6 +19,7 @@ from contact.model.gap import PointGap, RotatingRim
 from contact.model.law import Law, Penalty, Unilateral
 from contact.model.linear import LinearBody
 from contact.model.patch import Patch
+from contact.model.rub import Rub
 from contact.record import Record, Samples, samples, sparse
 from contact.result import Result, collect
 from contact.scheme.central_difference import CentralDifference
@@ -29,7 +30,7 @@ from contact.scheme.protocol import Problem, Scheme, Stepper
 CHUNK = 20_000  # steps per compiled call
 MOST_STEPS = 10**10  # hours to days of computing: beyond, a number was mistyped
 
-What = Sequence[Body] | LinearBody | PointGap | RotatingRim | BeamInCircle | Patch
+What = Sequence[Body] | LinearBody | PointGap | RotatingRim | BeamInCircle | Patch | Rub
 Progress = Callable[[float], None]
 
 
@@ -98,7 +99,7 @@ def run(
     """Run a scene from t = 0 to the first step at or after `t_end` [s].
 
     `what`: bodies on one axis (Rod, PointMass, Wall), a LinearBody, a PointGap, a RotatingRim, a BeamInCircle, a
-    Patch, or a Scene read from a file, whose own settings these arguments override. `scheme` defaults to
+    Patch, a Rub, or a Scene read from a file, whose own settings these arguments override. `scheme` defaults to
     CentralDifference for bodies (PenaltyDifference for a Penalty law) and ExactModal for what is modal; `dt` [s] or
     `courant` sets the step;
     `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done.
@@ -146,7 +147,7 @@ def _load_step(problem: Problem, dt: float) -> float:
     """Work of the constant loads over one step from rest, h^2 f^T M^-1 f [J]."""
     if isinstance(problem, Chain):
         return dt * dt * float(np.sum(problem.load**2 * problem.inverse_mass))
-    if isinstance(problem, RotatingRim | LinearBody | BeamInCircle | Patch):
+    if isinstance(problem, RotatingRim | LinearBody | BeamInCircle | Patch | Rub):
         return 0.0
     return dt * dt * sum(float(side.load @ side.load) for side in problem.sides if side.load is not None)
 
@@ -187,7 +188,7 @@ def _collect(
 
 def _problem(what: What, gravity: float) -> Problem:
     """Bring what was given to the form schemes take."""
-    if isinstance(what, PointGap | RotatingRim | LinearBody | BeamInCircle | Patch):
+    if isinstance(what, PointGap | RotatingRim | LinearBody | BeamInCircle | Patch | Rub):
         if gravity:
             instead = "none" if isinstance(what, BeamInCircle) else "it as their load"
             raise InputError(f"gravity: found {gravity:g} m/s^2 with {type(what).__name__}, expected {instead}")
@@ -199,6 +200,6 @@ def _problem(what: What, gravity: float) -> Problem:
 
 
 def _default_scheme(problem: Problem, law: Law) -> Scheme:
-    if isinstance(problem, PointGap | RotatingRim | Patch):
+    if isinstance(problem, PointGap | RotatingRim | Patch | Rub):
         return ExactModal()
     return PenaltyDifference() if isinstance(law, Penalty) else CentralDifference()

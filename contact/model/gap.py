@@ -116,7 +116,7 @@ class RotatingRim:
                 require_shape(name, getattr(self, name), (body.omega.size,))
         terms = tuple(dict(term) for term in self.out_of_roundness)
         for term in terms:
-            _require_term(term)
+            require_term(term)
         object.__setattr__(self, "out_of_roundness", terms)
 
     @property
@@ -130,7 +130,8 @@ class RotatingRim:
         return [(int(t["p"]), t.get("cos", 0.0), t.get("sin", 0.0)) for t in self.out_of_roundness]
 
 
-def _require_term(term: Mapping[str, float]) -> None:
+def require_term(term: Mapping[str, float]) -> None:
+    """Raise InputError unless a term of the out-of-roundness has p >= 0 and finite cos, sin."""
     extra = set(term) - {"p", "cos", "sin"}
     if extra or "p" not in term:
         raise InputError(f"out_of_roundness: found keys {sorted(term)}, expected p and cos and/or sin")

@@ -15,7 +15,7 @@ from contact.model.arrays import Array, readonly, require_not_negative, require_
 
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
-OPTIONAL = ("recovery", "recovery_S", "recovery_points")
+OPTIONAL = ("recovery", "recovery_S", "recovery_points", "lines")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -26,7 +26,8 @@ class ModalBody:
 
     `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance
     of everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN,
-    then tangential.cos0 .. tangential.sinN, with `n_max` = N and `radius` [m]. `recovery` (R, m),
+    then tangential.cos0 .. tangential.sinN, then maybe axial alike, with `n_max` = N and `radius` [m]; of several
+    rim lines line0.radial.cos0 .. line1..., `lines` (L, 2) their axial positions and radii [m]. `recovery` (R, m),
     `recovery_S` (R, K) and `recovery_points` (R, 3) give displacements elsewhere.
 
     Raises InputError for shapes that do not fit, NaN, negative frequencies or an asymmetric S.
@@ -48,6 +49,7 @@ class ModalBody:
     recovery: Array | None = None
     recovery_S: Array | None = None
     recovery_points: Array | None = None
+    lines: Array | None = None
 
     def __post_init__(self) -> None:
         for name in ("omega", "zeta", "rows", "S", *OPTIONAL):
@@ -77,13 +79,31 @@ class ModalBody:
         if self.kind != "rim":
             raise InputError(f"kind: found {self.kind!r}, expected 'rim' or 'point'")
         require_not_negative(n_max=self.n_max, radius=self.radius)
-        expected = rim_channels(self.n_max)
+        size = 2 * self.n_max + 1
+        directions = 3 if any("axial" in name for name in self.channels) else 2
+        expected = rim_channels(self.n_max, directions, max(len(self.channels) // (size * directions), 1))
         if self.channels != expected:
             found = ", ".join(self.channels[:3])
             raise InputError(
                 f"channels: found {len(self.channels)} ({found}, ...), expected the {len(expected)} channels "
-                f"of a rim with n_max = {self.n_max}: radial.cos0, ..., tangential.sin{self.n_max}"
+                f"of a rim with n_max = {self.n_max}: {expected[0]}, ..., {expected[-1]}"
             )
+        if self.lines is not None:
+            require_shape("lines", self.lines, (self.rim_lines, 2))
+
+    @property
+    def directions(self) -> int:
+        """Directions of a rim's motion: radial, tangential and, when there are three, axial."""
+        return 3 if any("axial" in name for name in self.channels) else 2
+
+    @property
+    def rim_lines(self) -> int:
+        """Lines around a rim at which contact sees it."""
+        return len(self.channels) // ((2 * self.n_max + 1) * self.directions)
+
+    def line_radius(self, line: int) -> float:
+        """Radius of one rim line [m]; the mean radius when the lines are not told apart."""
+        return self.radius if self.lines is None else float(self.lines[line, 1])
 
     def __repr__(self) -> str:
         freq = self.omega / (2.0 * np.pi)
@@ -135,14 +155,17 @@ class ModalBody:
             raise InputError(f"{path}: {error}") from error
 
 
-def rim_channels(n_max: int) -> tuple[str, ...]:
-    """Channel names of a rim, direction-major: cos0, cos1 .. cosN, sin1 .. sinN, radial then tangential.
+def rim_channels(n_max: int, directions: int = 2, lines: int = 1) -> tuple[str, ...]:
+    """Channel names of a rim, direction-major: cos0, cos1 .. cosN, sin1 .. sinN, radial, tangential (and axial).
 
-    >>> rim_channels(1)[:3]
-    ('radial.cos0', 'radial.cos1', 'radial.sin1')
+    Several rim lines follow each other, each with its number before the name.
+
+    >>> rim_channels(1)[:3], rim_channels(1, 3, lines=2)[-1]
+    (('radial.cos0', 'radial.cos1', 'radial.sin1'), 'line1.axial.sin1')
     """
     waves = [f"cos{n}" for n in range(n_max + 1)] + [f"sin{n}" for n in range(1, n_max + 1)]
-    return tuple(f"{direction}.{wave}" for direction in ("radial", "tangential") for wave in waves)
+    one = [f"{direction}.{wave}" for direction in ("radial", "tangential", "axial")[:directions] for wave in waves]
+    return tuple(one) if lines == 1 else tuple(f"line{k}.{name}" for k in range(lines) for name in one)
 
 
 def _require_modes(omega: Array, zeta: Array) -> None:

@@ -29,11 +29,14 @@ from contact.model.linear import LinearBody
 from contact.model.modal_system import ModalSystem, point_system, rim_system
 from contact.model.patch import Patch
 from contact.model.rod_modes import chain_gap
+from contact.model.rub import Rub
+from contact.model.rub_system import rub_system
 from contact.scheme.energy_stepper import energy_stepper
 from contact.scheme.modal_stepper import modal_stepper
 from contact.scheme.patch_stepper import patch_stepper
 from contact.scheme.propagator import Propagator, propagator
 from contact.scheme.protocol import Problem, Stepper
+from contact.scheme.rub_stepper import rub_delassus, rub_stepper
 
 ANGLES = 180  # where rho is sampled around a rim
 LAWS = ("auto", "forward", "averaged", "energy")
@@ -73,6 +76,8 @@ class ExactModal:
         mu = law.mu if isinstance(law, Coulomb) else 0.0
         if isinstance(problem, Patch):
             return self._patch(problem, mu, dt, courant)
+        if isinstance(problem, Rub):
+            return self._rub(problem, mu, dt, courant)
         system = _system(problem, self.modes)
         if mu > 0.0 and system.table is None:
             raise InputError("law: found Coulomb friction on a scene without tangential motion, expected a rim")
@@ -81,14 +86,11 @@ class ExactModal:
         if self.law == "energy":
             return energy_stepper(system, parts)
         self._require_slow(system.omega, h)
-        self._require_slow_turn(system, h)
+        if system.table is not None:
+            n_max = int(max(system.table.harmonic.max(initial=0), system.clearance.degree))
+            _require_slow_turn(n_max, system.speed, h)
         H, S, rho = delassus(system, parts, mu)
-        averaged = self.law == "averaged" or (self.law == "auto" and rho <= AUTO_RHO)
-        if averaged and rho > 1.0:
-            raise LimitError(
-                f"law: found rho = H_d/S = {rho:.4g} (H_d = {H:.4g}, S = {S:.4g} m/N), expected <= 1 for the "
-                f"averaged law: reduce dt (H_d falls as dt^2), keep fewer modes, or take law = 'forward'"
-            )
+        averaged = self._averaged(H, S, rho)
         top = float(system.omega.max(initial=0.0))
         chosen = "averaged" if averaged else "forward"
         reached = f"dt omega_max = {h * top:.3g} (limit {self.omega_h_limit:g}), rho = {rho:.3g}"
@@ -109,6 +111,36 @@ class ExactModal:
         reached = f"dt omega_max = {h * float(omega.max(initial=0.0)):.3g} (limit {self.omega_h_limit:g})"
         return patch_stepper(problem, parts, mu, f"exact modal, forward law in every contact, {reached}")
 
+    def _rub(self, rub: Rub, mu: float, dt: float | None, courant: float | None) -> Stepper:
+        if self.law == "energy":
+            raise InputError("law: found 'energy' on a turning rim, expected 'auto', 'forward' or 'averaged'")
+        dimensions = rub.dimensions if mu > 0.0 else 1
+        system = rub_system(rub, dimensions)
+        h = _step(system.omega, dt, courant)
+        parts = propagator(system.omega, system.zeta, system.load, h)
+        self._require_slow(system.omega, h)
+        n_max = max([int(system.rim.harmonic.max(initial=0)), *(p for p, _, _ in rub.profile.terms)])
+        _require_slow_turn(n_max, rub.speed.fastest, h)
+        H, S, rho = rub_delassus(rub, parts, mu)
+        averaged = self._averaged(H, S, rho)
+        top = h * float(system.omega.max(initial=0.0))
+        label = (
+            f"exact modal, {'averaged' if averaged else 'forward'} law at {system.contacts} tips, dt omega_max = "
+            f"{top:.3g} (limit {self.omega_h_limit:g}), n_max Omega dt = {n_max * rub.speed.fastest * h:.3g} "
+            f"(limit 0.3), rho = {rho:.3g}"
+        )
+        return rub_stepper(rub, system, parts, mu=mu, dimensions=dimensions, averaged=averaged, label=label)
+
+    def _averaged(self, H: float, S: float, rho: float) -> bool:
+        """Whether the averaged law is to be taken; raises LimitError where it is asked for and not stable."""
+        averaged = self.law == "averaged" or (self.law == "auto" and rho <= AUTO_RHO)
+        if averaged and rho > 1.0:
+            raise LimitError(
+                f"law: found rho = H_d/S = {rho:.4g} (H_d = {H:.4g}, S = {S:.4g} m/N), expected <= 1 for the "
+                f"averaged law: reduce dt (H_d falls as dt^2), keep fewer modes, or take law = 'forward'"
+            )
+        return averaged
+
     def _require_slow(self, omega: Array, h: float) -> None:
         top = float(omega.max(initial=0.0))
         if h * top > self.omega_h_limit * (1.0 + 1e-12):
@@ -118,15 +150,14 @@ class ExactModal:
                 f"{self.omega_h_limit / h:.5g} rad/s (ModalBody.truncated)"
             )
 
-    def _require_slow_turn(self, system: ModalSystem, h: float) -> None:
-        if system.table is not None:
-            n_max = int(max(system.table.harmonic.max(initial=0), system.clearance.degree))
-            angle = n_max * abs(system.speed) * h
-            if angle > 0.3:
-                raise LimitError(
-                    f"dt: found n_max Omega dt = {angle:.4g} rad with n_max = {n_max}, expected <= 0.3: "
-                    f"take dt <= {0.3 * h / angle:.4g} s"
-                )
+
+def _require_slow_turn(n_max: int, speed: float, h: float) -> None:
+    angle = n_max * abs(speed) * h
+    if angle > 0.3:
+        raise LimitError(
+            f"dt: found n_max Omega dt = {angle:.4g} rad with n_max = {n_max}, expected <= 0.3: "
+            f"take dt <= {0.3 * h / angle:.4g} s"
+        )
 
 
 def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, float, float]:
@@ -156,7 +187,7 @@ def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, 
 def _system(problem: Problem, modes: int) -> ModalSystem:
     if isinstance(problem, Chain):
         return point_system(chain_gap(problem, modes=modes))
-    if isinstance(problem, LinearBody | BeamInCircle | Patch):
+    if isinstance(problem, LinearBody | BeamInCircle | Patch | Rub):
         name = type(problem).__name__
         raise InputError(f"scheme: found ExactModal for {name}, expected such as CentralDifference")
     return point_system(problem) if isinstance(problem, PointGap) else rim_system(problem)

@@ -25,9 +25,10 @@ from contact.model.gap import PointGap, RotatingRim
 from contact.model.law import Law
 from contact.model.linear import LinearBody
 from contact.model.patch import Patch
+from contact.model.rub import Rub
 from contact.record import Samples, Tally
 
-Problem = Chain | LinearBody | PointGap | RotatingRim | BeamInCircle | Patch
+Problem = Chain | LinearBody | PointGap | RotatingRim | BeamInCircle | Patch | Rub
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

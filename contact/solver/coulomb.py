@@ -3,8 +3,9 @@
     u = W force + b,   0 <= u_N, force_N >= 0, u_N force_N = 0,
     |force_T| <= mu force_N,  force_T = -mu force_N u_T/|u_T| where u_T != 0,
 
-W (d c, d c) the Delassus matrix of c contacts in d = 2 or 3 dimensions, normal component first; u the gap and the
-slip of one step. Equivalent to F = 0 with (Alart & Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991, 353)
+W (d c, d c) the Delassus matrix of c contacts in d = 1 (no friction), 2 or 3 dimensions, normal component first;
+u the gap and the slip of one step. Equivalent to F = 0 with (Alart & Curnier, Comput. Methods Appl. Mech. Eng. 92,
+1991, 353)
 
     F_N = force_N - s_N^+,  s_N = force_N - rho_N u_N,
     F_T = force_T - s_T min(1, mu s_N^+/|s_T|),  s_T = force_T - rho_T u_T.
@@ -98,6 +99,7 @@ def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, 
     for iteration in range(MOST_ITERATIONS + 1):
         scale = force_scale(b, rho, dim, force)
         if found <= TOLERANCE * scale or iteration == MOST_ITERATIONS:
+            release(rho, dim, u, force)
             return iteration, found / scale if scale > 0.0 else found
         if leaps == 0:
             base[:] = force
@@ -127,11 +129,23 @@ def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, 
 
 
 @jit_allocating
+def release(rho: Array, dim: int, u: Array, force: Array) -> None:
+    """Set what is left of the forces in open contacts to zero."""
+    for k in range(rho.shape[0]):
+        i = k * dim
+        if force[i] <= rho[k, 0] * u[i]:
+            for j in range(i, i + dim):
+                force[j] = 0.0
+
+
+@jit_allocating
 def steps_in(W: Array, dim: int, rho: Array) -> None:
     """Step lengths of each contact: 1/W_NN, 1/(largest eigenvalue of the tangential block)."""
     for k in range(rho.shape[0]):
         i = k * dim
         rho[k, 0] = 1.0 / W[i, i]
+        if dim == 1:
+            continue
         top = W[i + 1, i + 1]
         if dim == 3:
             a, c, m = W[i + 1, i + 1], W[i + 2, i + 2], 0.5 * (W[i + 1, i + 2] + W[i + 2, i + 1])
@@ -141,12 +155,15 @@ def steps_in(W: Array, dim: int, rho: Array) -> None:
 
 @jit_allocating
 def force_scale(b: Array, rho: Array, dim: int, force: Array) -> float:
-    """The largest force there is, or that a free step's gap alone would ask for."""
+    """The largest force there is, or that a free step's gap alone would ask for; friction follows the latter.
+
+    A rim that turns in front of a blade slips by far more in a step than any tangential force could hold back.
+    """
     scale = 0.0
     for k in range(rho.shape[0]):
-        for j in range(dim):
-            i = k * dim + j
-            scale = max(scale, abs(force[i]), abs(b[i]) * rho[k, min(j, 1)])
+        scale = max(scale, abs(b[k * dim]) * rho[k, 0])
+        for i in range(k * dim, (k + 1) * dim):
+            scale = max(scale, abs(force[i]))
     return scale
 
 
@@ -242,6 +259,9 @@ def one_contact(W: Array, i: int, dim: int, q: Array, mu: float, force: Array) -
     if q[0] >= 0.0:
         for j in range(i, i + dim):
             force[j] = 0.0
+        return
+    if dim == 1:
+        force[i] = -q[0] / W[i, i]
         return
     low, high = 0.0, 1.0
     if slip_excess(W, i, dim, q, mu, 0.0, force) <= 0.0:
