@@ -32,13 +32,12 @@ Intervals = tuple[tuple[float, float], ...]
 class Result:
     """One run: n samples, K contacts. Forces are compressive >= 0 [N]; `lam` = -force is the public sign.
 
-    `time` (n,) [s]; `force`, `gap` (n, K); `impulse_history` (n, K): impulse up to time + dt/2 [N s];
-    `intervals` of contact per contact [s], `sticking` those without slip (friction on a `Patch`), to a step;
-    `impulse`, `peak_force`, `max_penetration` [m], `residual` =
-    max|min(-lam W_ii, g)| [m], `contact_steps` and `reversals` (steps in which the slip changed sign) (K,),
-    all over every step whatever was stored. `state` (ns, N) displacements or modal coordinates u at `state_time`, or
-    R u (ns, c) where `channels` = R (c, N) is not empty. `every`: of how many steps one was stored as a sample, 0 when
-    the record asked for instants.
+    `time` (n,) [s]; `force`, `gap` (n, K); `impulse_history` (n, K): impulse up to time + dt/2 [N s]; `intervals` of
+    contact per contact [s], `sticking` those without slip (friction on a `Patch`), both located within their steps;
+    `impulse`, `peak_force`, `max_penetration` [m], `residual` = max|min(-lam W_ii, g)| [m], `contact_steps` and
+    `reversals` (steps in which the slip changed sign) (K,), all over every step whatever was stored. `state` (ns, N)
+    displacements or modal coordinates u at `state_time`, or R u (ns, c) where `channels` = R (c, N) is not empty.
+    `every`: of how many steps one was stored as a sample, 0 when the record asked for instants.
 
     The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
     """

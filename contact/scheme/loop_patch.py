@@ -10,11 +10,11 @@ import numpy as np
 from contact.compiled import jit_allocating
 from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
-from contact.scheme.loop_tally import note_contact, note_stick, store, store_state
+from contact.scheme.loop_stick import Sticking, note_sticking
+from contact.scheme.loop_tally import note_contact, store, store_state
 from contact.solver.active_set import SOLVED, project
 from contact.solver.coulomb import TOLERANCE, newton
 
-INSIDE = 1e-9  # of the cone's radius: a force nearer to the edge slips
 JAMMED, ROUGH = 1.0, 2.0  # `fault`: no motion opens all gaps; friction not solved
 
 
@@ -40,6 +40,7 @@ class PatchState(NamedTuple):
     place: Array  # clearance + rows q, normal (k,)
     force: Array
     gap: Array
+    past: Sticking
     counts: Array  # most iterations of one step, sum of iterations, steps with contact, fault
 
 
@@ -152,18 +153,9 @@ def advance_patch(
                 s.gap[i] = s.place[i] + (np.dot(s.S[row], s.lam) if soft else 0.0)
             note_contact(sums, out, i, h, step * h, s.force[i], s.gap[i], s.own[i], before, b[row])
             if rough:
-                note_stick(sums, out, i, int(sticks(s, row, dim, i)), step * h)
+                note_sticking(s.past, sums, out, i, step * h, h, s.mu[i], s.W, s.lam, b)
         store(sums, out, step, step * h, s.force, s.gap)
     return -1
-
-
-@jit_allocating
-def sticks(s: PatchState, row: int, dim: int, i: int) -> bool:
-    """Whether a contact presses and its tangential force lies inside the cone."""
-    pull = 0.0
-    for j in range(row + 1, row + dim):
-        pull += s.lam[j] * s.lam[j]
-    return bool(s.lam[row] > 0.0 and math.sqrt(pull) < s.mu[i] * s.lam[row] * (1.0 - INSIDE))
 
 
 @jit_allocating

@@ -86,6 +86,7 @@ class PatchStepper:
 def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> PatchStepper:
     """Stepper at t = 0; without friction only the normal rows take part."""
     from contact.scheme.loop_patch import PatchState
+    from contact.scheme.loop_stick import Sticking
 
     rough = mu > 0.0 and problem.dimensions > 1
     step = 1 if rough else problem.dimensions
@@ -107,7 +108,8 @@ def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> P
         weight=(1.0 - parts.al) / (2.0 * parts.c), rows=rows, S=S, own=own,
         W=_delassus(rows, parts.c, S) if rough else none, roots=none if rough else _roots(rows, parts.c, S),
         mu=np.full(k, mu), slide=slide.ravel(), lam=np.zeros(len(rows)), moved=rows @ d,
-        place=clearance + rows[::dim] @ q, force=np.zeros(k), gap=np.zeros(k), counts=np.zeros(4),
+        place=clearance + rows[::dim] @ q, force=np.zeros(k), gap=np.zeros(k),
+        past=Sticking(np.zeros((2, len(rows))), np.zeros(k), np.zeros(k), np.zeros(k)), counts=np.zeros(4),
     )  # fmt: skip
     return PatchStepper(problem=problem, parts=parts, state=state, rough=rough, sums=tally(k), label=label)
 

@@ -126,6 +126,65 @@ def test_sticking_is_told_from_slipping_step_by_step(tmp_path):
     assert run(oscillator(tangent=()), 0.0, 1.0, 1e-2).sticking == ()
 
 
+STEPS = np.array([0.1, 0.093, 0.081, 0.077, 0.064, 0.058, 0.051])  # where an event falls within its step is luck
+
+
+def event_errors(make, exact, fine):
+    """RMS errors over several steps of the instants that `make` finds in a run of step dt, one for each of `exact`."""
+    found = np.array([make(dt) for dt in STEPS / fine])
+    return np.sqrt(np.mean((found - exact) ** 2, axis=0))
+
+
+def on_a_belt(dt, **change):
+    """From rest on a belt of .3 m/s, mu N = .5: when it sticks to the belt, and when the spring tears it off."""
+    ((first, *_),) = run(oscillator(**{"displacement": [0.0, 0.0], "slide": 0.3, **change}), 0.5, 2.5, dt).sticking
+    return first
+
+
+def test_stick_and_slip_are_located_to_second_order():
+    """x = .5 (1 - cos t) until x' = .3, then with the belt until the spring pulls .5."""
+    caught = math.asin(0.6)
+    exact = [caught, caught + 0.5 * math.cos(caught) / 0.3]
+    coarse, fine = (event_errors(on_a_belt, exact, f) for f in (4, 16))
+    assert (coarse > 12.0 * fine).all()  # 16 at order two, 4 at order one
+    assert (fine < 1e-5).all()
+
+
+def test_two_slip_directions_are_one_when_the_motion_is_straight():
+    """The same oscillator seen by tangents at 37 degrees to its motion."""
+    rows = np.array([[0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])
+    block = body([1.0, 0.0, 2.0], rows, ("s", "y", "t"))
+    more = {"displacement": np.zeros(3), "load": [0.0, -1.0, 0.0], "slide": [0.24, 0.18], "tangent": (("s", "t"),)}
+    np.testing.assert_allclose(on_a_belt(0.02, body=block, **more), on_a_belt(0.02), atol=1e-9)
+
+
+def test_a_block_that_rests_at_its_first_turn_does_so_when_the_closed_form_says():
+    def make(dt):
+        ((pause,),) = run(oscillator(), 0.6, 4.0, dt).sticking
+        return [pause[0]]
+
+    coarse, fine = (event_errors(make, [math.pi], f) for f in (4, 16))
+    assert coarse > 12.0 * fine
+    ((pause,),) = run(oscillator(), 0.6, 4.0, 1e-3).sticking
+    assert pause[1] == pytest.approx(4.0, abs=1e-9)
+
+
+def test_a_turn_without_rest_has_no_length():
+    """At pi the spring pulls .4 against .3: the slip turns at once; at 2 pi it rests."""
+    (turn, rest) = run(oscillator(), 0.3, 10.0, 5e-3).sticking[0]
+    assert turn == (pytest.approx(math.pi, abs=1e-5), turn[0])
+    assert rest[0] == pytest.approx(2.0 * math.pi, abs=5e-3)  # the turn cost part of a step
+
+
+def test_a_contact_that_opens_while_it_sticks_stops_sticking():
+    patch = oscillator(load=[0.0, 0.0], displacement=[0.0, 0.0], velocity=[0.0, -1.0], clearance=0.01,
+                       body=body([1.0, 50.0], np.eye(2), ("x", "y")))  # fmt: skip
+    result = run(patch, 0.3, 0.1, 1e-4)
+    ((closed,),), ((stuck,),) = result.intervals, result.sticking
+    assert stuck[0] == pytest.approx(closed[0], abs=1e-4)
+    assert stuck[1] == pytest.approx(closed[1], abs=1e-9)
+
+
 def test_a_load_within_the_cone_sticks_for_as_long_as_it_acts():
     block = body([0.0, 0.0], np.eye(2), ("x", "y"))
     patch = ct.Patch(body=block, normal=("y",), tangent=(("x",),), load=[0.29, -1.0])
