@@ -10,7 +10,7 @@ import numpy as np
 from contact.compiled import jit, jit_allocating
 from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
-from contact.scheme.loop_patch import INSIDE, ROUGH
+from contact.scheme.loop_patch import ROUGH
 from contact.scheme.loop_rim import dot, turn
 from contact.scheme.loop_rub_rows import (
     RubLaws,
@@ -25,6 +25,7 @@ from contact.scheme.loop_rub_rows import (
     straight,
     turned,
 )
+from contact.scheme.loop_stick import INSIDE
 from contact.scheme.loop_tally import note_contact, note_stick, store, store_state
 from contact.solver.coulomb import TOLERANCE, newton
 
