@@ -6,6 +6,9 @@ export MPLBACKEND := Agg
 # small factorisations: a second BLAS thread costs more than it gives, several times so on a busy machine
 export OPENBLAS_NUM_THREADS ?= 1
 
+# one process for each core; a file's tests stay together, they share what they compute
+CORES := -n logical --dist loadfile
+
 .DEFAULT_GOAL := help
 .PHONY: help setup study test fast check bench report clean
 
@@ -24,10 +27,10 @@ study: $(READY) ## measured frequencies -> updated shells -> reduced bases -> ru
 	$(BIN)/python -m reports.rig
 
 test: $(READY) ## every test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(CORES)
 
 fast: $(READY) ## the tests that take seconds
-	$(BIN)/python -m pytest -m 'not slow'
+	$(BIN)/python -m pytest $(CORES) -m 'not slow'
 
 check: $(READY) ## lint, format, types, layers, doctests
 	$(BIN)/ruff check .
