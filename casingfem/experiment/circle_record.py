@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.arrays import FloatArray, frozen
 from casingfem.experiment.circle_lines import ScanError
+from casingfem.outfiles import write_atomic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -61,6 +65,48 @@ class ScanRecord:
     def rate(self) -> float:
         """Mean rate at which the spot turns on the casing [turns/s], signed."""
         return float((self.angle[-1] - self.angle[0]) / (2.0 * np.pi * (len(self.angle) - 1)) * self.fs)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write an npz file of plain arrays with its card, whole or not at all."""
+        arrays = {
+            "fs": np.array(self.fs),
+            "velocity": self.velocity,
+            "angle": self.angle,
+            "tones": np.array(self.tones),
+        }
+        arrays |= {} if self.force is None else {"force": self.force}
+
+        def store(part: Path) -> None:
+            with part.open("wb") as stream:
+                np.savez(stream, allow_pickle=False, card=np.asarray(self.card, dtype=np.str_), **arrays)
+
+        return write_atomic(Path(path), store)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> ScanRecord:
+        """Read what `save` wrote, without pickle.
+
+        Raises
+        ------
+        ScanError
+            A file that lacks an array, or is no npz file.
+        """
+        wanted = {"fs", "velocity", "angle", "tones", "card"}
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                data = {name: stored[name] for name in stored.files}
+        except (ValueError, EOFError, BadZipFile) as error:
+            raise ScanError(f"{path}: not a readable npz file ({error})") from error
+        if missing := wanted - data.keys():
+            raise ScanError(f"{path}: found no array {min(missing)!r}, expected {', '.join(sorted(wanted))}")
+        return cls(
+            fs=float(data["fs"]),
+            velocity=data["velocity"],
+            angle=data["angle"],
+            tones=tuple(data["tones"].tolist()),
+            force=data.get("force"),
+            card=tuple(data["card"].tolist()),
+        )
 
     def __repr__(self) -> str:
         tones = ", ".join(f"{tone:g}" for tone in self.tones)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -122,19 +122,21 @@ class FrfSet:
 
     @classmethod
     def from_uff(cls, path: str | os.PathLike[str], kind: Kind = "frf") -> FrfSet:
-        """All functions of one kind in a universal file; they must share abscissa and unit.
+        """All functions of one kind in a universal file; they must share abscissa and unit. Its header is the card.
 
         Raises
         ------
         UffError, FrfError
             A file that cannot be read whole; no such functions; functions that do not belong in one set.
         """
-        found = read_uff(path).functions
+        file = read_uff(path)
+        found = file.functions
         chosen = [function for function in found if function.kind in _KINDS[kind]]
         if not chosen:
             there = ", ".join(sorted({function.word for function in found})) or "no functions"
             raise FrfError(str(path), found=there, expected=f"functions of kind {kind!r}")
-        return cls.from_functions(chosen, kind, str(path))
+        card = tuple(line for line in file.header if line)
+        return replace(cls.from_functions(chosen, kind, str(path)), card=card)
 
     @classmethod
     def from_functions(cls, functions: Sequence[Function], kind: Kind, path: str = "functions") -> FrfSet:
