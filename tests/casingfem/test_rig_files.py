@@ -10,7 +10,7 @@ from casingfem.experiment.circle_record import ScanRecord, turning
 from casingfem.experiment.frf import FrfSet
 from casingfem.experiment.rig import Probe, Rig
 from casingfem.experiment.rig_excitation import Random
-from casingfem.experiment.rig_files import rig_angles, origin, write_rig_uff
+from casingfem.experiment.rig_files import origin, rig_angles, write_rig_uff
 from casingfem.experiment.rig_noise import noisy
 from casingfem.experiment.rig_record import record
 from casingfem.experiment.uff import read_uff
