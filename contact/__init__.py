@@ -19,7 +19,7 @@ from contact.model.beam import BeamInCircle, HingedBeam
 from contact.model.body import PointMass, Rod, Wall
 from contact.model.cantilever import Cantilever
 from contact.model.gap import PointGap, RotatingRim, Side
-from contact.model.law import AugmentedLagrangian, Coulomb, Penalty, Unilateral
+from contact.model.law import Abradable, AugmentedLagrangian, Coulomb, Penalty, Unilateral
 from contact.model.linear import Forcing, LinearBody, Part
 from contact.model.modal_body import ModalBody
 from contact.model.patch import Patch
@@ -47,11 +47,11 @@ from contact.scheme.stabilised_newmark import StabilisedNewmark
 from contact.stability import poles, rim_stability, stability
 
 __all__ = [
-    "HHT", "AugmentedLagrangian", "BeamInCircle", "CDLagrange", "Cantilever", "CentralDifference", "Closing",
-    "Coulomb", "EnergyBudget", "ExactModal", "Forcing", "HandPair", "HingedBeam", "InputError", "LimitError",
-    "LinearBody", "MasslessBoundary", "ModalBody", "ModalPair", "MoreauJean", "Newmark", "NonsmoothAlpha",
-    "NumericsError", "PaoliSchatzman", "Part", "Patch", "Penalty", "PenaltyDifference", "PointGap", "PointMass",
-    "Profile", "Record", "Result", "Rod", "RotatingRim", "Rub", "Scene", "SceneError", "Side", "Speed",
+    "HHT", "Abradable", "AugmentedLagrangian", "BeamInCircle", "CDLagrange", "Cantilever", "CentralDifference",
+    "Closing", "Coulomb", "EnergyBudget", "ExactModal", "Forcing", "HandPair", "HingedBeam", "InputError",
+    "LimitError", "LinearBody", "MasslessBoundary", "ModalBody", "ModalPair", "MoreauJean", "Newmark",
+    "NonsmoothAlpha", "NumericsError", "PaoliSchatzman", "Part", "Patch", "Penalty", "PenaltyDifference", "PointGap",
+    "PointMass", "Profile", "Record", "Result", "Rod", "RotatingRim", "Rub", "Scene", "SceneError", "Side", "Speed",
     "StabilisedNewmark", "StabilityMap", "Start", "Stiffening", "ThinRing", "Tip", "Unilateral", "Wall", "Whirl",
     "load_scene", "load_stability", "poles", "rim_contact", "rim_stability", "ring_elements", "ring_modes",
     "rod_modes", "run", "scene_schema", "stability",

@@ -14,7 +14,7 @@ import numpy as np
 from contact.errors import InputError
 from contact.model.arrays import Array
 from contact.model.gap import RotatingRim
-from contact.model.law import Coulomb, Law, Unilateral
+from contact.model.law import Law, Unilateral, friction
 from contact.model.modal_body import ModalBody
 from contact.model.trig import harmonics
 from contact.result import Result
@@ -22,8 +22,7 @@ from contact.result import Result
 
 def channel_forces(rim: RotatingRim, result: Result, *, law: Law | None = None) -> tuple[Array, Array]:
     """Forces on the channels of casing (ns, 2(2N+1)) and blade (ns, K) at `result.state_time`."""
-    law = law or Unilateral()
-    pull = math.copysign(law.mu, rim.speed) if isinstance(law, Coulomb) and rim.speed else 0.0
+    pull = math.copysign(friction(law or Unilateral()), rim.speed) if rim.speed else 0.0
     force = result.state_force()[:, :1]
     phi = math.radians(rim.angle_deg) - rim.speed * result.state_time
     waves = np.array([harmonics(rim.casing.n_max, float(angle)) for angle in phi])

@@ -17,7 +17,8 @@ from contact.model.arrays import Array, readonly
 from contact.model.law import pressure
 from contact.model.modal_body import read_npz, write_npz
 from contact.record import MOST_SAMPLES, Record, Samples
-from contact.scheme.protocol import Block, Motion, Stepper
+from contact.scheme.protocol import Block, Motion, Stepper, Wearing
+from contact.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear
 
 FORMAT = "contact-result-1"
 ARRAYS = (
@@ -37,7 +38,8 @@ class Result:
     `impulse`, `peak_force`, `max_penetration` [m], `residual` = max|min(-lam W_ii, g)| [m], `contact_steps` and
     `reversals` (steps in which the slip changed sign) (K,), all over every step whatever was stored. `state` (ns, N)
     displacements or modal coordinates u at `state_time`, or R u (ns, c) where `channels` = R (c, N) is not empty.
-    `every`: of how many steps one was stored as a sample, 0 when the record asked for instants.
+    `every`: of how many steps one was stored as a sample, 0 when the record asked for instants. `wear`: what an
+    abradable coating lost.
 
     The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
     """
@@ -67,6 +69,7 @@ class Result:
     channels: Array
     every: int = 1
     sticking: tuple[Intervals, ...] = ()
+    wear: Wear | None = None
 
     @property
     def lam(self) -> Array:
@@ -142,6 +145,8 @@ class Result:
             lines.append(f"contact added energy, which it cannot: {_remedy(self.scheme)}")
         if self.reversals.any():
             lines.append(f"slip changed sign in {int(self.reversals.sum())} steps: sticking is not modelled there")
+        if self.wear is not None:
+            lines.append(f"coating: {self.wear!r}")
         if self.every != 1:
             which = f"one of every {self.every} steps (at most {MOST_SAMPLES:,} unless a Record says otherwise)"
             lines.append(
@@ -188,6 +193,9 @@ class Result:
             "scheme": self.scheme, "source": self.source, "every": self.every,
         }  # fmt: skip
         data = {name: getattr(self, name) for name in ARRAYS}
+        if self.wear is not None:
+            rest["wear"] = {name: getattr(self.wear, name) for name in WEAR_NUMBERS}
+            data |= {f"wear_{name}": getattr(self.wear, name) for name in WEAR_ARRAYS}
         write_npz(Path(path), {"format": FORMAT, "document": json.dumps(rest), **data})
 
     @staticmethod
@@ -202,6 +210,8 @@ class Result:
         rest["blocks"] = tuple((name, start, end) for name, start, end in rest["blocks"])
         rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
         rest |= {name: readonly(data[name]) for name in ARRAYS}
+        if "wear" in rest:
+            rest["wear"] = Wear(**rest["wear"], **{name: data[f"wear_{name}"] for name in WEAR_ARRAYS})
         return Result(**rest, energy=EnergyBudget(**energy))
 
 
@@ -230,7 +240,7 @@ def collect(
         blocks=stepper.blocks, steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds,
         scheme=stepper.label,
         source={**versions(), **source}, every=record.every if record.at is None else 0,
-        channels=readonly(record.rows(stepper.size)),
+        channels=readonly(record.rows(stepper.size)), wear=stepper.wear() if isinstance(stepper, Wearing) else None,
     )  # fmt: skip
 
 

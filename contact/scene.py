@@ -17,7 +17,7 @@ from contact.model.body import Body, PointMass, Rod, Wall
 from contact.model.cantilever import Cantilever
 from contact.model.chain import assemble
 from contact.model.gap import RotatingRim
-from contact.model.law import Coulomb, Unilateral
+from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.model.modal_body import ModalBody
 from contact.model.ring_modes import ThinRing, ring_modes
 from contact.record import Record
@@ -163,14 +163,23 @@ def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
         ),
         file, problems,
     )  # fmt: skip
-    if rim is None:
+    law = _tried(partial(_rim_law, table), file, problems, "coating")
+    if rim is None or law is None:
         raise SceneError(problems)
     return Scene(
-        what=rim, law=Coulomb(mu=contact.friction) if contact.friction > 0.0 else Unilateral(),
+        what=rim, law=law,
         scheme=ExactModal(law=table.scheme.law), t_end=table.scene.t_end, dt=table.scheme.dt,
         record=_record(table.record, file),
         source=_source(file, text, *(path.read_bytes() for path in paths.values())),
     )  # fmt: skip
+
+
+def _rim_law(table: RimFile) -> Law:
+    """Contact law of a rim: coated, sliding, or neither."""
+    mu = table.contact.friction
+    if table.coating is not None:
+        return Abradable(mu=mu, **table.coating.model_dump())
+    return Coulomb(mu=mu) if mu > 0.0 else Unilateral()
 
 
 def _beam(table: BeamFile, file: Path, text: bytes) -> Scene:

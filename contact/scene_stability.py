@@ -12,7 +12,7 @@ from contact.errors import InputError
 from contact.growth_map import StabilityMap
 from contact.model.arrays import Array
 from contact.model.gap import RotatingRim
-from contact.model.law import Coulomb
+from contact.model.law import Unilateral, friction
 from contact.model.permanent import HandPair, ModalPair
 from contact.scene import SceneError, load_scene, read_scene
 from contact.stability import rim_stability, stability
@@ -53,7 +53,7 @@ def load_stability(path: str | Path) -> StabilityScene:
         raise SceneError([f"{file}: speed.scan: missing, expected {{from_hz = ..., to_hz = ..., steps = ...}}"])
     scene = load_scene(file)
     assert isinstance(scene.what, RotatingRim)  # what a RimFile holds
-    mu = scene.law.mu if isinstance(scene.law, Coulomb) else 0.0
+    mu = friction(scene.law or Unilateral())
     return StabilityScene(what=scene.what, speed_hz=_speeds(table.speed.scan), mu=mu)
 
 

@@ -123,6 +123,19 @@ class RimContact(Table):
     angle_deg: FiniteFloat = 0.0
 
 
+class CoatingTable(Table):
+    """[coating] of a rim: the fields of `Abradable`, whose friction is that of [contact]."""
+
+    E: Positive
+    yield_stress: Positive
+    hardening: NotNegative
+    thickness: Positive
+    width: Positive
+    tip: Positive
+    cells: Annotated[int, Field(ge=8, le=10_000_000)] = 3600
+    machined: NotNegative = 0.0
+
+
 class ScanTable(Table):
     """Speeds from, to [Hz] and how many of them: what `casingfem stability` looks at."""
 
@@ -159,6 +172,7 @@ class RimFile(Table):
     casing: CasingTable
     blade: BladeTable
     contact: RimContact
+    coating: CoatingTable | None = None
     speed: SpeedTable
     scheme: RimScheme
     record: RecordTable | None = None

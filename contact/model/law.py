@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from contact.errors import InputError
 from contact.model.arrays import Array, require_not_negative, require_positive
 
 
@@ -80,4 +81,61 @@ class Coulomb:
         require_not_negative(mu=self.mu)
 
 
-Law = Unilateral | Penalty | AugmentedLagrangian | Coulomb
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Abradable:
+    """Coating of a rim: bars side by side around it, elastic-plastic with linear hardening; plastic flow is wear.
+
+    A bar of length `thickness` whose surface the tip has pressed by d carries the stress E (d - w)/thickness. Where
+    that exceeds `yield_stress` + `hardening` w/thickness it flows and its worn depth w grows (M. Legrand, A. Batailly,
+    C. Pierre, J. Comput. Nonlinear Dyn. 7, 2012, 011018). At w = thickness the casing is bare: what the tip meets
+    there is as stiff as the bars, and flows no more.
+
+    `E`, `yield_stress`, `hardening` [Pa]; `thickness` [m]; the tip covers `width` [m] along the axis and `tip` [m]
+    around; `cells` bars around the rim; `machined` [m] is cut before the run, from the rim's highest point to a
+    circle; `mu` of sliding friction as for `Coulomb`.
+
+    >>> coating = Abradable(E=1e9, yield_stress=5e6, hardening=1e8, thickness=2e-3, width=0.04, tip=2e-3)
+    >>> coating.stress(1e-4), round(coating.dissipated(1e-4))
+    (10000000.0, 750)
+    """
+
+    E: float
+    yield_stress: float
+    hardening: float
+    thickness: float
+    width: float
+    tip: float
+    cells: int = 3600
+    machined: float = 0.0
+    mu: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive(E=self.E, yield_stress=self.yield_stress, thickness=self.thickness, width=self.width)
+        require_positive(tip=self.tip)
+        require_not_negative(hardening=self.hardening, machined=self.machined, mu=self.mu)
+        if self.machined > self.thickness:
+            raise InputError(
+                f"machined: found {self.machined:g} m, expected at most the thickness {self.thickness:g} m"
+            )
+        if not isinstance(self.cells, int) or not 8 <= self.cells <= 10_000_000:
+            raise InputError(f"cells: found {self.cells!r}, expected a whole number of bars from 8 to 10,000,000")
+
+    def stress(self, worn: float) -> float:
+        """Stress at which a bar of this worn depth [m] flows [Pa]."""
+        return self.yield_stress + self.hardening * worn / self.thickness
+
+    def dissipated(self, worn: float) -> float:
+        """Energy that wears a bar to this depth, over its area [J/m^2]: integral of the stress over the depth."""
+        return worn * self.stress(0.5 * worn)
+
+
+Law = Unilateral | Penalty | AugmentedLagrangian | Coulomb | Abradable
+
+
+def friction(law: Law) -> float:
+    """Coefficient of sliding friction of any law, 0 for those without.
+
+    >>> friction(Unilateral()), friction(Coulomb(mu=0.3))
+    (0.0, 0.3)
+    """
+    return law.mu if isinstance(law, Coulomb | Abradable) else 0.0

@@ -23,8 +23,8 @@ from contact.errors import InputError, LimitError
 from contact.model.arrays import Array, require_positive
 from contact.model.beam import BeamInCircle
 from contact.model.chain import Chain
-from contact.model.gap import PointGap
-from contact.model.law import Coulomb, Law, Penalty
+from contact.model.gap import PointGap, RotatingRim
+from contact.model.law import Abradable, Law, Penalty, friction
 from contact.model.linear import LinearBody
 from contact.model.modal_system import ModalSystem, point_system, rim_system
 from contact.model.patch import Patch
@@ -72,8 +72,12 @@ class ExactModal:
         `courant` means omega_max h/2, as for central differences; with neither, omega_max h = .8.
         """
         if isinstance(law, Penalty):
-            raise InputError(f"law: found {law!r}, expected Unilateral() or Coulomb(mu=...) with ExactModal")
-        mu = law.mu if isinstance(law, Coulomb) else 0.0
+            raise InputError(
+                f"law: found {law!r}, expected Unilateral(), Coulomb(mu=...) or Abradable(...) with ExactModal"
+            )
+        mu, coating = friction(law), law if isinstance(law, Abradable) else None
+        if coating is not None and not isinstance(problem, RotatingRim):
+            raise InputError(f"law: found Abradable on {type(problem).__name__}, expected a RotatingRim")
         if isinstance(problem, Patch):
             return self._patch(problem, mu, dt, courant)
         if isinstance(problem, Rub):
@@ -95,7 +99,7 @@ class ExactModal:
         chosen = "averaged" if averaged else "forward"
         reached = f"dt omega_max = {h * top:.3g} (limit {self.omega_h_limit:g}), rho = {rho:.3g}"
         label = f"exact modal, {chosen} law, {reached}"
-        return modal_stepper(system, parts, averaged=averaged, mu=mu, label=label)
+        return modal_stepper(system, parts, averaged=averaged, mu=mu, label=label, law=coating)
 
     def _patch(self, problem: Patch, mu: float, dt: float | None, courant: float | None) -> Stepper:
         if self.law in ("averaged", "energy"):

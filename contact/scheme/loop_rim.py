@@ -10,6 +10,7 @@ from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
 from contact.scheme.loop_modal import ModalState, damping_work, free_gap
 from contact.scheme.loop_tally import note_contact, store, store_state
+from contact.solver.abradable import Coating, crush, first_bar, machined, surface
 from contact.solver.scalar import scalar_force
 
 
@@ -103,13 +104,14 @@ def dot(a: Array, b: Array) -> float:
 
 @jit
 def advance_rim(
-    s: ModalState, rows: RimRows, Q: Array, Q_next: Array, T: Array, averaged: bool, damped: bool,
+    s: ModalState, rows: RimRows, coating: Coating, Q: Array, Q_next: Array, T: Array, averaged: bool, damped: bool,
     sums: Tally, out: Samples, h: float, first: int, steps: int,
 ) -> int:  # fmt: skip
     """Exact-modal steps at the moving point phi = phi_0 - Omega t: force at phi_n, gap at phi_{n+1}."""
     old, new = s.old, s.d
     m = s.q.size
-    rubs = rows.mu > 0.0
+    rubs, coated = rows.mu > 0.0, coating.worn.size > 0
+    bar, cut, skin = 0, 0.0, 0.0  # first bar under the tip, depths there of the cut and of the surface
     now, last = s.memory[0], s.memory[1]
     waves, ahead = rows.waves, rows.waves_next
     turn(waves, rows.angle - rows.speed * first * h)
@@ -124,7 +126,12 @@ def advance_rim(
         free = polynomial(rows.clearance, ahead) + free_gap(s, Q_next, old, new)
         test = 0.25 * (free + 2.0 * now + last) if averaged else free
         force, scale, pull, H = 0.0, 1.0, 0.0, 0.0
-        if not test >= 0.0:
+        if coated:
+            bar = first_bar(coating, (rows.angle - rows.speed * step * h) / (2.0 * math.pi))
+            cut = machined(coating, polynomial(rows.clearance, waves))
+            skin = surface(coating, bar, cut)
+            coating.memory[1], coating.memory[2] = 0.0, skin
+        if not test + skin >= 0.0:
             if rubs:
                 fill(rows.tangent, waves, T)
                 slide = rows.surface + dot(T, old) / h
@@ -137,7 +144,7 @@ def advance_rim(
                 for i in range(m):
                     H += Q_next[i] * s.c[i] * Q[i]
             scale = (0.25 * H if averaged else H) + S_nn - pull * S_nt
-            force = scalar_force(scale, test)
+            force = crush(coating, bar, cut, scale, test) if coated else scalar_force(scale, test)
             if not force >= 0.0:
                 s.memory[2], s.memory[3] = H, scale
                 return step
@@ -160,10 +167,12 @@ def advance_rim(
         if damped:
             sums.damping[0] += damping_work(s, old, new)
         s.gap[0] = test + scale * force
+        if coated:
+            s.gap[0] += coating.memory[2]  # from the surface as it is worn and pressed
         s.force[0] = force
         s.memory[2] = force
         s.memory[3] = pull
-        note_contact(sums, out, 0, h, step * h, force, s.gap[0], scale, now, free)
+        note_contact(sums, out, 0, h, step * h, force, s.gap[0], scale, now + skin, free + skin)
         for i in range(m):
             s.q[i] += new[i]
         last, now = now, free + H * force

@@ -13,6 +13,8 @@ from contact.model.arrays import Array
 from contact.model.modal_system import ModalSystem
 from contact.record import Samples, Tally
 from contact.scheme.protocol import Block, Motion
+from contact.scheme.wear_track import Track
+from contact.wear import Wear
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -28,6 +30,7 @@ class ModalRun:
     velocity: Callable[[], Array]
     failure: Callable[[], str]
     steps: list[int]  # steps taken so far, one entry
+    track: Track | None = None
 
     @property
     def window(self) -> float:
@@ -51,6 +54,10 @@ class ModalRun:
         failed = self.loop(self.sums, out, first, steps)
         self.steps[0] = first + steps
         return failed
+
+    def wear(self) -> Wear | None:
+        """What a coating has lost so far; None without one."""
+        return None if self.track is None else self.track.wear()
 
     def why(self) -> str:
         """Explain a failed step."""

@@ -9,11 +9,13 @@ import numpy as np
 
 from contact.energy import Stored
 from contact.model.arrays import Array
+from contact.model.law import Abradable
 from contact.model.modal_system import ModalSystem
 from contact.model.trig import Trig
 from contact.record import Samples, Tally, tally
 from contact.scheme.modal_run import ModalRun
 from contact.scheme.propagator import Propagator
+from contact.scheme.wear_track import Track, bare
 
 if TYPE_CHECKING:
     from contact.scheme.loop_modal import ModalState
@@ -24,14 +26,17 @@ FULL = 0.15  # share of entries above which full tables are faster (they vectori
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
 
 
-def modal_stepper(system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str) -> ModalRun:
-    """Stepper at t = 0, with the compiled loop that this scene needs and no other."""
+def modal_stepper(
+    system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str, law: Abradable | None = None
+) -> ModalRun:
+    """Stepper at t = 0, with the compiled loop that this scene needs and no other; `law` a rim's coating."""
     q = np.zeros(system.omega.size)
     d = parts.backward(q, system.velocity)
     state = _state(system, parts, q, d)
     damped = bool(system.zeta.any())
+    track = None if law is None else Track.of(system, law)
     loop = (
-        _rim_loop(system, parts.h, averaged, damped, mu)
+        _rim_loop(system, parts.h, averaged, damped, mu, track)
         if system.table
         else _point_loop(system, parts, averaged, damped)
     )
@@ -41,17 +46,18 @@ def modal_stepper(system: ModalSystem, parts: Propagator, *, averaged: bool, mu:
 
     return ModalRun(
         system=system, dt=parts.h, sums=tally(1), label=label, loop=advance, steps=[0],
-        energy=lambda steps: _stored(system, parts, state, steps), velocity=lambda: state.d / parts.h,
-        failure=lambda: _failure(state),
+        energy=lambda steps: _stored(system, parts, state, steps, track), velocity=lambda: state.d / parts.h,
+        failure=lambda: _failure(state), track=track,
     )  # fmt: skip
 
 
-def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: int) -> Stored:
-    """Energy at t_n; lam^2 S/2 counts as residual."""
+def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: int, track: Track | None) -> Stored:
+    """Energy at t_n; lam^2 S/2 and what bends the coating count as residual."""
     phi = system.angle - system.speed * steps * parts.h
     force, pull = float(state.memory[2]), float(state.memory[3])
     Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q * 0.0)
     residual = 0.5 * force**2 * (system.S_nn(phi) - pull * system.S_nt(phi))
+    residual += 0.0 if track is None else track.elastic
     return parts.stored(state.q, state.d, (Q - pull * T) * force, residual, system.potential)
 
 
@@ -92,16 +98,21 @@ def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: 
     return loop
 
 
-def _rim_loop(system: ModalSystem, h: float, averaged: bool, damped: bool, mu: float) -> Loop:
+def _rim_loop(system: ModalSystem, h: float, averaged: bool, damped: bool, mu: float, track: Track | None) -> Loop:
     from contact.scheme.loop_rim import advance_rim
 
     rows, m = rim_rows(system, mu), system.omega.size
     Q, Q_next, T = np.zeros(m), np.zeros(m), np.zeros(m)
+    coating = bare() if track is None else track.coating
 
     def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
-        return advance_rim(state, rows, Q, Q_next, T, averaged, damped, sums, out, h, first, steps)
+        return advance_rim(state, rows, coating, Q, Q_next, T, averaged, damped, sums, out, h, first, steps)
 
-    return loop
+    def watched(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
+        assert track is not None
+        return track.watch(h, first, steps, lambda start, some: loop(state, sums, out, start, some))
+
+    return loop if track is None else watched
 
 
 def rim_rows(system: ModalSystem, mu: float) -> RimRows:

@@ -16,7 +16,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from contact.energy import Stored
 from contact.model.beam import BeamInCircle
@@ -27,6 +27,7 @@ from contact.model.linear import LinearBody
 from contact.model.patch import Patch
 from contact.model.rub import Rub
 from contact.record import Samples, Tally
+from contact.wear import Wear
 
 Problem = Chain | LinearBody | PointGap | RotatingRim | BeamInCircle | Patch | Rub
 
@@ -85,6 +86,14 @@ class Stepper(Protocol):
 
     def motions(self) -> tuple[Motion, ...]:
         """Rigid motion of each body now."""
+
+
+@runtime_checkable
+class Wearing(Protocol):
+    """A run whose contact surface may wear."""
+
+    def wear(self) -> Wear | None:
+        """What was lost so far; None where nothing wears."""
 
 
 class Scheme(Protocol):

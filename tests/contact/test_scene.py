@@ -253,3 +253,21 @@ def test_a_beam_in_a_ring_runs_from_its_file(tmp_path):
 def test_broken_beam_scenes(tmp_path, old, new, words):
     assert old in BEAM
     assert words in "\n".join(problems(tmp_path, BEAM.replace(old, new, 1)))
+
+
+def test_a_coated_rim_from_a_file(tmp_path):
+    from synthetic_rim import blade, ring
+
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    coating = "[coating]\nE = 1e9\nyield_stress = 2e4\nhardening = 1e6\nthickness = 1e-3\nwidth = 0.02\ntip = 6e-3\n"
+    file = tmp_path / "scene.toml"
+    file.write_text(RIM + coating)
+    scene = ct.load_scene(file)
+    assert scene.law == ct.Abradable(
+        E=1e9, yield_stress=2e4, hardening=1e6, thickness=1e-3, width=0.02, tip=6e-3, mu=scene.law.mu
+    )
+    assert scene.law.mu == 0.3
+    file.write_text(RIM + coating + "machined = 2e-3\n")
+    with pytest.raises(ct.SceneError, match=r"coating: machined: found 0\.002 m, expected at most the thickness"):
+        ct.load_scene(file)
