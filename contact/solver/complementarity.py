@@ -2,11 +2,13 @@
 
 Principal pivoting: the set of closed contacts is corrected as a whole at first, then one contact at a time by
 the least index, which ends for every positive definite W (Murty, Opsearch 11, 1974, 157). Rows that repeat others
-(singular W) get force zero. One contact is a division.
+(singular W) get force zero; where one of these is the nearer one, and so left open, W gets a hair of compliance. One
+contact is a division.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from contact.compiled import jit
@@ -16,6 +18,8 @@ BLOCK = 8  # corrections of the whole set before the least-index rule
 PIVOTS = 2000  # corrections before the step is given up
 SMALL = 1e-12  # of the largest gap or force: below, a sign is round-off
 SINGULAR = 1e-13  # of a diagonal entry: a smaller pivot is a repeated row
+LEFT_OPEN = 1e-11  # of the largest gap: more penetration means that the wrong one of repeated rows was left out
+HAIR = 1e-12  # of the largest diagonal entry, added to it where rows repeat
 
 
 class LawNumbers(NamedTuple):
@@ -72,6 +76,31 @@ def unilateral_forces(W: Array, soft: float, g: Array, lam: Array, closed: Array
     if open_all:
         lam[:] = 0.0
         return True
+    if settle(W, soft, g, lam, closed, A, size) and least_gap(W, soft, g, lam) >= -LEFT_OPEN * size:
+        return True
+    top = 0.0
+    for i in range(n):
+        top = max(top, W[i, i])
+        closed[i] = 1.0 if g[i] < 0.0 else 0.0
+    return settle(W, soft + HAIR * top, g, lam, closed, A, size)
+
+
+@jit
+def least_gap(W: Array, soft: float, g: Array, lam: Array) -> float:
+    """The smallest entry of (W + soft I) lam + g."""
+    least = math.inf
+    for i in range(g.size):
+        total = g[i] + soft * lam[i]
+        for j in range(g.size):
+            total += W[i, j] * lam[j]
+        least = min(least, total)
+    return least
+
+
+@jit
+def settle(W: Array, soft: float, g: Array, lam: Array, closed: Array, A: Array, size: float) -> bool:
+    """Correct the set of closed contacts until no force pulls and no open gap is negative; False when it cycles."""
+    n = g.size
     for pivot in range(PIVOTS):
         closed_forces(W, soft, g, closed, A, lam)
         top = 0.0
