@@ -15,14 +15,23 @@ import numpy as np
 from casingfem.arrays import FloatArray, frozen
 
 ALIKE = 0.9  # cosine of the angle between the spaces of two n that cannot be told apart
+TERMS = 8  # sensors for each n fitted to a shape, at least
+BEYOND = 8  # n above the largest label that still may add to a shape
+NOTABLE = 20.0  # fall of the sum of squares, in units of the noise, for which another n is fitted
+PURE = 0.35  # least share of the energy for a label
 SEEN = 0.25  # least ratio of what the sensors see of a sine and a cosine
 
 
 class Label(NamedTuple):
-    """Nodal diameters of a shape (-1: none fits) and their share of its energy."""
+    """Nodal diameters of a shape (-1: none fits), their share of its energy, its antinode [rad] with its uncertainty.
+
+    `angle` and `sigma` are nan where n < 1.
+    """
 
     n: int
     purity: float
+    angle: float
+    sigma: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,21 +63,62 @@ class Circle:
         told = len(spaces) - 1
         return cls(theta=theta, n_max=told if n_max is None else min(n_max, told))
 
-    def label(self, shape: FloatArray) -> Label:
-        """The n whose sine and cosine take most of a shape's energy.
+    def label(self, shape: FloatArray, covariance: FloatArray) -> Label:
+        """Which n a shape (sensors,) with this covariance (sensors, sensors) has, and where its antinode lies.
+
+        The n whose sine and cosine take most energy is the label. The next n are fitted beside it while they are
+        notable, for on uneven sensors they turn the antinode; all others are taken as random, of the size that
+        the rest shows, and so enter the uncertainty.
 
         >>> theta = np.array([0.0, 0.5, 1.1, 1.5, 2.1, 2.9, 3.3, 4.2, 5.0, 5.7])
-        >>> Circle.of(theta).label(np.cos(3 * theta - 0.4))
-        Label(n=3, purity=1.0)
+        >>> found = Circle.of(theta).label(np.cos(3 * theta - 0.6), 1e-6 * np.eye(10))
+        >>> found.n, round(found.purity, 3), round(found.angle, 3)
+        (3, 1.0, 0.2)
         """
-        total = float(shape @ shape)
-        shares = []
-        for n in range(self.n_max + 1):
-            columns = harmonic(self.theta, n)
-            part = columns @ np.linalg.lstsq(columns, shape, rcond=None)[0]
-            shares.append(float(part @ part) / total)
-        n = int(np.argmax(shares)) if shares else -1
-        return Label(n, round(shares[n], 12) if n >= 0 else float("nan"))
+        chosen = [self._next(shape, [])]
+        noise = float(np.trace(covariance)) / len(shape)
+        while len(chosen) < min(len(shape) // TERMS, self.n_max + 1):
+            rest = self._rest(shape, chosen)
+            more = [*chosen, self._next(shape, chosen)]
+            if rest - self._rest(shape, more) < NOTABLE * noise:
+                break
+            chosen = more
+        return self._read(shape, covariance, self._others(shape, chosen, noise), chosen)
+
+    def _others(self, shape: FloatArray, chosen: list[int], noise: float) -> FloatArray:
+        """Covariance (sensors, sensors) of what all other n add, equally large, from what is left."""
+        rest = self._columns([n for n in range(self.n_max + BEYOND) if n not in chosen])
+        columns = self._columns(chosen)
+        across = rest - columns @ np.linalg.lstsq(columns, rest, rcond=None)[0]
+        left = max(self._rest(shape, chosen) - noise * (len(shape) - columns.shape[1]), 0.0)
+        return np.asarray(left / np.sum(across**2) * rest @ rest.T)
+
+    def _next(self, shape: FloatArray, chosen: list[int]) -> int:
+        """The n that takes most from what is left."""
+        free = [n for n in range(self.n_max + 1) if n not in chosen]
+        return min(free, key=lambda n: self._rest(shape, [*chosen, n]))
+
+    def _columns(self, chosen: list[int]) -> FloatArray:
+        return np.concatenate([harmonic(self.theta, n) for n in chosen], axis=1)
+
+    def _rest(self, shape: FloatArray, chosen: list[int]) -> float:
+        columns = self._columns(chosen)
+        rest = shape - columns @ np.linalg.lstsq(columns, shape, rcond=None)[0]
+        return float(rest @ rest)
+
+    def _read(self, shape: FloatArray, covariance: FloatArray, others: FloatArray, chosen: list[int]) -> Label:
+        """Label by the first n chosen, the others fitted beside it, by least squares weighted by the other n."""
+        n, columns = chosen[0], self._columns(chosen)
+        even = float(np.trace(covariance + others)) / len(shape) + 1e-24 * float(shape @ shape)
+        weighted = np.linalg.solve(others + even * np.eye(len(shape)), columns)
+        read = np.linalg.solve(columns.T @ weighted, weighted.T)
+        width = harmonic(self.theta, n).shape[1]
+        parts = (read @ shape)[:width]
+        part = columns[:, :width] @ parts
+        purity = min(float(part @ part) / float(shape @ shape), 1.0)
+        if purity < PURE or n == 0:
+            return Label(n if purity >= PURE else -1, purity, float("nan"), float("nan"))
+        return Label(n, purity, *antinode(parts, (read @ (covariance + others) @ read.T)[:width, :width], n))
 
 
 def harmonic(theta: FloatArray, n: int) -> FloatArray:

@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from casingfem.arrays import Array, FloatArray
-from casingfem.experiment.circle import Circle, antinode, harmonic, quadrature
-from casingfem.experiment.mode_shapes import Shape, mode_shape, residue_matrix
+from casingfem.experiment.circle import Circle, Label, quadrature
+from casingfem.experiment.mode_shapes import mode_shape, residue_matrix
 from casingfem.experiment.pole_fit import PoleFit
 from casingfem.experiment.pole_selection import hidden_split
 from casingfem.experiment.sensor_grid import SensorGrid
 
-PURE = 0.5  # least share of the energy for a label
 PAIR_SPAN = 0.3  # relative split beyond which two modes of one n are no pair
 APART = 0.7  # least quadrature of partners
 CHANCE = 25.0  # chi-squared, two degrees of freedom, below which two poles are not told apart
@@ -68,7 +67,9 @@ def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: 
     shape = mode_shape(fit, pole, grid.channels)
     sigma = np.sqrt(fit.noise * np.diag(fit.covariance))
     freq, zeta = float(fit.freq[pole]), float(fit.zeta[pole])
-    n, purity, angle, sigma_angle = _labelled(shape, signs, circle)
+    label = Label(-1, *[float("nan")] * 3)
+    if circle is not None:
+        label = circle.label(shape.values * signs, shape.covariance * np.outer(signs, signs))
     peak = np.linalg.norm(fit.A[pole]) / (2.0 * zeta) * (freq / fit.window.scale) ** fit.window.power
     unresolved = shape.second > 1.0
     bound = hidden_split(fit, pole) / (shape.balance if unresolved else 1.0)
@@ -77,10 +78,10 @@ def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: 
         sigma_freq=freq * float(np.hypot(sigma[pole], 0.5 * bound if unresolved else 0.0)),
         zeta=zeta,
         sigma_zeta=float(sigma[len(fit.freq) + pole] * zeta),
-        n=n,
-        purity=purity,
-        angle=float("nan") if unresolved else angle,
-        sigma_angle=float("nan") if unresolved else sigma_angle,
+        n=label.n,
+        purity=label.purity,
+        angle=float("nan") if unresolved else label.angle,
+        sigma_angle=float("nan") if unresolved else label.sigma,
         shape=shape.values,
         sigma_shape=np.sqrt(np.diag(shape.covariance)),
         residues=residue_matrix(fit, pole, grid.channels),
@@ -140,18 +141,6 @@ def _one_of(fit: PoleFit, modes: list[FoundMode], low: int, high: int) -> FoundM
         split_bound=bound,
         unresolved=True,
     )
-
-
-def _labelled(shape: Shape, signs: FloatArray, circle: Circle | None) -> tuple[int, float, float, float]:
-    """n, purity, antinode [rad] and its standard deviation."""
-    nothing = float("nan")
-    if circle is None:
-        return -1, nothing, nothing, nothing
-    n, purity = circle.label(shape.values * signs)
-    if n < 1 or purity < PURE:
-        return (n if purity >= PURE else -1), purity, nothing, nothing
-    read = np.linalg.pinv(harmonic(circle.theta, n)) * signs
-    return n, purity, *antinode(read @ shape.values, read @ shape.covariance @ read.T, n)
 
 
 def paired(modes: list[FoundMode]) -> tuple[tuple[tuple[int, int], ...], tuple[int, ...]]:

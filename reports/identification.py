@@ -1,0 +1,172 @@
+"""Identification judged on synthetic responses whose modes are known.
+
+`python -m reports.identification [--quick] [--out DIR]` makes the sets of `reports.identification_sets`, half with
+one reference and half with two, identifies each without help, and prints one row a set, the failures, the errors by
+size of the split and how often the truth lies in the 95 % intervals. It writes identification.csv.
+
+A mode counts as found where a mode of the same n lies within its half-power bandwidth and within 45/n deg; one found
+mode said to be an unresolved pair stands for both members. What is found beyond that is spurious.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.experiment.identification import identify
+from casingfem.experiment.identified import Identified
+from reports.identification_sets import SNR_DB, TestSet, make_set
+from reports.tables import Row, command_line, show, write
+
+SEEDS = range(301, 321)
+FREQ_PERCENT, ANGLE_DEG = 0.05, 3.0  # asked of pairs half a bandwidth apart or more
+RESOLVED = 0.5  # splits in half-power bandwidths from which pairs must be told apart
+NORMAL = 1.96
+CLASSES = (0.0, 0.1, 0.2, 0.5, 1.0, np.inf)
+
+
+class Judged(NamedTuple):
+    """One true mode: its pair's split in bandwidths (inf without partner), what became of it, errors over sigma."""
+
+    seed: int
+    references: int
+    n: int
+    freq: float
+    split: float
+    outcome: str  # found | one of a pair | missed
+    freq_percent: float
+    angle_deg: float
+    freq_sigmas: float
+    angle_sigmas: float
+
+
+def judge(data: TestSet, found: Identified, seed: int, references: int) -> tuple[list[Judged], list[int]]:
+    """What became of each true mode, and the found modes that are none."""
+    truth = data.modes
+    taken: set[int] = set()
+    judged = []
+    for k in range(data.count):
+        n, freq, zeta = int(truth.nodal_diameters[k]), float(truth.freq[k]), float(data.zeta[k])
+        pair = truth.doublet_of(k)
+        split = float(truth.splits[pair] / (2.0 * zeta)) if pair >= 0 else np.inf
+        gap = np.abs(found.freq - freq)
+        turn = n * np.radians(found.angle_deg - data.angle_deg[k])
+        near = (found.n == n) & (gap < 2.0 * zeta * freq)
+        told = near & ((np.abs(np.sin(turn)) < np.sqrt(0.5)) | (n == 0))
+        told[list(taken)] = False
+        whole = [j for j in found.unresolved if near[j]]
+        nothing = (seed, references, n, freq, split)
+        if told.any():
+            j = int(np.argmin(np.where(told, gap, np.inf)))
+            taken.add(j)
+            error = float(np.degrees(np.arcsin(np.sin(turn[j]))) / n) if n else 0.0
+            sigmas = (found.freq[j] - freq) / found.sigma_freq[j], error / found.sigma_angle[j] if n else 0.0
+            errors = 100.0 * float(gap[j]) / freq, abs(error)
+            judged.append(Judged(*nothing, "found", *errors, float(sigmas[0]), float(sigmas[1])))
+        elif whole:
+            j = min(whole, key=lambda j: float(gap[j]))
+            sigmas = float(gap[j] / found.sigma_freq[j]), np.nan
+            judged.append(Judged(*nothing, "one of a pair", 100.0 * float(gap[j]) / freq, np.nan, *sigmas))
+        else:
+            judged.append(Judged(*nothing, "missed", np.nan, np.nan, np.nan, np.nan))
+    stands = {j for j in found.unresolved if (np.abs(found.freq[j] / truth.freq - 1) < 2 * found.zeta[j]).any()}
+    return judged, sorted(set(range(len(found))) - taken - stands)
+
+
+def must(judged: Sequence[Judged]) -> list[Judged]:
+    """Modes whose pair is half a bandwidth apart, or more."""
+    return [mode for mode in judged if mode.split >= RESOLVED]
+
+
+def set_row(found: Identified, judged: list[Judged], spurious: int) -> Row:
+    """One line of the table of sets."""
+    clear = must(judged)
+    met = [mode for mode in clear if mode.outcome == "found"]
+    return {
+        "seed": judged[0].seed,
+        "references": judged[0].references,
+        "modes": len(judged),
+        "clear": len(clear),
+        "clear found": len(met),
+        "closer": len(judged) - len(clear),
+        "told apart": sum(mode.outcome == "found" for mode in judged) - len(met),
+        "as one": sum(mode.outcome == "one of a pair" for mode in judged),
+        "missed": sum(mode.outcome == "missed" for mode in judged),
+        "spurious": spurious,
+        "freq error %": max(mode.freq_percent for mode in met),
+        "angle error deg": max(mode.angle_deg for mode in met),
+        "seconds": found.seconds,
+    }
+
+
+def by_split(judged: Sequence[Judged]) -> list[Row]:
+    """Outcomes and worst errors by size of the split."""
+    rows: list[Row] = []
+    for low, high in pairwise(CLASSES):
+        members = [mode for mode in judged if low <= mode.split < high or (high == np.inf and mode.split == np.inf)]
+        met = [mode for mode in members if mode.outcome == "found"]
+        rows.append(
+            {
+                "split / bandwidth": f"{low:g} to {high:g}" if high < np.inf else f"{low:g} and more, or no partner",
+                "modes": len(members),
+                "found": len(met),
+                "as one": sum(mode.outcome == "one of a pair" for mode in members),
+                "missed": sum(mode.outcome == "missed" for mode in members),
+                "worst freq %": max((mode.freq_percent for mode in met), default=None),
+                "worst angle deg": max((mode.angle_deg for mode in met), default=None),
+                "95 % freq": coverage([mode.freq_sigmas for mode in met]),
+                "95 % angle": coverage([mode.angle_sigmas for mode in met if mode.n]),
+            }
+        )
+    return rows
+
+
+def coverage(sigmas: Sequence[float]) -> float | None:
+    """Share [%] of errors within the 95 % interval."""
+    return 100.0 * float(np.mean(np.abs(sigmas) < NORMAL)) if len(sigmas) else None
+
+
+def failures(judged: Sequence[Judged]) -> list[Row]:
+    """Modes that were missed, or found with more than the allowed error."""
+    return [
+        {
+            "seed": mode.seed,
+            "references": mode.references,
+            "n": mode.n,
+            "freq Hz": mode.freq,
+            "split / bandwidth": mode.split,
+            "outcome": mode.outcome,
+            "freq error %": mode.freq_percent,
+            "angle error deg": mode.angle_deg,
+        }
+        for mode in judged
+        if mode.outcome == "missed"
+        or (mode.split >= RESOLVED and mode.outcome != "found")
+        or mode.freq_percent > FREQ_PERCENT
+        or mode.angle_deg > ANGLE_DEG
+    ]
+
+
+def main(out: Path, quick: bool = False) -> list[Row]:
+    """Identify the sets, print the tables, write the rows of the sets."""
+    rows, everything = [], list[Judged]()
+    for k, seed in enumerate(SEEDS[:2] if quick else SEEDS):
+        references = 1 + k % 2
+        data = make_set(seed, references)
+        found = identify(data.frfs, angles=data.angles)
+        judged, spurious = judge(data, found, seed, references)
+        rows.append(set_row(found, judged, len(spurious)))
+        everything += judged
+    show(f"Sets: 24 sensors, signal over noise {SNR_DB:g} dB; clear: split of half a bandwidth or more", rows)
+    show("By split", by_split(everything))
+    bad = failures(everything)
+    if bad:
+        show(f"Missed, or off by more than {FREQ_PERCENT:g} % or {ANGLE_DEG:g} deg", bad)
+    write(out / "identification.csv", rows)
+    return rows
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main)
