@@ -17,6 +17,7 @@ from contact.scheme.newmark import Newmark
 from contact.scheme.nonsmooth_alpha import NonsmoothAlpha
 from contact.scheme.paoli_schatzman import PaoliSchatzman
 from contact.scheme.penalty import PenaltyDifference
+from contact.scheme.projected_alpha import ProjectedAlpha
 from contact.scheme.protocol import Scheme
 from contact.scheme.stabilised_newmark import StabilisedNewmark
 
@@ -25,7 +26,7 @@ NotNegative = Annotated[FiniteFloat, Field(ge=0)]
 Unit = Annotated[FiniteFloat, Field(ge=0, le=1)]
 Kind = Literal[
     "forward-lagrange", "penalty", "newmark", "hht", "moreau-jean", "cd-lagrange", "paoli-schatzman",
-    "massless-boundary", "stabilised-newmark", "nonsmooth-alpha", "exact-modal",
+    "massless-boundary", "stabilised-newmark", "nonsmooth-alpha", "projected-alpha", "exact-modal",
 ]  # fmt: skip
 ModalLaw = Literal["auto", "forward", "averaged", "energy"]
 ContactLaw = Literal["lagrange", "penalty", "augmented-lagrangian"]
@@ -41,6 +42,7 @@ SCHEMES: dict[str, tuple[type[Scheme], tuple[str, ...]]] = {
     "massless-boundary": (MasslessBoundary, ()),
     "stabilised-newmark": (StabilisedNewmark, ()),
     "nonsmooth-alpha": (NonsmoothAlpha, ("rho_inf", "restitution")),
+    "projected-alpha": (ProjectedAlpha, ("rho_inf", "restitution")),
     "exact-modal": (ExactModal, ("law", "modes")),
 }
 OF_LAWS = {

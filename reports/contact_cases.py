@@ -62,6 +62,7 @@ def methods(stiffness: float) -> list[Method]:
         Method(name="Moreau-Jean, theta = 1/2", scheme=ct.MoreauJean()),
         Method(name="stabilised Newmark", scheme=ct.StabilisedNewmark()),
         Method(name="nonsmooth alpha, .8", scheme=ct.NonsmoothAlpha(rho_inf=0.8)),
+        Method(name="projected alpha, .8", scheme=ct.ProjectedAlpha(rho_inf=0.8)),
         Method(name="HHT (-.3)", scheme=ct.HHT(alpha=-0.3)),
         Method(
             name="HHT (-.3), augmented",

@@ -18,11 +18,13 @@ IMPLICIT = [
     ct.Newmark(), ct.Newmark(beta=0.25, gamma=0.55), ct.Newmark(beta=0.5, gamma=0.55), ct.HHT(alpha=-0.3),
     ct.MoreauJean(), ct.MoreauJean(theta=0.7, restitution=0.5), ct.StabilisedNewmark(),
     ct.NonsmoothAlpha(rho_inf=0.6), ct.NonsmoothAlpha(rho_inf=1.0, restitution=0.5),
+    ct.ProjectedAlpha(rho_inf=0.6), ct.ProjectedAlpha(rho_inf=1.0, restitution=0.5),
 ]  # fmt: skip
 SCHEMES = [*LEAPFROG, *IMPLICIT]
 GOOD = [
     ct.CentralDifference(), ct.CDLagrange(), ct.PaoliSchatzman(), ct.MasslessBoundary(), ct.MoreauJean(),
-    ct.StabilisedNewmark(), ct.NonsmoothAlpha(), ct.HHT(alpha=-0.3), ct.Newmark(beta=0.5, gamma=0.55),
+    ct.StabilisedNewmark(), ct.NonsmoothAlpha(), ct.ProjectedAlpha(), ct.HHT(alpha=-0.3),
+    ct.Newmark(beta=0.5, gamma=0.55),
 ]  # fmt: skip
 
 
@@ -96,8 +98,11 @@ def test_order_in_smooth_motion(scheme):
 
 
 @pytest.mark.parametrize(
-    "scheme", [ct.Newmark(), ct.MoreauJean(), ct.StabilisedNewmark(), ct.NonsmoothAlpha(rho_inf=1.0)], ids=str
-)
+    "scheme",
+    [ct.Newmark(), ct.MoreauJean(), ct.StabilisedNewmark(), ct.NonsmoothAlpha(rho_inf=1.0),
+     ct.ProjectedAlpha(rho_inf=1.0)],
+    ids=str,
+)  # fmt: skip
 def test_energy_is_kept_between_impacts(scheme):
     result = ct.run(frame(**FREE), scheme=scheme, t_end=50.0, dt=0.05)
     assert abs(result.energy.numerical) <= 1e-12 * result.energy.scale
@@ -113,7 +118,7 @@ def test_moreau_jean_keeps_the_energy_through_elastic_impacts():
 @pytest.mark.parametrize(
     "scheme",
     [ct.MoreauJean(restitution=0.8), ct.CDLagrange(restitution=0.8), ct.PaoliSchatzman(restitution=0.8),
-     ct.NonsmoothAlpha(restitution=0.8)],
+     ct.NonsmoothAlpha(restitution=0.8), ct.ProjectedAlpha(restitution=0.8)],
     ids=str,
 )  # fmt: skip
 def test_bouncing_ball(scheme):
@@ -127,6 +132,16 @@ def test_bouncing_ball(scheme):
     assert whole.force[rest, 0].mean() == pytest.approx(2.0 * 9.81, rel=1e-3)
     assert np.abs(whole.gap[rest, 0]).max() <= 1e-3
     assert abs(whole.energy.unaccounted) <= 1e-10 * whole.energy.scale
+
+
+def test_projecting_positions_leaves_no_penetration():
+    """The velocity form alone stays inside the stop by what it came in with; with nu every gap is >= 0."""
+    deep, shallow = (
+        ct.run(frame(), scheme=kind(restitution=0.3), t_end=20.0, dt=0.01).max_penetration
+        for kind in (ct.NonsmoothAlpha, ct.ProjectedAlpha)
+    )
+    assert deep.min() > 1e-4
+    assert shallow.max() <= 1e-15
 
 
 @pytest.mark.parametrize("courant", [0.05, 0.1, 0.2, 0.5, 0.7, 0.9])
@@ -275,6 +290,7 @@ def test_a_motion_that_overflows_stops_the_run_and_keeps_it(scheme):
         (lambda: ct.Newmark(beta=0.0), "beta"), (lambda: ct.Newmark(gamma=0.4), "energy grows"),
         (lambda: ct.HHT(alpha=0.1), "alpha"), (lambda: ct.MoreauJean(theta=0.4), "theta"),
         (lambda: ct.CDLagrange(restitution=1.1), "restitution"), (lambda: ct.NonsmoothAlpha(rho_inf=2.0), "rho_inf"),
+        (lambda: ct.ProjectedAlpha(rho_inf=-0.1), "rho_inf"),
         (lambda: ct.run(pair(), scheme=ct.MoreauJean(), law=ct.Penalty(stiffness=1.0), t_end=1.0, courant=0.5), "law"),
         (lambda: ct.run([ct.PointMass(mass=1.0, x=1.0), ct.Wall()], scheme=ct.MasslessBoundary(), t_end=1.0, dt=0.1),
          "contact 1 has no elastic side"),
