@@ -16,6 +16,7 @@ from contact.model.arrays import Array
 from contact.model.gap import RotatingRim
 from contact.model.law import Law, Unilateral, friction
 from contact.model.modal_body import ModalBody
+from contact.model.rub import Rub
 from contact.model.trig import harmonics
 from contact.result import Result
 
@@ -44,3 +45,33 @@ def at_points(body: ModalBody, q: Array, forces: Array) -> Array:
         raise InputError("recovery: found none in this basis, expected rows for the points wanted")
     kept = np.asarray(q @ body.recovery.T)
     return kept if body.recovery_S is None else kept + forces @ body.recovery_S.T
+
+
+def rub_forces(rub: Rub, result: Result, name: str) -> tuple[Array, Array]:
+    """Instants (ns,) and forces on the channels of one body of a rub (ns, K), from the forces stored in `result.state`.
+
+    `name` is "casing", "blade" or "blade 2" as in `Rub.names`; feed them to `at_channels`, `at_points` together with
+    `result.state_of(name)`. The gap's share of the tip is -n, so that the tips' forces on their blade have that sign.
+
+    Raises InputError for names that the rub does not have and results without stored states.
+    """
+    if name not in rub.names:
+        raise InputError(f"name: found {name!r}, expected one of {', '.join(rub.names)}")
+    forces = result.state_of("tips")
+    if not len(forces):
+        raise InputError("state: found none stored, expected a record with state_every or at")
+    number, d = rub.names.index(name), forces.shape[1] // len(rub.tips)
+    total = np.zeros((len(forces), len(rub.bodies[number].channels)))
+    if number:
+        for j, tip in enumerate(rub.tips):
+            if tip.blade == number - 1:
+                total -= forces[:, j * d : (j + 1) * d] @ tip.directions(rub.bodies[number])[:d]
+        return result.state_time, total
+    casing, size = rub.casing, 2 * rub.casing.n_max + 1
+    turned = np.array([rub.speed.angle(float(t)) for t in result.state_time])
+    for j, tip in enumerate(rub.tips):
+        waves = np.array([harmonics(casing.n_max, math.radians(tip.angle_deg) - a) for a in turned])
+        for i in range(d):
+            begin = (tip.line * casing.directions + i) * size
+            total[:, begin : begin + size] += forces[:, j * d + i, None] * waves
+    return result.state_time, total

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from contact.model.arrays import Array, readonly
 from contact.model.law import pressure
 from contact.model.modal_body import read_npz, write_npz
 from contact.record import MOST_SAMPLES, Record, Samples
-from contact.scheme.protocol import Block, Motion, Stepper, Wearing
+from contact.scheme.protocol import Block, Motion, Noted, Notes, Stepper, Wearing
 from contact.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear
 
 FORMAT = "contact-result-1"
@@ -70,6 +70,12 @@ class Result:
     every: int = 1
     sticking: tuple[Intervals, ...] = ()
     wear: Wear | None = None
+    notes: Notes = field(default_factory=Notes)
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """Where the run left the range of its theory, in words and numbers; empty where it did not."""
+        return self.notes.flags
 
     @property
     def lam(self) -> Array:
@@ -143,6 +149,10 @@ class Result:
         )
         if energy.lost_in_contact < -0.01 * max(energy.scale, self._impact_energy()) - energy.load_step:
             lines.append(f"contact added energy, which it cannot: {_remedy(self.scheme)}")
+        if self.notes.heat.size:
+            heat, drive = float(self.notes.heat.sum()), float(self.notes.drive.sum())
+            lines.append(f"friction [J]: {heat:.4g} turned to heat, {drive:.4g} drawn from what turns the rim")
+        lines.extend(f"FLAG: {flag}" for flag in self.flags)
         if self.reversals.any():
             lines.append(f"slip changed sign in {int(self.reversals.sum())} steps: sticking is not modelled there")
         if self.wear is not None:
@@ -181,6 +191,7 @@ class Result:
             "contacts": contacts, "bodies": [_finite(asdict(motion)) for motion in self.motions],
             "energy": self.energy.to_dict(), "steps": self.steps, "dt": self.dt, "window": self.window,
             "every": self.every, "scheme": self.scheme, "source": self.source, "seconds": self.seconds,
+            "flags": list(self.flags),
         }  # fmt: skip
 
     def save(self, path: str | Path) -> None:
@@ -191,6 +202,9 @@ class Result:
             "blocks": self.blocks, "steps": self.steps, "dt": self.dt, "window": self.window,
             "seconds": self.seconds,
             "scheme": self.scheme, "source": self.source, "every": self.every,
+        }  # fmt: skip
+        rest["notes"] = {
+            "flags": self.flags, "heat": self.notes.heat.tolist(), "drive": self.notes.drive.tolist()
         }  # fmt: skip
         data = {name: getattr(self, name) for name in ARRAYS}
         if self.wear is not None:
@@ -207,6 +221,10 @@ class Result:
         energy |= {name: Stored(**energy[name]) for name in ("start", "end")}
         for name in ("intervals", "sticking"):
             rest[name] = tuple(tuple((a, b) for a, b in pairs) for pairs in rest.get(name, ()))
+        notes = rest.get("notes", {"flags": (), "heat": (), "drive": ()})
+        rest["notes"] = Notes(
+            flags=tuple(notes["flags"]), heat=readonly(notes["heat"]), drive=readonly(notes["drive"])
+        )  # fmt: skip
         rest["blocks"] = tuple((name, start, end) for name, start, end in rest["blocks"])
         rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
         rest |= {name: readonly(data[name]) for name in ARRAYS}
@@ -241,6 +259,7 @@ def collect(
         scheme=stepper.label,
         source={**versions(), **source}, every=record.every if record.at is None else 0,
         channels=readonly(record.rows(stepper.size)), wear=stepper.wear() if isinstance(stepper, Wearing) else None,
+        notes=stepper.notes() if isinstance(stepper, Noted) else Notes(),
     )  # fmt: skip
 
 

@@ -26,7 +26,7 @@ from contact.scheme.loop_rub_rows import (
     turned,
 )
 from contact.scheme.loop_stick import INSIDE
-from contact.scheme.loop_tally import note_contact, note_stick, store, store_state
+from contact.scheme.loop_tally import due, note_contact, note_stick, store, store_state
 from contact.solver.coulomb import TOLERANCE, newton
 
 
@@ -58,6 +58,7 @@ class RubState(NamedTuple):
     test: Array
     force: Array
     gap: Array
+    seen: Array  # (m + K d,) what `Result.state` holds: q and lam of one instant
     heat: Array  # dissipated by slip
     drive: Array  # work of the drive against friction
     peaks: Array  # largest |u_r| of the rim at a tip, tangential motion of a tip; bound of |u_r| now, by line
@@ -344,10 +345,9 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, dim: int, averaged: b
     residual_waves(rows, before, w.cos_old, w.sin_old)
     for step in range(first, first + steps):
         t = step * h
-        store_state(sums, out, step, t, s.q)
         ahead, omega_ahead = turned(laws.speed, t + h)
         propagate(s, omega)
-        every = out.every > 0 and step % out.every == 0
+        every = due(step, out.every, out.at, sums.filled[0])
         closing = look(s, laws, rows, w, dim, share, every, t, h, before, angle, ahead)
         residual_waves(rows, angle, w.cos, w.sin)
         s.contact[:] = 0.0
@@ -366,6 +366,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, dim: int, averaged: b
         if closing > 0 or pressed:
             keep_strain(s, rows, w, count, dim)
         pressed = closing > 0
+        s.seen[: s.q.size], s.seen[s.q.size :] = s.q, s.lam
+        store_state(sums, out, step, t, s.seen)
         settle(s, sums)
         note(s, rows, w, dim, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)

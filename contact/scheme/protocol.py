@@ -15,10 +15,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+
 from contact.energy import Stored
+from contact.model.arrays import Array
 from contact.model.beam import BeamInCircle
 from contact.model.chain import Chain
 from contact.model.gap import PointGap, RotatingRim
@@ -43,6 +46,19 @@ class Motion:
     number: int
     mean_velocity: float
     momentum: float
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Notes:
+    """What a run tells beside its forces.
+
+    `flags`: where it left the range of its theory, in words and numbers; `heat` (K,) dissipated by slip and `drive`
+    (K,) the work of whatever turns the rim against friction [J]; none where the scheme does not sum them.
+    """
+
+    flags: tuple[str, ...] = ()
+    heat: Array = field(default_factory=lambda: np.zeros(0))
+    drive: Array = field(default_factory=lambda: np.zeros(0))
 
 
 Block = tuple[str, int, int]
@@ -94,6 +110,14 @@ class Wearing(Protocol):
 
     def wear(self) -> Wear | None:
         """What was lost so far; None where nothing wears."""
+
+
+@runtime_checkable
+class Noted(Protocol):
+    """A stepper that has something to add to its result."""
+
+    def notes(self) -> Notes:
+        """Notes on the run so far."""
 
 
 class Scheme(Protocol):

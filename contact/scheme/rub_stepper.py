@@ -10,14 +10,14 @@ import numpy as np
 
 from contact.energy import Stored
 from contact.errors import LimitError
-from contact.model.arrays import Array
+from contact.model.arrays import Array, readonly
 from contact.model.rub import Rub
 from contact.model.rub_system import RubSystem, rub_system
 from contact.model.trig import Trig, fourier
 from contact.record import Samples, Tally, tally
 from contact.scheme.modal_stepper import FULL
 from contact.scheme.propagator import Propagator
-from contact.scheme.protocol import Block, Motion
+from contact.scheme.protocol import Block, Motion, Notes
 
 if TYPE_CHECKING:
     from contact.scheme.loop_rub import RubState
@@ -56,14 +56,14 @@ class RubStepper:
 
     @property
     def size(self) -> int:
-        """Number of modes."""
-        return self.system.omega.size
+        """Number of modes, and of forces on the tips."""
+        return self.state.seen.size
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """Name, first and one past the last mode of each body."""
+        """Name, first and one past the last mode of each body, then the forces on the tips."""
         first = self.system.first.tolist()
-        return tuple(zip(self.system.names, first[:-1], first[1:], strict=True))
+        return (*zip(self.system.names, first[:-1], first[1:], strict=True), ("tips", first[-1], self.size))
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
@@ -94,9 +94,10 @@ class RubStepper:
         kinds = ("casing", *("blade",) * len(self.rub.blades))
         return tuple(Motion(kind=k, number=b, mean_velocity=nan, momentum=nan) for b, k in enumerate(kinds))
 
-    def flags(self) -> tuple[str, ...]:
-        """What the run went through that its theory does not carry, with numbers."""
-        return _flags(self.rub, self.system, float(self.state.peaks[0]), float(self.state.peaks[1]))
+    def notes(self) -> Notes:
+        """Heat and drive of friction, and what the run went through that its theory does not carry."""
+        flags = _flags(self.rub, self.system, float(self.state.peaks[0]), float(self.state.peaks[1]))
+        return Notes(flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive))
 
 
 def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, dimensions: int, averaged: bool,
@@ -126,7 +127,7 @@ def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions
         push=none(m), contact=none(m), mu=np.full(K, mu), lam=none(R), strain=none(R), motion=none(R),
         scale=none(K), now=none(K),
         last=none(K), known=np.zeros(K, dtype=np.int64), inside=np.zeros(K, dtype=np.int64), free=none(K),
-        test=none(K), force=none(K), gap=none(K), heat=none(K), drive=none(K),
+        test=none(K), force=none(K), gap=none(K), seen=none(m + R), heat=none(K), drive=none(K),
         peaks=none(2 + rub.casing.rim_lines), counts=none(4),
     )  # fmt: skip
 

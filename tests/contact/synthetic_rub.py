@@ -1,0 +1,43 @@
+"""Made-up bases for rubs: a rim seen in three directions on two lines, and a blade with several tip nodes."""
+
+import numpy as np
+
+import contact as ct
+from contact.model.modal_body import rim_channels
+
+N_MAX = 5
+SIZE = 2 * N_MAX + 1
+
+
+def rim3(*, S=2e-8, lines=2, seed=11):
+    """A casing of ten modes with every harmonic in every row, and a full residual compliance."""
+    rng = np.random.default_rng(seed)
+    channels = rim_channels(N_MAX, 3, lines)
+    rows = rng.standard_normal((len(channels), 10))
+    mixing = np.sqrt(S / 20.0) * rng.standard_normal((len(channels), 20))
+    return ct.ModalBody(
+        omega=np.linspace(300.0, 9000.0, 10), zeta=[0.003] * 10, channels=channels, rows=rows,
+        S=mixing @ mixing.T + S * np.eye(len(channels)), kind="rim", n_max=N_MAX, radius=0.4,
+    )  # fmt: skip
+
+
+def nodes(count, *, S=3e-8, seed=5):
+    """A blade of three modes seen at `count` tip nodes along span, flap and chord."""
+    rng = np.random.default_rng(seed)
+    channels = [f"node{k}.{name}" for k in range(count) for name in ("span", "flap", "chord")]
+    mixing = np.sqrt(S) * rng.standard_normal((3 * count, 3 * count)) / np.sqrt(3 * count)
+    return ct.ModalBody(
+        omega=[700.0, 2300.0, 8000.0], zeta=[0.002] * 3, channels=channels,
+        rows=1.5 * rng.standard_normal((3 * count, 3)), S=mixing @ mixing.T + S * np.eye(3 * count),
+    )  # fmt: skip
+
+
+def tips(count, *, blade=0, angle=10.0, lean=15.0, axial=True):
+    """Tip nodes of one blade, side by side, alternately on the two rim lines."""
+    return [
+        ct.Tip(
+            blade=blade, line=k % 2, span=f"node{k}.span", flap=f"node{k}.flap",
+            axial=f"node{k}.chord" if axial else None, angle_deg=angle + 0.5 * k, lean_deg=lean, clearance=1e-6 * k,
+        )
+        for k in range(count)
+    ]  # fmt: skip
