@@ -106,8 +106,7 @@ def lcp(W, b):
     raise AssertionError("no solution")
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.25])
-@pytest.mark.parametrize("speed_hz", [7.0, 1e-3])
+@pytest.mark.parametrize(("mu", "speed_hz"), [(0.0, 7.0), (0.25, 7.0), (0.0, 1e-3), (0.5, 1e-3)])
 def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz):
     """Two blades with two tip nodes each on two rim lines, everything coupled with everything."""
     rub = ct.Rub(
@@ -127,9 +126,9 @@ def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz
     assert worst <= 1e-8
     closed = result.contact_steps
     assert closed.min() >= 3
-    assert closed.max() < steps
+    assert np.median(closed) < steps
     if mu and speed_hz < 1.0:
-        assert sum(end - start for pairs in result.sticking for start, end in pairs) > 10 * h
+        assert sum(end - start for pairs in result.sticking for start, end in pairs) > 20 * h
 
 
 def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
