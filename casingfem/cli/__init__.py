@@ -5,6 +5,7 @@ import click
 from casingfem.cli.contact import contact, rub, stability
 from casingfem.cli.doctor import doctor
 from casingfem.cli.explain import explain
+from casingfem.cli.identify import identify
 from casingfem.cli.mistune import mistune
 from casingfem.cli.study import modes, reduce, report, schema, update
 
@@ -24,5 +25,5 @@ def main() -> None:
     """
 
 
-for command in (modes, mistune, update, reduce, contact, rub, stability, report, schema, explain, doctor):
+for command in (modes, identify, mistune, update, reduce, contact, rub, stability, report, schema, explain, doctor):
     main.add_command(command)

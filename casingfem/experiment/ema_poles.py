@@ -15,7 +15,7 @@ import numpy as np
 from casingfem.arrays import Array, FloatArray
 
 
-class MissingExtraError(RuntimeError):
+class MissingExtraError(ValueError):
     """A package that an optional part needs is not installed."""
 
 

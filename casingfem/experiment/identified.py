@@ -160,7 +160,7 @@ class Identified:
             )
             pair = row["doublet"] or ("?" if k in self.unresolved else "-")
             lines.append(
-                f"{k + 1:>4} {row['freq_hz']:>11.4f} {row['sigma_hz']:>7.4f} {100 * row['zeta']:>9.4f}"
-                f" {100 * row['sigma_zeta']:>7.4f} {n:>3} {purity:>5} {angle:>11} {sigma:>6} {pair:>4}"
+                f"{k + 1:>4} {row['freq_hz']:>11.4f} {row['sigma_hz']:>7.2g} {100 * row['zeta']:>9.5f}"
+                f" {100 * row['sigma_zeta']:>7.2g} {n:>3} {purity:>5} {angle:>11} {sigma:>6} {pair:>4}"
             )
         return "\n".join([*lines, *self.notes])

@@ -1,0 +1,79 @@
+"""The command identify: modes from measured frequency responses."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from casingfem.cli.running import Working, deliver, options
+from casingfem.outfiles import Content, json_text
+
+if TYPE_CHECKING:
+    from casingfem.experiment.identified import Identified
+
+
+@click.command()
+@click.argument("file", metavar="FRFS", type=click.Path(path_type=Path))
+@click.option("--band", type=(float, float), metavar="FROM TO", default=None, help="Frequencies [Hz]; all if left out.")
+@click.option(
+    "--angles", "angles_file", type=click.Path(path_type=Path), metavar="CSV",
+    help="Angles of the points on the sensors' circle: point,angle_deg. From the geometry of a universal file if"
+    " left out.",
+)  # fmt: skip
+@click.option(
+    "--form", type=click.Choice(("receptance", "mobility", "accelerance")), default=None,
+    help="What the responses are; from their unit if left out.",
+)  # fmt: skip
+@click.option("--order", type=click.IntRange(2, 200), default=None, help="Largest model order.")
+@click.option("--n-max", type=click.IntRange(0, 200), default=None, help="Largest nodal diameter.")
+@options
+def identify(
+    file: Path,
+    band: tuple[float, float] | None,
+    angles_file: Path | None,
+    form: str | None,
+    order: int | None,
+    n_max: int | None,
+    as_json: bool,
+    out: Path | None,
+) -> None:
+    """Modes of the frequency responses FRFS (.uff, .npz, .csv): frequencies, damping, nodal diameters, orientations.
+
+    The poles are chosen without a hand; pairs that cannot be told apart are said to be so. DIR gets the frequency
+    table for `casingfem update`, the stabilisation diagram and the fitted responses.
+    """
+    from casingfem.experiment.frf_files import file_angles, read_angles, read_frfs
+    from casingfem.experiment.identification import identify as find
+
+    frfs = read_frfs(file)
+    angles = read_angles(angles_file) if angles_file else file_angles(file)
+    with Working(f"modes in {file.name}") as working:
+        found = find(frfs, angles=angles, band=band, form=form, order=order, n_max=n_max)
+    document = {
+        "modes": found.records(),
+        "notes": list(found.notes),
+        "channels": len(frfs),
+        "sensors": len(found.sensors),
+        "references": len(found.sensors.references),
+        "lines": len(found.lines),
+        "deviation_rel": found.deviation,
+        "seconds": working.seconds,
+        "source": str(file),
+    }
+    files: dict[str, Content] = {} if out is None else result_files(found, document)
+    deliver(document, repr(found), as_json=as_json, out=out, files=files)
+
+
+def result_files(found: "Identified", document: dict[str, Any]) -> dict[str, Content]:
+    """The table, the pictures and the document."""
+    from casingfem.plot_identify import figure_responses, figure_stabilisation
+
+    files: dict[str, Content] = {"identified.json": json_text(document, indent=1)}
+    if len(found):
+        table = found.table([f"source: {document['source']}"])
+        files["identified.csv"] = table.to_csv
+    for name, figure in (("stabilisation", figure_stabilisation(found)), ("responses", figure_responses(found))):
+        files[f"{name}.png"] = lambda path, figure=figure: figure.savefig(  # type: ignore[misc]
+            path, format="png", dpi=150, metadata={"Software": None}
+        )
+    return files

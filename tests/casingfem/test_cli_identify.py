@@ -1,0 +1,106 @@
+"""casingfem identify: files in, table and pictures out."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import casingfem as cf
+from casingfem.cli import main
+from casingfem.experiment.identification import identify
+from casingfem.experiment.rig import Probe, Rig
+from casingfem.experiment.rig_noise import noisy
+from casingfem.experiment.uff_nodes import Nodes
+from casingfem.experiment.uff_write import write_uff
+from casingfem.plot_identify import figure_responses, figure_stabilisation
+
+THETA = np.radians(np.arange(12) * 30.0 + 5.0)
+
+
+@pytest.fixture(scope="module")
+def frfs():
+    """A pair of n = 3 and a single n = 0."""
+    at = np.r_[THETA, 0.4]
+    rows = np.column_stack([np.cos(3 * (at - 0.1)), np.cos(3 * (at - 0.1) - np.pi / 2), np.ones(13)])
+    probes = [Probe(k + 1, 1, (np.cos(a), np.sin(a), 0.0), a) for k, a in enumerate(at)]
+    rig = Rig.of(omega=2 * np.pi * np.array([200.0, 201.0, 230.0]), zeta=0.003, rows=rows, probes=probes)
+    return noisy(rig.frfs(np.arange(190.0, 240.0, 0.1), sensors=range(12), drives=[12]), 40.0, seed=61)
+
+
+@pytest.fixture(scope="module")
+def uff(frfs, tmp_path_factory):
+    path = tmp_path_factory.mktemp("uff") / "frfs.uff"
+    points = np.column_stack([0.5 * np.cos(THETA), 0.5 * np.sin(THETA), np.zeros(12)])
+    zeros = np.zeros(12, np.int64)
+    nodes = Nodes(labels=np.arange(1, 13), points=points, systems=zeros, motions=zeros)
+    return write_uff(path, nodes=nodes, functions=frfs.functions(), binary=True)
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(main, ["identify", *map(str, arguments)])
+
+
+def test_a_universal_file_gives_table_pictures_and_a_document(uff, tmp_path):
+    result = invoke(uff, "--out", tmp_path / "out", "--json")
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    assert [mode["n"] for mode in document["modes"]] == [3, 3, 0]
+    assert [mode["doublet"] for mode in document["modes"]] == [1, 1, None]
+    np.testing.assert_allclose([mode["freq_hz"] for mode in document["modes"]], [200, 201, 230], rtol=1e-4)
+    table = cf.FrequencyTable.from_csv(tmp_path / "out" / "identified.csv")
+    assert table.n.tolist() == [3, 3, 0]
+    assert table.angle_deg[0] == pytest.approx(np.degrees(0.1), abs=0.5)
+    for name in ("stabilisation.png", "responses.png"):
+        assert (tmp_path / "out" / name).read_bytes()[:4] == b"\x89PNG"
+
+
+def test_npz_with_angles_and_a_band(frfs, tmp_path):
+    path, angles = frfs.save(tmp_path / "frfs.npz"), tmp_path / "angles.csv"
+    angles.write_text("point,angle_deg\n" + "".join(f"{k + 1},{np.degrees(a)}\n" for k, a in enumerate(THETA)))
+    result = invoke(path, "--angles", angles, "--band", 190, 215, "--json")
+    assert [mode["n"] for mode in json.loads(result.stdout)["modes"]] == [3, 3]
+
+
+def test_without_angles_modes_have_no_n(frfs, tmp_path):
+    result = invoke(frfs.to_csv(tmp_path / "frfs.csv"), "--json")
+    assert [mode["n"] for mode in json.loads(result.stdout)["modes"]] == [None, None, None]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("frfs.mat", "", ".mat"),
+        ("angles.csv", "point,angle\n1,0\n", "point,angle_deg"),
+        ("angles.csv", "point,angle_deg\n1,0\n1,4\n", "1 again"),
+        ("angles.csv", "point,angle_deg\n1,0\n", "no angle for point 2"),
+    ],
+)
+def test_bad_input_ends_with_2(frfs, tmp_path, name, text, words):
+    bad = tmp_path / name
+    bad.write_text(text)
+    good = frfs.save(tmp_path / "frfs.npz")
+    result = invoke(bad) if name == "frfs.mat" else invoke(good, "--angles", bad)
+    assert result.exit_code == 2
+    assert words in result.stderr
+
+
+def test_a_missing_extra_is_named(frfs, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "sdypy.EMA", None)
+    result = invoke(frfs.save(tmp_path / "frfs.npz"))
+    assert result.exit_code == 2
+    assert "casingfem[test-data]" in result.stderr
+
+
+def test_pictures_mark_every_mode_and_keep_stable_poles_apart(frfs):
+    found = identify(frfs, angles=dict(enumerate(np.degrees(THETA), start=1)))
+    figure = figure_stabilisation(found)
+    axes = next(axes for axes in figure.axes if axes.get_ylabel() == "model order")
+    drawn = {line.get_label(): line for line in axes.lines}
+    assert len(drawn["stable pole"].get_xdata()) == found.diagram.stable.sum()
+    assert sum(line.get_label() == "mode" for line in axes.lines) == 3
+    assert [text.get_text() for text in axes.texts] == ["3", "3", "0"]
+    measured, fitted = figure_responses(found, 4).axes[0].lines[:2]
+    np.testing.assert_allclose(measured.get_ydata(), np.abs(found.measured[4]))
+    assert np.linalg.norm(fitted.get_ydata() - measured.get_ydata()) < 0.02 * np.linalg.norm(measured.get_ydata())

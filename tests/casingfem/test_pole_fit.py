@@ -1,0 +1,97 @@
+"""The fit of poles: exact gradient, honest covariance, how many poles."""
+
+import numpy as np
+import pytest
+
+from casingfem.experiment import pole_fit
+from casingfem.experiment.pole_fit import fit_poles
+from casingfem.experiment.pole_selection import hidden_split, select_poles
+from casingfem.experiment.pole_window import Window
+
+LINES = np.arange(390.0, 410.0, 0.1)
+SEED = 2711
+
+
+def window(freq, zeta, shapes, *, sigma=0.0, residues="real", power=2, seed=SEED):
+    """Responses of modes with these shapes (modes, channels) and white noise."""
+    x, w = LINES[:, None] / LINES.mean(), np.array(freq) / LINES.mean()
+    g = (1j * x) ** power * w**2 / (w**2 - x**2 + 2j * np.array(zeta) * w * x)
+    rng = np.random.default_rng(seed)
+    H = g @ np.asarray(shapes)
+    H = H + sigma * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
+    stacked = np.concatenate([H.real, H.imag])
+    return Window(
+        freq=LINES, Y=stacked, power=power, residues=residues, weight=np.ones(H.shape[1]), floor=3e-4 * np.sqrt(np.mean(stacked**2))
+    )
+
+
+SHAPES = np.random.default_rng(77).standard_normal((3, 8))
+THREE = [397.0, 400.0, 400.8], [0.003, 0.001, 0.0012]
+
+
+@pytest.mark.parametrize("residues", ["real", "complex"])
+def test_gradient_and_full_matrix_are_those_of_the_sum_of_squares(residues):
+    data = window(*THREE, SHAPES, sigma=0.5, residues=residues)
+    p = np.log([397.1, 399.95, 400.9, 0.0028, 0.0011, 0.0013])
+
+    def residual(p):
+        return pole_fit._state(data, np.exp(p[:3]), np.exp(p[3:])).R.ravel()
+
+    step = 1e-6
+    J = np.column_stack([(residual(p + step * e) - residual(p - step * e)) / (2 * step) for e in np.eye(6)])
+    system = pole_fit._system(data, pole_fit._state(data, np.exp(p[:3]), np.exp(p[3:])))
+    np.testing.assert_allclose(system.gradient, J.T @ residual(p), rtol=1e-6)
+    np.testing.assert_allclose(system.full, J.T @ J, rtol=1e-6, atol=1e-6 * np.abs(J.T @ J).max())
+
+
+def test_exact_data_give_exact_poles():
+    fit = fit_poles(window(*THREE, SHAPES), np.array([396.5, 399.9, 401.0]), np.array([0.002, 0.002, 0.002]))
+    np.testing.assert_allclose(fit.freq, THREE[0], rtol=1e-6)
+    np.testing.assert_allclose(fit.zeta, THREE[1], rtol=1e-3)
+    assert fit.converged
+
+
+def test_standard_deviations_are_those_of_repeated_tests():
+    found, sigmas = [], []
+    for seed in range(120):
+        fit = fit_poles(window(*THREE, SHAPES, sigma=2.0, seed=seed), *np.array(THREE))
+        found.append(np.log(np.r_[fit.freq, fit.zeta]))
+        sigmas.append(np.sqrt(fit.variance * np.diag(fit.covariance)))
+    scatter = np.std(found, axis=0, ddof=1)
+    np.testing.assert_allclose(scatter, np.mean(sigmas, axis=0), rtol=0.2)  # 6.5 % is one sigma of a scatter
+
+
+def test_a_start_with_too_few_poles_grows_and_one_with_too_many_shrinks():
+    data = window(*THREE, SHAPES, sigma=0.5)
+    few = select_poles(data, np.array([[400.0, 0.002]]))
+    many = select_poles(
+        data, np.array([[394.0, 0.002], [397.0, 0.002], [400.0, 0.001], [400.7, 0.001], [405.0, 0.004]])
+    )
+    for fit in (few, many):
+        assert np.abs(fit.freq - THREE[0]).max() < 0.01
+        assert fit.window.residues == "real"
+
+
+def test_phases_of_their_own_make_residues_complex():
+    shapes = SHAPES * np.exp(1j * np.random.default_rng(5).uniform(-0.6, 0.6, SHAPES.shape))
+    fit = select_poles(window(*THREE, shapes, sigma=0.2), np.column_stack(THREE))
+    assert fit.window.residues == "complex"
+    np.testing.assert_allclose(fit.freq, THREE[0], rtol=1e-5)
+
+
+def test_the_split_that_would_be_missed_falls_with_the_noise():
+    loud, quiet = (
+        hidden_split(select_poles(window([400.0], [0.002], SHAPES[:1], sigma=sigma), np.array([[400.0, 0.002]])), 0)
+        for sigma in (2.0, 0.2)
+    )
+    assert loud / quiet == pytest.approx(10.0, rel=0.1)
+
+
+@pytest.mark.parametrize(("part", "told"), [(3.0, 2), (0.3, 1)])
+def test_a_split_above_that_bound_is_seen_and_one_far_below_is_not(part, told):
+    first, second = np.linalg.qr(SHAPES[:2].T)[0].T * 10.0
+    alone = select_poles(window([400.0], [0.002], [first + second], sigma=0.5), np.array([[400.0, 0.002]]))
+    split = part * hidden_split(alone, 0)
+    pair = [400.0 * (1 - split / 2), 400.0 * (1 + split / 2)]
+    data = window(pair, [0.002, 0.002], [first, second], sigma=0.5)
+    assert len(select_poles(data, np.array([[400.0, 0.002]])).freq) == told
