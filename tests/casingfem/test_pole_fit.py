@@ -20,9 +20,9 @@ def window(freq, zeta, shapes, *, sigma=0.0, residues="real", power=2, seed=SEED
     H = g @ np.asarray(shapes)
     H = H + sigma * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
     stacked = np.concatenate([H.real, H.imag])
-    return Window(
-        freq=LINES, Y=stacked, power=power, residues=residues, weight=np.ones(H.shape[1]), floor=3e-4 * np.sqrt(np.mean(stacked**2))
-    )
+    floor = 3e-4 * np.sqrt(np.mean(stacked**2))
+    weight = np.ones(H.shape[1])
+    return Window(freq=LINES, Y=stacked, power=power, residues=residues, weight=weight, floor=floor)
 
 
 SHAPES = np.random.default_rng(77).standard_normal((3, 8))
