@@ -20,6 +20,7 @@ ROOT = Path(__file__).parent
 SOURCES = (
     Path(__file__),
     ROOT / "record.py",
+    ROOT / "vector.py",
     ROOT / "model/band.py",
     *sorted((ROOT / "scheme").glob("loop_*.py")),
     *sorted((ROOT / "solver").glob("*.py")),
@@ -47,6 +48,11 @@ def jit(function: Function) -> Function:
     so that a run that diverges is seen. The same input gives bit-identical results on one machine.
     """
     return compiled(function, OPTIONS)
+
+
+def jit_inside(function: Function) -> Function:
+    """Compile a part of a step loop into its caller, else as `jit`: passing a state's many arrays costs more."""
+    return compiled(function, {**OPTIONS, "forceinline": True})
 
 
 def jit_allocating(function: Function) -> Function:

@@ -49,7 +49,8 @@ class ExactModal:
 
     `law` "forward", "averaged" (refused when rho = H_d/S > 1), "auto" (averaged up to rho = .1, else forward; the
     result says which) or "energy", the discrete gradient of `energy_stepper`, for undamped fixed points.
-    `omega_h_limit` is the largest omega_max h accepted by the first two, below pi.
+    `omega_h_limit` is the largest omega_max h accepted by the first two, below pi. `skip`: on a rotating rim, leap
+    over time in which no contact is possible, from one stored step to the next (`contact.scheme.leap`).
 
     >>> ExactModal(law="averaged").modes
     50
@@ -58,6 +59,7 @@ class ExactModal:
     law: Literal["auto", "forward", "averaged", "energy"] = "auto"
     modes: int = 50
     omega_h_limit: float = 2.5
+    skip: bool = True
 
     def __post_init__(self) -> None:
         if self.law not in LAWS:
@@ -99,7 +101,7 @@ class ExactModal:
         chosen = "averaged" if averaged else "forward"
         reached = f"dt omega_max = {h * top:.3g} (limit {self.omega_h_limit:g}), rho = {rho:.3g}"
         label = f"exact modal, {chosen} law, {reached}"
-        return modal_stepper(system, parts, averaged=averaged, mu=mu, label=label, law=coating)
+        return modal_stepper(system, parts, averaged=averaged, mu=mu, label=label, law=coating, skip=self.skip)
 
     def _patch(self, problem: Patch, mu: float, dt: float | None, courant: float | None) -> Stepper:
         if self.law in ("averaged", "energy"):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from contact.compiled import jit
 from contact.model.arrays import Array
-from contact.scheme.loop_rim import RimRows, fill, polynomial, turn
+from contact.scheme.loop_rim import RimRows
+from contact.scheme.loop_rows import fill, rotate, value
 
 
 @jit
@@ -40,10 +41,10 @@ def revolve(
     for step in range(steps):
         for k in range(times.size):
             drift(q, v, drifts[k])
-            turn(rows.waves, rows.angle - rows.speed * (step + times[k]) * h)
+            rotate(rows.waves, rows.angle - rows.speed * (step + times[k]) * h)
             fill(rows.normal, rows.waves, Q)
             if rows.mu != 0.0:
                 fill(rows.tangent, rows.waves, T)
-            S = polynomial(rows.S_nn, rows.waves) - rows.mu * polynomial(rows.S_nt, rows.waves)
+            S = value(rows.S_nn, rows.waves) - rows.mu * value(rows.S_nt, rows.waves)
             kick(q, v, Q, T, rows.mu, kicks[k] * h / S, y)
         drift(q, v, drifts[times.size])

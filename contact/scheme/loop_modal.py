@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_inside
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
 from contact.scheme.loop_tally import note_contact, store, store_state
 from contact.solver.scalar import scalar_force
+from contact.vector import WIDTH, load, put, same, total
 
 
 class ModalState(NamedTuple):
@@ -27,24 +28,56 @@ class ModalState(NamedTuple):
     gap: Array
 
 
-@jit
+@jit_inside
 def free_gap(s: ModalState, Q: Array, old: Array, new: Array) -> float:
     """D* = al D - be q + c f into `new`; returns Q (q + D*)."""
-    total = 0.0
-    for i in range(s.q.size):
-        step = s.al[i] * old[i] - s.be[i] * s.q[i] + s.kick[i]
-        new[i] = step
-        total += Q[i] * (s.q[i] + step)
-    return total
+    whole = s.q.size - s.q.size % WIDTH
+    part = same(0.0)
+    for i in range(0, whole, WIDTH):
+        q = load(s.q, i)
+        step = load(s.al, i) * load(old, i) - load(s.be, i) * q + load(s.kick, i)
+        put(new, i, step)
+        part = part + load(Q, i) * (q + step)
+    result: float = total(part)
+    for i in range(whole, s.q.size):
+        new[i] = s.al[i] * old[i] - s.be[i] * s.q[i] + s.kick[i]
+        result += Q[i] * (s.q[i] + new[i])
+    return result
 
 
-@jit
+@jit_inside
 def damping_work(s: ModalState, old: Array, new: Array) -> float:
     """Work of modal damping over one step, -sum (1 - al) D_n (D_n + D_{n+1})/(2 c)."""
-    total = 0.0
-    for i in range(s.q.size):
-        total -= s.weight[i] * old[i] * (old[i] + new[i])
-    return total
+    whole = s.q.size - s.q.size % WIDTH
+    part = same(0.0)
+    for i in range(0, whole, WIDTH):
+        d = load(old, i)
+        part = part + load(s.weight, i) * d * (d + load(new, i))
+    result: float = -total(part)
+    for i in range(whole, s.q.size):
+        result -= s.weight[i] * old[i] * (old[i] + new[i])
+    return result
+
+
+@jit_inside
+def add_force(s: ModalState, Q: Array, force: float, new: Array) -> None:
+    """Add c Q force to D."""
+    whole = s.q.size - s.q.size % WIDTH
+    push = same(force)
+    for i in range(0, whole, WIDTH):
+        put(new, i, load(new, i) + load(s.c, i) * load(Q, i) * push)
+    for i in range(whole, s.q.size):
+        new[i] += s.c[i] * Q[i] * force
+
+
+@jit_inside
+def move(s: ModalState, new: Array) -> None:
+    """Add D to q."""
+    whole = s.q.size - s.q.size % WIDTH
+    for i in range(0, whole, WIDTH):
+        put(s.q, i, load(s.q, i) + load(new, i))
+    for i in range(whole, s.q.size):
+        s.q[i] += new[i]
 
 
 @jit
@@ -69,8 +102,7 @@ def advance_modal(
             force = scalar_force(scale, test)
             if not force >= 0.0:
                 return step
-            for i in range(Q.size):
-                new[i] += s.c[i] * Q[i] * force
+            add_force(s, Q, force, new)
         after = free + H * force
         sums.work[0] += 0.5 * force * (after - last)
         if damped:
@@ -79,8 +111,7 @@ def advance_modal(
         s.force[0] = force
         s.memory[2] = force
         note_contact(sums, out, 0, h, step * h, force, s.gap[0], scale, now, free)
-        for i in range(Q.size):
-            s.q[i] += new[i]
+        move(s, new)
         last, now = now, after
         store(sums, out, step, step * h, s.force, s.gap)
     s.memory[0], s.memory[1] = now, last

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_inside
 from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
 
 
-@jit
+@jit_inside
 def note_step(sums: Tally, out: Samples, k: int, h: float, force: float, gap: float, slack: float,
               began: float, before: float, predicted: float, opened: float) -> None:  # fmt: skip
     """Add one step of contact k: its force, its gap and by how much the law is violated, `slack` [m].
@@ -28,7 +28,7 @@ def note_step(sums: Tally, out: Samples, k: int, h: float, force: float, gap: fl
         note_event(sums, out, k, 0, opened)
 
 
-@jit
+@jit_inside
 def note_contact(sums: Tally, out: Samples, k: int, h: float, time: float, force: float, gap: float,
                  scale: float, before: float, predicted: float) -> None:  # fmt: skip
     """Add one step whose force acts at `time` on the gap a step later; `scale` = Delassus number.
@@ -60,13 +60,13 @@ def note_stick(sums: Tally, out: Samples, k: int, stuck: int, time: float) -> No
         sums.filled[2] = row + 1
 
 
-@jit
+@jit_inside
 def due(step: int, every: int, at: Indices, filled: int) -> bool:
     """Whether a step is stored: the next of `at`, or every `every`-th."""
     return bool(step % every == 0) if every > 0 else bool(filled < at.size and at[filled] == step)
 
 
-@jit
+@jit_inside
 def store(sums: Tally, out: Samples, step: int, time: float, force: Array, gap: Array) -> None:
     """Store force, gap and impulse when this step is to be recorded."""
     row = sums.filled[0]
@@ -79,7 +79,7 @@ def store(sums: Tally, out: Samples, step: int, time: float, force: Array, gap: 
         sums.filled[0] = row + 1
 
 
-@jit
+@jit_inside
 def store_state(sums: Tally, out: Samples, step: int, time: float, state: Array) -> None:
     """Store the displacements at the start of this step, or their channels, when they are to be recorded."""
     row = sums.filled[1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,22 @@ from contact.record import Samples, Tally
 from contact.scheme.protocol import Block, Motion
 from contact.scheme.wear_track import Track
 from contact.wear import Wear
+
+if TYPE_CHECKING:
+    from contact.scheme.loop_leap import Leap
+    from contact.scheme.loop_modal import ModalState
+    from contact.scheme.loop_rim import RimRows
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class RimRun:
+    """What the compiled loop of a rotating rim works on: one run's, or a lane's of many runs at once."""
+
+    state: ModalState
+    rows: RimRows
+    leap: Leap
+    averaged: bool
+    damped: bool
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -30,6 +47,7 @@ class ModalRun:
     velocity: Callable[[], Array]
     failure: Callable[[], str]
     steps: list[int]  # steps taken so far, one entry
+    rim: RimRun | None = None
     track: Track | None = None
 
     @property

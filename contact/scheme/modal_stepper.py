@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact.energy import Stored
-from contact.model.arrays import Array
+from contact.model.arrays import Array, Indices
 from contact.model.law import Abradable
-from contact.model.modal_system import ModalSystem
+from contact.model.modal_system import ModalSystem, RowTable
 from contact.model.trig import Trig
 from contact.record import Samples, Tally, tally
-from contact.scheme.modal_run import ModalRun
+from contact.scheme.leap import rim_leap
+from contact.scheme.modal_run import ModalRun, RimRun
 from contact.scheme.propagator import Propagator
 from contact.scheme.wear_track import Track, bare
 
@@ -21,25 +22,26 @@ if TYPE_CHECKING:
     from contact.scheme.loop_modal import ModalState
     from contact.scheme.loop_rim import RimRows
 
-FULL = 0.15  # share of entries above which full tables are faster (they vectorise)
-
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
 
 
 def modal_stepper(
-    system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str, law: Abradable | None = None
-) -> ModalRun:
+    system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str, law: Abradable | None = None,
+    skip: bool = False,
+) -> ModalRun:  # fmt: skip
     """Stepper at t = 0, with the compiled loop that this scene needs and no other; `law` a rim's coating."""
     q = np.zeros(system.omega.size)
     d = parts.backward(q, system.velocity)
     state = _state(system, parts, q, d)
     damped = bool(system.zeta.any())
     track = None if law is None else Track.of(system, law)
-    loop = (
-        _rim_loop(system, parts.h, averaged, damped, mu, track)
-        if system.table
-        else _point_loop(system, parts, averaged, damped)
-    )
+    rim = None
+    if system.table is None:
+        loop = _point_loop(system, parts, averaged, damped)
+    else:
+        rows, leap = rim_rows(system, mu), rim_leap(system, parts, skip=skip)
+        rim = RimRun(state=state, rows=rows, leap=leap, averaged=averaged, damped=damped)
+        loop = _rim_loop(rim, parts.h, track)
 
     def advance(sums: Tally, out: Samples, first: int, steps: int) -> int:
         return loop(state, sums, out, first, steps)
@@ -47,7 +49,7 @@ def modal_stepper(
     return ModalRun(
         system=system, dt=parts.h, sums=tally(1), label=label, loop=advance, steps=[0],
         energy=lambda steps: _stored(system, parts, state, steps, track), velocity=lambda: state.d / parts.h,
-        failure=lambda: _failure(state), track=track,
+        failure=lambda: _failure(state), rim=rim, track=track,
     )  # fmt: skip
 
 
@@ -98,15 +100,16 @@ def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: 
     return loop
 
 
-def _rim_loop(system: ModalSystem, h: float, averaged: bool, damped: bool, mu: float, track: Track | None) -> Loop:
+def _rim_loop(rim: RimRun, h: float, track: Track | None) -> Loop:
     from contact.scheme.loop_rim import advance_rim
 
-    rows, m = rim_rows(system, mu), system.omega.size
-    Q, Q_next, T = np.zeros(m), np.zeros(m), np.zeros(m)
+    Q, Q_next, T = np.zeros((3, rim.state.q.size))
     coating = bare() if track is None else track.coating
 
     def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
-        return advance_rim(state, rows, coating, Q, Q_next, T, averaged, damped, sums, out, h, first, steps)
+        return advance_rim(
+            state, rim.rows, rim.leap, coating, Q, Q_next, T, rim.averaged, rim.damped, sums, out, h, first, steps
+        )
 
     def watched(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
         assert track is not None
@@ -117,25 +120,50 @@ def _rim_loop(system: ModalSystem, h: float, averaged: bool, damped: bool, mu: f
 
 def rim_rows(system: ModalSystem, mu: float) -> RimRows:
     """What the compiled loops need of a rim: rows, polynomials of the angle, work space."""
-    from contact.scheme.loop_rim import RimRows, RowEntries, Terms
-
-    def terms(p: Trig) -> Terms:
-        return Terms(p.harmonic, p.cos, p.sin)
+    from contact.scheme.loop_rim import RimRows
+    from contact.scheme.loop_rows import RowBlocks, Series
 
     table = system.table
     assert table is not None
-    top = int(table.harmonic.max(initial=0))
-    full = table.harmonic.size > FULL * (top + 1) * system.omega.size
+    top = max(int(table.harmonic.max(initial=0)), system.clearance.degree, system.S_nn.degree, system.S_nt.degree)
+    count = -(-(top + 1) // 8) * 8
 
-    def entries(cos: Array, sin: Array) -> RowEntries:
-        tables = [table.by_harmonic(values) if full else np.zeros((0, 0)) for values in (cos, sin)]
-        return RowEntries(table.start, table.harmonic, cos, sin, *tables)
+    def terms(p: Trig) -> Series:
+        cos, sin = np.zeros(count), np.zeros(count)
+        cos[p.harmonic], sin[p.harmonic] = p.cos, p.sin
+        return Series(cos, sin)
 
-    degree = max(top, system.clearance.degree, system.S_nn.degree, system.S_nt.degree)
     return RimRows(
-        normal=entries(table.q_cos, table.q_sin), tangent=entries(table.t_cos, table.t_sin),
+        normal=RowBlocks(*row_blocks(table, table.q_cos, table.q_sin)),
+        tangent=RowBlocks(*row_blocks(table, table.t_cos, table.t_sin)),
         clearance=terms(system.clearance), S_nn=terms(system.S_nn), S_nt=terms(system.S_nt),
         S_turns=max(system.S_nn.degree, system.S_nt.degree) > 0, angle=system.angle, speed=system.speed,
-        surface=system.radius * system.speed, mu=mu, waves=np.zeros((2, degree + 1)),
-        waves_next=np.zeros((2, degree + 1)),
+        surface=system.radius * system.speed, mu=mu, waves=np.zeros((2, count)), waves_next=np.zeros((2, count)),
+        found=np.zeros(6),
+    )  # fmt: skip
+
+
+def row_blocks(table: RowTable, cos: Array, sin: Array) -> tuple[Indices, Indices, Array, Array]:
+    """Rows by blocks of eight modes: starts, harmonics, coefficients (entries, 8), as the compiled loops take them.
+
+    >>> table = RowTable(start=np.array([0, 1, 3]), harmonic=np.array([4, 0, 4]), q_cos=np.ones(3), q_sin=np.zeros(3),
+    ...                  t_cos=np.zeros(3), t_sin=np.zeros(3))
+    >>> start, harmonic, c, _ = row_blocks(table, table.q_cos, table.q_sin)
+    >>> start.tolist(), harmonic.tolist(), c[:, :2].tolist()
+    ([0, 2], [0, 4], [[0.0, 1.0], [1.0, 1.0]])
+    """
+    full = table.by_harmonic(cos), table.by_harmonic(sin)
+    m, start, harmonic = full[0].shape[1], [0], []
+    blocks: tuple[list[Array], list[Array]] = ([], [])
+    for first in range(0, m, 8):
+        present = np.unique(table.harmonic[table.start[first] : table.start[min(first + 8, m)]])
+        for part, values in zip(blocks, full, strict=True):
+            padded = np.zeros((present.size, 8))
+            padded[:, : min(8, m - first)] = values[present, first : first + 8]
+            part.append(padded)
+        harmonic.append(present)
+        start.append(start[-1] + present.size)
+    return (
+        np.array(start, dtype=np.int64), np.concatenate([*harmonic, np.zeros(0)]).astype(np.int64),
+        np.concatenate([*blocks[0], np.zeros((0, 8))]), np.concatenate([*blocks[1], np.zeros((0, 8))]),
     )  # fmt: skip

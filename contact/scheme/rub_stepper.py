@@ -15,7 +15,6 @@ from contact.model.rub import Rub
 from contact.model.rub_system import RubSystem, rub_system
 from contact.model.trig import Trig, fourier
 from contact.record import Samples, Tally, tally
-from contact.scheme.modal_stepper import FULL
 from contact.scheme.propagator import Propagator
 from contact.scheme.protocol import Block, Motion, Notes
 
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
 
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
 FOLLOWED = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
+FULL = 0.15  # share of entries above which full tables are faster (they vectorise)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

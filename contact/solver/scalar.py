@@ -7,12 +7,12 @@ jammed, and the step has no solution.
 
 from __future__ import annotations
 
-from contact.compiled import jit
+from contact.compiled import jit_inside
 
 JAMMED = -1.0
 
 
-@jit
+@jit_inside
 def scalar_force(H: float, gap: float) -> float:
     """Force of one closed contact, -gap/H; JAMMED where H <= 0. Call only when gap < 0."""
     if H > 0.0:

@@ -1,0 +1,125 @@
+"""Eight numbers at a time in compiled loops: a type that numba maps to one vector of the machine.
+
+Loops over arrays that may overlap are not vectorised by the compiler, and short loops over runs are unrolled into
+scalars; written with these few operations they are vectors on any machine (on narrower ones, in several parts).
+"""
+
+from __future__ import annotations
+
+import operator
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic, models, overload, register_model
+from numba.np import arrayobj
+
+WIDTH = 8
+SHAPE: Any = ir.VectorType(ir.DoubleType(), WIDTH)
+FAST = ("contract", "nsz")  # as the loops: products may be contracted
+
+
+class VectorType(types.Type):
+    """Type of eight double precision numbers."""
+
+    def __init__(self) -> None:
+        super().__init__(name=f"vector of {WIDTH}")
+
+
+VECTOR = VectorType()
+
+
+class VectorModel(models.PrimitiveModel):
+    """How the compiler holds them: one vector register, or as many as it takes."""
+
+    def __init__(self, manager: Any, kind: Any) -> None:
+        prepare: Any = super().__init__
+        prepare(manager, kind, SHAPE)
+
+
+register_model(VectorType)(VectorModel)
+
+
+def _pointer(context: Any, builder: Any, kind: Any, array: Any, first: Any) -> Any:
+    make: Any = arrayobj.make_array
+    data = make(kind)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [first]), SHAPE.as_pointer())
+
+
+def _contiguous(array: Any) -> None:
+    if array.layout != "C":
+        raise TypeError(f"found an array of layout {array.layout}, expected a contiguous one")
+
+
+def _load(typing: Any, array: Any, first: Any) -> Any:
+    _contiguous(array)
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        found = builder.load(_pointer(context, builder, signature.args[0], args[0], args[1]))
+        found.align = 8
+        return found
+
+    return VECTOR(array, types.intp), generate
+
+
+def _put(typing: Any, array: Any, first: Any, vector: Any) -> Any:
+    _contiguous(array)
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        place = _pointer(context, builder, signature.args[0], args[0], args[1])
+        builder.store(args[2], place).align = 8
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, VECTOR), generate
+
+
+def _same(typing: Any, number: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        first, none = ir.Constant(ir.IntType(32), 0), ir.Constant(SHAPE, ir.Undefined)
+        places = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
+        return builder.shuffle_vector(builder.insert_element(none, args[0], first), none, places)
+
+    return VECTOR(types.float64), generate
+
+
+def _total(typing: Any, vector: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        parts = [builder.extract_element(args[0], ir.Constant(ir.IntType(32), i)) for i in range(WIDTH)]
+        while len(parts) > 1:
+            half = len(parts) // 2
+            parts = [builder.fadd(a, b) for a, b in zip(parts[:half], parts[half:], strict=True)]
+        return parts[0]
+
+    return types.float64(VECTOR), generate
+
+
+# load(array, k): entries k .. k+7 of a contiguous array, counted flat; put(array, k, v) writes them; same(x): x eight
+# times; total(v): the sum
+load: Any = intrinsic(_load)
+put: Any = intrinsic(_put)
+same: Any = intrinsic(_same)
+total: Any = intrinsic(_total)
+
+
+def _operation(symbol: Any, instruction: str) -> None:
+    """Let an operator work on two vectors."""
+
+    def apply(typing: Any, a: Any, b: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            return getattr(builder, instruction)(args[0], args[1], flags=FAST)
+
+        return VECTOR(VECTOR, VECTOR), generate
+
+    compute: Any = intrinsic(apply)
+
+    def choose(a: Any, b: Any) -> Any:
+        def vectors(a: Any, b: Any) -> Any:
+            return compute(a, b)
+
+        return vectors if isinstance(a, VectorType) and isinstance(b, VectorType) else None
+
+    overload(symbol)(choose)
+
+
+for _symbol, _instruction in ((operator.add, "fadd"), (operator.sub, "fsub"), (operator.mul, "fmul")):
+    _operation(_symbol, _instruction)
