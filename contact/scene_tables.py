@@ -132,7 +132,7 @@ class CoatingTable(Table):
     thickness: Positive
     width: Positive
     tip: Positive
-    cells: Annotated[int, Field(ge=8, le=10_000_000)] = 3600
+    bars: Annotated[int, Field(ge=1, le=10_000)] = 6
     machined: NotNegative = 0.0
 
 

@@ -91,7 +91,7 @@ class Abradable:
     there is as stiff as the bars, and flows no more.
 
     `E`, `yield_stress`, `hardening` [Pa]; `thickness` [m]; the tip covers `width` [m] along the axis and `tip` [m]
-    around; `cells` bars around the rim; `machined` [m] is cut before the run, from the rim's highest point to a
+    around, `bars` of them; `machined` [m] is cut before the run, from the rim's highest point to a
     circle; `mu` of sliding friction as for `Coulomb`.
 
     >>> coating = Abradable(E=1e9, yield_stress=5e6, hardening=1e8, thickness=2e-3, width=0.04, tip=2e-3)
@@ -105,7 +105,7 @@ class Abradable:
     thickness: float
     width: float
     tip: float
-    cells: int = 3600
+    bars: int = 6
     machined: float = 0.0
     mu: float = 0.0
 
@@ -117,8 +117,8 @@ class Abradable:
             raise InputError(
                 f"machined: found {self.machined:g} m, expected at most the thickness {self.thickness:g} m"
             )
-        if not isinstance(self.cells, int) or not 8 <= self.cells <= 10_000_000:
-            raise InputError(f"cells: found {self.cells!r}, expected a whole number of bars from 8 to 10,000,000")
+        if not isinstance(self.bars, int) or not 1 <= self.bars <= 10_000:
+            raise InputError(f"bars: found {self.bars!r}, expected a whole number under the tip from 1 to 10,000")
 
     def stress(self, worn: float) -> float:
         """Stress at which a bar of this worn depth [m] flows [Pa]."""

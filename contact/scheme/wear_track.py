@@ -31,7 +31,7 @@ class Track:
     law: Abradable
     coating: Coating
     made: Array
-    radius: float
+    area: float  # of one bar [m^2]
     every: int = FIRST_EVERY
     maps: list[tuple[float, Array]] = field(default_factory=list)
 
@@ -43,18 +43,18 @@ class Track:
         """
         if law.tip > 0.5 * math.pi * system.radius:
             raise InputError(f"tip: found {law.tip:g} m, expected at most a quarter of the rim of {system.radius:g} m")
-        angle = _angles(law.cells)
+        cells = round(2.0 * math.pi * system.radius * law.bars / law.tip)
+        angle = _angles(cells)
         mean = float(system.clearance.cos[system.clearance.harmonic == 0].sum())
         made = np.array([system.clearance(float(phi)) for phi in angle]) - mean
-        under = max(1, round(law.tip * law.cells / (2.0 * math.pi * system.radius)))
-        area = law.width * law.tip / under
+        area = law.width * 2.0 * math.pi * system.radius / cells
         circle = float(made.min()) + law.machined if law.machined else -math.inf
         coating = Coating(
-            worn=np.zeros(law.cells), round=circle, mean=mean, thickness=law.thickness,
+            worn=np.zeros(cells), round=circle, mean=mean, thickness=law.thickness,
             stiffness=law.E * area / law.thickness, yield_force=law.yield_stress * area,
-            hardening=law.hardening * area / law.thickness, under=under, memory=np.zeros(3),
+            hardening=law.hardening * area / law.thickness, under=law.bars, memory=np.zeros(3),
         )  # fmt: skip
-        return Track(law=law, coating=coating, made=made, radius=system.radius)
+        return Track(law=law, coating=coating, made=made, area=area)
 
     @property
     def elastic(self) -> float:
@@ -77,16 +77,15 @@ class Track:
         return -1 if steps else loop(first, 0)
 
     def wear(self) -> Wear:
-        """What was lost so far; volume and energy are those of bars as long as the rim, side by side."""
+        """What was lost so far."""
         worn, law = self.coating.worn, self.law
         cut = np.maximum(self.coating.round - self.made, 0.0)
-        area = law.width * law.tip / self.coating.under
         times = [time for time, _ in self.maps]
         return Wear(
-            angle=_angles(law.cells), made=self.made, cut=cut, worn=worn, map_time=np.array(times),
+            angle=_angles(worn.size), made=self.made, cut=cut, worn=worn, map_time=np.array(times),
             map=np.array([depth for _, depth in self.maps]).reshape(len(times), worn.size),
-            volume=area * float(worn.sum()), dissipated=float(self.coating.memory[0]),
-            stated=area * float(np.sum(worn * (law.yield_stress + 0.5 * law.hardening * worn / law.thickness))),
+            volume=self.area * float(worn.sum()), dissipated=float(self.coating.memory[0]),
+            stated=self.area * float(np.sum(worn * (law.yield_stress + 0.5 * law.hardening * worn / law.thickness))),
             bare=int(np.count_nonzero(worn >= law.thickness - cut)),
         )  # fmt: skip
 

@@ -13,7 +13,7 @@ SOFT = {"E": 1e9, "yield_stress": 2e4, "hardening": 1e6, "thickness": 1e-3, "wid
 
 
 def coating(**changes):
-    return ct.Abradable(**{**SOFT, "cells": 720, **changes})
+    return ct.Abradable(**{**SOFT, "bars": 2, **changes})
 
 
 def rim(*, clearance=-2e-5, zeta=0.01, speed_hz=5.0, terms=TERMS, **options):
@@ -81,7 +81,7 @@ def test_at_rest_the_force_is_what_the_worn_bar_leaves():
     result = ct.run(scene, law=law, t_end=0.4, dt=2e-5)
     system = rim_system(scene)
     compliance = np.sum(system.Q**2 / system.omega**2) + system.S_nn(0.0)
-    area = law.width * law.tip
+    area = law.width * 2.0 * np.pi * 0.45 * 2 / 942  # two bars
     worn = result.wear.worn.max()
     assert worn > 1e-5
     force = (1e-4 - worn) / (compliance + law.thickness / (law.E * area))
@@ -96,7 +96,8 @@ def test_the_worn_volume_is_the_energy_dissipated(hardening):
     wear = result.wear
     assert wear.volume > 1e-9
     assert abs(wear.residual) <= 1e-12
-    bar = law.width * law.tip / 2  # 720 bars of 3.9 mm: two under a tip of 6 mm
+    assert wear.worn.size == 942  # bars of 3 mm around a radius of .45 m
+    bar = law.width * 2.0 * np.pi * 0.45 / 942
     assert wear.volume == pytest.approx(bar * wear.worn.sum(), rel=1e-12)
     assert wear.stated == pytest.approx(bar * sum(law.dissipated(w) for w in wear.worn), rel=1e-12)
     assert (wear.stated == pytest.approx(law.yield_stress * wear.volume, rel=1e-12)) == (hardening == 0.0)
@@ -162,8 +163,8 @@ def test_long_runs_keep_every_second_map(monkeypatch):
 
 
 def test_bad_coatings():
-    with pytest.raises(ct.InputError, match="cells: found 3, expected"):
-        coating(cells=3)
+    with pytest.raises(ct.InputError, match="bars: found 0, expected"):
+        coating(bars=0)
     with pytest.raises(ct.InputError, match="hardening: found -1"):
         coating(hardening=-1.0)
     with pytest.raises(ct.InputError, match=r"machined: found 0\.00107 m, expected at most"):

@@ -1,0 +1,88 @@
+"""Abradable coating: machined to a circle the contact stays closed; where it flows, wear ends the interaction.
+
+`python -m reports.wear [--quick] [--out DIR]` runs the scenes of data/scenes/abradable on the frustum of section_44:
+how long the contact is closed in the first and the last turn, what is worn, and how the energy that the coating's law
+dissipated compares with the worn profile. Then worn volumes by step, bars and modes. Pictures go to DIR/abradable.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import contact as ct
+from casingfem.outfiles import write_atomic
+from casingfem.plot_wear import figure_wear
+from reports.rim_levels import level_history
+from reports.section_44 import N_MAX, RECORD, N, make_blades, make_casing, rim_of
+from reports.tables import DATA, Row, command_line, show, write
+
+SCENES = DATA / "scenes" / "abradable"
+CASES = ("as_made", "machined", "worn", "digging_hard", "digging_soft")
+TURN = 0.2  # s
+
+
+def main(out: Path, quick: bool = False) -> list[Row]:
+    """Print the tables, draw profiles and maps; returns the rows of the first table."""
+    folder = out / "abradable"
+    make_blades(folder)
+    body = make_casing(folder, *((20, 1) if quick else (N_MAX, 2)))
+    rows: list[Row] = []
+    for name in CASES:
+        write_atomic(folder / f"{name}.toml", (SCENES / f"{name}.toml").read_text(encoding="utf-8"))
+        scene = ct.load_scene(folder / f"{name}.toml")
+        result = ct.run(scene, t_end=1.0 if quick else None, record=RECORD)
+        rows.append({"coating": name.replace("_", " "), **told(body, result)})
+        if result.wear is not None and result.wear.volume > 0.0:
+            wear = result.wear
+            write_atomic(folder / f"{name}.png", lambda path, wear=wear: figure_wear(wear).savefig(path, format="png"))
+    show("Five turns a second, with the defect", rows)
+    write(out / "wear.csv", rows)
+    show("Worn volume [mm^3] by step, bars and modes", refined(folder, quick))
+    return rows
+
+
+def told(body: ct.ModalBody, result: ct.Result) -> Row:
+    """What a run shows of contact, motion and wear."""
+    wear = result.wear
+    assert wear is not None  # every scene here is coated
+    end = result.steps * result.dt
+    levels = level_history(body, result, round(end / 0.05))[1]
+    return {
+        "closed, first turn [%]": closed(result, 0.0, TURN), "last turn [%]": closed(result, end - TURN, end),
+        f"n = {N}, highest [m]": float(levels[:, N].max()), "at the end [m]": float(levels[-1, N]),
+        "worn [mm^3]": 1e9 * wear.volume, "deepest [um]": 1e6 * float(wear.worn.max()),
+        "dissipated [J]": wear.dissipated, "against profile": wear.residual,
+        "ledger": abs(result.energy.unaccounted) / result.energy.scale,
+    }  # fmt: skip
+
+
+def closed(result: ct.Result, start: float, end: float) -> float:
+    """Share of a time in which the contact is closed [%]."""
+    held = sum(max(min(b, end) - max(a, start), 0.0) for a, b in result.intervals[0])
+    return 100.0 * held / (end - start)
+
+
+def refined(folder: Path, quick: bool) -> list[Row]:
+    """Worn volumes of the two soft coatings with half the step, twice the bars and twice the modes."""
+    doubled = None if quick else make_casing(folder, N_MAX, 4, name="casing_doubled")
+    rows: list[Row] = []
+    for name in ("worn", "digging_soft"):
+        scene = ct.load_scene(folder / f"{name}.toml")
+        t_end, dt = 0.4 if quick else scene.t_end, scene.dt
+        assert isinstance(scene.law, ct.Abradable)
+        assert dt is not None
+        fine = replace(scene.law, bars=2 * scene.law.bars)
+        runs = {
+            "as it is": ct.run(scene, t_end=t_end, record=RECORD),
+            "dt/2": ct.run(scene, t_end=t_end, dt=0.5 * dt, record=RECORD),
+            "bars x 2": ct.run(scene, t_end=t_end, law=fine, record=RECORD),
+        }
+        if doubled is not None:
+            what = replace(rim_of(scene), casing=doubled)
+            runs[f"{doubled.omega.size} modes"] = ct.run(replace(scene, what=what), record=RECORD)
+        volumes = {key: 1e9 * run.wear.volume for key, run in runs.items() if run.wear is not None}
+        rows.append({"coating": name.replace("_", " "), **volumes})
+    return rows
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main)
