@@ -7,6 +7,7 @@ from casingfem.cli.doctor import doctor
 from casingfem.cli.explain import explain
 from casingfem.cli.identify import identify
 from casingfem.cli.mistune import mistune
+from casingfem.cli.rig import rig
 from casingfem.cli.study import modes, reduce, report, schema, update
 
 __all__ = ["main"]
@@ -25,5 +26,19 @@ def main() -> None:
     """
 
 
-for command in (modes, identify, mistune, update, reduce, contact, rub, stability, report, schema, explain, doctor):
+for command in (
+    modes,
+    identify,
+    mistune,
+    rig,
+    update,
+    reduce,
+    contact,
+    rub,
+    stability,
+    report,
+    schema,
+    explain,
+    doctor,
+):
     main.add_command(command)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -16,8 +17,21 @@ APART = 1e-4  # least eigenvalue of the lines' correlations: below it the record
 BESIDE = (3, 30)  # bins beside a line whose residual is its noise floor
 
 
-def fit_lines(record: ScanRecord, omega: FloatArray, order: FloatArray) -> tuple[Array, FloatArray, FloatArray]:
-    """Complex amplitudes of lines e^(i (omega t + n theta)), their uncertainty and the floor beside them, (lines,)."""
+class LineFit(NamedTuple):
+    """Complex amplitudes of lines, their uncertainty, the floor beside them, (lines,); what the lines leave.
+
+    `left` is the residual's rms over that of white noise with the residual's median spectrum: 1 where only noise is
+    left, more where there are lines that were not fitted.
+    """
+
+    amplitude: Array
+    sigma: FloatArray
+    floor: FloatArray
+    left: float
+
+
+def fit_lines(record: ScanRecord, omega: FloatArray, order: FloatArray) -> LineFit:
+    """Fit lines e^(i (omega t + n theta)) to the velocity."""
     G, b = np.zeros((2 * len(omega),) * 2), np.zeros(2 * len(omega))
     for part, waves in columns(record, omega, order):
         G += waves.T @ waves
@@ -36,10 +50,12 @@ def fit_lines(record: ScanRecord, omega: FloatArray, order: FloatArray) -> tuple
     residual = record.velocity.copy()
     for part, waves in columns(record, omega, order):
         residual[part] -= waves @ x
-    level = noise_beside(residual, record.fs, np.abs(omega / (2.0 * np.pi) + order * record.rate))
+    power = white_level(residual)
+    level = noise_beside(power, len(residual), record.fs, np.abs(omega / (2.0 * np.pi) + order * record.rate))
     real, imag = x.reshape(2, -1)
     sigma = np.sqrt(level * variance.reshape(2, -1).max(axis=0))
-    return real + 1j * imag, sigma, np.sqrt(level / len(residual))
+    left = float(np.sqrt(np.mean(residual**2) * np.log(2.0) / max(float(np.median(power)), 1e-300)))
+    return LineFit(real + 1j * imag, sigma, np.sqrt(level / len(residual)), left)
 
 
 def columns(record: ScanRecord, omega: FloatArray, order: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
@@ -51,14 +67,18 @@ def columns(record: ScanRecord, omega: FloatArray, order: FloatArray) -> Iterato
         yield part, np.hstack([np.cos(phase), -np.sin(phase)])
 
 
-def noise_beside(residual: FloatArray, fs: float, freq: FloatArray) -> FloatArray:
-    """Variance that white noise as strong as the residual beside each line would have, (lines,).
-
-    From the median of the Hann spectrum beside the line: what else stands there does not count.
-    """
+def white_level(residual: FloatArray) -> FloatArray:
+    """Power spectrum (Hann) that is the variance for white noise, (count/2 + 1,)."""
     count = len(residual)
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
-    power = np.abs(np.fft.rfft(residual * window)) ** 2 / np.sum(window**2)
+    return np.asarray(np.abs(np.fft.rfft(residual * window)) ** 2 / np.sum(window**2))
+
+
+def noise_beside(power: FloatArray, count: int, fs: float, freq: FloatArray) -> FloatArray:
+    """Variance that white noise as strong as the residual beside each line would have, (lines,).
+
+    From the median of the spectrum beside the line: what else stands there does not count.
+    """
     centre = np.rint(freq * count / fs).astype(np.int64)
     away = np.arange(BESIDE[0], BESIDE[1] + 1)
     bins = np.clip(centre[:, None] + np.r_[-away[::-1], away], 1, len(power) - 1)

@@ -25,6 +25,8 @@ from casingfem.experiment.circle_lines import ScanError, require_clear
 from casingfem.experiment.circle_record import ScanRecord
 
 SEEN = 4.0  # standard deviations above which a line is there
+LEFT = 1.5  # times the noise that a fit may leave before the table says so
+NOISE = 1e-9  # of the largest line: below it there is round-off alone
 
 
 class Wave(NamedTuple):
@@ -62,6 +64,9 @@ class CircleScan:
         Amplitude spectrum of the noise beside each line: rms in one bin of the record, (tones, lines).
     rate
         Mean rate of the spot [turns/s].
+    left
+        Rms of what the lines leave over that of the noise alone: above 1.5 there are orders or tones not fitted, which
+        leak into those that are.
     """
 
     tones: FloatArray
@@ -70,6 +75,7 @@ class CircleScan:
     sigma: FloatArray
     floor: FloatArray
     rate: float
+    left: float
 
     def __post_init__(self) -> None:
         for name in ("tones", "n", "V", "sigma", "floor"):
@@ -117,6 +123,8 @@ class CircleScan:
                     f" {angle:>7} {sigma:>6} {w.travelling:>7.3f}"
                 )
         rows.append(f"{len(rows) - 1} waves above {SEEN:g} sigma of {len(self.waves())}, {self.rate:.4g} turns/s")
+        if self.left > LEFT and np.median(self.floor) > NOISE * np.abs(self.V).max():
+            rows.append(f"what is left is {self.left:.2g} times the noise: orders or tones that were not fitted")
         return "\n".join(rows)
 
 
@@ -160,8 +168,8 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
     record
         The scan.
     orders
-        Highest n, or the orders n to look for. A wave of another order stays in the residual, and its tone's other
-        lines are none the worse.
+        Highest n, or the orders n to look for. A wave of another order leaks into these as 1/(turns of the record);
+        `left` shows it.
     runout
         Harmonics of the turn, 0 to this one, that are fitted beside: run-out and speckle repeat every turn.
 
@@ -191,14 +199,16 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
     order = np.r_[np.tile(n, len(tones)), np.arange(1 if runout else 0, 0), np.arange(runout + 1 if runout else 0)]
     fit = fit_lines(record, omega, order)
     shape = (len(tones), len(n))
-    V, sigma, floor = (values[: len(tones) * len(n)].reshape(shape) for values in fit)
-    found = CircleScan(tones=tones, n=n, V=V, sigma=sigma, floor=floor, rate=record.rate)
+    V, sigma, floor = (values[: len(tones) * len(n)].reshape(shape) for values in fit[:3])
+    found = CircleScan(tones=tones, n=n, V=V, sigma=sigma, floor=floor, rate=record.rate, left=fit.left)
     return found if record.force is None else per_newton(found, record)
 
 
 def per_newton(found: CircleScan, record: ScanRecord) -> CircleScan:
     """Waves over the force at their tone."""
     assert record.force is not None
-    force = fit_lines(replace(record, velocity=record.force), 2.0 * np.pi * found.tones, np.zeros(len(found.tones)))[0]
+    force = fit_lines(
+        replace(record, velocity=record.force), 2.0 * np.pi * found.tones, np.zeros(len(found.tones))
+    ).amplitude
     over = force[:, None]
     return replace(found, V=found.V / over, sigma=found.sigma / np.abs(over), floor=found.floor / np.abs(over))

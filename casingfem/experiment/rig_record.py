@@ -106,6 +106,7 @@ def record(
     blocks: int,
     seed: int,
     quantity: Quantity = "accelerance",
+    card: Sequence[str] = (),
 ) -> Record:
     """What sensors see from rest on, without noise: one excitation for each drive, independent of each other.
 
@@ -142,7 +143,7 @@ def record(
         rig=rig,
         drives=tuple(by),
         sensors=tuple(to),
-        card=(SYNTHETIC, f"excitation: {'; '.join(map(repr, excitations))}; seed {seed}"),
+        card=(SYNTHETIC, *card, f"excitation: {'; '.join(map(repr, excitations))}; seed {seed}"),
     )
 
 

@@ -125,6 +125,7 @@ def scan(
     seed: int,
     snr_db: float | None = None,
     highest: int | None = None,
+    card: Sequence[str] = (),
 ) -> Scan:
     """A circle scan in the steady state.
 
@@ -165,11 +166,11 @@ def scan(
     V = np.array([felt[f] for f in freq.tolist()])
     angle = spot_angle(turn, fs, count, rng)
     velocity = seen(V, freq, n, angle, fs) + every_turn(turn, angle, rng)
-    card = [SYNTHETIC, f"circle scan: {turn!r}; tones {[tuple(tone) for tone in tones]}; seed {seed}"]
+    said = [SYNTHETIC, *card, f"circle scan: {turn!r}; tones {[tuple(tone) for tone in tones]}; seed {seed}"]
     if snr_db is not None:
         velocity = velocity + noise(velocity[None], snr_db, rng)[0]
-        card.append(f"noise: {snr_db:g} dB below the rms")
-    record = ScanRecord(fs=fs, velocity=velocity, angle=angle, tones=tuple(freq.tolist()), card=tuple(card))
+        said.append(f"noise: {snr_db:g} dB below the rms")
+    record = ScanRecord(fs=fs, velocity=velocity, angle=angle, tones=tuple(freq.tolist()), card=tuple(said))
     return Scan(record=record, n=n, V=V)
 
 

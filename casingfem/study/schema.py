@@ -7,33 +7,12 @@ names those that the study of a shell on a chart cannot do without; one of an im
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypedDict
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
+
+from casingfem.study.rig_tables import RigTable
+from casingfem.study.table import Edge, Length, NotNegative, Positive, Relative, Table
 
 REQUIRED = ("material", "chart", "shell")
-
-
-def at_least(least: float) -> AfterValidator:
-    """Refuse positive numbers too small to be meant."""
-
-    def check(value: float) -> float:
-        if value < least:
-            raise ValueError(f"found {value!r}, expected at least {least:g}")
-        return value
-
-    return AfterValidator(check)
-
-
-Positive = Annotated[float, Field(gt=0, le=1e25), at_least(1e-25)]
-NotNegative = Annotated[float, Field(ge=0, le=1e25)]
-Length = Annotated[float, Field(gt=0, le=1e3), at_least(1e-7)]  # more than a kilometre is meant in mm
-Relative = Annotated[float, Field(ge=-1, le=1)]
-Edge = str
-
-
-class Table(BaseModel):
-    """A table of the file: unknown keys, inf and nan are errors; nothing is converted."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 class MaterialTable(Table):
@@ -460,6 +439,7 @@ class StudyFile(Table):
     mesh: MeshTable = MeshTable()
     update: UpdateTable | None = None
     reduce: ReduceTable | None = None
+    rig: RigTable | None = Field(default=None, description="the virtual test rig")
 
 
 def schema() -> dict[str, Any]:

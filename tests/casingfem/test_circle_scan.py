@@ -81,6 +81,17 @@ def test_orders_that_are_not_there_are_not_seen():
     assert false <= 2
 
 
+def test_a_fit_says_what_it_leaves():
+    clean = wave(8, 0.11, seconds=4.0)
+    noisy = clean.velocity + 0.01 * np.random.default_rng(SEED).standard_normal(clean.velocity.size)
+    record = ScanRecord(fs=FS, velocity=noisy, angle=clean.angle, tones=clean.tones)
+    whole, part = demodulate(record, 9), demodulate(record, 7)
+    assert whole.left == pytest.approx(1.0, abs=0.05)
+    assert part.left > 10.0
+    assert "orders or tones that were not fitted" in repr(part)
+    assert "not fitted" not in repr(whole)
+
+
 def test_a_record_of_no_whole_turns_or_periods_does_not_leak():
     found = demodulate(wave(8, 0.11, seconds=3.4567, rate=1.234), 12)
     others = np.abs(found.V[0, np.abs(found.n) != 8])

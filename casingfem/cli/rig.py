@@ -1,0 +1,86 @@
+"""The command rig: the virtual test rig of a study, and what it measures."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.study import STUDY
+from casingfem.outfiles import Content, json_text
+
+if TYPE_CHECKING:
+    from casingfem.study.rig import RigTest
+
+
+@click.command()
+@STUDY
+@options
+def rig(file: Path, as_json: bool, out: Path | None) -> None:
+    """Test the structure of STUDY on the virtual rig that its [rig] describes.
+
+    With --out DIR: frequency responses (frfs.uff with geometry, frfs.npz), their coherence, the circle scan (scan.npz),
+    the truth behind them (truth.csv), pictures. Everything says SYNTHETIC first.
+    """
+    from casingfem.study import load_study
+    from casingfem.study.rig import run_rig
+
+    study = load_study(file)
+    with Working(f"rig of {file.name}") as working:
+        test = run_rig(study)
+    document = {
+        "synthetic": True,
+        "modes": [
+            {"mode": k + 1, "freq_hz": f, "n": n if n >= 0 else None, "angle_deg": a, "zeta": z}
+            for k, (f, n, a, z) in enumerate(
+                zip(*(c.tolist() for c in (test.truth.freq_hz, test.truth.n, test.truth.angle_deg, test.truth.zeta)),
+                    strict=True)
+            )
+        ],
+        "frfs": None if test.frfs is None else {
+            "channels": len(test.frfs), "lines": len(test.frfs.x), "unit": test.frfs.unit
+        },
+        "waves": None if test.waves is None else [w._asdict() for w in test.waves.waves() if w.seen],
+        "seconds": working.seconds,
+        "source": study.source,
+    }  # fmt: skip
+    files = {} if out is None else result_files(test, document)
+    deliver(document, words(test), as_json=as_json, out=out, files=files)
+
+
+def words(test: "RigTest") -> str:
+    """What was made, in lines."""
+    parts = ["SYNTHETIC: nobody measured this", repr(test.rig), repr(test.truth)]
+    parts += [] if test.frfs is None else [repr(test.frfs)]
+    if test.coherence is not None:
+        parts.append(f"coherence {np.median(test.coherence.responses.real):.4f} (median)")
+    parts += [] if test.scan is None else [repr(test.scan.record), repr(test.waves)]
+    return "\n".join(parts)
+
+
+def result_files(test: "RigTest", document: dict[str, Any]) -> dict[str, Content]:
+    """Records, truth, document and pictures."""
+    from casingfem.experiment.rig_files import write_rig_uff
+    from casingfem.plot_experiment import figure_deflections, figure_responses, figure_scan
+
+    files: dict[str, Content] = {"rig.json": json_text(document, indent=1), "truth.csv": test.truth.to_csv}
+    pictures = {}
+    if test.frfs is not None:
+        frfs = test.frfs
+        files["frfs.uff"] = lambda path: write_rig_uff(path, test.rig, [frfs])
+        files["frfs.npz"] = frfs.save
+        pictures["frfs.png"] = figure_responses(frfs, marks=test.truth.freq_hz, coherence=test.coherence)
+    if test.coherence is not None:
+        files["coherence.npz"] = test.coherence.save
+    if test.scan is not None and test.waves is not None:
+        files["scan.npz"] = test.scan.record.save
+        pictures["scan.png"] = figure_scan(test.scan.record, test.waves)
+        largest = [max(range(len(test.waves.n)), key=lambda k: abs(V[k])) for V in test.waves.V]
+        shown = [(tone, abs(int(test.waves.n[k]))) for tone, k in enumerate(largest)][:8]
+        pictures["deflections.png"] = figure_deflections(test.waves, shown)
+    for name, figure in pictures.items():
+        files[name] = lambda path, figure=figure: figure.savefig(  # type: ignore[misc]
+            path, format="png", dpi=150, metadata={"Software": None}
+        )
+    return files

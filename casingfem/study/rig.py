@@ -1,0 +1,206 @@
+"""The test that [rig] of a study describes: probes, frequency responses, a circle scan, and the truth behind them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.experiment.circle_scan import CircleScan, demodulate
+from casingfem.experiment.frf import FrfSet
+from casingfem.experiment.frf_estimate import estimate
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.rig import Rig
+from casingfem.experiment.rig_excitation import BurstRandom, Excitation, Impact, Random
+from casingfem.experiment.rig_files import origin
+from casingfem.experiment.rig_noise import noisy
+from casingfem.experiment.rig_record import BAND, measured, record
+from casingfem.experiment.rig_scan import Scan, Tone, Turning, scan
+from casingfem.experiment.rig_structure import Place, circle, damping_spread, rig_of
+from casingfem.experiment.rig_truth import truth
+from casingfem.modal.modes import modes
+from casingfem.study.load import Study
+from casingfem.study.problems import StudyError
+from casingfem.study.rig_tables import PlaceTable, ResponsesTable, RigTable, ScanTable, SensorTable
+
+NOISE, SCAN, DAMPING = 1, 2, 3  # added to the seed: what is random is so by itself
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RigTest:
+    """What a test made: the rig with its probes, its truth, responses and their coherence, the scan and its waves."""
+
+    rig: Rig
+    truth: FrequencyTable
+    frfs: FrfSet | None
+    coherence: FrfSet | None
+    scan: Scan | None
+    waves: CircleScan | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Layout:
+    """Which probes are drives, sensors and the scan's circle."""
+
+    drives: range
+    sensors: range
+    circle: range
+
+
+def run_rig(study: Study) -> RigTest:
+    """Put the study's structure on the rig and test it.
+
+    Raises
+    ------
+    StudyError
+        Without [rig], or where a part of it cannot be.
+    """
+    table = study.file.rig
+    if table is None:
+        raise study.error("rig", "nothing", "a table [rig]: seed, zeta, [[rig.drive]]")
+    if table.test is not None and not table.sensor:
+        raise study.error("rig.sensor", "nothing", "tables [[rig.sensor]] for [rig.test]")
+    if table.scan is not None and table.scan.drive > len(table.drive):
+        raise study.error("rig.scan.drive", str(table.scan.drive), f"1 to {len(table.drive)}, a [[rig.drive]]")
+    try:
+        return tested(study, table)
+    except ValueError as error:
+        raise StudyError([f"{study.path}: rig: {line}" for line in str(error).splitlines()]) from error
+
+
+def tested(study: Study, table: RigTable) -> RigTest:
+    """The rig and all its records."""
+    places, layout = laid_out(study, table)
+    found = modes(study.shell, **study.file.modes.wanted)
+    zeta = damping_spread(table.zeta, table.zeta_spread, len(found), seed=table.seed + DAMPING)
+    rig = rig_of(found, places, zeta=zeta)
+    card = origin(rig, f"study: {study.path.name}, sha256 {study.source['sha256']}, seed {table.seed}")
+    whole = [k for k in (layout.circle, circle_of(table, layout)) if len(k)][:1]
+    made = None if table.scan is None else scanned(rig, table, table.scan, layout, card)
+    frfs, coherence = (None, None) if table.test is None else responses(rig, table, table.test, layout, card)
+    return RigTest(
+        rig=rig,
+        truth=truth(rig, whole[0] if whole else (), card),
+        frfs=frfs,
+        coherence=coherence,
+        scan=made,
+        waves=None
+        if made is None or table.scan is None
+        else demodulate(made.record, table.scan.orders, runout=len(table.scan.runout)),
+    )
+
+
+def laid_out(study: Study, table: RigTable) -> tuple[list[Place], Layout]:
+    """All probes: drives, sensors, then the scan's circle."""
+    closed = study.shell.chart.periodic
+    drives = [place_of(study, f"drive[{k + 1}]", entry, closed) for k, entry in enumerate(table.drive)]
+    sensors = [
+        place for k, entry in enumerate(table.sensor) for place in sensors_of(study, f"sensor[{k + 1}]", entry, closed)
+    ]
+    spots: list[Place] = []
+    if table.scan is not None:
+        if not closed:
+            raise study.error("rig.scan", "an open chart", "a closed casing: the spot runs round it")
+        spots = circle(table.scan.height, table.scan.points or 2 * table.scan.orders + 3)
+    first, second = len(drives), len(drives) + len(sensors)
+    ranges = Layout(drives=range(first), sensors=range(first, second), circle=range(second, second + len(spots)))
+    return [*drives, *sensors, *spots], ranges
+
+
+def place_of(study: Study, key: str, table: PlaceTable, closed: bool) -> Place:
+    """The place of a table."""
+    if table.at is not None:
+        return Place(at=(table.at[0], table.at[1]), direction=table.direction, mass=table.mass)
+    if not closed:
+        raise study.error(f"rig.{key}.height", "an open chart", "at = [a, b], parameters of the chart")
+    assert table.height is not None  # the table has seen to it
+    at = (table.height, float(np.radians(table.angle_deg)))
+    return Place(at=at, direction=table.direction, mass=table.mass)
+
+
+def sensors_of(study: Study, key: str, table: SensorTable, closed: bool) -> list[Place]:
+    """One place, or a circle of them."""
+    first = place_of(study, key, table, closed)
+    if table.count == 1:
+        return [first]
+    if not closed:
+        raise study.error(f"rig.{key}.count", str(table.count), "1 on an open chart")
+    return circle(first.at[0], table.count, first_angle=first.at[1], direction=first.direction, mass=first.mass)
+
+
+def circle_of(table: RigTable, layout: Layout) -> range:
+    """The probes of the only [[rig.sensor]] that is a radial circle, to label the truth by."""
+    whole = len(table.sensor) == 1 and table.sensor[0].count > 2 and table.sensor[0].direction == "radial"
+    return layout.sensors if whole else range(0)
+
+
+def responses(
+    rig: Rig, table: RigTable, test: ResponsesTable, layout: Layout, card: tuple[str, ...]
+) -> tuple[FrfSet, FrfSet | None]:
+    """Frequency responses, and their coherence where they come from records."""
+    low, high = test.band_hz
+    if test.kind == "exact":
+        lines = low + test.resolution_hz * np.arange(int((high - low) / test.resolution_hz + 1e-9) + 1)
+        frfs = rig.frfs(lines, sensors=layout.sensors, drives=layout.drives, quantity=table.quantity, card=card)
+        return (frfs if test.snr_db is None else noisy(frfs, test.snr_db, seed=table.seed + NOISE)), None
+    force = excitation(test)
+    block = int(2 ** np.ceil(np.log2(BAND * force.highest / test.resolution_hz)))
+    clean = record(
+        rig,
+        [force] * len(layout.drives),
+        drives=layout.drives,
+        sensors=layout.sensors,
+        fs=block * test.resolution_hz,
+        block=block,
+        blocks=test.blocks,
+        seed=table.seed,
+        quantity=table.quantity,
+        card=card,
+    )
+    taken = measured(clean, seed=table.seed + NOISE, snr_db=test.snr_db, bits=test.bits)
+    stationary = test.kind == "random"
+    found = estimate(
+        taken,
+        window="hann" if stationary else "rectangular",
+        overlap=0.5 if stationary else 0.0,
+        estimator=test.estimator,
+        band=(low, high),
+    )
+    return found.frfs, found.coherence
+
+
+def excitation(test: ResponsesTable) -> Excitation:
+    """The force of a test by records: its band reaches a tenth beyond that of the responses."""
+    low, high = test.band_hz
+    band = (0.9 * low, 1.1 * high)
+    if test.kind == "random":
+        return Random(rms=test.force, band=band)
+    if test.kind == "burst-random":
+        return BurstRandom(rms=test.force, band=band, part=test.part)
+    return Impact(peak=test.force, width=1.0 / high if test.width is None else test.width)
+
+
+def scanned(rig: Rig, table: RigTable, entry: ScanTable, layout: Layout, card: tuple[str, ...]) -> Scan:
+    """The circle scan."""
+    turn = Turning(
+        mirror=entry.mirror_hz,
+        casing=entry.casing_hz,
+        wander=entry.wander,
+        speckle=entry.speckle,
+        runout=tuple((pair[0], pair[1]) for pair in entry.runout),
+    )
+    drive = layout.drives[entry.drive - 1]
+    in_space = entry.fixed_in == "space"
+    return scan(
+        rig,
+        turn,
+        [Tone(freq, entry.force) for freq in entry.tones_hz],
+        circle=layout.circle,
+        drive=None if in_space else drive,
+        drive_circle=layout.circle if in_space else (),
+        drive_angle=rig.probes[drive].angle,
+        fs=entry.fs,
+        seconds=entry.seconds,
+        seed=table.seed + SCAN,
+        snr_db=entry.snr_db,
+        highest=entry.orders if in_space else None,
+        card=card,
+    )

@@ -1,0 +1,91 @@
+"""[rig] of a study file: what the virtual test rig excites, measures and adds."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from casingfem.study.table import NotNegative, Positive, Table
+
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+Band = Annotated[list[Positive], Field(min_length=2, max_length=2)]
+Direction = Literal["radial", "hoop", "axial", "x", "y", "z", "normal"]
+Angle = Annotated[float, Field(ge=-360, le=360)]
+Ratio = Annotated[float, Field(ge=-60, le=300)]
+
+
+class PlaceTable(Table):
+    """A place: height and angle_deg on a casing, or at = [a, b], parameters of the chart."""
+
+    height: NotNegative | None = Field(default=None, description="along the axis of a casing [m]")
+    angle_deg: Angle = Field(default=0.0, description="around a casing [degrees]")
+    at: Pair | None = Field(default=None, description="parameters of the chart, instead of height and angle_deg")
+    direction: Direction = Field(default="radial", description="of the motion")
+    mass: Annotated[float, Field(ge=0, le=10)] = Field(default=0.0, description="of the sensor there [kg]")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "PlaceTable":
+        if (self.height is None) == (self.at is None):
+            raise ValueError("found height and at, or neither, expected one of them")
+        return self
+
+
+class SensorTable(PlaceTable):
+    """[[rig.sensor]]: one sensor or laser spot, or a whole circle of them."""
+
+    count: int = Field(default=1, ge=1, le=1000, description="evenly spaced around a casing, from angle_deg on")
+
+
+class ResponsesTable(Table):
+    """[rig.test]: frequency responses, exact or from time records."""
+
+    kind: Literal["exact", "random", "burst-random", "impact"] = Field(description="exact, or by which force")
+    band_hz: Band = Field(description="[from, to] of the responses kept")
+    resolution_hz: Positive = Field(description="distance of the lines; of records one over the block's length")
+    blocks: int = Field(default=20, ge=1, le=10_000, description="blocks of a record")
+    force: Positive = Field(default=1.0, description="rms of a random force, peak of an impact [N]")
+    part: float = Field(default=0.4, gt=0, lt=1, description="of a block that a burst takes")
+    width: Positive | None = Field(default=None, description="of an impact [s]; 1/band_hz[1] if left out")
+    snr_db: Ratio | None = Field(default=None, description="signal over noise [dB]; none if left out")
+    bits: int | None = Field(default=None, ge=4, le=32, description="of the converter, records only")
+    estimator: Literal["H1", "H2"] = Field(default="H1", description="how records are averaged")
+
+    @model_validator(mode="after")
+    def _ascending(self) -> "ResponsesTable":
+        if not self.band_hz[0] < self.band_hz[1]:
+            raise ValueError(f"found band_hz = {self.band_hz}, expected two frequencies in order")
+        if self.bits is not None and self.kind == "exact":
+            raise ValueError("found bits with exact responses, expected records: random, burst-random or impact")
+        return self
+
+
+class ScanTable(Table):
+    """[rig.scan]: a laser spot that runs round while tones excite the casing."""
+
+    height: NotNegative = Field(description="of the spot's circle [m]")
+    tones_hz: Annotated[list[Positive], Field(min_length=1, max_length=100)] = Field(description="of the excitation")
+    force: Positive = Field(default=1.0, description="of each tone [N]")
+    drive: int = Field(default=1, ge=1, description="number of the [[rig.drive]] that excites")
+    fixed_in: Literal["casing", "space"] = Field(default="casing", description="where the force stands")
+    mirror_hz: float = Field(default=0.0, ge=-1000, le=1000, description="turns a second of the laser's mirror")
+    casing_hz: float = Field(default=0.0, ge=-1000, le=1000, description="turns a second of the casing on the lathe")
+    seconds: Positive = Field(description="length of the record")
+    fs: Positive = Field(description="samples a second")
+    orders: int = Field(ge=0, le=200, description="highest n looked for")
+    points: int | None = Field(default=None, ge=3, le=1000, description="of the circle; twice orders + 3 if left out")
+    snr_db: Ratio | None = Field(default=None, description="signal over noise [dB]; none if left out")
+    wander: float = Field(default=0.0, ge=0, le=0.1, description="relative slow variation of the rate")
+    speckle: NotNegative = Field(default=0.0, description="noise that repeats every turn [m/s]")
+    runout: list[Pair] = Field(default=[], description="[cos, sin] at once, twice, ... a turn [m/s]")
+
+
+class RigTable(Table):
+    """[rig]."""
+
+    seed: int = Field(ge=0, description="of all that is random")
+    zeta: float = Field(gt=0, lt=1, description="damping ratio, the median")
+    zeta_spread: float = Field(default=0.0, ge=0, lt=2, description="standard deviation of its logarithm, by mode")
+    quantity: Literal["receptance", "mobility", "accelerance"] = Field(default="accelerance", description="measured")
+    drive: list[PlaceTable] = Field(min_length=1, description="tables [[rig.drive]]: where it is excited")
+    sensor: list[SensorTable] = Field(default=[], description="tables [[rig.sensor]]")
+    test: ResponsesTable | None = Field(default=None, description="frequency responses")
+    scan: ScanTable | None = Field(default=None, description="circle scan")

@@ -1,0 +1,29 @@
+"""What all tables of a study file share: strict values, and numbers with the ranges that physics leaves them."""
+
+from typing import Annotated
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+
+def at_least(least: float) -> AfterValidator:
+    """Refuse positive numbers too small to be meant."""
+
+    def check(value: float) -> float:
+        if value < least:
+            raise ValueError(f"found {value!r}, expected at least {least:g}")
+        return value
+
+    return AfterValidator(check)
+
+
+Positive = Annotated[float, Field(gt=0, le=1e25), at_least(1e-25)]
+NotNegative = Annotated[float, Field(ge=0, le=1e25)]
+Length = Annotated[float, Field(gt=0, le=1e3), at_least(1e-7)]  # more than a kilometre is meant in mm
+Relative = Annotated[float, Field(ge=-1, le=1)]
+Edge = str
+
+
+class Table(BaseModel):
+    """A table of the file: unknown keys, inf and nan are errors; nothing is converted."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
