@@ -120,7 +120,12 @@ def _delassus(rows: Array, c: Array, S: Array) -> Array:
 
 
 def _roots(rows: Array, c: Array, S: Array) -> Array:
-    """Rows A with A A^T = H + S, for the active set."""
+    """Rows A with A A^T = H + S, for the active set, of no more columns than contacts."""
     from contact.solver.active_set import delassus_rows
 
-    return np.ascontiguousarray(delassus_rows(_delassus(rows, c, S)) if S.size else rows * np.sqrt(c))
+    if S.size:
+        return np.ascontiguousarray(delassus_rows(_delassus(rows, c, S)))
+    scaled = rows * np.sqrt(c)
+    if rows.shape[0] < rows.shape[1]:
+        scaled = np.asarray(np.linalg.qr(scaled.T, mode="r")).T
+    return np.ascontiguousarray(scaled)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,8 +13,10 @@ from contact.errors import InputError
 from contact.model.arrays import Array
 from contact.model.law import Abradable
 from contact.model.modal_system import ModalSystem
-from contact.solver.abradable import Coating
 from contact.wear import Wear
+
+if TYPE_CHECKING:
+    from contact.solver.abradable import Coating
 
 MOST_MAPS = 400  # stored maps: beyond, every second one is dropped
 FIRST_EVERY = 100  # steps between maps at first
@@ -21,6 +24,8 @@ FIRST_EVERY = 100  # steps between maps at first
 
 def bare() -> Coating:
     """No coating."""
+    from contact.solver.abradable import Coating
+
     return Coating(np.zeros(0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1, np.zeros(3))
 
 
@@ -41,6 +46,8 @@ class Track:
 
         Raises InputError when the tip is longer than a quarter of the rim.
         """
+        from contact.solver.abradable import Coating
+
         if law.tip > 0.5 * math.pi * system.radius:
             raise InputError(f"tip: found {law.tip:g} m, expected at most a quarter of the rim of {system.radius:g} m")
         cells = round(2.0 * math.pi * system.radius * law.bars / law.tip)
