@@ -4,8 +4,9 @@
 one reference and half with two, identifies each without help, and prints one row a set, the failures, the errors by
 size of the split and how often the truth lies in the 95 % intervals. It writes identification.csv.
 
-A mode counts as found where a mode of the same n lies within its half-power bandwidth and within 45/n deg; one found
-mode said to be an unresolved pair stands for both members. What is found beyond that is spurious.
+A mode counts as found where a mode of the same n lies within its half-power bandwidth and within 45/n deg (where the
+imperfections mix two n, either of those that hold a quarter of its energy will do, without an angle to judge); one
+found mode said to be an unresolved pair stands for both members. What is found beyond that is spurious.
 """
 
 from collections.abc import Sequence
@@ -24,6 +25,7 @@ SEEDS = range(301, 321)
 FREQ_PERCENT, ANGLE_DEG = 0.05, 3.0  # asked of pairs half a bandwidth apart or more
 RESOLVED = 0.5  # splits in half-power bandwidths from which pairs must be told apart
 NORMAL = 1.96
+SHARE = 0.25  # of a mode's energy, of an n that may be its label
 CLASSES = (0.0, 0.1, 0.2, 0.5, 1.0, np.inf)
 
 
@@ -45,6 +47,8 @@ class Judged(NamedTuple):
 def judge(data: TestSet, found: Identified, seed: int, references: int) -> tuple[list[Judged], list[int]]:
     """What became of each true mode, and the found modes that are none."""
     truth = data.modes
+    assert truth.rings is not None
+    shares = truth.rings.shares()
     taken: set[int] = set()
     judged = []
     for k in range(data.count):
@@ -53,16 +57,18 @@ def judge(data: TestSet, found: Identified, seed: int, references: int) -> tuple
         split = float(truth.splits[pair] / (2.0 * zeta)) if pair >= 0 else np.inf
         gap = np.abs(found.freq - freq)
         turn = n * np.radians(found.angle_deg - data.angle_deg[k])
-        near = (found.n == n) & (gap < 2.0 * zeta * freq)
-        told = near & ((np.abs(np.sin(turn)) < np.sqrt(0.5)) | (n == 0))
+        alike = (found.n >= 0) & (shares[found.n, k] > SHARE)
+        near = alike & (gap < 2.0 * zeta * freq)
+        told = near & ((np.abs(np.sin(turn)) < np.sqrt(0.5)) | (n == 0) | (found.n != n))
         told[list(taken)] = False
         whole = [j for j in found.unresolved if near[j]]
         nothing = (seed, references, n, freq, split)
         if told.any():
             j = int(np.argmin(np.where(told, gap, np.inf)))
             taken.add(j)
-            error = float(np.degrees(np.arcsin(np.sin(turn[j]))) / n) if n else 0.0
-            sigmas = (found.freq[j] - freq) / found.sigma_freq[j], error / found.sigma_angle[j] if n else 0.0
+            labelled = n > 0 and found.n[j] == n
+            error = float(np.degrees(np.arcsin(np.sin(turn[j]))) / n) if labelled else np.nan
+            sigmas = (found.freq[j] - freq) / found.sigma_freq[j], error / found.sigma_angle[j]
             errors = 100.0 * float(gap[j]) / freq, abs(error)
             judged.append(Judged(*nothing, "found", *errors, float(sigmas[0]), float(sigmas[1])))
         elif whole:
@@ -96,7 +102,7 @@ def set_row(found: Identified, judged: list[Judged], spurious: int) -> Row:
         "missed": sum(mode.outcome == "missed" for mode in judged),
         "spurious": spurious,
         "freq error %": max(mode.freq_percent for mode in met),
-        "angle error deg": max(mode.angle_deg for mode in met),
+        "angle error deg": max(mode.angle_deg for mode in met if np.isfinite(mode.angle_deg)),
         "seconds": found.seconds,
     }
 
@@ -115,9 +121,9 @@ def by_split(judged: Sequence[Judged]) -> list[Row]:
                 "as one": sum(mode.outcome == "one of a pair" for mode in members),
                 "missed": sum(mode.outcome == "missed" for mode in members),
                 "worst freq %": max((mode.freq_percent for mode in met), default=None),
-                "worst angle deg": max((mode.angle_deg for mode in met), default=None),
+                "worst angle deg": max((mode.angle_deg for mode in met if np.isfinite(mode.angle_deg)), default=None),
                 "95 % freq": coverage([mode.freq_sigmas for mode in met]),
-                "95 % angle": coverage([mode.angle_sigmas for mode in met if mode.n]),
+                "95 % angle": coverage([mode.angle_sigmas for mode in met if np.isfinite(mode.angle_sigmas)]),
             }
         )
     return rows

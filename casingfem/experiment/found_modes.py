@@ -1,4 +1,4 @@
-"""From fitted poles to modes: those of each band's core, once, labelled, paired, with what could have been missed."""
+"""From fitted poles to modes: those of each band's core, once, labelled, with what could have been missed."""
 
 from __future__ import annotations
 
@@ -7,20 +7,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from casingfem.arrays import Array, FloatArray
-from casingfem.experiment.circle import Circle, Label, quadrature
+from casingfem.experiment.circle import Circle, Label
 from casingfem.experiment.mode_shapes import mode_shape, residue_matrix
 from casingfem.experiment.pole_fit import PoleFit
 from casingfem.experiment.pole_selection import hidden_split
 from casingfem.experiment.sensor_grid import SensorGrid
 
-PAIR_SPAN = 0.3  # relative split beyond which two modes of one n are no pair
-APART = 0.7  # least quadrature of partners
+BALANCE = 0.2  # least `balance` of a shape that is two
 CHANCE = 25.0  # chi-squared, two degrees of freedom, below which two poles are not told apart
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FoundMode:
-    """One mode, or a pair that is not resolved; see `Identified` for the names."""
+    """One mode, or a pair that is not resolved; see `Identified` for the names.
+
+    `double` says that the residues hold two shapes: the mode is a pair, unless its partner stands elsewhere.
+    """
 
     freq: float
     sigma_freq: float
@@ -37,7 +39,8 @@ class FoundMode:
     collinearity: float
     signal: float
     split_bound: float
-    unresolved: bool
+    double: bool
+    unresolved: bool = False
 
 
 def found_modes(
@@ -71,30 +74,29 @@ def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: 
     if circle is not None:
         label = circle.label(shape.values * signs, shape.covariance * np.outer(signs, signs))
     peak = np.linalg.norm(fit.A[pole]) / (2.0 * zeta) * (freq / fit.window.scale) ** fit.window.power
-    unresolved = shape.second > 1.0
-    bound = hidden_split(fit, pole) / (shape.balance if unresolved else 1.0)
+    double = shape.second > 1.0 and shape.balance > BALANCE
     return FoundMode(
         freq=freq,
-        sigma_freq=freq * float(np.hypot(sigma[pole], 0.5 * bound if unresolved else 0.0)),
+        sigma_freq=freq * float(sigma[pole]),
         zeta=zeta,
         sigma_zeta=float(sigma[len(fit.freq) + pole] * zeta),
         n=label.n,
         purity=label.purity,
-        angle=float("nan") if unresolved else label.angle,
-        sigma_angle=float("nan") if unresolved else label.sigma,
+        angle=label.angle,
+        sigma_angle=label.sigma,
         shape=shape.values,
         sigma_shape=np.sqrt(np.diag(shape.covariance)),
         residues=residue_matrix(fit, pole, grid.channels),
         residue_scale=fit.window.scale,
         collinearity=shape.collinearity,
         signal=float(peak / np.sqrt(2.0 * fit.noise * fit.A.shape[2])),
-        split_bound=bound,
-        unresolved=unresolved,
+        split_bound=hidden_split(fit, pole) / (shape.balance if double else 1.0),
+        double=double,
     )
 
 
 def _merged(fit: PoleFit, modes: list[FoundMode]) -> list[FoundMode]:
-    """Put neighbours whose poles differ by no more than chance into one: a pair is there, its members are not told."""
+    """Put neighbours whose poles differ by no more than chance into one: a pair whose members are not told apart."""
     told: list[FoundMode] = []
     last = -2
     for k, mode in enumerate(modes):
@@ -119,7 +121,7 @@ def _distinct(fit: PoleFit, low: int, high: int) -> bool:
 
 
 def _one_of(fit: PoleFit, modes: list[FoundMode], low: int, high: int) -> FoundMode:
-    """The best common pole of two, by their covariance; its uncertainty holds half the largest split."""
+    """The best common pole of two, by their covariance; for a pair that is not told apart."""
     m = len(fit.freq)
     values = []
     for at, logs in (([low, high], np.log(fit.freq)), ([m + low, m + high], np.log(fit.zeta))):
@@ -130,54 +132,12 @@ def _one_of(fit: PoleFit, modes: list[FoundMode], low: int, high: int) -> FoundM
     (freq, sigma, gap), (zeta, sigma_zeta, _) = values
     bound = float(np.log(fit.freq[high] / fit.freq[low]) + 2.0 * gap)
     stronger = modes[low] if modes[low].signal > modes[high].signal else modes[high]
-    return replace(
-        stronger,
-        freq=freq,
-        sigma_freq=float(freq * np.hypot(sigma, 0.5 * bound)),
-        zeta=zeta,
-        sigma_zeta=float(zeta * sigma_zeta),
-        angle=float("nan"),
-        sigma_angle=float("nan"),
-        split_bound=bound,
-        unresolved=True,
-    )
+    one = replace(stronger, freq=freq, sigma_freq=float(freq * sigma), zeta=zeta, sigma_zeta=float(zeta * sigma_zeta))
+    return not_told_apart(replace(one, split_bound=bound))
 
 
-def paired(modes: list[FoundMode]) -> tuple[tuple[tuple[int, int], ...], tuple[int, ...]]:
-    """Doublets (lower, upper) of neighbours of the same n a quarter wave apart, and unresolved pairs."""
-    pairs, taken = [], set[int]()
-    for k, mode in enumerate(modes):
-        if k in taken or mode.n < 1 or mode.unresolved:
-            continue
-        others = (
-            m for m in range(k + 1, len(modes)) if modes[m].n == mode.n and m not in taken and not modes[m].unresolved
-        )
-        partner = next(others, None)
-        if partner is None or modes[partner].freq - mode.freq > PAIR_SPAN * mode.freq:
-            continue
-        if quadrature(mode.angle, modes[partner].angle, mode.n) > APART:
-            pairs.append((k, partner))
-            taken |= {k, partner}
-    unresolved = tuple(k for k, mode in enumerate(modes) if k not in taken and mode.unresolved)
-    return tuple(pairs), unresolved
-
-
-def notes_of(
-    modes: list[FoundMode], doublets: tuple[tuple[int, int], ...], unresolved: tuple[int, ...]
-) -> tuple[str, ...]:
-    """What cannot be told apart, in words."""
-    members = {k for pair in doublets for k in pair}
-    said = []
-    for k, mode in enumerate(modes):
-        share = mode.split_bound / (2.0 * mode.zeta)
-        if k in unresolved:
-            said.append(
-                f"pair at {mode.freq:.2f} Hz: split below {share:.2g} of its bandwidth ({mode.split_bound:.1e}"
-                " relative), given as one frequency"
-            )
-        elif mode.n > 0 and k not in members:
-            said.append(
-                f"n = {mode.n} at {mode.freq:.2f} Hz has no partner: the references do not drive it, or the split is"
-                f" below {share:.2g} of its bandwidth ({mode.split_bound:.1e} relative)"
-            )
-    return tuple(said)
+def not_told_apart(mode: FoundMode) -> FoundMode:
+    """A mode that stands for a pair: without orientation, and uncertain by half the largest split."""
+    nothing = float("nan")
+    sigma = float(np.hypot(mode.sigma_freq, 0.5 * mode.split_bound * mode.freq))
+    return replace(mode, sigma_freq=sigma, angle=nothing, sigma_angle=nothing, unresolved=True)

@@ -18,9 +18,10 @@ from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.band_fits import BandFits, Responses, core_of, fit_bands
 from casingfem.experiment.bands import find_bands, line_noise
 from casingfem.experiment.circle import Circle
-from casingfem.experiment.found_modes import FoundMode, found_modes, notes_of, paired
+from casingfem.experiment.found_modes import FoundMode, found_modes
 from casingfem.experiment.frf import FrfError, FrfSet
 from casingfem.experiment.identified import Identified
+from casingfem.experiment.mode_pairs import notes_of, paired, settled
 from casingfem.experiment.sensor_grid import SensorGrid, form_of, radial_signs, sensor_grid
 from casingfem.experiment.stabilisation import join
 
@@ -79,12 +80,17 @@ def identify(
     cores = [core_of(freq, band) for band in found.bands]
     circle = None if angles is None else Circle.of(grid.theta, n_max)
     modes = found_modes(found.fits, cores, grid, radial_signs(grid), circle)
+    doublets = paired(modes)
+    modes = settled(modes, doublets)
     return Identified(
-        **_columns(modes, grid),
+        **_columns(modes, doublets, grid),
         sensors=grid,
         lines=freq,
         measured=H,
         fitted=_fitted(found, H),
+        doublets=doublets,
+        unresolved=tuple(k for k, mode in enumerate(modes) if mode.unresolved),
+        notes=notes_of(modes, doublets),
         diagram=join(found.diagrams, cores),
         card=frfs.card,
         seconds=time.perf_counter() - started,
@@ -122,13 +128,12 @@ def _fitted(found: BandFits, H: Array) -> Array:
     return whole
 
 
-def _columns(modes: list[FoundMode], grid: SensorGrid) -> dict[str, Any]:
+def _columns(modes: list[FoundMode], doublets: tuple[tuple[int, int], ...], grid: SensorGrid) -> dict[str, Any]:
     """Fields of `Identified` that have one entry for each mode."""
 
     def column(name: str) -> FloatArray:
         return np.array([getattr(mode, name) for mode in modes], float)
 
-    doublets, unresolved = paired(modes)
     count = len(grid), len(grid.references)
     names = ("freq", "sigma_freq", "zeta", "sigma_zeta", "purity", "collinearity", "signal", "residue_scale")
     members = {k for pair in doublets for k in pair}
@@ -141,8 +146,5 @@ def _columns(modes: list[FoundMode], grid: SensorGrid) -> dict[str, Any]:
         "shapes": np.array([mode.shape for mode in modes]).reshape(-1, count[0]).T,
         "sigma_shapes": np.array([mode.sigma_shape for mode in modes]).reshape(-1, count[0]).T,
         "residues": np.array([mode.residues for mode in modes], complex).reshape(-1, *count).transpose(1, 2, 0),
-        "doublets": doublets,
-        "unresolved": unresolved,
         "split_bound": bound.reshape(-1),
-        "notes": notes_of(modes, doublets, unresolved),
     }
