@@ -18,6 +18,7 @@ from casingfem.experiment.pole_window import Window
 from casingfem.experiment.stabilisation import ZETA_MAX
 
 GRID = 400  # frequencies tried for a further pole
+BEYOND = 0.03  # of the frequency
 TRIES = 2  # starts tried before the search ends
 NEAR, SAME = 3.0, 0.9  # half-power bandwidths; MAC
 ENOUGH = 6  # channels below which shapes say nothing
@@ -43,6 +44,11 @@ def select_poles(window: Window, starts: FloatArray) -> PoleFit:
     return fit
 
 
+def reach(window: Window) -> tuple[float, float]:
+    """Frequencies [Hz] between which poles are fitted: a little beyond the lines, whose ends neighbours raise."""
+    return float(window.freq[0]) * (1.0 - BEYOND), float(window.freq[-1]) * (1.0 + BEYOND)
+
+
 def _searched(window: Window, starts: FloatArray) -> PoleFit:
     """Prune the starts, then add poles where the deviation asks for them."""
     fit = pruned(fit_poles(window, starts[:, 0], starts[:, 1]))
@@ -64,9 +70,9 @@ def gains(fit: PoleFit) -> FloatArray:
 def pruned(fit: PoleFit) -> PoleFit:
     """Leave out poles, one by one, that do not earn themselves, are no resonance, or repeat a neighbour."""
     while len(fit.freq):
-        lines = fit.window.freq
+        low, high = reach(fit.window)
         worth = gains(fit)
-        outside = (fit.freq < lines[0]) | (fit.freq > lines[-1]) | (fit.zeta >= ZETA_MAX)
+        outside = (fit.freq < low) | (fit.freq > high) | (fit.zeta >= ZETA_MAX)
         worth = np.where(outside, 0.0, worth)
         for low, high in _repeats(fit):
             worth[low if worth[low] < worth[high] else high] = 0.0
@@ -109,7 +115,7 @@ def _one_more(fit: PoleFit) -> PoleFit | None:
 def _places(fit: PoleFit) -> list[tuple[float, float]]:
     """Where one more pole would take most from the deviation: frequency and damping, best first."""
     window = fit.window
-    grid = window.freq[:: max(1, len(window.freq) // GRID)]
+    grid = np.linspace(*reach(window), min(GRID, 2 * len(window.freq)))
     R = np.concatenate([fit.spread.real, fit.spread.imag])
     Q = basis(fit)
     usual = float(np.median(fit.zeta)) if len(fit.zeta) else 2e-3
