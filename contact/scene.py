@@ -9,8 +9,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-import numpy as np
-
 from contact.errors import InputError
 from contact.model.beam import BeamInCircle, HingedBeam
 from contact.model.body import Body, PointMass, Rod, Wall
@@ -25,7 +23,9 @@ from contact.run import Scene
 from contact.scheme.exact_modal import ExactModal
 
 if TYPE_CHECKING:
-    from contact.scene_tables import BeamFile, CantileverFile, File, RecordTable, RimFile, RingTable, RodsFile
+    from contact.scene_patch import PatchFile
+    from contact.scene_record import RecordTable
+    from contact.scene_tables import BeamFile, CantileverFile, File, RimFile, RingTable, RodsFile
 
 Built = TypeVar("Built")
 
@@ -39,10 +39,11 @@ class SceneError(InputError):
 
 
 def load_scene(path: str | Path) -> Scene:
-    """Read a scene file of kind "rods", "rim", "beam" or "cantilever"; basis files are found relative to it.
+    """Read a scene file of kind "rods", "rim", "beam", "cantilever" or "patch"; basis files are found relative to it.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
     """
+    from contact.scene_patch import PatchFile
     from contact.scene_tables import BeamFile, CantileverFile, PairFile, RimFile
 
     file = Path(path)
@@ -55,6 +56,8 @@ def load_scene(path: str | Path) -> Scene:
         return _beam(table, file, text)
     if isinstance(table, CantileverFile):
         return _cantilever(table, file, text)
+    if isinstance(table, PatchFile):
+        return _patch(table, file, text)
     return _rods(table, file, text)
 
 
@@ -129,19 +132,10 @@ def _rods(table: RodsFile, file: Path, text: bytes) -> Scene:
 
 
 def _record(table: RecordTable | None, file: Path) -> Record | None:
-    """The record of a [record] table; channels may stand in a CSV file beside the scene. Raises SceneError."""
     if table is None:
         return None
-    channels: object = table.channels
-    if isinstance(channels, str):
-        path = file.parent / channels
-        try:
-            channels = np.loadtxt(path, delimiter=",", comments="#", ndmin=2)
-        except (OSError, ValueError) as error:
-            raise SceneError([f"{file}: record.channels: {path}: {error}, expected rows of numbers"]) from error
-    given = table.model_dump(exclude={"channels"}) | {"channels": channels}
     problems: list[str] = []
-    record = _tried(lambda: Record(**given), file, problems, "record")
+    record = _tried(lambda: table.record(file.parent), file, problems, "record")
     if record is None:
         raise SceneError(problems)
     return record
@@ -216,6 +210,19 @@ def _cantilever(table: CantileverFile, file: Path, text: bytes) -> Scene:
     return Scene(
         what=gap, law=method[0], scheme=method[1], t_end=table.scene.t_end, dt=scheme.dt, courant=scheme.courant,
         record=_record(table.record, file), source=_source(file, text),
+    )  # fmt: skip
+
+
+def _patch(table: PatchFile, file: Path, text: bytes) -> Scene:
+    problems: list[str] = []
+    what = _tried(lambda: table.patch(file.parent), file, problems, "body")
+    if what is None:
+        raise SceneError(problems)
+    basis = [] if table.body.basis is None else [(file.parent / table.body.basis).read_bytes()]
+    mu = table.ground.friction
+    return Scene(
+        what=what, law=Coulomb(mu=mu) if mu else Unilateral(), scheme=ExactModal(), t_end=table.scene.t_end,
+        dt=table.scheme.dt, record=_record(table.record, file), source=_source(file, text, *basis),
     )  # fmt: skip
 
 

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
 
-from contact.record import Record
+from contact.scene_patch import PatchFile
+from contact.scene_record import RecordTable
 from contact.scene_scheme import NotNegative, Positive, SchemeTable, Table
 
 
@@ -51,24 +52,6 @@ class RodsHead(Table):
     kind: Literal["rods"]
     t_end: Positive
     gravity: FiniteFloat = 0.0
-
-
-class RecordTable(Table):
-    """[record]: the fields of `Record`, channels as rows or as a CSV file of them; left out, 1,000,000 samples."""
-
-    every: Annotated[int, Field(ge=1)] = 1
-    state_every: Annotated[int, Field(ge=0)] = 0
-    at: Annotated[list[NotNegative], Field(min_length=1)] | None = None
-    channels: Annotated[list[list[FiniteFloat]], Field(min_length=1)] | str | None = None
-
-    @model_validator(mode="after")
-    def _fits(self) -> RecordTable:
-        Record(every=self.every, state_every=self.state_every, at=self.at)
-        if self.channels is not None and self.at is None and self.state_every == 0:
-            raise ValueError("channels found without state_every or at, expected one of them")
-        if isinstance(self.channels, list) and len({len(row) for row in self.channels}) > 1:
-            raise ValueError("channels of different lengths found, expected one number for each coordinate in all")
-        return self
 
 
 def _listed(value: object) -> object:
@@ -328,7 +311,8 @@ class PairFile(Table):
     speed: ScanTable
 
 
-File = RodsFile | RimFile | BeamFile | CantileverFile | PairFile
+File = RodsFile | RimFile | BeamFile | CantileverFile | PatchFile | PairFile
 FILES: dict[str, type[File]] = {
-    "rods": RodsFile, "rim": RimFile, "beam": BeamFile, "cantilever": CantileverFile, "pair": PairFile,
+    "rods": RodsFile, "rim": RimFile, "beam": BeamFile, "cantilever": CantileverFile, "patch": PatchFile,
+    "pair": PairFile,
 }  # fmt: skip

@@ -155,7 +155,7 @@ def test_scene_files_have_both(tmp_path):
         ("at = [0.1]\nevery = 3", "record: at: found beside every"),
         ("channels = [[1.0]]", "record: channels found without state_every or at"),
         ("at = [0.1]\nchannels = [[1.0], [1.0, 2.0]]", "record: channels of different lengths"),
-        ('at = [0.1]\nchannels = "none.csv"', "record.channels: "),
+        ('at = [0.1]\nchannels = "none.csv"', "record: channels: "),
     ],
 )
 def test_broken_tables_name_their_key(tmp_path, lines, words):
