@@ -190,6 +190,26 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the weight of rings and point masses is not modelled",
             "add it as an EdgeLoad or PointLoad, and give the shell's own weight as a SurfaceLoad",
         ),
+        "locate-among": Fault(
+            "there are two kinds of places to look among",
+            "look among bolts or mass",
+        ),
+        "locate-baseline": Fault(
+            "the table measured before has nothing to set against the model",
+            "give the table of the same casing, with n, or leave the baseline out",
+        ),
+        "locate-bolts": Fault(
+            "loose bolts are looked for on the one edge that has bolts",
+            "give one edge bolts, under a ring or not",
+        ),
+        "locate-edge": Fault(
+            "masses and bolts are looked for on an edge that runs around a closed casing",
+            "name the edge, base or top, of a closed casing",
+        ),
+        "locate-unlabelled": Fault(
+            "places are told by the splits of pairs, which need their nodal diameters",
+            "give n for the rows of the table, and angle_deg where it was measured",
+        ),
         "mass-edge": Fault(
             "masses stand on the edges of the shell",
             "name an edge of the chart and give PointMass values",

@@ -12,17 +12,17 @@ import numpy as np
 from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.pairing import Match
 from casingfem.modal.harmonics import DOUBLE, orientation, ring_transform
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.mode_set import Modes, ModeSet
 
 
-def lower_phase(modes: Modes, low: int, high: int, n: int) -> float:
+def lower_phase(modes: ModeSet, low: int, high: int, n: int) -> float:
     """2 n psi [rad] of the lower member's antinode; 0 for a perfect pair, which has none."""
     if modes.rings is None or modes.freq[high] - modes.freq[low] <= DOUBLE * modes.freq[high]:
         return 0.0
     return 2.0 * n * orientation(modes.rings.profile(low, n), n)
 
 
-def radial_amplitudes(modes: Modes, mode: int, n: int) -> Array:
+def radial_amplitudes(modes: ModeSet, mode: int, n: int) -> Array:
     """Radial amplitudes of one mode at n on each ring, times the root of the ring's weight, (rings,) complex."""
     if modes.rings is None:
         raise ValueError("an open shell has no doublets")
@@ -46,7 +46,7 @@ def phase_loads(modes: Modes, matches: Sequence[Match]) -> FloatArray:
     return np.stack([phase_load(modes, match.modes[0], match.n) for match in matches], axis=2)
 
 
-def partner_turn(modes: Modes, low: int, high: int, n: int) -> float:
+def partner_turn(modes: ModeSet, low: int, high: int, n: int) -> float:
     """How 2 n psi of the lower member changes by a unit share of its partner [rad]."""
     c, partner = radial_amplitudes(modes, low, n), radial_amplitudes(modes, high, n)
     return float(-2.0 * np.imag(np.sum(c * partner) / np.sum(c**2)))

@@ -17,7 +17,7 @@ from casingfem.arrays import FloatArray
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.experiment.pairing import Match
 from casingfem.modal.adjoint import adjoint_space
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.modal.neighbour import Solution
 from casingfem.updating.orientation import lower_phase, partner_turn, phase_loads
 from casingfem.updating.parameters import Parameter
@@ -102,7 +102,7 @@ def rates(
     return Rates(G=G[:, :count, :count], turning=turning)
 
 
-def doublet_values(modes: Modes, table: FrequencyTable, match: Match) -> FloatArray:
+def doublet_values(modes: ModeSet, table: FrequencyTable, match: Match) -> FloatArray:
     """Mean and split vector (or its length) of a doublet, over their standard deviations."""
     rows, (low, high) = list(match.rows), match.modes
     mean, split = pair_state(modes.freq[low], modes.freq[high])
@@ -117,7 +117,7 @@ def doublet_values(modes: Modes, table: FrequencyTable, match: Match) -> FloatAr
     return np.append((mean - measured_mean) / (sigma / 2.0), gap / sigma)
 
 
-def doublet_jacobian(modes: Modes, table: FrequencyTable, match: Match, at: Rates) -> FloatArray:
+def doublet_jacobian(modes: ModeSet, table: FrequencyTable, match: Match, at: Rates) -> FloatArray:
     """Derivatives of `doublet_values`, (2 or 3, parameters).
 
     Along the split vector the difference of the members' rates, across it the split times the turning; the partner's
@@ -138,7 +138,7 @@ def doublet_jacobian(modes: Modes, table: FrequencyTable, match: Match, at: Rate
     return np.vstack([mean_rate / (sigma / 2.0), turn @ np.stack([along, across]) / sigma])
 
 
-def values(modes: Modes, table: FrequencyTable, matches: Sequence[Match]) -> FloatArray:
+def values(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match]) -> FloatArray:
     """All residuals of a pairing, in the order of its matches."""
     parts = [
         doublet_values(modes, table, match)
@@ -149,7 +149,7 @@ def values(modes: Modes, table: FrequencyTable, matches: Sequence[Match]) -> Flo
     return np.concatenate(parts)
 
 
-def jacobian(modes: Modes, table: FrequencyTable, matches: Sequence[Match], at: Rates) -> FloatArray:
+def jacobian(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match], at: Rates) -> FloatArray:
     """Derivatives of `values`, (residuals, parameters)."""
     parts = []
     for match in matches:

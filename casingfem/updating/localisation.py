@@ -1,0 +1,396 @@
+"""Which bolts are loose, or where mass was added: from the splits and shifts of many pairs at once.
+
+One loose bolt at theta adds to the split vector of a pair a part along (cos 2 n theta, sin 2 n theta): several n tell
+places apart that one n does not. No frequency and no orientation can tell theta from theta + pi: turned by half a
+turn the casing has the same table. Such twins are listed with every answer; shapes measured around the rim
+(`untwined` in `shape_check.py`) decide between them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.errors import ModelError
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.modal.affine import AffineModel, affine_model, bolt_changes, mass_changes
+from casingfem.modal.modes import count_below
+from casingfem.structure.assembly import assemble
+from casingfem.structure.bolts import Bolts
+from casingfem.structure.shell import Shell, grips
+from casingfem.updating.calibration import calibrated
+from casingfem.updating.mass_places import Masses, refined, search_masses
+from casingfem.updating.misfit import Misfit, Point
+from casingfem.updating.sparse_search import Bounds, fitted, scale2, search, threshold
+
+AMONG = ("bolts", "mass")
+EDGE = "top"  # where masses are looked for unless told
+TWO_PI = 2.0 * np.pi
+PLACES = 48  # candidates for masses around an edge
+REDUCED = 2.2  # modes in the basis for each mode compared
+LIKELY = 9.0  # alternatives whose chi^2/s^2 is within this of the best are listed: 3 sigma
+TWINS = 4  # places whose half turns are all tried: 2^4 combinations
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """One place: its number among the candidates (bolts from 1), angle [deg], value and standard deviation.
+
+    The value is the factor of a bolt's stiffness that is left, or the mass [kg], which may lie between candidates.
+    """
+
+    place: int
+    angle_deg: float
+    value: float
+    sigma: float
+    angle_sigma_deg: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Explanation:
+    """Places that explain a table, and how far chi^2/s^2 is above that of the best explanation."""
+
+    found: tuple[Found, ...]
+    behind: float
+
+    @property
+    def places(self) -> frozenset[int]:
+        """The numbers of the places."""
+        return frozenset(one.place for one in self.found)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
+class Localisation:
+    """What explains a table with the fewest changes.
+
+    Attributes
+    ----------
+    among
+        "bolts" or "mass".
+    angles_deg
+        Where the candidates are, (candidates,).
+    best
+        The explanation with the least chi^2.
+    others
+        Explanations that the table does not rule out, turned ones among them.
+    chi2, chi2_start, rows
+        Sum of squared weighted residuals of the best and of no change at all; number of residuals.
+    scale
+        s = sqrt(max(1, chi^2/dof)): by how much the residuals exceed their stated sigma; standard deviations hold it.
+    smallest
+        (candidates,) What each place alone must change to be seen, in the value's unit.
+    alike
+        Groups of places that this table cannot tell apart.
+    calibrated
+        Whether a baseline was known.
+    """
+
+    among: str
+    angles_deg: FloatArray
+    best: Explanation
+    others: tuple[Explanation, ...]
+    chi2: float
+    chi2_start: float
+    rows: int
+    scale: float
+    smallest: FloatArray
+    alike: tuple[tuple[int, ...], ...]
+    calibrated: bool
+
+    @property
+    def found(self) -> tuple[Found, ...]:
+        """The places of the best explanation."""
+        return self.best.found
+
+    def to_json(self) -> dict[str, object]:
+        """Plain lists and numbers."""
+        said = [
+            {"behind": e.behind, "found": [{k: getattr(f, k) for k in Found.__slots__} for f in e.found]}
+            for e in (self.best, *self.others)
+        ]
+        return {
+            "among": self.among,
+            "angles_deg": self.angles_deg.tolist(),
+            "found": said[0]["found"],
+            "explanations": said,
+            "chi2": self.chi2,
+            "chi2_start": self.chi2_start,
+            "residuals": self.rows,
+            "scale": self.scale,
+            "smallest": self.smallest.tolist(),
+            "alike": [list(group) for group in self.alike],
+            "baseline": self.calibrated,
+        }
+
+    def __repr__(self) -> str:
+        """What was found, what else it may be, and what cannot be told."""
+        what = {"bolts": "loose bolts", "mass": "added masses"}[self.among]
+        lines = [f"{len(self.found) or 'no'} {what} found ({'with' if self.calibrated else 'without'} a baseline)"]
+        lines += [f"  {said(self.among, one)}" for one in self.found]
+        lines.append(
+            f"chi^2 {self.chi2_start:.4g} -> {self.chi2:.4g} over {self.rows} residuals; "
+            f"they are {self.scale:.3g} times their stated sigma"
+        )
+        for other in self.others:
+            places = ", ".join(said(self.among, one) for one in other.found)
+            lines.append(f"as likely (chi^2 {other.behind:+.2g}): {places}")
+        if self.others:
+            lines.append("half a turn changes no frequency and no orientation: measured shapes decide")
+        unit = {"bolts": "of a bolt's stiffness", "mass": "kg"}[self.among]
+        lines.append(f"a single change is seen from {self.smallest.min():.2g} to {self.smallest.max():.2g} {unit}")
+        return "\n".join(lines)
+
+
+def said(among: str, one: Found) -> str:
+    """A place in words."""
+    if among == "bolts":
+        return f"bolt {one.place} at {one.angle_deg:.1f} deg: {one.value:.0%} +- {one.sigma:.1%} of its stiffness"
+    return f"{1e3 * one.value:.4g} +- {1e3 * one.sigma:.2g} g at {one.angle_deg:.2f} +- {one.angle_sigma_deg:.2g} deg"
+
+
+def bolted_edge(shell: Shell) -> str:
+    """The one edge with bolts.
+
+    Raises
+    ------
+    ModelError
+        locate-bolts.
+    """
+    edges = [edge for edge, support in grips(shell).items() if isinstance(support, Bolts)]
+    if len(edges) != 1:
+        raise ModelError("locate-bolts", f"locate among bolts: {len(edges)} edges of the structure have bolts")
+    return edges[0]
+
+
+def search_model(
+    shell: Shell, table: FrequencyTable, *, among: str = "bolts", edge: str | None = None, places: int = PLACES
+) -> tuple[AffineModel, FloatArray]:
+    """The reduced model that a search needs, and the candidates' angles [rad]; it serves many tables.
+
+    Raises
+    ------
+    ModelError
+        locate-among, locate-bolts, locate-edge.
+    """
+    if among not in AMONG:
+        raise ModelError("locate-among", f"locate among {among!r}")
+    edge = edge or (bolted_edge(shell) if among == "bolts" else EDGE)
+    if edge not in shell.chart.edges or shell.chart.edges[edge][0] != 0 or not shell.chart.periodic:
+        raise ModelError("locate-edge", f"locate on the edge {edge!r}")
+    wanted = count_below(shell, 1.1 * float(table.freq_hz.max())) + 6
+    system = assemble(shell)
+    if among == "bolts":
+        bolts = grips(shell)[edge]
+        assert isinstance(bolts, Bolts)
+        angles, changes = bolts.angles, bolt_changes(system, edge)
+    else:
+        angles = TWO_PI * np.arange(places) / places
+        changes = mass_changes(system, edge, angles)
+    return affine_model(system, changes, min(round(REDUCED * wanted), system.size // 4)), angles
+
+
+def locate(
+    shell: Shell,
+    table: FrequencyTable,
+    *,
+    baseline: FrequencyTable | None = None,
+    among: str = "bolts",
+    edge: str | None = None,
+    most: int = 4,
+    level: float = 0.01,
+    angle_sigma: float = 0.01,
+    model_error: float = 0.0,
+    model: tuple[AffineModel, FloatArray] | None = None,
+) -> Localisation:
+    """Find which bolts are loose, or where mass was added.
+
+    Parameters
+    ----------
+    shell
+        The casing as designed: its bolts tight, without the mass.
+    table
+        Its frequencies now, with n; orientations where they are known.
+    baseline
+        The same measured before; without it manufacture looks like damage.
+    among
+        "bolts" or "mass".
+    edge
+        Where to look; the bolted edge, or the top for masses.
+    most
+        Largest number of places.
+    level
+        Probability of a false alarm in a table that holds nothing but noise.
+    angle_sigma
+        Standard deviation of n psi [rad], psi a measured orientation.
+    model_error
+        What the model may be off by, relative, in each frequency; take the size of its splits without a baseline.
+    model
+        What `search_model` gave, when many tables are searched.
+
+    Raises
+    ------
+    ModelError
+        locate-among, locate-bolts, locate-edge, locate-unlabelled; locate-baseline where the baseline lacks pairs.
+    """
+    check_labelled(table)
+    reduced, angles = model or search_model(shell, table, among=among, edge=edge)
+    if baseline is not None:
+        check_labelled(baseline)
+        try:
+            reduced = calibrated(reduced, baseline)
+        except ValueError as error:
+            raise ModelError("locate-baseline", f"baseline: {error}") from None
+    count = min(len(reduced.nominal), round(len(reduced.nominal) / REDUCED) + 4)
+    misfit = Misfit(model=reduced, table=table, count=count, angle_sigma=angle_sigma, model_error=model_error)
+    start = misfit.at(np.zeros(reduced.changes))
+    if among == "bolts":
+        active, point = search(misfit.at, loosening(len(angles)), most=most, level=level)
+        explained = bolts_explained(misfit, active, point, angles)
+    else:
+        edge = edge or EDGE
+        masses = search_masses(misfit, edge, angles, most=most, level=level)
+        if len(masses.masses):  # the casing's own answers to masses just there
+            changes = mass_changes(reduced.system, edge, np.concatenate([masses.angles, masses.angles + np.pi]))
+            exact = affine_model(reduced.system, changes, len(reduced.nominal), reduced.nominal)
+            misfit = replace(misfit, model=exact if baseline is None else calibrated(exact, baseline))
+            masses = told_from_nothing(misfit, edge, refined(misfit, edge, masses.angles, masses.masses))
+        point, explained = masses.point, masses_explained(misfit, edge, masses, len(angles))
+    scale = float(np.sqrt(scale2(point, len(explained[0].found))))
+    return Localisation(
+        among=among,
+        angles_deg=np.degrees(angles),
+        best=explained[0],
+        others=explained[1:],
+        chi2=point.chi2,
+        chi2_start=start.chi2,
+        rows=len(point.values),
+        scale=scale,
+        smallest=visible(start, level, scale),
+        alike=groups_alike(start.jacobian),
+        calibrated=baseline is not None,
+    )
+
+
+def check_labelled(table: FrequencyTable) -> None:
+    """Refuse a table without doublets that have n."""
+    if not any(len(group.rows) == 2 for group in table.groups()):
+        raise ModelError("locate-unlabelled", f"{table.path}: found no doublet with nodal diameters")
+
+
+def loosening(bolts: int) -> Bounds:
+    """A bolt can lose all it has."""
+    return Bounds(lower=np.full(bolts, -1.0), upper=np.zeros(bolts))
+
+
+def sigmas(jacobian: FloatArray, scale: float) -> FloatArray:
+    """Standard deviations of fitted values; large where the data hardly see them."""
+    if not jacobian.shape[1]:
+        return np.zeros(0)
+    information = jacobian.T @ jacobian
+    floor = 1e-14 * np.trace(information) * np.eye(len(information))
+    return np.asarray(scale * np.sqrt(np.diag(np.linalg.inv(information + floor))))
+
+
+def turned_place(place: int, angles: FloatArray) -> int | None:
+    """The candidate half a turn away, None where there is none."""
+    apart = np.abs(np.angle(np.exp(1j * (angles - angles[place] - np.pi))))
+    return int(apart.argmin()) if apart.min() < 1e-6 else None
+
+
+def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles: FloatArray) -> tuple[Explanation, ...]:
+    """The bolts found, then what the table does not rule out: some of them half a turn away."""
+    s2 = scale2(point, len(active))
+
+    def explanation(at: Point, on: list[int]) -> Explanation:
+        spread = np.minimum(sigmas(at.jacobian[:, on], np.sqrt(s2)), 1.0)
+        found = [
+            Found(
+                place=c + 1, angle_deg=float(np.degrees(angles[c]) % 360.0), value=float(1.0 + at.x[c]), sigma=float(s)
+            )
+            for c, s in zip(on, spread, strict=True)
+        ]
+        return Explanation(found=tuple(found), behind=float((at.chi2 - point.chi2) / s2))
+
+    listed = []
+    for choice in half_turns(len(active)):
+        places = [turned_place(c, angles) if turn else c for c, turn in zip(active, choice, strict=True)]
+        on = sorted(place for place in places if place is not None)
+        if len(set(on)) < len(active) or on == sorted(active):
+            continue
+        x = np.zeros(len(point.x))
+        x[[place for place in places if place is not None]] = point.x[list(active)]
+        listed.append(explanation(fitted(misfit.at, misfit.at(x), on, loosening(len(angles))), on))
+    return (explanation(point, list(active)), *likely(listed))
+
+
+def masses_explained(misfit: Misfit, edge: str, best: Masses, candidates: int) -> tuple[Explanation, ...]:
+    """The masses found, then the same with some of them half a turn away that the table does not rule out."""
+    s2 = scale2(best.point, 2 * len(best.masses))
+
+    def explanation(at: Masses) -> Explanation:
+        by_mass, by_angle = np.split(sigmas(at.jacobian, np.sqrt(s2)), 2)
+        degrees = np.degrees(at.angles) % 360.0
+        found = [
+            Found(
+                place=round(degrees[k] / 360.0 * candidates) % candidates + 1,
+                angle_deg=float(degrees[k]),
+                value=float(at.masses[k]),
+                sigma=float(by_mass[k]),
+                angle_sigma_deg=float(np.degrees(by_angle[k])),
+            )
+            for k in np.argsort(degrees)
+        ]
+        return Explanation(found=tuple(found), behind=float((at.point.chi2 - best.point.chi2) / s2))
+
+    listed = [
+        explanation(refined(misfit, edge, best.angles + np.pi * np.array(choice), best.masses))
+        for choice in half_turns(len(best.masses))
+        if any(choice)
+    ]
+    return (explanation(best), *likely(listed))
+
+
+def told_from_nothing(misfit: Misfit, edge: str, masses: Masses) -> Masses:
+    """Without the masses that are not three standard deviations from nothing."""
+    while len(masses.masses):
+        spread = sigmas(masses.jacobian, np.sqrt(scale2(masses.point, 2 * len(masses.masses))))
+        told = masses.masses > 3.0 * spread[: len(masses.masses)]
+        if told.all():
+            break
+        masses = refined(misfit, edge, masses.angles[told], masses.masses[told])
+    return masses
+
+
+def half_turns(count: int) -> list[tuple[bool, ...]]:
+    """Which of so many places are turned by half a turn: all choices, none of them first; none for too many."""
+    return list(product((False, True), repeat=count)) if count <= TWINS else []
+
+
+def likely(explanations: Sequence[Explanation]) -> list[Explanation]:
+    """Those within reach of the best, the likeliest first."""
+    return sorted((e for e in explanations if e.behind < LIKELY), key=lambda e: e.behind)
+
+
+def visible(point: Point, level: float, scale: float) -> FloatArray:
+    """What each change alone must be to exceed the threshold, to first order, (changes,)."""
+    lengths = np.linalg.norm(point.jacobian, axis=0)
+    needed = threshold(level, len(lengths), len(point.values), 1)
+    return np.asarray(scale * np.sqrt(needed) / np.where(lengths > 0.0, lengths, np.nan))
+
+
+def groups_alike(jacobian: FloatArray, level: float = 0.999) -> tuple[tuple[int, ...], ...]:
+    """Groups of places (numbers from 1) whose effects on the table are parallel, one per group of two or more."""
+    norms = np.linalg.norm(jacobian, axis=0)
+    J = jacobian / np.where(norms > 0.0, norms, 1.0)
+    cosine = J.T @ J
+    groups: list[tuple[int, ...]] = []
+    waiting = list(range(len(norms)))
+    while waiting:
+        first = waiting[0]
+        group = [c for c in waiting if cosine[first, c] > level or c == first]
+        waiting = [c for c in waiting if c not in group]
+        if len(group) > 1:
+            groups.append(tuple(c + 1 for c in group))
+    return tuple(groups)

@@ -1,0 +1,91 @@
+"""One reduced basis for many changes: against full solutions, and its derivatives."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casingfem.modal.affine import affine_model, bolt_changes, mass_changes
+from casingfem.modal.modes import modes
+from casingfem.structure.assembly import assemble
+from casingfem.structure.bolts import Bolts
+from casingfem.structure.chart import Plate
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.point_mass import PointMass
+from casingfem.structure.ring import Ring
+from casingfem.structure.section import Section
+from casingfem.structure.shell import Shell
+
+BOLTS = Bolts(count=8, k=1e8, k_rot=1e3)
+COARSE = ShellMesh(order=6, rows=(0.0, 0.05, 1.0), around=8)
+
+
+@pytest.fixture(scope="module")
+def casing(frustum):
+    return frustum(supports={"base": BOLTS}, mesh=COARSE)
+
+
+@pytest.fixture(scope="module")
+def model(casing):
+    system = assemble(casing)
+    return affine_model(system, bolt_changes(system, "base"), 60)
+
+
+@pytest.mark.parametrize("loose", [{3: 0.3}, {2: 0.3, 7: 0.5}])
+def test_loose_bolts_are_as_in_full_solutions(casing, model, loose):
+    x = np.zeros(8)
+    x[[bolt - 1 for bolt in loose]] = [factor - 1.0 for factor in loose.values()]
+    found = model.modes(x, 10)
+    full = modes(replace(casing, supports={"base": replace(BOLTS, loose=loose)}), 10)
+    np.testing.assert_allclose(found.freq, full.freq, rtol=1e-5)
+    assert np.array_equal(found.nodal_diameters, full.nodal_diameters)
+    assert found.doublets == full.doublets
+    turn = np.sin(np.radians(found.angle_deg - full.angle_deg) * found.nodal_diameters)
+    np.testing.assert_allclose(turn, 0.0, atol=1e-3)
+
+
+def test_the_unchanged_casing_is_exact_and_its_pairs_are_cosine_and_sine(model):
+    found = model.modes(np.zeros(8), 8)
+    np.testing.assert_allclose(found.freq, model.nominal.freq[:8], rtol=1e-9)
+    low, high = next(pair for pair in found.doublets if found.nodal_diameters[pair[0]] % 4)
+    n = found.nodal_diameters[low]
+    first, second = (found.rings.profile(k, n)[0] for k in (low, high))
+    assert abs(first.imag) < 1e-6 * abs(first)
+    assert abs(second.real) < 1e-6 * abs(second)
+
+
+def test_bolts_under_a_ring(frustum):
+    ring = Ring(section=Section.rectangle(width=0.03, depth=0.03), support=BOLTS)
+    shell = frustum(supports={"base": ring}, mesh=COARSE)
+    system = assemble(shell)
+    model = affine_model(system, bolt_changes(system, "base"), 30)
+    loose = replace(ring, support=replace(BOLTS, loose={5: 0.2}))
+    found = model.modes(np.where(np.arange(8) == 4, -0.8, 0.0), 10)
+    np.testing.assert_allclose(found.freq, modes(replace(shell, supports={"base": loose}), 10).freq, rtol=1e-4)
+
+
+def test_masses_are_as_in_full_solutions(casing):
+    system = assemble(casing)
+    angles = np.array([0.4, 2.5])
+    model = affine_model(system, mass_changes(system, "top", angles), 30)
+    heavy = [PointMass(angle=a, mass=m) for a, m in zip(angles, (0.02, 0.05), strict=True)]
+    full = modes(replace(casing, masses={"top": heavy}), 10)
+    found = model.modes(np.array([0.02, 0.05]), 10)
+    np.testing.assert_allclose(found.freq, full.freq, rtol=1e-5)
+    assert np.all(found.freq < model.modes(np.zeros(2), 10).freq)
+
+
+def test_derivatives_are_those_of_the_squares(model):
+    x = np.linspace(-0.6, -0.1, 8)
+    G = model.derivatives(model.modes(x, 8))
+    for change in (0, 5):
+        step = 1e-4 * np.eye(8)[change]
+        ahead, behind = (model.modes(x + side * step, 8).omega ** 2 for side in (1.0, -1.0))
+        slope = np.diagonal(G[change])
+        np.testing.assert_allclose(slope, (ahead - behind) / 2e-4, rtol=1e-4, atol=1e-6 * slope.max())
+
+
+def test_an_open_shell_is_refused(steel):
+    plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel)
+    with pytest.raises(ValueError, match="open shell has no nodal diameters"):
+        affine_model(assemble(plate), [], 4)

@@ -1,0 +1,181 @@
+"""Loose bolts and added masses found from splits: exact recovery, what cannot be told, bad input."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casingfem.errors import ModelError
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.modal.modes import modes
+from casingfem.structure.bolts import Bolts
+from casingfem.structure.chart import Cylinder
+from casingfem.structure.field import FourierField
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.point_mass import PointMass
+from casingfem.structure.ring import Ring
+from casingfem.structure.section import Section
+from casingfem.structure.shell import Shell
+from casingfem.updating.calibration import calibrated
+from casingfem.updating.localisation import locate, search_model
+
+BOLTS = Bolts(count=12, k=2e8, k_rot=1e5)
+COARSE = ShellMesh(order=5, rows=(0.0, 0.05, 1.0), around=12)
+
+
+def measured(found, top, sigma=1e-4):
+    """The modes below `top` as a test would give them, without noise."""
+    below = np.flatnonzero(found.freq < top)
+    angle = found.angle_deg[below].copy()
+    for low, high in found.doublets:
+        if high < len(below) and np.isnan(angle[low]):  # a perfect pair lies anywhere, its members apart
+            angle[[low, high]] = 0.0, 90.0 / found.nodal_diameters[low]
+    return FrequencyTable.from_arrays(
+        freq_hz=found.freq[below],
+        sigma_hz=sigma * found.freq[below],
+        n=found.nodal_diameters[below],
+        angle_deg=angle,
+    )
+
+
+def on_ring(bolts):
+    return {"base": Ring(section=Section.rectangle(width=0.03, depth=0.03), support=bolts)}
+
+
+def loosened(shell, loose):
+    return replace(shell, supports=on_ring(replace(BOLTS, loose=loose)))
+
+
+@pytest.fixture(scope="module")
+def casing(frustum):
+    return frustum(supports=on_ring(BOLTS), mesh=COARSE)
+
+
+@pytest.fixture(scope="module")
+def model(casing):
+    return search_model(casing, measured(modes(casing, 20, method="shell"), 470.0))
+
+
+def table_of(shell, count=20):
+    return measured(modes(shell, count, method="shell"), 470.0)
+
+
+@pytest.mark.parametrize("loose", [{5: 0.3}, pytest.param({2: 0.3, 6: 0.5}, marks=pytest.mark.slow)])
+def test_loose_bolts_are_recovered_without_noise(casing, model, loose):
+    found = locate(casing, table_of(loosened(casing, loose)), model=model)
+    turned = {(bolt + 5) % 12 + 1 for bolt in loose}
+    explanations = (found.best, *found.others)
+    assert {frozenset(loose), frozenset(turned)} == {e.places for e in explanations}
+    told = next(e for e in explanations if e.places == frozenset(loose))
+    assert {one.place: one.value for one in told.found} == pytest.approx(loose, abs=5e-3)
+    assert found.chi2 < 1e-4 * found.chi2_start
+
+
+def test_a_tight_casing_has_no_loose_bolt(casing, model):
+    found = locate(casing, table_of(casing), model=model)
+    assert found.found == ()
+    assert "no loose bolts found" in repr(found)
+
+
+def test_half_a_turn_is_the_same_table_and_is_said(casing, model):
+    here, there = (table_of(loosened(casing, {bolt: 0.3})) for bolt in (3, 9))
+    np.testing.assert_allclose(here.freq_hz, there.freq_hz, rtol=1e-9)
+    found = locate(casing, here, model=model)
+    assert abs(found.others[0].behind) < 1e-2
+    assert "half a turn changes no frequency and no orientation" in repr(found)
+    assert all((pair[1] - pair[0]) == 6 for pair in found.alike)
+    assert len(found.alike) == 6
+
+
+@pytest.mark.slow
+def test_a_baseline_takes_manufacture_out(casing, model):
+    """A radius harmonic splits n = 8 by far more than half a loose bolt splits anything."""
+    made = replace(casing, radius_defect=FourierField.of({16: 1e-4, 5: 2e-4}))
+    before, now = (measured(modes(loosened(made, loose), 20), 470.0) for loose in ({}, {3: 0.5}))
+    known = locate(casing, now, baseline=before, model=model, model_error=1e-4)
+    assert {e.places for e in (known.best, *known.others)} == {frozenset({3}), frozenset({9})}
+    assert known.found[0].value == pytest.approx(0.5, abs=0.05)
+    assert known.scale < locate(casing, now, model=model, model_error=1e-4).scale
+
+
+def test_a_calibrated_model_has_its_baseline(casing, model):
+    made = replace(casing, thickness_defect=FourierField.of({14: 0.01, 10: 0.008}))
+    before = measured(modes(made, 20), 470.0)
+    found = calibrated(model[0], before).modes(np.zeros(12), 20)
+    assert len(before) > 10
+    np.testing.assert_allclose(found.freq[: len(before)], before.freq_hz, rtol=1e-9)
+    turned = np.radians(found.angle_deg[: len(before)] - before.angle_deg) * before.n
+    np.testing.assert_allclose(np.sin(turned), 0.0, atol=1e-6)
+
+
+@pytest.mark.slow
+def test_masses_between_candidates_are_recovered(casing):
+    added = [PointMass(angle=np.radians(angle), mass=mass) for angle, mass in ((20.0, 0.02), (111.0, 0.03))]
+    heavy = replace(casing, masses={"top": added})
+    found = locate(casing, table_of(heavy), among="mass")
+    said = (found.best, *found.others)
+    twins = [e for e in said if [round(one.angle_deg) for one in e.found] == [20, 111]]
+    assert len(twins) == 1
+    assert [one.value for one in twins[0].found] == pytest.approx([0.02, 0.03], rel=5e-3)
+    assert "g at 20.0" in repr(found)
+
+
+@pytest.mark.slow
+def test_fox_ring_gives_its_masses_back(steel):
+    """The closed form of a thin free ring with masses (Fox, J. Sound Vib. 142, 1990, 227), for n = 2 to 5.
+
+    w^2 = w0^2/{1 + [sum m +- (n^2 - 1)/(n^2 + 1) |sum m e^(2 i n theta)|]/M0}, axis tan 2 n psi.
+    """
+    ring = Shell(
+        chart=Cylinder(radius=0.3, height=0.02),
+        thickness=0.006,
+        material=steel,
+        mesh=ShellMesh(order=7, rows=1, around=9),
+    )
+    bare = modes(ring, 34, method="shell")
+    angles, masses = np.radians([25.0, 80.0]), np.array([0.004, 0.007])
+    whole = 2.0 * np.pi * 0.3 * 0.006 * 0.02 * steel.rho
+    rows = []
+    for n in (2, 3, 4, 5):
+        radial = np.abs(bare.rings.amplitudes[n, :, 0]).mean(axis=0)
+        flat = [k for k in np.flatnonzero(bare.nodal_diameters == n) if radial[k] > 0.3 * radial.max()]
+        swing = np.sum(masses * np.exp(2j * n * angles))
+        part = (n**2 - 1) / (n**2 + 1) * abs(swing)
+        axis = np.degrees(np.angle(swing)) / (2 * n)
+        for way, turn in ((1.0, 0.0), (-1.0, 90.0 / n)):
+            freq = bare.freq[flat[0]] / np.sqrt(1.0 + (masses.sum() + way * part) / whole)
+            rows.append((n, freq, (axis + turn) % (180.0 / n)))
+    n, freq, angle = map(np.array, zip(*rows, strict=True))
+    table = FrequencyTable.from_arrays(n=n, freq_hz=freq, sigma_hz=1e-4 * freq, angle_deg=angle)
+    found = locate(ring, table, among="mass", edge="top", most=2)
+    said = {tuple(round(one.angle_deg) for one in e.found): e for e in (found.best, *found.others)}
+    assert (25, 80) in said
+    assert [one.value for one in said[25, 80].found] == pytest.approx(masses, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [
+        ({"among": "welds"}, "locate-among"),
+        ({"edge": "left"}, "locate-edge"),
+        ({"baseline": "far"}, "locate-baseline"),
+        ({"table": "bare"}, "locate-unlabelled"),
+    ],
+)
+def test_bad_input_is_named(casing, model, options, code):
+    table = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1, n=[8, 8], angle_deg=[0.0, 11.25])
+    bare = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1)
+    if options.get("baseline"):
+        far = FrequencyTable.from_arrays(freq_hz=[9366.0, 9367.0], sigma_hz=0.1, n=[8, 8])
+        options = {"baseline": far, "model": model}
+    elif "table" in options:
+        options, table = {}, bare
+    with pytest.raises(ModelError) as caught:
+        locate(casing, table, **options)
+    assert caught.value.code == code
+
+
+def test_among_bolts_wants_one_bolted_edge(frustum):
+    table = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1, n=[8, 8])
+    with pytest.raises(ModelError, match="0 edges of the structure have bolts"):
+        locate(frustum(), table)
