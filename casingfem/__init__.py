@@ -24,9 +24,10 @@ from casingfem.modal.basis import BasisError, ModalBasis
 from casingfem.modal.campbell import Campbell, campbell
 from casingfem.modal.eigen import EigenError
 from casingfem.modal.interaction import BladedDisk, Interactions, interactions
-from casingfem.modal.interface import Rim, Tip
+from casingfem.modal.interface import Rim, Tip, TipNodes
 from casingfem.modal.mistuning import Mistuning, mistune
 from casingfem.modal.modes import MeshModes, Modes, modes
+from casingfem.modal.output import Displacement, Strain
 from casingfem.modal.reduction import reduce
 from casingfem.modal.whirl import WhirlModes, whirl_modes
 from casingfem.structure.assembly import System, assemble
@@ -73,6 +74,7 @@ __all__ = [
     "Clamped",
     "Cylinder",
     "Deflection",
+    "Displacement",
     "EdgeLoad",
     "EigenError",
     "ElasticEdge",
@@ -123,6 +125,7 @@ __all__ = [
     "Solid",
     "Spectrum",
     "Spline",
+    "Strain",
     "Strip",
     "SumField",
     "SurfaceLoad",
@@ -132,6 +135,7 @@ __all__ = [
     "TableError",
     "Taper",
     "Tip",
+    "TipNodes",
     "TwistedPlate",
     "UffError",
     "UniversalFile",

@@ -158,6 +158,14 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the edge that contact should push is held",
             "name a free edge, or an elastic one",
         ),
+        "interface-lines": Fault(
+            "a rim's lines lie off the casing, or cannot be had in this reduction",
+            "give places of the chart's first parameter within its bounds; leave lines out for the edge itself",
+        ),
+        "interface-nodes": Fault(
+            "a blade's tip is cut into no pieces, or into too many",
+            "take 1 to 100 pieces",
+        ),
         "law-stations": Fault(
             "a law from root to tip is neither a number nor a list of them",
             "give one number, or 2 to 8 finite values at equally spaced stations, the root's first",
@@ -429,6 +437,18 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "modes-rigid": Fault(
             "on a mesh this coarse a thin free body bends before it turns as a whole: the rotations are not resolved",
             "leave the mesh out, or raise mesh.order or mesh.around",
+        ),
+        "output-direction": Fault(
+            "an output asks for a direction or component that there is none of",
+            "x, y, z, normal, radial, tangential for a displacement; 11, 22, 12 and a side of -1 to 1 for a strain",
+        ),
+        "output-name": Fault(
+            "two outputs have the same name",
+            "give each its own",
+        ),
+        "output-place": Fault(
+            "an output lies off the surface",
+            "give parameters within the chart's bounds",
         ),
         "reduce-damping": Fault(
             "the damping ratio is not one of a vibrating mode",

@@ -46,6 +46,13 @@ class ModalBasis:
     recovery, recovery_S, recovery_points
         Displacements elsewhere, u = recovery q + recovery_S lam: (3 points, modes), (3 points, channels),
         (points, 3); empty unless asked for.
+    lines
+        Of a rim: axial place and radius of each of its lines [m], (lines, 2).
+    outputs, output_rows, output_S
+        Names of displacements and strains at chosen places, and output_rows q + output_S lam that gives them.
+    K_omega, spin
+        Of a rotating body: speed Omega_0 of the basis [rad/s], and the modal stiffness that Omega^2 - Omega_0^2 adds,
+        (modes, modes).
     provenance
         Where it comes from: method, versions, hash of the matrices.
     """
@@ -61,6 +68,12 @@ class ModalBasis:
     recovery: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     recovery_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     recovery_points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    lines: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    outputs: tuple[str, ...] = ()
+    output_rows: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    output_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    K_omega: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    spin: float = 0.0
     provenance: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -110,6 +123,12 @@ class ModalBasis:
                 recovery=self.recovery,
                 recovery_S=self.recovery_S,
                 recovery_points=self.recovery_points,
+                lines=self.lines,
+                outputs=np.array(self.outputs, dtype=np.str_),
+                output_rows=self.output_rows,
+                output_S=self.output_S,
+                K_omega=self.K_omega,
+                spin=np.array(self.spin),
                 provenance=np.array(json.dumps(self.provenance, sort_keys=True)),
             )
         os.replace(waiting, target)
@@ -134,7 +153,8 @@ class ModalBasis:
         missing = {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys()
         if missing:
             raise BasisError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
-        extra = {name: data[name] for name in ("recovery", "recovery_S", "recovery_points") if name in data}
+        wanted = ("recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega")
+        extra = {name: data[name] for name in wanted if name in data}
         try:
             provenance = json.loads(str(data.get("provenance", "{}")))
         except ValueError as error:
@@ -148,6 +168,8 @@ class ModalBasis:
             kind=str(data["kind"]),
             n_max=int(data.get("n_max", 0)),
             radius=float(data.get("radius", 0.0)),
+            outputs=tuple(str(name) for name in data.get("outputs", ())),
+            spin=float(data.get("spin", 0.0)),
             provenance=provenance,
             **extra,
         )

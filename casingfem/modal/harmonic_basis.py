@@ -56,8 +56,10 @@ def harmonic_basis(
         raise ModelError(
             "interface-edge", f"this chart has no edge {rim.edge!r}; it has {', '.join(shell.chart.edges)}"
         )
-    size = 2 * rim.n_max + 1
-    S = np.zeros((2 * size, 2 * size))
+    if rim.lines:
+        raise ModelError("interface-lines", f"rim.lines: found {rim.lines}, expected none here: the edge itself")
+    size = len(rim.channels)
+    S = np.zeros((size, size))
     omega: list[FloatArray] = []
     rows: list[FloatArray] = []
     for n in range(rim.n_max + 1):
@@ -66,17 +68,16 @@ def harmonic_basis(
         for channels, loads in families(shell, rim, meridian):
             squares, at_rim = kept_modes(shell, meridian, loads, keep)
             omega.append(np.sqrt(squares))
-            block = np.zeros((2 * size, len(squares)))
+            block = np.zeros((size, len(squares)))
             block[channels] = at_rim
             rows.append(block)
             S[np.ix_(channels, channels)] += loads.T @ np.linalg.solve(meridian.K, loads)
             S[np.ix_(channels, channels)] -= (at_rim / squares) @ at_rim.T
     order = np.argsort(np.concatenate(omega), kind="stable")
-    names = tuple(f"{direction}.{name}" for direction in ("radial", "tangential") for name in rim.names)
     return ModalBasis(
         omega=np.concatenate(omega)[order],
         zeta=np.full(len(order), zeta),
-        channels=names,
+        channels=rim.channels,
         rows=np.concatenate(rows, axis=1)[:, order],
         S=0.5 * (S + S.T) * residual,
         kind="rim",
@@ -89,20 +90,23 @@ def harmonic_basis(
 def families(shell: Shell, rim: Rim, meridian: Meridian) -> Iterator[tuple[list[int], FloatArray]]:
     """Channels and load columns (free dofs, channels) of the families cos n theta and sin n theta.
 
-    The cosine family moves (u_r cos, -u_theta sin), the sine family (u_r sin, u_theta cos) n theta, each with kinetic
-    energy pi times the meridian's; n = 0 has one family of u_r and u_theta with 2 pi.
+    The cosine family moves (u_r cos, -u_theta sin, u_z cos), the sine family (u_r sin, u_theta cos, u_z sin) n theta,
+    each with kinetic energy pi times the meridian's; n = 0 has one family of all directions with 2 pi.
     """
     n, size = meridian.n, 2 * rim.n_max + 1
     node = 0 if shell.chart.edges[rim.edge][1] == 0 else len(meridian.z) - 1
-    unit = np.zeros((len(meridian.z) * DOFS, 2))
-    unit[node * DOFS : node * DOFS + 3, 0] = meridian.turn[node][0]
-    unit[node * DOFS : node * DOFS + 3, 1] = meridian.turn[node][1]
-    radial, hoop = meridian.restrict(unit).T
+    directions = len(rim.directions)
+    unit = np.zeros((len(meridian.z) * DOFS, directions))
+    unit[node * DOFS : node * DOFS + 3] = meridian.turn[node][:directions].T
+    loads = meridian.restrict(unit)
+    first = size * np.arange(directions)
     if n == 0:
-        yield [0, size], np.stack([radial, hoop], axis=1) / np.sqrt(2.0 * np.pi)
+        yield first.tolist(), loads / np.sqrt(2.0 * np.pi)
         return
-    yield [n, size + rim.n_max + n], np.stack([radial, -hoop], axis=1) / np.sqrt(np.pi)
-    yield [rim.n_max + n, size + n], np.stack([radial, hoop], axis=1) / np.sqrt(np.pi)
+    wave = np.array([0, rim.n_max, 0])[:directions]  # the hoop's motion is in quadrature
+    turned = loads * np.array([1.0, -1.0, 1.0])[:directions]
+    yield (first + wave + n).tolist(), turned / np.sqrt(np.pi)
+    yield (first + rim.n_max - wave + n).tolist(), loads / np.sqrt(np.pi)
 
 
 def kept_modes(shell: Shell, meridian: Meridian, loads: FloatArray, keep: int) -> tuple[FloatArray, FloatArray]:

@@ -1,14 +1,16 @@
 """Interfaces: which displacements of a shell contact sees, as rows over its nodal fields."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
+from casingfem.arrays import Array, FloatArray
 from casingfem.errors import ModelError
 from casingfem.modal.harmonics import ring_transform
 from casingfem.structure.assembly import System
 from casingfem.structure.kinematics import DOFS, frame
+from casingfem.structure.place import interpolation
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,18 +21,35 @@ class Rim:
     band: it acts on an arc of about 2 pi r/(2 n_max), which keeps its compliance finite as the mesh is
     refined (a point force on a shear-deformable edge would sink in without limit).
 
+    `axial` adds the motion along the axis. `lines`: places of the chart's first parameter (z of a frustum) of several
+    lines around in place of the edge, for blades whose tips are long in that direction.
+
     >>> Rim("top", n_max=2).names
     ('cos0', 'cos1', 'cos2', 'sin1', 'sin2')
     """
 
     edge: str
     n_max: int = 40
+    axial: bool = False
+    lines: tuple[float, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the harmonics of one direction."""
         n = range(1, self.n_max + 1)
         return ("cos0", *(f"cos{k}" for k in n), *(f"sin{k}" for k in n))
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """Directions of motion, radial first."""
+        return ("radial", "tangential", "axial") if self.axial else ("radial", "tangential")
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of all channels: direction by direction, line by line where there are several."""
+        one = [f"{direction}.{name}" for direction in self.directions for name in self.names]
+        count = len(self.lines)
+        return tuple(one) if count < 2 else tuple(f"line{k}.{name}" for k in range(count) for name in one)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +62,33 @@ class Tip:
     edge: str = "tip"
 
 
+@dataclass(frozen=True, slots=True)
+class TipNodes:
+    """The tip edge of a blade in `count` equal pieces: mean displacement of each along span, flap and chord.
+
+    The directions are those of `Tip` at mid-edge, chord along the edge. Pieces of the edge and not points: a point
+    force on a shear-deformable edge would sink in without limit.
+
+    >>> TipNodes(count=2).channels[:4]
+    ('node0.span', 'node0.flap', 'node0.chord', 'node1.span')
+    """
+
+    edge: str = "tip"
+    count: int = 5
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels, node by node."""
+        return tuple(f"node{k}.{name}" for k in range(self.count) for name in ("span", "flap", "chord"))
+
+
+def interface_rows(system: System, interface: Rim | Tip | TipNodes) -> tuple[FloatArray, tuple[str, ...]]:
+    """Rows (channels, 5 nodes) of any interface, and its channel names."""
+    if isinstance(interface, Rim):
+        return rim_rows(system, interface)
+    return tip_rows(system, interface) if isinstance(interface, Tip) else node_rows(system, interface)
+
+
 def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
     """Rows (channels, 5 nodes) of a rim, and the channel names: radial, then tangential."""
     grid, chart = system.grid, system.shell.chart
@@ -53,30 +99,108 @@ def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
         raise ModelError(
             "interface-harmonics", f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}"
         )
-    _, transform = ring_transform(chart, grid, rim.n_max)
-    real = np.concatenate([transform.real, -transform.imag[1:]])
-    nodes = grid.edges[rim.edge].nodes
-    c, s = np.cos(grid.nodes[1, nodes]), np.sin(grid.nodes[1, nodes])
-    rows = np.zeros((2, len(real), grid.nodes.shape[1], DOFS))
-    rows[0, :, nodes, 0], rows[0, :, nodes, 1] = (real * c).T, (real * s).T
-    rows[1, :, nodes, 0], rows[1, :, nodes, 1] = (-real * s).T, (real * c).T
-    names = tuple(f"{direction}.{name}" for direction in ("radial", "tangential") for name in rim.names)
-    return rows.reshape(2 * len(real), -1), names
+    theta = grid.nodes[1]
+    c, s, one, none = np.cos(theta), np.sin(theta), np.ones_like(theta), np.zeros_like(theta)
+    unit = np.array([[c, s, none], [-s, c, none], [none, none, one]])[: len(rim.directions)]
+    rows = np.zeros((max(len(rim.lines), 1), len(unit), 2 * rim.n_max + 1, theta.size, DOFS))
+    for line, transform in zip(rows, line_transforms(system, rim), strict=True):
+        real = np.concatenate([transform.real, -transform.imag[1:]])
+        line[..., :3] = np.einsum("hn,din->dhni", real, unit)
+    return rows.reshape(-1, theta.size * DOFS), rim.channels
+
+
+def line_transforms(system: System, rim: Rim) -> list[Array]:
+    """Transforms (n_max + 1, nodes) of nodal values to Fourier amplitudes, on the edge or on each of the lines."""
+    grid, chart = system.grid, system.shell.chart
+    if not rim.lines:
+        _, transform = ring_transform(chart, grid, rim.n_max)
+        full = np.zeros((rim.n_max + 1, grid.nodes.shape[1]), dtype=complex)
+        full[:, grid.edges[rim.edge].nodes] = transform
+        return [full]
+    low, high = chart.bounds[0]
+    if min(rim.lines) < low or max(rim.lines) > high:
+        raise ModelError("interface-lines", f"rim.lines: found {rim.lines}, expected places from {low:g} to {high:g}")
+    samples = 8 * grid.mesh.order * grid.mesh.around
+    theta = 2.0 * np.pi * np.arange(samples) / samples
+    kernel = np.exp(-1j * np.outer(np.arange(rim.n_max + 1), theta)) / samples
+    kernel[1:] *= 2.0
+    found = []
+    for place in rim.lines:
+        nodes, weights = interpolation(grid, np.full(samples, place), theta)
+        spread = np.zeros((samples, grid.nodes.shape[1]))
+        np.add.at(spread, (np.arange(samples)[:, None], nodes), weights)
+        found.append(kernel @ spread)
+    return found
+
+
+def rim_lines(system: System, rim: Rim) -> FloatArray:
+    """Axial place and mean radius of each line of a rim [m], (lines, 2)."""
+    theta = 2.0 * np.pi * np.arange(64) / 64
+    places = rim.lines
+    if not places:
+        held, side = system.shell.chart.edges[rim.edge]
+        places = (system.shell.chart.bounds[held][side],)
+    found = []
+    for place in places:
+        x = system.shell.geometry(np.full(64, place), theta).surface.x
+        found.append([float(x[2].mean()), float(np.hypot(x[0], x[1]).mean())])
+    return np.array(found)
 
 
 def tip_rows(system: System, tip: Tip) -> tuple[FloatArray, tuple[str, ...]]:
     """Rows (2, 5 nodes) of a blade tip: span and flap, averaged over the edge's length."""
+    grid, (span, flap, _) = system.grid, tip_directions(system, tip)
+    edge = grid.edges[tip.edge]
+    weights = edge.arc(system.shell.geometry(*grid.nodes[:, edge.nodes]).surface)
+    weights = weights / weights.sum()
+    rows = np.zeros((2, grid.nodes.shape[1], DOFS))
+    rows[0, edge.nodes, :3] = weights[:, None] * span
+    rows[1, edge.nodes, :3] = weights[:, None] * flap
+    return rows.reshape(2, -1), ("span", "flap")
+
+
+def tip_directions(system: System, tip: Tip | TipNodes) -> FloatArray:
+    """Span, flap and chord at the middle of a tip edge, (3, 3) unit rows; chord along the edge, square to the others.
+
+    Raises ModelError where there is no such edge.
+    """
     grid, shell = system.grid, system.shell
     if shell.chart.periodic or tip.edge not in grid.edges:
         raise ModelError("interface-edge", f"a Tip needs an open panel or plate with an edge {tip.edge!r}")
     edge = grid.edges[tip.edge]
     surface = shell.geometry(*grid.nodes[:, edge.nodes]).surface
-    across = surface.x1 if edge.along == 1 else surface.x2
-    weights = edge.arc(surface)
-    weights = weights / weights.sum()
     middle = len(edge.nodes) // 2
-    span = across[:, middle] / np.linalg.norm(across[:, middle])
-    rows = np.zeros((2, grid.nodes.shape[1], DOFS))
-    rows[0, edge.nodes, :3] = weights[:, None] * span
-    rows[1, edge.nodes, :3] = weights[:, None] * frame(surface).normal[:, middle]
-    return rows.reshape(2, -1), ("span", "flap")
+    across, along = (surface.x1, surface.x2) if edge.along == 1 else (surface.x2, surface.x1)
+    span, flap = across[:, middle] / np.linalg.norm(across[:, middle]), frame(surface).normal[:, middle]
+    chord = np.cross(flap, span)
+    return np.array([span, flap, chord * np.sign(chord @ along[:, middle])])
+
+
+def node_rows(system: System, tip: TipNodes) -> tuple[FloatArray, tuple[str, ...]]:
+    """Rows (3 count, 5 nodes) of the pieces of a blade's tip, averaged over equal lengths of the edge."""
+    if not 1 <= tip.count <= 100:
+        raise ModelError("interface-nodes", f"TipNodes.count must lie between 1 and 100, found {tip.count!r}")
+    directions, grid, shell = tip_directions(system, tip), system.grid, system.shell
+    edge, (held, side) = grid.edges[tip.edge], shell.chart.edges[tip.edge]
+
+    def places(along: FloatArray) -> tuple[FloatArray, FloatArray]:
+        at = np.full(along.size, shell.chart.bounds[held][side])
+        return (at, along) if edge.along == 1 else (along, at)
+
+    def speed(along: FloatArray) -> FloatArray:
+        surface = shell.geometry(*places(along)).surface
+        return np.asarray(np.linalg.norm(surface.x2 if edge.along == 1 else surface.x1, axis=0))
+
+    fine = np.linspace(*shell.chart.bounds[edge.along], 2001)
+    length = np.concatenate(([0.0], np.cumsum(0.5 * np.diff(fine) * (speed(fine)[1:] + speed(fine)[:-1]))))
+    ends = np.interp(np.linspace(0.0, length[-1], tip.count + 1), length, fine)
+    x, w = np.polynomial.legendre.leggauss(2 * grid.mesh.order + 8)
+    rows = np.zeros((tip.count, 3, grid.nodes.shape[1], DOFS))
+    for k, (a, b) in enumerate(pairwise(ends)):
+        along = 0.5 * (a + b) + 0.5 * (b - a) * x
+        weights = w * speed(along)
+        nodes, values = interpolation(grid, *places(along))
+        mean = np.zeros(grid.nodes.shape[1])
+        np.add.at(mean, nodes, (weights / weights.sum())[:, None] * values)
+        rows[k, :, :, :3] = directions[:, None, :] * mean[None, :, None]
+    return rows.reshape(3 * tip.count, -1), tip.channels

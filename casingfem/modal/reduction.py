@@ -8,6 +8,8 @@ static push at the interface exactly as the full model does.
 """
 
 import hashlib
+from collections.abc import Sequence
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
@@ -18,9 +20,10 @@ from casingfem.arrays import Array, FloatArray
 from casingfem.errors import ModelError
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.eigen import START_SEED
-from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
+from casingfem.modal.interface import Rim, Tip, TipNodes, interface_rows, rim_lines
 from casingfem.modal.modes import modes as lowest_modes
-from casingfem.structure.assembly import System, assemble
+from casingfem.modal.output import Output, output_rows
+from casingfem.structure.assembly import System, assemble, spin
 from casingfem.structure.factor import Factor, factorise
 from casingfem.structure.kinematics import DOFS
 from casingfem.structure.plausible import warn_of
@@ -32,12 +35,13 @@ METHODS = ("free", "craig-bampton")
 
 def reduce(
     structure: Shell,
-    interface: Rim | Tip,
+    interface: Rim | Tip | TipNodes,
     *,
     modes: int = 40,
     method: str = "free",
     zeta: float = 0.0,
     recovery: bool = False,
+    outputs: Sequence[Output] = (),
     system: System | None = None,
 ) -> ModalBasis:
     """Reduce a supported shell to `modes` modes seen from an interface.
@@ -47,7 +51,7 @@ def reduce(
     structure
         The shell, supported.
     interface
-        `Rim` of a casing or `Tip` of a blade.
+        `Rim` of a casing, `Tip` or `TipNodes` of a blade.
     modes
         Free modes kept, or fixed-interface modes beside the static shapes.
     method
@@ -56,6 +60,8 @@ def reduce(
         Damping ratio given to every mode.
     recovery
         Also store what recovers all displacements of the shell.
+    outputs
+        `Displacement` and `Strain` at chosen places, to be had from a run by their names.
     system
         The assembled shell, if there is one already.
 
@@ -76,7 +82,8 @@ def reduce(
     system = system or assemble(structure)
     if not 1 <= modes < system.size // 2:
         raise ModelError("modes-count", f"modes must lie between 1 and {system.size // 2 - 1} here, found {modes!r}")
-    rows, channels = rim_rows(system, interface) if isinstance(interface, Rim) else tip_rows(system, interface)
+    rows, channels = interface_rows(system, interface)
+    wanted = output_rows(system, tuple(outputs))
     P = load_columns(system, rows)
     if not P.any():
         raise ModelError("interface-held", f"interface: edge {interface.edge!r} is held, nothing can be pushed there")
@@ -92,17 +99,25 @@ def reduce(
         S = P.T @ attachment - (at_interface / omega**2) @ at_interface.T
         S = 0.5 * (S + S.T)
     stored: dict[str, Array] = {}
+    left = attachment - (vectors / omega**2) @ at_interface.T
     if recovery:
-        left = attachment - (vectors / omega**2) @ at_interface.T
         stored = {
             "recovery": system.expand(vectors)[:, :3].reshape(-1, len(omega)),
             "recovery_S": system.expand(left)[:, :3].reshape(-1, len(channels)),
             "recovery_points": system.points,
         }
+    if outputs:
+        seen = load_columns(system, wanted).T
+        stored |= {"output_rows": seen @ vectors, "output_S": seen @ left}
+    if structure.rotation is not None:
+        stored["K_omega"] = stiffening(structure, vectors)
     return ModalBasis(
         omega=omega,
         zeta=np.full(len(omega), zeta),
         channels=channels,
+        outputs=tuple(output.name for output in outputs),
+        spin=0.0 if structure.rotation is None else structure.rotation.omega,
+        lines=rim_lines(system, interface) if isinstance(interface, Rim) else np.zeros((0, 2)),
         rows=at_interface,
         S=S,
         kind="rim" if isinstance(interface, Rim) else "point",
@@ -111,6 +126,14 @@ def reduce(
         provenance=provenance(system, method, modes),
         **stored,
     )
+
+
+def stiffening(structure: Shell, vectors: FloatArray) -> FloatArray:
+    """Modal stiffness Phi^T K1 Phi that each (rad/s)^2 adds to a rotating shell, (modes, modes)."""
+    assert structure.rotation is not None
+    at_rest = assemble(replace(structure, rotation=None))
+    added = vectors.T @ (spin(at_rest, structure.rotation).K1 @ vectors)
+    return np.asarray(0.5 * (added + added.T))
 
 
 def load_columns(system: System, rows: FloatArray) -> FloatArray:

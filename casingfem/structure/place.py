@@ -8,12 +8,7 @@ from casingfem.structure.mesh import Grid
 
 
 def interpolation(grid: Grid, a: FloatArray, b: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Nodes and Lagrange weights at parameters (a, b): each (points, functions).
-
-    Raises
-    ------
-    ValueError
-        If a place lies off the surface.
+    """Nodes and Lagrange weights at parameters (a, b): each (points, functions); see `place_jets`.
 
     >>> from casingfem.structure.chart import Plate
     >>> from casingfem.structure.mesh import ShellMesh, make_grid
@@ -21,6 +16,18 @@ def interpolation(grid: Grid, a: FloatArray, b: FloatArray) -> tuple[IntArray, F
     >>> nodes, weights = interpolation(grid, np.array([1.3]), np.array([0.1]))
     >>> np.sum(grid.nodes[:, nodes] * weights, axis=-1).round(12).ravel().tolist()
     [1.3, 0.1]
+    """
+    nodes, jets = place_jets(grid, a, b)
+    return nodes, jets[0]
+
+
+def place_jets(grid: Grid, a: FloatArray, b: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Nodes (points, functions) at parameters (a, b), and weights of the value and both slopes (3, points, functions).
+
+    Raises
+    ------
+    ValueError
+        If a place lies off the surface.
     """
     place = np.stack([np.atleast_1d(np.asarray(a, dtype=float)), np.atleast_1d(np.asarray(b, dtype=float))])
     lines = [np.append(np.unique(low), (low + size).max()) for low, size in zip(grid.corner, grid.size, strict=True)]
@@ -36,6 +43,8 @@ def interpolation(grid: Grid, a: FloatArray, b: FloatArray) -> tuple[IntArray, F
     ]
     local = [(p - line[k]) / np.diff(line)[k] for p, line, k in zip(place, lines, cells, strict=True)]
     i, j = ElementQuadLobatto(grid.mesh.order).pairs.T
-    f, g = (lagrange(grid.mesh.order, np.clip(x, 0.0, 1.0))[0] for x in local)
+    (f, df), (g, dg) = (lagrange(grid.mesh.order, np.clip(x, 0.0, 1.0)) for x in local)
     element = cells[0] * (len(lines[1]) - 1) + cells[1]
-    return grid.elements[element], (f[i] * g[j]).T
+    size = grid.size[:, element]
+    jets = np.stack([f[i] * g[j], df[i] * g[j] / size[0], f[i] * dg[j] / size[1]])
+    return grid.elements[element], np.asarray(jets.transpose(0, 2, 1))

@@ -97,6 +97,11 @@ class RotatingRim:
     def __post_init__(self) -> None:
         if self.casing.kind != "rim":
             raise InputError(f"casing: found a basis of kind {self.casing.kind!r}, expected 'rim'")
+        if self.casing.directions > 2 or self.casing.rim_lines > 1:
+            raise InputError(
+                f"casing: found {self.casing.rim_lines} rim lines in {self.casing.directions} directions, expected one "
+                "line, radial and tangential (Rub takes them all)"
+            )
         if self.blade.kind != "point":
             raise InputError(f"blade: found a basis of kind {self.blade.kind!r}, expected 'point'")
         for name in ("span", "flap"):

@@ -15,7 +15,7 @@ from contact.model.arrays import Array, readonly, require_not_negative, require_
 
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
-OPTIONAL = ("recovery", "recovery_S", "recovery_points", "lines")
+OPTIONAL = ("recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -28,7 +28,9 @@ class ModalBody:
     of everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN,
     then tangential.cos0 .. tangential.sinN, then maybe axial alike, with `n_max` = N and `radius` [m]; of several
     rim lines line0.radial.cos0 .. line1..., `lines` (L, 2) their axial positions and radii [m]. `recovery` (R, m),
-    `recovery_S` (R, K) and `recovery_points` (R, 3) give displacements elsewhere.
+    `recovery_S` (R, K) and `recovery_points` (R, 3) give displacements elsewhere; `output_rows` (O, m) and `output_S`
+    (O, K) the quantities named in `outputs`. `K_omega` (m, m): what Omega^2 - spin^2 adds to the modal stiffness of a
+    body whose basis was made at `spin` [rad/s].
 
     Raises InputError for shapes that do not fit, NaN, negative frequencies or an asymmetric S.
 
@@ -50,6 +52,11 @@ class ModalBody:
     recovery_S: Array | None = None
     recovery_points: Array | None = None
     lines: Array | None = None
+    outputs: tuple[str, ...] = ()
+    output_rows: Array | None = None
+    output_S: Array | None = None
+    K_omega: Array | None = None
+    spin: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("omega", "zeta", "rows", "S", *OPTIONAL):
@@ -66,6 +73,11 @@ class ModalBody:
             require_shape("recovery", self.recovery, (len(self.recovery), m))
             if self.recovery_S is not None:
                 require_shape("recovery_S", self.recovery_S, (len(self.recovery), K))
+        object.__setattr__(self, "outputs", tuple(str(name) for name in self.outputs))
+        wanted = len(self.outputs)
+        for name, shape in (("output_rows", (wanted, m)), ("output_S", (wanted, K)), ("K_omega", (m, m))):
+            if getattr(self, name) is not None:
+                require_shape(name, getattr(self, name), shape)
         _require_modes(self.omega, self.zeta)
         scale = float(np.abs(self.S).max(initial=0.0))
         skew = float(np.abs(self.S - self.S.T).max(initial=0.0))
@@ -125,9 +137,15 @@ class ModalBody:
             lost = recovery[:, ~keep] / self.omega[~keep] @ gone.T
             recovery_S = lost if recovery_S is None else recovery_S + lost
             recovery = recovery[:, keep]
+        outputs, output_S = self.output_rows, self.output_S
+        if outputs is not None:
+            lost = outputs[:, ~keep] / self.omega[~keep] @ gone.T
+            output_S = lost if output_S is None else output_S + lost
+            outputs = outputs[:, keep]
         return replace(
             self, omega=self.omega[keep], zeta=self.zeta[keep], rows=self.rows[:, keep],
-            S=self.S + gone @ gone.T, recovery=recovery, recovery_S=recovery_S,
+            S=self.S + gone @ gone.T, recovery=recovery, recovery_S=recovery_S, output_rows=outputs,
+            output_S=output_S, K_omega=None if self.K_omega is None else self.K_omega[np.ix_(keep, keep)],
         )  # fmt: skip
 
     def save(self, path: str | Path) -> None:
@@ -135,7 +153,7 @@ class ModalBody:
         data: dict[str, Any] = {
             "format": FORMAT, "omega": self.omega, "zeta": self.zeta, "channels": np.array(self.channels),
             "rows": self.rows, "S": self.S, "kind": self.kind, "n_max": self.n_max, "radius": self.radius,
-            "provenance": self.provenance,
+            "provenance": self.provenance, "outputs": np.array(self.outputs, dtype=np.str_), "spin": self.spin,
         }  # fmt: skip
         data |= {name: getattr(self, name) for name in OPTIONAL if getattr(self, name) is not None}
         write_npz(Path(path), data)
@@ -149,6 +167,8 @@ class ModalBody:
                 omega=data["omega"], zeta=data["zeta"], rows=data["rows"], S=data["S"],
                 channels=tuple(str(name) for name in np.atleast_1d(data["channels"])), kind=str(data["kind"]),
                 n_max=int(data.get("n_max", np.array(0))), radius=float(data.get("radius", np.array(0.0))),
+                outputs=tuple(str(name) for name in np.atleast_1d(data.get("outputs", np.zeros(0, dtype=np.str_)))),
+                spin=float(data.get("spin", np.array(0.0))),
                 provenance=str(data.get("provenance", "{}")), **{n: data[n] for n in OPTIONAL if n in data},
             )  # fmt: skip
         except (InputError, TypeError, ValueError) as error:

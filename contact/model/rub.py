@@ -77,6 +77,13 @@ class Stiffening:
         object.__setattr__(self, "K_omega", readonly(self.K_omega))
         require_finite(at_hz=self.at_hz)
 
+    @staticmethod
+    def of(body: ModalBody, blade: int = 0) -> Stiffening:
+        """That of a rotating body's own basis; raises InputError where the basis was made at rest, without an axis."""
+        if body.K_omega is None:
+            raise InputError(f"blades[{blade}]: found a basis without K_omega, expected one of a rotating shell")
+        return Stiffening(blade=blade, K_omega=body.K_omega, at_hz=body.spin / (2.0 * math.pi))
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Rub:

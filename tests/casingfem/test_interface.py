@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
+from casingfem.modal.interface import (
+    Rim,
+    Tip,
+    TipNodes,
+    node_rows,
+    rim_lines,
+    rim_rows,
+    tip_directions,
+    tip_rows,
+)
 from casingfem.structure.assembly import assemble
 from casingfem.structure.chart import Panel, Plate
 from casingfem.structure.mesh import ShellMesh
@@ -92,3 +101,47 @@ def test_a_rim_needs_a_casing_and_a_tip_a_blade(steel, casing):
         tip_rows(casing, Tip("top"))
     with pytest.raises(ValueError, match="edge 'nose'"):
         tip_rows(assemble(plate), Tip("nose"))
+
+
+def test_a_rim_in_three_directions_on_several_lines(casing):
+    """Amplitudes that vary linearly along z, on lines between the nodes."""
+    z, theta = casing.grid.nodes
+    fields = np.zeros((len(z), 5))
+    radial, axial = z * np.cos(3 * theta), (1.0 - z) * np.sin(2 * theta)
+    fields[:, 0], fields[:, 1], fields[:, 2] = radial * np.cos(theta), radial * np.sin(theta), axial
+    rim = Rim("top", n_max=5, axial=True, lines=(0.11, 0.2347))
+    rows, names = rim_rows(casing, rim)
+    found = dict(zip(names, rows @ fields.ravel(), strict=True))
+    expected = dict.fromkeys(names, 0.0)
+    for k, place in enumerate(rim.lines):
+        expected[f"line{k}.radial.cos3"] = place
+        expected[f"line{k}.axial.sin2"] = 1.0 - place
+    np.testing.assert_allclose(list(found.values()), list(expected.values()), atol=1e-4)
+    lines = rim_lines(casing, rim)
+    np.testing.assert_allclose(lines[:, 0], rim.lines, atol=1e-12)
+    np.testing.assert_allclose(lines[:, 1], 0.5 - 0.05 * np.array(rim.lines) / 0.25, atol=1e-12)
+    edge, _ = rim_rows(casing, Rim("top", n_max=5, axial=True))
+    line, _ = rim_rows(casing, Rim("top", n_max=5, axial=True, lines=(0.25,)))
+    np.testing.assert_allclose(line @ fields.ravel(), edge @ fields.ravel(), atol=1e-4)
+    with pytest.raises(ValueError, match=r"expected places from 0 to 0\.25"):
+        rim_rows(casing, Rim("top", n_max=5, lines=(0.3,)))
+
+
+def test_pieces_of_a_tip_average_to_the_tip_and_know_their_directions(steel):
+    chart = Panel(radius=0.3, length=0.12, angle=0.25)
+    shell = Shell(chart=chart, thickness=2e-3, material=steel, supports={"root": Clamped()}, mesh=ShellMesh(order=5))
+    system = assemble(shell)
+    along, across = system.grid.nodes
+    fields = np.stack([1.0 + 3.0 * across**2, np.sin(9.0 * across), along * (1.0 + across), across, along], axis=1)
+    pieces, names = node_rows(system, TipNodes(count=4))
+    tip, _ = tip_rows(system, Tip())
+    values = (pieces @ fields.ravel()).reshape(4, 3)
+    np.testing.assert_allclose(values[:, :2].mean(axis=0), tip @ fields.ravel(), rtol=1e-5)
+    assert names[-1] == "node3.chord"
+    directions = tip_directions(system, TipNodes())
+    np.testing.assert_allclose(directions @ directions.T, np.eye(3), atol=1e-12)
+    turn = np.zeros_like(fields)  # along the edge: nothing but chord, and more of it in no piece than in another
+    turn[:, :3] = directions[2]
+    np.testing.assert_allclose((pieces @ turn.ravel()).reshape(4, 3), np.tile([0.0, 0.0, 1.0], (4, 1)), atol=1e-9)
+    with pytest.raises(ValueError, match="between 1 and 100, found 0"):
+        node_rows(system, TipNodes(count=0))

@@ -1,0 +1,104 @@
+"""Outputs of a reduced blade: displacement and strain at named places, right where the load is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.modal.campbell import campbell
+from casingfem.modal.harmonic_basis import harmonic_basis
+from casingfem.structure.load import EdgeLoad
+from casingfem.structure.static import solve_static
+
+LENGTH, WIDTH, THICKNESS = 0.11, 0.04, 5e-3
+
+
+@pytest.fixture(scope="module")
+def strip():
+    steel = cf.Material(E=210e9, nu=0.0, rho=7800.0)
+    return cf.Shell(
+        chart=cf.Plate(length=LENGTH, width=WIDTH), thickness=THICKNESS, material=steel,
+        supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=6, rows=2, around=1),
+    )  # fmt: skip
+
+
+OUTPUTS = (
+    cf.Strain(name="root strain", at=(0.02, 0.0)),
+    cf.Strain(name="below", at=(0.02, 0.0), side=-1.0),
+    cf.Displacement(name="middle", at=(0.5 * LENGTH, 0.01)),
+    cf.Displacement(name="tip x", at=(LENGTH, 0.0), direction="x"),
+)
+
+
+@pytest.mark.parametrize("method", ["free", "craig-bampton"])
+def test_a_tip_load_strains_the_root_as_a_beam(strip, method):
+    """eps = F (L - x) (t/2)/(E I) and the full model's deflection, with one mode kept and the residual."""
+    basis = cf.reduce(strip, cf.TipNodes(count=4), modes=2, method=method, outputs=OUTPUTS)
+    force = 40.0
+    lam = np.zeros(12)
+    lam[1::3] = force / 4.0  # each piece pushed along flap
+    q = basis.rows.T @ lam / basis.omega**2
+    root, below, middle, along = basis.output_rows @ q + basis.output_S @ lam
+    bending = 210e9 * WIDTH * THICKNESS**3 / 12.0
+    exact = force * (LENGTH - 0.02) * 0.5 * THICKNESS / bending
+    sign = np.sign(middle)
+    assert root == pytest.approx(-sign * exact, rel=2e-3)
+    assert below == pytest.approx(-root, rel=1e-9)
+    full = solve_static(strip, [EdgeLoad(edge="tip", force=(0.0, 0.0, sign * force / WIDTH))])
+    assert middle == pytest.approx(full.at(0.5 * LENGTH, 0.01)[2], rel=1e-4)
+    assert abs(along) < 1e-12
+
+
+def test_outputs_survive_the_file_and_the_modes_cut_off(strip, tmp_path):
+    import contact as ct
+    from contact import recovery
+
+    basis = cf.reduce(strip, cf.TipNodes(count=2), modes=8, outputs=OUTPUTS)
+    body = ct.ModalBody.load(basis.save(tmp_path / "blade.npz"))
+    assert body.outputs == ("root strain", "below", "middle", "tip x")
+    few = body.truncated(float(body.omega[2]) * 1.01)
+    lam = np.array([[1.0, 2.0, -0.5, 0.3, -1.0, 2.0]])
+    values = [recovery.at_outputs(b, lam @ b.rows / b.omega**2, lam) for b in (body, few)]
+    assert few.omega.size == 3
+    np.testing.assert_allclose(values[1], values[0], rtol=1e-9, atol=1e-18)
+    few.save(tmp_path / "few.npz")
+    again = ct.ModalBody.load(tmp_path / "few.npz")
+    assert again.outputs == few.outputs
+    assert np.array_equal(again.output_S, few.output_S)
+
+
+def test_a_rotating_blade_brings_its_stiffening(strip):
+    rotation = cf.Rotation.of_blade(strip.chart, omega=0.0, hub_radius=0.3)
+    basis = cf.reduce(replace(strip, rotation=rotation), cf.Tip(), modes=3)
+    found = campbell(replace(strip, rotation=rotation), [0.0, 300.0], count=3)
+    np.testing.assert_allclose(np.diag(basis.K_omega), found.southwell, rtol=1e-6)
+    at_speed = np.sqrt(np.linalg.eigvalsh(np.diag(basis.omega**2) + 300.0**2 * basis.K_omega)) / (2.0 * np.pi)
+    np.testing.assert_allclose(at_speed, found.freq[1], rtol=1e-4)
+    turning = cf.reduce(replace(strip, rotation=rotation.at(300.0)), cf.Tip(), modes=3)
+    assert turning.spin == 300.0
+    np.testing.assert_allclose(turning.freq, found.freq[1], rtol=1e-9)
+
+
+def test_the_axial_channels_of_a_perfect_casing_agree_with_the_shell(frustum):
+    rim = cf.Rim("top", n_max=6, axial=True)
+    shell = frustum(mesh=cf.ShellMesh(order=6, rows=2, around=9))
+    harmonic = harmonic_basis(shell, rim, orders=2)
+    full = cf.reduce(shell, rim, modes=20)
+    assert harmonic.channels == full.channels
+    scale = np.abs(full.compliance).max()
+    np.testing.assert_allclose(harmonic.compliance, full.compliance, atol=2e-3 * scale)
+    assert np.abs(full.compliance[26:, :26]).max() > 1e-2 * scale  # radial pushes move the rim along the axis
+
+
+def test_bad_outputs_are_refused(strip):
+    for output, match in (
+        (cf.Displacement(name="a", at=(0.0, 0.0), direction="up"), "found direction 'up'"),
+        (cf.Strain(name="a", at=(0.0, 0.0), component="33"), "component '33'"),
+        (cf.Strain(name="a", at=(0.0, 0.0), side=2.0), r"side 2\.0"),
+        (cf.Displacement(name="a", at=(0.2, 0.0)), "off the surface"),
+    ):
+        with pytest.raises(ValueError, match=match):
+            cf.reduce(strip, cf.Tip(), modes=2, outputs=[output])
+    with pytest.raises(ValueError, match="expected each once"):
+        cf.reduce(strip, cf.Tip(), modes=2, outputs=[OUTPUTS[0], OUTPUTS[0]])
