@@ -5,8 +5,9 @@ one reference and half with two, identifies each without help, and prints one ro
 size of the split and how often the truth lies in the 95 % intervals. It writes identification.csv.
 
 A mode counts as found where a mode of the same n lies within its half-power bandwidth and within 45/n deg (where the
-imperfections mix two n, either of those that hold a quarter of its energy will do, without an angle to judge); one
-found mode said to be an unresolved pair stands for both members. What is found beyond that is spurious.
+imperfections mix two n, either of those that hold a quarter of its energy will do, without an angle to judge). One
+found mode stands for both members if it is said to be an unresolved pair, or if it has no partner and the bound it
+gives on a hidden split is above the true one. What is found beyond that is spurious.
 """
 
 from collections.abc import Sequence
@@ -61,7 +62,9 @@ def judge(data: TestSet, found: Identified, seed: int, references: int) -> tuple
         near = alike & (gap < 2.0 * zeta * freq)
         told = near & ((np.abs(np.sin(turn)) < np.sqrt(0.5)) | (n == 0) | (found.n != n))
         told[list(taken)] = False
-        whole = [j for j in found.unresolved if near[j]]
+        part = float(truth.splits[pair]) if pair >= 0 else np.inf
+        alone = [j for j in np.flatnonzero(near).tolist() if found.doublet_of(j) < 0]
+        whole = [j for j in alone if j in found.unresolved or found.split_bound[j] > part]
         nothing = (seed, references, n, freq, split)
         if told.any():
             j = int(np.argmin(np.where(told, gap, np.inf)))

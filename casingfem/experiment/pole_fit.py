@@ -5,8 +5,14 @@ p = (ln f, ln zeta) alone (Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973, 413
 
     J_j = -P D_j A - (Phi^+)^T D_j^T R,   D_j = d Phi/d p_j,  A = Phi^+ Y,  R = P Y,  P = 1 - Phi Phi^+;
 
-J^T J needs products over lines and products over channels, never both at once. The first term alone gives the
-information about the poles: its inverse, times the variance of the noise, is their covariance.
+J^T J needs products over lines and products over channels, never both at once. The first term alone, J', gives the
+information about the poles: its inverse, times the variance of the noise, is their covariance where the noise is
+white. Noise of estimated responses is not: it rises on the peaks, and a window makes it alike on neighbouring lines.
+The scores q_l = sum over channels of J'^T r at line l give what the covariance then is,
+
+    (J'^T J')^-1 [sum_l q_l q_l^T + sum_(k=1,2) (1 - k/3) sum_l (q_l q_(l+k)^T + q_(l+k) q_l^T)] (J'^T J')^-1
+
+(Newey and West, Econometrica 55, 1987, 703). Each standard deviation is the larger of the two.
 """
 
 from __future__ import annotations
@@ -24,6 +30,7 @@ TRUST = 2.0, 1.0  # largest step, in half-power half-widths and in ln zeta
 CONVERGED = 1e-3  # a gain below this squared, in units of the noise, ends the fit
 EXACT = 1e-13  # so does one below this part of the sum of squares
 LEAST, MOST = 1e-6, 0.5  # zeta
+LAGS = 2  # lines over which a window makes noise alike
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,7 +38,7 @@ class PoleFit:
     """Fitted poles: freq [Hz], zeta (poles,), ascending; residues A (poles, columns, channels), weighted.
 
     `squares` is the sum of squared deviations, `variance` that per degree of freedom; `covariance` (2 poles, 2 poles)
-    of (ln f, ln zeta), for unit variance; `gram` (poles, columns, poles, columns) of the inverse of Phi^T Phi; `tilt`
+    of (ln f, ln zeta), over `variance`; `gram` (poles, columns, poles, columns) of the inverse of Phi^T Phi; `tilt`
     (poles, columns, 2 poles, columns) = Phi^+ D, what residues follow when poles move; `spread` (lines, channels)
     complex, the deviation.
     """
@@ -167,9 +174,32 @@ def _finished(window: Window, at: _State, converged: bool) -> PoleFit:
         A=at.A[: s * m].reshape(m, s, at.A.shape[1]),
         squares=at.squares,
         variance=at.squares / max(free, 1),
-        covariance=np.asarray(np.linalg.pinv(system.information, hermitian=True), np.float64),
+        covariance=_covariance(window, at, system.information, at.squares / max(free, 1)),
         gram=(inverse @ inverse.T).reshape(m, s, m, s),
         tilt=system.tilt.reshape(m, s, 2 * m, s),
         spread=at.R[:half] + 1j * at.R[half:],
         converged=converged,
     )
+
+
+def _covariance(window: Window, at: _State, information: FloatArray, variance: float) -> FloatArray:
+    """Covariance of the poles over the variance: that of white noise, raised where the deviation is not white."""
+    white = np.asarray(np.linalg.pinv(information, hermitian=True), np.float64)
+    scores = _scores(window, at)
+    meat = scores.T @ scores
+    for lag in range(1, LAGS + 1):
+        near = scores[lag:].T @ scores[:-lag]
+        meat = meat + (1.0 - lag / (LAGS + 1.0)) * (near + near.T)
+    diagonal = np.diag(white) + 1e-300
+    raised = np.sqrt(np.maximum(np.diag(white @ meat @ white) / (max(variance, 1e-300) * diagonal), 1.0))
+    return np.asarray(white * np.outer(raised, raised))
+
+
+def _scores(window: Window, at: _State) -> FloatArray:
+    """Sum over the channels of J'^T r at each line, (lines, 2 poles)."""
+    s, m = window.columns, len(at.f)
+    D = window.slopes(at.f, at.zeta)
+    across = D - at.Q @ (at.Q.T @ D)
+    A = np.tile(at.A[: s * m], (2, 1))
+    rows = -(across * (at.R @ A.T)).reshape(len(D), 2 * m, s).sum(axis=2)
+    return np.asarray(rows[: len(window.freq)] + rows[len(window.freq) :])

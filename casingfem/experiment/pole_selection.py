@@ -3,7 +3,7 @@
 The yardstick is the Bayesian information criterion (Schwarz, Ann. Statist. 6, 1978, 461): a pole stays if leaving it
 out raises the sum of squares, in units of the noise, by more than (its parameters) ln(number of data). A second pole
 beside the first has to earn itself the same way, so that a single mode is not split in two; two close poles with the
-same shape are a misfit of one mode and are merged.
+same shape are a misfit of one mode and are merged; a pole narrower than the lines is none.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ from casingfem.experiment.stabilisation import ZETA_MAX
 
 GRID = 400  # frequencies tried for a further pole
 BEYOND = 0.03  # of the frequency
-TRIES = 2  # starts tried before the search ends
+LOCAL = 5.0, 12  # about a pole: half-power half-widths, lines at least
+NARROW = 1.5  # lines in a half-power bandwidth, below which nothing is resolved
+UNSURE = 0.3  # standard deviation of ln zeta beyond which a pole is no resonance
+TRIES = 3  # places tried before the search ends
 NEAR, SAME = 3.0, 0.9  # half-power bandwidths; MAC
 ENOUGH = 6  # channels below which shapes say nothing
 MISFIT = 1.3  # deviation over noise, squared, that asks for complex residues
@@ -61,19 +64,30 @@ def _searched(window: Window, starts: FloatArray) -> PoleFit:
 
 
 def gains(fit: PoleFit) -> FloatArray:
-    """Rise of the sum of squares, in units of the noise, if a pole were left out and the others stayed, (poles,)."""
+    """Rise of the sum of squares, in units of the noise there, if a pole were left out and the others stayed."""
     each = range(len(fit.freq))
     rise = [np.einsum("sc,st,tc->", fit.A[k], np.linalg.inv(fit.gram[k, :, k, :]), fit.A[k]) for k in each]
-    return np.array(rise, float) / fit.noise
+    return np.array([rise[k] / noise_at(fit, k) for k in each], float)
+
+
+def noise_at(fit: PoleFit, pole: int) -> float:
+    """Variance of an entry about a pole: noise of estimated responses is larger on peaks than on average."""
+    lines = fit.window.freq
+    at = int(np.searchsorted(lines, fit.freq[pole]))
+    reach = max(LOCAL[1], int(LOCAL[0] * fit.zeta[pole] * fit.freq[pole] / (lines[1] - lines[0])))
+    near = fit.spread[max(at - reach, 0) : at + reach]
+    return max(fit.noise, 0.5 * float(np.mean(np.abs(near) ** 2)) if near.size else 0.0)
 
 
 def pruned(fit: PoleFit) -> PoleFit:
     """Leave out poles, one by one, that do not earn themselves, are no resonance, or repeat a neighbour."""
     while len(fit.freq):
-        low, high = reach(fit.window)
+        ends = reach(fit.window)
         worth = gains(fit)
-        outside = (fit.freq < low) | (fit.freq > high) | (fit.zeta >= ZETA_MAX)
-        worth = np.where(outside, 0.0, worth)
+        outside = (fit.freq < ends[0]) | (fit.freq > ends[1]) | (fit.zeta >= ZETA_MAX)
+        outside |= 2.0 * fit.zeta * fit.freq < NARROW * (fit.window.freq[1] - fit.window.freq[0])
+        unsure = fit.noise * np.diag(fit.covariance)[len(fit.freq) :] > UNSURE**2
+        worth = np.where(outside | unsure, 0.0, worth)
         for low, high in _repeats(fit):
             worth[low if worth[low] < worth[high] else high] = 0.0
         least = int(worth.argmin())
@@ -101,46 +115,55 @@ def _repeats(fit: PoleFit) -> list[tuple[int, int]]:
 
 
 def _one_more(fit: PoleFit) -> PoleFit | None:
-    """A fit with one pole more that has earned itself, or None."""
-    for f, zeta in _places(fit):
+    """A fit with more poles that have earned themselves, or as many but much better ones, or None.
+
+    One pole at each of the places that promise most, then one at the first two at once: where several modes share
+    a bandwidth, one more pole alone may only fall together with another.
+    """
+    places = _places(fit)
+    for added in ([(place,) for place in places] + [tuple(places[:2])])[: TRIES + 1]:
+        f, zeta = np.array(added).T
         trial = fit_poles(fit.window, np.append(fit.freq, f), np.append(fit.zeta, zeta))
-        if (fit.squares - trial.squares) / trial.noise <= price(fit.window):
+        new = int(np.argmin(np.abs(trial.freq - f[0])))
+        if (fit.squares - trial.squares) / noise_at(trial, new) <= len(added) * price(fit.window):
             continue
         trial = pruned(trial)
-        if len(trial.freq) > len(fit.freq):
+        better = (fit.squares - trial.squares) / trial.noise > price(fit.window)
+        if len(trial.freq) > len(fit.freq) or (len(trial.freq) == len(fit.freq) and better):
             return trial
     return None
 
 
 def _places(fit: PoleFit) -> list[tuple[float, float]]:
-    """Where one more pole would take most from the deviation: frequency and damping, best first."""
+    """Where one more pole would take most from the deviation: frequency and damping, best first, a bandwidth apart."""
     window = fit.window
     grid = np.linspace(*reach(window), min(GRID, 2 * len(window.freq)))
     R = np.concatenate([fit.spread.real, fit.spread.imag])
     Q = basis(fit)
     usual = float(np.median(fit.zeta)) if len(fit.zeta) else 2e-3
-    best: list[tuple[float, float, float]] = []
-    for zeta in (usual, 3.0 * usual):
-        g = window.resonances(grid, np.full(len(grid), zeta))[:, :: window.columns]
-        best += [(gain, float(grid[k]), zeta) for k, gain in _peaks(g, Q, R, grid, zeta)]
-    best.sort(reverse=True)
-    return [(f, zeta) for _, f, zeta in best[:TRIES]]
+    tried = usual, 3.0 * usual
+    gain = np.array([_gain(window.resonances(grid, z * np.ones(len(grid))), Q, R, window.columns) for z in tried])
+    best, zeta = gain.max(axis=0), np.where(gain[0] >= gain[1], *tried)
+    found: list[tuple[float, float]] = []
+    while len(found) < TRIES and best.any():
+        k = int(best.argmax())
+        found.append((float(grid[k]), float(zeta[k])))
+        best = np.where(np.abs(grid - grid[k]) < 2.0 * usual * grid[k], 0.0, best)
+    return found
+
+
+def _gain(g: FloatArray, Q: FloatArray, R: FloatArray, columns: int) -> FloatArray:
+    """Fall of the sum of squares by each of the resonances g beside the terms Q, poles kept."""
+    g = g[:, ::columns]
+    size = np.sum(g * g, axis=0)
+    across = size - np.sum((Q.T @ g) ** 2, axis=0)
+    return np.asarray(np.sum((g.T @ R) ** 2, axis=1) / np.maximum(across, 1e-6 * size))
 
 
 def basis(fit: PoleFit) -> FloatArray:
     """Orthonormal basis of all fitted terms, (2 lines, terms)."""
     columns = fit.window.resonances(fit.freq, fit.zeta), fit.window.residuals()
     return np.linalg.qr(np.concatenate(columns, axis=1))[0]
-
-
-def _peaks(g: FloatArray, Q: FloatArray, R: FloatArray, grid: FloatArray, zeta: float) -> list[tuple[int, float]]:
-    """Place and size of the largest gain, and of the largest a bandwidth or more away from it."""
-    size = np.sum(g * g, axis=0)
-    across = size - np.sum((Q.T @ g) ** 2, axis=0)
-    gain = np.sum((g.T @ R) ** 2, axis=1) / np.maximum(across, 1e-6 * size)
-    first = int(gain.argmax())
-    second = int(np.where(np.abs(grid - grid[first]) > 2.0 * zeta * grid[first], gain, 0.0).argmax())
-    return [(k, float(gain[k])) for k in (first, second)]
 
 
 def hidden_split(fit: PoleFit, pole: int) -> float:

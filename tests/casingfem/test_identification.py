@@ -4,8 +4,12 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.experiment.frf_estimate import estimate
 from casingfem.experiment.rig import Probe, Rig
+from casingfem.experiment.rig_excitation import Random
 from casingfem.experiment.rig_noise import noisy
+from casingfem.experiment.rig_record import measured as with_noise
+from casingfem.experiment.rig_record import record
 
 SEED = 1917
 
@@ -124,3 +128,31 @@ def _frfs(**changes):
 def test_refuses_what_cannot_be_identified(frfs, options, words):
     with pytest.raises(cf.FrfError, match=words):
         cf.identify(frfs, **options)
+
+
+@pytest.mark.slow
+def test_responses_estimated_from_random_forces_of_two_shakers():
+    """Noise on the peaks, alike on neighbouring lines: no spurious modes, and sigma knows."""
+    pairs = [(6, 130.0, 0.012, 11.0), (7, 145.0, 0.02, 3.0), (5, 152.0, 0.008, 20.0)]
+    rig = ring_rig(pairs, theta=THETA, drives=[0.3, 2.0], zeta=0.004)
+    force = Random(rms=1.0, band=(90.0, 190.0))
+    sensors, drives = range(len(THETA)), range(len(THETA), len(THETA) + 2)
+    clean = record(rig, [force, force], drives=drives, sensors=sensors, fs=500.0, block=4096, blocks=16, seed=SEED)
+    frfs = estimate(with_noise(clean, seed=SEED, snr_db=40.0, bits=16), band=(110.0, 175.0)).frfs
+    found = cf.identify(frfs, angles=ANGLES)
+    assert found.n.tolist() == [6, 6, 7, 7, 5, 5]
+    errors = (found.freq - rig.freq) / found.sigma_freq
+    assert np.abs(found.freq / rig.freq - 1).max() < 2e-4
+    assert np.abs(errors).max() < 5.0
+    white = fit_of_white_noise(found)
+    assert np.median(found.sigma_freq / white) > 2.0
+
+
+def fit_of_white_noise(found):
+    """Standard deviation [Hz] that white noise of the overall deviation would give a frequency, roughly.
+
+    sigma(f)/(zeta f) = 2 sqrt(2/pi) (noise of a line over the peak, rms) sqrt(step/(channels zeta f)) for one mode.
+    """
+    width = found.zeta * found.freq
+    step = found.lines[1] - found.lines[0]
+    return width * 2 * np.sqrt(2 / np.pi) / found.signal * np.sqrt(step / (len(found.measured) * width))
