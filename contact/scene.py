@@ -25,6 +25,7 @@ from contact.scheme.exact_modal import ExactModal
 if TYPE_CHECKING:
     from contact.scene_patch import PatchFile
     from contact.scene_record import RecordTable
+    from contact.scene_rub import RubFile
     from contact.scene_tables import BeamFile, CantileverFile, File, RimFile, RingTable, RodsFile
 
 Built = TypeVar("Built")
@@ -39,11 +40,12 @@ class SceneError(InputError):
 
 
 def load_scene(path: str | Path) -> Scene:
-    """Read a scene file of kind "rods", "rim", "beam", "cantilever" or "patch"; basis files are found relative to it.
+    """Read a scene file of any kind but "pair"; basis files are found relative to it.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
     """
     from contact.scene_patch import PatchFile
+    from contact.scene_rub import RubFile
     from contact.scene_tables import BeamFile, CantileverFile, PairFile, RimFile
 
     file = Path(path)
@@ -58,6 +60,8 @@ def load_scene(path: str | Path) -> Scene:
         return _cantilever(table, file, text)
     if isinstance(table, PatchFile):
         return _patch(table, file, text)
+    if isinstance(table, RubFile):
+        return _rub(table, file, text)
     return _rods(table, file, text)
 
 
@@ -223,6 +227,19 @@ def _patch(table: PatchFile, file: Path, text: bytes) -> Scene:
     return Scene(
         what=what, law=Coulomb(mu=mu) if mu else Unilateral(), scheme=ExactModal(), t_end=table.scene.t_end,
         dt=table.scheme.dt, record=_record(table.record, file), source=_source(file, text, *basis),
+    )  # fmt: skip
+
+
+def _rub(table: RubFile, file: Path, text: bytes) -> Scene:
+    problems: list[str] = []
+    what = _tried(lambda: table.rub(file.parent), file, problems)
+    if what is None:
+        raise SceneError(problems)
+    mu = table.contact.friction
+    return Scene(
+        what=what, law=Coulomb(mu=mu) if mu else Unilateral(), scheme=ExactModal(law=table.scheme.law),
+        t_end=table.scene.t_end, dt=table.scheme.dt, record=_record(table.record, file),
+        source=_source(file, text, *(path.read_bytes() for path in table.files(file.parent))),
     )  # fmt: skip
 
 

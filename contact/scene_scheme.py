@@ -58,6 +58,14 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class Waviness(Table):
+    """One harmonic of the rim's radius [m], positive where the gap is larger."""
+
+    p: Annotated[int, Field(ge=0)]
+    cos: FiniteFloat = 0.0
+    sin: FiniteFloat = 0.0
+
+
 class SchemeTable(Table):
     """[scheme]: kind and step; each kind has keys of its own, named in `SCHEMES` and `OF_LAWS`."""
 

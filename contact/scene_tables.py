@@ -8,7 +8,8 @@ from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
 
 from contact.scene_patch import PatchFile
 from contact.scene_record import RecordTable
-from contact.scene_scheme import NotNegative, Positive, SchemeTable, Table
+from contact.scene_rub import RubFile
+from contact.scene_scheme import NotNegative, Positive, SchemeTable, Table, Waviness
 
 
 class RodTable(Table):
@@ -87,14 +88,6 @@ class BladeTable(Table):
 
     basis: str
     lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = 0.0
-
-
-class Waviness(Table):
-    """One harmonic of the rim's radius [m], positive where the gap is larger."""
-
-    p: Annotated[int, Field(ge=0)]
-    cos: FiniteFloat = 0.0
-    sin: FiniteFloat = 0.0
 
 
 class RimContact(Table):
@@ -311,8 +304,8 @@ class PairFile(Table):
     speed: ScanTable
 
 
-File = RodsFile | RimFile | BeamFile | CantileverFile | PatchFile | PairFile
+File = RodsFile | RimFile | BeamFile | CantileverFile | PatchFile | RubFile | PairFile
 FILES: dict[str, type[File]] = {
     "rods": RodsFile, "rim": RimFile, "beam": BeamFile, "cantilever": CantileverFile, "patch": PatchFile,
-    "pair": PairFile,
+    "rub": RubFile, "pair": PairFile,
 }  # fmt: skip

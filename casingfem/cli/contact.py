@@ -22,7 +22,7 @@ def contact(file: Path, as_json: bool, out: Path | None) -> None:
 @SCENE
 @options
 def rub(file: Path, as_json: bool, out: Path | None) -> None:
-    """Run SCENE: a rotating casing rim against a fixed blade."""
+    """Run SCENE: a turning casing against one blade tip (rim), or against many places of many blades (rub)."""
     run_scene(file, "rub", as_json, out)
 
 
@@ -42,13 +42,13 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 
 def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None:
     """Load, run, deliver."""
-    from contact import BeamInCircle, RotatingRim, SceneError, load_scene
+    from contact import RotatingRim, Rub, SceneError, load_scene
     from contact import run as run_contact
 
     scene = load_scene(file)
-    if command == "rub" and not isinstance(scene.what, RotatingRim):
-        kind = "beam" if isinstance(scene.what, BeamInCircle) else "rods"
-        raise SceneError([f"{file}: scene.kind: found {kind!r}, expected 'rim' (casingfem contact runs them all)"])
+    if command == "rub" and not isinstance(scene.what, RotatingRim | Rub):
+        found = "scene.kind: found neither 'rim' nor 'rub', expected one of them"
+        raise SceneError([f"{file}: {found} (casingfem contact runs them all)"])
     with Working(f"{command} {file.name}") as working:
         result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
     document = result.to_dict()

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from casingfem.errors import coded
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.eigen import START_SEED
-from casingfem.modal.interface import Rim, Tip
+from casingfem.modal.interface import Rim, Tip, TipNodes
 from casingfem.structure.chart import Chart
 from casingfem.structure.shell import Shell
 from casingfem.study.build import build_shell, try_chart
@@ -52,7 +52,7 @@ class Study:
     start: Shell
     table: FrequencyTable | None
     parameters: tuple[Parameter, ...]
-    interface: Rim | Tip | None
+    interface: Rim | Tip | TipNodes | None
     source: dict[str, Any]
 
     @property
@@ -181,7 +181,7 @@ def started(shell: Shell, entry: ParameterTable) -> Shell:
     return shell if entry.start is None else with_value(shell, entry.name, entry.start)
 
 
-def load_interface(table: ReduceTable | None, chart: Chart | None, problems: Problems) -> Rim | Tip | None:
+def load_interface(table: ReduceTable | None, chart: Chart | None, problems: Problems) -> Rim | Tip | TipNodes | None:
     """The rim or tip that [reduce] names."""
     if table is None or chart is None:
         return None
@@ -191,12 +191,15 @@ def load_interface(table: ReduceTable | None, chart: Chart | None, problems: Pro
             "reduce.interface", repr(table.interface), f"one of the chart's edges {', '.join(curved)}", "interface-edge"
         )
     if chart.periodic:
-        return Rim(table.interface, 40 if table.n_max is None else table.n_max)
-    if table.n_max is not None:
-        problems.add(
-            "reduce.n_max", str(table.n_max), "no such key: an open chart has no harmonics around", "study-key"
-        )
-    return Tip(table.interface)
+        if table.nodes is not None:
+            problems.add("reduce.nodes", str(table.nodes), "no such key: a casing's rim has no pieces", "study-key")
+        n_max = 40 if table.n_max is None else table.n_max
+        return Rim(table.interface, n_max, axial=table.axial, lines=tuple(table.lines))
+    for key in ("n_max", "axial", "lines"):
+        if getattr(table, key):
+            found = str(getattr(table, key))
+            problems.add(f"reduce.{key}", found, "no such key: an open chart has no harmonics around", "study-key")
+    return Tip(table.interface) if table.nodes is None else TipNodes(table.interface, table.nodes)
 
 
 def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:

@@ -5,10 +5,11 @@ names those that the study of a shell on a chart cannot do without; one of an im
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, TypedDict
+from typing import Annotated, Any, Literal, Self, TypedDict
 
 from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 
+from casingfem.modal.output import Displacement, Output, Strain
 from casingfem.study.rig_tables import RigTable
 from casingfem.study.table import Edge, Length, NotNegative, Positive, Relative, Table
 
@@ -396,11 +397,39 @@ class UpdateTable(Table):
     parameter: list[ParameterTable] = Field(min_length=1, description="at least one [[update.parameter]]")
 
 
+class OutputTable(Table):
+    """[[reduce.output]]: a displacement (direction), or a strain (strain and side), at parameters of the chart."""
+
+    name: str = Field(min_length=1)
+    at: list[float] = Field(min_length=2, max_length=2, description="parameters of the chart")
+    direction: Literal["x", "y", "z", "normal", "radial", "tangential"] | None = None
+    strain: Literal["11", "22", "12"] | None = None
+    side: float | None = Field(default=None, ge=-1, le=1, description="face: 1 where the normal points, -1, or between")
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.direction is None) == (self.strain is None) or (self.side is not None and self.strain is None):
+            raise ValueError("found direction, strain, side that do not go together, expected direction, or strain")
+        return self
+
+    def output(self) -> Output:
+        """The output as `reduce` takes it."""
+        at = (self.at[0], self.at[1])
+        if self.direction is not None:
+            return Displacement(name=self.name, at=at, direction=self.direction)
+        side = 1.0 if self.side is None else self.side
+        return Strain(name=self.name, at=at, component=self.strain or "11", side=side)
+
+
 class ReduceTable(Table):
     """[reduce]."""
 
     interface: Edge = Field(min_length=1, description="the edge that contact sees")
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of a casing's rim")
+    axial: bool = Field(default=False, description="a casing's rim along the axis too")
+    lines: list[float] = Field(default_factory=list, description="places along a casing's meridian, for the edge")
+    nodes: int | None = Field(default=None, ge=1, le=100, description="pieces of a blade's tip, for one mean place")
+    output: list[OutputTable] = Field(default_factory=list, description="displacements and strains to be had from runs")
     modes: int = Field(default=40, ge=1, le=100_000, description="number of modes kept")
     method: Literal["free", "craig-bampton"] = "free"
     zeta: float = Field(default=0.0, ge=0, lt=1, description="damping ratio of every mode")

@@ -56,6 +56,7 @@ def run_reduce(study: Study, shell: Shell | None = None, system: System | None =
             modes=tables.modes,
             method=tables.method,
             zeta=tables.zeta,
+            outputs=[table.output() for table in tables.output],
             system=system,
         )
     except ValueError as error:

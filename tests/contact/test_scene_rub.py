@@ -1,0 +1,145 @@
+"""Scenes of kind "rub": what the file says is what runs; what it cannot mean is refused with file and key."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from synthetic_rub import nodes, rim3
+
+import contact as ct
+
+SCENES = Path(__file__).parents[2] / "data" / "scenes" / "rub"
+
+RUB = """
+[scene]
+kind = "rub"
+t_end = 0.01
+[casing]
+basis = "casing.npz"
+thickness = 1e-6
+[[blade]]
+basis = "blade.npz"
+angle_deg = 5.0
+count = 2
+lean_deg = 10.0
+axial = true
+[[blade]]
+basis = "blade.npz"
+[[blade.node]]
+span = "node1.span"
+flap = "node1.flap"
+axial = "node1.chord"
+angle_deg = 0.5
+line = 1
+clearance = 1e-6
+[contact]
+clearance = -3e-5
+friction = 0.2
+out_of_roundness = [{p = 2, cos = 1e-5}]
+profile = "round.csv"
+[speed]
+time = [0.0, 0.1]
+hz = [3.0, 5.0]
+[closing]
+by = 1e-5
+time_constant = 0.01
+[[whirl]]
+amplitude = 1e-6
+per_rev = -1.0
+[scheme]
+kind = "exact-modal"
+law = "forward"
+dt = 2e-5
+"""
+
+ROUND = "# by hand\ntheta_deg,depth_m\n0,0\n90,2e-5\n200,-1e-5\n"
+
+
+@pytest.fixture
+def write(tmp_path):
+    rim3().save(tmp_path / "casing.npz")
+    nodes(2).save(tmp_path / "blade.npz")
+
+    def written(text=RUB, table=ROUND):
+        (tmp_path / "round.csv").write_text(table)
+        (tmp_path / "scene.toml").write_text(text)
+        return tmp_path / "scene.toml"
+
+    return written
+
+
+def test_the_file_is_the_rub(write):
+    scene = ct.load_scene(write())
+    rub = scene.what
+    assert [tip.angle_deg for tip in rub.tips] == [5.0, 5.0, 185.0, 185.0, 0.5]
+    assert [tip.blade for tip in rub.tips] == [0, 0, 1, 1, 2]
+    assert rub.tips[-1].line == 1
+    assert rub.tips[0].axial == "node0.chord"
+    assert rub.speed.omega(0.05) == pytest.approx(8.0 * np.pi)
+    assert rub.closing.at(0.01) == pytest.approx(1e-5 * (1.0 - np.exp(-1.0)), rel=1e-4)
+    assert rub.profile(np.pi / 2.0) == pytest.approx(2e-5 - 1e-5)
+    assert rub.whirl[0].per_rev == -1.0
+    result = ct.run(scene)
+    assert result.impulse.min() > 0.0
+    assert result.flags[0].startswith("rim deflected by")
+    assert "forward law at 5 tips" in result.scheme
+    assert len(result.source["sha256"]) == 64
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("count = 2", "count = 0", r"blade\[1\].count: found 0"),
+        ("axial = true", "chordwise = true", r"blade\[1\].chordwise: unknown key"),
+        ('span = "node1.span"', 'span = "node7.span"', "tips[4]: channel: found 'node7.span'"),
+        ("line = 1", "line = 4", "tips[4].line: found 4, expected 0 .. 1"),
+        ("hz = [3.0, 5.0]", "hz = 3.0", "one hz and 2 time found"),
+        ("time_constant = 0.01", "time = [0.0]", "expected one by with time_constant"),
+        ("time = [0.0, 0.1]", "time = [0.1, 0.1]", "speed: found 0.1 after 0.1, expected ascending values"),
+        ('axial = "node1.chord"', "", "expected all or none"),
+        ("lean_deg = 10.0", "lean_deg = 10.0\nstiffening = true", "found a basis without K_omega"),
+        ('basis = "casing.npz"', 'basis = "none.npz"', "found no such file"),
+        ("amplitude = 1e-6", "amplitude = -1e-6", r"whirl[1].amplitude: found -1e-06"),
+    ],
+)  # fmt: skip
+def test_broken_rub_scenes(write, old, new, words):
+    assert old in RUB
+    with pytest.raises(ct.SceneError) as caught:
+        ct.load_scene(write(RUB.replace(old, new, 1)))
+    assert words.replace("\\", "") in str(caught.value)
+    assert "scene.toml" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("0,0\n1,1\n2,0\n", "found no header theta_deg,depth_m"),
+        ("theta_deg,depth_m\n0,0\n10,x\n", "line 3: found '10,x', expected two numbers"),
+        ("theta_deg,depth_m\n0,0\n10,0,1\n", "line 3"),
+        ("theta_deg,depth_m\n0,0\n90,0\n45,1e-5\n", "ascending"),
+        ("theta_deg,depth_m\n0,0\n180,0\n360,0\n", "within one turn"),
+    ],
+)
+def test_broken_profiles(write, table, words):
+    with pytest.raises(ct.SceneError, match=words):
+        ct.load_scene(write(table=table))
+
+
+@pytest.mark.slow
+def test_the_shipped_rub_runs_on_the_bases_of_its_studies(tmp_path):
+    from click.testing import CliRunner
+
+    from casingfem.cli import main
+
+    for name in ("casing.toml", "blade.toml"):
+        made = CliRunner().invoke(main, ["reduce", str(SCENES / name), "--out", str(tmp_path)])
+        assert made.exit_code == 0, made.output
+    for name in ("five_nodes.toml", "roundness.csv"):
+        (tmp_path / name).write_bytes((SCENES / name).read_bytes())
+    ran = CliRunner().invoke(main, ["rub", str(tmp_path / "five_nodes.toml"), "--out", str(tmp_path)])
+    assert ran.exit_code == 0, ran.output
+    result = ct.Result.load(tmp_path / "rub.npz")
+    assert result.impulse.min() > 0.01
+    assert result.notes.heat.sum() == pytest.approx(result.notes.drive.sum(), rel=1e-3)
+    assert result.impulse[0] == pytest.approx(result.impulse[4], rel=1e-2)  # the strip is symmetric
+    assert result.flags == ()
