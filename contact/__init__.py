@@ -31,6 +31,7 @@ from contact.model.rub_laws import Closing, Profile, Speed, Whirl
 from contact.record import Record
 from contact.result import Result
 from contact.run import Scene, run
+from contact.run_many import run_many
 from contact.scene import SceneError, load_scene, scene_schema
 from contact.scene_stability import load_stability
 from contact.scheme.cd_lagrange import CDLagrange

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from contact.energy import EnergyBudget
+from contact.energy import EnergyBudget, Stored
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import require_positive
 from contact.model.beam import BeamInCircle
@@ -114,22 +114,45 @@ def run(
     (134, 197)
     """
     settings = what if isinstance(what, Scene) else Scene(what=what)
-    problem = _problem(settings.what, settings.gravity if gravity is None else gravity)
-    law = law or settings.law or Unilateral()
-    scheme = scheme or settings.scheme or _default_scheme(problem, law)
-    end = settings.t_end if t_end is None else t_end
-    if end is None:
+    settings = replace(
+        settings, law=law or settings.law, scheme=scheme or settings.scheme, record=record or settings.record,
+        t_end=settings.t_end if t_end is None else t_end, gravity=settings.gravity if gravity is None else gravity,
+    )  # fmt: skip
+    if dt is not None or courant is not None:
+        settings = replace(settings, dt=dt, courant=courant)
+    return completed(prepared(settings), progress)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Prepared:
+    """A run at t = 0: how many steps it takes, what it stores; `start` is its energy."""
+
+    stepper: Stepper
+    count: int
+    record: Record
+    source: dict[str, str]
+    load_step: float
+    start: Stored
+
+
+def prepared(scene: Scene) -> Prepared:
+    """Check a scene and bring it to its start; raises InputError, LimitError."""
+    problem = _problem(scene.what, scene.gravity)
+    law = scene.law or Unilateral()
+    scheme = scene.scheme or _default_scheme(problem, law)
+    if scene.t_end is None:
         raise InputError("t_end: found none, expected the end of the run in seconds")
-    require_positive(t_end=end)
-    if dt is None and courant is None:
-        dt, courant = settings.dt, settings.courant
-    if dt is not None and dt > 0.0:
-        _count(end, dt)
-    stepper = scheme.prepare(problem, law, dt=dt, courant=courant)
-    count = _count(end, stepper.dt)
-    record = record or settings.record or sparse(count)
-    load_step = _load_step(problem, stepper.dt)
-    return _collect(stepper, count, record, progress, settings.source, load_step)
+    require_positive(t_end=scene.t_end)
+    if scene.dt is not None and scene.dt > 0.0:
+        _count(scene.t_end, scene.dt)
+    stepper = scheme.prepare(problem, law, dt=scene.dt, courant=scene.courant)
+    count = _count(scene.t_end, stepper.dt)
+    record = scene.record or sparse(count)
+    record.steps(dt=stepper.dt, count=count)  # raises before the first step, as the buffers do for channels
+    return Prepared(
+        stepper=stepper, count=count, record=record, source=scene.source, load_step=_load_step(problem, stepper.dt),
+        start=stepper.stored(),
+    )  # fmt: skip
 
 
 def _count(end: float, dt: float) -> int:
@@ -152,29 +175,31 @@ def _load_step(problem: Problem, dt: float) -> float:
     return dt * dt * sum(float(side.load @ side.load) for side in problem.sides if side.load is not None)
 
 
-def _collect(
-    stepper: Stepper, count: int, record: Record, progress: Progress | None, source: dict[str, str],
-    load_step: float,
-) -> Result:  # fmt: skip
-    record.steps(dt=stepper.dt, count=count)  # raises before the first step, as the buffers do for channels
+def completed(ready: Prepared, progress: Progress | None = None) -> Result:
+    """Run what is prepared to its end."""
+    stepper, record = ready.stepper, ready.record
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
-    start, began, chunks = stepper.stored(), time.perf_counter(), []
-    for chunk in steps(stepper, count, record=record):
+    began, chunks = time.perf_counter(), []
+    for chunk in steps(stepper, ready.count, record=record):
         chunks.append(chunk)
         if progress is not None:
             progress(chunk.done)
-    seconds = time.perf_counter() - began
-    sums = stepper.sums
+    taken = sum(chunk.steps for chunk in chunks)
+    return finished(ready, [c.samples for c in chunks], taken, time.perf_counter() - began, chunks[-1].failed)
+
+
+def finished(ready: Prepared, parts: Sequence[Samples], taken: int, seconds: float, failed: int = -1) -> Result:
+    """Result of a run after `taken` steps; raises NumericsError, which carries it, where step `failed` >= 0 failed."""
+    stepper, sums = ready.stepper, ready.stepper.sums
     with np.errstate(over="ignore", invalid="ignore"):  # a run that overflowed is read too
         energy = EnergyBudget(
-            start=start, end=stepper.stored(), contact=float(np.sum(sums.work)),
+            start=ready.start, end=stepper.stored(), contact=float(np.sum(sums.work)),
             rotation=float(np.sum(sums.rotation)),
             friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]),
-            external=float(sums.external[0]), algorithmic=float(sums.algorithmic[0]), load_step=load_step,
+            external=float(sums.external[0]), algorithmic=float(sums.algorithmic[0]), load_step=ready.load_step,
         )  # fmt: skip
-        taken = sum(chunk.steps for chunk in chunks)
-        result = collect(stepper, [chunk.samples for chunk in chunks], energy, taken, seconds, source, record)
-    at, why = chunks[-1].failed, ""
+        result = collect(stepper, parts, energy, taken, seconds, ready.source, ready.record)
+    at, why = failed, ""
     if at >= 0:
         why = stepper.why()
     elif not math.isfinite(energy.unaccounted):

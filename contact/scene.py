@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import tomllib
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -44,12 +45,25 @@ def load_scene(path: str | Path) -> Scene:
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
     """
+    file = Path(path)
+    table, text = read_scene(file)
+    return _built(table, file, text)
+
+
+def scene_of(data: dict[str, Any], file: Path) -> Scene:
+    """Build a scene from the tables of a file, changed or not; `file` says where bases are and stands in messages.
+
+    Raises SceneError.
+    """
+    text = json.dumps(data, sort_keys=True).encode("utf-8")
+    return _built(_validated(data, file), file, text)
+
+
+def _built(table: File, file: Path, text: bytes) -> Scene:
     from contact.scene_patch import PatchFile
     from contact.scene_rub import RubFile
     from contact.scene_tables import BeamFile, CantileverFile, PairFile, RimFile
 
-    file = Path(path)
-    table, text = read_scene(file)
     if isinstance(table, PairFile):
         raise SceneError([f"{file}: scene.kind: found 'pair', which casingfem stability takes"])
     if isinstance(table, RimFile):
@@ -66,15 +80,20 @@ def load_scene(path: str | Path) -> Scene:
 
 
 def read_scene(file: Path) -> tuple[File, bytes]:
-    """Read and validate a scene file of any kind: its tables and its text. Raises SceneError."""
+    """Read and validate a scene file of any kind, its [sweep] aside: its tables and its text. Raises SceneError."""
+    data, text = scene_data(file)
+    return _validated({key: part for key, part in data.items() if key != "sweep"}, file), text
+
+
+def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:
+    """Read a scene file as it stands: its tables and its text. Raises SceneError."""
     try:
         text = file.read_bytes()
-        data = tomllib.loads(text.decode("utf-8"))
+        return tomllib.loads(text.decode("utf-8")), text
     except OSError as error:
         raise SceneError([f"{file}: cannot be read ({error.strerror}), expected a scene.toml"]) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SceneError([f"{file}: not TOML: {error}"]) from error
-    return _validated(data, file), text
 
 
 def scene_schema() -> dict[str, Any]:
@@ -97,12 +116,12 @@ def _validated(data: dict[str, Any], file: Path) -> File:
     try:
         return FILES[kind].model_validate(data)
     except ValidationError as error:
-        raise SceneError([_problem(file, detail) for detail in error.errors()]) from error
+        raise SceneError([problem_text(file, detail) for detail in error.errors()]) from error
 
 
-def _problem(file: Path, detail: Any) -> str:
+def problem_text(file: Path, detail: Any, table: str = "") -> str:
     """Write one pydantic error as file: key: found, expected."""
-    key = ""
+    key = table
     for part in detail["loc"]:
         key += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if key else str(part)
     if detail["type"] == "extra_forbidden":
@@ -148,7 +167,8 @@ def _record(table: RecordTable | None, file: Path) -> Record | None:
 def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
     problems: list[str] = []
     paths = {"casing.basis": file.parent / table.casing.basis, "blade.basis": file.parent / table.blade.basis}
-    casing, blade = (_tried(partial(ModalBody.load, path), file, problems, key) for key, path in paths.items())
+    casing = _tried(partial(_casing, table, paths["casing.basis"]), file, problems, "casing.basis")
+    blade = _tried(partial(_blade, table, paths["blade.basis"]), file, problems, "blade.basis")
     if casing is None or blade is None:
         raise SceneError(problems)
     contact = table.contact
@@ -170,6 +190,30 @@ def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
         record=_record(table.record, file),
         source=_source(file, text, *(path.read_bytes() for path in paths.values())),
     )  # fmt: skip
+
+
+def _casing(table: RimFile, path: Path) -> ModalBody:
+    body, scatter = _basis(path), table.casing.scatter
+    return body.detuned(scatter, seed=table.casing.seed) if scatter > 0.0 else body
+
+
+def _blade(table: RimFile, path: Path) -> ModalBody:
+    body, freq_hz = _basis(path), table.blade.freq_hz
+    return body if freq_hz is None else body.retuned(freq_hz)
+
+
+def _basis(path: Path) -> ModalBody:
+    """A basis file, read once as long as it stays the same."""
+    try:
+        stat = path.stat()
+    except OSError:
+        return ModalBody.load(path)  # which says what is wrong
+    return _basis_as(path, stat.st_mtime_ns, stat.st_size)
+
+
+@lru_cache(maxsize=32)
+def _basis_as(path: Path, _changed: int, _size: int) -> ModalBody:
+    return ModalBody.load(path)
 
 
 def _rim_law(table: RimFile) -> Law:

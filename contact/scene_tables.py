@@ -78,15 +78,18 @@ class RimHead(Table):
 
 
 class CasingTable(Table):
-    """[casing]: modal basis file of kind "rim", relative to the scene file."""
+    """[casing]: modal basis file of kind "rim", relative to the scene file; `scatter` detunes its modes at random."""
 
     basis: str
+    scatter: Annotated[FiniteFloat, Field(ge=0, le=0.2)] = 0.0
+    seed: Annotated[int, Field(ge=0)] = 0
 
 
 class BladeTable(Table):
-    """[blade]: modal basis file of kind "point" with channels span and flap; lean in degrees."""
+    """[blade]: modal basis file of kind "point" with channels span and flap; lean in degrees; `freq_hz` retunes it."""
 
     basis: str
+    freq_hz: Positive | None = None
     lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = 0.0
 
 

@@ -11,7 +11,9 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic, models, overload, register_model
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
+from numba.extending import intrinsic, models, register_model
 from numba.np import arrayobj
 
 WIDTH = 8
@@ -101,24 +103,22 @@ same: Any = intrinsic(_same)
 total: Any = intrinsic(_total)
 
 
+make_signature: Any = signature
+
+
 def _operation(symbol: Any, instruction: str) -> None:
     """Let an operator work on two vectors."""
 
-    def apply(typing: Any, a: Any, b: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            return getattr(builder, instruction)(args[0], args[1], flags=FAST)
+    class Two(ConcreteTemplate):
+        cases: Any = (make_signature(VECTOR, VECTOR, VECTOR),)
 
-        return VECTOR(VECTOR, VECTOR), generate
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return getattr(builder, instruction)(args[0], args[1], flags=FAST)
 
-    compute: Any = intrinsic(apply)
-
-    def choose(a: Any, b: Any) -> Any:
-        def vectors(a: Any, b: Any) -> Any:
-            return compute(a, b)
-
-        return vectors if isinstance(a, VectorType) and isinstance(b, VectorType) else None
-
-    overload(symbol)(choose)
+    typed: Any = infer_global
+    typed(symbol)(Two)
+    lowered: Any = lower_builtin
+    lowered(symbol, VECTOR, VECTOR)(generate)
 
 
 for _symbol, _instruction in ((operator.add, "fadd"), (operator.sub, "fsub"), (operator.mul, "fmul")):

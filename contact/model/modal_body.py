@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import InputError
-from contact.model.arrays import Array, readonly, require_not_negative, require_shape
+from contact.model.arrays import Array, readonly, require_not_negative, require_positive, require_shape
 
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
@@ -147,6 +147,27 @@ class ModalBody:
             S=self.S + gone @ gone.T, recovery=recovery, recovery_S=recovery_S, output_rows=outputs,
             output_S=output_S, K_omega=None if self.K_omega is None else self.K_omega[np.ix_(keep, keep)],
         )  # fmt: skip
+
+    def retuned(self, freq_hz: float) -> ModalBody:
+        """The same body of another stiffness: all frequencies scaled so that the lowest elastic one is `freq_hz`.
+
+        >>> ModalBody(omega=[10.0, 30.0], zeta=[0.0, 0.0], channels=("tip",), rows=[[1.0, 1.0]],
+        ...           S=[[4.0]]).retuned(10.0 / np.pi).S.tolist()
+        [[1.0]]
+        """
+        require_positive(freq_hz=freq_hz)
+        elastic = self.omega[self.omega > 0.0]
+        if not elastic.size:
+            raise InputError("freq_hz: found a body of rigid modes only, expected an elastic mode to retune")
+        ratio = 2.0 * np.pi * freq_hz / float(elastic.min())
+        recovery_S = None if self.recovery_S is None else self.recovery_S / ratio**2
+        return replace(self, omega=self.omega * ratio, S=self.S / ratio**2, recovery_S=recovery_S)
+
+    def detuned(self, scatter: float, *, seed: int) -> ModalBody:
+        """Each frequency times 1 + scatter x, x normal and seeded: what small imperfections do to pairs, at random."""
+        require_not_negative(scatter=scatter)
+        draw = np.random.default_rng(seed).standard_normal(self.omega.size)
+        return replace(self, omega=self.omega * (1.0 + scatter * draw))
 
     def save(self, path: str | Path) -> None:
         """Write npz without pickle, complete or not at all (temporary name, then `os.replace`)."""

@@ -38,6 +38,14 @@ class RowTable:
         Q, T = total[:, self.start[1:]] - total[:, self.start[:-1]]
         return Q, T
 
+    def rows_at(self, angles: Array) -> tuple[Array, Array]:
+        """Q and T at many angles [rad], (angles, m) each."""
+        phases = angles[:, None] * np.arange(int(self.harmonic.max(initial=0)) + 1)
+        c, s = np.cos(phases), np.sin(phases)
+        columns = ((self.q_cos, self.q_sin), (self.t_cos, self.t_sin))
+        Q, T = (c @ self.by_harmonic(cos) + s @ self.by_harmonic(sin) for cos, sin in columns)
+        return Q, T
+
     def by_harmonic(self, values: Array) -> Array:
         """One of the columns as a full table, (highest harmonic + 1, m)."""
         full = np.zeros((int(self.harmonic.max(initial=0)) + 1, self.start.size - 1))
@@ -129,23 +137,23 @@ def _raised(polynomial: Trig, constant: float) -> Trig:
 
 def _table(radial: Array, tangential: Array, blade_n: Array, blade_t: Array, N: int) -> RowTable:
     """Keep, per mode, the harmonics above the noise of an eigen solver."""
-    start, harmonic, entries = [0], [], []
     scale = max(float(np.abs(radial).max(initial=0.0)), float(np.abs(tangential).max(initial=0.0)))
-    for i in range(radial.shape[1]):
-        for n in range(N + 1):
-            sine = (radial[N + n, i], tangential[N + n, i]) if n else (0.0, 0.0)
-            entry = (radial[n, i], sine[0], tangential[n, i], sine[1])
-            if max(map(abs, entry)) > NOISE * scale:
-                harmonic.append(n)
-                entries.append(entry)
-        start.append(len(harmonic))
-    for normal, tangent in zip(blade_n, blade_t, strict=True):
-        harmonic.append(0)
-        entries.append((normal, 0.0, tangent, 0.0))
-        start.append(len(harmonic))
-    columns = np.array(entries).reshape(-1, 4).T
+    none = np.zeros((1, radial.shape[1]))
+    full = [
+        part for rows in (radial, tangential) for part in (rows[: N + 1], np.concatenate([none, rows[N + 1 :]]))
+    ]  # q_cos, q_sin, t_cos, t_sin: (N + 1, m) each
+    entry = np.array([part.T for part in full])
+    mode, n = np.nonzero(np.abs(entry).max(axis=0) > NOISE * scale)
+    count = np.bincount(mode, minlength=radial.shape[1])
+    start = np.concatenate(([0], np.cumsum(np.concatenate([count, np.ones(blade_n.size)]))))
+    harmonic = np.concatenate([n, np.zeros(blade_n.size)])
+    still = np.zeros(blade_n.size)
+    columns = [
+        np.concatenate([part[mode, n], blade])
+        for part, blade in zip(entry, (blade_n, still, blade_t, still), strict=True)
+    ]  # fmt: skip
     return RowTable(
-        start=np.array(start, dtype=np.int64), harmonic=np.array(harmonic, dtype=np.int64),
+        start=start.astype(np.int64), harmonic=harmonic.astype(np.int64),
         q_cos=readonly(columns[0]), q_sin=readonly(columns[1]), t_cos=readonly(columns[2]),
         t_sin=readonly(columns[3]),
     )  # fmt: skip

@@ -23,6 +23,11 @@ class Trig:
         """Value at one angle [rad]."""
         return float(self.cos @ np.cos(self.harmonic * phi) + self.sin @ np.sin(self.harmonic * phi))
 
+    def at(self, angles: Array) -> Array:
+        """Values at many angles [rad]."""
+        phases = angles[:, None] * self.harmonic
+        return np.asarray(np.cos(phases) @ self.cos + np.sin(phases) @ self.sin)
+
     @property
     def degree(self) -> int:
         """Highest harmonic."""
@@ -54,8 +59,9 @@ def quadratic(block: Array, n_max: int) -> Trig:
     """
     points = 4 * n_max + 4
     angles = 2.0 * np.pi * np.arange(points) / points
-    h = np.array([harmonics(n_max, angle) for angle in angles])
-    values = np.einsum("pi,ij,pj->p", h, block, h)
+    n = np.arange(n_max + 1)
+    h = np.concatenate([np.cos(angles[:, None] * n), np.sin(angles[:, None] * n[1:])], axis=1)
+    values = np.sum(h @ block * h, axis=1)
     spectrum = np.fft.rfft(values) / points
     cos, sin = 2.0 * spectrum.real[: 2 * n_max + 1], -2.0 * spectrum.imag[: 2 * n_max + 1]
     cos[0] /= 2.0

@@ -171,23 +171,21 @@ def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, 
 
     Raises LimitError where sliding friction turns H_d + S negative: the blade digs in and no force opens it.
     """
-    worst = (0.0, 0.0, -1.0)
-    angles = np.arange(ANGLES) * (2.0 * math.pi / ANGLES) if system.table is not None else np.zeros(1)
+    angle: Array = np.linspace(0.0, 2.0 * math.pi, ANGLES if system.table is not None else 1, endpoint=False)
     sign = math.copysign(mu, system.speed) if system.speed else 0.0
-    for angle in angles:
-        phi = float(angle)
-        Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q)
-        H = float(np.sum(parts.c * Q * (Q - sign * T)))
-        S = system.S_nn(phi) - sign * system.S_nt(phi)
-        if H + S <= 0.0:
-            raise LimitError(
-                f"law: found H_d + S = {H + S:.4g} m/N at {math.degrees(phi):.0f} deg, mu = {mu:g}, expected "
-                "> 0: the blade jams (friction exceeds the lean); reduce mu or the lean, or trail the blade"
-            )
-        rho = abs(H) / S if S > 0.0 else math.inf
-        if rho > worst[2]:
-            worst = (H, S, rho)
-    return worst
+    Q, T = (system.Q[None], system.Q[None]) if system.table is None else system.table.rows_at(angle)
+    H = np.sum(parts.c * Q * (Q - sign * T), axis=1)
+    S = system.S_nn.at(angle) - sign * system.S_nt.at(angle)
+    jammed = np.flatnonzero(H + S <= 0.0)
+    if jammed.size:
+        k = int(jammed[0])
+        raise LimitError(
+            f"law: found H_d + S = {H[k] + S[k]:.4g} m/N at {math.degrees(angle[k]):.0f} deg, mu = {mu:g}, expected "
+            "> 0: the blade jams (friction exceeds the lean); reduce mu or the lean, or trail the blade"
+        )
+    rho = np.divide(np.abs(H), S, out=np.full(H.shape, math.inf), where=S > 0.0)
+    k = int(rho.argmax())
+    return float(H[k]), float(S[k]), float(rho[k])
 
 
 def _system(problem: Problem, modes: int) -> ModalSystem:

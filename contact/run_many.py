@@ -1,0 +1,143 @@
+"""Many runs at once: rotating rims of one size share eight lanes of one compiled loop, whatever else runs singly."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from contact.errors import InputError, NumericsError
+from contact.record import Record, Samples
+from contact.result import Result
+from contact.run import Prepared, Scene, completed, finished, prepared
+from contact.scheme.lanes import WIDTH, Batch, Job, batch
+from contact.scheme.modal_run import ModalRun
+
+Outcome = Result | InputError | NumericsError
+Ended = Callable[[int, Outcome], None]
+MOST_BYTES = 200_000_000  # what the lanes of one group may store; longer records run singly
+
+
+def run_many(
+    scenes: Sequence[Scene], *, record: Callable[[int], Record] | None = None, ended: Ended | None = None
+) -> list[Outcome]:
+    """Run scenes, each as `run` would, to the round-off of its sums; failures are returned, not raised.
+
+    Rotating rims with one contact (`RotatingRim`, no coating) are grouped by their number of modes and run eight at a
+    time: speed, clearance, friction, lean, blade, casing, step and length may differ. A run's numbers do not depend
+    on which others are given, nor on their order. `record` says by the number of steps what a run stores whose scene
+    does not; `ended` is called with the place and the outcome of each run, as they end.
+
+    >>> from contact.model.body import Rod, Wall
+    >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
+    >>> good = Scene(what=[rod, Wall()], t_end=2.0, courant=0.9)
+    >>> first, second = run_many([good, Scene(what=[rod, Wall()], courant=0.9)])
+    >>> first.steps, str(second)
+    (134, 't_end: found none, expected the end of the run in seconds')
+    """
+    found: list[Outcome | None] = [None] * len(scenes)
+    groups: dict[int, list[tuple[int, Prepared]]] = {}
+    for i, scene in enumerate(scenes):
+        ready = _prepared(scene, record)
+        if isinstance(ready, Prepared) and _fits(ready):
+            groups.setdefault(ready.stepper.size, []).append((i, ready))
+        else:
+            found[i] = _note(i, _alone(ready), ended)
+    for group in groups.values():
+        for i, outcome in _together(group):
+            # a failed run is repeated singly: its result is then complete up to the step that failed
+            found[i] = _note(i, outcome or _alone(_prepared(scenes[i], record)), ended)
+    return [outcome for outcome in found if outcome is not None]
+
+
+def _note(i: int, outcome: Outcome, ended: Ended | None) -> Outcome:
+    if ended is not None:
+        ended(i, outcome)
+    return outcome
+
+
+def _prepared(scene: Scene, record: Callable[[int], Record] | None) -> Prepared | InputError:
+    try:
+        ready = prepared(scene)
+    except InputError as error:
+        return error
+    return ready if record is None or scene.record is not None else replace(ready, record=record(ready.count))
+
+
+def _alone(ready: Prepared | InputError) -> Outcome:
+    if isinstance(ready, InputError):
+        return ready
+    try:
+        return completed(ready)
+    except (InputError, NumericsError) as error:
+        return error
+
+
+def _fits(ready: Prepared) -> bool:
+    """Whether the lanes take this run."""
+    stepper, record = ready.stepper, ready.record
+    if not isinstance(stepper, ModalRun) or stepper.rim is None or stepper.track is not None:
+        return False
+    if record.at is not None or record.channels is not None:
+        return False
+    stored = 4.0 * ready.count / record.every
+    stored += ready.count / record.state_every * stepper.size if record.state_every else 0.0
+    return 8.0 * WIDTH * stored <= MOST_BYTES
+
+
+def _together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Result | None]]:
+    """Outcomes in the order in which lanes end; None for a run that failed."""
+    jobs = [_job(ready) for _, ready in group]
+    shared = batch(jobs)
+    waiting = list(range(len(jobs)))[::-1]
+    lanes: dict[int, int] = {}
+    events: dict[int, list[Samples]] = {}
+    began, steps = time.perf_counter(), sum(job.steps for job in jobs)
+    while waiting or lanes:
+        for k in range(WIDTH):
+            if k not in lanes and waiting:
+                lanes[k] = waiting.pop()
+                events[k] = []
+                shared.load(k, jobs[lanes[k]])
+        shared.advance()
+        for k, number in list(lanes.items()):
+            events[k].append(_events(shared, k))
+            failed, ended = bool(shared.lanes.failed[k]), shared.lanes.step[k] == shared.lanes.end[k]
+            if failed or ended:
+                job, (i, ready) = jobs[number], group[number]
+                kept = shared.unload(k, job, _joined(events.pop(k)))
+                del lanes[k]
+                seconds = (time.perf_counter() - began) * job.steps / steps
+                yield i, None if failed else _result(ready, kept, seconds)
+
+
+def _job(ready: Prepared) -> Job:
+    assert isinstance(ready.stepper, ModalRun)
+    return Job(run=ready.stepper, steps=ready.count, record=ready.record)
+
+
+def _result(ready: Prepared, kept: Samples, seconds: float) -> Result | None:
+    try:
+        return finished(ready, [kept], ready.count, seconds)
+    except NumericsError:
+        return None
+
+
+def _events(shared: Batch, k: int) -> Samples:
+    """Events of lane k in the last call; its contact is number 0 of its own run."""
+    out, n = shared.events, int(shared.sums.filled[2])
+    own = np.flatnonzero(out.event_contact[:n] == k)
+    return out._replace(
+        event_contact=np.zeros(own.size, dtype=np.int64), event_kind=out.event_kind[own],
+        event_time=out.event_time[own],
+    )  # fmt: skip
+
+
+def _joined(parts: Sequence[Samples]) -> Samples:
+    return parts[0]._replace(
+        event_contact=np.concatenate([part.event_contact for part in parts]),
+        event_kind=np.concatenate([part.event_kind for part in parts]),
+        event_time=np.concatenate([part.event_time for part in parts]),
+    )

@@ -1,0 +1,151 @@
+"""What a sweep keeps of a run: one row of numbers, and what went wrong."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from contact.errors import NumericsError
+from contact.model.arrays import Array
+from contact.model.gap import FAR, RotatingRim
+from contact.record import Record
+from contact.result import Result
+from contact.run import Scene
+from contact.run_many import Outcome
+
+STATES = 256  # about so many states are stored for the amplitudes
+WINDOWS = 8  # parts of a run whose amplitudes give its growth
+COLUMNS = (
+    "status", "steps", "contact_fraction", "closings", "impulse_N_s", "peak_force_N", "max_penetration_m", "residual_m",
+    "lost_in_contact_J", "friction_J", "damping_J", "rotation_J", "worn_J", "unaccounted_rel", "amplitude_m",
+    "blade_rms_m", "growth_1_s", "dominant_n", "dominant_rms_m", "flags", "why",
+)  # fmt: skip
+
+
+def sweep_record(steps: int) -> Record:
+    """Every p-th step, p the largest prime that gives STATES states: in step with no turn and no mode.
+
+    >>> sweep_record(20_000).every, sweep_record(100).every
+    (73, 1)
+    """
+    stride = max(1, steps // STATES)
+    while stride > 3 and any(stride % k == 0 for k in range(2, math.isqrt(stride) + 1)):
+        stride -= 1
+    return Record(every=stride, state_every=stride)
+
+
+def row_of(scene: Scene | None, outcome: Outcome) -> dict[str, Any]:
+    """One row; a refused or failed run says why, a failed one has what it reached."""
+    row: dict[str, Any] = dict.fromkeys(COLUMNS)
+    if isinstance(outcome, Result):
+        return (
+            row
+            | {"status": "done", "flags": "; ".join(_flags(outcome, _rim(scene))), "why": ""}
+            | _numbers(scene, outcome)
+        )
+    if isinstance(outcome, NumericsError):
+        return row | {"status": "failed", "flags": "", "why": str(outcome)} | _numbers(scene, outcome.result)
+    return row | {"status": "refused", "flags": "", "why": str(outcome)}
+
+
+def _numbers(scene: Scene | None, result: Result | None) -> dict[str, Any]:
+    if result is None:
+        return {}
+    energy = result.energy
+    found: dict[str, Any] = {
+        "steps": result.steps, "closings": sum(len(part) for part in result.intervals),
+        "contact_fraction": float(np.max(result.contact_steps, initial=0)) / result.steps if result.steps else 0.0,
+        "impulse_N_s": float(np.sum(result.impulse)), "peak_force_N": float(np.max(result.peak_force, initial=0.0)),
+        "max_penetration_m": float(np.max(result.max_penetration, initial=0.0)),
+        "residual_m": float(np.max(result.residual, initial=0.0)), "lost_in_contact_J": energy.lost_in_contact,
+        "friction_J": energy.friction, "damping_J": energy.damping, "rotation_J": energy.rotation,
+        "worn_J": None if result.wear is None else result.wear.dissipated,
+        "unaccounted_rel": energy.unaccounted / energy.scale if energy.scale > 0.0 else 0.0,
+    }  # fmt: skip
+    if len(result.state):
+        found |= _motion(scene, result)
+    return {name: _plain(value) for name, value in found.items()}
+
+
+def _plain(value: Any) -> Any:
+    """JSON and CSV have no word for nan and inf."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _motion(scene: Scene | None, result: Result) -> dict[str, Any]:
+    """Amplitudes over the last quarter; growth over all windows of time."""
+    late = slice(3 * len(result.state) // 4, None)
+    with np.errstate(over="ignore", invalid="ignore"):
+        rim = _rim(scene)
+        if rim is None:
+            return {"amplitude_m": float(np.abs(result.state).max())}
+        N = rim.casing.n_max
+        radial = result.state_of("casing") @ rim.casing.rows[: 2 * N + 1].T
+        blade = result.state_of("blade") @ _normal(rim)
+        levels = _levels(radial[late], N)
+        n = int(levels.argmax())
+        return {
+            "amplitude_m": float(np.sqrt(np.sum(levels**2))), "blade_rms_m": float(np.std(blade[late])),
+            "growth_1_s": growth_rate(result.state_time, np.concatenate([radial, blade[:, None]], axis=1)),
+            "dominant_n": n, "dominant_rms_m": float(levels[n]),
+        }  # fmt: skip
+
+
+def _rim(scene: Scene | None) -> RotatingRim | None:
+    return scene.what if scene is not None and isinstance(scene.what, RotatingRim) else None
+
+
+def _largest(rim: RotatingRim, result: Result) -> float:
+    """Largest amplitude of a harmonic of the rim's radial motion [m]."""
+    N = rim.casing.n_max
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(np.abs(result.state_of("casing") @ rim.casing.rows[: 2 * N + 1].T).max(initial=0.0))
+
+
+def _normal(rim: RotatingRim) -> Array:
+    """Row of the blade's motion along the contact normal."""
+    a = math.radians(rim.lean_deg)
+    span, flap = (rim.blade.rows[rim.blade.channel(name)] for name in ("span", "flap"))
+    return np.asarray(math.cos(a) * span + math.sin(a) * flap)
+
+
+def _levels(radial: Array, N: int) -> Array:
+    """RMS radial vibration about its mean around the rim, by nodal diameters [m], (N + 1,)."""
+    power = np.var(radial, axis=0)
+    levels = power[: N + 1].copy()
+    levels[1:] = 0.5 * (levels[1:] + power[N + 1 :])
+    return np.asarray(np.sqrt(levels))
+
+
+def growth_rate(time: Array, motion: Array) -> float:
+    """Slope of the logarithm of the vibration's level over the run [1/s], by least squares over WINDOWS parts.
+
+    >>> t = np.linspace(0.0, 1.0, 4001)
+    >>> round(growth_rate(t, (np.exp(2.0 * t) * np.sin(400.0 * t))[:, None]), 2)
+    2.0
+    """
+    parts: Sequence[Array] = np.array_split(np.arange(len(time)), WINDOWS)
+    if min(len(part) for part in parts) < 4:
+        return math.nan
+    level = np.array([np.sqrt(np.sum(np.var(motion[part], axis=0))) for part in parts])
+    middle = np.array([float(time[part].mean()) for part in parts])
+    if not np.all(np.isfinite(level)) or level.min() <= 0.0:
+        return math.nan
+    slope = np.polyfit(middle - middle.mean(), np.log(level), 1)[0]
+    return float(slope)
+
+
+def _flags(result: Result, rim: RotatingRim | None) -> list[str]:
+    """What a reader of the row should know."""
+    found = list(result.flags)
+    energy = result.energy
+    if result.reversals.any():
+        found.append(f"slip reversed in {int(result.reversals.sum())} steps")
+    if rim is not None and _largest(rim, result) > FAR * rim.casing.radius:
+        found.append("motion beyond a tenth of the radius: the linear model has no meaning there")
+    if abs(energy.unaccounted) > 1e-8 * energy.scale:
+        found.append("energy ledger open")
+    return found

@@ -1,0 +1,104 @@
+"""Many runs at once: each as if it were run alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from synthetic_rim import blade, flap_blade, ring
+
+import contact as ct
+
+RECORD = ct.Record(every=50, state_every=100)
+
+
+def scene(
+    *, speed_hz=20.0, mu=0.0, clearance=2e-4, imperfect=0.0, t_end=0.1, dt=2e-5, skip=True, record=RECORD, **more
+):
+    rim = ct.RotatingRim(
+        ring(S=4e-7, zeta=0.01, imperfect=imperfect), blade(S=1e-6, zeta=0.01), clearance=clearance,
+        speed_hz=speed_hz, out_of_roundness=[{"p": 2, "cos": 2.5e-4}], angle_deg=45.0, **{"lean_deg": 25.0} | more,
+    )  # fmt: skip
+    return ct.Scene(
+        what=rim, law=ct.Coulomb(mu=mu) if mu else ct.Unilateral(), t_end=t_end, dt=dt, record=record,
+        scheme=ct.ExactModal(skip=skip),
+    )  # fmt: skip
+
+
+def different():
+    """More runs than lanes, no two alike, one without contact, one without leaps, two lengths, two steps."""
+    return [
+        scene(), scene(speed_hz=15.0, mu=0.2, clearance=1.5e-4, imperfect=0.05), scene(clearance=1e-2),
+        scene(speed_hz=30.0, clearance=1e-4, t_end=0.05), scene(mu=0.1, clearance=-1e-5, imperfect=0.05, lean_deg=10.0),
+        scene(speed_hz=5.0, mu=0.1, clearance=1e-4, dt=1e-5, t_end=0.03), scene(skip=False),
+        scene(mu=0.2, clearance=1.7e-4, lean_deg=-10.0), scene(speed_hz=-18.0, mu=0.2), scene(speed_hz=19.0),
+    ]  # fmt: skip
+
+
+def test_each_run_is_as_if_alone():
+    scenes = different()
+    for one, many in zip(map(ct.run, scenes), ct.run_many(scenes), strict=True):
+        scale = max(np.abs(one.state).max(), 1e-30)
+        assert np.abs(many.state - one.state).max() <= 1e-12 * scale
+        assert np.array_equal(many.time, one.time)
+        assert np.array_equal(many.state_time, one.state_time)
+        assert np.allclose(many.force, one.force, rtol=0.0, atol=1e-10 * np.abs(one.force).max())
+        assert np.allclose(many.gap, one.gap, rtol=0.0, atol=1e-12 * np.abs(one.gap).max())
+        assert np.allclose(many.impulse_history, one.impulse_history, rtol=0.0, atol=1e-11 * one.impulse[0])
+        assert np.array_equal(many.contact_steps, one.contact_steps)
+        assert len(many.intervals[0]) == len(one.intervals[0])
+        assert np.allclose(many.intervals[0], one.intervals[0], rtol=0.0, atol=1e-9)
+        for name in ("contact", "rotation", "friction", "damping"):
+            value = getattr(one.energy, name)
+            assert getattr(many.energy, name) == pytest.approx(value, rel=1e-9, abs=1e-13 * one.energy.scale)
+        assert abs(many.energy.unaccounted) <= 1e-11 * max(one.energy.scale, 1e-300)
+        assert many.residual[0] == pytest.approx(one.residual[0], abs=1e-17)
+        assert (many.steps, many.scheme, many.every) == (one.steps, one.scheme, one.every)
+    assert sum(one.contact_steps[0] > 0 for one in map(ct.run, scenes)) == 8
+
+
+def test_neighbours_and_order_change_no_bit():
+    scenes = different()
+    forward = ct.run_many(scenes)
+    backward = ct.run_many(scenes[::-1])[::-1]
+    alone = [ct.run_many([one])[0] for one in scenes]
+    for a, b, c in zip(forward, backward, alone, strict=True):
+        for other in (b, c):
+            assert np.array_equal(a.state, other.state)
+            assert np.array_equal(a.force, other.force)
+            assert a.impulse.tobytes() == other.impulse.tobytes()
+            assert a.energy == other.energy
+            assert a.intervals == other.intervals
+
+
+def test_what_lanes_do_not_take_runs_singly_and_failures_are_told():
+    stiff = ct.RotatingRim(ring(S=0.0), flap_blade(S=0.0), clearance=-1e-5, speed_hz=5.0, lean_deg=45.0)
+    rod = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
+    scenes = [
+        scene(record=ct.Record(at=[0.01, 0.05])), ct.Scene(what=[rod, ct.Wall()], t_end=2.0, courant=0.9),
+        ct.Scene(what=stiff, law=ct.Coulomb(mu=20.0), t_end=0.01, dt=1e-5), scene(dt=1.0), scene(),
+    ]  # fmt: skip
+    done = []
+    found = ct.run_many(scenes, ended=lambda i, outcome: done.append((i, type(outcome).__name__)))
+    assert found[0].time.tolist() == [0.01, 0.05]
+    assert found[1].steps == 134
+    assert isinstance(found[2], ct.LimitError)
+    assert "the blade jams" in str(found[2])
+    assert isinstance(found[3], ct.LimitError)
+    assert isinstance(found[4], ct.Result)
+    assert done == [(0, "Result"), (1, "Result"), (2, "LimitError"), (3, "LimitError"), (4, "Result")]
+
+
+def test_a_run_that_breaks_off_in_a_lane_is_told_as_if_alone():
+    """Trailing, the blade is safe; where its slip reverses, it digs in and jams."""
+    rim = ct.RotatingRim(
+        ring(S=0.0, zeta=0.01), blade(S=0.0, zeta=0.01), clearance=-2e-4, speed_hz=0.02, lean_deg=-20.0
+    )
+    broken = replace(scene(), what=rim, law=ct.Coulomb(mu=8.0))
+    with pytest.raises(ct.NumericsError) as alone:
+        ct.run(broken)
+    found = ct.run_many([scene(), broken, scene(mu=0.2)])
+    assert isinstance(found[1], ct.NumericsError)
+    assert str(found[1]) == str(alone.value)
+    assert np.array_equal(found[1].result.force, alone.value.result.force)
+    assert isinstance(found[0], ct.Result)
+    assert isinstance(found[2], ct.Result)
