@@ -16,6 +16,7 @@ from contact.energy import EnergyBudget
 from contact.errors import InputError, LimitError, NumericsError
 from contact.growth_map import StabilityMap
 from contact.model.beam import BeamInCircle, HingedBeam
+from contact.model.bladed_disk import BladedDisk
 from contact.model.body import PointMass, Rod, Wall
 from contact.model.cantilever import Cantilever
 from contact.model.gap import PointGap, RotatingRim, Side
@@ -49,9 +50,9 @@ from contact.scheme.stabilised_newmark import StabilisedNewmark
 from contact.stability import poles, rim_stability, stability
 
 __all__ = [
-    "HHT", "Abradable", "AugmentedLagrangian", "BeamInCircle", "CDLagrange", "Cantilever", "CentralDifference",
-    "Closing", "Coulomb", "EnergyBudget", "ExactModal", "Forcing", "HandPair", "HingedBeam", "InputError",
-    "LimitError", "LinearBody", "MasslessBoundary", "ModalBody", "ModalPair", "MoreauJean", "Newmark",
+    "HHT", "Abradable", "AugmentedLagrangian", "BeamInCircle", "BladedDisk", "CDLagrange", "Cantilever",
+    "CentralDifference", "Closing", "Coulomb", "EnergyBudget", "ExactModal", "Forcing", "HandPair", "HingedBeam",
+    "InputError", "LimitError", "LinearBody", "MasslessBoundary", "ModalBody", "ModalPair", "MoreauJean", "Newmark",
     "NonsmoothAlpha", "NumericsError", "PaoliSchatzman", "Part", "Patch", "Penalty", "PenaltyDifference", "PointGap",
     "PointMass", "Profile", "ProjectedAlpha", "Record", "Result", "Rod", "RotatingRim", "Rub", "Scene", "SceneError",
     "Side", "Speed", "StabilisedNewmark", "StabilityMap", "Start", "Stiffening", "ThinRing", "Tip", "Unilateral",

@@ -24,6 +24,7 @@ from contact.run import Scene
 from contact.scheme.exact_modal import ExactModal
 
 if TYPE_CHECKING:
+    from contact.scene_disk import DiskFile
     from contact.scene_patch import PatchFile
     from contact.scene_record import RecordTable
     from contact.scene_rub import RubFile
@@ -60,6 +61,7 @@ def scene_of(data: dict[str, Any], file: Path) -> Scene:
 
 
 def _built(table: File, file: Path, text: bytes) -> Scene:
+    from contact.scene_disk import DiskFile
     from contact.scene_patch import PatchFile
     from contact.scene_rub import RubFile
     from contact.scene_tables import BeamFile, CantileverFile, PairFile, RimFile
@@ -74,7 +76,7 @@ def _built(table: File, file: Path, text: bytes) -> Scene:
         return _cantilever(table, file, text)
     if isinstance(table, PatchFile):
         return _patch(table, file, text)
-    if isinstance(table, RubFile):
+    if isinstance(table, RubFile | DiskFile):
         return _rub(table, file, text)
     return _rods(table, file, text)
 
@@ -274,7 +276,7 @@ def _patch(table: PatchFile, file: Path, text: bytes) -> Scene:
     )  # fmt: skip
 
 
-def _rub(table: RubFile, file: Path, text: bytes) -> Scene:
+def _rub(table: RubFile | DiskFile, file: Path, text: bytes) -> Scene:
     problems: list[str] = []
     what = _tried(lambda: table.rub(file.parent), file, problems)
     if what is None:

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
 
+from contact.scene_disk import DiskFile
 from contact.scene_patch import PatchFile
 from contact.scene_record import RecordTable
 from contact.scene_rub import RubFile
@@ -307,8 +308,8 @@ class PairFile(Table):
     speed: ScanTable
 
 
-File = RodsFile | RimFile | BeamFile | CantileverFile | PatchFile | RubFile | PairFile
+File = RodsFile | RimFile | RubFile | DiskFile | BeamFile | CantileverFile | PatchFile | PairFile
 FILES: dict[str, type[File]] = {
-    "rods": RodsFile, "rim": RimFile, "beam": BeamFile, "cantilever": CantileverFile, "patch": PatchFile,
-    "rub": RubFile, "pair": PairFile,
+    "rods": RodsFile, "rim": RimFile, "rub": RubFile, "disk": DiskFile, "beam": BeamFile, "cantilever": CantileverFile,
+    "patch": PatchFile, "pair": PairFile,
 }  # fmt: skip

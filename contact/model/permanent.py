@@ -19,6 +19,8 @@ from contact.model.arrays import (
 )
 from contact.model.gap import RotatingRim
 from contact.model.modal_system import rim_system
+from contact.model.rub import Rub
+from contact.model.rub_system import rub_system
 from contact.model.trig import Trig
 
 PERFECT = 1e-8  # relative: modes closer than this are one group, and turn into each other on a perfect casing
@@ -166,11 +168,7 @@ def disk_contact(casing: ModalPair, disk: ModalPair, *, stiffness: float, blades
 
     Raises InputError unless both have the same n >= 1 and `blades` > 2 n, so that the tips tell cosine from sine.
     """
-    require_positive(stiffness=stiffness)
-    if casing.n != disk.n or casing.n < 1 or blades <= 2 * casing.n:
-        raise InputError(
-            f"n: found casing {casing.n}, disk {disk.n}, {blades} blades, expected the same n >= 1 and blades > 2 n"
-        )
+    require_waves(casing, disk, stiffness=stiffness, blades=blades)
     omega, zeta = ([getattr(body, name) for body in (casing, disk) for _ in range(2)] for name in ("omega", "zeta"))
     x, y = 1.0 / math.sqrt(casing.modal_mass), 1.0 / math.sqrt(disk.modal_mass)
     return ClosedContact(
@@ -178,6 +176,15 @@ def disk_contact(casing: ModalPair, disk: ModalPair, *, stiffness: float, blades
         Q=np.hstack([x * np.eye(2), -y * np.eye(2)]), T=np.zeros((2, 4)),
         S_nn=np.eye(2) * 2.0 / (stiffness * blades), S_nt=np.zeros((2, 2)), casing=2,
     )  # fmt: skip
+
+
+def require_waves(casing: ModalPair, disk: ModalPair, *, stiffness: float, blades: int) -> None:
+    """Raise InputError unless both have the same n >= 1 and there are more than 2 n blades."""
+    require_positive(stiffness=stiffness)
+    if casing.n != disk.n or casing.n < 1 or blades <= 2 * casing.n:
+        raise InputError(
+            f"n: found casing {casing.n}, disk {disk.n}, {blades} blades, expected the same n >= 1 and blades > 2 n"
+        )
 
 
 def turning(n: list[int], size: int) -> Array:
@@ -216,6 +223,37 @@ def rim_contact(rim: RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     )  # fmt: skip
 
 
+def rub_contact(rub: Rub, *, mu: float = 0.0) -> ClosedContact:
+    """A perfect casing with every tip of a rub closed, sliding around, in the tips' frame.
+
+    Profile, closing, whirl and stiffening only force or detune the vibration and are left out. Raises SplitError as
+    `rim_contact` does.
+    """
+    system = rub_system(rub, 2)
+    rim, m, K = system.rim, rub.casing.omega.size, system.contacts
+    full_cos, full_sin = rim.by_harmonic(rim.cos), rim.by_harmonic(rim.sin)
+    seen = [int(line) * system.directions + i for line in np.unique(system.line) for i in (0, 1)]
+    G = np.zeros((system.omega.size,) * 2)
+    tables = [table[b] for b in seen for table in (full_cos, full_sin)]
+    G[:m, :m], left = _generator(rub.casing.omega, rub.casing.zeta, tables)
+    if left > TURNS or system.S_harmonic.size > 1:
+        raise SplitError(
+            f"casing: found pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on "
+            "the angle, expected a perfect casing"
+        )
+    rows = np.zeros((2, K, system.omega.size))
+    for j in range(K):
+        for i in (0, 1):
+            rows[i, j, :m] = rim.row(int(system.line[j]) * system.directions + i, float(system.angle[j]))
+            begin, end = system.own[j]
+            rows[i, j, begin:end] = system.blade_rows[2 * j + i, : end - begin]
+    S = system.compliance(0.0)
+    return ClosedContact(
+        omega=system.omega, zeta=system.zeta, G=G, Q=rows[0], T=rows[1], S_nn=S[::2, ::2], S_nt=S[::2, 1::2], casing=m,
+        mu=mu,
+    )  # fmt: skip
+
+
 def equal_modes(omega: Array, zeta: Array) -> list[Indices]:
     """Groups of modes of equal frequency and damping, by index."""
     ascending = np.argsort(omega, kind="stable")
@@ -236,9 +274,9 @@ def _varies(polynomial: Trig, scale: float) -> bool:
 def _generator(omega: Array, zeta: Array, tables: list[Array]) -> tuple[Array, float]:
     """G with dQ/dphi = Q G within groups of equal modes, and the part of the derivative it leaves."""
     order = np.arange(len(tables[0]))[:, None]
-    q_cos, q_sin, t_cos, t_sin = tables
-    rows = np.vstack([q_cos, q_sin, t_cos, t_sin])
-    slope = np.vstack([order * q_sin, -order * q_cos, order * t_sin, -order * t_cos])
+    rows = np.vstack(tables)
+    pairs = zip(tables[::2], tables[1::2], strict=True)
+    slope = np.vstack([part for cos, sin in pairs for part in (order * sin, -order * cos)])
     G = np.zeros((omega.size, omega.size))
     for group in equal_modes(omega, zeta):
         block = np.linalg.lstsq(rows[:, group], slope[:, group], rcond=1e-9)[0]

@@ -15,6 +15,7 @@ IMPULSE = {
     "mass_on_free_rod.toml": 0.864665, "mass_on_two_rods.toml": 0.499832, "grazing_bar.toml": 0.0,
     "bouncing_ball.toml": 49.05, "impact_oscillator.toml": 34.641, "driven_oscillator.toml": 79.094880,
     "cantilever_on_stop.toml": 4.966, "coulomb_oscillator.toml": 20.0,
+    "bladed_disk.toml": 4.975,
 }  # fmt: skip
 
 BEAMS = {"rotating_beam.toml": 141.7, "beam_in_ring.toml": 15.7}  # reports.rotating_beam, finer and implicit
