@@ -112,10 +112,11 @@ class DiskFile(Table):
     def rub(self, folder: Path) -> Rub:
         """The scene; a basis file is found in `folder`. Raises InputError."""
         casing, disk = self.casing.modes(folder), BladedDisk(**self.disk.model_dump())
+        terms = [term.model_dump() for term in self.contact.out_of_roundness]
         kick = np.zeros(casing.omega.size)
         kick[0] = 0.0 if self.casing.pair is None else self.casing.pair.kick
         return Rub(
             casing, (disk.body(),), disk.tips(), clearance=self.contact.clearance,
-            speed=Speed.constant(self.speed.hz), profile=Profile.fourier([term.model_dump() for term in self.contact.out_of_roundness]),
+            speed=Speed.constant(self.speed.hz), profile=Profile.fourier(terms),
             casing_start=Start(velocity=readonly(kick)),
         )  # fmt: skip

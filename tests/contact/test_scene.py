@@ -112,7 +112,7 @@ def test_every_problem_is_reported_at_once(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('kind = "rods"', 'kind = "disk"', "scene.kind: found 'disk', expected one of 'rods', 'rim'"),
+        ('kind = "rods"', 'kind = "disks"', "scene.kind: found 'disks', expected one of 'rods', 'rim'"),
         ("rho = 1.0", "", "rod[1].rho: missing"),
         ("E = 1.0", 'E = "stiff"', "rod[1].E: found 'stiff', expected"),
         ("t_end = 1.0", "t_end = inf", "scene.t_end: found inf, expected a finite number"),
