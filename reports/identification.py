@@ -60,11 +60,13 @@ def judge(data: TestSet, found: Identified, seed: int, references: int) -> tuple
         turn = n * np.radians(found.angle_deg - data.angle_deg[k])
         alike = (found.n >= 0) & (shares[found.n, k] > SHARE)
         near = alike & (gap < 2.0 * zeta * freq)
-        told = near & ((np.abs(np.sin(turn)) < np.sqrt(0.5)) | (n == 0) | (found.n != n))
+        told = near & ((np.abs(np.sin(turn)) < np.sqrt(0.5)) | (found.n != n) | np.isnan(turn))
+        told[list(found.unresolved)] = False
         told[list(taken)] = False
         part = float(truth.splits[pair]) if pair >= 0 else np.inf
         alone = [j for j in np.flatnonzero(near).tolist() if found.doublet_of(j) < 0]
         whole = [j for j in alone if j in found.unresolved or found.split_bound[j] > part]
+        told[whole] = False
         nothing = (seed, references, n, freq, split)
         if told.any():
             j = int(np.argmin(np.where(told, gap, np.inf)))

@@ -133,11 +133,11 @@ def _one_of(fit: PoleFit, modes: list[FoundMode], low: int, high: int) -> FoundM
     bound = float(np.log(fit.freq[high] / fit.freq[low]) + 2.0 * gap)
     stronger = modes[low] if modes[low].signal > modes[high].signal else modes[high]
     one = replace(stronger, freq=freq, sigma_freq=float(freq * sigma), zeta=zeta, sigma_zeta=float(zeta * sigma_zeta))
-    return not_told_apart(replace(one, split_bound=bound))
+    return replace(without_antinode(replace(one, split_bound=bound)), unresolved=True)
 
 
-def not_told_apart(mode: FoundMode) -> FoundMode:
-    """A mode that stands for a pair: without orientation, and uncertain by half the largest split."""
+def without_antinode(mode: FoundMode) -> FoundMode:
+    """A mode that may stand for a pair: without orientation, and uncertain by half the largest split."""
     nothing = float("nan")
     sigma = float(np.hypot(mode.sigma_freq, 0.5 * mode.split_bound * mode.freq))
-    return replace(mode, sigma_freq=sigma, angle=nothing, sigma_angle=nothing, unresolved=True)
+    return replace(mode, sigma_freq=sigma, angle=nothing, sigma_angle=nothing)

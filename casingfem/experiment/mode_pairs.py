@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from casingfem.experiment.circle import quadrature
-from casingfem.experiment.found_modes import FoundMode, not_told_apart
+from casingfem.experiment.found_modes import FoundMode, without_antinode
 
 PAIR_SPAN = 0.3  # relative split beyond which two modes of one n are no pair
 APART = 0.7  # least quadrature of partners
@@ -28,11 +30,16 @@ def paired(modes: list[FoundMode]) -> tuple[tuple[int, int], ...]:
 
 
 def settled(modes: list[FoundMode], doublets: tuple[tuple[int, int], ...]) -> list[FoundMode]:
-    """The modes, where those that hold two shapes and have no partner stand for a pair."""
+    """The modes, where those that hold two shapes and have no partner stand for a pair.
+
+    A mode of n >= 1 without partner may be a pair that the references drive in one plane only: it has the antinode
+    of the drive then, so none is given, and its frequency is uncertain by half the split that would be hidden.
+    """
     members = {k for pair in doublets for k in pair}
+    alone = [k not in members and mode.n > 0 and not mode.unresolved for k, mode in enumerate(modes)]
     return [
-        not_told_apart(mode) if mode.double and k not in members and not mode.unresolved else mode
-        for k, mode in enumerate(modes)
+        replace(without_antinode(mode), unresolved=mode.double) if single else mode
+        for mode, single in zip(modes, alone, strict=True)
     ]
 
 
@@ -50,6 +57,6 @@ def notes_of(modes: list[FoundMode], doublets: tuple[tuple[int, int], ...]) -> t
         elif mode.n > 0 and k not in members:
             said.append(
                 f"n = {mode.n} at {mode.freq:.2f} Hz has no partner: the references do not drive it, or the split is"
-                f" below {share:.2g} of its bandwidth ({mode.split_bound:.1e} relative)"
+                f" below {share:.2g} of its bandwidth ({mode.split_bound:.1e} relative); no orientation is given"
             )
     return tuple(said)
