@@ -13,7 +13,8 @@ from contact.record import Samples, Tally
 from contact.scheme.loop_stick import Sticking, note_sticking
 from contact.scheme.loop_tally import note_contact, store, store_state
 from contact.solver.active_set import SOLVED, project
-from contact.solver.coulomb import TOLERANCE, newton
+from contact.solver.coulomb import friction_forces
+from contact.solver.friction_newton import TOLERANCE
 
 JAMMED, ROUGH = 1.0, 2.0  # `fault`: no motion opens all gaps; friction not solved
 
@@ -87,7 +88,7 @@ def frictional(s: PatchState, b: Array, dim: int, inside: Indices) -> bool:
             short[i], lam[i] = b[chosen[i]], s.lam[chosen[i]]
             for j in range(count * dim):
                 W[i, j] = s.W[chosen[i], chosen[j]]
-        iterations, residual = newton(W, short, mu, dim, lam)
+        iterations, residual = friction_forces(W, short, mu, dim, lam)
         spent += iterations
         if not residual <= TOLERANCE:
             s.counts[3] = ROUGH

@@ -6,6 +6,9 @@ import pytest
 from contact.errors import InputError, NumericsError
 from contact.solver.active_set import delassus_rows, unilateral
 from contact.solver.coulomb import coulomb
+from contact.solver.faceted import covering, faceted
+from contact.solver.faceted import lemke as pivoting
+from contact.solver.friction_newton import MOST_ITERATIONS
 from tests.contact.lemke import lemke
 
 
@@ -134,6 +137,62 @@ def test_a_single_contact_is_solved_however_badly_conditioned():
         b = rng.standard_normal((1, 3))
         found = coulomb(A @ A.T, b, rng.choice([0.3, 1.0, 2.0]))
         assert found.residual <= 1e-12
+
+
+def close_contacts(rng):
+    """Friction problems whose contacts are coupled so closely that W is conditioned to 1e8."""
+    contacts, dim = int(rng.integers(2, 7)), int(rng.integers(2, 4))
+    u, _, v = np.linalg.svd(rng.standard_normal((contacts * dim, contacts * dim)))
+    A = u * 10.0 ** (-4.0 * rng.random() * np.linspace(0.0, 1.0, contacts * dim)) @ v
+    return A @ A.T, rng.standard_normal((contacts, dim))
+
+
+def test_where_newton_ends_at_a_kink_pivoting_finds_the_way():
+    rng, hard = np.random.default_rng(27), 0
+    for _ in range(800):
+        W, b = close_contacts(rng)
+        found = coulomb(W, b, 2.0)
+        rho = np.repeat(1.0 / W.diagonal()[:: b.shape[1]], b.shape[1]).reshape(b.shape)
+        scale = max(np.abs(found.force).max(), np.abs(rho * b).max())
+        normal, tangent = found.force[:, 0], found.force[:, 1:]
+        assert np.abs(np.minimum(normal, rho[:, 0] * found.motion[:, 0])).max() <= 1e-11 * scale
+        assert (np.linalg.norm(tangent, axis=1) - 2.0 * normal).max() <= 1e-11 * scale
+        hard += found.iterations > MOST_ITERATIONS
+    assert hard > 5
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.4, 2.0])
+def test_two_facets_are_exact_in_two_dimensions(mu):
+    rng = np.random.default_rng(28)
+    for _ in range(50):
+        A, b = np.eye(8) + 0.15 * rng.standard_normal((8, 8)), rng.standard_normal(8)
+        force = np.zeros(8)
+        assert faceted(A @ A.T, b, np.full(4, mu), 2, np.zeros(4), 0.0, 0, force)
+        np.testing.assert_allclose(force, coulomb(A @ A.T, b.reshape(4, 2), mu).force.ravel(), atol=1e-9)
+
+
+def test_facets_close_to_the_slip_converge_with_the_square_of_their_distance():
+    b, mu = np.array([-1.0, -2.0, 0.7]), np.array([0.5])
+    W = np.array([[1.0, 0.2, 0.1], [0.2, 1.5, 0.3], [0.1, 0.3, 0.8]])
+    exact = coulomb(W, b.reshape(1, 3), mu)
+    slip = -exact.motion[0, 1:]
+    errors = []
+    for spread in (0.2, 0.1, 0.05):
+        force = np.zeros(3)
+        assert faceted(W, b, mu, 3, np.array([np.arctan2(slip[1], slip[0]) + 0.5 * spread]), spread, 0, force)
+        errors.append(np.abs(force - exact.force[0]).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.2)
+    assert np.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize("draw", [0, 3])
+def test_pivoting_from_any_covering_vector_is_the_reference(draw):
+    rng = np.random.default_rng(29)
+    for _ in range(50):
+        A, q, z = rng.standard_normal((6, 9)), rng.standard_normal(6), np.zeros(6)
+        assert pivoting(A @ A.T, q, covering(6, draw), z)
+        np.testing.assert_allclose(z, lemke(A @ A.T, q), atol=1e-9)
+    assert not pivoting(np.array([[-1.0]]), np.array([-1.0]), np.ones(1), np.zeros(1))  # no z >= 0 has 0 <= -z - 1
 
 
 @pytest.mark.parametrize(

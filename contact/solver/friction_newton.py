@@ -1,0 +1,247 @@
+"""Semi-smooth Newton for contacts with Coulomb friction, on the projections of the law.
+
+With W, b and u as in `solver.coulomb`, the law is equivalent to F = 0 (Alart & Curnier, Comput. Methods Appl. Mech.
+Eng. 92, 1991, 353)
+
+    F_N = force_N - s_N^+,  s_N = force_N - rho_N u_N,
+    F_T = force_T - s_T min(1, mu s_N^+/|s_T|),  s_T = force_T - rho_T u_T.
+
+Newton's matrix is regularised by a hair, so that redundant contacts (singular W) have a solution too; a step that does
+not reduce |F| is halved, and where that fails projected Gauss-Seidel sweeps find a better start.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from contact.compiled import jit_allocating
+from contact.model.arrays import Array
+
+TOLERANCE = 1e-12  # of the largest force
+MOST_ITERATIONS = 50  # Newton steps and bursts of sweeps together
+SWEEPS = 20  # Gauss-Seidel sweeps in a burst
+HAIR = 1e-11  # regularisation of Newton's matrix, whose entries are of order one
+HALVINGS = 8
+LEAPS = 8
+
+
+@jit_allocating
+def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, float]:
+    """Improve `force` until F is below TOLERANCE of the largest force; returns (iterations, residual).
+
+    Steps that reduce |F| while there are such; then bursts of sweeps, each followed by LEAPS undamped steps, because
+    beyond a kink |F| may have to rise before it falls.
+    """
+    size = b.size
+    rho, miss, u = np.zeros((mu.size, 2)), np.zeros(size), np.zeros(size)
+    J, trial, trial_miss, base = np.zeros((size, size)), np.zeros(size), np.zeros(size), np.zeros(size)
+    steps_in(W, dim, rho)
+    found = law_residual(W, b, mu, rho, dim, force, u, miss)
+    leaps, sweeps = 0, SWEEPS
+    for iteration in range(MOST_ITERATIONS + 1):
+        scale = force_scale(b, rho, dim, force)
+        if found <= TOLERANCE * scale or iteration == MOST_ITERATIONS:
+            release(rho, dim, u, force)
+            return iteration, found / scale if scale > 0.0 else found
+        if leaps == 0:
+            base[:] = force
+        law_slope(W, mu, rho, dim, force, u, J)
+        for i in range(size):
+            J[i, i] += HAIR
+        step = np.linalg.solve(J, miss)
+        part = 1.0
+        for _ in range(1 if leaps > 0 else HALVINGS):
+            for i in range(size):
+                trial[i] = force[i] - part * step[i]
+            reached = law_residual(W, b, mu, rho, dim, trial, u, trial_miss)
+            if reached < found * (1.0 - 1e-4 * part) or leaps > 0:
+                break
+            part *= 0.5
+        if leaps > 1 or reached < found * (1.0 - 1e-4 * part):
+            force[:], miss[:], found = trial, trial_miss, reached
+            leaps = max(leaps - 1, 0)
+            continue
+        force[:] = base
+        for _ in range(sweeps):
+            sweep(W, b, mu, rho, dim, force)
+        base[:] = force
+        found = law_residual(W, b, mu, rho, dim, force, u, miss)
+        leaps, sweeps = LEAPS, 2 * sweeps
+    return MOST_ITERATIONS, found
+
+
+@jit_allocating
+def release(rho: Array, dim: int, u: Array, force: Array) -> None:
+    """Set what is left of the forces in open contacts to zero."""
+    for k in range(rho.shape[0]):
+        i = k * dim
+        if force[i] <= rho[k, 0] * u[i]:
+            for j in range(i, i + dim):
+                force[j] = 0.0
+
+
+@jit_allocating
+def steps_in(W: Array, dim: int, rho: Array) -> None:
+    """Step lengths of each contact: 1/W_NN, 1/(largest eigenvalue of the tangential block)."""
+    for k in range(rho.shape[0]):
+        i = k * dim
+        rho[k, 0] = 1.0 / W[i, i]
+        if dim == 1:
+            continue
+        top = W[i + 1, i + 1]
+        if dim == 3:
+            a, c, m = W[i + 1, i + 1], W[i + 2, i + 2], 0.5 * (W[i + 1, i + 2] + W[i + 2, i + 1])
+            top = 0.5 * (a + c) + math.hypot(0.5 * (a - c), m)
+        rho[k, 1] = 1.0 / top
+
+
+@jit_allocating
+def force_scale(b: Array, rho: Array, dim: int, force: Array) -> float:
+    """The largest force there is, or that a free step's gap alone would ask for; friction follows the latter.
+
+    A rim that turns in front of a blade slips by far more in a step than any tangential force could hold back.
+    """
+    scale = 0.0
+    for k in range(rho.shape[0]):
+        scale = max(scale, abs(b[k * dim]) * rho[k, 0])
+        for i in range(k * dim, (k + 1) * dim):
+            scale = max(scale, abs(force[i]))
+    return scale
+
+
+@jit_allocating
+def law_residual(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array, miss: Array) -> float:
+    """Fill u = W force + b and `miss` = F; returns |F|."""
+    u[:] = np.dot(W, force) + b
+    total = 0.0
+    for k in range(mu.size):
+        i = k * dim
+        normal = max(force[i] - rho[k, 0] * u[i], 0.0)
+        miss[i] = force[i] - normal
+        length = 0.0
+        for j in range(i + 1, i + dim):
+            miss[j] = force[j] - rho[k, 1] * u[j]
+            length += miss[j] * miss[j]
+        length = math.sqrt(length)
+        radius = mu[k] * normal
+        part = 1.0 if length <= radius else radius / length
+        for j in range(i + 1, i + dim):
+            miss[j] = force[j] - part * miss[j]
+        for j in range(i, i + dim):
+            total += miss[j] * miss[j]
+    return math.sqrt(total)
+
+
+@jit_allocating
+def law_slope(W: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array, J: Array) -> None:
+    """Fill J = dF/dforce (a member of the generalised derivative)."""
+    size = force.size
+    J[:] = 0.0
+    t = np.zeros(2)
+    for k in range(mu.size):
+        i = k * dim
+        normal = force[i] - rho[k, 0] * u[i]
+        if normal <= 0.0:
+            for j in range(i, i + dim):
+                J[j, j] = 1.0
+            continue
+        for m in range(size):
+            J[i, m] = rho[k, 0] * W[i, m]
+        length = 0.0
+        for j in range(dim - 1):
+            t[j] = force[i + 1 + j] - rho[k, 1] * u[i + 1 + j]
+            length += t[j] * t[j]
+        length = math.sqrt(length)
+        if length <= mu[k] * normal:
+            for j in range(i + 1, i + dim):
+                for m in range(size):
+                    J[j, m] = rho[k, 1] * W[j, m]
+            continue
+        part = mu[k] * normal / length
+        for j in range(dim - 1):
+            t[j] /= length
+        for j in range(dim - 1):
+            row = i + 1 + j
+            for m in range(size):  # d s_N = e_N - rho_N W_N
+                J[row, m] = mu[k] * t[j] * rho[k, 0] * W[i, m]
+            J[row, i] -= mu[k] * t[j]
+            for other in range(dim - 1):  # (1 - t t^T) part (d force_T - rho_T W_T)
+                across = part * ((1.0 if j == other else 0.0) - t[j] * t[other])
+                for m in range(size):
+                    J[row, m] += across * rho[k, 1] * W[i + 1 + other, m]
+                J[row, i + 1 + other] -= across
+            J[row, row] += 1.0
+
+
+@jit_allocating
+def sweep(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Array) -> None:
+    """One nonlinear Gauss-Seidel sweep: each contact solved exactly with the others' forces held."""
+    size = force.size
+    q = np.zeros(3)
+    for k in range(mu.size):
+        i = k * dim
+        for j in range(dim):
+            q[j] = b[i + j]
+            for m in range(size):
+                q[j] += W[i + j, m] * force[m]
+            for m in range(i, i + dim):
+                q[j] -= W[i + j, m] * force[m]
+        if dim == 2:
+            q[2] = 0.0
+        one_contact(W, i, dim, q, mu[k], force)
+
+
+@jit_allocating
+def one_contact(W: Array, i: int, dim: int, q: Array, mu: float, force: Array) -> None:
+    """Exact force of one contact with free gap and slip q: open, sticking, or slipping.
+
+    Slipping, force_T = -(W_TT + alpha)^-1 (q_T + W_TN force_N) with alpha >= 0 the ratio of slip to tangential force:
+    force_N follows, and |force_T| - mu force_N changes sign between alpha = 0 (too much) and infinity (too little).
+    """
+    if q[0] >= 0.0:
+        for j in range(i, i + dim):
+            force[j] = 0.0
+        return
+    if dim == 1:
+        force[i] = -q[0] / W[i, i]
+        return
+    low, high = 0.0, 1.0
+    if slip_excess(W, i, dim, q, mu, 0.0, force) <= 0.0:
+        return
+    base = W[i + 1, i + 1] + W[i + dim - 1, i + dim - 1]
+    while slip_excess(W, i, dim, q, mu, high * base, force) > 0.0 and high < 1e18:
+        low, high = high, 16.0 * high
+    if low == 0.0:
+        low = high
+        while slip_excess(W, i, dim, q, mu, low * base, force) < 0.0 and low > 1e-18:
+            high, low = low, low / 16.0
+    for _ in range(60):
+        middle = math.sqrt(low * high)
+        if slip_excess(W, i, dim, q, mu, middle * base, force) > 0.0:
+            low = middle
+        else:
+            high = middle
+        if high - low <= 1e-15 * high:
+            break
+
+
+@jit_allocating
+def slip_excess(W: Array, i: int, dim: int, q: Array, mu: float, alpha: float, force: Array) -> float:
+    """Set the force of a contact that slips by alpha times its tangential force; returns |force_T| - mu force_N."""
+    a, c, m = W[i + 1, i + 1] + alpha, 1.0, 0.0
+    w2, v2, mt = 0.0, 0.0, 0.0
+    if dim == 3:
+        c, m, mt = W[i + 2, i + 2] + alpha, W[i + 1, i + 2], W[i + 2, i + 1]
+        w2, v2 = W[i + 2, i], W[i, i + 2]
+    w1, v1 = W[i + 1, i], W[i, i + 1]
+    det = a * c - m * mt
+    f1, f2 = (c * q[1] - m * q[2]) / det, (a * q[2] - mt * q[1]) / det  # (W_TT + alpha)^-1 q_T
+    g1, g2 = (c * w1 - m * w2) / det, (a * w2 - mt * w1) / det
+    normal = (-q[0] + v1 * f1 + v2 * f2) / (W[i, i] - v1 * g1 - v2 * g2)
+    t1, t2 = -f1 - g1 * normal, -f2 - g2 * normal
+    force[i], force[i + 1] = normal, t1
+    if dim == 3:
+        force[i + 2] = t2
+    return float(math.hypot(t1, t2) - mu * normal)
