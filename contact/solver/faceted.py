@@ -20,7 +20,7 @@ from contact.compiled import jit_allocating
 from contact.model.arrays import Array, Indices
 
 ZERO = 1e-12  # of a column's largest entry: no pivot
-TIE = 1e-12  # of the ratios
+TIE = 1e-13  # of the largest value: the covering variable is zero
 FACETS = 8
 GOLDEN = 0.6180339887498949
 
@@ -103,15 +103,15 @@ def lemke(M: Array, q: Array, d: Array, z: Array) -> bool:
         solved = np.linalg.solve(B, right)  # B x = q + column t
         value, column = solved[:, 0], solved[:, 1]
         top = np.abs(column).max()
-        best, row = math.inf, -1
+        best, row, cover = math.inf, -1, 0
         for i in range(n):
-            if column[i] > ZERO * top:
-                ratio = max(value[i], 0.0) / column[i]
-                near = ratio <= best * (1.0 + TIE)
-                if ratio < best * (1.0 - TIE) or (near and basis[i] == 2 * n) or row < 0:
-                    best, row = ratio, i
+            cover = i if basis[i] == 2 * n else cover
+            if column[i] > ZERO * top and max(value[i], 0.0) < best * column[i]:
+                best, row = max(value[i], 0.0) / column[i], i
         if row < 0:
             return False
+        if column[cover] > ZERO * top and value[cover] - best * column[cover] <= TIE * np.abs(value).max():
+            row = cover  # the others may reach zero with it
         leaving = int(basis[row])
         basis[row] = entering
         if leaving == 2 * n:
