@@ -2,7 +2,7 @@
 
 A shape with n nodal diameters has a cos n theta + b sin n theta at the sensors; sensors may be missing or uneven, so
 (a, b) comes by least squares. Two n that look alike at the sensors (n and 24 - n on 24 even ones) cannot be told
-apart; the labels end below the first such n.
+apart; the labels end below the first such n. An n whose sine or cosine no sensor sees (12 on 24 even ones) is none.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from casingfem.arrays import FloatArray, frozen
 
-ALIKE = 0.9  # cosine of the angle between the spaces of two n that cannot be told apart
+ALIKE = 0.95  # cosine of the angle between the spaces of two n that cannot be told apart
 TERMS = 8  # sensors for each n fitted to a shape, at least
 BEYOND = 8  # n above the largest label that still may add to a shape
 NOTABLE = 20.0  # fall of the sum of squares, in units of the noise, for which another n is fitted
@@ -36,10 +36,10 @@ class Label(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Circle:
-    """Sensors at angles theta [rad], and the largest n that they tell from all smaller ones."""
+    """Sensors at angles theta [rad], and the n that they tell from all smaller ones."""
 
     theta: FloatArray
-    n_max: int
+    orders: tuple[int, ...]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "theta", frozen(self.theta))
@@ -51,17 +51,20 @@ class Circle:
         >>> Circle.of(np.arange(24) * np.pi / 12).n_max
         11
         """
-        spaces: list[FloatArray] = []
-        for n in range(len(theta)):
-            columns = harmonic(theta, n)
-            basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-            if sizes[-1] < SEEN * sizes[0] or len(theta) < 3:
+        spaces: dict[int, FloatArray] = {}
+        for n in range(len(theta) if len(theta) >= 3 else 0):
+            basis, sizes, _ = np.linalg.svd(harmonic(theta, n), full_matrices=False)
+            if sizes[-1] < SEEN * sizes[0]:
+                continue
+            if any(np.linalg.norm(basis.T @ other, 2) > ALIKE for other in spaces.values()):
                 break
-            if any(np.linalg.norm(basis.T @ other, 2) > ALIKE for other in spaces):
-                break
-            spaces.append(basis)
-        told = len(spaces) - 1
-        return cls(theta=theta, n_max=told if n_max is None else min(n_max, told))
+            spaces[n] = basis
+        return cls(theta=theta, orders=tuple(n for n in spaces if n_max is None or n <= n_max))
+
+    @property
+    def n_max(self) -> int:
+        """Largest n, -1 if there is none."""
+        return max(self.orders, default=-1)
 
     def label(self, shape: FloatArray, covariance: FloatArray) -> Label:
         """Which n a shape (sensors,) with this covariance (sensors, sensors) has, and where its antinode lies.
@@ -75,9 +78,11 @@ class Circle:
         >>> found.n, round(found.purity, 3), round(found.angle, 3)
         (3, 1.0, 0.2)
         """
+        if not self.orders:
+            return Label(-1, *[float("nan")] * 3)
         chosen = [self._next(shape, [])]
         noise = float(np.trace(covariance)) / len(shape)
-        while len(chosen) < min(len(shape) // TERMS, self.n_max + 1):
+        while len(chosen) < min(len(shape) // TERMS, len(self.orders)):
             rest = self._rest(shape, chosen)
             more = [*chosen, self._next(shape, chosen)]
             if rest - self._rest(shape, more) < NOTABLE * noise:
@@ -95,7 +100,7 @@ class Circle:
 
     def _next(self, shape: FloatArray, chosen: list[int]) -> int:
         """The n that takes most from what is left."""
-        free = [n for n in range(self.n_max + 1) if n not in chosen]
+        free = [n for n in self.orders if n not in chosen]
         return min(free, key=lambda n: self._rest(shape, [*chosen, n]))
 
     def _columns(self, chosen: list[int]) -> FloatArray:

@@ -58,3 +58,15 @@ def test_what_no_n_explains_has_no_label():
 def test_quadrature():
     assert quadrature(0.1, 0.1 + np.pi / 8, 4) == pytest.approx(1.0)
     assert quadrature(0.1, 0.1 + np.pi / 4, 4) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_few_uneven_sensors_tell_an_order_above_half_their_number():
+    theta = 2 * np.pi * np.arange(12) / 12 + np.radians([0, 3, -2, 4, -4, 1, -3, 2, 4, -1, 3, -4])
+    circle = Circle.of(theta)
+    assert circle.label(np.cos(7 * (theta - 0.1)), 1e-8 * np.eye(12)).n == 7
+
+
+def test_two_sensors_tell_nothing():
+    circle = Circle.of(np.array([0.0, 1.0]))
+    assert circle.n_max == -1
+    assert circle.label(np.ones(2), np.eye(2)).n == -1
