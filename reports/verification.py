@@ -31,6 +31,7 @@ from reports import (
     verify_imported,
     verify_interaction,
     verify_locking,
+    verify_rig,
     verify_rings,
     verify_rotation,
     verify_static,
@@ -215,6 +216,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     )
     rows += (
         verify_fields.rows(quick)
+        + verify_rig.rows(quick)
         + verify_rings.rows(quick)
         + verify_contact.rows(quick)
         + verify_interaction.rows(quick)

@@ -24,18 +24,6 @@ from casingfem.study.rig_tables import PlaceTable, ResponsesTable, RigTable, Sca
 NOISE, SCAN, DAMPING = 1, 2, 3  # added to the seed: what is random is so by itself
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RigTest:
-    """What a test made: the rig with its probes, its truth, responses and their coherence, the scan and its waves."""
-
-    rig: Rig
-    truth: FrequencyTable
-    frfs: FrfSet | None
-    coherence: FrfSet | None
-    scan: Scan | None
-    waves: CircleScan | None
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layout:
     """Which probes are drives, sensors and the scan's circle."""
@@ -43,6 +31,19 @@ class Layout:
     drives: range
     sensors: range
     circle: range
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RigTest:
+    """What a test made: the rig and its layout, its truth, responses and their coherence, the scan and its waves."""
+
+    rig: Rig
+    layout: Layout
+    truth: FrequencyTable
+    frfs: FrfSet | None
+    coherence: FrfSet | None
+    scan: Scan | None
+    waves: CircleScan | None
 
 
 def run_rig(study: Study) -> RigTest:
@@ -78,6 +79,7 @@ def tested(study: Study, table: RigTable) -> RigTest:
     frfs, coherence = (None, None) if table.test is None else responses(rig, table, table.test, layout, card)
     return RigTest(
         rig=rig,
+        layout=layout,
         truth=truth(rig, whole[0] if whole else (), card),
         frfs=frfs,
         coherence=coherence,
