@@ -21,6 +21,7 @@ from contact.scheme.protocol import Block, Motion, Noted, Notes, Stepper, Wearin
 from contact.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear
 
 FORMAT = "contact-result-1"
+UNSETTLED = 1e-8  # of the largest gap
 ARRAYS = (
     "time", "force", "gap", "impulse_history", "impulse", "peak_force", "max_penetration", "residual",
     "contact_steps", "reversals", "state_time", "state", "channels",
@@ -153,6 +154,12 @@ class Result:
             heat, drive = float(self.notes.heat.sum()), float(self.notes.drive.sum())
             lines.append(f"friction [J]: {heat:.4g} turned to heat, {drive:.4g} drawn from what turns the rim")
         lines.extend(f"FLAG: {flag}" for flag in self.flags)
+        worst = float(self.residual.max(initial=0.0))
+        if "augmented Lagrangian" in self.scheme and worst > UNSETTLED * float(np.abs(self.gap).max(initial=0.0)):
+            lines.append(
+                f"the augmented Lagrangian did not settle, its law is violated by up to {worst:.1e} m: allow more updates, "
+                "take a stiffer spring, or plain Lagrange"
+            )
         if self.reversals.any():
             lines.append(f"slip changed sign in {int(self.reversals.sum())} steps: sticking is not modelled there")
         if self.wear is not None:

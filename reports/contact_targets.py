@@ -14,12 +14,14 @@ from reports import (
     contact_targets_modal,
     contact_targets_points,
     contact_targets_rods,
+    contact_targets_schemes,
     contact_targets_study,
 )
 from reports.tables import Row, command_line, show, write
 
 LINES: tuple[Callable[[bool], list[Row]], ...] = (
     contact_targets_rods.rows,
+    contact_targets_schemes.rows,
     contact_targets_modal.rows,
     contact_targets_points.rows,
     contact_targets_beam.rows,

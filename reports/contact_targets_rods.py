@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
+from contact.exact import force_error, two_rods
 from reports import stability
 from reports.contact_cases import (
-    BAR,
     CARPENTER,
     Case,
     Method,
@@ -44,7 +44,7 @@ def rows(quick: bool) -> list[Row]:
     lines = [*_forward(20), *([] if quick else _forward(100)), *_spikes(quick)]
     if not quick:
         lines += [*_study_accuracy(), *_bounces(), *_speed()]
-    return [*lines, *_convergence(), *_extremes()]
+    return [*lines, *_extremes()]
 
 
 def _forward(elements: int) -> list[Row]:
@@ -86,23 +86,61 @@ def _spikes(quick: bool) -> list[Row]:
     ]
 
 
+PHASES = "known: .053 to .057 by the instant of closing; .039 of it because forces are constant over a step"
+A_BOUNCE = "known: .07 % an impact, .02 % at Courant .98; the energy law above keeps it"
+
+
 def _study_accuracy() -> list[Row]:
+    """Two rods: Courant .9 and near the limit, closing at other instants of a step, and in modes."""
     case, rows = two_rods_case(), []
     for courant in (0.9, 0.95):
         found = errors(case, run(case, FORWARD, 100, courant))
         rows.append(target(f"two rods, 100 elements, Courant {courant:g}, forward Lagrange: force L2", 0.055,
-                           float(str(found["force L2"]))))  # fmt: skip
-    found = errors(case, run(case, MASSLESS, 100, 0.9))
-    energy = abs(float(str(found["energy"])))
-    return [*rows, target("two rods, 100 elements, Courant .9, massless boundary: energy", 0.003, energy)]
+                           float(str(found["force L2"])), missed=PHASES))  # fmt: skip
+    each, floor = (float(np.sqrt(np.mean(np.square(values)))) for values in _closing_phases(0.9))
+    modal = Method(name="modes", scheme=ct.ExactModal(law="forward", modes=100))
+    forces = ct.run(case.bodies(1), scheme=modal.scheme, t_end=case.t_end, courant=0.9)
+    energy = abs(float(str(errors(case, run(case, MASSLESS, 100, 0.9))["energy"])))
+    return [
+        *rows,
+        target("the same at .9, RMS over 16 instants of closing within a step", 0.055, each, missed=PHASES),
+        target("the same, best force that is constant over each step: L2", 0.055, floor),
+        target("two rods, 100 modes, omega dt 1.8 (Courant .9), forward law: force L2", 0.055,
+               force_error(forces.time, forces.force[:, 0], forces.dt, case.force, norm=2)),
+        target("two rods, 100 elements, Courant .9, massless boundary: energy", 0.003, energy),
+    ]  # fmt: skip
+
+
+def _closing_phases(courant: float) -> tuple[list[float], list[float]]:
+    """Force L2 of forward Lagrange where the gap closes at 16 instants within a step, and of the exact step means."""
+    rod, reached, floors = ct.Rod(**CARPENTER), [], []
+    dt = courant * rod.length / 100 / rod.wave_speed
+    inside = (np.arange(200) + 0.5) / 200 - 0.5
+    for part in np.arange(16) / 16:
+        gap = 0.01 + 202.2 * dt * part
+        exact = two_rods(rod, gap=gap, velocity=202.2)
+        left = ct.Rod(**CARPENTER, elements=100, x=-10.0 - gap, velocity=202.2)
+        result = ct.run([left, ct.Rod(**CARPENTER, elements=100)], t_end=2.5e-4, courant=courant)
+        reached.append(force_error(result.time, result.force[:, 0], result.dt, exact, norm=2))
+        force = exact((result.time[:, None] + result.dt * inside).ravel()).reshape(-1, inside.size)
+        rest = force - force.mean(axis=1, keepdims=True)
+        floors.append(float(np.linalg.norm(rest) / np.linalg.norm(force)))
+    return reached, floors
 
 
 def _bounces() -> list[Row]:
+    """Six bounces: in modes with the energy law at Courant .9, and by finite elements."""
     case, rows = bouncing_case(3), []
+    scheme = ct.ExactModal(law="energy", modes=100)
+    modal = ct.run(case.bodies(1), scheme=scheme, t_end=case.t_end, courant=0.9, gravity=case.gravity)
+    head = "bouncing bar, 6 impacts, 100 modes, omega dt 1.8 (Courant .9), energy law"
+    drift = abs(modal.energy.end.total - modal.energy.start.total) / case.energy
+    force = force_error(modal.time, modal.force[:, 0], modal.dt, case.force, norm=2)
+    rows = [target(f"{head}: energy drift", 0.002, drift), target(f"{head}: force L2", 0.2, force)]
     for courant in (0.9, 0.98):
         found = errors(case, run(case, MASSLESS, 100, courant))
         head = f"bouncing bar, 6 impacts, 100 elements, Courant {courant:g}, massless boundary"
-        rows.append(target(f"{head}: energy drift", 0.002, abs(float(str(found["energy"])))))
+        rows.append(target(f"{head}: energy drift", 0.002, abs(float(str(found["energy"]))), missed=A_BOUNCE))
         rows.append(target(f"{head}: force L2", 0.2, float(str(found["force L2"]))))
     return rows
 
@@ -119,35 +157,19 @@ def _speed() -> list[Row]:
     return rows
 
 
-def _convergence() -> list[Row]:
-    """Rates at which impulse and closing time of a dropped bar of 20 elements settle with the step."""
-    rows = []
-    for method in (FORWARD, MASSLESS):
-        steps = 0.77 * 0.6 ** np.arange(9)  # no divisors of the closing time
-        fine = _drop(method, 0.77 * 0.6**15)
-        errors_ = np.array([np.abs(_drop(method, float(c)) - fine) for c in steps])
-        for k, name in enumerate(("impulse", "closing time")):
-            slope = float(np.polyfit(np.log(steps), np.log(np.maximum(errors_[:, k], 1e-15)), 1)[0])
-            rows.append(target(f"rate in dt, {method.name}: {name}", 0.9, slope, at_least=True))
-    return rows
-
-
-def _drop(method: Method, courant: float) -> np.ndarray:
-    bar = ct.Rod(**BAR, elements=20)
-    result = ct.run([bar, ct.Wall()], scheme=method.scheme, t_end=2.5, courant=courant, gravity=10.0)
-    return np.array([result.impulse[0], result.intervals[0][0][0]])
-
-
 def _extremes() -> list[Row]:
     """Nothing may end in NaN, and the schemes to recommend must survive or refuse with numbers."""
     with tempfile.TemporaryDirectory() as folder:
         table = stability.main(Path(folder), quick=True)
     words = [str(row[name]) for row in table for name in row if name != "scene"]
     good = [str(row[name]) for row in table for name in (FORWARD.name, MASSLESS.name, "Moreau-Jean, theta = 1/2")]
+    degraded = sum(word.startswith("degraded") for word in good)
     bad = sum(word == "NaN" or word.startswith("failed") for word in words)
     return [
         target(f"extremes, {len(words)} runs: NaN or failed", 0.0, float(bad)),
         target(
-            "extremes, forward Lagrange, massless boundary, Moreau-Jean: degraded", 0.0, float(good.count("degraded"))
+            "extremes, forward Lagrange, massless boundary, Moreau-Jean: degraded",
+            0.0,
+            float(degraded),
         ),
     ]

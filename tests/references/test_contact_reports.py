@@ -35,7 +35,7 @@ def test_newmark_pairs_on_a_wall(tmp_path, capsys):
 
 def test_work_precision_measures_every_scheme(tmp_path, capsys):
     rows = work_precision.main(tmp_path, quick=True)
-    assert len({row["method"] for row in rows}) == 14
+    assert len({row["method"] for row in rows}) == 15
     assert all(row["unaccounted"] < 1e-10 and row["seconds"] > 0.0 for row in rows)
     assert (tmp_path / "work_precision.png").exists()
 
@@ -43,7 +43,10 @@ def test_work_precision_measures_every_scheme(tmp_path, capsys):
 @pytest.mark.slow
 def test_nothing_ends_in_nan_and_what_is_recommended_survives(tmp_path, capsys):
     rows = stability.main(tmp_path, quick=True)
-    words = {word for row in rows for name, word in row.items() if name != "scene"}
+    found = {word for row in rows for name, word in row.items() if name != "scene"}
+    assert all(", law violated by" in word or word[10:].startswith("gains") or word[10:].startswith("law violated")
+               for word in found if word.startswith("degraded: "))  # fmt: skip
+    words = {word.partition(":")[0] for word in found}
     assert words == {"survived", "refused", "degraded"}
     for row in rows:
         assert row["Moreau-Jean, theta = 1/2"] == "survived"
