@@ -157,8 +157,8 @@ class Result:
         worst = float(self.residual.max(initial=0.0))
         if "augmented Lagrangian" in self.scheme and worst > UNSETTLED * float(np.abs(self.gap).max(initial=0.0)):
             lines.append(
-                f"the augmented Lagrangian did not settle, its law is violated by up to {worst:.1e} m: allow more updates, "
-                "take a stiffer spring, or plain Lagrange"
+                f"the augmented Lagrangian did not settle, its law is violated by up to {worst:.1e} m: allow more "
+                "updates, take a stiffer spring, or plain Lagrange"
             )
         if self.reversals.any():
             lines.append(f"slip changed sign in {int(self.reversals.sum())} steps: sticking is not modelled there")
