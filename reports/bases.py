@@ -40,13 +40,16 @@ def casing() -> cf.Shell:
     return cf.Shell(chart=chart, thickness=3e-3, material=steel, supports={"base": cf.Clamped()}, mesh=mesh)
 
 
-def blade() -> cf.ModalBasis:
-    """A steel strip with its first mode near 380 Hz."""
+def steel_strip(thickness: float = 5.4e-3) -> cf.Shell:
+    """A blade of 110 by 40 mm; at this thickness its first mode lies near 380 Hz."""
     steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
-    strip = cf.Shell(
-        chart=cf.Plate(length=0.110, width=0.040), thickness=5.4e-3, material=steel, supports={"root": cf.Clamped()}
-    )
-    return cf.reduce(strip, cf.Tip(), modes=4, zeta=0.002)
+    plate = cf.Plate(length=0.110, width=0.040)
+    return cf.Shell(chart=plate, thickness=thickness, material=steel, supports={"root": cf.Clamped()})
+
+
+def blade() -> cf.ModalBasis:
+    """The strip seen at its mean tip."""
+    return cf.reduce(steel_strip(), cf.Tip(), modes=4, zeta=0.002)
 
 
 def rub(basis: cf.ModalBasis, strip: cf.ModalBasis, folder: Path) -> Episode:

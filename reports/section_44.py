@@ -16,7 +16,7 @@ from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.outfiles import write_atomic
 from casingfem.plot_contact import figure_levels
 from contact.stability import growth
-from reports.bases import casing
+from reports.bases import casing, steel_strip
 from reports.rim_levels import excess_db, level_history, rim_levels
 from reports.tables import DATA, Row, command_line, show, write
 
@@ -126,12 +126,9 @@ def make_casing(folder: Path, n_max: int, orders: int, name: str = "casing") -> 
 
 
 def make_blades(folder: Path) -> None:
-    """Steel strips of 110 by 40 mm, clamped."""
-    steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+    """The strips of reports.bases, each with its thickness."""
     for name, thickness in THICKNESS.items():
-        plate = cf.Plate(length=0.110, width=0.040)
-        strip = cf.Shell(chart=plate, thickness=thickness, material=steel, supports={"root": cf.Clamped()})
-        cf.reduce(strip, cf.Tip(), modes=4, zeta=ZETA).save(folder / f"{name}.npz")
+        cf.reduce(steel_strip(thickness), cf.Tip(), modes=4, zeta=ZETA).save(folder / f"{name}.npz")
 
 
 if __name__ == "__main__":
