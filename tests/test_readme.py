@@ -40,11 +40,11 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_readme_has_an_example_for_each_use():
-    assert len(EXAMPLES) == 6
-    assert sum(len(PRINTS.findall(code)) for code in EXAMPLES) == 6
+    assert len(EXAMPLES) == 7
+    assert sum(len(PRINTS.findall(code)) for code in EXAMPLES) == 7
 
 
-@pytest.mark.parametrize("code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "parts", "rotation"])
+@pytest.mark.parametrize("code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "parts", "rotation", "rig"])
 def test_examples_run_and_print_what_they_say(code, folder, capsys):
     names: dict[str, object] = {"__name__": "example"}
     exec(compile(code, "README.md", "exec"), names)

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 def rig(file: Path, as_json: bool, out: Path | None) -> None:
     """Test the structure of STUDY on the virtual rig that its [rig] describes.
 
-    With --out DIR: frequency responses (frfs.uff with geometry, frfs.npz), their coherence, the circle scan (scan.npz),
-    the truth behind them (truth.csv), pictures. Everything says SYNTHETIC first.
+    With --out DIR: frequency responses (frfs.uff with geometry, frfs.npz), their coherence, time records if the study
+    keeps them, the circle scan (scan.npz), the truth behind them (truth.csv), pictures. Everything says SYNTHETIC.
     """
     from casingfem.study import load_study
     from casingfem.study.rig import run_rig
@@ -71,6 +71,8 @@ def result_files(test: "RigTest", document: dict[str, Any]) -> dict[str, Content
         files["frfs.uff"] = lambda path: write_rig_uff(path, test.rig, [frfs])
         files["frfs.npz"] = frfs.save
         pictures["frfs.png"] = figure_responses(frfs, marks=test.truth.freq_hz, coherence=test.coherence)
+    for name, kept in zip(("responses", "forces"), test.records, strict=False):
+        files[f"{name}.uff"] = lambda path, kept=kept: write_rig_uff(path, test.rig, [kept])  # type: ignore[misc]
     if test.coherence is not None:
         files["coherence.npz"] = test.coherence.save
     if test.scan is not None and test.waves is not None:

@@ -35,13 +35,14 @@ class Layout:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RigTest:
-    """What a test made: the rig and its layout, its truth, responses and their coherence, the scan and its waves."""
+    """What a test made: rig and layout, truth, responses, coherence, kept records, the scan and its waves."""
 
     rig: Rig
     layout: Layout
     truth: FrequencyTable
     frfs: FrfSet | None
     coherence: FrfSet | None
+    records: tuple[FrfSet, ...]
     scan: Scan | None
     waves: CircleScan | None
 
@@ -76,13 +77,16 @@ def tested(study: Study, table: RigTable) -> RigTest:
     card = origin(rig, f"study: {study.path.name}, sha256 {study.source['sha256']}, seed {table.seed}")
     whole = [k for k in (layout.circle, circle_of(table, layout)) if len(k)][:1]
     made = None if table.scan is None else scanned(rig, table, table.scan, layout, card)
-    frfs, coherence = (None, None) if table.test is None else responses(rig, table, table.test, layout, card)
+    frfs, coherence, records = (
+        (None, None, ()) if table.test is None else responses(rig, table, table.test, layout, card)
+    )
     return RigTest(
         rig=rig,
         layout=layout,
         truth=truth(rig, whole[0] if whole else (), card),
         frfs=frfs,
         coherence=coherence,
+        records=records,
         scan=made,
         waves=None
         if made is None or table.scan is None
@@ -136,13 +140,13 @@ def circle_of(table: RigTable, layout: Layout) -> range:
 
 def responses(
     rig: Rig, table: RigTable, test: ResponsesTable, layout: Layout, card: tuple[str, ...]
-) -> tuple[FrfSet, FrfSet | None]:
-    """Frequency responses, and their coherence where they come from records."""
+) -> tuple[FrfSet, FrfSet | None, tuple[FrfSet, ...]]:
+    """Frequency responses, and where they come from records their coherence, and the records if they are kept."""
     low, high = test.band_hz
     if test.kind == "exact":
         lines = low + test.resolution_hz * np.arange(int((high - low) / test.resolution_hz + 1e-9) + 1)
         frfs = rig.frfs(lines, sensors=layout.sensors, drives=layout.drives, quantity=table.quantity, card=card)
-        return (frfs if test.snr_db is None else noisy(frfs, test.snr_db, seed=table.seed + NOISE)), None
+        return (frfs if test.snr_db is None else noisy(frfs, test.snr_db, seed=table.seed + NOISE)), None, ()
     force = excitation(test)
     block = int(2 ** np.ceil(np.log2(BAND * force.highest / test.resolution_hz)))
     clean = record(
@@ -166,7 +170,7 @@ def responses(
         estimator=test.estimator,
         band=(low, high),
     )
-    return found.frfs, found.coherence
+    return found.frfs, found.coherence, taken.functions() if test.keep_records else ()
 
 
 def excitation(test: ResponsesTable) -> Excitation:

@@ -47,6 +47,7 @@ class ResponsesTable(Table):
     width: Positive | None = Field(default=None, description="of an impact [s]; 1/band_hz[1] if left out")
     snr_db: Ratio | None = Field(default=None, description="signal over noise [dB]; none if left out")
     bits: int | None = Field(default=None, ge=4, le=32, description="of the converter, records only")
+    keep_records: bool = Field(default=False, description="also write the time records")
     estimator: Literal["H1", "H2"] = Field(default="H1", description="how records are averaged")
 
     @model_validator(mode="after")
@@ -55,6 +56,8 @@ class ResponsesTable(Table):
             raise ValueError(f"found band_hz = {self.band_hz}, expected two frequencies in order")
         if self.bits is not None and self.kind == "exact":
             raise ValueError("found bits with exact responses, expected records: random, burst-random or impact")
+        if self.keep_records and self.kind == "exact":
+            raise ValueError("found keep_records with exact responses, expected random, burst-random or impact")
         return self
 
 

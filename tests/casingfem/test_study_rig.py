@@ -124,7 +124,7 @@ def test_the_same_file_twice_is_the_same_to_the_last_bit(study):
 
 def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_path):
     out = tmp_path / "out"
-    path = study(CASING + BURST + SCAN)
+    path = study(CASING + BURST + "keep_records = true\n" + SCAN)
     result = CliRunner().invoke(main, ["rig", str(path), "--json", "--out", str(out)])
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
@@ -133,9 +133,11 @@ def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_p
     assert {w["n"] for w in document["waves"]} >= {7, 8}
     assert {p.name for p in out.iterdir()} == {
         "rig.json", "truth.csv", "frfs.uff", "frfs.npz", "frfs.png", "coherence.npz", "scan.npz", "scan.png",
-        "deflections.png",
+        "deflections.png", "responses.uff", "forces.uff",
     }  # fmt: skip
     assert cf.FrfSet.from_uff(out / "frfs.uff").card[0].startswith("SYNTHETIC")
+    assert len(cf.FrfSet.from_uff(out / "responses.uff", "time")) == 24
+    assert cf.FrfSet.from_uff(out / "forces.uff", "time").unit == "N"
     assert cf.FrfSet.load(out / "frfs.npz").card[0].startswith("SYNTHETIC")
     assert ScanRecord.load(out / "scan.npz").card[0].startswith("SYNTHETIC")
     assert cf.FrequencyTable.from_csv(out / "truth.csv").card[0].startswith("SYNTHETIC")
@@ -188,6 +190,7 @@ blocks = 2
         (CASING.partition("[[rig.sensor]]")[0] + EXACT, "rig.sensor: found nothing"),
         (CASING + EXACT.replace("[360.0, 440.0]", "[440.0, 360.0]"), "two frequencies in order"),
         (CASING + EXACT + "bits = 12\n", "found bits with exact responses"),
+        (CASING + EXACT + "keep_records = true\n", "found keep_records with exact responses"),
         (CASING + SCAN + "drive = 3\n", "rig.scan.drive: found 3, expected 1 to 1"),
         (CASING + SCAN.replace("mirror_hz = 2.3", ""), "a spot that moves"),
         (CASING + SCAN.replace("384.3", "372.4"), "fall together"),
