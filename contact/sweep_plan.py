@@ -61,7 +61,7 @@ def load_sweep(path: str | Path) -> SweepPlan:
     base, text = scene_data(file)
     table = _table(base.pop("sweep", None), file)
     keys = tuple(vary.key for vary in table.vary)
-    values = list(_combinations(table))
+    values = list(_combinations(table, file))
     first = changed(base, keys, values[0], file=file)
     scene_of(first, file)
     run_on, contents = versions(), dict[Path, str]()
@@ -88,7 +88,7 @@ def _table(data: object, file: Path) -> SweepTable:
         raise SceneError([problem_text(file, detail, "sweep") for detail in error.errors()]) from error
 
 
-def _combinations(table: SweepTable) -> Iterator[tuple[Value, ...]]:
+def _combinations(table: SweepTable, file: Path) -> Iterator[tuple[Value, ...]]:
     """Values of the keys, run by run."""
     if table.kind == "random":
         assert table.draws is not None
@@ -101,7 +101,7 @@ def _combinations(table: SweepTable) -> Iterator[tuple[Value, ...]]:
     if table.kind == "list":
         sizes = {len(column) for column in columns}
         if len(sizes) > 1:
-            raise SceneError([f"sweep.vary: found lists of {sorted(sizes)} values, expected one length"])
+            raise SceneError([f"{file}: sweep.vary: found lists of {sorted(sizes)} values, expected one length"])
         yield from zip(*columns, strict=True)
     else:
         yield from itertools.product(*columns)

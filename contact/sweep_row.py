@@ -123,6 +123,8 @@ def _levels(radial: Array, N: int) -> Array:
 def growth_rate(time: Array, motion: Array) -> float:
     """Slope of the logarithm of the vibration's level over the run [1/s], by least squares over WINDOWS parts.
 
+    NaN where fewer than three parts move at all.
+
     >>> t = np.linspace(0.0, 1.0, 4001)
     >>> round(growth_rate(t, (np.exp(2.0 * t) * np.sin(400.0 * t))[:, None]), 2)
     2.0
@@ -132,9 +134,10 @@ def growth_rate(time: Array, motion: Array) -> float:
         return math.nan
     level = np.array([np.sqrt(np.sum(np.var(motion[part], axis=0))) for part in parts])
     middle = np.array([float(time[part].mean()) for part in parts])
-    if not np.all(np.isfinite(level)) or level.min() <= 0.0:
+    moving = level > 0.0  # before the first contact nothing moves
+    if not np.all(np.isfinite(level)) or np.count_nonzero(moving) < 3:
         return math.nan
-    slope = np.polyfit(middle - middle.mean(), np.log(level), 1)[0]
+    slope = np.polyfit(middle[moving], np.log(level[moving]), 1)[0]
     return float(slope)
 
 

@@ -9,6 +9,7 @@ from casingfem.cli.identify import identify
 from casingfem.cli.mistune import mistune
 from casingfem.cli.rig import rig
 from casingfem.cli.study import modes, reduce, report, schema, update
+from casingfem.cli.sweep import sweep
 
 __all__ = ["main"]
 
@@ -36,6 +37,7 @@ for command in (
     contact,
     rub,
     stability,
+    sweep,
     report,
     schema,
     explain,

@@ -154,31 +154,30 @@ def series_value(series: LaneSeries, waves: Array) -> float:
 
 @jit
 def land(s: Lanes, waves: Array, Q: Array, k: int, step: int, back: float, d: Array) -> float:
-    """Gap of lane k at a step, its waves and rows there; q - back D is its displacement."""
+    """Gap of lane k at a step, its waves, rows and S there; q - back D is its displacement.
+
+    Sums are formed as vectors, so that harmonics which only other lanes have cannot change their order.
+    """
     phi = angle_after(s, k, step)
     c, s1, a, b = math.cos(phi), math.sin(phi), 1.0, 0.0
     for n in range(waves.shape[1]):
         waves[0, n, k], waves[1, n, k] = a, b
         a, b = c * a - s1 * b, s1 * a + c * b
-    gap = lane_value(s.clearance, waves, k)
+    gap = pick(s, series_value(s.clearance, waves), k)
     for i in range(Q.shape[0]):
-        row = 0.0
-        for j in range(s.normal.start[i], s.normal.start[i + 1]):
-            n = s.normal.harmonic[j]
-            row += s.normal.cos[j, k] * waves[0, n, k] + s.normal.sin[j, k] * waves[1, n, k]
+        row = pick(s, entry_sum(s.normal, waves, i), k)
         Q[i, k] = row
         gap += row * (s.q[i, k] - back * d[i, k])
+    s.work[S_NN, k] = pick(s, series_value(s.S_nn, waves), k)
+    s.work[S_NT, k] = pick(s, series_value(s.S_nt, waves), k)
     return gap
 
 
-@jit
-def lane_value(series: LaneSeries, waves: Array, k: int) -> float:
-    """Value of lane k's polynomial."""
-    total = 0.0
-    for j in range(series.harmonic.size):
-        n = series.harmonic[j]
-        total += series.cos[j, k] * waves[0, n, k] + series.sin[j, k] * waves[1, n, k]
-    return total
+@jit_inside
+def pick(s: Lanes, vector: float, k: int) -> float:
+    """Entry k of a vector."""
+    put(s.work, COS * WIDTH, vector)
+    return float(s.work[COS, k])
 
 
 @jit
@@ -195,9 +194,8 @@ def leap_lane(s: Lanes, leaps: LaneLeaps, sums: Tally, Q: Array, waves: Array, d
         sums.damping[k] += discrete_energy(q, own, be, c) - before
         s.step[k] += steps
         s.memory[1, k] = land(s, waves, Q, k, s.step[k] - 1, 1.0, d)
-        s.memory[4, k] = lane_value(s.S_nn, waves, k)
+        s.memory[4, k] = s.work[S_NN, k]
         s.memory[0, k] = land(s, waves, Q, k, s.step[k], 0.0, d)
-        s.work[S_NN, k], s.work[S_NT, k] = lane_value(s.S_nn, waves, k), lane_value(s.S_nt, waves, k)
         s.memory[2, k], s.memory[3, k] = 0.0, 0.0
     return steps
 
@@ -319,11 +317,9 @@ def advance_lanes(
 ) -> None:
     """Step all live lanes, until one is at its end or has failed, or `budget` steps are taken."""
     old, new, Q, Q_next, waves, ahead = s.old, s.d, s.Q, s.Q_next, s.waves, s.waves_next
-    rotate_lanes(s, waves, 0)
-    for i in range(Q.shape[0]):
-        put(Q, i * WIDTH, entry_sum(s.normal, waves, i))
-    put(s.work, S_NN * WIDTH, series_value(s.S_nn, waves))
-    put(s.work, S_NT * WIDTH, series_value(s.S_nt, waves))
+    for k in range(WIDTH):
+        if s.live[k] == 1 and s.step[k] == 0:
+            land(s, waves, Q, k, 0, 0.0, new)
     skips, swapped = leaps.powers.shape[1] > 0, False
     for _ in range(budget):
         stop = False
@@ -334,7 +330,7 @@ def advance_lanes(
                     leapt = -1 if room <= 0 or sums.closed[k] == 1 else 0
                     if leapt == 0:
                         leapt = leap_lane(s, leaps, sums, Q, waves, new, k, room)
-                    s.retry[k] = s.step[k] - min(leapt, 0)
+                    s.retry[k] = s.step[k] + max(1, -leapt)  # not twice at a step, should the loop be left here
                 if s.step[k] == s.end[k]:
                     stop = True
                 else:
@@ -366,6 +362,9 @@ def advance_lanes(
             put(s.work, S_NT * WIDTH, series_value(s.S_nt, waves))
         if stop:
             break
-    if swapped:  # the two buffers changed places an odd number of times
+    if swapped:  # the buffers changed places an odd number of times; nothing is computed anew, not to change a bit
         for i in range(s.q.shape[0]):
             put(s.d, i * WIDTH, load(s.old, i * WIDTH))
+            put(s.Q, i * WIDTH, load(s.Q_next, i * WIDTH))
+        for n in range(2 * s.waves.shape[1]):
+            put(s.waves, n * WIDTH, load(s.waves_next, n * WIDTH))

@@ -1,0 +1,89 @@
+"""The command sweep: many runs of one scene, over the keys that its [sweep] varies."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from casingfem.cli.contact import SCENE
+from casingfem.cli.running import Working, deliver, options
+from casingfem.outfiles import Content, json_text
+
+if TYPE_CHECKING:
+    from contact.sweep import SweepResult
+
+JOBS = click.option(
+    "--jobs", type=click.IntRange(1, 1024), default=None, help="Worker processes; one a core, one for a scheduler."
+)
+SCHEDULER = click.option(
+    "--scheduler", metavar="ADDRESS", default=None, help="A Dask scheduler, tcp://host:port, instead of processes."
+)
+
+
+@click.command()
+@SCENE
+@JOBS
+@SCHEDULER
+@options
+def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, out: Path | None) -> None:
+    """Run SCENE over the keys that its [sweep] varies: one table, one picture.
+
+    With --out DIR every finished run is kept in DIR/store: the same command goes on where a sweep was broken off.
+    """
+    from contact.sweep import run_sweep
+    from contact.sweep_plan import load_sweep
+
+    plan = load_sweep(file)
+    with Working(f"sweep {file.name}") as working:
+
+        def progress(done: int) -> None:
+            working.say(f"sweep {file.name}: {done} of {len(plan.runs)} runs, {working.seconds:.0f} s")
+
+        store = None if out is None else out / "store"
+        found = run_sweep(plan, folder=store, jobs=jobs or os.cpu_count() or 1, scheduler=scheduler, progress=progress)
+    rows = [dict(zip(plan.keys, run.values, strict=True)) | row for run, row in zip(plan.runs, found.rows, strict=True)]
+    document = {
+        "runs": rows, "keys": list(plan.keys), "failed": found.failed, "resumed": found.resumed,
+        "seconds": working.seconds, "source": plan.source,
+    }  # fmt: skip
+    files: dict[str, Content] = {} if out is None else result_files(found, document)
+    deliver(document, words(found, working.seconds), as_json=as_json, out=out, files=files)
+
+
+def words(found: "SweepResult", seconds: float) -> str:
+    """How many runs, what became of them, the largest growth."""
+    plan, rows = found.plan, found.rows
+    lines = [f"{len(rows)} runs over {', '.join(plan.keys)} in {seconds:.3g} s"]
+    if found.resumed:
+        lines.append(f"{found.resumed} runs were there already")
+    growing = [(row["growth_1_s"], run) for row, run in zip(rows, plan.runs, strict=True) if row["growth_1_s"]]
+    if growing:
+        most, run = max(growing, key=lambda pair: pair[0])
+        at = ", ".join(f"{key} = {value}" for key, value in zip(plan.keys, run.values, strict=True))
+        lines.append(f"largest growth {most:.4g} 1/s at {at}")
+    for status in ("refused", "failed"):
+        told = [row["why"] for row in rows if row["status"] == status]
+        if told:
+            lines.append(f"{len(told)} runs {status}, the first: {told[0]}")
+    flagged = sum(bool(row["flags"]) for row in rows)
+    if flagged:
+        lines.append(f"{flagged} runs have flags: read their column")
+    return "\n".join(lines)
+
+
+def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Content]:
+    """The table, the document, and the picture where numbers were varied."""
+    from contact.sweep import table
+
+    files: dict[str, Content] = {"sweep.csv": table(found), "sweep.json": json_text(document, indent=1)}
+    plan = found.plan
+    numbers = [k for k in range(len(plan.keys)) if all(isinstance(run.values[k], int | float) for run in plan.runs)][:2]
+    if numbers and len(plan.runs) > 1:
+        from casingfem.plot_sweep import figure_sweep
+
+        values = np.array([[float(run.values[k]) for k in numbers] for run in plan.runs])
+        figure = figure_sweep([plan.keys[k] for k in numbers], values, found.rows)
+        files["sweep.png"] = lambda path: figure.savefig(path, format="png", dpi=150, metadata={"Software": None})
+    return files
