@@ -1,5 +1,7 @@
 """The sign of the pole is what a run does; the rows of B6 pass."""
 
+import pytest
+
 from reports import interaction, verify_interaction
 
 
@@ -20,3 +22,12 @@ def test_rows_of_closed_contact_pass():
 def test_peaks_in_time_come_within_two_per_cent():
     for row in interaction.peaks():
         assert abs(row["run 1/s"] / row["pole 1/s"] - 1.0) < 0.02
+
+
+def test_digging_friction_moves_growth_to_the_difference():
+    rows = {(row["mu"], row["lean deg"]): row for row in interaction.friction()}
+    assert rows[0.0, 10.0]["backward 1/s"] < 0.0 < rows[0.0, 10.0]["sum 1/s"]
+    digging = rows[0.3, 10.0]
+    assert digging["sum 1/s"] < 0.0 < digging["backward 1/s"]
+    assert digging["backward run 1/s"] == pytest.approx(digging["backward 1/s"], rel=0.02)
+    assert rows[0.3, -10.0]["backward 1/s"] < 0.0
