@@ -10,7 +10,7 @@ import numpy as np
 from contact.model.arrays import Array, Indices
 from contact.model.modal_system import NOISE
 from contact.model.rub import Rub
-from contact.model.trig import PRUNE, harmonics
+from contact.model.trig import harmonics
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -142,7 +142,7 @@ def _residual(rub: Rub, d: int, angle: Array) -> tuple[Indices, Array, Array]:
     spectrum = np.fft.rfft(samples, axis=0)[: 2 * N + 1] / points
     cos, sin = 2.0 * spectrum.real, -2.0 * spectrum.imag
     cos[0] /= 2.0
-    noise = 8.0 * PRUNE * float(np.abs(samples).max(initial=0.0))
+    noise = NOISE * float(np.abs(samples).max(initial=0.0))
     kept = np.flatnonzero(np.maximum(np.abs(cos), np.abs(sin)).max(axis=(1, 2), initial=0.0) > noise)
     kept = np.union1d([0], kept)
     cos[0] += _blade_residual(rub, d)

@@ -19,8 +19,7 @@ from contact.scheme.loop_rub_rows import (
     fill_block,
     gap_of,
     least_gap,
-    residual,
-    residual_waves,
+    residual_row,
     rigid_gap,
     straight,
     turned,
@@ -74,20 +73,29 @@ class Work(NamedTuple):
     tests: Array  # (K d, m_casing) those the law is stated with, times c
     chosen: Indices  # (K,)
     pushed: Array  # (m_casing,)
-    cos: Array
-    sin: Array
-    cos_old: Array
-    sin_old: Array
+    S: Array  # (K d, K d) residual compliance at phi_n; rows of tips that are not solved for may be stale
+    S_old: Array  # at phi_{n-1}
 
 
 @jit_allocating
 def work_space(s: RubState, rows: RubRows) -> Work:
-    """Empty buffers."""
-    K, R, m, P = s.mu.size, s.lam.size, rows.start.size - 1, rows.S_harmonic.size
+    """Buffers; a residual compliance that does not turn is put there for good."""
+    K, R, m = s.mu.size, s.lam.size, rows.start.size - 1
+    S = rows.S_cos[0].copy()
     return Work(
-        np.zeros((K, m)), np.zeros((R, m)), np.zeros((R, m)), np.zeros(K, dtype=np.int64), np.zeros(m),
-        np.zeros(P), np.zeros(P), np.zeros(P), np.zeros(P),
-    )  # fmt: skip
+        np.zeros((K, m)), np.zeros((R, m)), np.zeros((R, m)), np.zeros(K, dtype=np.int64), np.zeros(m), S, S.copy()
+    )
+
+
+@jit
+def soften(rows: RubRows, w: Work, count: int, dim: int, before: float, angle: float) -> None:
+    """Residual compliance of the chosen tips at phi_{n-1} and phi_n."""
+    if rows.S_harmonic.size == 1:
+        return
+    for a in range(count * dim):
+        row = w.chosen[a // dim] * dim + a % dim
+        residual_row(rows, row, before, w.S_old[row])
+        residual_row(rows, row, angle, w.S[row])
 
 
 @jit
@@ -172,7 +180,7 @@ def solve(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: floa
         row = j * dim + i
         for k in range(size):
             other = w.chosen[k // dim] * dim + k % dim
-            W[a, k] += (share if i == 0 else 1.0) * rows.fixed[row, other] + residual(rows, row, other, w.cos, w.sin)
+            W[a, k] += (share if i == 0 else 1.0) * rows.fixed[row, other] + w.S[row, other]
         lam[a] = s.lam[row]
         if i == 0:
             b[a], mu[a // dim], s.scale[j] = s.test[j], s.mu[j], W[a, a]
@@ -208,8 +216,7 @@ def drawn_in(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
             gap += share * w.ahead[j, k] * s.c[k] * w.pushed[k]
         for a in range(count * dim):
             other = w.chosen[a // dim] * dim + a % dim
-            soft = residual(rows, R, other, w.cos, w.sin)
-            gap += (share * rows.fixed[R, other] + soft) * s.lam[other]
+            gap += (share * rows.fixed[R, other] + w.S[other, R]) * s.lam[other]
         s.motion[R] = gap
         if gap < 0.0:
             s.inside[j], grown = 2, True
@@ -257,8 +264,8 @@ def book(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float,
         strain, moved = 0.0, 0.0
         for k in range(count * dim):
             other = w.chosen[k // dim] * dim + k % dim
-            strain += residual(rows, row, other, w.cos, w.sin) * s.lam[other]
-            before += residual(rows, row, other, w.cos_old, w.sin_old) * s.lam[other]
+            strain += w.S[row, other] * s.lam[other]
+            before += w.S_old[row, other] * s.lam[other]
         moved = 0.5 * s.lam[row] * (strain - before)
         sums.work[j] += moved
         sums.rotation[j] -= moved
@@ -282,7 +289,7 @@ def keep_strain(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> No
         s.strain[row] = 0.0
         for a in range(count * dim):
             other = w.chosen[a // dim] * dim + a % dim
-            s.strain[row] += residual(rows, row, other, w.cos, w.sin) * s.lam[other]
+            s.strain[row] += w.S[other, row] * s.lam[other]
 
 
 @jit
@@ -343,18 +350,17 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, dim: int, averaged: b
     share, pressed = 0.25 if averaged else 1.0, True
     before, _ = turned(laws.speed, (first - 1) * h)
     angle, omega = turned(laws.speed, first * h)
-    residual_waves(rows, before, w.cos_old, w.sin_old)
     for step in range(first, first + steps):
         t = step * h
         ahead, omega_ahead = turned(laws.speed, t + h)
         propagate(s, omega)
         every = due(step, out.every, out.at, sums.filled[0])
         closing = look(s, laws, rows, w, dim, share, every, t, h, before, angle, ahead)
-        residual_waves(rows, angle, w.cos, w.sin)
         s.contact[:] = 0.0
         count = 0
         while closing > 0:
             count = gather(s, rows, w, dim, share, angle)
+            soften(rows, w, count, dim, before, angle)
             if not solve(s, rows, w, count, dim, share, omega * h):
                 return step
             if not drawn_in(s, rows, w, count, dim, share):
@@ -372,6 +378,5 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, dim: int, averaged: b
         settle(s, sums)
         note(s, rows, w, dim, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)
-        w.cos_old[:], w.sin_old[:] = w.cos, w.sin
         before, angle, omega = angle, ahead, omega_ahead
     return -1

@@ -155,17 +155,11 @@ def gap_of(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float, dim: in
 
 
 @jit
-def residual(rows: RubRows, a: int, b: int, cos: Array, sin: Array) -> float:
-    """Entry of the residual compliance at the angle whose harmonics are given."""
-    total = 0.0
+def residual_row(rows: RubRows, row: int, angle: float, out: Array) -> None:
+    """One row of the residual compliance when the casing has turned by `angle`."""
+    out[:] = 0.0
     for p in range(rows.S_harmonic.size):
-        total += rows.S_cos[p, a, b] * cos[p] + rows.S_sin[p, a, b] * sin[p]
-    return total
-
-
-@jit
-def residual_waves(rows: RubRows, angle: float, cos: Array, sin: Array) -> None:
-    """Harmonics of the residual compliance at this angle."""
-    for p in range(rows.S_harmonic.size):
-        cos[p] = math.cos(rows.S_harmonic[p] * angle)
-        sin[p] = math.sin(rows.S_harmonic[p] * angle)
+        c, s = math.cos(rows.S_harmonic[p] * angle), math.sin(rows.S_harmonic[p] * angle)
+        cos, sin = rows.S_cos[p, row], rows.S_sin[p, row]
+        for k in range(out.size):
+            out[k] += c * cos[k] + s * sin[k]
