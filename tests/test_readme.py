@@ -41,7 +41,7 @@ def folder(tmp_path, monkeypatch):
 
 def test_readme_has_an_example_for_each_use():
     assert len(EXAMPLES) == 7
-    assert sum(len(PRINTS.findall(code)) for code in EXAMPLES) == 7
+    assert sum(len(PRINTS.findall(code)) for code in EXAMPLES) == 8
 
 
 @pytest.mark.parametrize("code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "parts", "rotation", "rig"])
