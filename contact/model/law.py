@@ -10,9 +10,12 @@ compressive and >= 0: force = -lam.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 from contact.errors import InputError
 from contact.model.arrays import Array, require_not_negative, require_positive
+
+Depth = TypeVar("Depth", float, Array)
 
 
 def pressure(force: Array) -> Array:
@@ -120,11 +123,11 @@ class Abradable:
         if not isinstance(self.bars, int) or not 1 <= self.bars <= 10_000:
             raise InputError(f"bars: found {self.bars!r}, expected a whole number under the tip from 1 to 10,000")
 
-    def stress(self, worn: float) -> float:
+    def stress(self, worn: Depth) -> Depth:
         """Stress at which a bar of this worn depth [m] flows [Pa]."""
         return self.yield_stress + self.hardening * worn / self.thickness
 
-    def dissipated(self, worn: float) -> float:
+    def dissipated(self, worn: Depth) -> Depth:
         """Energy that wears a bar to this depth, over its area [J/m^2]: integral of the stress over the depth."""
         return worn * self.stress(0.5 * worn)
 

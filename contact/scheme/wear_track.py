@@ -92,7 +92,7 @@ class Track:
             angle=_angles(worn.size), made=self.made, cut=cut, worn=worn, map_time=np.array(times),
             map=np.array([depth for _, depth in self.maps]).reshape(len(times), worn.size),
             volume=self.area * float(worn.sum()), dissipated=float(self.coating.memory[0]),
-            stated=self.area * float(np.sum(worn * (law.yield_stress + 0.5 * law.hardening * worn / law.thickness))),
+            stated=self.area * float(np.sum(law.dissipated(worn))),
             bare=int(np.count_nonzero(worn >= law.thickness - cut)),
         )  # fmt: skip
 

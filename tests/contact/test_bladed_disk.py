@@ -99,6 +99,21 @@ def test_the_mistuned_scene_opens_its_tips():
     assert last > 2.0 * first
 
 
+def test_a_split_casing_from_a_file_is_taken(tmp_path):
+    """As an updated casing has its doublets apart."""
+    ring(imperfect=0.05).save(tmp_path / "casing.npz")
+    text = SCENE.read_text(encoding="utf-8")
+    pair = text[text.index("[casing.pair]") : text.index("[disk]")]
+    file = tmp_path / "scene.toml"
+    file.write_text(text.replace(pair, '[casing]\nbasis = "casing.npz"\n'))
+    scene = ct.load_scene(file)
+    assert scene.source["sha256"] != ct.load_scene(SCENE).source["sha256"]
+    result = ct.run(scene, t_end=0.02, dt=1e-5)
+    assert result.blocks[0][:3] == ("casing", 0, 10)
+    assert result.impulse.min() > 0.0
+    assert abs(result.energy.unaccounted) <= 1e-11 * result.energy.scale
+
+
 def test_bad_disks(tmp_path):
     with pytest.raises(ct.InputError, match="blades: found 1, expected"):
         disk(1)
