@@ -68,7 +68,7 @@ def _same(first: FoundMode, second: FoundMode) -> bool:
 
 def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: Circle | None) -> FoundMode:
     shape = mode_shape(fit, pole, grid.channels)
-    sigma = np.sqrt(fit.noise * np.diag(fit.covariance))
+    sigma = np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 0.0))
     freq, zeta = float(fit.freq[pole]), float(fit.zeta[pole])
     label = Label(-1, *[float("nan")] * 3)
     if circle is not None:

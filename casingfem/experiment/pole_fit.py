@@ -134,8 +134,9 @@ def _system(window: Window, at: _State) -> _System:
     s, m = window.columns, len(at.f)
     D = window.slopes(at.f, at.zeta)
     inside = at.Q.T @ D
+    across = D - at.Q @ inside
     A = np.tile(at.A[: s * m], (2, 1))  # residues that belong to each column of D
-    information = _blocks((D.T @ D - inside.T @ inside) * (A @ A.T), s)
+    information = _blocks((across.T @ across) * (A @ A.T), s)
     turned = D.T @ at.R  # (2 poles x columns, channels)
     gradient = -np.sum((turned * A).reshape(2 * m, s * A.shape[1]), axis=1)
     inverse = np.linalg.inv(at.T)[: s * m]

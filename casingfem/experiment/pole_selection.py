@@ -3,7 +3,8 @@
 The yardstick is the Bayesian information criterion (Schwarz, Ann. Statist. 6, 1978, 461): a pole stays if leaving it
 out raises the sum of squares, in units of the noise, by more than (its parameters) ln(number of data). A second pole
 beside the first has to earn itself the same way, so that a single mode is not split in two; two close poles with the
-same shape are a misfit of one mode and are merged; a pole narrower than the lines is none.
+same shape are a misfit of one mode and are merged; a pole narrower than the lines, or whose damping nobody can tell, is
+none.
 """
 
 from __future__ import annotations
@@ -74,8 +75,8 @@ def noise_at(fit: PoleFit, pole: int) -> float:
     """Variance of an entry about a pole: noise of estimated responses is larger on peaks than on average."""
     lines = fit.window.freq
     at = int(np.searchsorted(lines, fit.freq[pole]))
-    reach = max(LOCAL[1], int(LOCAL[0] * fit.zeta[pole] * fit.freq[pole] / (lines[1] - lines[0])))
-    near = fit.spread[max(at - reach, 0) : at + reach]
+    width = max(LOCAL[1], int(LOCAL[0] * fit.zeta[pole] * fit.freq[pole] / (lines[1] - lines[0])))
+    near = fit.spread[max(at - width, 0) : at + width]
     return max(fit.noise, 0.5 * float(np.mean(np.abs(near) ** 2)) if near.size else 0.0)
 
 
@@ -121,7 +122,8 @@ def _one_more(fit: PoleFit) -> PoleFit | None:
     a bandwidth, one more pole alone may only fall together with another.
     """
     places = _places(fit)
-    for added in ([(place,) for place in places] + [tuple(places[:2])])[: TRIES + 1]:
+    together = [places[:2]] if len(places) > 1 else []
+    for added in [[place] for place in places] + together:
         f, zeta = np.array(added).T
         trial = fit_poles(fit.window, np.append(fit.freq, f), np.append(fit.zeta, zeta))
         new = int(np.argmin(np.abs(trial.freq - f[0])))

@@ -95,3 +95,8 @@ def test_a_split_above_that_bound_is_seen_and_one_far_below_is_not(part, told):
     pair = [400.0 * (1 - split / 2), 400.0 * (1 + split / 2)]
     data = window(pair, [0.002, 0.002], [first, second], sigma=0.5)
     assert len(select_poles(data, np.array([[400.0, 0.002]])).freq) == told
+
+
+def test_no_response_at_all_has_no_poles():
+    silent = window([400.0], [0.002], np.zeros((1, 8)))
+    assert len(select_poles(silent, np.zeros((0, 2))).freq) == 0
