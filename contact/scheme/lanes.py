@@ -144,7 +144,8 @@ def batch(jobs: Sequence[Job]) -> Batch:
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
     arrays |= {name: np.zeros((2, top + 2 - top % 2, WIDTH)) for name in ("waves", "waves_next")}
     lanes = Lanes(
-        normal=_rows(start, harmonic), tangent=_rows(start, harmonic), clearance=clearance, S_nn=S_nn, S_nt=S_nt,
+        normal=_rows(start, harmonic, tables, "q"), tangent=_rows(start, harmonic, tables, "t"),
+        clearance=clearance, S_nn=S_nn, S_nt=S_nt,
         memory=np.zeros((5, WIDTH)), work=np.zeros((16, WIDTH)), **arrays,
     )  # fmt: skip
     return Batch(
@@ -165,10 +166,15 @@ def _union(tables: Sequence[RowTable], m: int) -> tuple[Indices, Indices]:
     return start, np.concatenate(parts).astype(np.int64)
 
 
-def _rows(start: Indices, harmonic: Indices) -> LaneRows:
+def _rows(start: Indices, harmonic: Indices, tables: Sequence[RowTable], kind: str) -> LaneRows:
     from contact.scheme.loop_lanes import LaneRows
 
-    return LaneRows(start, harmonic, np.zeros((harmonic.size, WIDTH)), np.zeros((harmonic.size, WIDTH)))
+    pairs = [(getattr(table, f"{kind}_cos"), getattr(table, f"{kind}_sin")) for table in tables]
+    one = pairs[0][0].size == harmonic.size and all(
+        np.array_equal(cos, pairs[0][0]) and np.array_equal(sin, pairs[0][1]) for cos, sin in pairs
+    )
+    alike = np.ascontiguousarray(np.stack(pairs[0], axis=1)) if one else np.zeros((0, 2))
+    return LaneRows(start, harmonic, np.zeros((harmonic.size, WIDTH)), np.zeros((harmonic.size, WIDTH)), alike)
 
 
 def _series(terms: Sequence[Trig]) -> LaneSeries:

@@ -18,12 +18,16 @@ from contact.vector import WIDTH, load, put, same
 
 
 class LaneRows(NamedTuple):
-    """Rows of the modes: entries start[i] .. start[i + 1] - 1 of mode i, coefficients by lane (entries, 8)."""
+    """Rows of the modes: entries start[i] .. start[i + 1] - 1 of mode i, coefficients by lane (entries, 8).
+
+    `alike` (entries, 2) are cos and sin where all lanes have the same: an eighth of the memory; else it is empty.
+    """
 
     start: Indices
     harmonic: Indices
     cos: Array
     sin: Array
+    alike: Array
 
 
 class LaneSeries(NamedTuple):
@@ -131,6 +135,13 @@ def entry_sum(rows: LaneRows, waves: Array, i: int) -> float:
     """Row of mode i in every lane: a vector."""
     count = waves.shape[1]
     cos_part, sin_part = same(0.0), same(0.0)
+    if rows.alike.shape[0] > 0:
+        for j in range(rows.start[i], rows.start[i + 1]):
+            n = rows.harmonic[j]
+            cos_part = cos_part + same(rows.alike[j, 0]) * load(waves, n * WIDTH)
+            sin_part = sin_part + same(rows.alike[j, 1]) * load(waves, (count + n) * WIDTH)
+        alike: float = cos_part + sin_part
+        return alike
     for j in range(rows.start[i], rows.start[i + 1]):
         n = rows.harmonic[j]
         cos_part = cos_part + load(rows.cos, j * WIDTH) * load(waves, n * WIDTH)

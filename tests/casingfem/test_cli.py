@@ -225,6 +225,31 @@ def test_contact_is_one_document_with_bodies_and_energy(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["contact.json", "contact.npz"]
 
 
+def test_sweep_writes_table_picture_and_store_and_goes_on(tmp_path):
+    file = tmp_path / "rods.toml"
+    vary = '[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nvalues = [1.0, 2.0]\n'
+    vary += '[[sweep.vary]]\nkey = "rod[2].x"\nvalues = [1e-3, 2e-3]\n'
+    file.write_text((SCENES / "two_rods.toml").read_text() + vary)
+    out = tmp_path / "out"
+    result = invoke("sweep", file, "--jobs", "1", "--json", "--out", out)
+    assert result.exit_code == 0, result.stderr
+    document = json.loads(result.stdout)
+    assert [run["status"] for run in document["runs"]] == ["done"] * 4
+    assert document["runs"][0]["rod[1].velocity"] == 1.0
+    assert sorted(p.name for p in out.iterdir()) == ["store", "sweep.csv", "sweep.json", "sweep.png"]
+    table = (out / "sweep.csv").read_bytes()
+    again = invoke("sweep", file, "--jobs", "1", "--out", out)
+    assert "4 runs were there already" in again.stdout
+    assert (out / "sweep.csv").read_bytes() == table
+    assert table.splitlines()[-5].startswith(b"run,rod[1].velocity_m_s,rod[2].x_m,status,")
+
+
+def test_sweep_refuses_a_scene_without_one():
+    result = invoke("sweep", SCENES / "two_rods.toml")
+    assert result.exit_code == 2
+    assert "sweep: missing" in result.stderr
+
+
 def test_rub_refuses_rods(tmp_path):
     result = invoke("rub", SCENES / "two_rods.toml")
     assert result.exit_code == 2

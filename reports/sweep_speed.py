@@ -1,0 +1,236 @@
+"""Speed of many rubs: one run, eight in lanes, leaps over contact-free time, and what the core's limits are.
+
+`python -m reports.sweep_speed [--quick] [--out DIR]`. Times are processor seconds, the best of several, all of one
+process on one core unless the row says two; on a machine that others use they are upper bounds, ratios within the
+report hold better. The casing is the rig's: a frustum R .50 -> .45 m, 3 mm, the blade's first mode near 380 Hz.
+"""
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numba
+import numpy as np
+
+import casingfem as cf
+import contact as ct
+from contact.run import prepared
+from contact.scheme.exact_modal import ExactModal
+from contact.scheme.modal_run import ModalRun
+from contact.sweep import run_sweep
+from contact.sweep_plan import load_sweep
+from reports.bases import blade
+from reports.frustum_convergence import reference_frustum
+from reports.tables import Row, command_line, show, write
+
+DT = 1e-5
+ROUGH = ({"p": 2, "cos": 2e-4}, {"p": 3, "cos": 5e-5})
+SPARSE = ct.Record(every=10_007)
+
+
+def best(task: Callable[[], object], repeats: int) -> float:
+    """Least processor seconds of some calls."""
+    times = []
+    for _ in range(repeats):
+        began = time.process_time()
+        task()
+        times.append(time.process_time() - began)
+    return min(times)
+
+
+# --- the core's own limits ------------------------------------------------------------------------------------
+
+
+@numba.njit(fastmath={"contract", "nsz"})  # type: ignore[untyped-decorator]
+def multiply_add(x: float, y: float, rounds: int) -> float:
+    """Sixty-four independent chains of multiply-adds."""
+    a = np.linspace(0.1, 0.2, 64)
+    for _ in range(rounds):
+        for i in range(64):
+            a[i] = a[i] * x + y
+    return float(a.sum())
+
+
+@numba.njit(fastmath={"contract", "nsz"})  # type: ignore[untyped-decorator]
+def triad(a: np.ndarray, b: np.ndarray, c: np.ndarray, rounds: int) -> None:  # type: ignore[type-arg]
+    """A = b + s c, again and again."""
+    for r in range(rounds):
+        s = 1.0 + 1e-9 * r
+        for i in range(a.size):
+            a[i] = b[i] + s * c[i]
+
+
+def limits(repeats: int) -> dict[str, float]:
+    """Flops [GFlop/s], and bytes read and written [GB/s] in the first-level cache and in the second."""
+    rounds = 400_000
+    found = {"GFlop/s": 128e-9 * rounds / best(lambda: multiply_add(0.999, 1e-3, rounds), repeats + 1)}
+    for name, size in (("GB/s, 12 kB", 500), ("GB/s, 400 kB", 16_000)):
+        arrays = [np.full(size, 0.5) for _ in range(3)]
+        turns = 40_000_000 // size
+        seconds = best(lambda arrays=arrays, turns=turns: triad(*arrays, turns), repeats + 1)
+        found[name] = 24e-9 * size * turns / seconds
+    return found
+
+
+# --- the rub --------------------------------------------------------------------------------------------------
+
+
+def bodies(folder: Path, modes: int) -> tuple[ct.ModalBody, ct.ModalBody]:
+    """A reduced casing, split by .1 % of cos 16 theta, and a blade of two modes: `modes` together."""
+    folder.mkdir(parents=True, exist_ok=True)
+    shell = replace(reference_frustum(), radius_defect=cf.FourierField.of({16: 1e-4}))
+    casing = cf.reduce(shell, cf.Rim("top", n_max=20), modes=modes - 2, zeta=0.002)
+    strip = blade()
+    files = casing.save(folder / f"casing_{modes}.npz"), strip.save(folder / "blade.npz")
+    rim, tip = (ct.ModalBody.load(file) for file in files)
+    return rim, tip.truncated(float(np.sort(tip.omega)[1]) * 1.01)
+
+
+def rub(pair: tuple[ct.ModalBody, ct.ModalBody], *, clearance: float = 0.0, speed_hz: float = 5.0, mu: float = 0.3,
+        rough: bool = True, t_end: float = 1.0, skip: bool = False) -> ct.Scene:  # fmt: skip
+    """The rig's rub; the clearance counts from the first touch."""
+    terms = ROUGH if rough else ()
+    theta = np.linspace(0.0, 2.0 * np.pi, 3601)
+    low = float(np.min(sum((t["cos"] * np.cos(t["p"] * theta) for t in terms), np.zeros(theta.size))))
+    rim = ct.RotatingRim(*pair, clearance=clearance - low, speed_hz=speed_hz, lean_deg=10.0, out_of_roundness=terms)
+    law = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
+    return ct.Scene(what=rim, law=law, t_end=t_end, dt=DT, record=SPARSE, scheme=ct.ExactModal(skip=skip))
+
+
+def physics(pair: tuple[ct.ModalBody, ct.ModalBody], steps: int, repeats: int, peak: dict[str, float]) -> list[Row]:
+    """Microseconds per step, alone and in lanes, with each part of the physics added."""
+    undamped = tuple(replace(body, zeta=np.zeros(body.omega.size)) for body in pair)
+    bare = tuple(replace(body, S=np.zeros(body.S.shape)) for body in undamped)
+    end = steps * DT
+    cases = [
+        ("no contact, no damping, S = 0", rub(bare, clearance=1e-3, mu=0.0, rough=False, t_end=end)),
+        ("contact all the time, S = 0", rub(bare, clearance=-1e-4, mu=0.0, rough=False, t_end=end)),
+        ("and S", rub(undamped, clearance=-1e-4, mu=0.0, rough=False, t_end=end)),  # type: ignore[arg-type]
+        ("and damping", rub(pair, clearance=-1e-4, mu=0.0, rough=False, t_end=end)),
+        ("and out-of-roundness", rub(pair, clearance=-4e-4, mu=0.0, t_end=end)),
+        ("and friction", rub(pair, clearance=-4e-4, t_end=end)),
+    ]
+    return [_speeds(name, scene, repeats, peak) for name, scene in cases]
+
+
+def _speeds(name: str, scene: ct.Scene, repeats: int, peak: dict[str, float]) -> Row:
+    """One run, and 64 at neighbouring speeds in lanes; preparing the runs is not counted."""
+    assert isinstance(scene.what, ct.RotatingRim)  # as `rub` makes them
+    rims = [replace(scene.what, speed_hz=scene.what.speed_hz * (1.0 + 1e-3 * k)) for k in range(64)]
+    scenes = [replace(scene, what=rim) for rim in rims]
+    result = ct.run(scene)
+    ct.run_many(scenes[:1])
+    ready = best(lambda: [prepared(one) for one in scenes], 1)
+    one = best(lambda: ct.run(scene), repeats) - ready / 64
+    many = best(lambda: ct.run_many(scenes), repeats) - ready
+    m, entries = _size(scene)
+    touching = float(result.contact_steps[0]) / result.steps
+    rate = 64e-9 * result.steps / many  # billions of steps a second
+    flops = 14.0 * m + 4.0 * entries + touching * 9.0 * m
+    if isinstance(scene.law, ct.Coulomb):
+        flops += touching * (11.0 * m + 4.0 * entries)
+    return {
+        "case": name, "modes": m, "contact fraction": touching, "us/step alone": 1e6 * one / result.steps,
+        "us/run-step in lanes": 1e6 * many / (64 * result.steps),
+        "million steps/s in lanes": 1e3 * rate,
+        "% of peak flops": 100.0 * rate * flops / peak["GFlop/s"],
+        "% of cache bandwidth": 100.0 * rate * 8.0 * 14.0 * m / peak["GB/s, 12 kB"],
+    }  # fmt: skip
+
+
+def _size(scene: ct.Scene) -> tuple[int, int]:
+    """Modes, and entries of their rows by harmonics."""
+    stepper = ExactModal().prepare(scene.what, scene.law or ct.Unilateral(), dt=DT, courant=None)  # type: ignore[arg-type]
+    assert isinstance(stepper, ModalRun)
+    assert stepper.system.table is not None
+    return stepper.size, int(stepper.system.table.harmonic.size)
+
+
+def leaps(pair: tuple[ct.ModalBody, ct.ModalBody], turns: int, repeats: int) -> list[Row]:
+    """Speed-up by leaps over the contact fraction, and the largest difference of the end state."""
+    rows: list[Row] = []
+    for clearance in (-3e-4, -1e-4, -5e-5, -2e-5, -5e-6, -5e-7):
+        plain, leaping = (
+            rub(pair, clearance=clearance, mu=0.1, t_end=turns / 5.0, skip=skip) for skip in (False, True)
+        )
+        a, b = (ct.run(replace(scene, record=ct.Record(every=9973, state_every=9973))) for scene in (plain, leaping))
+        difference = float(np.abs(a.state - b.state).max() / np.abs(a.state).max())
+        slow, fast = (best(lambda scene=scene: ct.run(scene), repeats) for scene in (plain, leaping))
+        lanes = [best(lambda s=scene: ct.run_many([s] * 8), repeats) for scene in (plain, leaping)]
+        rows.append({
+            "clearance past touch [m]": clearance, "contact fraction": float(a.contact_steps[0]) / a.steps,
+            "steps": a.steps, "state differs by": difference,
+            "impulse differs by": float(abs(b.impulse[0] / a.impulse[0] - 1.0)),
+            "speed-up alone": slow / fast, "speed-up in lanes": lanes[0] / lanes[1],
+        })  # fmt: skip
+    return rows
+
+
+SWEEP = """[scene]
+kind = "rim"
+t_end = {t_end}
+[casing]
+basis = "casing_42.npz"
+[blade]
+basis = "blade.npz"
+lean_deg = 10.0
+[contact]
+clearance = 1.8e-4
+friction = 0.1
+out_of_roundness = [{{p = 2, cos = 2e-4}}, {{p = 3, cos = 5e-5}}]
+[speed]
+hz = 5.0
+[scheme]
+kind = "exact-modal"
+dt = {dt}
+[sweep]
+[[sweep.vary]]
+key = "speed.hz"
+from = 4.5
+to = 5.5
+steps = {speeds}
+"""
+
+
+def rig_sweep(folder: Path, speeds: int, turns: int) -> list[Row]:
+    """Speeds of the rig, `turns` turns at 5 Hz each, from the command's own code: wall seconds on one core and two."""
+    file = folder / "sweep_speed.toml"
+    file.write_text(SWEEP.format(t_end=turns / 5.0, dt=DT, speeds=speeds), encoding="utf-8")
+    plan, rows = load_sweep(file), []
+    for jobs in (1, 2):
+        began, load = time.perf_counter(), os.getloadavg()[0]
+        found = run_sweep(plan, jobs=jobs)
+        steps = sum(row["steps"] for row in found.rows)
+        seconds = time.perf_counter() - began
+        rows.append({
+            "cores": jobs, "speeds": speeds, "turns": turns, "steps": steps, "s": seconds,
+            "us/run-step": 1e6 * seconds / steps, "failed": found.failed, "load of the machine before": load,
+        })  # fmt: skip
+    return rows
+
+
+def main(out: Path, quick: bool = False) -> Sequence[Row]:
+    """Measure and print."""
+    folder = out / "sweep_speed"
+    steps, repeats = (10_000, 1) if quick else (40_000, 5)
+    print(f"load of the machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
+    peak = limits(repeats)
+    show("Limits of the core, measured here", [{"what": name, "value": value} for name, value in peak.items()])
+    rows: list[Row] = []
+    for modes in (42,) if quick else (12, 42, 82):
+        rows += physics(bodies(folder, modes), steps, repeats, peak)
+    show("Microseconds per step, processor time", rows)
+    write(out / "sweep_speed.csv", rows)
+    skipped = leaps(bodies(folder, 42), 2 if quick else 4, 1 if quick else 3)
+    show("Leaps over contact-free time", skipped)
+    write(out / "sweep_leaps.csv", skipped)
+    swept = rig_sweep(folder, 8 if quick else 100, 1 if quick else 100)
+    show("A sweep of the rig over its speed", swept)
+    write(out / "sweep_rig.csv", swept)
+    return [*rows, *skipped, *swept]
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main)
