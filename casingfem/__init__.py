@@ -10,11 +10,13 @@ print(cf.modes(casing, count=40))
 from casingfem.experiment.circle_lines import ScanError
 from casingfem.experiment.circle_record import ScanRecord
 from casingfem.experiment.circle_scan import CircleScan, demodulate
+from casingfem.experiment.correlate import Correlation, correlate
 from casingfem.experiment.correlation import Pairing, mac, pair, subspace_mac
 from casingfem.experiment.ema_poles import MissingExtraError
 from casingfem.experiment.frf import FrfError, FrfSet
 from casingfem.experiment.identification import identify
 from casingfem.experiment.identified import Identified
+from casingfem.experiment.measured_shapes import MeasuredShapes, ShapeError
 from casingfem.experiment.measurement import FrequencyTable, TableError
 from casingfem.experiment.rig import Probe, Rig, RigError
 from casingfem.experiment.rig_structure import Place, rig_of
@@ -57,6 +59,7 @@ from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Sy
 from casingfem.structure.survey import SampledField, SurveyError
 from casingfem.structure.taper import Taper
 from casingfem.structure.twisted import TwistedPlate
+from casingfem.updating.localisation import Localisation, locate
 from casingfem.updating.parameters import Parameter, ParameterError
 from casingfem.updating.problem import UpdateError
 from casingfem.updating.result import UpdateResult
@@ -72,6 +75,7 @@ __all__ = [
     "Chart",
     "CircleScan",
     "Clamped",
+    "Correlation",
     "Cylinder",
     "Deflection",
     "Displacement",
@@ -88,7 +92,9 @@ __all__ = [
     "Gravity",
     "Identified",
     "Interactions",
+    "Localisation",
     "Material",
+    "MeasuredShapes",
     "MeshData",
     "MeshModes",
     "MeshShell",
@@ -119,6 +125,7 @@ __all__ = [
     "ScanError",
     "ScanRecord",
     "Section",
+    "ShapeError",
     "ShearDiaphragm",
     "Shell",
     "ShellMesh",
@@ -144,9 +151,11 @@ __all__ = [
     "WhirlModes",
     "assemble",
     "campbell",
+    "correlate",
     "demodulate",
     "identify",
     "interactions",
+    "locate",
     "mac",
     "mistune",
     "modes",

@@ -102,6 +102,10 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
             "the structure is very large or very small for a casing or a blade",
             "give lengths in metres, 500 mm as 0.5",
         ),
+        "expansion-modes": Fault(
+            "shapes at the sensors do not determine so many modes",
+            "use fewer modes, modes that the sensors tell apart, or more sensors",
+        ),
         "field-coefficients": Fault(
             "the coefficients of a field are not finite numbers, or not of the shape its harmonics ask for",
             "give one finite number, or one row, for each harmonic",
@@ -509,6 +513,14 @@ CATALOGUE: Mapping[str, Fault] = MappingProxyType(
         "rotation-update": Fault(
             "tests of rotating parts are not fitted: the derivatives leave the centrifugal stiffening out",
             "fit the part at rest, then give it its rotation",
+        ),
+        "sensor-far": Fault(
+            "a sensor does not stand on the wall of this model",
+            "check the points' unit (metres), origin and axes; the axis of a casing is z",
+        ),
+        "sensor-twice": Fault(
+            "two channels measure the same motion, so that the mass at them is not defined",
+            "leave repeated channels out, or reduce the mass by SEREP",
         ),
         "shear-correction": Fault(
             "the shear correction is none of 5/6, about 1, or the thin-shell limit",

@@ -3,9 +3,11 @@
 import click
 
 from casingfem.cli.contact import contact, rub, stability
+from casingfem.cli.correlate import correlate
 from casingfem.cli.doctor import doctor
 from casingfem.cli.explain import explain
 from casingfem.cli.identify import identify
+from casingfem.cli.locate import locate
 from casingfem.cli.mistune import mistune
 from casingfem.cli.rig import rig
 from casingfem.cli.study import modes, reduce, report, schema, update
@@ -30,9 +32,11 @@ def main() -> None:
 for command in (
     modes,
     identify,
+    correlate,
     mistune,
     rig,
     update,
+    locate,
     reduce,
     contact,
     rub,

@@ -21,6 +21,8 @@ SKIPPED = 0.02
 """A computed mode left without a row below a paired one costs as much as 2 % in frequency."""
 LEFT_OUT = 3.0
 """A row left out costs as much as this many rows at the end of their reach: pair all that can be."""
+TIE = 1e-3
+"""Of the members of a doublet, equal in all else, the one alike takes the row."""
 WORST_SHAPE = 0.5
 """Where shapes are given, a row is rather left out than paired for more than this beyond its reach."""
 
@@ -168,7 +170,9 @@ def _assigned(rows: Sequence[int], modes: Sequence[int], cost: _Cost) -> list[tu
     prices = np.full((len(rows), len(modes) + len(rows)), cost.left_out)
     for i, row in enumerate(rows):
         for j, mode in enumerate(modes):
-            prices[i, j] = cost((row,), (mode,))
+            prices[i, j] = cost((row,), (mode,)) + (
+                TIE * (1.0 - cost.shapes[row, mode]) if cost.shapes is not None else 0.0
+            )
     chosen = zip(*linear_sum_assignment(prices), strict=True)
     return [((rows[i],), (modes[j],)) for i, j in chosen if j < len(modes)]
 

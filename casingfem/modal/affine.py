@@ -31,7 +31,8 @@ from casingfem.structure.ring import Ring
 from casingfem.structure.ring_form import foothold_form
 from casingfem.structure.shell import grips
 
-ANSWERS, FEWEST = 200, 5  # static answers kept for all changes together, and for each
+ANSWERS, FEWEST = 120, 5  # static answers kept for all changes together, and for each
+BEYOND = 3  # nodal diameters past those of the nominal modes that labels know
 ALIKE = 1e-9  # of the largest: what a direction must add to the others' strain energy to be kept
 
 
@@ -113,11 +114,11 @@ class AffineModel:
 
     def modes(self, x: FloatArray, count: int) -> "AffineModes":
         """Lowest `count` modes after changes x (changes,), labelled."""
-        K, M = self.K, self.M
+        K, M, on = self.K, self.M, np.flatnonzero(x)
         if self.stiffness is not None:
-            K = K + np.tensordot(x, self.stiffness, 1)
+            K = K + np.tensordot(x[on], self.stiffness[on], 1)
         if self.mass is not None:
-            added = np.tensordot(x, self.mass, 1)
+            added = np.tensordot(x[on], self.mass[on], 1)
             K, M = K + self.shift * added, M + added
         mu, y = eigh(M, K, subset_by_index=(len(K) - count, len(K) - 1))
         mu, y = mu[::-1], y[:, ::-1] / np.sqrt(mu[::-1])
@@ -197,7 +198,7 @@ def affine_model(system: System, changes: Sequence[Change], count: int, nominal:
         shift=shift,
         stiffness=stiffness,
         mass=mass,
-        rings=ring_content(shell.chart, grid, fields, n_max=max(2, grid.mesh.order * grid.mesh.around // 3)),
+        rings=ring_content(shell.chart, grid, fields, n_max=int(known.nodal_diameters.max()) + BEYOND),
     )
 
 

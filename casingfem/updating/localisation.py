@@ -29,6 +29,7 @@ AMONG = ("bolts", "mass")
 EDGE = "top"  # where masses are looked for unless told
 TWO_PI = 2.0 * np.pi
 PLACES = 48  # candidates for masses around an edge
+LEAST = 0.1  # of a bolt's stiffness: bolts that have lost less are as they come
 REDUCED = 2.2  # modes in the basis for each mode compared
 LIKELY = 9.0  # alternatives whose chi^2/s^2 is within this of the best are listed: 3 sigma
 TWINS = 4  # places whose half turns are all tried: 2^4 combinations
@@ -240,13 +241,14 @@ def locate(
         check_labelled(baseline)
         try:
             reduced = calibrated(reduced, baseline)
+            table = noisier(table, baseline)
         except ValueError as error:
             raise ModelError("locate-baseline", f"baseline: {error}") from None
     count = min(len(reduced.nominal), round(len(reduced.nominal) / REDUCED) + 4)
     misfit = Misfit(model=reduced, table=table, count=count, angle_sigma=angle_sigma, model_error=model_error)
     start = misfit.at(np.zeros(reduced.changes))
     if among == "bolts":
-        active, point = search(misfit.at, loosening(len(angles)), most=most, level=level)
+        active, point = search(misfit.at, loosening(factors_of(reduced)), most=most, level=level, least=LEAST)
         explained = bolts_explained(misfit, active, point, angles)
     else:
         edge = edge or EDGE
@@ -273,15 +275,38 @@ def locate(
     )
 
 
+def noisier(table: FrequencyTable, baseline: FrequencyTable) -> FrequencyTable:
+    """The table with what a baseline leaves unknown added to its sigma.
+
+    The noise of the baseline itself; and the couplings of different n, which manufacture makes as large as it makes
+    splits: c, the baseline's rms half split, moves modes of another n at a distance D by c^2/D, or c if nearer.
+    """
+    noise = float(np.sqrt(np.mean((baseline.sigma_hz / baseline.freq_hz) ** 2)))
+    pairs = [baseline.freq_hz[list(group.rows)] for group in baseline.groups() if len(group.rows) == 2]
+    c = float(np.sqrt(np.mean([(0.5 * np.ptp(pair)) ** 2 for pair in pairs]))) if pairs else 0.0
+    apart = np.abs(table.freq_hz[:, None] - table.freq_hz)
+    apart[table.n[:, None] == table.n] = np.inf
+    coupled = c**2 / np.maximum(apart.min(axis=1), c) if c else 0.0
+    return replace(table, sigma_hz=np.sqrt(table.sigma_hz**2 + (noise * table.freq_hz) ** 2 + coupled**2))
+
+
 def check_labelled(table: FrequencyTable) -> None:
     """Refuse a table without doublets that have n."""
     if not any(len(group.rows) == 2 for group in table.groups()):
         raise ModelError("locate-unlabelled", f"{table.path}: found no doublet with nodal diameters")
 
 
-def loosening(bolts: int) -> Bounds:
-    """A bolt can lose all it has."""
-    return Bounds(lower=np.full(bolts, -1.0), upper=np.zeros(bolts))
+def loosening(factors: FloatArray) -> Bounds:
+    """A bolt can lose all that it has: `factors` of a tight one's stiffness, (bolts,)."""
+    return Bounds(lower=-factors, upper=np.zeros(len(factors)))
+
+
+def factors_of(model: AffineModel) -> FloatArray:
+    """What the bolts of a model have of a tight one's stiffness, (bolts,)."""
+    shell = model.system.shell
+    bolts = grips(shell)[bolted_edge(shell)]
+    assert isinstance(bolts, Bolts)
+    return np.asarray(bolts.factors)
 
 
 def sigmas(jacobian: FloatArray, scale: float) -> FloatArray:
@@ -302,13 +327,13 @@ def turned_place(place: int, angles: FloatArray) -> int | None:
 def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles: FloatArray) -> tuple[Explanation, ...]:
     """The bolts found, then what the table does not rule out: some of them half a turn away."""
     s2 = scale2(point, len(active))
+    factors, degrees = factors_of(misfit.model), np.degrees(angles) % 360.0
+    bounds = loosening(factors)
 
     def explanation(at: Point, on: list[int]) -> Explanation:
         spread = np.minimum(sigmas(at.jacobian[:, on], np.sqrt(s2)), 1.0)
         found = [
-            Found(
-                place=c + 1, angle_deg=float(np.degrees(angles[c]) % 360.0), value=float(1.0 + at.x[c]), sigma=float(s)
-            )
+            Found(place=c + 1, angle_deg=float(degrees[c]), value=float(factors[c] + at.x[c]), sigma=float(s))
             for c, s in zip(on, spread, strict=True)
         ]
         return Explanation(found=tuple(found), behind=float((at.chi2 - point.chi2) / s2))
@@ -321,7 +346,7 @@ def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles:
             continue
         x = np.zeros(len(point.x))
         x[[place for place in places if place is not None]] = point.x[list(active)]
-        listed.append(explanation(fitted(misfit.at, misfit.at(x), on, loosening(len(angles))), on))
+        listed.append(explanation(fitted(misfit.at, misfit.at(x), on, bounds), on))
     return (explanation(point, list(active)), *likely(listed))
 
 

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import FloatArray
-from casingfem.experiment.correlation import pair
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.experiment.pairing import Match
 from casingfem.modal.affine import AffineModel, AffineModes
-from casingfem.updating.orientation import partner_turn
+from casingfem.updating.mixed_pairing import paired_by_shares
 from casingfem.updating.targets import (
     Rates,
     allowing,
@@ -72,19 +71,18 @@ class Misfit:
     def at(self, x: FloatArray) -> Point:
         """Evaluate changes (changes,)."""
         found = self.model.modes(x, self.count)
-        pairing = pair(found, self.table, reach=self.reach)
-        lost = np.array(pairing.unpaired_rows, dtype=int)
+        matches, lost = paired_by_shares(found, self.table, self.reach)
         cost = float(np.sum((LOST * self.table.freq_hz[lost] / self.table.sigma_hz[lost]) ** 2))
-        if not pairing.matches:
+        if not matches:
             return Point(x, found, np.zeros(0), np.zeros((0, len(x))), cost)
         G = self.model.derivatives(found)
-        turned = [match for match in pairing.matches if has_angle(match, self.table)]
+        turned = [match for match in matches if has_angle(match, self.table)]
         at = Rates(G=G, turning={match.modes: turning(found, match, G) for match in turned})
         table = allowing(self.table, self.model_error)
-        residuals = values(found, table, pairing.matches)
-        slopes = jacobian(found, table, pairing.matches, at)
+        residuals = values(found, table, matches)
+        slopes = jacobian(found, table, matches, at)
         if self.angle_sigma:
-            W = self.whitening(table, pairing.matches, len(residuals))
+            W = self.whitening(table, matches, len(residuals))
             residuals, slopes = W @ residuals, W @ slopes
         return Point(x, found, residuals, slopes, cost + float(residuals @ residuals))
 
@@ -108,8 +106,11 @@ def turning(found: AffineModes, match: Match, G: FloatArray) -> FloatArray:
 
     Its shape changes by sum_j phi_j G_1j/(omega_1^2 - omega_j^2).
     """
+    assert found.rings is not None
     low, high = match.modes
     others = np.delete(np.arange(len(found)), [low, high])
-    squares = found.omega**2
-    share = G[:, low, others] / (squares[low] - squares[others])
-    return np.asarray(share @ [partner_turn(found, low, int(other), match.n) for other in others])
+    share = G[:, low, others] / (found.omega[low] ** 2 - found.omega[others] ** 2)
+    radial = found.rings.amplitudes[match.n, :, 0] * found.rings.weights[:, None]
+    own = found.rings.amplitudes[match.n, :, 0, low]
+    turns = -2.0 * np.imag(own @ radial[:, others] / (own @ radial[:, low]))
+    return np.asarray(share @ turns)

@@ -18,10 +18,11 @@ from scipy.stats import f as f_distribution
 from casingfem.arrays import FloatArray
 from casingfem.updating.misfit import Point
 
-TRIED = 4  # candidates refitted on the full model in each round
+TRIED, WIDELY = 4, 8  # candidates refitted on the full model in each round, and where noise explains nothing
 ROUNDS = 8  # Gauss-Newton steps of a fit
 SETTLED = 2e-3  # of the range of a change: a smaller step ends a fit
 HALVINGS = 4
+PLAUSIBLE = 0.05  # residuals that noise leaves more often than this need no further explanation
 UNLIKELY = 1e-3  # residuals that noise leaves less often than this
 PATIENCE = 1  # further steps tried after one without significance
 
@@ -105,11 +106,13 @@ def gains(at: Point, active: Sequence[int], bounds: Bounds) -> FloatArray:
     return np.where(seen, promised, -np.inf)
 
 
-def search(evaluate: Evaluate, bounds: Bounds, *, most: int, level: float) -> tuple[list[int], Point]:
+def search(
+    evaluate: Evaluate, bounds: Bounds, *, most: int, level: float, least: float = 0.0
+) -> tuple[list[int], Point]:
     """The changes found, in order of their number, and the casing with them.
 
     A step that chance might make is kept if the next one shows that it was none: the first of two equal faults may
-    explain little alone.
+    explain little alone. Changes smaller than `least` are not told.
     """
     changes = len(bounds.lower)
     path: list[tuple[list[int], Point]] = [([], evaluate(np.zeros(changes)))]
@@ -119,18 +122,25 @@ def search(evaluate: Evaluate, bounds: Bounds, *, most: int, level: float) -> tu
         taken, there = best_addition(evaluate, at, active, bounds)
         if taken is None:
             break
-        path.append(exchanged(evaluate, there, [*active, taken], bounds))
-        if significant(at, path[-1][1], len(active) + 1, level, changes):
+        active = sorted([*active, taken])
+        if unexplained(there, len(active), PLAUSIBLE):
+            active, there = exchanged(evaluate, there, active, bounds)
+        path.append((active, there))
+        if significant(at, there, len(active), level, changes):
             told = len(path) - 1
     active, best = path[told]
-    if active and unexplained(best, len(active), UNLIKELY):  # a wrong turn early on: look everywhere
-        active, best = exchanged(evaluate, best, active, bounds, tried=changes)
-    return pruned(evaluate, best, active, bounds, level)
+    if active and unexplained(best, len(active), UNLIKELY):  # a wrong turn early on: look further
+        active, best = exchanged(evaluate, best, active, bounds, tried=WIDELY)
+    active, best = pruned(evaluate, best, active, bounds, level)
+    while any(abs(best.x[c]) < least for c in active):
+        active = [c for c in active if abs(best.x[c]) >= least]
+        best = fitted(evaluate, best, active, bounds)
+    return active, best
 
 
 def goes_on(taken: int, told: int, most: int, at: Point, level: float) -> bool:
     """Whether to look for one change more: while it may be told, and noise alone does not explain the residuals."""
-    return taken < most and taken <= told + PATIENCE and unexplained(at, taken, 0.5)
+    return taken < most and taken <= told + PATIENCE and unexplained(at, taken, PLAUSIBLE)
 
 
 def unexplained(at: Point, free: int, level: float) -> bool:

@@ -1,0 +1,60 @@
+"""The command correlate: measured shapes against the modes of a study."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.study import STUDY
+from casingfem.cli.warned import noted
+from casingfem.outfiles import Content, json_text
+
+if TYPE_CHECKING:
+    from casingfem.experiment.correlate import Correlation
+
+SHAPES = click.argument("shapes", metavar="SHAPES", type=click.Path(path_type=Path))
+
+
+@click.command()
+@STUDY
+@SHAPES
+@click.option("--mass", type=click.Choice(("SEREP", "Guyan")), default="SEREP", show_default=True,
+              help="How the mass is reduced to the sensors.")  # fmt: skip
+@click.option("--reach", type=click.FloatRange(0.0, 1.0, min_open=True), default=0.2, show_default=True,
+              help="Largest relative frequency error of a pair.")  # fmt: skip
+@options
+def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, out: Path | None) -> None:
+    """Correlate the mode shapes of SHAPES (universal file, sets 55) with the modes of STUDY.
+
+    Sensors stand at the points of the file, which must lie on the wall.
+    """
+    from casingfem.experiment.correlate import correlate as compare
+    from casingfem.experiment.measured_shapes import MeasuredShapes
+    from casingfem.modal.modes import modes
+    from casingfem.structure.assembly import assemble
+    from casingfem.study import load_study
+
+    study = load_study(file)
+    measured = MeasuredShapes.from_uff(shapes)
+    with Working(f"modes of {file.name}") as working:
+        system = assemble(study.shell)
+        count = study.file.modes.wanted.get("count") or 40
+        found = modes(study.shell, max(count, len(measured) + 4), method="shell", system=system)
+        result = compare(found, measured, reach=reach, mass=mass, system=system)
+    document = {**result.to_json(), "seconds": working.seconds, "warnings": noted(), "source": study.source}
+    files: dict[str, Content] = {} if out is None else result_files(result, document)
+    deliver(document, repr(result), as_json=as_json, out=out, files=files)
+
+
+def result_files(result: "Correlation", document: dict[str, object]) -> dict[str, Content]:
+    """The document and the pictures."""
+    from casingfem.plot_correlation import figure_comac, figure_mac
+
+    pictures = {"mac.png": figure_mac(result), "comac.png": figure_comac(result)}
+    files: dict[str, Content] = {"correlation.json": json_text(document, indent=1)}
+    for name, figure in pictures.items():
+        files[name] = lambda path, figure=figure: figure.savefig(  # type: ignore[misc]
+            path, format="png", dpi=150, metadata={"Software": None}
+        )
+    return files

@@ -1,0 +1,55 @@
+"""The command locate: which bolts are loose, or where mass was added."""
+
+from pathlib import Path
+
+import click
+
+from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.study import STUDY
+from casingfem.cli.warned import noted
+from casingfem.outfiles import Content, json_text
+
+
+@click.command()
+@STUDY
+@click.argument("table", metavar="TABLE", type=click.Path(path_type=Path))
+@click.option("--baseline", type=click.Path(path_type=Path), metavar="CSV",
+              help="The same casing measured before anything was loosened or added.")  # fmt: skip
+@click.option("--among", type=click.Choice(("bolts", "mass")), default="bolts", show_default=True,
+              help="What to look for.")  # fmt: skip
+@click.option("--edge", default=None, help="Where; the bolted edge, or the top for masses.")
+@click.option("--most", type=click.IntRange(1, 12), default=4, show_default=True, help="Largest number of places.")
+@click.option("--model-error", type=click.FloatRange(0.0, 0.5), default=0.0, show_default=True,
+              help="What the model may be off by, relative; without a baseline the size of its splits.")  # fmt: skip
+@options
+def locate(
+    file: Path,
+    table: Path,
+    baseline: Path | None,
+    among: str,
+    edge: str | None,
+    most: int,
+    model_error: float,
+    as_json: bool,
+    out: Path | None,
+) -> None:
+    """Find loose bolts or added masses of STUDY from a frequency TABLE with nodal diameters and orientations."""
+    from casingfem.experiment.measurement import FrequencyTable
+    from casingfem.plot_locate import figure_located
+    from casingfem.study import load_study
+    from casingfem.updating.localisation import locate as find
+
+    study = load_study(file)
+    now = FrequencyTable.from_csv(table)
+    before = None if baseline is None else FrequencyTable.from_csv(baseline)
+    with Working(f"search among {among} of {file.name}") as working:
+        found = find(study.shell, now, baseline=before, among=among, edge=edge, most=most, model_error=model_error)
+    document = {**found.to_json(), "seconds": working.seconds, "warnings": noted(), "source": study.source}
+    files: dict[str, Content] = {}
+    if out is not None:
+        figure = figure_located(found)
+        files = {
+            "located.json": json_text(document, indent=1),
+            "located.png": lambda path: figure.savefig(path, format="png", dpi=150, metadata={"Software": None}),
+        }
+    deliver(document, repr(found), as_json=as_json, out=out, files=files)

@@ -1,0 +1,137 @@
+"""Measured shapes expanded to the whole model, and what a sensor would have shown that was not there.
+
+SEREP (O'Callahan, Avitabile and Riemer, IMAC 1989): with the model's shapes at the channels Phi_s (channels, modes)
+
+    q = Phi_s^+ psi,   u = Phi q,   smoothed psi = Phi_s q.
+
+Noise in psi grows at most by the condition number of Phi_s; what the modes cannot show is left out and said. The
+error at a sensor that is left out follows without another fit, e = (I - H)^-1 r over its channels, H = Phi_s Phi_s^+.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import FloatArray, IntArray, frozen
+from casingfem.errors import ModelError
+
+WORST = 100.0  # condition number above which modes are left out when nobody chose them
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Expansion:
+    """Measured shapes in the model's modes.
+
+    Attributes
+    ----------
+    modes
+        Indices of the modes used, (k,).
+    coordinates
+        q, (k, measured).
+    smoothed
+        The measured shapes as the modes show them at the channels, (channels, measured).
+    condition
+        Condition number of the modes at the channels.
+    outside
+        Part of each measured shape, in length, that the modes cannot show, (measured,).
+    left_out
+        Relative error at each sensor predicted from all others, over the rms of the shape, (sensors, measured).
+    """
+
+    modes: IntArray
+    coordinates: FloatArray
+    smoothed: FloatArray
+    condition: float
+    outside: FloatArray
+    left_out: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("modes", "coordinates", "smoothed", "outside", "left_out"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def fields(self, nodal: FloatArray) -> FloatArray:
+        """The expanded shapes: nodal fields of all modes (nodes, 5, modes) -> (nodes, 5, measured)."""
+        return np.asarray(nodal[:, :, self.modes] @ self.coordinates)
+
+    def __repr__(self) -> str:
+        return (
+            f"Expansion({self.smoothed.shape[1]} shapes on {len(self.modes)} modes, condition {self.condition:.3g}, "
+            f"left outside {self.outside.max():.2g}, left-out sensors to {np.sqrt(np.mean(self.left_out**2)):.2g} rms)"
+        )
+
+
+def expand(
+    measured: FloatArray, at_sensors: FloatArray, labels: IntArray, modes: Sequence[int] | None = None
+) -> Expansion:
+    """Expand measured shapes (channels, measured) by the model's shapes at the channels (channels, modes).
+
+    Parameters
+    ----------
+    labels
+        Number of each channel's sensor, (channels,): what is left out together.
+    modes
+        Modes to use; if left out as many of the lowest as stay conditioned to 100, two thirds of the channels at most.
+
+    Raises
+    ------
+    ModelError
+        expansion-modes: no modes, more than channels, or modes that the sensors cannot tell apart.
+
+    Examples
+    --------
+    >>> shapes = np.array([[1.0, 0.0], [0.6, 0.8], [0.0, 1.0], [-0.6, 0.8]])
+    >>> found = expand(shapes @ [[2.0], [1.0]], shapes, np.arange(4), modes=[0, 1])
+    >>> found.coordinates.ravel().round(12).tolist(), bool(found.left_out.max() < 1e-12)
+    ([2.0, 1.0], True)
+    """
+    chosen = well_conditioned(at_sensors) if modes is None else list(modes)
+    channels = len(at_sensors)
+    if not 1 <= len(chosen) <= channels:
+        raise ModelError("expansion-modes", f"expand: {len(chosen)} modes on {channels} channels")
+    basis = at_sensors[:, chosen]
+    U, sizes, turn = np.linalg.svd(basis, full_matrices=False)
+    if sizes[-1] < 1e-8 * sizes[0]:
+        raise ModelError("expansion-modes", f"expand: {len(chosen)} modes look alike on {channels} channels")
+    smoothed = U @ (U.T @ measured)
+    lengths = np.linalg.norm(measured, axis=0)
+    return Expansion(
+        modes=np.array(chosen),
+        coordinates=turn.T @ ((U.T @ measured) / sizes[:, None]),
+        smoothed=smoothed,
+        condition=float(sizes[0] / sizes[-1]),
+        outside=np.linalg.norm(measured - smoothed, axis=0) / lengths,
+        left_out=left_out_errors(U, measured, labels),
+    )
+
+
+def well_conditioned(at_sensors: FloatArray, worst: float = WORST) -> list[int]:
+    """The lowest modes in order, without those that would make the shapes at the channels worse conditioned."""
+    chosen: list[int] = []
+    most = max(1, 2 * len(at_sensors) // 3)
+    for mode in range(at_sensors.shape[1]):
+        if len(chosen) == most:
+            break
+        columns = at_sensors[:, [*chosen, mode]]
+        sizes = np.linalg.svd(columns / np.linalg.norm(columns, axis=0).clip(1e-300), compute_uv=False)
+        if np.any(columns[:, -1]) and sizes[0] < worst * sizes[-1]:
+            chosen.append(mode)
+    return chosen
+
+
+def left_out_errors(U: FloatArray, measured: FloatArray, labels: IntArray) -> FloatArray:
+    """Prediction error of every sensor from the others, over the rms of each shape, (sensors, measured).
+
+    nan where the others do not determine the modes.
+    """
+    residual = measured - U @ (U.T @ measured)
+    rms = np.sqrt(np.mean(measured**2, axis=0))
+    errors = []
+    for label in np.unique(labels):
+        on = labels == label
+        kept = np.eye(int(np.count_nonzero(on))) - U[on] @ U[on].T
+        if np.linalg.eigvalsh(kept)[0] < 1e-10:
+            errors.append(np.full(measured.shape[1], np.nan))
+            continue
+        errors.append(np.sqrt(np.mean(np.linalg.solve(kept, residual[on]) ** 2, axis=0)) / rms)
+    return np.array(errors)

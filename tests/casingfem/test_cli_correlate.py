@@ -1,0 +1,107 @@
+"""casingfem correlate and casingfem locate: files in, pictures and one document out."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from casingfem.cli import main
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.modal.modes import modes
+from casingfem.modes_uff import write_modes_uff
+from casingfem.structure.bolts import Bolts
+from casingfem.study import load_study
+
+STUDY = """
+[material]
+E = 210e9
+nu = 0.3
+rho = 7800.0
+[chart]
+kind = "frustum"
+r_base = 0.50
+r_top = 0.45
+height = 0.25
+[shell]
+thickness = 3.0e-3
+[support.base]
+kind = "bolts"
+count = 12
+k = 1e9
+k_rot = 1e6
+[mesh]
+order = 5
+rows = [0.0, 0.05, 1.0]
+around = 12
+[modes]
+count = 10
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A study, its shapes as a universal file, and tables of a tight casing and of one with bolt 4 loose."""
+    where = tmp_path_factory.mktemp("study")
+    (where / "casing.toml").write_text(STUDY, encoding="utf-8")
+    shell = load_study(where / "casing.toml").shell
+    bolts = shell.supports["base"]
+    assert isinstance(bolts, Bolts)
+    tight = modes(shell, 14, method="shell")
+    write_modes_uff(tight, where / "shapes.uff", range(6))
+    for name, found in (("tight", tight), ("loose", modes(loosened(shell, bolts), 14))):
+        n, angle = found.nodal_diameters, found.angle_deg.copy()
+        for low, high in found.doublets:
+            if np.isnan(angle[low]):
+                angle[[low, high]] = 0.0, 90.0 / n[low]
+        table = FrequencyTable.from_arrays(
+            freq_hz=found.freq[:10], sigma_hz=1e-4 * found.freq[:10], n=n[:10], angle_deg=angle[:10]
+        )
+        table.to_csv(where / f"{name}.csv")
+    return where
+
+
+def loosened(shell, bolts):
+    return replace(shell, supports={"base": replace(bolts, loose={4: 0.2})})
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def test_correlate_writes_pictures_and_a_document(folder, tmp_path):
+    result = invoke("correlate", folder / "casing.toml", folder / "shapes.uff", "--json", "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    assert [row["mode"] for row in document["shapes"]] == [1, 2, 3, 4, 5, 6]
+    assert min(row["subspace_mac"] for row in document["shapes"]) > 0.999
+    assert {path.name for path in tmp_path.iterdir()} == {"correlation.json", "mac.png", "comac.png"}
+
+
+def test_correlate_refuses_a_file_without_shapes(folder, tmp_path):
+    (tmp_path / "empty.uff").write_text("    -1\n   151\n" + "x\n" * 7 + "    -1\n", encoding="ascii")
+    result = invoke("correlate", folder / "casing.toml", tmp_path / "empty.uff")
+    assert result.exit_code == 2
+    assert "expected modes in sets 55" in result.stderr
+
+
+def test_locate_names_the_bolt_or_the_opposite_one(folder, tmp_path):
+    result = invoke(
+        "locate", folder / "casing.toml", folder / "loose.csv", "--baseline", folder / "tight.csv",
+        "--json", "--out", tmp_path,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    places = {one["place"] for explanation in document["explanations"] for one in explanation["found"]}
+    assert places == {4, 10}
+    assert document["found"][0]["value"] == pytest.approx(0.2, abs=0.03)
+    assert {path.name for path in tmp_path.iterdir()} == {"located.json", "located.png"}
+
+
+def test_locate_refuses_a_table_without_labels(folder, tmp_path):
+    bare = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1)
+    bare.to_csv(tmp_path / "bare.csv")
+    result = invoke("locate", folder / "casing.toml", tmp_path / "bare.csv")
+    assert result.exit_code == 2
+    assert "locate-unlabelled" in result.stderr

@@ -1,0 +1,210 @@
+"""Measured shapes against modes: where sensors stand, what pairs, where shapes differ, what expansion predicts."""
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import splu
+
+from casingfem.errors import ModelError
+from casingfem.experiment.comac import comac, ecomac
+from casingfem.experiment.correlate import correlate
+from casingfem.experiment.expansion import expand, well_conditioned
+from casingfem.experiment.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.orthogonality import cross_orthogonality, guyan_mass, serep_mass
+from casingfem.experiment.sensors import nearest, sensors_of, sensors_on
+from casingfem.modal.modes import modes
+from casingfem.modes_uff import write_modes_uff
+from casingfem.structure.assembly import assemble
+from casingfem.structure.chart import Plate
+from casingfem.structure.field import FourierField
+from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.shell import Shell
+
+HEIGHTS = (0.12, 0.25)
+
+
+@pytest.fixture(scope="module")
+def casing(frustum):
+    mesh = ShellMesh(order=6, rows=1, around=13)
+    return frustum(radius_defect=FourierField.of({3: 1e-3, 14: 3e-4}), mesh=mesh)
+
+
+@pytest.fixture(scope="module")
+def system(casing):
+    return assemble(casing)
+
+
+@pytest.fixture(scope="module")
+def found(casing, system):
+    return modes(casing, 12, method="shell", system=system)
+
+
+def placed(casing, count=24, outward=0.0):
+    """Radial channels on two circles."""
+    theta = np.tile(2.0 * np.pi * np.arange(count) / count + 0.1, len(HEIGHTS))
+    z = np.repeat(HEIGHTS, count)
+    out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
+    x = np.real(casing.geometry(z, theta).surface.x).T
+    return x + outward * out, out
+
+
+def test_of_itself(casing, found):
+    points, out = placed(casing)
+    values = sensors_of(found, points, out).shapes(found.fields)
+    test = MeasuredShapes.from_arrays(freq_hz=found.freq, values=values * -3.0, points=points, directions=out)
+    result = correlate(found, test)
+    assert [match.modes for match in result.pairing.matches] == [match.rows for match in result.pairing.matches]
+    np.testing.assert_allclose(result.alike, 1.0, atol=1e-12)
+    np.testing.assert_allclose(np.diag(result.nco), 1.0, atol=1e-9)
+    np.testing.assert_allclose(result.nco - np.diag(np.diag(result.nco)), 0.0, atol=1e-9)
+    np.testing.assert_allclose(result.comac, 1.0, atol=1e-9)
+    np.testing.assert_allclose(result.ecomac, 0.0, atol=1e-9)
+    assert result.pairing.unpaired_rows == result.pairing.unpaired_modes == ()
+    assert result.sensors.distance.max() < 1e-9
+
+
+def test_a_rotated_doublet_is_no_difference_and_a_sensor_turned_over_is_found(casing, found):
+    points, out = placed(casing)
+    values = sensors_of(found, points, out).shapes(found.fields)
+    turned = values.copy()
+    for low, high in found.doublets:
+        turned[:, [low, high]] = values[:, [low, high]] @ np.array([[0.6, -0.8], [0.8, 0.6]])
+    turned[5] *= -1.0
+    test = MeasuredShapes.from_arrays(freq_hz=found.freq, values=turned, points=points, directions=out)
+    result = correlate(found, test)
+    assert np.diag(result.mac).max() < 0.75
+    assert result.alike.min() > 0.7
+    assert int(result.ecomac.argmax()) == 5
+    assert result.expansion.left_out[5].max() > 3.0 * np.median(result.expansion.left_out)
+
+
+def test_unpaired_shapes_are_listed(casing, found):
+    points, out = placed(casing)
+    values = sensors_of(found, points, out).shapes(found.fields)[:, :6]
+    freq = found.freq[:6].copy()
+    freq[5] = 2.0 * freq[5]
+    test = MeasuredShapes.from_arrays(freq_hz=freq, values=values, points=points, directions=out)
+    result = correlate(found, test)
+    assert result.pairing.unpaired_rows == (5,)
+    assert 5 in result.pairing.unpaired_modes
+    assert "unpaired: 1 measured, 7 computed" in repr(result)
+    assert result.records()[5]["mode"] is None
+
+
+def test_guyan_mass_is_exact_in_statics_and_serep_for_its_modes(casing, system, found):
+    points, out = placed(casing)
+    sensors = sensors_of(found, points, out)
+    at = sensors.shapes(found.fields)
+    M = guyan_mass(system, sensors)
+    np.testing.assert_allclose(M, M.T, atol=1e-9 * abs(M).max())
+    assert np.linalg.eigvalsh(M)[0] > 0.0
+    force = np.random.default_rng(2).standard_normal(len(at))
+    static = splu(system.K).solve(sensors.loads(system) @ force)
+    motion = sensors.loads(system).T @ static
+    assert motion @ M @ motion == pytest.approx(static @ (system.mass * static), rel=1e-8)
+    guyan = cross_orthogonality(at, at, M)
+    assert (guyan - np.diag(np.diag(guyan)))[:4, :4].max() < 0.01
+    basis = at[:, :8]
+    np.testing.assert_allclose(basis.T @ serep_mass(basis) @ basis, np.eye(8), atol=1e-10)
+    twice = sensors_on(casing, found.grid, points[[0, 1, 0]], out[[0, 1, 0]])
+    with pytest.raises(ModelError, match="sensor-twice"):
+        guyan_mass(system, twice)
+
+
+def test_loads_are_the_sensors_own(system, found):
+    """Work of a unit force at a channel is the motion there: P^T x = S x."""
+    points, out = placed(found.shell, count=5)
+    sensors = sensors_of(found, points, out)
+    vectors = system.collect(found.fields, found.own)
+    np.testing.assert_allclose(sensors.loads(system).T @ vectors, sensors.shapes(found.fields), atol=1e-10)
+
+
+def test_expansion_gives_the_whole_shape_and_the_left_out_error_of_a_refit(casing, found):
+    points, out = placed(casing)
+    sensors = sensors_of(found, points, out)
+    at = sensors.shapes(found.fields)
+    rng = np.random.default_rng(5)
+    noisy = at[:, :3] + 0.05 * np.abs(at[:, :3]).max() * rng.standard_normal((len(at), 3))
+    whole = expand(noisy, at, sensors.labels)
+    exact = expand(at[:, :3], at, sensors.labels)
+    np.testing.assert_allclose(exact.fields(found.fields), found.fields[:, :, :3], atol=1e-8 * abs(found.fields).max())
+    assert exact.outside.max() < 1e-9
+    assert 0.01 < whole.outside.max() < 0.3
+    kept = np.arange(len(at)) != 7
+    refit = at[kept][:, whole.modes]
+    predicted = at[7][whole.modes] @ np.linalg.lstsq(refit, noisy[kept], rcond=None)[0]
+    error = np.abs(predicted - noisy[7]) / np.sqrt(np.mean(noisy**2, axis=0))
+    np.testing.assert_allclose(whole.left_out[7], error, rtol=1e-8)
+
+
+def test_expansion_refuses_what_the_sensors_do_not_tell():
+    shapes = np.column_stack([np.ones(6), np.ones(6), np.arange(6.0)])
+    assert well_conditioned(shapes) == [0, 2]
+    with pytest.raises(ModelError, match="look alike"):
+        expand(shapes[:, :1], shapes, np.arange(6), modes=[0, 1])
+    with pytest.raises(ModelError, match="4 modes on 3 channels"):
+        expand(np.ones((3, 1)), np.ones((3, 4)), np.arange(3), modes=[0, 1, 2, 3])
+
+
+def test_sensors_are_put_on_the_wall_and_refused_when_far(casing, found):
+    points, out = placed(casing, outward=2e-3)
+    a, _ = nearest(casing, points)
+    np.testing.assert_allclose(a, np.repeat(HEIGHTS, 24), atol=1e-3)
+    sensors = sensors_of(found, points, out)
+    np.testing.assert_allclose(sensors.distance, 2e-3, rtol=0.05)
+    with pytest.raises(ModelError, match=r"sensor \d+ at .* is 0\.\d+ m from the wall.*sensor-far"):
+        sensors_of(found, points * 1.2, out)
+
+
+def test_sensors_on_a_plate(steel):
+    plate = Shell(chart=Plate(length=0.4, width=0.2), thickness=2e-3, material=steel)
+    a, b = nearest(plate, np.array([[0.1, 0.05, 0.0], [0.39, -0.1, 0.01]]))
+    x = np.real(plate.geometry(a, b).surface.x).T
+    np.testing.assert_allclose(x[0], [0.1, 0.05, 0.0], atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(x[1] - [0.39, -0.1, 0.01]), 0.01, rtol=1e-9)
+
+
+def test_comac_is_one_where_shapes_agree_and_enhanced_comac_sees_signs():
+    rng = np.random.default_rng(3)
+    a = rng.standard_normal((6, 4))
+    b = a.copy()
+    b[2] *= -1.0
+    assert comac(a, b)[2] == pytest.approx(1.0)
+    assert ecomac(a, b).argmax() == 2
+    with pytest.raises(ValueError, match="equal sizes"):
+        comac(a, b[:, :2])
+
+
+def test_universal_files_give_shapes_at_their_points(tmp_path, found):
+    path = write_modes_uff(found, tmp_path / "modes.uff", [0, 1, 4], nodes_set="2411")
+    test = MeasuredShapes.from_uff(path)
+    np.testing.assert_allclose(test.freq_hz, found.freq[[0, 1, 4]], rtol=1e-5)
+    result = correlate(found, test)
+    assert [match.modes for match in result.pairing.matches] == [(0, 1), (4,)]
+    assert result.alike.min() > 0.9999
+    assert result.sensors.distance.max() < 1e-4
+
+
+def test_complex_shapes_are_made_real():
+    theta = 2.0 * np.pi * np.arange(12) / 12
+    out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
+    turned = np.cos(3 * theta) * np.exp(0.7j)
+    test = MeasuredShapes.from_arrays(freq_hz=[300.0], values=turned[:, None], points=out, directions=out)
+    assert abs(np.corrcoef(test.real[:, 0], np.cos(3 * theta))[0, 1]) == pytest.approx(1.0)
+    assert test.collinearity[0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"freq_hz": [-1.0]}, "above 0"),
+        ({"values": np.full((4, 1), np.nan)}, "not finite"),
+        ({"values": np.zeros((4, 1))}, "zero everywhere"),
+        ({"values": np.ones((3, 1))}, "points .4, 3."),
+        ({"directions": np.zeros((4, 3))}, "no length"),
+        ({"values": np.ones((4, 2))}, "1 modes"),
+    ],
+)
+def test_bad_shapes_are_named(changes, words):
+    good = {"freq_hz": [100.0], "values": np.ones((4, 1)), "points": np.ones((4, 3)), "directions": np.ones((4, 3))}
+    with pytest.raises(ShapeError, match=words):
+        MeasuredShapes.from_arrays(**(good | changes))
