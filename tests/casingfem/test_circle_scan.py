@@ -9,6 +9,7 @@ from casingfem.experiment.circle_record import ScanRecord, from_tacho, turning
 from casingfem.experiment.circle_scan import demodulate
 from casingfem.experiment.rig import Probe, Rig, RigError
 from casingfem.experiment.rig_scan import Tone, Turning, scan
+from casingfem.experiment.rig_truth import truth
 
 SEED = 7719
 FS = 2000.0
@@ -126,7 +127,17 @@ def ring_rig(split=0.0, psi=0.13, zeta=0.002, count=48):
     probes = [Probe(k + 1, 1, (float(np.cos(a)), float(np.sin(a)), 0.0), float(a)) for k, a in enumerate(theta)]
     freq = [370.0 - split / 2.0, 370.0 + split / 2.0, 383.0, 384.0]
     shapes = [np.cos(8 * (theta - psi)), np.sin(8 * (theta - psi)), np.cos(7 * theta), np.sin(7 * theta)]
-    return Rig.of(omega=2.0 * np.pi * np.array(freq), zeta=zeta, rows=np.array(shapes).T, probes=probes), range(count)
+    omega = 2.0 * np.pi * np.array(freq)
+    S = 1e-7 * sum(np.cos(n * np.subtract.outer(theta, theta)) for n in (5, 8, 9))
+    return Rig.of(omega=omega, zeta=zeta, rows=np.array(shapes).T, S=S, probes=probes), range(count)
+
+
+def test_the_truth_is_labelled_by_its_shapes():
+    rig, circle = ring_rig(split=0.5)
+    found = truth(rig, circle)
+    assert found.n.tolist() == [8, 8, 7, 7]
+    np.testing.assert_allclose(found.angle_deg, [np.degrees(0.13), np.degrees(0.13) + 11.25, 0.0, 90.0 / 7], atol=1e-9)
+    assert truth(rig).n.tolist() == [-1] * 4
 
 
 def test_the_rig_makes_the_lines_of_its_modes():
@@ -172,6 +183,15 @@ def test_a_force_fixed_in_space_excites_a_perfect_casing_at_rest_in_space():
                  seed=SEED, highest=8)  # fmt: skip
     with pytest.raises(ScanError, match="fall together"):
         demodulate(still.record, 8)
+
+
+def test_a_force_in_space_that_hardly_turns_is_one_on_the_casing():
+    rig, circle = ring_rig(split=0.8)
+    asked = {"circle": circle, "fs": FS, "seconds": 2.0, "seed": SEED}
+    slow = scan(rig, Turning(mirror=2.0, casing=1e-7), [Tone(370.2)], drive_circle=circle,
+                drive_angle=rig.probes[5].angle, **asked)  # fmt: skip
+    fixed = scan(rig, Turning(mirror=2.0), [Tone(370.2)], drive=5, **asked)
+    np.testing.assert_allclose(slow.V.sum(axis=0), fixed.V[0], atol=1e-4 * np.abs(fixed.V).max())
 
 
 def test_run_out_and_speckle_repeat_every_turn_and_are_told_from_the_wave():

@@ -56,6 +56,9 @@ def test_what_is_left_out_is_made_good_below_the_last_mode(casing, coarse):
 
 def test_reciprocity_and_order_of_channels(casing):
     rig = rig_of(casing, [*circle(0.25, 3), Place(at=(0.1, 2.0))], zeta=0.003)
+    each = rig.frfs([300.0, 400.0], sensors=[0, 1, 2], drives=[3, 0]).responses
+    alone = [rig.frfs([300.0, 400.0], sensors=[s], drives=[d]).responses[0] for d in (3, 0) for s in (0, 1, 2)]
+    np.testing.assert_allclose(each, alone, rtol=1e-10)
     both = rig.frfs([300.0, 400.0], sensors=[0, 3], drives=[3, 0])
     assert both.response_point.tolist() == [1, 4, 1, 4]
     assert both.reference_point.tolist() == [4, 4, 1, 1]

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from casingfem.experiment.frf_estimate import estimate
 from casingfem.experiment.rig import Rig, RigError
 from casingfem.experiment.rig_excitation import BurstRandom, Impact, Random, StepSine
-from casingfem.experiment.rig_record import measured, record, respond
+from casingfem.experiment.rig_record import BAND, FINER, measured, record, respond, sharpened
 
 SEED = 8123
 FS = 2048.0
@@ -15,7 +15,7 @@ RIG = Rig.of(
     omega=2.0 * np.pi * np.array([151.3, 153.0, 402.7]),
     zeta=[0.004, 0.006, 0.01],
     rows=[[1.0, 0.2, 0.7], [-0.4, 0.9, 0.5], [0.3, 0.3, -1.1]],
-    S=np.diag([2e-9, 3e-9, 1e-9]),
+    S=1e-7 * np.array([[4.0, 1.0, 0.0], [1.0, 3.0, 0.5], [0.0, 0.5, 2.0]]),
 )
 
 
@@ -32,6 +32,19 @@ def test_steps_under_straight_forces_are_exact():
         np.testing.assert_allclose(respond(rig, knots[None], fs, [0], [0], quantity)[0], want, atol=1e-8)
     acceleration = knots - 2.0 * 0.05 * 40.0 * exact[1] - 1600.0 * exact[0]
     np.testing.assert_allclose(respond(rig, knots[None], fs, [0], [0], "accelerance")[0], acceleration, atol=1e-5)
+
+
+def test_sharpened_samples_join_to_the_smooth_force_at_the_highest_frequency():
+    count, periods = FINER * 256, 100  # of FINER * BAND samples each: fs/2.56
+    theta = 2.0 * np.pi * periods / count
+    assert theta == pytest.approx(2.0 * np.pi / (FINER * BAND), rel=1e-3)
+    force = np.cos(theta * np.arange(-8, count + 8))
+    inside = np.linspace(0.0, count, 32 * count, endpoint=False)
+    errors = []
+    for samples in (force, sharpened(force[None])[0]):
+        joined = np.interp(inside, np.arange(-8, count + 8), samples)
+        errors.append(2.0 * abs(np.mean(joined * np.exp(-1j * theta * inside)) - 0.5))
+    assert errors[1] < theta**4 / 80.0 < 0.02 * errors[0]
 
 
 @pytest.mark.parametrize("quantity", ["receptance", "mobility", "accelerance"])
