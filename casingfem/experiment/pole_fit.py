@@ -27,7 +27,7 @@ from casingfem.experiment.pole_window import Window
 
 STEPS = 60
 TRUST = 2.0, 1.0  # largest step, in half-power half-widths and in ln zeta
-CONVERGED = 1e-3  # a gain below this squared, in units of the noise, ends the fit
+CONVERGED = 1e-2  # a gain below this squared, in units of the noise, ends the fit
 EXACT = 1e-13  # so does one below this part of the sum of squares
 LEAST, MOST = 1e-6, 0.5  # zeta
 LAGS = 2  # lines over which a window makes noise alike
