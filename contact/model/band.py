@@ -1,7 +1,9 @@
-"""Symmetric banded matrices as plain arrays: what the compiled loops multiply and solve with.
+"""Symmetric matrices as plain arrays: what the compiled loops multiply and solve with.
 
 A is kept by row sums and off-diagonals, (A u)_i = ground_i u_i + sum_j A_ij (u_j - u_i): a rigid translation
-then strains nothing, whatever its size. Factors are L D L^T (banded Cholesky); a lumped matrix has no band.
+then strains nothing, whatever its size. The off-diagonals are whole diagonals where the band is narrow, else lists of
+entries (`Entries`). Factors are L D L^T, by banded Cholesky or by SuperLU in the given order with pivots on the
+diagonal; a lumped matrix has neither.
 """
 
 from __future__ import annotations
@@ -16,23 +18,41 @@ from contact.model.arrays import Array, Indices
 ROUND_OFF = 8.0 * np.finfo(float).eps  # of a row's absolute sum: a smaller row sum is zero
 
 
+class Entries(NamedTuple):
+    """Entries right of the diagonal: of row i, columns and values start[i] .. start[i + 1] - 1; `start` empty: none."""
+
+    start: Indices
+    column: Indices
+    value: Array
+
+
+NO_ENTRIES = Entries(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0))
+
+
 class Band(NamedTuple):
     """Row sums (N,) and off[d - 1, i] = A[i, i + d], d = 1 .. b, shape (b, N); `grounded`: some row sum is not 0."""
 
     ground: Array
     off: Array
     grounded: bool = True
+    sparse: Entries = NO_ENTRIES
+
+    @property
+    def lumped(self) -> bool:
+        """Whether there is nothing beside the diagonal."""
+        return self.off.shape[0] == 0 and self.sparse.value.size == 0
 
 
 class Factor(NamedTuple):
-    """A = L D L^T: 1/D (N,) and low[i, d - 1] = L[i + d, i], shape (N, b)."""
+    """A = L D L^T: 1/D (N,) and low[i, d - 1] = L[i + d, i], shape (N, b), or the entries of L^T."""
 
     inverse: Array
     low: Array
+    sparse: Entries = NO_ENTRIES
 
 
-def band(A: Any, order: Indices) -> Band:
-    """Pack a symmetric sparse or dense matrix, rows and columns taken in `order`.
+def band(A: Any, order: Indices, *, wide: bool = False) -> Band:
+    """Pack a symmetric sparse or dense matrix, rows and columns taken in `order`; `wide`: as entries.
 
     >>> band(np.array([[2.0, -1.0], [-1.0, 1.0]]), np.arange(2)).ground.tolist()
     [1.0, 0.0]
@@ -42,15 +62,49 @@ def band(A: Any, order: Indices) -> Band:
     place[order] = np.arange(n)
     rows, columns, values = _entries(A)
     rows, columns = place[rows], place[columns]
-    width = int(np.max(np.abs(rows - columns), initial=0))
-    off = np.zeros((width, n))
     upper = columns > rows
-    np.add.at(off, (columns[upper] - rows[upper] - 1, rows[upper]), values[upper])
+    off, sparse = _stored(n, rows[upper], columns[upper], values[upper], wide)
     ground, size = np.zeros(n), np.zeros(n)
     np.add.at(ground, rows, values)
     np.add.at(size, rows, np.abs(values))
     ground[np.abs(ground) <= ROUND_OFF * size] = 0.0
-    return Band(ground, off, bool(ground.any()))
+    return Band(ground, off, bool(ground.any()), sparse)
+
+
+def lumped(entries: Array) -> Band:
+    """A diagonal matrix.
+
+    >>> lumped(np.array([2.0])).lumped
+    True
+    """
+    return Band(entries, np.zeros((0, entries.size)), bool(entries.any()))
+
+
+def _stored(n: int, rows: Indices, columns: Indices, values: Array, wide: bool) -> tuple[Array, Entries]:
+    """The entries right of the diagonal as diagonals, or as lists."""
+    if wide:
+        from scipy.sparse import coo_array
+
+        packed = coo_array((values, (rows, columns)), shape=(n, n)).tocsr()
+        packed.eliminate_zeros()
+        start, column = packed.indptr.astype(np.int64), packed.indices.astype(np.int64)
+        return np.zeros((0, n)), Entries(start, column, packed.data) if packed.nnz else NO_ENTRIES
+    off = np.zeros((int(np.max(columns - rows, initial=0)), n))
+    np.add.at(off, (columns - rows - 1, rows), values)
+    return off, NO_ENTRIES
+
+
+def pairs(A: Band) -> tuple[Indices, Indices, Array]:
+    """Row, column > row and value of every entry right of the diagonal.
+
+    >>> [x.tolist() for x in pairs(band(np.array([[2.0, -1.0], [-1.0, 1.0]]), np.arange(2)))]
+    [[0], [1], [-1.0]]
+    """
+    if A.sparse.start.size:
+        rows = np.repeat(np.arange(A.ground.size), np.diff(A.sparse.start))
+        return rows, A.sparse.column, A.sparse.value
+    diagonals, rows = np.nonzero(A.off)
+    return rows, rows + diagonals + 1, A.off[diagonals, rows]
 
 
 def _entries(A: Any) -> tuple[Indices, Indices, Array]:
@@ -69,11 +123,17 @@ def combine(*terms: tuple[float, Band]) -> Band:
     [3.0, 3.0]
     """
     n = terms[0][1].ground.size
-    off = np.zeros((max(part.off.shape[0] for _, part in terms), n))
     ground = np.zeros(n)
     for scale, part in terms:
+        ground += scale * part.ground
+    if any(part.sparse.start.size for _, part in terms):
+        lists = [(*pairs(part)[:2], scale * pairs(part)[2]) for scale, part in terms if scale]
+        rows, columns, values = (np.concatenate(parts) for parts in zip(*lists, strict=True))
+        off, sparse = _stored(n, rows, columns, values, wide=True)
+        return Band(ground, off, bool(ground.any()), sparse)
+    off = np.zeros((max(part.off.shape[0] for _, part in terms), n))
+    for scale, part in terms:
         if scale:
-            ground += scale * part.ground
             off[: part.off.shape[0]] += scale * part.off
     return Band(ground, off[: _width(off)], bool(ground.any()))
 
@@ -86,11 +146,20 @@ def _width(off: Array) -> int:
 def diagonal(A: Band) -> Array:
     """Diagonal entries, ground - sum of the off-diagonals of the row."""
     total = A.ground.copy()
-    n = total.size
-    for d in range(1, A.off.shape[0] + 1):
-        total[: n - d] -= A.off[d - 1, : n - d]
-        total[d:] -= A.off[d - 1, : n - d]
+    rows, columns, values = pairs(A)
+    np.subtract.at(total, rows, values)
+    np.subtract.at(total, columns, values)
     return total
+
+
+def sparse_form(A: Band) -> Any:
+    """SciPy's sparse array, both halves."""
+    from scipy.sparse import coo_array, diags_array
+
+    n = A.ground.size
+    rows, columns, values = pairs(A)
+    upper = coo_array((values, (rows, columns)), shape=(n, n))
+    return (upper + upper.T + diags_array(diagonal(A))).tocsc()
 
 
 def lower_form(A: Band) -> Array:
@@ -106,8 +175,10 @@ def factor(A: Band, name: str) -> Factor:
     """
     if not np.all(diagonal(A) > 0.0):
         raise InputError(f"{name}: found a diagonal entry <= 0 in row {int(np.argmin(diagonal(A))) + 1}, expected > 0")
-    if A.off.shape[0] == 0:
+    if A.lumped:
         return Factor(1.0 / A.ground, np.zeros((A.ground.size, 0)))
+    if A.sparse.start.size:
+        return _sparse_factor(A, name)
     from scipy.linalg import LinAlgError, cholesky_banded
 
     try:
@@ -117,10 +188,47 @@ def factor(A: Band, name: str) -> Factor:
     return Factor(1.0 / root[0] ** 2, np.ascontiguousarray((root[1:] / root[0]).T))
 
 
+def _sparse_factor(A: Band, name: str) -> Factor:
+    """L D L^T in the order of A, which `fill_order` has made a good one."""
+    from scipy.sparse import tril
+    from scipy.sparse.linalg import splu
+
+    n = A.ground.size
+    lu = splu(sparse_form(A), permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    if not (np.array_equal(lu.perm_r, np.arange(n)) and np.array_equal(lu.perm_c, np.arange(n))):
+        raise InputError(f"{name}: found pivots away from the diagonal, expected a positive definite matrix")
+    pivots = lu.U.diagonal()
+    if not np.all(pivots > 0.0):
+        raise InputError(f"{name}: found a matrix that is not positive definite, pivot {pivots.min():g}")
+    below = tril(lu.L, k=-1, format="csc")  # its columns are the rows of L^T
+    entries = Entries(below.indptr.astype(np.int64), below.indices.astype(np.int64), below.data)
+    return Factor(1.0 / pivots, np.zeros((n, 0)), entries)
+
+
+def fill_order(A: Any) -> Indices:
+    """Order of rows and columns in which the factor of this pattern stays sparse: minimum degree, postordered."""
+    from scipy.sparse import csc_array, eye_array
+    from scipy.sparse.linalg import splu
+
+    pattern = csc_array(A)
+    pattern.data = np.ones_like(pattern.data)
+    heavy = csc_array(pattern + 2.0 * pattern.shape[0] * eye_array(pattern.shape[0]))
+    lu = splu(heavy, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    return np.argsort(lu.perm_c).astype(np.int64)
+
+
 def solve(A: Factor, right: Array) -> Array:
     """A^-1 right for columns (N, k): set-up only, the loops have their own compiled solve."""
     from scipy.linalg import solve_banded
 
+    if A.sparse.start.size:
+        from scipy.sparse import csr_array, eye_array
+        from scipy.sparse.linalg import spsolve_triangular
+
+        size = A.inverse.size
+        half = csr_array((A.sparse.value, A.sparse.column, A.sparse.start), shape=(size, size)) + eye_array(size)
+        below = spsolve_triangular(csr_array(half.T), right, lower=True, unit_diagonal=True)
+        return np.asarray(spsolve_triangular(half.tocsr(), below * A.inverse[:, None], lower=False, unit_diagonal=True))
     n, width = A.low.shape
     unit = np.concatenate([np.ones((1, n)), A.low.T])
     half = solve_banded((width, 0), unit, right)

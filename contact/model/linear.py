@@ -48,7 +48,8 @@ class LinearBody:
     `M` (N,) when lumped, else (N, N); `K`, `C` (N, N), dense or SciPy sparse, symmetric; `Q` (k, N) and `gap0` (k,)
     of k contacts; `load`, `displacement`, `velocity` (N,) zero when left out; `potential` [J] of the load at
     u = 0. M must be positive definite (`MasslessBoundary` makes its own). Storage and time grow with N times the
-    band width that reverse Cuthill-McKee leaves.
+    band width that reverse Cuthill-McKee leaves, or with the entries (of the factor, for implicit schemes) where these
+    fill less than an eighth of it.
 
     Raises InputError naming the array: shapes, NaN, asymmetry, empty contact rows, penetration at t = 0.
 

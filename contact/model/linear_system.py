@@ -9,11 +9,13 @@ import numpy as np
 
 from contact.errors import InputError
 from contact.model.arrays import Array, Indices
-from contact.model.band import Band, band, combine, diagonal, factor, lower_form
+from contact.model.band import Band, band, combine, factor, fill_order, lower_form, sparse_form
 from contact.model.chain import Chain
 from contact.model.chain_linear import linear
 from contact.model.linear import LinearBody
 
+EMPTY = 8  # places of the band per entry right of the diagonal: beyond, entries are faster (reports.sparse_body)
+LANCZOS = 1e-8  # tolerance of the highest eigenvalue
 DENSE = 1500  # coordinates up to which a consistent mass matrix is treated by a dense eigen solver
 
 
@@ -44,7 +46,7 @@ class LinearSystem:
     @property
     def damped(self) -> bool:
         """Whether C has an entry."""
-        return bool(self.C.ground.any() or self.C.off.any())
+        return bool(self.C.ground.any()) or not self.C.lumped
 
     def rows(self) -> Array:
         """Q in band order, dense (k, N)."""
@@ -65,13 +67,14 @@ def linear_system(problem: Chain | LinearBody) -> LinearSystem:
     """Pack a chain or a linear body; raises InputError unless its mass matrix is positive definite."""
     body = linear(problem) if isinstance(problem, Chain) else problem
     n = body.size
-    order = np.arange(n) if isinstance(problem, Chain) else _narrow(body)
+    order, wide = (np.arange(n), False) if isinstance(problem, Chain) else _ordered(body)
     place = np.empty(n, dtype=np.int64)
     place[order] = np.arange(n)
     columns, value = _lists(body, place)
     assert body.load is not None
     system = LinearSystem(
-        body=body, order=order, place=place, M=band(body.M, order), C=band(body.C, order), K=band(body.K, order),
+        body=body, order=order, place=place, M=band(body.M, order, wide=wide),
+        C=band(body.C, order, wide=wide), K=band(body.K, order, wide=wide),
         load=body.load[order], shapes=np.array([f.shape[order] for f in body.forcing]).reshape(-1, n),
         columns=columns, value=value, gap0=body.gap0,
     )  # fmt: skip
@@ -79,12 +82,20 @@ def linear_system(problem: Chain | LinearBody) -> LinearSystem:
     return system
 
 
-def _narrow(body: LinearBody) -> Indices:
+def _ordered(body: LinearBody) -> tuple[Indices, bool]:
+    """Order of the coordinates, and whether matrices are kept as entries because the narrowest band is too wide."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import reverse_cuthill_mckee
 
     pattern = csr_array(abs(body.M)) + csr_array(abs(body.K)) + csr_array(abs(body.C))
-    return np.asarray(reverse_cuthill_mckee(pattern, symmetric_mode=True), dtype=np.int64)
+    order = np.asarray(reverse_cuthill_mckee(pattern, symmetric_mode=True), dtype=np.int64)
+    place = np.empty(body.size, dtype=np.int64)
+    place[order] = np.arange(body.size)
+    entries = pattern.tocoo()
+    width = int(np.max(np.abs(place[entries.row] - place[entries.col]), initial=0))
+    if width * body.size > EMPTY * max(entries.nnz - body.size, 1) // 2:
+        return fill_order(pattern), True
+    return order, False
 
 
 def _lists(body: LinearBody, place: Indices) -> tuple[Indices, Array]:
@@ -105,11 +116,15 @@ def omega_max(system: LinearSystem, *, contact_stiffness: float = 0.0, free: Arr
 
     `free` (N,) marks the coordinates that have mass; the others are held.
     """
+    from scipy.sparse import csr_array
+
     M, K = system.M, system.K
     if contact_stiffness:
         Q = system.rows()
-        K = combine((1.0, K), (contact_stiffness, band(Q.T @ Q, np.arange(system.size))))
-    if M.off.shape[0] == 0:
+        K = combine((1.0, K), (contact_stiffness, band(csr_array(Q).T @ csr_array(Q), np.arange(system.size))))
+    if K.sparse.start.size or M.sparse.start.size:
+        return _top_sparse(K, M, free)
+    if M.lumped:
         root = 1.0 / np.sqrt(M.ground)
         if free is not None:
             root = np.where(free, root, 0.0)
@@ -123,6 +138,24 @@ def omega_max(system: LinearSystem, *, contact_stiffness: float = 0.0, free: Arr
     n = system.size
     dense_M, dense_K = _dense(M), _dense(K)
     return math.sqrt(max(float(eigh(dense_K, dense_M, eigvals_only=True, subset_by_index=(n - 1, n - 1))[0]), 0.0))
+
+
+def _top_sparse(K: Band, M: Band, free: Array | None) -> float:
+    """By Lanczos from a fixed start; the answer is raised by what it may lack, since limits are taken from it."""
+    from scipy.sparse import diags_array
+    from scipy.sparse.linalg import LinearOperator, eigsh, splu
+
+    n = K.ground.size
+    stiff, start = sparse_form(K), np.random.default_rng(7).standard_normal(n)
+    if M.lumped:
+        root = 1.0 / np.sqrt(M.ground) if free is None else np.where(free, 1.0 / np.sqrt(M.ground), 0.0)
+        scale = diags_array(root)
+        top = eigsh(scale @ stiff @ scale, k=1, which="LA", v0=start, tol=LANCZOS, return_eigenvectors=False)
+    else:
+        mass = sparse_form(M)
+        inverse = LinearOperator((n, n), matvec=splu(mass).solve)
+        top = eigsh(stiff, k=1, M=mass, Minv=inverse, which="LA", v0=start, tol=LANCZOS, return_eigenvectors=False)
+    return math.sqrt(max(float(top[0]), 0.0) * (1.0 + 10.0 * LANCZOS))
 
 
 def _top_lumped(K: Band, root: Array) -> float:
@@ -142,8 +175,4 @@ def _top_lumped(K: Band, root: Array) -> float:
 
 
 def _dense(A: Band) -> Array:
-    dense = np.diag(diagonal(A))
-    n = A.ground.size
-    for d in range(1, A.off.shape[0] + 1):
-        dense += np.diag(A.off[d - 1, : n - d], d) + np.diag(A.off[d - 1, : n - d], -d)
-    return dense
+    return np.asarray(sparse_form(A).toarray())

@@ -26,7 +26,7 @@ def prepare_leapfrog(
     system, h = run.system, run.h
     spring = law.stiffness if isinstance(law, Penalty) else 0.0
     omega = omega_max(system, contact_stiffness=spring) if spring else run.omega
-    if system.M.off.shape[0] and system.size > CONSISTENT:
+    if not system.M.lumped and system.size > CONSISTENT:
         raise InputError(f"M: found a consistent mass matrix, expected a lumped one for {name} (it is explicit)")
     parts = parts_of(system, combine((1.0 / h**2, system.M), (0.5 / h, system.C)), 1.0)
     method = (run.law, rule, restitution)

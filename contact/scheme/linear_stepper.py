@@ -12,7 +12,7 @@ import numpy as np
 from contact.energy import Stored
 from contact.errors import InputError, LimitError
 from contact.model.arrays import Array, require_not_negative, require_positive
-from contact.model.band import Band, Factor, factor, solve
+from contact.model.band import Band, Factor, factor, pairs, solve
 from contact.model.chain import Chain
 from contact.model.law import AugmentedLagrangian, Law, Penalty
 from contact.model.linear import LinearBody
@@ -116,11 +116,10 @@ _KINDS = {"pointmass": "mass"}
 def product(A: Band, u: Array) -> Array:
     """A u, as the loops compute it."""
     total = A.ground * u
-    n = u.size
-    for d in range(1, A.off.shape[0] + 1):
-        pull = A.off[d - 1, : n - d] * (u[d:] - u[: n - d])
-        total[: n - d] += pull
-        total[d:] -= pull
+    rows, columns, values = pairs(A)
+    pull = values * (u[columns] - u[rows])
+    np.add.at(total, rows, pull)
+    np.subtract.at(total, columns, pull)
     return np.asarray(total)
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from contact.compiled import jit
 from contact.model.arrays import Array, Indices
-from contact.model.band import Band, Factor
+from contact.model.band import Band, Entries, Factor
 
 TINY = 1e-150
 
@@ -45,12 +45,43 @@ class State(NamedTuple):
 
 
 @jit
+def add_entries(A: Entries, scale: float, u: Array, out: Array) -> None:
+    """Add scale sum_j A_ij (u_j - u_i) to `out`, both halves of every entry."""
+    for i in range(u.size):
+        here, total = u[i], 0.0
+        for p in range(A.start[i], A.start[i + 1]):
+            j = A.column[p]
+            pull = scale * A.value[p] * (u[j] - here)
+            total += pull
+            out[j] -= pull
+        out[i] += total
+
+
+@jit
+def solve_entries(A: Factor, x: Array) -> None:
+    """Overwrite x by A^-1 x where the factor is kept as the entries of L^T."""
+    n, start, column, value = x.size, A.sparse.start, A.sparse.column, A.sparse.value
+    for i in range(n):
+        here = x[i]
+        for p in range(start[i], start[i + 1]):
+            x[column[p]] -= value[p] * here
+    for i in range(n - 1, -1, -1):
+        total = x[i] * A.inverse[i]
+        for p in range(start[i], start[i + 1]):
+            total -= value[p] * x[column[p]]
+        x[i] = total
+
+
+@jit
 def add_product(A: Band, scale: float, u: Array, out: Array, work: Array) -> None:
     """Add scale A u to `out`, in contiguous passes; `work` has room for N and the band width."""
     n = u.size
     if A.grounded:
         for i in range(n):
             out[i] += scale * A.ground[i] * u[i]
+    if A.sparse.start.size > 0:
+        add_entries(A.sparse, scale, u, out)
+        return
     for d in range(1, A.off.shape[0] + 1):
         row = A.off[d - 1]
         for i in range(d):
@@ -72,6 +103,9 @@ def flush(x: Array) -> None:
 @jit
 def solve_in_place(A: Factor, x: Array) -> None:
     """Overwrite x by A^-1 x, A = L D L^T."""
+    if A.sparse.start.size > 0:
+        solve_entries(A, x)
+        return
     n, width = A.low.shape
     if width == 1:
         low = A.low[:, 0]

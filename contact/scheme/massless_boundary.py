@@ -16,7 +16,7 @@ import numpy as np
 
 from contact.errors import InputError
 from contact.model.arrays import Array, Indices
-from contact.model.band import Band, band, combine, diagonal
+from contact.model.band import Band, band, combine, diagonal, lumped, pairs
 from contact.model.law import Law, Unilateral
 from contact.model.linear_system import LinearSystem, omega_max
 from contact.scheme.linear_stepper import LinearStepper, linear_stepper, parts_of, product, setup, start
@@ -42,13 +42,13 @@ class MasslessBoundary:
         name = "MasslessBoundary"
         run = setup(name, problem, law, (Unilateral,), dt, courant)
         full, h = run.system, run.h
-        if full.M.off.shape[0] or full.C.off.shape[0]:
+        if not (full.M.lumped and full.C.lumped):
             raise InputError(f"M, C: found coupled coordinates, expected lumped mass and damping for {name}")
         bare = _massless_places(full)
         system = replace(full, M=_moved(full.M, full.K, bare), C=_moved(full.C, full.K, bare))
         heavy = np.ones(system.size, dtype=bool)
         heavy[bare] = False
-        solid = replace(system, M=Band(system.M.ground + np.where(heavy, 0.0, 1.0), system.M.off))
+        solid = replace(system, M=lumped(system.M.ground + np.where(heavy, 0.0, 1.0)))
         static = _massless(system, bare)
         omega = omega_max(replace(solid, K=_closed_stiffness(system, static)), free=heavy)
         parts = parts_of(solid, combine((1.0 / h**2, solid.M), (0.5 / h, system.C)), 1.0)._replace(M=system.M)
@@ -80,29 +80,25 @@ def _massless_places(system: LinearSystem) -> Indices:
 
 def _neighbour_mass(system: LinearSystem) -> Array:
     """Largest mass among the coordinates each one is sprung to."""
-    n, found = system.size, np.zeros(system.size)
-    mass = system.M.ground
-    for d in range(1, system.K.off.shape[0] + 1):
-        tied = system.K.off[d - 1, : n - d] != 0.0
-        found[: n - d] = np.where(tied, np.maximum(found[: n - d], mass[d:]), found[: n - d])
-        found[d:] = np.where(tied, np.maximum(found[d:], mass[: n - d]), found[d:])
+    found, mass = np.zeros(system.size), system.M.ground
+    rows, columns, _ = pairs(system.K)
+    np.maximum.at(found, rows, mass[columns])
+    np.maximum.at(found, columns, mass[rows])
     return found
 
 
-def _pull(K: Band, i: int, bare: Indices) -> tuple[Indices, Array]:
-    """Coordinates that i is sprung to, massless ones left out, and the springs' stiffnesses."""
-    n, width = K.ground.size, K.off.shape[0]
-    others = [(i + d, K.off[d - 1, i]) for d in range(1, width + 1) if i + d < n]
-    others += [(i - d, K.off[d - 1, i - d]) for d in range(1, width + 1) if i - d >= 0]
-    kept = [(j, -stiffness) for j, stiffness in others if stiffness != 0.0]
-    return np.array([j for j, _ in kept], dtype=np.int64), np.array([stiffness for _, stiffness in kept])
+def _pull(K: Band, i: int) -> tuple[Indices, Array]:
+    """Coordinates that i is sprung to, and the springs' stiffnesses."""
+    rows, columns, values = pairs(K)
+    after, before = rows == i, columns == i
+    return np.concatenate([columns[after], rows[before]]), -np.concatenate([values[after], values[before]])
 
 
 def _moved(A: Band, K: Band, bare: Indices) -> Band:
     """Diagonal A with the entries of `bare` given to the coordinates they are sprung to, by stiffness."""
     moved = A.ground.copy()
     for i in bare:
-        others, springs = _pull(K, int(i), bare)
+        others, springs = _pull(K, int(i))
         share = np.where(np.isin(others, bare), 0.0, np.abs(springs))
         if not share.any():
             raise InputError(
@@ -111,14 +107,14 @@ def _moved(A: Band, K: Band, bare: Indices) -> Band:
         moved[others] += A.ground[i] * share / share.sum()
         moved[i] -= A.ground[i]
     moved[bare] = 0.0
-    return Band(moved, A.off, bool(moved.any()))
+    return lumped(moved)
 
 
 def _massless(system: LinearSystem, bare: Indices) -> Massless:
     """Rows of K, K_cc^-1 and what contact forces lift."""
     from contact.scheme.loop_massless import Massless
 
-    lists = [_pull(system.K, int(i), bare) for i in bare]
+    lists = [_pull(system.K, int(i)) for i in bare]
     width = max(others.size for others, _ in lists)
     near, stiff = np.repeat(bare[:, None], width, axis=1), np.zeros((bare.size, width))
     block = np.diag(diagonal(system.K)[bare])
@@ -148,7 +144,7 @@ def _closed_stiffness(system: LinearSystem, static: Massless) -> Band:
     follow = csr_array(static.lift) @ coupling
     B = csr_array(Q - follow)
     closed = K - coupling.T @ csr_array(static.flex) @ coupling + B.T @ csr_array(np.linalg.pinv(static.S)) @ B
-    return band(csr_array(closed), np.arange(system.size))
+    return band(csr_array(closed), np.arange(system.size), wide=bool(system.K.sparse.start.size))
 
 
 def _settle_start(stepper: LinearStepper, static: Massless, law: LawNumbers) -> None:

@@ -10,6 +10,7 @@ from reports import (
     contact_targets_study,
     rod_wall,
     rods,
+    sparse_body,
     stability,
     verify_contact,
     work_precision,
@@ -76,6 +77,16 @@ def test_published_values_of_contact():
     rows = verify_contact.rows(quick=True)
     assert len(rows) == 14
     assert [row["verdict"] for row in rows] == ["pass"] * 14
+
+
+def test_entries_give_what_bands_give(tmp_path, capsys):
+    rows = sparse_body.main(tmp_path, quick=True)
+    assert len(rows) == 6
+    for row in rows:
+        assert row["difference"] < 1e-12
+        assert row["unaccounted"] < 1e-11
+        assert row["factor fill"] < row["band fill"]
+    assert len(pd.read_csv(tmp_path / "sparse_body.csv")) == 6
 
 
 @pytest.mark.slow
