@@ -21,6 +21,8 @@ from casingfem.outfiles import Content, json_text
 @click.option("--most", type=click.IntRange(1, 12), default=4, show_default=True, help="Largest number of places.")
 @click.option("--model-error", type=click.FloatRange(0.0, 0.5), default=0.0, show_default=True,
               help="What the model may be off by, relative; without a baseline the size of its splits.")  # fmt: skip
+@click.option("--shapes", type=click.Path(path_type=Path), metavar="UFF",
+              help="Mode shapes measured with TABLE: they tell a bolt from the opposite one.")  # fmt: skip
 @options
 def locate(
     file: Path,
@@ -30,21 +32,37 @@ def locate(
     edge: str | None,
     most: int,
     model_error: float,
+    shapes: Path | None,
     as_json: bool,
     out: Path | None,
 ) -> None:
     """Find loose bolts or added masses of STUDY from a frequency TABLE with nodal diameters and orientations."""
+    from casingfem.experiment.measured_shapes import MeasuredShapes
     from casingfem.experiment.measurement import FrequencyTable
     from casingfem.plot_locate import figure_located
     from casingfem.study import load_study
     from casingfem.updating.localisation import locate as find
+    from casingfem.updating.localisation import search_model
+    from casingfem.updating.shape_check import judged_by_shapes
 
     study = load_study(file)
     now = FrequencyTable.from_csv(table)
     before = None if baseline is None else FrequencyTable.from_csv(baseline)
+    seen = None if shapes is None else MeasuredShapes.from_uff(shapes)
+    if seen is not None and among != "bolts":
+        raise click.UsageError("--shapes judges loose bolts, not masses")
     with Working(f"search among {among} of {file.name}") as working:
-        found = find(study.shell, now, baseline=before, among=among, edge=edge, most=most, model_error=model_error)
-    document = {**found.to_json(), "seconds": working.seconds, "warnings": noted(), "source": study.source}
+        model = search_model(study.shell, now, among=among, edge=edge)
+        found = find(
+            study.shell, now, baseline=before, among=among, edge=edge, most=most, model_error=model_error, model=model
+        )
+        judged = [] if seen is None else judged_by_shapes(model[0], found, seen)
+    order = [{"places": sorted(one.explanation.places), "unlike": one.unlike} for one in judged]
+    document = {
+        **found.to_json(), "by_shapes": order, "seconds": working.seconds, "warnings": noted(), "source": study.source
+    }  # fmt: skip
+    lines = [f"bolts {one['places']}: the shapes differ by {one['unlike']:.2g}" for one in order]
+    text = "\n".join([repr(found), *(["by the measured shapes, the likeliest first:"] if lines else []), *lines])
     files: dict[str, Content] = {}
     if out is not None:
         figure = figure_located(found)
@@ -52,4 +70,4 @@ def locate(
             "located.json": json_text(document, indent=1),
             "located.png": lambda path: figure.savefig(path, format="png", dpi=150, metadata={"Software": None}),
         }
-    deliver(document, repr(found), as_json=as_json, out=out, files=files)
+    deliver(document, text, as_json=as_json, out=out, files=files)

@@ -2,8 +2,8 @@
 
 One loose bolt at theta adds to the split vector of a pair a part along (cos 2 n theta, sin 2 n theta): several n tell
 places apart that one n does not. No frequency and no orientation can tell theta from theta + pi: turned by half a
-turn the casing has the same table. Such twins are listed with every answer; shapes measured around the rim
-(`untwined` in `shape_check.py`) decide between them.
+turn the casing has the same table. Such twins are listed with every answer; shapes measured around the rim decide
+between them (`shape_check.py`).
 """
 
 from collections.abc import Sequence

@@ -50,6 +50,7 @@ def folder(tmp_path_factory):
     assert isinstance(bolts, Bolts)
     tight = modes(shell, 14, method="shell")
     write_modes_uff(tight, where / "shapes.uff", range(6))
+    write_modes_uff(modes(loosened(shell, bolts), 14), where / "loose.uff", range(10))
     for name, found in (("tight", tight), ("loose", modes(loosened(shell, bolts), 14))):
         n, angle = found.nodal_diameters, found.angle_deg.copy()
         for low, high in found.doublets:
@@ -89,12 +90,13 @@ def test_correlate_refuses_a_file_without_shapes(folder, tmp_path):
 def test_locate_names_the_bolt_or_the_opposite_one(folder, tmp_path):
     result = invoke(
         "locate", folder / "casing.toml", folder / "loose.csv", "--baseline", folder / "tight.csv",
-        "--json", "--out", tmp_path,
+        "--shapes", folder / "loose.uff", "--json", "--out", tmp_path,
     )  # fmt: skip
     assert result.exit_code == 0, result.output
     document = json.loads(result.stdout)
     places = {one["place"] for explanation in document["explanations"] for one in explanation["found"]}
     assert places == {4, 10}
+    assert document["by_shapes"][0]["places"] == [4]
     assert document["found"][0]["value"] == pytest.approx(0.2, abs=0.03)
     assert {path.name for path in tmp_path.iterdir()} == {"located.json", "located.png"}
 

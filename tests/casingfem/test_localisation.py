@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
+from casingfem.experiment.measured_shapes import MeasuredShapes
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.sensors import sensors_of
 from casingfem.modal.modes import modes
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Cylinder
@@ -18,6 +20,7 @@ from casingfem.structure.section import Section
 from casingfem.structure.shell import Shell
 from casingfem.updating.calibration import calibrated
 from casingfem.updating.localisation import locate, search_model
+from casingfem.updating.shape_check import judged_by_shapes
 
 BOLTS = Bolts(count=12, k=2e8, k_rot=1e5)
 COARSE = ShellMesh(order=5, rows=(0.0, 0.05, 1.0), around=12)
@@ -179,3 +182,20 @@ def test_among_bolts_wants_one_bolted_edge(frustum):
     table = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1, n=[8, 8])
     with pytest.raises(ModelError, match="0 edges of the structure have bolts"):
         locate(frustum(), table)
+
+
+def test_shapes_tell_a_bolt_from_the_opposite_one(casing, model):
+    """Noise of 2 % of each shape at 24 sensors around the rim; bolts 4 and 10 have one table."""
+    loose = modes(loosened(casing, {4: 0.3}), 16)
+    theta = 2.0 * np.pi * np.arange(24) / 24
+    out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
+    points = np.real(casing.geometry(np.full(24, 0.25), theta).surface.x).T
+    values = sensors_of(loose, points, out).shapes(loose.fields)
+    noise = np.random.default_rng(11).standard_normal(values.shape)
+    values = values + 0.02 * np.sqrt(np.mean(values**2, axis=0)) * noise
+    shapes = MeasuredShapes.from_arrays(freq_hz=loose.freq, values=values, points=points, directions=out)
+    found = locate(casing, measured(loose, 470.0), model=model)
+    right, wrong = judged_by_shapes(model[0], found, shapes)
+    assert right.explanation.places == {4}
+    assert wrong.explanation.places == {10}
+    assert right.unlike < 0.3 * wrong.unlike
