@@ -47,7 +47,7 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
 
     scene = load_scene(file)
     if command == "rub" and not isinstance(scene.what, RotatingRim | Rub):
-        found = "scene.kind: found neither 'rim' nor 'rub', expected one of them"
+        found = "scene.kind: found none of 'rim', 'rub' and 'disk', expected one of them"
         raise SceneError([f"{file}: {found} (casingfem contact runs them all)"])
     with Working(f"{command} {file.name}") as working:
         result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
