@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from numpy.typing import ArrayLike
+from scipy.signal.windows import hann
 
 from casingfem.experiment.circle_record import ScanRecord
-from casingfem.experiment.circle_scan import CircleScan
+from casingfem.experiment.circle_scan import SEEN, CircleScan
 from casingfem.experiment.frf import FrfSet
 from casingfem.plot_style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, SKY, new_figure, styled
 
@@ -57,13 +58,12 @@ def figure_scan(record: ScanRecord, found: CircleScan) -> Figure:
     figure = new_figure()
     axes = figure.add_subplot()
     count = len(record.velocity)
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
-    spectrum = 4.0 * np.abs(np.fft.rfft(record.velocity * window)) / count
+    spectrum = 4.0 * np.abs(np.fft.rfft(record.velocity * hann(count, sym=False))) / count
     freq = np.fft.rfftfreq(count, 1.0 / record.fs)
-    lines, size = found.lines, 1.0 * np.abs(found.V)
+    lines, size = found.lines, np.abs(found.V)
     if record.force is not None:
         size = size * (spectrum.max() / max(float(size.max()), 1e-300))
-    there = np.abs(found.V) > 4.0 * found.sigma
+    there = np.abs(found.V) > SEEN * found.sigma
     reach = 1.5 * abs(found.rate)
     shown = (freq >= lines.min() - reach) & (freq <= lines.max() + reach)
     axes.semilogy(freq[shown], spectrum[shown], color=PERFECT, linewidth=0.7, label="spectrum, Hann window")

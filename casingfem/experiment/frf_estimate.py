@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
+from scipy.signal.windows import hann
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.frf import FrfSet
@@ -121,9 +122,7 @@ def spectra(values: FloatArray, record: Record, window: Window, overlap: float) 
     """Windowed transforms of a record's blocks, (channels, averages, lines)."""
     step = max(1, round(record.block * (1.0 - overlap)))
     blocks = np.lib.stride_tricks.sliding_window_view(values, record.block, axis=1)[:, ::step]
-    shape = np.ones(record.block)
-    if window == "hann":
-        shape = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(record.block) / record.block)
+    shape = hann(record.block, sym=False) if window == "hann" else np.ones(record.block)
     return np.asarray(np.fft.rfft(blocks * shape, axis=-1))
 
 

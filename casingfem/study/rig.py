@@ -176,7 +176,7 @@ def responses(
 def excitation(test: ResponsesTable) -> Excitation:
     """The force of a test by records: its band reaches a tenth beyond that of the responses."""
     low, high = test.band_hz
-    band = (0.9 * low, 1.1 * high)
+    band = (round(0.9 * low, 6), round(1.1 * high, 6))
     if test.kind == "random":
         return Random(rms=test.force, band=band)
     if test.kind == "burst-random":
