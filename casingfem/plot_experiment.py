@@ -19,6 +19,12 @@ RADIUS = 1.0, 0.45  # of the circle, and of the largest deflection drawn on it
 FLOOR = 1e-5  # of the highest line: below it nothing is drawn
 
 
+def say_synthetic(figure: Figure, card: Sequence[str]) -> None:
+    """Write SYNTHETIC into the corner of what nobody measured."""
+    if card and card[0].startswith("SYNTHETIC"):
+        figure.text(0.995, 0.005, "SYNTHETIC", ha="right", va="bottom", fontsize=7, color=AFTER)
+
+
 @styled
 def figure_responses(
     frfs: FrfSet, *, marks: ArrayLike = (), labels: Sequence[str] = (), coherence: FrfSet | None = None
@@ -49,6 +55,7 @@ def figure_responses(
         below.set_ylabel("coherence\n(least)")
         axes = below
     axes.set_xlabel("frequency [Hz]")
+    say_synthetic(figure, frfs.card)
     return figure
 
 
@@ -83,6 +90,7 @@ def figure_scan(record: ScanRecord, found: CircleScan) -> Figure:
     axes.set_ylabel("velocity [m/s]")
     axes.set_title(f"Circle scan, {found.rate:.3g} turns/s: lines at f + n W")
     axes.legend(loc="upper center", ncols=3)
+    say_synthetic(figure, record.card)
     return figure
 
 
@@ -111,4 +119,5 @@ def figure_deflections(found: CircleScan, waves: Sequence[tuple[int, int]]) -> F
         axes.set_xticks(np.radians([0.0, 90.0, 180.0, 270.0]))
         angle = "" if n == 0 else f", {wave.angle_deg:.1f} deg"
         axes.set_title(f"{wave.tone:.1f} Hz, n = {n}{angle}\ntravelling {wave.travelling:+.2f}", fontsize=8)
+    say_synthetic(figure, found.card)
     return figure

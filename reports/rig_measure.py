@@ -133,6 +133,11 @@ def pairs_by_scan(test: RigTest, quick: bool) -> list[Row]:
     return rows
 
 
+def marked(rows: list[Row]) -> list[Row]:
+    """Rows that say what they come from."""
+    return [{"data": "SYNTHETIC", **row} for row in rows]
+
+
 def pictures(out: Path, test: RigTest, found: cf.Identified) -> None:
     """Responses with identified lines, the scan's spectrum and its deflections."""
     assert test.frfs is not None
@@ -181,7 +186,7 @@ def main(out: Path, quick: bool = False) -> dict[str, Row]:
     rows, summaries["casing"] = identified(found, test.truth)
     show("Casing: identified against true", rows)
     show("Casing: identification in one line", [summaries["casing"]])
-    write(out / "rig_measure_identified.csv", rows)
+    write(out / "rig_measure_identified.csv", marked(rows))
 
     accuracy = scan_accuracy(test, quick)
     show(
@@ -206,7 +211,7 @@ def main(out: Path, quick: bool = False) -> dict[str, Row]:
         predicted += rows
     show("Frequencies that were not used, in sigma of the test (.04 %)", predicted)
     show("The same in one line each", [row for row in summaries.values() if "unseen" in row])
-    write(out / "rig_measure.csv", predicted)
+    write(out / "rig_measure.csv", marked(predicted))
     print(f"\n{time.perf_counter() - started:.0f} s")
     return summaries
 

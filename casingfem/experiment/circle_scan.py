@@ -67,6 +67,8 @@ class CircleScan:
     left
         Rms of what the lines leave over that of the noise alone: above 1.5 there are orders or tones not fitted, which
         leak into those that are.
+    card
+        Source lines of the record.
     """
 
     tones: FloatArray
@@ -76,6 +78,7 @@ class CircleScan:
     floor: FloatArray
     rate: float
     left: float
+    card: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("tones", "n", "V", "sigma", "floor"):
@@ -200,7 +203,9 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
     fit = fit_lines(record, omega, order)
     shape = (len(tones), len(n))
     V, sigma, floor = (values[: len(tones) * len(n)].reshape(shape) for values in fit[:3])
-    found = CircleScan(tones=tones, n=n, V=V, sigma=sigma, floor=floor, rate=record.rate, left=fit.left)
+    found = CircleScan(
+        tones=tones, n=n, V=V, sigma=sigma, floor=floor, rate=record.rate, left=fit.left, card=record.card
+    )
     return found if record.force is None else per_newton(found, record)
 
 

@@ -6,7 +6,7 @@ stands in space (a magnet) runs against a turning casing and excites it at omega
 harmonic of each shape. Laser and force both at rest, all lines of the same m + n fall together: the demodulation says
 so; let the mirror turn too.
 
-Modes are those of the casing at rest: Coriolis forces, which split a thin ring's pair by 2 n/(n^2 + 1) of the turning
+Modes are those of the casing at rest: Coriolis forces, which split a thin ring's pair by 4 n/(n^2 + 1) of the turning
 rate, and the hoop motion's share turning/(n f) of the velocity along the beam are left out. Lathes turn slowly.
 """
 
@@ -167,6 +167,10 @@ def scan(
     angle = spot_angle(turn, fs, count, rng)
     velocity = seen(V, freq, n, angle, fs) + every_turn(turn, angle, rng)
     said = [SYNTHETIC, *card, f"circle scan: {turn!r}; tones {[tuple(tone) for tone in tones]}; seed {seed}"]
+    if turn.casing:
+        said.append(
+            f"left out: Coriolis forces, which split a thin ring's pair n = 2 by {0.8 * abs(turn.casing):.3g} Hz"
+        )
     if snr_db is not None:
         velocity = velocity + noise(velocity[None], snr_db, rng)[0]
         said.append(f"noise: {snr_db:g} dB below the rms")

@@ -1,6 +1,7 @@
 """[rig] of a study file: what is made of it, the command, the pictures, what is refused."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.experiment.circle_record import ScanRecord
+from casingfem.plot_experiment import figure_deflections, figure_responses, figure_scan
 from casingfem.study import StudyError, load_study
 from casingfem.study.rig import run_rig
 
@@ -144,6 +146,24 @@ def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_p
     words = CliRunner().invoke(main, ["rig", str(path)]).output
     assert words.startswith("SYNTHETIC")
     assert "waves above 4 sigma" in words
+
+
+def test_pictures_of_what_nobody_measured_say_so(study):
+    test = run_rig(load_study(study(CASING + EXACT + SCAN)))
+    drawn = [
+        figure_responses(test.frfs, marks=test.truth.freq_hz),
+        figure_scan(test.scan.record, test.waves),
+        figure_deflections(test.waves, [(0, 8), (1, 0)]),
+    ]
+    for figure in drawn:
+        assert [text.get_text() for text in figure.texts] == ["SYNTHETIC"]
+    measured = replace(test.frfs, card=("measured",))
+    assert not figure_responses(measured).texts
+    lines = {tuple(np.round(line.get_xdata(), 9)) for line in drawn[0].axes[0].lines if len(line.get_xdata()) == 2}
+    inside = [f for f in test.truth.freq_hz.tolist() if 360.0 <= f <= 440.0]
+    assert {x[0] for x in lines} == {round(f, 9) for f in inside}
+    _, size = drawn[2].axes[0].lines[1].get_data()
+    assert size.max() == pytest.approx(1.45, abs=0.02)  # the largest deflection is drawn .45 beyond the circle
 
 
 def test_open_charts_give_places_by_their_parameters(study):
