@@ -28,6 +28,7 @@ from contact.scheme.loop_stick import INSIDE
 from contact.scheme.loop_tally import due, note_contact, note_stick, store, store_state
 from contact.solver.coulomb import friction_forces
 from contact.solver.friction_newton import TOLERANCE
+from contact.solver.gliding import glide
 
 
 class RubState(NamedTuple):
@@ -188,6 +189,8 @@ def solve(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: floa
         b[a] = dot(w.rows[a], s.d) + blade_dot(rows, row, j, s.d) - s.strain[row]
         if i == 1:
             b[a] += rows.radius[j] * slid
+    if dim > 1 and count > 1:
+        glide(W, b, mu, dim, lam)
     iterations, miss = friction_forces(W, b, mu, dim, lam)
     s.counts[0] = max(s.counts[0], float(iterations))
     s.counts[1] += float(iterations)

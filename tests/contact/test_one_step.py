@@ -9,6 +9,7 @@ from contact.solver.coulomb import coulomb
 from contact.solver.faceted import covering, faceted
 from contact.solver.faceted import lemke as pivoting
 from contact.solver.friction_newton import MOST_ITERATIONS
+from contact.solver.gliding import glide
 from tests.contact.lemke import lemke
 
 
@@ -207,3 +208,23 @@ def test_pivoting_from_any_covering_vector_is_the_reference(draw):
 def test_bad_friction_problems_are_named(W, b, mu, word):
     with pytest.raises(InputError, match=word):
         coulomb(W, b, mu)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_gliding_contacts_are_solved_by_their_normals_alone(dim):
+    """All slide fast: the start is the solution; something sticks: the start is left alone."""
+    rng = np.random.default_rng(23)
+    for _ in range(20):
+        half = rng.standard_normal((8 * dim, 8 * dim))
+        W = half @ half.T / (8 * dim) + 0.5 * np.eye(8 * dim)
+        b = rng.standard_normal((8, dim))
+        b[:, 1] += 1e5
+        force = np.zeros(8 * dim)
+        glide(W, b.ravel(), np.full(8, 0.1), dim, force)
+        exact = coulomb(W, b, 0.1)
+        assert exact.force[:, 0].max() > 0.0
+        assert np.allclose(force, exact.force.ravel(), rtol=0.0, atol=1e-10 * np.abs(exact.force).max())
+    stuck = np.full(dim, -1.0)
+    start = np.zeros(dim)
+    glide(np.eye(dim), stuck, np.array([9.0]), dim, start)
+    assert np.array_equal(start, np.zeros(dim))
