@@ -61,8 +61,13 @@ from casingfem.structure.taper import Taper
 from casingfem.structure.twisted import TwistedPlate
 from casingfem.updating.localisation import Localisation, locate
 from casingfem.updating.parameters import Parameter, ParameterError
+from casingfem.updating.posterior import Laplace, laplace
+from casingfem.updating.prediction import LeftOut, leave_one_out
 from casingfem.updating.problem import UpdateError
+from casingfem.updating.regularisation import Regularisation
 from casingfem.updating.result import UpdateResult
+from casingfem.updating.sampling import Sampled, sampled
+from casingfem.updating.shapes import SensorShapes
 from casingfem.updating.updating import update
 
 __all__ = [
@@ -92,6 +97,8 @@ __all__ = [
     "Gravity",
     "Identified",
     "Interactions",
+    "Laplace",
+    "LeftOut",
     "Localisation",
     "Material",
     "MeasuredShapes",
@@ -114,6 +121,7 @@ __all__ = [
     "Probe",
     "Profile",
     "RandomField",
+    "Regularisation",
     "Revolved",
     "RevolvedPanel",
     "Rig",
@@ -121,10 +129,12 @@ __all__ = [
     "Rim",
     "Ring",
     "Rotation",
+    "Sampled",
     "SampledField",
     "ScanError",
     "ScanRecord",
     "Section",
+    "SensorShapes",
     "ShapeError",
     "ShearDiaphragm",
     "Shell",
@@ -155,6 +165,8 @@ __all__ = [
     "demodulate",
     "identify",
     "interactions",
+    "laplace",
+    "leave_one_out",
     "locate",
     "mac",
     "mistune",
@@ -164,6 +176,7 @@ __all__ = [
     "read_uff",
     "reduce",
     "rig_of",
+    "sampled",
     "solve_static",
     "subspace_mac",
     "update",

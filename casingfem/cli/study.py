@@ -105,21 +105,35 @@ def modes_csv(found: "ModeSet", study: "Study | MeshStudy") -> str:
 
 @click.command()
 @STUDY
+@click.option("--leave-one-out", "left_out", is_flag=True, help="Predict each row by an update that has not seen it.")
+@click.option(
+    "--posterior",
+    type=click.Choice(["laplace", "emcee"]),
+    help="How sure beyond J^T J; emcee samples (extra sampling).",
+)
 @options
-def update(file: Path, as_json: bool, out: Path | None) -> None:
+def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterior: str | None) -> None:
     """Fit the parameters of STUDY to its measured frequency table."""
     from casingfem.study import load_study, updated_toml
-    from casingfem.study.tasks import run_update
+    from casingfem.study.tasks import judge_update, run_update
 
     study = load_study(file)
     with Working(f"update of {file.name}") as working:
         fit = run_update(study, lambda k, rms: working.say(f"evaluation {k}: rms {rms:.3g} sigma"))
-    document = {**fit.to_json(), "seconds": working.seconds, "warnings": noted(), "source": study.source}
+        fit_seconds = working.seconds
+        further = judge_update(study, fit, left_out=left_out, posterior=posterior, say=working.say)
+    document = {
+        **fit.to_json(),
+        **{name: part.to_json() for name, part in further.items()},
+        "seconds": fit_seconds,
+        "warnings": noted(),
+        "source": study.source,
+    }
     files = {"update.json": json_text(document, indent=1)}
     if out is not None:
         values = {p.name: value for p, value in zip(fit.parameters, fit.value, strict=True)}
         files[f"{file.stem}_updated.toml"] = updated_toml(study, values, out)
-    deliver(document, repr(fit), as_json=as_json, out=out, files=files)
+    deliver(document, "\n".join(map(repr, [fit, *further.values()])), as_json=as_json, out=out, files=files)
 
 
 @click.command()

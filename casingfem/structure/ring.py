@@ -77,24 +77,36 @@ class Ring:
         return np.asarray(self.centre(outward) + foot)
 
     def number(self, path: tuple[str, ...]) -> Any:
-        """A named number of the ring's own support.
+        """A named number: ("section", "width"), ("material", "E"), else one of the ring's own support.
 
         Raises
         ------
         KeyError
             If there is no such number.
         """
+        match path:
+            case ("section", name):
+                return self.section.number(name)
+            case ("material", "E" | "nu" | "rho" as name):
+                if self.material is None:
+                    raise KeyError("this ring has no material of its own; vary the shell's")
+                return getattr(self.material, name)
         if isinstance(self.support, Numbered):
             return self.support.number(path)
         names = getattr(self.support, "stiffness_names", ())
         if len(path) == 1 and path[0] in names:
             return getattr(self.support, path[0])
-        raise KeyError(f"this ring's support has {', '.join(names) or 'no numbers'}")
+        raise KeyError(f"this ring has section.width and the like, {', '.join(('material.E', *names))}")
 
     def with_number(self, path: tuple[str, ...], value: Any) -> "Ring":
-        """The same ring with a named number of its support replaced."""
+        """The same ring with a named number replaced."""
+        self.number(path)
+        changes: dict[str, Any] = {path[-1]: value}
+        match path:
+            case ("section", name):
+                return replace(self, section=self.section.with_number(name, value))
+            case ("material", _):
+                return replace(self, material=replace(self.material, **changes))  # type: ignore[type-var]
         if isinstance(self.support, Numbered):
             return replace(self, support=self.support.with_number(path, value))
-        self.number(path)
-        changes: dict[str, Any] = {path[0]: value}
         return replace(self, support=replace(self.support, **changes))  # type: ignore[type-var]

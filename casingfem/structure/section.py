@@ -1,6 +1,7 @@
 """Sections of beams: area, moments, torsion and shear of a rectangle or a circle."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -76,6 +77,39 @@ class Section:
             J=2.0 * inertia,
             shear=0.9,
         )
+
+    def number(self, name: str) -> float:
+        """A named number of the section; `diameter` is that of a circle.
+
+        Raises
+        ------
+        KeyError
+            If there is no such number.
+        """
+        if name == "diameter" and self == Section.circle(diameter=self.width):
+            return self.width
+        if name not in NUMBERS:
+            raise KeyError(f"a section has {', '.join(NUMBERS)}, and a circle diameter")
+        value: float = getattr(self, name)
+        return value
+
+    def with_number(self, name: str, value: float) -> "Section":
+        """The same section with a number replaced: a rectangle or a circle stays one, area and moments follow.
+
+        >>> Section.rectangle(width=0.04, depth=0.04).with_number("width", 0.02).area
+        0.0008
+        """
+        self.number(name)
+        if name == "diameter":
+            return Section.circle(diameter=value)
+        if name in ("width", "depth") and self == Section.rectangle(width=self.width, depth=self.depth):
+            sides = {"width": self.width, "depth": self.depth, name: value}
+            return Section.rectangle(**sides)
+        changes: dict[str, Any] = {name: value}
+        return replace(self, **changes)
+
+
+NUMBERS = ("width", "depth", "area", "I_r", "I_z", "J", "shear")
 
 
 def check_sides(**sides: float) -> None:

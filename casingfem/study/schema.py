@@ -394,6 +394,10 @@ class UpdateTable(Table):
     reach: Positive = Field(default=0.5, description="largest relative frequency error of a pair")
     count: int | None = Field(default=None, ge=1, le=100_000, description="modes computed; from the table if left out")
     model_error: float = Field(default=0.0, ge=0, lt=1, description="relative error allowed to the model")
+    regularise: Literal["discrepancy", "l-curve"] | None = Field(
+        default=None, description="rule that chooses how strongly ill-posed parameters are held to their start"
+    )
+    regularised: list[str] = Field(default=[], description="their names; all harmonics if left out")
     parameter: list[ParameterTable] = Field(min_length=1, description="at least one [[update.parameter]]")
 
 

@@ -1,5 +1,6 @@
 """What a study asks for: the update and the reduction it describes, with errors that name its keys."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from casingfem.modal.basis import ModalBasis
@@ -8,8 +9,12 @@ from casingfem.structure.assembly import System
 from casingfem.structure.shell import Shell
 from casingfem.study.load import Study
 from casingfem.study.problems import StudyError
+from casingfem.updating.posterior import Laplace, laplace
+from casingfem.updating.prediction import LeftOut, leave_one_out
 from casingfem.updating.problem import Progress
+from casingfem.updating.regularisation import Regularisation
 from casingfem.updating.result import UpdateResult
+from casingfem.updating.sampling import Sampled, sampled
 from casingfem.updating.updating import update
 
 
@@ -32,10 +37,36 @@ def run_update(study: Study, progress: Progress | None = None) -> UpdateResult:
             count=tables.count,
             reach=tables.reach,
             model_error=tables.model_error,
+            regularise=None
+            if tables.regularise is None
+            else Regularisation(rule=tables.regularise, names=tuple(tables.regularised)),
             progress=progress,
         )
     except ValueError as error:
         raise StudyError([f"{study.path}: update: {error}"]) from error
+
+
+def judge_update(
+    study: Study, fit: UpdateResult, *, left_out: bool, posterior: str | None, say: Callable[[str], None]
+) -> dict[str, LeftOut | Laplace | Sampled]:
+    """What was asked for beyond the fit, by its key in the JSON document.
+
+    Raises
+    ------
+    StudyError
+        If it cannot be had: too few rows, a fit that is no minimum, no emcee.
+    """
+    found: dict[str, LeftOut | Laplace | Sampled] = {}
+    try:
+        if left_out:
+            say("predicting rows left out")
+            found["leave_one_out"] = leave_one_out(fit)
+        if posterior is not None:
+            say(f"posterior by {posterior}")
+            found["posterior"] = laplace(fit) if posterior == "laplace" else sampled(fit)
+    except ValueError as error:
+        raise StudyError([f"{study.path}: update: {error}"]) from error
+    return found
 
 
 def run_reduce(study: Study, shell: Shell | None = None, system: System | None = None) -> ModalBasis:

@@ -76,6 +76,13 @@ def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
             else next(e for e, s in shell.supports.items() if isinstance(grip(s), Bolts))
         )
         loosen(holding(tables, edge), int(parts[-2]), value)
+    elif parts[0] == "support" and parts[2] in ("section", "material"):
+        ring = tables["support"][parts[1]]
+        (ring if parts[2] == "section" else ring["material"])[parts[3]] = value
+    elif parts[0] == "mass":
+        on_edge = [entry for entry in tables["mass"] if entry["edge"] == parts[1]]
+        key, number = ("angle_deg", math.degrees(value)) if parts[3] == "angle" else ("mass", value)
+        on_edge[int(parts[2]) - 1][key] = number
     elif parts[0] == "support" and parts[2] == "k":
         tighten(holding(tables, parts[1]), value)
     elif parts[0] == "support" and len(parts) == 3:

@@ -5,7 +5,8 @@ the table are those with the largest share in the plane of the modes that went w
 
     share of mode j in the plane of (a, b) = (phi_a^T M phi_j)^2 + (phi_b^T M phi_j)^2,
 
-doublets as planes, assigned all at once. A mode of which less than half is found again is lost.
+doublets as planes, assigned all at once. A mode of which less than a third is found again is lost: half is what is
+left where two modes meet and mix.
 """
 
 from dataclasses import replace
@@ -20,7 +21,7 @@ from casingfem.experiment.pairing import Match, Pairing
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.assembly import nodal_mass
 
-LOST = 0.5
+LOST = 1.0 / 3.0
 
 
 class LostModeError(ValueError):
@@ -49,8 +50,7 @@ def followed(pairing: Pairing, old: Modes, new: Modes, table: FrequencyTable) ->
         If a mode with a row is not found again.
     """
     share = overlaps(old, new)
-    partner = {mode: pair for pair in old.doublets for mode in pair}
-    planes = [partner.get(match.modes[0], match.modes) for match in pairing.matches]
+    planes = [plane_of(match, old, pairing) for match in pairing.matches]
     wanted = [(k, share[list(plane)].sum(axis=0)) for k, plane in enumerate(planes) for _ in pairing.matches[k].modes]
     profit = np.array([row for _, row in wanted])
     profit = np.pad(profit, ((0, 0), (0, max(len(profit) - len(new), 0))))  # fewer modes than rows: some are lost
@@ -61,15 +61,26 @@ def followed(pairing: Pairing, old: Modes, new: Modes, table: FrequencyTable) ->
         if profit[place, mode] < LOST:
             raise LostModeError(pairing.matches[match].rows, float(profit[place, mode]))
         of.setdefault(match, []).append(mode)
-    matches = tuple(moved(match, sorted(of[k]), new, table) for k, match in enumerate(pairing.matches))
+    matches = tuple(
+        moved(match, sorted(of[k]), len(planes[k]) > len(match.modes), new, table)
+        for k, match in enumerate(pairing.matches)
+    )
     taken = set(chain.from_iterable(match.modes for match in matches))
     rest = tuple(mode for mode in range(len(new)) if mode not in taken)
     return replace(pairing, matches=matches, unpaired_modes=rest)
 
 
-def moved(match: Match, modes: list[int], new: Modes, table: FrequencyTable) -> Match:
-    """A match with other modes; half a doublet takes the member nearer to its row, as in pairing."""
-    if len(modes) == 1:
+def plane_of(match: Match, modes: Modes, pairing: Pairing) -> tuple[int, ...]:
+    """The modes of a match; of half a doublet both, if the other half has no row of its own."""
+    if len(match.modes) == 2:
+        return match.modes
+    whole = next((pair for pair in modes.doublets if match.modes[0] in pair), match.modes)
+    return whole if all(mode in match.modes or mode in pairing.unpaired_modes for mode in whole) else match.modes
+
+
+def moved(match: Match, modes: list[int], whole: bool, new: Modes, table: FrequencyTable) -> Match:
+    """A match with other modes; of half a doublet the member nearer to its row, as in pairing."""
+    if whole:
         pair = next((pair for pair in new.doublets if modes[0] in pair), (modes[0],))
         target = table.freq_hz[match.rows[0]]
         modes = [min(pair, key=lambda mode: abs(float(new.freq[mode]) - target))]

@@ -6,8 +6,9 @@ without a material of its own follows the wall's); support.<edge>.k_face | k_r |
 support.<edge>.k_face.p4.cos (how that spring varies along its edge, relative) and support.<edge>.around.p4.cos
 (all springs of the edge together). Bolts have support.<edge>.k | k_rot | bolts.3.k, where k is the largest of a
 bolt's three stiffnesses and the others keep their ratios; bolts.3.k alone where one edge has bolts.
-chart.chord.2, taper.along.1: a station of a law, the root's first.
-Under a ring the same names are those of the ring's own support.
+chart.chord.2, taper.along.1: a station of a law, the root's first. mass.top.1.mass | angle: the first mass on an edge.
+Under a ring the same names are those of the ring's own support; the ring itself has support.<edge>.section.width |
+depth | diameter | area | I_r | I_z | J and, if it has one, support.<edge>.material.E | nu | rho.
 """
 
 import re
@@ -176,13 +177,23 @@ def _strip(shell: Shell, name: str, parts: list[str]) -> tuple[int, Any, str]:
     return place - 1, strip.material, parts[3]
 
 
+def _mass(shell: Shell, name: str, parts: list[str]) -> tuple[str, int]:
+    """Edge of a point mass, and its index there."""
+    known = shell.masses.get(parts[1], ()) if len(parts) == 4 and parts[3] in ("mass", "angle") else ()
+    place = int(parts[2]) if known and parts[2].isdecimal() else 0
+    if not 1 <= place <= len(known):
+        has = ", ".join(f"{len(masses)} on {edge!r}" for edge, masses in shell.masses.items()) or "none"
+        raise ParameterError(f"{name!r}: expected mass.<edge>.<number>.mass or .angle; this shell has masses: {has}")
+    return parts[1], place - 1
+
+
 def _plain(shell: Shell, name: str, parts: list[str]) -> tuple[Any, str]:
     owners = {"material": shell.material, "chart": shell.chart, "taper": shell.taper, "shell": shell}
     owners = {word: owner for word, owner in owners.items() if owner is not None}
     owner = owners.get(parts[0])
     if owner is None or len(parts) not in (2, 3):
         starts = ", ".join([*owners, *DEFECTS])
-        raise ParameterError(f"{name!r}: a parameter starts with {starts}, strip or support")
+        raise ParameterError(f"{name!r}: a parameter starts with {starts}, strip, mass or support")
     known = [f.name for f in fields(owner)] if is_dataclass(owner) else []
     numbers = ["thickness"] if owner is shell else [k for k in known if isinstance(getattr(owner, k), NUMBERS)]
     if parts[1] not in numbers:
@@ -221,6 +232,9 @@ def get_value(shell: Shell, name: str) -> Any:
     if parts[0] == "strip":
         _, owner, attribute = _strip(shell, name, parts)
         return getattr(owner, attribute)
+    if parts[0] == "mass":
+        edge, at = _mass(shell, name, parts)
+        return getattr(shell.masses[edge][at], parts[3])
     owner, attribute = _plain(shell, name, parts)
     value = getattr(owner, attribute)
     place = _station(name, value, parts[2:])
@@ -260,6 +274,11 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
         new = replace(owner, **{attribute: value})
         new = new if owner is strip else replace(strip, material=new)
         return replace(shell, strips=(*shell.strips[:place], new, *shell.strips[place + 1 :]))
+    if parts[0] == "mass":
+        edge, number = _mass(shell, name, parts)
+        own = {parts[3]: value}
+        masses = [replace(mass, **own) if k == number else mass for k, mass in enumerate(shell.masses[edge])]
+        return replace(shell, masses={**shell.masses, edge: masses})
     owner, attribute = _plain(shell, name, parts)
     law = getattr(owner, attribute)
     at = _station(name, law, parts[2:])

@@ -3,7 +3,7 @@
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,10 +11,11 @@ from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation import Pairing, pair
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.modes import Modes, modes
-from casingfem.modal.neighbour import Solution, solved, solved_near
+from casingfem.modal.neighbour import Solution, counted, solved, solved_near
 from casingfem.structure.shell import Shell
-from casingfem.updating.following import LostModeError, followed
+from casingfem.updating.following import LostModeError, followed, paired_rows
 from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.shapes import SensorShapes, shape_jacobian, shape_values
 from casingfem.updating.targets import jacobian, rates, values
 
 Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted residuals)
@@ -50,7 +51,9 @@ class Problem:
     count: int
     reach: float
     progress: Progress | None = None
+    shapes: SensorShapes | None = None
     exact: bool = False
+    shapes_wait: bool = False  # shapes pair rows, but are not fitted yet
     start: FloatArray = field(init=False)
     prior: FloatArray = field(init=False)
     history: list[float] = field(default_factory=list)
@@ -82,8 +85,7 @@ class Problem:
         """
         key = np.asarray(x, dtype=float).tobytes()
         if self._state is None or key != self._key:
-            found, solution = self._solve(self.structure(x))
-            state = self._make(found, solution, self._pairing(found))
+            state = self._evaluated(self.structure(x))
             self.adopt(x, state)
             self.history.append(float(np.sqrt(np.mean(state.values**2))))
             if self.progress is not None:
@@ -100,12 +102,17 @@ class Problem:
         self.anchor = fresh
         return fresh
 
-    def counted(self, x: FloatArray) -> State:
-        """The point x solved from nothing, complete by a Sturm count, with its rows as they pair now."""
+    def distrust(self) -> None:
+        """Solve every point from nothing from now on."""
+        self.exact, self.anchor, self._state = True, None, None
+
+    def counted(self, x: FloatArray) -> State | None:
+        """The point x with its modes counted; None if some are missing."""
         state = self.state(x)
-        found = solved(state.shell, self.count)
-        pairing = followed(state.pairing, state.modes, found.modes, self.table)
-        return self._make(found.modes, found, pairing)
+        if state.solution is None:
+            return state
+        whole = counted(state.solution)
+        return None if whole is None else replace(state, solution=whole, modes=whole.modes)
 
     def fun(self, x: FloatArray) -> FloatArray:
         """Weighted residuals, those of the priors last."""
@@ -122,34 +129,62 @@ class Problem:
         self.anchor = state
         if self._jacobian is None:
             started = time.perf_counter()
-            at = rates(state.modes, state.solution, self.vary, self.table, state.pairing.matches)
-            self._jacobian = jacobian(state.modes, self.table, state.pairing.matches, at)
+            matches = state.pairing.matches
+            at = rates(state.modes, state.solution, self.vary, self.table, matches)
+            self._jacobian = jacobian(state.modes, self.table, matches, at)
+            if self.shapes is not None and state.solution is not None and not self.shapes_wait:
+                shaped = shape_jacobian(state.solution, self.vary, self.shapes, matches)
+                self._jacobian = np.vstack([self._jacobian, shaped])
             self.seconds["sensitivities"] += time.perf_counter() - started
         return self._jacobian
 
-    def _solve(self, shell: Shell) -> tuple[Modes, Solution | None]:
-        if shell.axisymmetric:
-            found, solution = modes(shell, self.count), None
+    def _evaluated(self, shell: Shell) -> State:
+        """A structure's modes, followed from the anchor: among half as many again if one is not found at first.
+
+        Where rows paired anew, in the same groups, fit better, these are taken: a label settles what two modes that
+        have met and mixed on the way would leave to chance.
+        """
+        found, solution = self._solve(shell, self.count)
+        fresh = self._make(found, solution, self._pairing(found))
+        if self.anchor is None:
+            return fresh
+        same = paired_rows(fresh.pairing) == paired_rows(self.anchor.pairing)
+        try:
+            carried = self._followed(found, solution)
+        except LostModeError as error:
+            if same:
+                return fresh
+            self.lost = error
+            carried = self._followed(*self._solve(shell, self.count + max(8, self.count // 2)))
+            self.lost = None
+        return fresh if same and np.sum(fresh.values**2) < np.sum(carried.values**2) else carried
+
+    def _followed(self, found: Modes, solution: Solution | None) -> State:
+        assert self.anchor is not None
+        started = time.perf_counter()
+        try:
+            pairing = followed(self.anchor.pairing, self.anchor.modes, found, self.table)
+        finally:
+            self.seconds["pairing"] += time.perf_counter() - started
+        return self._make(found, solution, pairing)
+
+    def _solve(self, shell: Shell, count: int) -> tuple[Modes, Solution | None]:
+        if shell.axisymmetric and self.shapes is None:
+            found, solution = modes(shell, count), None
         else:
-            known = None if self.exact or self.anchor is None else self.anchor.solution
-            solution = solved(shell, self.count) if known is None else solved_near(shell, known, self.count)
+            known = None if self.exact or count > self.count or self.anchor is None else self.anchor.solution
+            solution = solved(shell, count) if known is None else solved_near(shell, known, count)
             found = solution.modes
         for part, spent in found.seconds.items():
             self.seconds[part] += spent
         return found, solution
 
     def _pairing(self, found: Modes) -> Pairing:
+        """The rows as they pair by label and frequency."""
         started = time.perf_counter()
-        try:
-            if self.anchor is None:
-                pairing = pair(found, self.table, reach=self.reach)
-            else:
-                pairing = followed(self.anchor.pairing, self.anchor.modes, found, self.table)
-        except LostModeError as error:
-            self.lost = error
-            raise
-        finally:
-            self.seconds["pairing"] += time.perf_counter() - started
+        alike = None if self.shapes is None else self.shapes.mac(found)
+        pairing = pair(found, self.table, reach=self.reach, shape_mac=alike)
+        self.seconds["pairing"] += time.perf_counter() - started
         if not pairing.matches:
             raise UpdateError(
                 f"no row of {self.table.path} pairs with a computed mode within {self.reach:.0%}: "
@@ -159,7 +194,10 @@ class Problem:
         return pairing
 
     def _make(self, found: Modes, solution: Solution | None, pairing: Pairing) -> State:
+        pairing = replace(pairing, matches=tuple(sorted(pairing.matches, key=lambda match: match.rows)))
         residual = values(found, self.table, pairing.matches)
+        if self.shapes is not None and not self.shapes_wait:
+            residual = np.append(residual, shape_values(found, self.shapes, pairing.matches))
         return State(found.shell, found, solution, pairing, residual)
 
     def adopt(self, x: FloatArray, state: State) -> None:

@@ -4,13 +4,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.optimize import brentq
 
 from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation import Pairing
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.shell import Shell
+from casingfem.updating.identifiability import Identifiability, identifiability
 from casingfem.updating.parameters import Parameter
+from casingfem.updating.problem import Problem
+from casingfem.updating.regularisation import Regularised
+from casingfem.updating.shapes import redundant
+from casingfem.updating.targets import residual_count
 
 ALIKE = 0.95  # correlations above this: the data cannot tell the two apart
 UNINFORMED = 0.9  # a posterior sigma above this part of the prior's: the data say little
@@ -47,6 +53,11 @@ class UpdateResult:
         Rows of the table whose mode a refused step could not follow; empty mostly.
     seconds
         Run time by part.
+    regularised
+        The weight of the regularisation and the rule that chose it; None without.
+    x, lower, upper, problem
+        Solution and bounds in the solver's variables, and the problem, for what comes after the fit: `leave_one_out`,
+        `laplace`, `sampled`.
     """
 
     structure: Shell
@@ -65,8 +76,13 @@ class UpdateResult:
     jacobian: FloatArray
     history: tuple[float, ...]
     stopped: str
-    lost: tuple[int, ...] = ()
-    seconds: dict[str, float] = field(default_factory=dict)
+    lost: tuple[int, ...]
+    seconds: dict[str, float]
+    regularised: Regularised | None
+    x: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    problem: Problem = field(repr=False)
 
     @property
     def chi2(self) -> float:
@@ -92,7 +108,59 @@ class UpdateResult:
     @property
     def misfit(self) -> float:
         """sqrt(chi^2 / degrees of freedom): 1 when model and stated sigma agree; inflate sigma by it above 1."""
-        return float(np.sqrt(self.chi2 / max(self.residuals - len(self.parameters), 1)))
+        return float(np.sqrt(self.chi2 / self.free))
+
+    @property
+    def free(self) -> int:
+        """Degrees of freedom: residuals less parameters and what of the shapes is no information; at least 1."""
+        idle = redundant(self.after, self.problem.shapes, self.pairing.matches)
+        return max(self.residuals - idle - len(self.parameters), 1)
+
+    @property
+    def model_floor(self) -> float:
+        """The model's own relative error that explains what residual scatter the stated sigma do not; 0 for none.
+
+        With s f added to every sigma in squares, chi^2 falls to the degrees of freedom.
+        """
+        table = self.problem.table
+        frequencies = self.values[: sum(self.residuals_of())]
+        free = max(len(frequencies) - len(self.parameters), 1)
+        noise = np.array([np.sum(table.sigma_hz[list(match.rows)] ** 2) for match in self.pairing.matches])
+        level = np.array([np.sum(table.freq_hz[list(match.rows)] ** 2) for match in self.pairing.matches])
+        noise, level = (np.repeat(part, self.residuals_of()) for part in (noise, level))
+
+        def excess(s: float) -> float:
+            return float(np.sum(frequencies**2 * noise / (noise + s**2 * level)) / free - 1.0)
+
+        return float(brentq(excess, 0.0, 10.0)) if excess(0.0) > 0.0 else 0.0
+
+    @property
+    def identifiability(self) -> Identifiability:
+        """What the table determines: singular values and directions of the data's Jacobian."""
+        return identifiability(self.parameters, self.jacobian)
+
+    @property
+    def saturated(self) -> tuple[str, ...]:
+        """Parameters that ended on a bound, each with the bound."""
+        return tuple(
+            f"{p.name} at its {'lower' if x - low < high - x else 'upper'} bound "
+            f"{p.lower if x - low < high - x else p.upper:.6g}"
+            for p, x, low, high, bound in zip(
+                self.parameters, self.x, self.lower, self.upper, self.at_bound, strict=True
+            )
+            if bound
+        )
+
+    def worst(self) -> tuple[int, float]:
+        """The table's mode number with the largest residual of a frequency or split, and that residual [sigma]."""
+        places = np.repeat(np.arange(len(self.pairing.matches)), self.residuals_of())
+        k = int(np.abs(self.values[: len(places)]).argmax())
+        row = self.pairing.matches[places[k]].rows[0]
+        return int(self.table.mode[row]), float(self.values[k])
+
+    def residuals_of(self) -> list[int]:
+        """Number of residuals of each match, those of shapes apart, which follow them all."""
+        return [residual_count(match, self.table) for match in self.pairing.matches]
 
     def rows(self, pairing: Pairing, modes: Modes) -> dict[int, float]:
         """Table row -> computed frequency [Hz] under a pairing."""
@@ -165,6 +233,15 @@ class UpdateResult:
             "correlation": self.correlation.tolist(),
             "unpaired": list(self.unpaired),
             "stopped": self.stopped,
+            "saturated": list(self.saturated),
+            "lost": [int(self.table.mode[row]) for row in self.lost],
+            "worst": dict(zip(("mode", "sigma"), self.worst(), strict=True)),
+            "model_floor": self.model_floor,
+            "identifiability": self.identifiability.to_json(),
+            "regularised": None
+            if self.regularised is None
+            else {name: getattr(self.regularised, name) for name in ("rule", "weight", "names", "note")},
+            "seconds_by_part": self.seconds,
         }
 
     def __repr__(self) -> str:
@@ -188,7 +265,22 @@ class UpdateResult:
         )
         if self.unpaired:
             lines.append(f"no mode pairs with table modes {', '.join(map(str, self.unpaired))}: they took no part")
+        if self.misfit > 1.5:
+            mode, sigma = self.worst()
+            lines.append(
+                f"the model is off by {100.0 * self.model_floor:.2g} % of itself beyond the stated sigma; "
+                f"worst is mode {mode}, {sigma:+.1f} sigma"
+            )
         lines.append(f"stopped: {self.stopped}")
+        if self.regularised is not None:
+            lines.append(repr(self.regularised))
+        lines += [f"saturated: {words}" for words in self.saturated]
+        if self.lost:
+            modes = ", ".join(str(int(self.table.mode[row])) for row in self.lost)
+            lines.append(f"a step was refused because mode {modes} of the table could not be followed")
+        unseen = self.identifiability.unseen
+        if unseen:
+            lines.append(f"the table hardly sees {', '.join(unseen)}")
         lines += [f"the data cannot tell {a} from {b} (correlation {r:+.2f})" for a, b, r in self.indistinct()]
         lines += [
             f"{p.name}: known from its prior only"

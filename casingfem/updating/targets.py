@@ -73,6 +73,11 @@ def has_angle(match: Match, table: FrequencyTable) -> bool:
     return is_doublet(match) and bool(np.isfinite(table.angle_deg[list(match.rows)]).any())
 
 
+def residual_count(match: Match, table: FrequencyTable) -> int:
+    """Number of residuals of a match: 1, or 2 to 3 of a doublet."""
+    return 1 if not is_doublet(match) else 3 if has_angle(match, table) else 2
+
+
 def rates(
     modes: Modes,
     solution: Solution | None,

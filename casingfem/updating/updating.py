@@ -2,26 +2,29 @@
 
     min over x of |r(x)|^2 + |(x - x0)/sigma_prior|^2,  lower <= x <= upper
 
-with r from `targets.py`, exact Jacobians from `sensitivity.py`, and scipy's trust-region reflective solver. The
-covariance is (J^T J)^-1 at the solution, J with the prior rows.
+with r from `targets.py`, exact Jacobians from `sensitivity.py`, and steps by `levenberg.py`. The covariance is
+(J^T J)^-1 at the solution, J with the prior rows.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from casingfem.arrays import FloatArray
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.modes import count_below
 from casingfem.structure.shell import Shell
 from casingfem.updating.following import paired_rows
+from casingfem.updating.levenberg import levenberg_marquardt
 from casingfem.updating.parameters import Parameter, ParameterError, check_parameters
 from casingfem.updating.problem import Problem, Progress, State, UpdateError
+from casingfem.updating.regularisation import Regularisation, Regularised, chosen_weight, trade_off
 from casingfem.updating.result import UpdateResult, weak_priors
+from casingfem.updating.shapes import SensorShapes
 from casingfem.updating.targets import allowing
 
-LOOSE = 0.01  # a residual of modes counted from nothing may differ by this many sigma from those followed
+ROUNDS = 8  # solutions until a weight must have settled
+SETTLED = 0.06  # two of the weights tried, which stand .058 apart in logarithm
 
 
 def mode_count(table: FrequencyTable, shell: Shell) -> int:
@@ -37,6 +40,8 @@ def update(
     count: int | None = None,
     reach: float = 0.5,
     model_error: float = 0.0,
+    shapes: SensorShapes | None = None,
+    regularise: Regularisation | None = None,
     max_iterations: int = 30,
     progress: Progress | None = None,
 ) -> UpdateResult:
@@ -56,8 +61,13 @@ def update(
         Largest relative frequency error at which a row may pair with a mode.
     model_error
         Relative frequency error to allow the model itself, added to each sigma in squares: 0 trusts it fully.
+    shapes
+        Mode shapes at sensors, a column for each row of the table; they pair rows and are fitted too.
+    regularise
+        Hold ill-posed parameters, many harmonics mostly, to their start as strongly as the data choose; their prior
+        gives its shape, not its strength.
     max_iterations
-        Limit on evaluations.
+        Limit on evaluations of a run; there may be a second where rows pair better after the first.
     progress
         Called after each evaluation with its number and the RMS of the weighted residuals.
 
@@ -66,7 +76,7 @@ def update(
     ParameterError
         A parameter that does not exist, is named twice, or starts outside its bounds.
     UpdateError
-        Nothing pairs, fewer residuals than parameters, or rigid motions among the modes.
+        Nothing pairs, fewer residuals than parameters, rigid motions among the modes, shapes of another table.
     """
     if not vary:
         raise ParameterError("vary: name at least one parameter")
@@ -74,7 +84,11 @@ def update(
         raise UpdateError(f"model_error must lie in [0, 1), found {model_error!r}")
     check_parameters(structure, vary)
     count = count or mode_count(table, structure)
-    problem = Problem(structure, allowing(table, model_error), vary, count, reach, progress)
+    if shapes is not None and shapes.shapes.shape[1] != len(table):
+        raise UpdateError(
+            f"shapes: found {shapes.shapes.shape[1]} columns, expected {len(table)}, one a row of the table"
+        )
+    problem = Problem(structure, allowing(table, model_error), vary, count, reach, progress, shapes)
     lower = np.array([p.to_internal(p.lower) for p in vary])
     upper = np.array([p.to_internal(p.upper) for p in vary])
     before = problem.state(problem.start)
@@ -85,7 +99,11 @@ def update(
             f"{len(problem.fun(problem.start))} residuals cannot determine {len(vary)} parameters: "
             "measure more modes, vary less, or give priors"
         )
-    x, stopped = solve(problem, lower, upper, max_iterations)
+    if regularise is None:
+        x, stopped = solve(problem, lower, upper, max_iterations)
+        regularised = None
+    else:
+        x, stopped, regularised = solve_regularised(problem, regularise, lower, upper, max_iterations)
     after, jacobian = problem.state(x), problem.data_jacobian(x)
     return UpdateResult(
         structure=after.shell,
@@ -106,6 +124,11 @@ def update(
         stopped=stopped,
         lost=() if problem.lost is None else problem.lost.rows,
         seconds=dict(problem.seconds),
+        regularised=regularised,
+        x=x,
+        lower=lower,
+        upper=upper,
+        problem=problem,
     )
 
 
@@ -117,24 +140,51 @@ def covariance(jacobian: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.pinv(columns.T @ columns, hermitian=True) * np.outer(scale, scale))
 
 
-def solve(problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations: int) -> tuple[FloatArray, str]:
-    """Run least_squares on the rows that pair at the start; again from its end where they pair better there.
+def solve_regularised(
+    problem: Problem, by: Regularisation, lower: FloatArray, upper: FloatArray, max_iterations: int
+) -> tuple[FloatArray, str, Regularised]:
+    """Solve, choose the weight at the solution, and solve again from there until the weight stands still."""
+    inverse = by.among(problem.vary)
+    held = np.where(inverse > 0.0, 0.0, problem.prior)
+    weight, x = 1.0, problem.start
+    for _ in range(ROUNDS):
+        problem.prior = held + weight * inverse
+        x, message = solve(problem, lower, upper, max_iterations, begin=x)
+        state, away = problem.state(x), x - problem.start
+        curve = trade_off(problem.data_jacobian(x), state.values, away, held, inverse)
+        before = weight
+        weight, rule, note = chosen_weight(by.rule, curve, len(state.values))
+        if abs(np.log(weight / before)) < SETTLED:
+            break
+    names = tuple(p.name for p, w in zip(problem.vary, inverse, strict=True) if w > 0.0)
+    return x, message, Regularised(rule=rule, weight=before, names=names, curve=curve, note=note)
 
-    The end is solved from nothing and counted. Should that change its residuals, a mode was missed on the way, and
-    the update is done once more with every point from nothing.
+
+def solve(
+    problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations: int, begin: FloatArray | None = None
+) -> tuple[FloatArray, str]:
+    """Descend with the rows that pair at the start; again from the end where they pair better there.
+
+    With shapes the frequencies go first, if there are enough: shapes that mix on the way are a maze from far away.
+
+    The modes at the end are counted. Should one have been missed on the way, the update is done once more with every
+    point from nothing.
     """
-    x, message = np.clip(problem.start, lower, upper), ""
+    x, message = np.clip(problem.start if begin is None else begin, lower, upper), ""
     problem.repaired(x)
+    if problem.shapes is not None and begin is None:
+        problem.shapes_wait = True
+        if len(problem.repaired(x).values) >= len(x):
+            x, _ = levenberg_marquardt(problem.fun, problem.jac, x, lower, upper, max_iterations)
+        problem.shapes_wait = False
+        problem.repaired(x)
     for _ in range(4):
-        x, message = descend(problem, x, lower, upper, max_iterations)
-        end = problem.state(x)
-        if end.solution is not None and not problem.exact:
-            near, end = end, problem.counted(x)
-            problem.adopt(x, end)
-            if np.abs(end.values - near.values).max() > LOOSE:
-                problem.exact = True
-                problem.repaired(x)
-                continue
+        x, message = levenberg_marquardt(problem.fun, problem.jac, x, lower, upper, max_iterations)
+        end = problem.counted(x)
+        if end is None:
+            problem.distrust()
+            problem.repaired(x)
+            continue
         if not better(end, problem.repaired(x)):
             problem.adopt(x, end)
             break
@@ -145,36 +195,3 @@ def better(old: State, new: State) -> bool:
     """Whether rows paired anew are more, or as many and nearer, than those followed so far."""
     rows = [sum(map(len, paired_rows(state.pairing))) for state in (old, new)]
     return rows[1] > rows[0] or (rows[1] == rows[0] and new.pairing.rms < 0.999 * old.pairing.rms)
-
-
-def descend(
-    problem: Problem, x: FloatArray, lower: FloatArray, upper: FloatArray, max_iterations: int
-) -> tuple[FloatArray, str]:
-    """One run of least_squares from x.
-
-    Variables are scaled to one standard deviation of the data alone, so that its step tolerance means the same
-    for a modulus of 1e11 and a harmonic of 1e-3. A step that loses a mode, or leads to no possible structure, is
-    refused as if it had made everything worse, and the trust region shrinks.
-    """
-    norms = np.linalg.norm(problem.jac(x), axis=0)
-    unit = 2.0 ** -np.round(np.log2(np.where(norms > 0.0, norms, 1.0)))  # powers of two: x/unit loses no bit
-    here = problem.fun(x)
-    refused = np.full(len(here), 1e3 * float(np.abs(here).max() + 1.0))
-
-    def fun(y: FloatArray) -> FloatArray:
-        try:
-            return problem.fun(unit * y)
-        except ValueError:  # a lost mode; or no such structure: springs turned negative, say
-            return refused
-
-    found = least_squares(
-        fun,
-        x / unit,
-        jac=lambda y: problem.jac(unit * y) * unit,
-        bounds=(lower / unit, upper / unit),
-        max_nfev=max_iterations,
-        ftol=1e-6,
-        xtol=1e-8,
-        gtol=1e-10,
-    )
-    return unit * found.x, str(found.message)

@@ -168,6 +168,17 @@ def test_same_study_twice_gives_the_same_table(study, tmp_path):
     assert (tmp_path / "a" / "modes.csv").read_bytes() == (tmp_path / "b" / "modes.csv").read_bytes()
 
 
+def test_update_judges_itself_when_asked(study):
+    result = invoke("update", study, "--json", "--leave-one-out", "--posterior", "laplace")
+    document = json.loads(result.stdout)
+    left = document["leave_one_out"]
+    assert [row["mode"] for row in left["rows"]] == [pair["mode"] for pair in document["pairs"]]
+    assert left["rms_sigma"] == pytest.approx(np.sqrt(np.mean([row["deviation"] ** 2 for row in left["rows"]])))
+    assert {row["name"] for row in document["posterior"]["parameters"]} == {p["name"] for p in document["parameters"]}
+    assert document["identifiability"]["rank"] <= len(document["parameters"])
+    assert "model_floor" in document
+
+
 def test_update_recovers_what_made_the_table_and_writes_a_study(study, tmp_path):
     result = invoke("update", study, "--json", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr

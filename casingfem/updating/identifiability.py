@@ -1,0 +1,102 @@
+"""What a table can tell about the parameters: the singular values of its Jacobian in units of what was known before.
+
+With J the derivatives of the weighted residuals and D the width of each parameter before the test (its prior's sigma,
+else that of a number anywhere between its bounds, their distance over sqrt 12),
+
+    J D = U S V^T:   a singular value s shrinks the direction V to 1/sqrt(1 + s^2) of what it was.
+
+Directions with s < 1 are the prior's or the bounds', not the data's.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.updating.parameters import Parameter
+
+SEEN = 1.0  # singular value above which the data say more than was known
+NAMED = 0.3  # a parameter's share from which it is named in a direction
+
+
+def widths(vary: Sequence[Parameter]) -> FloatArray:
+    """How widely each parameter was known before, in the solver's units, (parameters,)."""
+    return np.array(
+        [p.sigma if p.sigma is not None else (p.to_internal(p.upper) - p.to_internal(p.lower)) / 12**0.5 for p in vary]
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Identifiability:
+    """Singular values and directions of a Jacobian.
+
+    Attributes
+    ----------
+    names
+        The parameters.
+    singular
+        Singular values, largest first, (parameters,).
+    directions
+        Their directions as columns, in widths of the parameters, (parameters, parameters).
+    left
+        Standard deviation of each parameter after the test over that before, data and width together, (parameters,).
+    """
+
+    names: tuple[str, ...]
+    singular: FloatArray
+    directions: FloatArray
+    left: FloatArray
+
+    @property
+    def rank(self) -> int:
+        """Number of directions that the data determine."""
+        return int(np.count_nonzero(self.singular > SEEN))
+
+    @property
+    def unseen(self) -> tuple[str, ...]:
+        """Parameters that the table narrows by less than a tenth."""
+        return tuple(name for name, left in zip(self.names, self.left, strict=True) if left > 0.9)
+
+    def words(self, k: int) -> str:
+        """One direction in words: its main parameters with their shares."""
+        column = self.directions[:, k]
+        column = column * np.sign(column[np.abs(column).argmax()])
+        shown = [i for i in np.argsort(-np.abs(column)) if abs(column[i]) > NAMED]
+        return " ".join(f"{column[i]:+.2f} {self.names[i]}" for i in shown)
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        return {
+            "rank": self.rank,
+            "singular": self.singular.tolist(),
+            "left": self.left.tolist(),
+            "unseen": list(self.unseen),
+            "directions": [self.words(k) for k in range(len(self.names))],
+        }
+
+    def __repr__(self) -> str:
+        """A row for each direction, and what the table cannot see."""
+        lines = [f"{'singular value':>14} {'left':>6}  direction, in widths of the parameters before the test"]
+        for k, s in enumerate(self.singular):
+            lines.append(f"{s:>14.4g} {1.0 / np.hypot(1.0, s):>6.3f}  {self.words(k)}")
+        lines.append(f"the data determine {self.rank} of {len(self.names)} directions")
+        if self.unseen:
+            lines.append(f"the table does not see {', '.join(self.unseen)}")
+        return "\n".join(lines)
+
+
+def identifiability(vary: Sequence[Parameter], jacobian: FloatArray) -> Identifiability:
+    """What a Jacobian (residuals, parameters) of the data's weighted residuals determines.
+
+    >>> two = [Parameter(name=f"material.{name}", lower=0.0, upper=12**0.5) for name in ("E", "rho")]
+    >>> identifiability(two, np.array([[10.0, -10.0]])).singular.round(6).tolist()
+    [14.142136, 0.0]
+    """
+    width = widths(vary)
+    scaled = jacobian * width
+    _, s, rows = np.linalg.svd(scaled, full_matrices=True)
+    singular = np.zeros(len(vary))
+    singular[: len(s)] = s[: len(vary)]
+    left = np.sqrt(np.sum(rows.T**2 / (1.0 + singular**2), axis=1))
+    return Identifiability(names=tuple(p.name for p in vary), singular=singular, directions=rows.T, left=left)

@@ -1,0 +1,123 @@
+"""How Gaussian the answer is: the posterior beyond (J^T J)^-1.
+
+Close to the solution every weighted residual is a parabola,
+
+    r(x) = r0 + J d + 1/2 d^T H d,   d = x - x0,
+
+with H by central differences of the exact Jacobian, half a standard deviation to either side. With it, the Laplace
+approximation takes the whole Hessian J^T J + sum_i r_i H_i, and a sampler needs no further modes (`sampling`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.updating.problem import Problem, UpdateError
+from casingfem.updating.result import UpdateResult
+
+STEP = 0.5  # of a standard deviation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Parabolas:
+    """Residuals of the data to second order: x0 (p,), r (m,), J (m, p), H (m, p, p)."""
+
+    x0: FloatArray
+    r: FloatArray
+    J: FloatArray
+    H: FloatArray
+
+    def __call__(self, x: FloatArray) -> FloatArray:
+        """Residuals at points (points, p): (points, m)."""
+        d = np.atleast_2d(x) - self.x0
+        return np.asarray(self.r + d @ self.J.T + 0.5 * np.einsum("np,mpq,nq->nm", d, self.H, d))
+
+
+def evaluated(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Residuals and Jacobian at a point near the solution, whose modes stay those that are followed from."""
+    home = problem.anchor
+    try:
+        return problem.state(x).values, problem.data_jacobian(x)
+    finally:
+        problem.anchor = home
+
+
+def parabolas(fit: UpdateResult) -> Parabolas:
+    """Residuals to second order about the solution: two solutions for each parameter, inside its bounds."""
+    steps = STEP * np.where(fit.sigma > 0.0, fit.sigma, 1e-3 * (fit.upper - fit.lower))
+    H = np.empty((*fit.jacobian.shape, len(fit.x)))
+    for k, step in enumerate(steps):
+        ends = np.tile(fit.x, (2, 1))
+        ends[:, k] = np.clip(fit.x[k] + [-step, step], fit.lower[k], fit.upper[k])
+        low, high = (evaluated(fit.problem, x)[1] for x in ends)
+        H[:, :, k] = (high - low) / (ends[1, k] - ends[0, k])
+    H = 0.5 * (H + H.transpose(0, 2, 1))
+    return Parabolas(x0=fit.x, r=fit.values, J=fit.jacobian, H=H)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Laplace:
+    """The Gaussian of the whole Hessian beside that of Gauss and Newton.
+
+    Attributes
+    ----------
+    names
+        The parameters.
+    sigma, gauss_newton
+        Standard deviations by either, in decades for log parameters, (parameters,).
+    bend
+        How far a residual leaves its tangent one standard deviation away, in its own sigma, at most, (parameters,).
+    """
+
+    names: tuple[str, ...]
+    covariance: FloatArray
+    gauss_newton: FloatArray
+    bend: FloatArray
+
+    @property
+    def sigma(self) -> FloatArray:
+        """Standard deviations, (parameters,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        columns = zip(self.names, self.sigma.tolist(), self.gauss_newton.tolist(), self.bend.tolist(), strict=True)
+        rows = [{"name": n, "sigma": s, "gauss_newton": g, "bend": b} for n, s, g, b in columns]
+        return {"kind": "laplace", "parameters": rows}
+
+    def __repr__(self) -> str:
+        """A row for each parameter."""
+        lines = [f"{'posterior (Laplace)':<34} {'sigma':>10} {'over J^T J':>10} {'bend':>8}"]
+        for name, s, g, b in zip(self.names, self.sigma, self.gauss_newton, self.bend, strict=True):
+            lines.append(f"{name:<34} {s:>10.3g} {s / g:>10.3f} {b:>8.3f}")
+        return "\n".join(lines)
+
+
+def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
+    """The Laplace approximation of an update's posterior.
+
+    Raises
+    ------
+    UpdateError
+        If the solution is no minimum: the Hessian has a direction that falls (a fit that stopped early).
+    """
+    near = parabolas(fit) if near is None else near
+    prior = np.diag(fit.problem.prior**2)
+    hessian = near.J.T @ near.J + prior + np.einsum("m,mpq->pq", near.r, near.H)
+    unit = 1.0 / np.sqrt(np.diag(near.J.T @ near.J + prior))
+    scaled = hessian * np.outer(unit, unit)
+    lowest = float(np.linalg.eigvalsh(scaled)[0])
+    if lowest <= 0.0:
+        raise UpdateError(f"posterior: the fit is no minimum (lowest curvature {lowest:.2g}): {weakest(fit, scaled)}")
+    C = np.linalg.inv(scaled) * np.outer(unit, unit)
+    bend = np.array([0.5 * np.abs(near.H[:, k, k]).max() * fit.sigma[k] ** 2 for k in range(len(fit.x))])
+    return Laplace(names=tuple(p.name for p in fit.parameters), covariance=C, gauss_newton=fit.sigma, bend=bend)
+
+
+def weakest(fit: UpdateResult, hessian: FloatArray) -> str:
+    """The parameters along the lowest curvature, by name."""
+    direction = np.linalg.eigh(hessian)[1][:, 0]
+    names: Sequence[str] = [p.name for p in fit.parameters]
+    return ", ".join(names[k] for k in np.argsort(-np.abs(direction))[:2])

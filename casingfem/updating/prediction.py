@@ -1,0 +1,126 @@
+"""Predicting what an update has not seen: each row, or doublet, of the table left out in turn.
+
+The honest test of a model is a frequency that did not take part. Each update starts from the whole one, keeps its
+priors, and predicts the rows it was not shown, with the standard deviation
+
+    sigma^2 = sigma_measured^2 + (df/dx) C (df/dx)^T,   C the covariance of that update.
+
+Errors of several sigma that the fit itself does not show mean too many parameters, or a wrong model.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.experiment.pairing import Match
+from casingfem.updating.following import followed
+from casingfem.updating.problem import Problem, State
+from casingfem.updating.result import UpdateResult
+from casingfem.updating.targets import HERTZ2, rates
+from casingfem.updating.updating import covariance, solve
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Prediction:
+    """One row of the table, predicted by an update that had not seen it [Hz]; `sigma_hz` is that of the difference."""
+
+    mode: int
+    n: int
+    measured_hz: float
+    predicted_hz: float
+    sigma_hz: float
+
+    @property
+    def error(self) -> float:
+        """Relative error."""
+        return self.predicted_hz / self.measured_hz - 1.0
+
+    @property
+    def deviation(self) -> float:
+        """Error in standard deviations."""
+        return (self.predicted_hz - self.measured_hz) / self.sigma_hz
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LeftOut:
+    """All rows, each predicted without itself."""
+
+    rows: tuple[Prediction, ...]
+
+    @property
+    def rms(self) -> float:
+        """RMS relative error."""
+        return float(np.sqrt(np.mean([row.error**2 for row in self.rows])))
+
+    @property
+    def rms_sigma(self) -> float:
+        """RMS error in standard deviations: about 1 where the model is right and its sigma honest."""
+        return float(np.sqrt(np.mean([row.deviation**2 for row in self.rows])))
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        names = ("mode", "n", "measured_hz", "predicted_hz", "sigma_hz", "error", "deviation")
+        rows = [{name: getattr(row, name) for name in names} for row in self.rows]
+        return {"rows": rows, "rms": self.rms, "rms_sigma": self.rms_sigma}
+
+    def __repr__(self) -> str:
+        """A row for each prediction, and the RMS."""
+        lines = [f"{'left out':>8} {'n':>3} {'measured':>10} {'predicted':>10} {'error [%]':>9} {'[sigma]':>8}"]
+        for row in self.rows:
+            n = "-" if row.n < 0 else row.n
+            lines.append(
+                f"{row.mode:>8} {n:>3} {row.measured_hz:>10.3f} {row.predicted_hz:>10.3f} "
+                f"{100.0 * row.error:>9.3f} {row.deviation:>8.2f}"
+            )
+        lines.append(f"predicted without themselves: RMS {100.0 * self.rms:.3f} %, {self.rms_sigma:.2f} sigma")
+        return "\n".join(lines)
+
+
+def leave_one_out(fit: UpdateResult, max_iterations: int = 30) -> LeftOut:
+    """Predict every row that pairs by an update without it; both rows of a doublet are left out together.
+
+    Raises
+    ------
+    UpdateError
+        If what is left cannot determine the parameters.
+    """
+    rows: list[Prediction] = []
+    for match in fit.pairing.matches:
+        rows += predicted(fit, match, max_iterations)
+    return LeftOut(rows=tuple(sorted(rows, key=lambda row: row.mode)))
+
+
+def predicted(fit: UpdateResult, match: Match, max_iterations: int) -> list[Prediction]:
+    """The rows of one match, by an update without them."""
+    whole = fit.problem
+    table = whole.table.without(*whole.table.mode[list(match.rows)].tolist())
+    shapes = whole.shapes
+    if shapes is not None:
+        shapes = shapes.only([row for row in range(len(whole.table)) if row not in match.rows])
+    problem = Problem(whole.shell, table, whole.vary, whole.count, whole.reach, shapes=shapes)
+    problem.prior = whole.prior
+    x, _ = solve(problem, fit.lower, fit.upper, max_iterations, begin=fit.x)
+    state = problem.state(x)
+    carried = followed(fit.pairing, fit.after, state.modes, whole.table)
+    modes = next(other.modes for other in carried.matches if other.rows == match.rows)
+    spread = mode_sigmas(state, problem, modes, covariance(problem.jac(x)))
+    return [
+        Prediction(
+            mode=int(fit.table.mode[row]),
+            n=int(fit.table.n[row]),
+            measured_hz=float(fit.table.freq_hz[row]),
+            predicted_hz=float(state.modes.freq[mode]),
+            sigma_hz=float(np.hypot(whole.table.sigma_hz[row], sigma)),
+        )
+        for row, mode, sigma in zip(match.rows, modes, spread, strict=True)
+    ]
+
+
+def mode_sigmas(state: State, problem: Problem, modes: Sequence[int], C: FloatArray) -> FloatArray:
+    """Standard deviations of computed frequencies [Hz] from the covariance of the parameters."""
+    bare = replace(problem.table, angle_deg=np.full(len(problem.table), np.nan))
+    G = rates(state.modes, None, problem.vary, bare, ()).G
+    slopes = np.stack([G[:, mode, mode] / (2.0 * HERTZ2 * state.modes.freq[mode]) for mode in modes])
+    return np.asarray(np.sqrt(np.einsum("ip,pq,iq->i", slopes, C, slopes)))

@@ -1,0 +1,136 @@
+"""A sampled posterior: emcee on the parabolas of an update's residuals, within its bounds and priors.
+
+The affine-invariant ensemble sampler (Goodman & Weare, Comm. App. Math. Comp. Sci. 5, 2010, 65) by emcee
+(Foreman-Mackey et al., PASP 125, 2013, 306), extra `sampling`. The density is exp(-1/2 |r|^2 - 1/2 |prior|^2) with r to
+second order (`posterior.parabolas`); some of the samples are evaluated with modes of their own to see what that
+leaves out.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.updating.posterior import Parabolas, evaluated, parabolas
+from casingfem.updating.problem import UpdateError
+from casingfem.updating.result import UpdateResult
+
+LEVELS = (0.025, 0.5, 0.975)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sampled:
+    """Samples of a posterior in the solver's variables (decades for log parameters).
+
+    Attributes
+    ----------
+    names
+        The parameters.
+    samples
+        (samples, parameters), thinned to about independent ones.
+    gauss_newton
+        Standard deviations of (J^T J)^-1, (parameters,).
+    acceptance, autocorrelation
+        Of the chains: the part of moves taken, steps until they forget, at most.
+    gap
+        Largest difference of a residual of the parabolas from that of modes of its own, over some samples, in sigma.
+    """
+
+    names: tuple[str, ...]
+    samples: FloatArray
+    gauss_newton: FloatArray
+    acceptance: float
+    autocorrelation: float
+    gap: float
+
+    @property
+    def sigma(self) -> FloatArray:
+        """Standard deviations, (parameters,)."""
+        return np.asarray(self.samples.std(axis=0, ddof=1))
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        quantiles = np.quantile(self.samples, LEVELS, axis=0).T.tolist()
+        columns = zip(self.names, self.sigma.tolist(), self.gauss_newton.tolist(), quantiles, strict=True)
+        return {
+            "kind": "emcee",
+            "parameters": [{"name": n, "sigma": s, "gauss_newton": g, "quantiles": q} for n, s, g, q in columns],
+            "levels": list(LEVELS),
+            "samples": len(self.samples),
+            "acceptance": self.acceptance,
+            "autocorrelation": self.autocorrelation,
+            "gap": self.gap,
+        }
+
+    def __repr__(self) -> str:
+        """Quantiles of each parameter, and how good the chains are."""
+        lines = [
+            f"{'posterior (emcee)':<34} {'2.5 %':>11} {'50 %':>11} {'97.5 %':>11} {'sigma':>10} {'over J^T J':>10}"
+        ]
+        quantiles = np.quantile(self.samples, LEVELS, axis=0)
+        for k, name in enumerate(self.names):
+            cells = " ".join(f"{value:>11.5g}" for value in quantiles[:, k])
+            lines.append(f"{name:<34} {cells} {self.sigma[k]:>10.3g} {self.sigma[k] / self.gauss_newton[k]:>10.3f}")
+        lines.append(
+            f"{len(self.samples)} samples, {self.acceptance:.0%} of moves taken, forgotten after "
+            f"{self.autocorrelation:.0f} steps; residuals of the parabolas right to {self.gap:.2g} sigma"
+        )
+        return "\n".join(lines)
+
+
+def sampled(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, checks: int = 4) -> Sampled:
+    """Sample the posterior of an update.
+
+    Parameters
+    ----------
+    fit
+        The update.
+    steps
+        Steps of each of 4 p + 8 walkers; the first third is left out.
+    seed
+        Of the walkers.
+    checks
+        Samples evaluated with modes of their own.
+
+    Raises
+    ------
+    UpdateError
+        Without emcee, or if the chains are too short to forget where they began.
+    """
+    try:
+        import emcee
+    except ImportError as error:
+        raise UpdateError('posterior = "emcee" needs the package emcee: pip install "casingfem[sampling]"') from error
+    near = parabolas(fit)
+    random = np.random.default_rng(seed)
+    walkers = 4 * len(fit.x) + 8
+    first = fit.x + fit.sigma * random.standard_normal((walkers, len(fit.x)))
+    first = np.clip(first, fit.lower, fit.upper)
+    sampler = emcee.EnsembleSampler(walkers, len(fit.x), lambda x: log_density(x, fit, near), vectorize=True)
+    state = np.random.RandomState(seed).get_state()  # the kind that emcee keeps
+    sampler.run_mcmc(emcee.State(first, random_state=state), steps, skip_initial_state_check=True)
+    forgotten = float(np.max(sampler.get_autocorr_time(quiet=True, tol=0)))
+    if not steps > 20.0 * forgotten:
+        raise UpdateError(f"posterior: chains of {steps} steps forget their start after {forgotten:.0f}; take more")
+    samples = sampler.get_chain(discard=steps // 3, thin=max(1, int(forgotten / 2.0)), flat=True)
+    return Sampled(
+        names=tuple(p.name for p in fit.parameters),
+        samples=samples,
+        gauss_newton=fit.sigma,
+        acceptance=float(np.mean(sampler.acceptance_fraction)),
+        autocorrelation=forgotten,
+        gap=worst_gap(fit, near, samples[random.choice(len(samples), checks, replace=False)]),
+    )
+
+
+def log_density(x: FloatArray, fit: UpdateResult, near: Parabolas) -> FloatArray:
+    """Logarithm of the posterior at points (points, parameters), up to a constant."""
+    prior = fit.problem.prior * (x - fit.problem.start)
+    density = -0.5 * (np.sum(near(x) ** 2, axis=1) + np.sum(prior**2, axis=1))
+    inside = np.all((x >= fit.lower) & (x <= fit.upper), axis=1)
+    return np.where(inside, density, -np.inf)
+
+
+def worst_gap(fit: UpdateResult, near: Parabolas, points: FloatArray) -> float:
+    """Largest difference between residuals of the parabolas and those of modes at some points, in sigma."""
+    return max(float(np.abs(evaluated(fit.problem, x)[0] - near(x)[0]).max()) for x in points)

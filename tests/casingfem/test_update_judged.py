@@ -1,0 +1,213 @@
+"""What is said about an update: identifiability, regularisation, left-out rows, posteriors, the model's own error."""
+
+import json
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.updating.identifiability import identifiability
+from casingfem.updating.posterior import parabolas
+from casingfem.updating.regularisation import WEIGHTS, chosen_weight, corner, trade_off
+
+BOUNDS = {"material.E": (150e9, 250e9), "shell.thickness": (2e-3, 4e-3), "material.nu": (0.2, 0.4)}
+
+
+def blade(E=206.85e9, t=3e-3, nu=0.3):
+    return cf.Shell(
+        chart=cf.Panel(radius=0.6, length=0.3, angle=0.5), thickness=t, material=cf.Material(E=E, nu=nu, rho=7857.0),
+        supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=6, rows=1, around=1),
+    )  # fmt: skip
+
+
+def table(noise=0.0, sigma=1e-3, rows=8, seed=11):
+    f = cf.modes(blade(200e9, 3.03e-3, 0.31), rows).freq
+    f = np.sort(f * (1.0 + noise * np.random.default_rng(seed).standard_normal(rows)))
+    return cf.FrequencyTable.from_arrays(freq_hz=f, sigma_hz=sigma * f)
+
+
+def vary(*names, **more):
+    return [cf.Parameter(name=name, lower=BOUNDS[name][0], upper=BOUNDS[name][1], **more) for name in names]
+
+
+@pytest.fixture(scope="module")
+def fit():
+    return cf.update(blade(), table(1e-3), vary(*BOUNDS))
+
+
+def test_singular_values_tell_what_is_known():
+    """Two residuals of one sum: one direction known to 1/sqrt(1 + s^2), the other not at all."""
+    two = [cf.Parameter(name=f"material.{n}", lower=0.0, upper=1.0, sigma=1.0) for n in ("E", "rho")]
+    found = identifiability(two, np.array([[3.0, 3.0], [4.0, 4.0]]))
+    np.testing.assert_allclose(found.singular, [5 * np.sqrt(2), 0.0], atol=1e-12)
+    assert found.rank == 1
+    np.testing.assert_allclose(found.left**2, 0.5 / 51 + 0.5)  # half of each width lies in either direction
+    assert found.words(0) == "+0.71 material.E +0.71 material.rho"
+    assert found.unseen == ()
+
+
+def test_a_parameter_that_the_table_cannot_see_is_named(fit):
+    """A shell so thin does not feel its shear correction; its fibres at the wrong place do."""
+    seen = identifiability(fit.parameters, fit.jacobian)
+    assert seen.unseen == ()
+    assert "the data determine 3 of 3" in repr(seen)
+    blind = identifiability(fit.parameters, fit.jacobian * [1.0, 1.0, 1e-6])
+    assert blind.unseen == ("material.nu",)
+    assert "does not see material.nu" in repr(blind)
+
+
+def test_discrepancy_takes_the_weight_at_which_residuals_are_noise():
+    J, r = np.eye(4)[:, :2] * 10.0, np.array([10.0, 0.0, 1.0, 1.0])
+    curve = trade_off(J, r, np.zeros(2), np.zeros(2), np.ones(2))
+    weight, rule, _ = chosen_weight("discrepancy", curve, 4)
+    # |r|^2 = 2 + (10 w^2/(100 + w^2))^2 = 4
+    assert rule == "discrepancy"
+    assert weight == pytest.approx(np.sqrt(100 * np.sqrt(2) / (10 - np.sqrt(2))), rel=0.06)
+
+
+def test_discrepancy_that_cannot_be_met_says_so():
+    J, r = np.eye(4)[:, :2], np.array([1.0, 0.0, 9.0, 9.0])
+    _, rule, note = chosen_weight("discrepancy", trade_off(J, r, np.zeros(2), np.zeros(2), np.ones(2)), 4)
+    assert rule == "l-curve"
+    assert "6.36 times their noise" in note
+
+
+def test_the_corner_of_an_ill_posed_problem_lies_between_noise_and_signal():
+    """Singular values 10^-k, a smooth solution, noise 1e-3: the best weight is near the noise, and the corner too."""
+    random = np.random.default_rng(17)
+    U, V = (np.linalg.qr(random.standard_normal((12, 12)))[0] for _ in range(2))
+    A = U @ np.diag(10.0 ** (3.0 - 0.75 * np.arange(12))) @ V.T  # in units of the noise
+    true = V @ (10.0 ** (-0.1 * np.arange(12)))
+    r = -A @ true + random.standard_normal(12)
+    curve = trade_off(A, r, np.zeros(12), np.zeros(12), np.ones(12))
+
+    def error(w):
+        d = np.linalg.solve(A.T @ A + w**2 * np.eye(12), -A.T @ r)
+        return np.linalg.norm(d - true)
+
+    best = min(error(w) for w in WEIGHTS)
+    assert error(corner(curve)) < 2.0 * best
+    assert error(WEIGHTS[0]) > 100.0 * best
+
+
+def many_harmonics(values):
+    """A small cylinder with a field of twelve coefficients."""
+    waves = {2 * k + 2: (float(c), float(s)) for k, (c, s) in enumerate(np.reshape(values, (-1, 2)))}
+    return cf.Shell(
+        chart=cf.Cylinder(radius=0.3, height=0.3), thickness=3e-3, supports={"base": cf.Clamped()},
+        material=cf.Material(E=210e9, nu=0.3, rho=7800.0), thickness_defect=cf.FourierField.of(waves),
+        mesh=cf.ShellMesh(order=6, rows=1, around=9),
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rule", ["discrepancy", "l-curve"])
+def test_many_harmonics_are_held_as_strongly_as_the_data_ask(rule):
+    random = np.random.default_rng(23)
+    true = 0.01 * random.standard_normal(12)
+    found = cf.modes(many_harmonics(true), 16)
+    rows = 12
+    measured = cf.FrequencyTable.from_arrays(
+        freq_hz=found.freq[:rows] * (1 + 1e-3 * random.standard_normal(rows)), sigma_hz=1e-3 * found.freq[:rows],
+        n=found.nodal_diameters[:rows], angle_deg=found.angle_deg[:rows],
+    )  # fmt: skip
+    names = [f"thickness.p{2 * k + 2}.{part}" for k in range(6) for part in ("cos", "sin")]
+    free = [cf.Parameter(name=name, lower=-0.3, upper=0.3) for name in names]
+    fit = cf.update(many_harmonics(np.zeros(12)), measured, free, regularise=cf.Regularisation(rule=rule))
+    assert fit.regularised is not None
+    assert fit.regularised.names == tuple(names)
+    if fit.regularised.rule == "discrepancy":
+        assert fit.chi2 == pytest.approx(fit.residuals, rel=0.15)
+    assert np.linalg.norm(np.subtract(fit.value, true)) < np.linalg.norm(true)
+    assert json.loads(json.dumps(fit.to_json()))["regularised"]["rule"] in ("discrepancy", "l-curve")
+    assert "regularised with weight" in repr(fit)
+
+
+def test_regularising_nothing_is_refused():
+    with pytest.raises(cf.ParameterError, match="no harmonic is varied"):
+        cf.update(blade(), table(), vary("material.E"), regularise=cf.Regularisation())
+    with pytest.raises(cf.ParameterError, match=r"'material.rho' is not varied"):
+        cf.update(blade(), table(), vary("material.E"), regularise=cf.Regularisation(names=("material.rho",)))
+    with pytest.raises(cf.ParameterError, match="expected discrepancy or l-curve"):
+        cf.Regularisation(rule="guess")
+
+
+def test_left_out_rows_are_predicted_as_well_as_their_sigma_says(fit):
+    left = cf.leave_one_out(fit)
+    assert [row.mode for row in left.rows] == list(range(1, 9))
+    assert 0.3 < left.rms_sigma < 2.0
+    assert left.rms > fit.rms_after
+    assert "predicted without themselves" in repr(left)
+
+
+def test_a_left_out_row_is_not_used():
+    """One frequency wrong by 3 %: the others, and the fit without it, know where it belongs."""
+    clean = table()
+    f = clean.freq_hz.copy()
+    f[3] *= 1.03
+    wrong = cf.FrequencyTable.from_arrays(freq_hz=f, sigma_hz=clean.sigma_hz)
+    row = cf.leave_one_out(cf.update(blade(), wrong, vary("material.E", "shell.thickness"))).rows[3]
+    assert row.predicted_hz == pytest.approx(clean.freq_hz[3], rel=2e-3)
+    assert row.deviation < -10.0
+
+
+def test_parabolas_are_right_to_second_order(fit):
+    near = parabolas(fit)
+    step = 2.0 * fit.sigma * [1.0, -1.0, 1.0]
+    fit.problem.anchor = None
+    exact = fit.problem.state(fit.x + step).values
+    tangent = near.r + near.J @ step
+    assert np.abs(near(fit.x + step)[0] - exact).max() < 0.05 * np.abs(tangent - exact).max()
+
+
+def test_laplace_equals_gauss_newton_where_residuals_are_straight():
+    """f^2 ~ E: in log E nearly straight; without noise the Hessian is J^T J."""
+    fit = cf.update(blade(), table(), [cf.Parameter(name="material.E", lower=150e9, upper=250e9)])
+    sure = cf.laplace(fit)
+    assert sure.sigma[0] == pytest.approx(fit.sigma[0], rel=0.02)
+    assert sure.bend[0] < 1e-2
+    assert "posterior (Laplace)" in repr(sure)
+
+
+def test_laplace_sees_what_gauss_and_newton_leave_out(fit):
+    """sum r H: against the derivative of the exact gradient."""
+    sure = cf.laplace(fit)
+    problem, h = fit.problem, 0.2 * fit.sigma
+    gradient = []
+    for k in range(3):
+        ends = [fit.x + s * h * (np.arange(3) == k) for s in (1.0, -1.0)]
+        states = [(problem.data_jacobian(x), problem.state(x).values) for x in ends]
+        gradient.append((states[0][0].T @ states[0][1] - states[1][0].T @ states[1][1]) / (2.0 * h[k]))
+    np.testing.assert_allclose(np.linalg.inv(sure.covariance) * np.outer(h, h), np.array(gradient) * np.outer(h, h),
+                               atol=2e-3)  # fmt: skip
+
+
+def test_samples_agree_with_the_gaussian_where_there_is_one(fit):
+    pytest.importorskip("emcee")
+    drawn = cf.sampled(fit, steps=2000, checks=2)
+    np.testing.assert_allclose(drawn.sigma, cf.laplace(fit).sigma, rtol=0.15)
+    np.testing.assert_allclose(drawn.samples.mean(axis=0), fit.x, atol=0.3 * fit.sigma.max())
+    assert drawn.gap < 0.05
+    assert json.loads(json.dumps(drawn.to_json()))["kind"] == "emcee"
+    assert (drawn.samples >= fit.lower).all()
+
+
+def test_the_models_own_error_is_what_scatter_noise_does_not_explain():
+    """Noise of 1 % called .1 %: the floor is 1 %."""
+    fit = cf.update(blade(), table(0.01), vary("material.E"))
+    assert fit.misfit > 5.0
+    assert 0.006 < fit.model_floor < 0.014
+    assert "beyond the stated sigma" in repr(fit)
+    again = cf.update(blade(), table(0.01), vary("material.E"), model_error=fit.model_floor)
+    assert again.misfit == pytest.approx(1.0, abs=0.02)
+    assert cf.update(blade(), table(1e-4), vary(*BOUNDS)).model_floor == 0.0
+
+
+def test_a_saturated_fit_names_its_bound():
+    stuck = [cf.Parameter(name="material.E", lower=204e9, upper=250e9)]
+    fit = cf.update(blade(), table(), stuck)
+    assert fit.saturated == ("material.E at its lower bound 2.04e+11",)
+    assert "saturated: material.E at its lower bound" in repr(fit)
+    mode, sigma = fit.worst()
+    assert abs(sigma) == np.abs(fit.values).max()
+    assert 1 <= mode <= 8

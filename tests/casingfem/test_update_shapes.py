@@ -1,0 +1,101 @@
+"""Measured shapes: sign and turn do not matter, derivatives are exact, and they say what frequencies cannot."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.experiment.correlation import pair
+from casingfem.modal.neighbour import solved
+from casingfem.updating.parameters import get_value, with_value
+from casingfem.updating.shapes import shape_jacobian, shape_values
+
+MESH = cf.ShellMesh(order=5, rows=1, around=9)
+COUNT, ROWS = 16, 8
+THETA = 2.0 * np.pi * np.arange(24) / 24 + 0.05
+
+
+def casing(frustum, c8=0.002, k=5e11):
+    return frustum(
+        supports={"base": cf.ElasticEdge(k_face=k, around=cf.FourierField.of({3: (0.4, 0.2)}))},
+        radius_defect=cf.FourierField.of({8: (c8, 0.001), 3: (0.001, 0.001)}), mesh=MESH,
+    )  # fmt: skip
+
+
+def measured(shell, turn=0.0, noise=0.0):
+    """A table, and shapes of it: doublets turned in their plane, signs at random."""
+    found = cf.modes(shell, COUNT)
+    table = cf.FrequencyTable.from_arrays(
+        freq_hz=found.freq[:ROWS], sigma_hz=1e-3 * found.freq[:ROWS], n=found.nodal_diameters[:ROWS]
+    )
+    blank = cf.SensorShapes.on_edge(shell, "top", THETA, np.ones((len(THETA), 1)), 0.01)
+    shapes = blank.readings(found)[:, :ROWS].copy()
+    random = np.random.default_rng(31)
+    for low, high in found.doublets:
+        if high < ROWS:
+            c, s = np.cos(turn), np.sin(turn)
+            shapes[:, [low, high]] = shapes[:, [low, high]] @ np.array([[c, -s], [s, c]])
+    shapes = shapes / np.linalg.norm(shapes, axis=0) * random.choice([-3.0, 2.0], ROWS)
+    shapes += noise * np.linalg.norm(shapes, axis=0) * random.standard_normal(shapes.shape)
+    return table, cf.SensorShapes.on_edge(shell, "top", THETA, shapes, noise or 0.01)
+
+
+def matched(solution, table):
+    return sorted(pair(solution.modes, table).matches, key=lambda match: match.rows)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.6])
+def test_its_own_shapes_leave_nothing_however_turned(frustum, turn):
+    table, shapes = measured(casing(frustum), turn)
+    solution = solved(casing(frustum), COUNT)
+    values = shape_values(solution.modes, shapes, matched(solution, table))
+    assert len(values) == ROWS * len(THETA)
+    assert np.abs(values).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", ["radius.p8.cos", "support.base.around.p3.cos", "shell.thickness"])
+def test_derivatives_equal_central_differences(frustum, name):
+    table, shapes = measured(casing(frustum, c8=0.003, k=3e11), turn=0.3)
+    shell = casing(frustum)
+    p, x = cf.Parameter(name=name, lower=-1.0, upper=1.0), float(get_value(shell, name))
+
+    def at(value):
+        solution = solved(with_value(shell, name, value), COUNT)
+        return solution, matched(solution, table)
+
+    solution, matches = at(x)
+    exact = shape_jacobian(solution, [p], shapes, matches)[:, 0]
+    slopes = []
+    for h in (2e-3 * abs(x), 1e-3 * abs(x)):
+        ends = [shape_values(s.modes, shapes, m) for s, m in (at(x + h), at(x - h))]
+        slopes.append((ends[0] - ends[1]) / (2.0 * h))
+    numeric = (4.0 * slopes[1] - slopes[0]) / 3.0
+    assert np.abs(exact - numeric).max() < 1e-4 * np.abs(numeric).max()
+
+
+def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
+    truth = casing(frustum, c8=0.0025)
+    start = with_value(casing(frustum), "support.base.around.p3.cos", 0.3)
+    table, shapes = measured(truth, turn=0.4, noise=0.005)
+    vary = [
+        cf.Parameter(name="radius.p8.cos", lower=-0.01, upper=0.01),
+        cf.Parameter(name="support.base.around.p3.cos", lower=-0.5, upper=0.7),
+    ]
+    bare = cf.update(start, table, vary)
+    fit = cf.update(start, table, vary, shapes=shapes)
+    assert (fit.sigma < bare.sigma).all()
+    assert fit.sigma[1] < 0.7 * bare.sigma[1]
+    assert (np.abs(np.subtract(fit.value, [0.0025, 0.4])) < 3.5 * fit.sigma).all()
+    assert 0.8 < fit.misfit < 1.2
+
+
+def test_shapes_that_do_not_fit_are_refused(frustum):
+    table, shapes = measured(casing(frustum))
+    vary = [cf.Parameter(name="material.E", lower=1e11, upper=3e11)]
+    with pytest.raises(cf.UpdateError, match="found 3 columns, expected 8"):
+        cf.update(casing(frustum), table, vary, shapes=shapes.only([0, 1, 2]))
+    with pytest.raises(ValueError, match="column 2 is zero or partly nan"):
+        cf.SensorShapes.on_edge(casing(frustum), "top", THETA, np.tile([1.0, 0.0], (24, 1)), 0.01)
+    with pytest.raises(ValueError, match="'middle' is no closed edge"):
+        cf.SensorShapes.on_edge(casing(frustum), "middle", THETA, np.ones((24, 1)), 0.01)
+    with pytest.raises(ValueError, match="sigma must be positive"):
+        cf.SensorShapes.on_edge(casing(frustum), "top", THETA, np.ones((24, 1)), 0.0)

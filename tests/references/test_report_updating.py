@@ -1,0 +1,30 @@
+"""The reports on updating run small and say what they should."""
+
+import pytest
+
+from reports import model_updating, update_checks, update_twin
+
+
+def test_the_script_to_copy_runs(tmp_path, capsys):
+    row = model_updating.main(tmp_path, quick=True)[0]
+    assert row["RMS before"] > 0.03 > 0.02 > row["RMS after"]
+    assert "own error" in row
+    assert "shell.thickness" in (tmp_path / "model_updating.txt").read_text()
+    assert "the data determine" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_derivatives_cost_and_the_blade(tmp_path):
+    rows = update_checks.main(tmp_path, quick=True)
+    exact = [row for row in rows if "simple modes" in row]
+    assert len(exact) >= 5
+    assert all(row["simple modes"] < 1e-6 and row["mean and split"] < 1e-6 for row in exact)
+    blade = [row for row in rows if "left out %" in row]
+    assert all(1.5 < row["own error %"] < 2.5 for row in blade)  # a uniform blade is 2 % off, whichever number varies
+
+
+@pytest.mark.slow
+def test_a_twin_of_its_own_family(tmp_path):
+    rows = update_twin.main(tmp_path, quick=True)
+    assert all(row["noise-free error"] < 1e-5 for row in rows)
+    assert all(row["over the bound"] < 2.2 for row in rows)  # six draws: chi^2 bounds of their scatter, 99.9 %
