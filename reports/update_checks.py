@@ -58,13 +58,13 @@ def bolted() -> cf.Shell:
 
 NAMES = {
     elastic: (
-        "material.E", "material.nu", "material.rho", "shell.thickness", "chart.r_top", "chart.height", "radius.p8.cos",
+        "material.E", "material.nu", "material.rho", "shell.thickness", "chart.r_top", "radius.p8.cos",
         "radius.p3.sin", "thickness.p4.cos", "modulus.p4.cos", "density.p2.sin", "strip.1.thickness",
         "support.base.k_face", "support.base.k_r", "support.base.k_rot", "support.base.around.p4.cos",
         "mass.top.1.mass", "mass.top.1.angle",
     ),
     bolted: (
-        "support.base.k", "support.base.bolts.3.k", "support.base.k_rot", "support.base.section.width",
+        "chart.height", "support.base.k", "support.base.bolts.3.k", "support.base.k_rot", "support.base.section.width",
         "support.base.section.I_z", "support.base.material.E", "support.base.material.rho",
     ),
 }  # fmt: skip
