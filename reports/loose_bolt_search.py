@@ -159,7 +159,7 @@ def alike(truth: Truth) -> list[Row]:
         rows.append(
             {
                 "n": ", ".join(map(str, kept)),
-                "alike to bolt 3": ", ".join(map(str, first[1:])) or "none",
+                "alike to bolt 3": ", ".join(str(bolt) for bolt in first if bolt != 3) or "none",
                 "groups": len(groups) + 24 - sum(map(len, groups)),
                 "2 n theta repeats every deg": apart,
             }
