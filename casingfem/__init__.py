@@ -59,7 +59,8 @@ from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Sy
 from casingfem.structure.survey import SampledField, SurveyError
 from casingfem.structure.taper import Taper
 from casingfem.structure.twisted import TwistedPlate
-from casingfem.updating.localisation import Localisation, locate
+from casingfem.updating.localisation import locate
+from casingfem.updating.located import Localisation
 from casingfem.updating.parameters import Parameter, ParameterError
 from casingfem.updating.posterior import Laplace, laplace
 from casingfem.updating.prediction import LeftOut, leave_one_out

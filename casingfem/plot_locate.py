@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from casingfem.plot_style import AFTER, PERFECT, SKY, new_figure, styled
-from casingfem.updating.localisation import Localisation
+from casingfem.updating.located import Localisation
 
 
 @styled

@@ -32,7 +32,8 @@ from casingfem.structure.point_mass import PointMass
 from casingfem.structure.ring import Ring
 from casingfem.structure.shell import Shell
 from casingfem.study import load_study
-from casingfem.updating.localisation import Explanation, groups_alike, locate, search_model
+from casingfem.updating.localisation import groups_alike, locate, search_model
+from casingfem.updating.located import Explanation
 from casingfem.updating.misfit import Misfit
 from reports.tables import DATA, Row, command_line, show, text, write
 

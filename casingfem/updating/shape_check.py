@@ -15,7 +15,8 @@ from casingfem.experiment.measured_shapes import MeasuredShapes
 from casingfem.experiment.sensors import sensors_on
 from casingfem.modal.affine import AffineModel
 from casingfem.structure.kinematics import DOFS
-from casingfem.updating.localisation import Explanation, Localisation, factors_of
+from casingfem.updating.localisation import factors_of
+from casingfem.updating.located import Explanation, Localisation
 
 
 class Judged(NamedTuple):
