@@ -1,8 +1,8 @@
 """contact: dynamic unilateral contact on rods, linear structures, modal bodies and rotating rims.
 
-Bodies (Rod, PointMass, Wall, LinearBody, ModalBody, HingedBeam), gaps (PointGap, RotatingRim, BeamInCircle, Patch),
-laws (Unilateral, Penalty, AugmentedLagrangian, Coulomb) and schemes (one file each in `contact.scheme`) are frozen
-values; `run` brings them together and returns a Result. Scene files: `load_scene`.
+Bodies (Rod, PointMass, Wall, LinearBody, ModalBody, HingedBeam), gaps (PointGap, RotatingRim, Rub, BeamInCircle,
+Patch), laws (Unilateral, Penalty, AugmentedLagrangian, Coulomb) and schemes (one file each in `contact.scheme`) are
+frozen values; `run` brings them together and returns a Result. Scene files: `load_scene`.
 
 >>> import contact as ct
 >>> left = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=20, x=-1.1, velocity=1.0)

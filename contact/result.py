@@ -35,7 +35,8 @@ class Result:
     """One run: n samples, K contacts. Forces are compressive >= 0 [N]; `lam` = -force is the public sign.
 
     `time` (n,) [s]; `force`, `gap` (n, K); `impulse_history` (n, K): impulse up to time + dt/2 [N s]; `intervals` of
-    contact per contact [s], `sticking` those without slip (friction on a `Patch`), both located within their steps;
+    contact per contact [s], `sticking` those without slip (on a `Patch`), both located within
+    their steps (on a `Rub`: to a step);
     `impulse`, `peak_force`, `max_penetration` [m], `residual` = max|min(-lam W_ii, g)| [m], `contact_steps` and
     `reversals` (steps in which the slip changed sign) (K,), all over every step whatever was stored. `state` (ns, N)
     displacements or modal coordinates u at `state_time`, or R u (ns, c) where `channels` = R (c, N) is not empty.

@@ -302,6 +302,10 @@ def test_bad_rubs_are_refused():
     ):
         with pytest.raises(ct.InputError, match=match):
             rub(**bad)
+    with pytest.raises(
+        ct.InputError, match=r"found 2 rim lines in 3 directions, expected one .*\(Rub takes them all\)"
+    ):
+        ct.RotatingRim(rim3(), blade(), clearance=0.0, speed_hz=1.0)
     with pytest.raises(ct.InputError, match="found 1 after 2, expected ascending"):
         ct.Speed(time=[0.0, 2.0, 1.0], hz=[1.0, 1.0, 1.0])
     with pytest.raises(ct.InputError, match="expected three or more within one turn"):
