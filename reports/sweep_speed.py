@@ -26,6 +26,7 @@ from reports.frustum_convergence import reference_frustum
 from reports.tables import Row, command_line, show, write
 
 DT = 1e-5
+RUNS = 64  # at once
 ROUGH = ({"p": 2, "cos": 2e-4}, {"p": 3, "cos": 5e-5})
 SPARSE = ct.Record(every=10_007)
 
@@ -118,22 +119,22 @@ def physics(pair: tuple[ct.ModalBody, ct.ModalBody], steps: int, repeats: int, p
 def _speeds(name: str, scene: ct.Scene, repeats: int, peak: dict[str, float]) -> Row:
     """One run, and 64 at neighbouring speeds in lanes; preparing the runs is not counted."""
     assert isinstance(scene.what, ct.RotatingRim)  # as `rub` makes them
-    rims = [replace(scene.what, speed_hz=scene.what.speed_hz * (1.0 + 1e-3 * k)) for k in range(64)]
+    rims = [replace(scene.what, speed_hz=scene.what.speed_hz * (1.0 + 1e-3 * k)) for k in range(RUNS)]
     scenes = [replace(scene, what=rim) for rim in rims]
     result = ct.run(scene)
     ct.run_many(scenes[:1])
     ready = best(lambda: [prepared(one) for one in scenes], 1)
-    one = best(lambda: ct.run(scene), repeats) - ready / 64
+    one = best(lambda: ct.run(scene), repeats) - ready / RUNS
     many = best(lambda: ct.run_many(scenes), repeats) - ready
     m, entries = _size(scene)
     touching = float(result.contact_steps[0]) / result.steps
-    rate = 64e-9 * result.steps / many  # billions of steps a second
+    rate = 1e-9 * RUNS * result.steps / many  # billions of steps a second
     flops = 14.0 * m + 4.0 * entries + touching * 9.0 * m
     if isinstance(scene.law, ct.Coulomb):
         flops += touching * (11.0 * m + 4.0 * entries)
     return {
         "case": name, "modes": m, "contact fraction": touching, "us/step alone": 1e6 * one / result.steps,
-        "us/run-step in lanes": 1e6 * many / (64 * result.steps),
+        "us/run-step in lanes": 1e6 * many / (RUNS * result.steps),
         "million steps/s in lanes": 1e3 * rate,
         "% of peak flops": 100.0 * rate * flops / peak["GFlop/s"],
         "% of cache bandwidth": 100.0 * rate * 8.0 * 14.0 * m / peak["GB/s, 12 kB"],

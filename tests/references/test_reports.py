@@ -17,6 +17,8 @@ from reports import (
     speed,
     splitting,
     steel_ring,
+    sweep_kills,
+    sweep_speed,
     tables,
     twisted_plate,
     verification,
@@ -156,3 +158,27 @@ def test_mistuning_restarts_gain_digits_with_each_step(tmp_path):
 
 def test_fields_quick_rows_pass():
     assert {row["verdict"] for row in verify_fields.rows(quick=True)} == {"pass"}
+
+
+@pytest.mark.slow
+def test_lanes_are_faster_than_single_runs_and_leaps_change_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(sweep_speed, "RUNS", 16)
+    rows = sweep_speed.main(tmp_path, quick=True)
+    speeds, leaps, swept = ([row for row in rows if name in row] for name in ("case", "speed-up alone", "cores"))
+    assert all(0.0 < row["% of peak flops"] < 100.0 for row in speeds)
+    assert sum(row["us/run-step in lanes"] for row in speeds) < sum(row["us/step alone"] for row in speeds)
+    assert max(row["state differs by"] for row in leaps) <= 1e-12
+    assert leaps[-1]["speed-up alone"] > 1.3
+    assert leaps[-1]["contact fraction"] < 0.1 < leaps[0]["contact fraction"]
+    assert [row["failed"] for row in swept] == [0, 0]
+
+
+@pytest.mark.slow
+def test_a_sweep_under_kill_9_loses_nothing(tmp_path):
+    pytest.importorskip("distributed")
+    (row,) = sweep_kills.main(tmp_path, quick=True)
+    assert (row["workers killed"], row["drivers killed"], row["failed"]) == (2, 1, 0)
+    assert row["finished before the table was asked for"] == 200
+    assert row["unreadable files"] == 0
+    assert row["table identical"]
+    assert row["identical from a new index"]
