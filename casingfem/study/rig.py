@@ -63,12 +63,12 @@ def run_rig(study: Study) -> RigTest:
     if table.scan is not None and table.scan.drive > len(table.drive):
         raise study.error("rig.scan.drive", str(table.scan.drive), f"1 to {len(table.drive)}, a [[rig.drive]]")
     try:
-        return tested(study, table)
+        return all_records(study, table)
     except ValueError as error:
         raise StudyError([f"{study.path}: rig: {line}" for line in str(error).splitlines()]) from error
 
 
-def tested(study: Study, table: RigTable) -> RigTest:
+def all_records(study: Study, table: RigTable) -> RigTest:
     """The rig and all its records."""
     places, layout = laid_out(study, table)
     found = modes(study.shell, **study.file.modes.wanted)
