@@ -79,9 +79,8 @@ def test_every_module_named_can_be_run():
 
 
 def command_lines() -> list[list[str]]:
-    """Every `casingfem ...` of the pages, without the program."""
-    console = [words[1:] for words in CONSOLE if words[0].endswith("casingfem")]
-    return console + [shlex.split(words) for words in sorted(spoken(r"`casingfem ([^`]+)`"))]
+    """Every `casingfem ...` of the consoles, without the program."""
+    return [words[1:] for words in CONSOLE if words[0].endswith("casingfem")]
 
 
 def test_readme_lists_every_command():
@@ -95,6 +94,13 @@ def test_every_command_line_is_understood(words):
     context = command.make_context(words[0], words[1:])
     file = context.params.get("file")
     assert file is None or str(file).startswith("reports/out/") or (ROOT / file).is_file()
+
+
+@pytest.mark.parametrize("words", sorted(spoken(r"`casingfem ([^`]+)`")))
+def test_every_command_and_option_in_the_text_exists(words):
+    name, *rest = shlex.split(words)
+    options = {option for parameter in main.commands[name].params for option in parameter.opts}
+    assert {word for word in rest if word.startswith("-")} <= options
 
 
 @pytest.mark.parametrize("page", PAGES)

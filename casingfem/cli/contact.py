@@ -44,11 +44,13 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
     """Load, run, deliver."""
     from contact import RotatingRim, Rub, SceneError, load_scene
     from contact import run as run_contact
+    from contact.scene import read_scene
 
     scene = load_scene(file)
     if command == "rub" and not isinstance(scene.what, RotatingRim | Rub):
-        found = "scene.kind: found none of 'rim', 'rub' and 'disk', expected one of them"
-        raise SceneError([f"{file}: {found} (casingfem contact runs them all)"])
+        kind = read_scene(file)[0].scene.kind
+        problem = f"scene.kind: found {kind!r}, expected 'rim', 'rub' or 'disk' (casingfem contact runs them all)"
+        raise SceneError([f"{file}: {problem}"])
     with Working(f"{command} {file.name}") as working:
         result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
     document = result.to_dict()

@@ -264,7 +264,7 @@ def test_sweep_refuses_a_scene_without_one():
 def test_rub_refuses_rods(tmp_path):
     result = invoke("rub", SCENES / "two_rods.toml")
     assert result.exit_code == 2
-    assert "scene.kind: found 'rods'" in result.stderr
+    assert "scene.kind: found 'rods', expected 'rim', 'rub' or 'disk'" in result.stderr
 
 
 def test_schema_and_doctor_are_documents():
