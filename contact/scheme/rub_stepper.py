@@ -19,8 +19,8 @@ from contact.scheme.propagator import Propagator
 from contact.scheme.protocol import Block, Motion, Notes
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_rub import RubState
     from contact.scheme.loop_rub_rows import RubLaws, RubRows
+    from contact.scheme.loop_rub_state import RubState
 
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
 FOLLOWED = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
@@ -112,7 +112,7 @@ def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, di
 
 
 def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions: int) -> RubState:
-    from contact.scheme.loop_rub import RubState
+    from contact.scheme.loop_rub_state import RubState
 
     K, R, m = system.contacts, system.contacts * dimensions, system.omega.size
     stiff, stiff_at = _stiffening(rub, system)
