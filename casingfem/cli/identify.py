@@ -37,7 +37,7 @@ def identify(
     as_json: bool,
     out: Path | None,
 ) -> None:
-    """Modes of the frequency responses FRFS (.uff, .npz, .csv): frequencies, damping, nodal diameters, orientations.
+    """Modes of the frequency responses FRFS (.uff, .npz, .h5, .csv): frequency, damping, nodal diameters, angle.
 
     The poles are chosen without a hand; pairs that cannot be told apart are said to be so. DIR gets the frequency
     table for `casingfem update`, the stabilisation diagram and the fitted responses.

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal, get_args
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -208,12 +209,18 @@ class FrfSet:
     def load(cls, path: str | os.PathLike[str]) -> FrfSet:
         """Read what `save` wrote, without pickle."""
         wanted = {"kind", "x", "responses", *PLACES, "unit", "card"}
-        with np.load(path, allow_pickle=False) as stored:
-            missing = wanted - set(stored.files)
-            if missing:
-                raise FrfError(str(path), found=f"no array {min(missing)!r}", expected=", ".join(sorted(wanted)))
-            arrays = {name: stored[name] for name in ("x", "responses", *PLACES)}
-            kind, unit, card = str(stored["kind"]), str(stored["unit"]), tuple(stored["card"].tolist())
+        try:
+            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
+                stored = {name: archive[name] for name in archive.files}
+        except (OSError, ValueError, EOFError, AttributeError, BadZipFile) as error:
+            raise FrfError(
+                str(path), found=f"no readable npz file ({error})", expected="what FrfSet.save wrote"
+            ) from error
+        missing = wanted - stored.keys()
+        if missing:
+            raise FrfError(str(path), found=f"no array {min(missing)!r}", expected=", ".join(sorted(wanted)))
+        arrays = {name: stored[name] for name in ("x", "responses", *PLACES)}
+        kind, unit, card = str(stored["kind"]), str(stored["unit"]), tuple(stored["card"].tolist())
         return cls(kind=kind, unit=unit, card=card, path=str(path), **arrays)  # type: ignore[arg-type]
 
     def save(self, path: str | os.PathLike[str]) -> Path:

@@ -8,16 +8,18 @@ from pathlib import Path
 import numpy as np
 
 from casingfem.experiment.frf import FrfError, FrfSet
+from casingfem.experiment.frf_hdf5 import read_hdf5
 from casingfem.experiment.sensor_grid import node_angles
 from casingfem.experiment.uff import read_uff
 from casingfem.structure.strict_csv import read
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".ufb")
-KINDS = ", ".join((*UNIVERSAL, ".npz", ".csv"))
+HDF5 = (".h5", ".hdf5")
+KINDS = ", ".join((*UNIVERSAL, ".npz", *HDF5, ".csv"))
 
 
 def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
-    """Frequency responses of a universal file, an npz of `FrfSet.save` or a csv table, by the file's ending.
+    """Frequency responses of a universal file, an npz of `FrfSet.save`, HDF5 or a csv table, by the file's ending.
 
     Raises
     ------
@@ -29,6 +31,8 @@ def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
         return FrfSet.from_uff(path)
     if ending == ".npz":
         return FrfSet.load(path)
+    if ending in HDF5:
+        return read_hdf5(path)
     if ending == ".csv":
         return FrfSet.from_csv(path)
     raise FrfError(str(path), found=f"ending {ending!r}", expected=f"one of {KINDS}")

@@ -1,0 +1,70 @@
+"""Frequency responses in HDF5: the same bits back, and what is no such file refused in words."""
+
+import h5py
+import numpy as np
+import pytest
+
+from casingfem.experiment.frf import FrfError, FrfSet
+from casingfem.experiment.frf_files import read_frfs
+from casingfem.experiment.frf_hdf5 import ARRAYS, read_hdf5, write_hdf5
+
+
+@pytest.fixture
+def two() -> FrfSet:
+    rng = np.random.default_rng(719)
+    return FrfSet.from_arrays(
+        kind="frf",
+        x=[10.0, 20.0, 40.0],
+        responses=rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3)),
+        response_point=[3, 5],
+        response_direction=[1, -1],
+        unit="m/N",
+        card=("SYNTHETIC: one", "two"),
+    )
+
+
+def test_every_bit_comes_back(two, tmp_path):
+    back = read_frfs(write_hdf5(two, tmp_path / "f.h5"))
+    assert all(np.array_equal(getattr(back, name), getattr(two, name)) for name in ARRAYS)
+    assert (back.kind, back.unit, back.card) == (two.kind, two.unit, two.card)
+
+
+def change(path, edit):
+    with h5py.File(path, "r+") as file:
+        edit(file)
+
+
+@pytest.mark.parametrize(
+    ("edit", "said"),
+    [
+        (lambda file: file.pop("x"), "no data set 'x'"),
+        (lambda file: file.attrs.pop("unit"), "no attribute 'unit'"),
+        (lambda file: file["x"].write_direct(np.array([10.0, np.nan, 40.0])), "nan or infinity"),
+        (lambda file: file.attrs.__setitem__("kind", "shape"), "kind 'shape'"),
+        (lambda file: (file.pop("x"), file.create_dataset("x", data=[1.0, 2.0])), "x \\(2,\\)"),
+    ],
+)
+def test_what_does_not_fit_is_refused(edit, said, two, tmp_path):
+    path = write_hdf5(two, tmp_path / "f.hdf5")
+    change(path, edit)
+    with pytest.raises(FrfError, match=said):
+        read_hdf5(path)
+
+
+def test_places_may_be_missing(two, tmp_path):
+    path = write_hdf5(two, tmp_path / "f.h5")
+    change(path, lambda file: file.pop("reference_point"))
+    assert read_hdf5(path).reference_point.tolist() == [0, 0]
+
+
+@pytest.mark.parametrize("ending", [".h5", ".npz"])
+def test_other_bytes_and_no_file(ending, tmp_path):
+    path = tmp_path / f"f{ending}"
+    with pytest.raises(FrfError, match="no readable"):
+        read_frfs(path)
+    path.write_bytes(b"freq_hz,real,imag\n")
+    with pytest.raises(FrfError, match="no readable"):
+        read_frfs(path)
+    path.write_bytes(b"PK\x03\x04")
+    with pytest.raises(FrfError, match="no readable"):
+        read_frfs(path)
