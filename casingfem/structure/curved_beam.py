@@ -74,8 +74,8 @@ def section_stiffness(section: Section, material: Material) -> Array:
 
 def section_inertia(section: Section, material: Material, axes: Array) -> Array:
     """Mass per length on (u, phi) in Cartesian axes, (..., 6, 6): rho A, and rho (I_r + I_z, I_r, I_z) in `axes`."""
-    inertia = np.zeros((*axes.shape[:-2], 6, 6), dtype=np.result_type(axes, section.area, material.rho))
     turning = np.array([section.I_r + section.I_z, section.I_r, section.I_z])
+    inertia = np.zeros((*axes.shape[:-2], 6, 6), dtype=np.result_type(axes, section.area, turning))
     inertia[..., :3, :3] = section.area * np.eye(3)
     inertia[..., 3:, 3:] = np.einsum("...ki,k,...kj->...ij", axes, turning, axes)
     return np.asarray(material.rho * inertia)
