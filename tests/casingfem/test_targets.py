@@ -76,12 +76,12 @@ def test_doublet_jacobian_equals_finite_differences(casing, name, angles):
     table = table_of(modes(other, 12), 12, angles)
     p = Parameter(name=name, lower=-1e15, upper=1e15)
     x = get_value(casing, name)
-    h = 1e-4 * abs(x) or 1e-6
+    h = 1e-4 * abs(x) or 1e-7
     exact = evaluate(casing, table, [p])[1][:, 0]
     plus, minus = (evaluate(with_value(casing, name, x + s), table)[0] for s in (h, -h))
     numeric = (plus - minus) / (2 * h)
     assert len(exact) == (18 if angles else 12)
-    assert np.abs(exact - numeric).max() < 1e-4 * np.abs(numeric).max()
+    assert np.abs(exact - numeric).max() < 1e-6 * np.abs(numeric).max()
 
 
 def test_residuals_are_weighted_by_their_sigma(casing):
@@ -109,8 +109,8 @@ def test_split_vector_jacobian_at_a_perfect_start(frustum):
     for k, p in enumerate(vary):
         plus, minus = (evaluate(with_value(shell, p.name, s), table)[0] for s in (h, -h))
         numeric = (plus - minus) / (2 * h)
-        assert np.abs(start[1:, k] - numeric[1:]).max() < 1e-3 * np.abs(numeric[1:]).max()
-    np.testing.assert_allclose(start[1:, 0] @ start[1:, 1], 0.0, atol=1e-3 * np.sum(start**2))
+        assert np.abs(start[1:, k] - numeric[1:]).max() < 1e-6 * np.abs(numeric[1:]).max()
+    np.testing.assert_allclose(start[1:, 0] @ start[1:, 1], 0.0, atol=1e-9 * np.sum(start**2))
 
 
 def test_open_shells_have_single_residuals(steel):
@@ -123,7 +123,7 @@ def test_open_shells_have_single_residuals(steel):
     )
     residual, slope = evaluate(plate, table, [Parameter(name="material.E", lower=1.0, upper=1e15)])
     np.testing.assert_allclose(residual, -10.0, rtol=1e-9)
-    np.testing.assert_allclose(slope[:, 0], 1000.0 / 1.01 / (2 * 210e9), rtol=2e-2)
+    np.testing.assert_allclose(slope[:, 0], 1000.0 / (2 * 210e9), rtol=1e-9)
 
 
 def test_half_a_doublet_is_a_single(casing):
