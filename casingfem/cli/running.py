@@ -43,8 +43,8 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
         except ValueError as error:
             if not known(error):
                 raise
-            file, text = str(kwargs.get("file", "")), str(error)
-            fail(text if file in text else f"{file}: {text}", BAD_INPUT)
+            text, paths = str(error), [str(value) for value in kwargs.values() if isinstance(value, Path)]
+            fail(text if any(path in text for path in paths) else f"{kwargs.get('file', '')}: {text}", BAD_INPUT)
         except OSError as error:
             if isinstance(error, BrokenPipeError):
                 raise

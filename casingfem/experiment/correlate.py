@@ -13,7 +13,7 @@ from casingfem.experiment.comac import comac, ecomac, nearest_in_plane
 from casingfem.experiment.correlation import pair
 from casingfem.experiment.expansion import Expansion, expand
 from casingfem.experiment.mac import mac, subspace_mac
-from casingfem.experiment.measured_shapes import MeasuredShapes
+from casingfem.experiment.measured_shapes import MeasuredShapes, ShapeError
 from casingfem.experiment.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.pairing import Match, Pairing
 from casingfem.experiment.sensors import Sensors, sensors_of
@@ -21,6 +21,7 @@ from casingfem.modal.mode_set import Modes
 from casingfem.structure.assembly import System
 
 DIFFERENT = 0.9  # COMAC below this is worth a look
+SHOWN = 12  # sensors named on a line; the document has all
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
@@ -125,8 +126,9 @@ class Correlation:
         rows, rest = self.pairing.unpaired_rows, self.pairing.unpaired_modes
         lines.append(f"unpaired: {len(rows)} measured, {len(rest)} computed; NCO by {self.mass_by}")
         lines.append(f"sensors up to {1e3 * self.sensors.distance.max():.2g} mm from the wall; {self.expansion!r}")
-        low = [int(label) for label in np.unique(self.sensors.labels[self.comac < DIFFERENT])]
-        lines.append(f"COMAC below {DIFFERENT}: sensors {', '.join(map(str, low)) or 'none'}")
+        low = np.unique(self.sensors.labels[self.comac < DIFFERENT]).tolist()
+        told = ", ".join(map(str, low[:SHOWN])) + (f" and {len(low) - SHOWN} more" if len(low) > SHOWN else "")
+        lines.append(f"COMAC below {DIFFERENT}: sensors {told or 'none'}")
         return "\n".join(lines)
 
 
@@ -146,8 +148,10 @@ def correlate(
     ------
     ModelError
         sensor-far, sensor-twice, expansion-modes.
+    ShapeError
+        Nothing pairs.
     ValueError
-        Nothing pairs, a mass that is neither, or Guyan's without a system.
+        A mass that is neither, or Guyan's without a system.
 
     Examples
     --------
@@ -176,7 +180,8 @@ def correlate(
     likeness = seen_mac(shapes, computed)
     pairing = pair(modes, measured.table(), reach=reach, shape_mac=likeness)
     if not pairing.matches:
-        raise ValueError(f"{measured.path}: no shape pairs with a mode within {reach:.0%} in frequency")
+        near = f"one within {reach:.2g} of a mode's frequency and like it"
+        raise ShapeError(measured.path, found="no shape that pairs with a mode", expected=near)
     expansion = expand(shapes, computed, measured.labels)
     if mass == "Guyan" and system is not None:
         reduced = guyan_mass(system, sensors)

@@ -225,7 +225,8 @@ def _check_columns(csv: StrictCsv) -> None:
     for name in csv.header:
         if name not in COLUMNS:
             stem = re.split(r"[_\[( ]", name.lower())[0]
-            near = [c for c in COLUMNS if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))]
+            absent = [c for c in COLUMNS if c not in csv.header]
+            near = [c for c in absent if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))]
             expected = f"{near[0]}, unit and all" if near else f"only {', '.join(COLUMNS)}"
             raise csv.error(csv.path, line=csv.header_line, column=name, found="an unknown column", expected=expected)
     for name, meaning in _REQUIRED.items():

@@ -11,7 +11,7 @@ import numpy as np
 from casingfem.arrays import FloatArray
 from casingfem.experiment.correlate import seen_mac
 from casingfem.experiment.correlation import pair
-from casingfem.experiment.measured_shapes import MeasuredShapes
+from casingfem.experiment.measured_shapes import MeasuredShapes, ShapeError
 from casingfem.experiment.sensors import sensors_on
 from casingfem.modal.affine import AffineModel
 from casingfem.structure.kinematics import DOFS
@@ -44,7 +44,7 @@ def judged_by_shapes(
     ------
     ModelError
         sensor-far; locate-bolts for masses.
-    ValueError
+    ShapeError
         No shape pairs with a mode.
     """
     grid = model.system.grid
@@ -67,6 +67,7 @@ def unlike(
     likeness = seen_mac(shapes.real, rows @ modes.coordinates)
     matches = pair(modes, shapes.table(), reach=reach, shape_mac=likeness).matches
     if not matches:
-        raise ValueError(f"{shapes.path}: no shape pairs with a mode within {reach:.0%} in frequency")
+        near = f"one within {reach:.2g} of a mode's frequency and like it"
+        raise ShapeError(shapes.path, found="no shape that pairs with a mode", expected=near)
     macs = [likeness[row, mode] for match in matches for row, mode in zip(match.rows, match.modes, strict=True)]
     return float(1.0 - np.mean(macs))

@@ -1,6 +1,7 @@
 """casingfem correlate and casingfem locate: files in, pictures and one document out."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
+from casingfem.experiment.correlate import correlate
+from casingfem.experiment.measured_shapes import MeasuredShapes
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.modes import modes
 from casingfem.modes_uff import write_modes_uff
@@ -85,6 +88,20 @@ def test_correlate_refuses_a_file_without_shapes(folder, tmp_path):
     result = invoke("correlate", folder / "casing.toml", tmp_path / "empty.uff")
     assert result.exit_code == 2
     assert "expected modes in sets 55" in result.stderr
+    assert str(folder / "casing.toml") not in result.stderr  # the study is not at fault
+
+
+def test_correlate_refuses_shapes_that_pair_with_no_mode(folder):
+    result = invoke("correlate", folder / "casing.toml", folder / "shapes.uff", "--reach", "1e-9")
+    assert result.exit_code == 2, result.exception  # the file has six digits
+    assert "found no shape that pairs with a mode" in result.stderr
+
+
+def test_the_line_of_low_comac_stays_a_line(folder):
+    shapes = MeasuredShapes.from_uff(folder / "shapes.uff")
+    found = correlate(modes(load_study(folder / "casing.toml").shell, 10, method="shell"), shapes)
+    line = repr(replace(found, comac=np.zeros_like(found.comac))).splitlines()[-1]
+    assert re.fullmatch(r"COMAC below 0.9: sensors (\d+, ){11}\d+ and \d+ more", line), line
 
 
 def test_locate_names_the_bolt_or_the_opposite_one(folder, tmp_path):

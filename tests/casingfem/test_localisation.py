@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
-from casingfem.experiment.measured_shapes import MeasuredShapes
+from casingfem.experiment.measured_shapes import MeasuredShapes, ShapeError
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.experiment.sensors import sensors_of
 from casingfem.modal.modes import modes
@@ -199,3 +199,5 @@ def test_shapes_tell_a_bolt_from_the_opposite_one(casing, model):
     assert right.explanation.places == {4}
     assert wrong.explanation.places == {10}
     assert right.unlike < 0.3 * wrong.unlike
+    with pytest.raises(ShapeError, match="found no shape that pairs with a mode"):
+        judged_by_shapes(model[0], found, replace(shapes, freq_hz=3.0 * shapes.freq_hz))
