@@ -63,8 +63,8 @@ class Laplace:
 
     Attributes
     ----------
-    names
-        The parameters.
+    names, log
+        The parameters, and which vary by their logarithm.
     sigma, gauss_newton
         Standard deviations by either, in decades for log parameters, (parameters,).
     bend
@@ -72,6 +72,7 @@ class Laplace:
     """
 
     names: tuple[str, ...]
+    log: tuple[bool, ...]
     covariance: FloatArray
     gauss_newton: FloatArray
     bend: FloatArray
@@ -83,14 +84,19 @@ class Laplace:
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
-        columns = zip(self.names, self.sigma.tolist(), self.gauss_newton.tolist(), self.bend.tolist(), strict=True)
-        rows = [{"name": n, "sigma": s, "gauss_newton": g, "bend": b} for n, s, g, b in columns]
+        numbers = (self.sigma.tolist(), self.gauss_newton.tolist(), self.bend.tolist())
+        rows = [
+            {"name": name, "log": log, "sigma": s, "gauss_newton": g, "bend": b}
+            for name, log, s, g, b in zip(self.names, self.log, *numbers, strict=True)
+        ]
         return {"kind": "laplace", "parameters": rows}
 
     def __repr__(self) -> str:
         """A row for each parameter."""
         lines = [f"{'posterior (Laplace)':<34} {'sigma':>10} {'over J^T J':>10} {'bend':>8}"]
-        for name, s, g, b in zip(self.names, self.sigma, self.gauss_newton, self.bend, strict=True):
+        for name, s, g, b in zip(
+            varied_names(self.names, self.log), self.sigma, self.gauss_newton, self.bend, strict=True
+        ):
             lines.append(f"{name:<34} {s:>10.3g} {s / g:>10.3f} {b:>8.3f}")
         return "\n".join(lines)
 
@@ -113,7 +119,22 @@ def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
         raise UpdateError(f"posterior: the fit is no minimum (lowest curvature {lowest:.2g}): {weakest(fit, scaled)}")
     C = np.linalg.inv(scaled) * np.outer(unit, unit)
     bend = np.array([0.5 * np.abs(near.H[:, k, k]).max() * fit.sigma[k] ** 2 for k in range(len(fit.x))])
-    return Laplace(names=tuple(p.name for p in fit.parameters), covariance=C, gauss_newton=fit.sigma, bend=bend)
+    return Laplace(
+        names=tuple(p.name for p in fit.parameters),
+        log=tuple(p.log for p in fit.parameters),
+        covariance=C,
+        gauss_newton=fit.sigma,
+        bend=bend,
+    )
+
+
+def varied_names(names: Sequence[str], log: Sequence[bool]) -> list[str]:
+    """What the numbers of a posterior are of: a parameter, or its decimal logarithm.
+
+    >>> varied_names(["shell.thickness", "support.root.k_face"], [False, True])
+    ['shell.thickness', 'log10 support.root.k_face']
+    """
+    return [f"log10 {name}" if decades else name for name, decades in zip(names, log, strict=True)]
 
 
 def weakest(fit: UpdateResult, hessian: FloatArray) -> str:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import FloatArray
-from casingfem.updating.posterior import Parabolas, evaluated, parabolas
+from casingfem.updating.posterior import Parabolas, evaluated, parabolas, varied_names
 from casingfem.updating.problem import UpdateError
 from casingfem.updating.result import UpdateResult
 
@@ -24,10 +24,10 @@ class Sampled:
 
     Attributes
     ----------
-    names
-        The parameters.
+    names, log
+        The parameters, and which vary by their logarithm.
     samples
-        (samples, parameters), thinned to about independent ones.
+        (samples, parameters), thinned to about independent ones; decimal logarithms of log parameters.
     gauss_newton
         Standard deviations of (J^T J)^-1, (parameters,).
     acceptance, autocorrelation
@@ -37,6 +37,7 @@ class Sampled:
     """
 
     names: tuple[str, ...]
+    log: tuple[bool, ...]
     samples: FloatArray
     gauss_newton: FloatArray
     acceptance: float
@@ -51,10 +52,14 @@ class Sampled:
     def to_json(self) -> dict[str, object]:
         """Plain data."""
         quantiles = np.quantile(self.samples, LEVELS, axis=0).T.tolist()
-        columns = zip(self.names, self.sigma.tolist(), self.gauss_newton.tolist(), quantiles, strict=True)
+        numbers = (self.sigma.tolist(), self.gauss_newton.tolist(), quantiles)
+        columns = zip(self.names, self.log, *numbers, strict=True)
         return {
             "kind": "emcee",
-            "parameters": [{"name": n, "sigma": s, "gauss_newton": g, "quantiles": q} for n, s, g, q in columns],
+            "parameters": [
+                {"name": name, "log": log, "sigma": s, "gauss_newton": g, "quantiles": q}
+                for name, log, s, g, q in columns
+            ],
             "levels": list(LEVELS),
             "samples": len(self.samples),
             "acceptance": self.acceptance,
@@ -68,7 +73,7 @@ class Sampled:
             f"{'posterior (emcee)':<34} {'2.5 %':>11} {'50 %':>11} {'97.5 %':>11} {'sigma':>10} {'over J^T J':>10}"
         ]
         quantiles = np.quantile(self.samples, LEVELS, axis=0)
-        for k, name in enumerate(self.names):
+        for k, name in enumerate(varied_names(self.names, self.log)):
             cells = " ".join(f"{value:>11.5g}" for value in quantiles[:, k])
             lines.append(f"{name:<34} {cells} {self.sigma[k]:>10.3g} {self.sigma[k] / self.gauss_newton[k]:>10.3f}")
         lines.append(
@@ -115,6 +120,7 @@ def sampled(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, checks: int
     samples = sampler.get_chain(discard=steps // 3, thin=max(1, int(forgotten / 2.0)), flat=True)
     return Sampled(
         names=tuple(p.name for p in fit.parameters),
+        log=tuple(p.log for p in fit.parameters),
         samples=samples,
         gauss_newton=fit.sigma,
         acceptance=float(np.mean(sampler.acceptance_fraction)),

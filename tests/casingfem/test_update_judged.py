@@ -162,11 +162,12 @@ def test_parabolas_are_right_to_second_order(fit):
 
 def test_laplace_equals_gauss_newton_where_residuals_are_straight():
     """f^2 ~ E: in log E nearly straight; without noise the Hessian is J^T J."""
-    fit = cf.update(blade(), table(), [cf.Parameter(name="material.E", lower=150e9, upper=250e9)])
+    fit = cf.update(blade(), table(), [cf.Parameter(name="material.E", lower=150e9, upper=250e9, log=True)])
     sure = cf.laplace(fit)
     assert sure.sigma[0] == pytest.approx(fit.sigma[0], rel=0.02)
     assert sure.bend[0] < 1e-2
-    assert "posterior (Laplace)" in repr(sure)
+    assert "\nlog10 material.E " in repr(sure)  # whose sigma is in decades
+    assert sure.to_json()["parameters"][0]["log"] is True
 
 
 def test_laplace_sees_what_gauss_and_newton_leave_out(fit):
