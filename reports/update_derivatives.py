@@ -3,7 +3,8 @@
 Central differences are off by their step squared and by round-off over their step, so that no single step tells a
 wrong derivative from a coarse difference. Here the step is halved and extrapolated to none (Ridders, Adv. Eng.
 Software 4, 1982, 75) until the last extrapolation changes by ENOUGH or less; the change is reported beside the
-error. Modes are followed by their shapes; pairs give their mean and split vector too.
+error. Modes are followed by their shapes; pairs give their mean and split vector too, whose turning has the error
+of the adjoints' space (`modal.adjoint`): by modulus.p4.cos 1.2e-5, 7.8e-7, 5.6e-8 with depth 2, 3, 4; 3 is used.
 """
 
 from collections.abc import Callable, Sequence
