@@ -51,7 +51,7 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
         kind = read_scene(file)[0].scene.kind
         problem = f"scene.kind: found {kind!r}, expected 'rim', 'rub' or 'disk' (casingfem contact runs them all)"
         raise SceneError([f"{file}: {problem}"])
-    with Working(f"{command} {file.name}") as working:
+    with Working(f"{command} {file.name}: starting; a first run compiles its loop") as working:
         result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
     document = result.to_dict()
     files: dict[str, Content] = {f"{command}.npz": result.save, f"{command}.json": json_text(document)}

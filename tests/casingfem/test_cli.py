@@ -11,6 +11,7 @@ from click.testing import CliRunner, Result
 
 import casingfem as cf
 from casingfem.cli import main
+from casingfem.cli.running import Working
 from casingfem.study import load_study
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
@@ -222,6 +223,23 @@ def test_reduce_beside_the_study_when_it_names_the_file(study, tmp_path):
     assert len(cf.ModalBasis.load(tmp_path / "casing.npz")) == 8
     (tmp_path / "blade.toml").write_text(BLADE)
     assert "not written: give --out DIR" in invoke("reduce", tmp_path / "blade.toml").stdout
+
+
+def test_a_waiting_user_is_told_that_a_first_run_compiles(monkeypatch):
+    said = []
+
+    class Told(Working):
+        def __init__(self, what: str) -> None:
+            super().__init__(what)
+            said.append(what)
+
+        def say(self, what: str) -> None:
+            said.append(what)
+
+    monkeypatch.setattr(sys.modules["casingfem.cli.contact"], "Working", Told)
+    assert invoke("contact", SCENES / "two_rods.toml").exit_code == 0
+    assert said[0] == "contact two_rods.toml: starting; a first run compiles its loop"
+    assert said[-1] == "contact two_rods.toml: 100%"
 
 
 def test_contact_is_one_document_with_bodies_and_energy(tmp_path):
