@@ -312,3 +312,9 @@ def test_a_motion_that_overflows_stops_the_run_and_keeps_it(scheme):
 def test_schemes_that_cannot_be(make, message):
     with pytest.raises(ct.InputError, match=message):
         make()
+
+
+def test_a_motion_beyond_the_arithmetic_is_refused_without_a_warning():
+    rod = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-1e160)
+    with pytest.raises(ct.NumericsError, match="outgrown the arithmetic"):
+        ct.run([rod, ct.Wall(x=0.0)], t_end=2.0, courant=0.9)
