@@ -25,7 +25,13 @@ Residuals = Callable[[FloatArray], FloatArray]
 
 
 def levenberg_marquardt(
-    fun: Residuals, jac: Residuals, x: FloatArray, lower: FloatArray, upper: FloatArray, max_evaluations: int
+    fun: Residuals,
+    jac: Residuals,
+    x: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    max_evaluations: int,
+    damping: float = DAMPING,
 ) -> tuple[FloatArray, str]:
     """The minimum of |fun(x)|^2 within bounds, and why it stopped there.
 
@@ -39,6 +45,8 @@ def levenberg_marquardt(
         Where to begin, and the bounds, (parameters,).
     max_evaluations
         Of `fun`, that of the start not counted.
+    damping
+        mu to begin with.
 
     >>> bowl = np.diag([1.0, 10.0])
     >>> x, _ = levenberg_marquardt(lambda x: bowl @ (x - 3.0), lambda x: bowl, np.zeros(2), np.zeros(2),
@@ -48,7 +56,7 @@ def levenberg_marquardt(
     """
     r, J = fun(x), jac(x)
     scale = np.linalg.norm(J, axis=0)
-    damping, growth = DAMPING, 2.0
+    growth = 2.0
     for _ in range(max_evaluations):
         scale = np.maximum(scale, np.linalg.norm(J, axis=0))
         unit = np.where(scale > 0.0, scale, 1.0)

@@ -24,6 +24,8 @@ from casingfem.updating.shapes import SensorShapes
 from casingfem.updating.targets import allowing
 
 ROUNDS = 8  # solutions until a weight must have settled
+POOR = 2.0  # rms of the weighted residuals above which a fit is tried on other ways
+WAYS = (0.1, 1.0, 0.01)  # dampings to begin with: long first steps and short ones end in different valleys
 SETTLED = 0.06  # two of the weights tried, which stand .058 apart in logarithm
 
 
@@ -163,6 +165,27 @@ def solve_regularised(
 def solve(
     problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations: int, begin: FloatArray | None = None
 ) -> tuple[FloatArray, str]:
+    """The best of the ways down, one if it ends well: modes that mix make a landscape of several valleys."""
+    ends: list[tuple[float, FloatArray, str, State]] = []
+    for damping in WAYS:
+        x, message = descend(problem, lower, upper, max_iterations, damping, begin)
+        r = problem.fun(x)
+        ends.append((float(np.sqrt(np.mean(r**2))), x, message, problem.state(x)))
+        if ends[-1][0] <= POOR:
+            break
+    _, x, message, state = min(ends, key=lambda end: end[0])
+    problem.adopt(x, state)
+    return x, message
+
+
+def descend(
+    problem: Problem,
+    lower: FloatArray,
+    upper: FloatArray,
+    max_iterations: int,
+    damping: float,
+    begin: FloatArray | None = None,
+) -> tuple[FloatArray, str]:
     """Descend with the rows that pair at the start; again from the end where they pair better there.
 
     With shapes the frequencies go first, if there are enough: shapes that mix on the way are a maze from far away.
@@ -175,11 +198,11 @@ def solve(
     if problem.shapes is not None and begin is None:
         problem.shapes_wait = True
         if len(problem.repaired(x).values) >= len(x):
-            x, _ = levenberg_marquardt(problem.fun, problem.jac, x, lower, upper, max_iterations)
+            x, _ = levenberg_marquardt(problem.fun, problem.jac, x, lower, upper, max_iterations, damping)
         problem.shapes_wait = False
         problem.repaired(x)
     for _ in range(4):
-        x, message = levenberg_marquardt(problem.fun, problem.jac, x, lower, upper, max_iterations)
+        x, message = levenberg_marquardt(problem.fun, problem.jac, x, lower, upper, max_iterations, damping)
         end = problem.counted(x)
         if end is None:
             problem.distrust()
