@@ -165,13 +165,13 @@ def solve_regularised(
 def solve(
     problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations: int, begin: FloatArray | None = None
 ) -> tuple[FloatArray, str]:
-    """The best of the ways down, one if it ends well: modes that mix make a landscape of several valleys."""
+    """The best of the ways down, one if it arrives: modes that mix make a landscape of several valleys."""
     ends: list[tuple[float, FloatArray, str, State]] = []
     for damping in WAYS:
         x, message = descend(problem, lower, upper, max_iterations, damping, begin)
         r = problem.fun(x)
         ends.append((float(np.sqrt(np.mean(r**2))), x, message, problem.state(x)))
-        if ends[-1][0] <= POOR:
+        if ends[-1][0] <= POOR and message.startswith("converged"):
             break
     _, x, message, state = min(ends, key=lambda end: end[0])
     problem.adopt(x, state)
