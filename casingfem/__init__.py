@@ -7,21 +7,21 @@ material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped(
 print(cf.modes(casing, count=40))
 """
 
-from casingfem.experiment.circle_lines import ScanError
-from casingfem.experiment.circle_record import ScanRecord
-from casingfem.experiment.circle_scan import CircleScan, demodulate
-from casingfem.experiment.correlate import Correlation, correlate
-from casingfem.experiment.correlation import Pairing, mac, pair, subspace_mac
-from casingfem.experiment.ema_poles import MissingExtraError
-from casingfem.experiment.frf import FrfError, FrfSet
-from casingfem.experiment.identification import identify
-from casingfem.experiment.identified import Identified
-from casingfem.experiment.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.circle.lines import ScanError
+from casingfem.experiment.circle.record import ScanRecord
+from casingfem.experiment.circle.scan import CircleScan, demodulate
+from casingfem.experiment.correlation.correlate import Correlation, correlate
+from casingfem.experiment.correlation.correlation import Pairing, mac, pair, subspace_mac
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.experiment.identify.ema_poles import MissingExtraError
+from casingfem.experiment.identify.identification import identify
+from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.measurement import FrequencyTable, TableError
-from casingfem.experiment.rig import Probe, Rig, RigError
-from casingfem.experiment.rig_structure import Place, rig_of
-from casingfem.experiment.uff import UniversalFile, read_uff
-from casingfem.experiment.uff_split import UffError
+from casingfem.experiment.rig.rig import Probe, Rig, RigError
+from casingfem.experiment.rig.structure import Place, rig_of
+from casingfem.experiment.uff.read import UniversalFile, read_uff
+from casingfem.experiment.uff.split import UffError
 from casingfem.modal.basis import BasisError, ModalBasis
 from casingfem.modal.campbell import Campbell, campbell
 from casingfem.modal.eigen import EigenError

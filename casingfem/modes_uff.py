@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from casingfem.experiment.uff_55 import NORMAL_MODE, Shape
-from casingfem.experiment.uff_nodes import Nodes, TraceLine, Units
-from casingfem.experiment.uff_write import write_uff
+from casingfem.experiment.uff.nodes import Nodes, TraceLine, Units
+from casingfem.experiment.uff.set_55 import NORMAL_MODE, Shape
+from casingfem.experiment.uff.write import write_uff
 from casingfem.mesh_out import DrawnSurface, drawn_surface
 from casingfem.modal.mode_set import Modes
 

@@ -33,8 +33,8 @@ from contact.record import Record
 from contact.result import Result
 from contact.run import Scene, run
 from contact.run_many import run_many
-from contact.scene import SceneError, load_scene, scene_schema
-from contact.scene_stability import load_stability
+from contact.scene.load import SceneError, load_scene, scene_schema
+from contact.scene.stability import load_stability
 from contact.scheme.cd_lagrange import CDLagrange
 from contact.scheme.central_difference import CentralDifference
 from contact.scheme.exact_modal import ExactModal

@@ -44,7 +44,7 @@ def _growth(rim: RotatingRim, mu: float, phase: float) -> float:
 
 def monodromy(system: ModalSystem, mu: float, phase: float = PHASE) -> Array:
     """State (q, q'/scale) after one turn for each unit state before, (2 m, 2 m); `mu` with the sign of the speed."""
-    from contact.scheme.loop_floquet import revolve
+    from contact.scheme.loop.floquet import revolve
     from contact.scheme.modal_stepper import rim_rows
 
     m, period = system.omega.size, 2.0 * math.pi / abs(system.speed)

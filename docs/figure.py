@@ -6,7 +6,7 @@ The rig's casing before and after updating, against its SYNTHETIC frequency tabl
 from pathlib import Path
 
 import casingfem as cf
-from casingfem.plot_update import Paired, figure_comparison
+from casingfem.plot.update import Paired, figure_comparison
 from casingfem.study import load_study, perfect
 from casingfem.study.tasks import run_update
 

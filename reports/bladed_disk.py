@@ -14,7 +14,7 @@ import numpy as np
 import contact as ct
 from casingfem.arrays import FloatArray, IntArray
 from casingfem.outfiles import write_atomic
-from casingfem.plot_interaction import figure_growth
+from casingfem.plot.interaction import figure_growth
 from contact.model.bladed_disk import two_dimensional
 from contact.model.permanent import disk_contact, rub_contact
 from contact.stability import growth

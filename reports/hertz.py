@@ -21,7 +21,7 @@ from skfem.models.poisson import mass
 
 import contact as ct
 from casingfem.arrays import FloatArray
-from casingfem.plot_style import AFTER, BEFORE, new_figure, styled
+from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
 from reports.tables import Row, command_line, show, write
 
 RADIUS, E, NU, RHO, LOAD = 0.05, 210e9, 0.3, 7800.0, 2e6  # m, Pa, -, kg/m^3, N/m

@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identification import identify
-from casingfem.experiment.identified import Identified
+from casingfem.experiment.identify.identification import identify
+from casingfem.experiment.identify.identified import Identified
 from reports.identification_sets import SNR_DB, TestSet, make_set
 from reports.tables import Row, command_line, show, write
 

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.arrays import FloatArray
-from casingfem.experiment.frf import FrfSet
-from casingfem.experiment.rig_noise import noisy
-from casingfem.experiment.rig_structure import Place, rig_of
+from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.rig.noise import noisy
+from casingfem.experiment.rig.structure import Place, rig_of
 from casingfem.modal.modes import Modes, modes
 from casingfem.structure.assembly import assemble
 from casingfem.structure.field import FourierField

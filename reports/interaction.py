@@ -116,7 +116,7 @@ def peaks() -> list[Row]:
 
 def main(out: Path, quick: bool = False) -> list[Row]:
     """Print the tables, write them and two pictures."""
-    from casingfem.plot_interaction import figure_campbell, figure_zzenf
+    from casingfem.plot.interaction import figure_campbell, figure_zzenf
 
     show("Peak growth of closed contact", peaks())
     show("B6 with 1e-3 of damping: friction and lean", friction())

@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from casingfem.arrays import FloatArray
-from casingfem.experiment.correlate import seen_mac
-from casingfem.experiment.correlation import pair
-from casingfem.experiment.mac import mac, subspace_mac
+from casingfem.experiment.correlation.correlate import seen_mac
+from casingfem.experiment.correlation.correlation import pair
+from casingfem.experiment.correlation.mac import mac, subspace_mac
+from casingfem.experiment.correlation.sensors import sensors_of
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.experiment.sensors import sensors_of
 from casingfem.modal.modes import Modes, modes
 from casingfem.structure.mesh import ShellMesh
 from reports.frustum_convergence import reference_frustum

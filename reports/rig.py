@@ -11,8 +11,8 @@ from typing import Any
 
 import casingfem as cf
 from casingfem.outfiles import write_atomic
-from casingfem.plot_page import render_page
-from casingfem.plot_report import SYNTHETIC, Clock
+from casingfem.plot.page import render_page
+from casingfem.plot.report import SYNTHETIC, Clock
 from casingfem.study import Study, load_study, perfect
 from casingfem.study.tasks import run_update
 from reports import rig_blade, rig_page, rig_rub

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import casingfem as cf
-from casingfem.experiment.circle_lines import clear_rate
-from casingfem.experiment.circle_pair import Pair, split_pair
-from casingfem.experiment.frf_estimate import estimate
-from casingfem.experiment.rig_excitation import Impact
-from casingfem.experiment.rig_record import measured, record
-from casingfem.experiment.rig_scan import Scan, Tone, Turning, scan
-from casingfem.experiment.rig_structure import damping_spread
+from casingfem.experiment.circle.lines import clear_rate
+from casingfem.experiment.circle.pair import Pair, split_pair
+from casingfem.experiment.frf.estimate import estimate
+from casingfem.experiment.rig.excitation import Impact
+from casingfem.experiment.rig.record import measured, record
+from casingfem.experiment.rig.scan import Scan, Tone, Turning, scan
+from casingfem.experiment.rig.structure import damping_spread
 from casingfem.study import Study, load_study
 from casingfem.study.rig import RigTest, run_rig
 from reports.rig_synthetic import SEED as SURVEYED

@@ -6,8 +6,8 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.arrays import Array, FloatArray
-from casingfem.plot_fit import update_section
-from casingfem.plot_page import Section, Table
+from casingfem.plot.fit import update_section
+from casingfem.plot.page import Section, Table
 from casingfem.structure.strict_csv import CsvError, read
 from casingfem.study import Study
 from casingfem.study.tasks import run_update

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 import casingfem as cf
-from casingfem.experiment.rig_files import rig_angles, write_rig_uff
-from casingfem.plot_experiment import figure_deflections, figure_responses, figure_scan
+from casingfem.experiment.rig.files import rig_angles, write_rig_uff
+from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
 from casingfem.study.rig import RigTest
 from reports.rig_bench import BLADE_MODES, ORDERS, SEED, blade_test, casing_test, pair_from_scan, scan_at
 from reports.rig_predict import blade_model, casing_models, predict, rms, with_repeatability

@@ -8,13 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import casingfem as cf
-from casingfem.plot_contact import figure_contact
-from casingfem.plot_fit import update_section
-from casingfem.plot_modes import figure_rim, groups
-from casingfem.plot_page import Picture, Section, Table
-from casingfem.plot_sections import inputs_section, provenance_section
-from casingfem.plot_shapes import moving_shapes
-from casingfem.plot_style import AFTER, BEFORE, new_figure, styled
+from casingfem.plot.contact import figure_contact
+from casingfem.plot.fit import update_section
+from casingfem.plot.modes import figure_rim, groups
+from casingfem.plot.page import Picture, Section, Table
+from casingfem.plot.sections import inputs_section, provenance_section
+from casingfem.plot.shapes import moving_shapes
+from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
 from casingfem.study import Study
 from reports.rig_blade import BladeFit, rms
 from reports.rig_rub import Rub, RubPlan, Tuning

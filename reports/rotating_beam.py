@@ -14,11 +14,11 @@ import numpy as np
 
 import contact as ct
 from casingfem.arrays import FloatArray
-from casingfem.plot_style import AFTER, BEFORE, GREEN, new_figure, styled
+from casingfem.plot.style import AFTER, BEFORE, GREEN, new_figure, styled
 from contact.record import samples
 from contact.scheme.beam_implicit import ImplicitBeamStepper
 from contact.scheme.beam_stepper import BeamStepper
-from contact.scheme.loop_beam import strain_energy_and_forces
+from contact.scheme.loop.beam import strain_energy_and_forces
 from reports.tables import Row, command_line, show, write
 
 BEAM = ct.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0)

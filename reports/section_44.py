@@ -14,7 +14,7 @@ import casingfem as cf
 import contact as ct
 from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.outfiles import write_atomic
-from casingfem.plot_contact import figure_levels
+from casingfem.plot.contact import figure_levels
 from contact.stability import growth
 from reports.bases import casing, steel_strip
 from reports.rim_levels import excess_db, level_history, rim_levels

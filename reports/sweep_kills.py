@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
-from contact.store import Store
-from contact.sweep import SweepResult, run_sweep, table
-from contact.sweep_plan import SweepPlan, load_sweep
+from contact.sweep.plan import SweepPlan, load_sweep
+from contact.sweep.store import Store
+from contact.sweep.sweep import SweepResult, run_sweep, table
 from reports.tables import Row, command_line, show, write
 
 ROOT = Path(__file__).parent.parent
@@ -30,8 +30,8 @@ DEADLINE = 1200.0  # s
 DRIVER = """
 import sys
 from pathlib import Path
-from contact.sweep import run_sweep
-from contact.sweep_plan import load_sweep
+from contact.sweep.sweep import run_sweep
+from contact.sweep.plan import load_sweep
 run_sweep(load_sweep(sys.argv[1]), folder=Path(sys.argv[2]), scheduler=sys.argv[3], jobs=2)
 """
 SCENE = """[scene]

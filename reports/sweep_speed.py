@@ -19,8 +19,8 @@ import contact as ct
 from contact.run import prepared
 from contact.scheme.exact_modal import ExactModal
 from contact.scheme.modal_run import ModalRun
-from contact.sweep import run_sweep
-from contact.sweep_plan import load_sweep
+from contact.sweep.plan import load_sweep
+from contact.sweep.sweep import run_sweep
 from reports.bases import blade
 from reports.frustum_convergence import reference_frustum
 from reports.tables import Row, command_line, show, write

@@ -18,9 +18,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from casingfem.errors import ModelWarning
-from casingfem.experiment.uff import UniversalFile, parse_uff
-from casingfem.experiment.uff_split import UffError
-from casingfem.experiment.uff_write import write_uff
+from casingfem.experiment.uff.read import UniversalFile, parse_uff
+from casingfem.experiment.uff.split import UffError
+from casingfem.experiment.uff.write import write_uff
 from reports.tables import Row, command_line, show, write
 from reports.uff_samples import Count, Sample, samples
 

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.uff_55 import Shape
-from casingfem.experiment.uff_58 import Axes, Axis, Channel, Function
-from casingfem.experiment.uff_nodes import Elements, Nodes, TraceLine, Units
+from casingfem.experiment.uff.nodes import Elements, Nodes, TraceLine, Units
+from casingfem.experiment.uff.set_55 import Shape
+from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
 
 
 class Count(NamedTuple):

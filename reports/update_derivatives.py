@@ -14,7 +14,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.arrays import FloatArray
-from casingfem.experiment.pairing import Match, Pairing
+from casingfem.experiment.correlation.pairing import Match, Pairing
 from casingfem.modal.neighbour import Solution, solved
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.section import Section

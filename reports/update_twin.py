@@ -15,7 +15,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.arrays import FloatArray
-from casingfem.experiment.grouping import Doublet
+from casingfem.experiment.correlation.grouping import Doublet
 from casingfem.structure.mesh import ShellMesh
 from casingfem.updating.problem import Problem
 from casingfem.updating.targets import split_vector

@@ -3,12 +3,12 @@
 import numpy as np
 
 import casingfem as cf
-from casingfem.experiment.circle_record import turning
-from casingfem.experiment.frf_estimate import estimate
-from casingfem.experiment.rig_excitation import BurstRandom
-from casingfem.experiment.rig_mass import loaded
-from casingfem.experiment.rig_noise import Converter
-from casingfem.experiment.rig_record import record
+from casingfem.experiment.circle.record import turning
+from casingfem.experiment.frf.estimate import estimate
+from casingfem.experiment.rig.excitation import BurstRandom
+from casingfem.experiment.rig.mass import loaded
+from casingfem.experiment.rig.noise import Converter
+from casingfem.experiment.rig.record import record
 from reports.tables import Row, check
 
 SEED = 20617

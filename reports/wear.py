@@ -10,7 +10,7 @@ from pathlib import Path
 
 import contact as ct
 from casingfem.outfiles import write_atomic
-from casingfem.plot_wear import figure_wear
+from casingfem.plot.wear import figure_wear
 from reports.rim_levels import level_history
 from reports.section_44 import N_MAX, RECORD, N, make_blades, make_casing, rim_of
 from reports.tables import DATA, Row, command_line, show, write

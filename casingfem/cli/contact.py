@@ -31,7 +31,7 @@ def rub(file: Path, as_json: bool, out: Path | None) -> None:
 @options
 def stability(file: Path, as_json: bool, out: Path | None) -> None:
     """Growth over speed of a contact that stays closed: SCENE is a pair, or a rim with speed.scan."""
-    from contact.scene_stability import load_stability
+    from contact.scene.stability import load_stability
 
     scene = load_stability(file)
     with Working(f"stability {file.name}"):
@@ -44,7 +44,7 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
     """Load, run, deliver."""
     from contact import RotatingRim, Rub, SceneError, load_scene
     from contact import run as run_contact
-    from contact.scene import read_scene
+    from contact.scene.load import read_scene
 
     scene = load_scene(file)
     if command == "rub" and not isinstance(scene.what, RotatingRim | Rub):

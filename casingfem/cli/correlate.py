@@ -11,7 +11,7 @@ from casingfem.cli.warned import noted
 from casingfem.outfiles import Content, json_text
 
 if TYPE_CHECKING:
-    from casingfem.experiment.correlate import Correlation
+    from casingfem.experiment.correlation.correlate import Correlation
 
 SHAPES = click.argument("shapes", metavar="SHAPES", type=click.Path(path_type=Path))
 
@@ -29,8 +29,8 @@ def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, 
 
     Sensors stand at the points of the file, which must lie on the wall.
     """
-    from casingfem.experiment.correlate import correlate as compare
-    from casingfem.experiment.measured_shapes import MeasuredShapes
+    from casingfem.experiment.correlation.correlate import correlate as compare
+    from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
     from casingfem.modal.modes import modes
     from casingfem.structure.assembly import assemble
     from casingfem.study import load_study
@@ -49,7 +49,7 @@ def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, 
 
 def result_files(result: "Correlation", document: dict[str, object]) -> dict[str, Content]:
     """The document and the pictures."""
-    from casingfem.plot_correlation import figure_comac, figure_mac
+    from casingfem.plot.correlation import figure_comac, figure_mac
 
     pictures = {"mac.png": figure_mac(result), "comac.png": figure_comac(result)}
     files: dict[str, Content] = {"correlation.json": json_text(document, indent=1)}

@@ -9,7 +9,7 @@ from casingfem.cli.running import Working, deliver, options
 from casingfem.outfiles import Content, json_text
 
 if TYPE_CHECKING:
-    from casingfem.experiment.identified import Identified
+    from casingfem.experiment.identify.identified import Identified
 
 
 @click.command()
@@ -42,8 +42,8 @@ def identify(
     The poles are chosen without a hand; pairs that cannot be told apart are said to be so. DIR gets the frequency
     table for `casingfem update`, the stabilisation diagram and the fitted responses.
     """
-    from casingfem.experiment.frf_files import file_angles, read_angles, read_frfs
-    from casingfem.experiment.identification import identify as find
+    from casingfem.experiment.frf.files import file_angles, read_angles, read_frfs
+    from casingfem.experiment.identify.identification import identify as find
 
     frfs = read_frfs(file)
     angles = read_angles(angles_file) if angles_file else file_angles(file)
@@ -66,7 +66,7 @@ def identify(
 
 def result_files(found: "Identified", document: dict[str, Any]) -> dict[str, Content]:
     """The table, the pictures and the document."""
-    from casingfem.plot_identify import figure_responses, figure_stabilisation
+    from casingfem.plot.identify import figure_responses, figure_stabilisation
 
     files: dict[str, Content] = {"identified.json": json_text(document, indent=1)}
     if len(found):

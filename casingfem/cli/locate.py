@@ -37,9 +37,9 @@ def locate(
     out: Path | None,
 ) -> None:
     """Find loose bolts or added masses of STUDY from a frequency TABLE with nodal diameters and orientations."""
-    from casingfem.experiment.measured_shapes import MeasuredShapes
+    from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
     from casingfem.experiment.measurement import FrequencyTable
-    from casingfem.plot_locate import figure_located
+    from casingfem.plot.locate import figure_located
     from casingfem.study import load_study
     from casingfem.updating.localisation import locate as find
     from casingfem.updating.localisation import search_model

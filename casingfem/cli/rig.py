@@ -61,8 +61,8 @@ def words(test: "RigTest") -> str:
 
 def result_files(test: "RigTest", document: dict[str, Any]) -> dict[str, Content]:
     """Records, truth, document and pictures."""
-    from casingfem.experiment.rig_files import write_rig_uff
-    from casingfem.plot_experiment import figure_deflections, figure_responses, figure_scan
+    from casingfem.experiment.rig.files import write_rig_uff
+    from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
 
     files: dict[str, Content] = {"rig.json": json_text(document, indent=1), "truth.csv": test.truth.to_csv}
     pictures = {}

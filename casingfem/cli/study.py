@@ -179,7 +179,7 @@ def report(file: Path, as_json: bool, out: Path | None) -> None:
     study = load_study(file)
     folder = out if out is not None else Path()
     with Working(f"report on {file.name}") as working:
-        from casingfem.plot_report import study_report
+        from casingfem.plot.report import study_report
 
         html = study_report(study, working.say)
     document = {"report": str(folder / "report.html"), "seconds": working.seconds, "source": study.source}
@@ -191,7 +191,7 @@ def report(file: Path, as_json: bool, out: Path | None) -> None:
 def schema(as_json: bool, out: Path | None) -> None:
     """JSON schemas of study.toml and scene.toml."""
     from casingfem.study import schema as study_schema
-    from contact.scene import scene_schema
+    from contact.scene.load import scene_schema
 
     document = {"study": study_schema(), "scene": scene_schema()}
     files = {f"{name}.schema.json": json_text(part, indent=1) for name, part in document.items()}

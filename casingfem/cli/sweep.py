@@ -12,7 +12,7 @@ from casingfem.cli.running import Working, deliver, options
 from casingfem.outfiles import Content, json_text
 
 if TYPE_CHECKING:
-    from contact.sweep import SweepResult
+    from contact.sweep.sweep import SweepResult
 
 JOBS = click.option(
     "--jobs", type=click.IntRange(1, 1024), default=None, help="Worker processes; one a core, one for a scheduler."
@@ -32,8 +32,8 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
 
     With --out DIR every finished run is kept in DIR/store: the same command goes on where a sweep was broken off.
     """
-    from contact.sweep import run_sweep
-    from contact.sweep_plan import load_sweep
+    from contact.sweep.plan import load_sweep
+    from contact.sweep.sweep import run_sweep
 
     plan = load_sweep(file)
     with Working(f"sweep {file.name}") as working:
@@ -75,13 +75,13 @@ def words(found: "SweepResult", seconds: float) -> str:
 
 def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Content]:
     """The table, the document, and the picture where numbers were varied."""
-    from contact.sweep import table
+    from contact.sweep.sweep import table
 
     files: dict[str, Content] = {"sweep.csv": table(found), "sweep.json": json_text(document, indent=1)}
     plan = found.plan
     numbers = [k for k in range(len(plan.keys)) if all(isinstance(run.values[k], int | float) for run in plan.runs)][:2]
     if numbers and len(plan.runs) > 1:
-        from casingfem.plot_sweep import figure_sweep
+        from casingfem.plot.sweep import figure_sweep
 
         values = np.array([[float(run.values[k]) for k in numbers] for run in plan.runs])
         figure = figure_sweep([plan.keys[k] for k in numbers], values, found.rows)

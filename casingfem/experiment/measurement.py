@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.arrays import Array, FloatArray, IntArray
-from casingfem.experiment.grouping import Doublet, Group, grouped
+from casingfem.experiment.correlation.grouping import Doublet, Group, grouped
 from casingfem.structure.strict_csv import CsvError, StrictCsv, read
 
 COLUMNS = ("mode", "n", "freq_hz", "sigma_hz", "angle_deg", "zeta")

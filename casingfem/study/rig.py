@@ -4,18 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.experiment.circle_scan import CircleScan, demodulate
-from casingfem.experiment.frf import FrfSet
-from casingfem.experiment.frf_estimate import estimate
+from casingfem.experiment.circle.scan import CircleScan, demodulate
+from casingfem.experiment.frf.estimate import estimate
+from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.experiment.rig import Rig
-from casingfem.experiment.rig_excitation import BurstRandom, Excitation, Impact, Random
-from casingfem.experiment.rig_files import origin
-from casingfem.experiment.rig_noise import noisy
-from casingfem.experiment.rig_record import BAND, measured, record
-from casingfem.experiment.rig_scan import Scan, Tone, Turning, scan
-from casingfem.experiment.rig_structure import Place, circle, damping_spread, rig_of
-from casingfem.experiment.rig_truth import truth
+from casingfem.experiment.rig.excitation import BurstRandom, Excitation, Impact, Random
+from casingfem.experiment.rig.files import origin
+from casingfem.experiment.rig.noise import noisy
+from casingfem.experiment.rig.record import BAND, measured, record
+from casingfem.experiment.rig.rig import Rig
+from casingfem.experiment.rig.scan import Scan, Tone, Turning, scan
+from casingfem.experiment.rig.structure import Place, circle, damping_spread, rig_of
+from casingfem.experiment.rig.truth import truth
 from casingfem.modal.modes import modes
 from casingfem.study.load import Study
 from casingfem.study.problems import StudyError

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from casingfem.arrays import FloatArray
+from casingfem.experiment.correlation.pairing import Match, Pairing
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.experiment.pairing import Match, Pairing
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.assembly import nodal_mass
 

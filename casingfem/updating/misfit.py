@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import FloatArray
+from casingfem.experiment.correlation.pairing import Match
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.experiment.pairing import Match
 from casingfem.modal.affine import AffineModel, AffineModes
 from casingfem.updating.mixed_pairing import paired_by_shares
 from casingfem.updating.targets import (

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from casingfem.arrays import FloatArray
-from casingfem.experiment.pairing import Match
+from casingfem.experiment.correlation.pairing import Match
 from casingfem.updating.following import followed
 from casingfem.updating.problem import Problem, State
 from casingfem.updating.result import UpdateResult

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from casingfem.arrays import FloatArray
-from casingfem.experiment.correlation import Pairing, pair
+from casingfem.experiment.correlation.correlation import Pairing, pair
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.modes import Modes, modes
 from casingfem.modal.neighbour import Solution, counted, solved, solved_near

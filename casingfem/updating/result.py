@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from casingfem.arrays import FloatArray
-from casingfem.experiment.correlation import Pairing
+from casingfem.experiment.correlation.correlation import Pairing
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.shell import Shell

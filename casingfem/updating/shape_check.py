@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.arrays import FloatArray
-from casingfem.experiment.correlate import seen_mac
-from casingfem.experiment.correlation import pair
-from casingfem.experiment.measured_shapes import MeasuredShapes, ShapeError
-from casingfem.experiment.sensors import sensors_on
+from casingfem.experiment.correlation.correlate import seen_mac
+from casingfem.experiment.correlation.correlation import pair
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.correlation.sensors import sensors_on
 from casingfem.modal.affine import AffineModel
 from casingfem.structure.kinematics import DOFS
 from casingfem.updating.localisation import factors_of

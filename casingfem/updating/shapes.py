@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.arrays import FloatArray, frozen
-from casingfem.experiment.mac import mac
-from casingfem.experiment.pairing import Match
+from casingfem.experiment.correlation.mac import mac
+from casingfem.experiment.correlation.pairing import Match
 from casingfem.modal.adjoint import adjoint_space
 from casingfem.modal.mode_set import Modes
 from casingfem.modal.neighbour import Solution

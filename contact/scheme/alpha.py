@@ -11,7 +11,7 @@ from contact.scheme.linear_stepper import LinearStepper, linear_stepper, parts_o
 from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_alpha import Weights
+    from contact.scheme.loop.alpha import Weights
 
 
 def newmark_limit(beta: float, gamma: float) -> float:
@@ -28,7 +28,7 @@ def prepare_alpha(
     courant: float | None,
 ) -> LinearStepper:  # fmt: skip
     """Stepper of the family; raises InputError, LimitError beyond dt omega_max = `limit`."""
-    from contact.scheme.loop_alpha import advance_alpha
+    from contact.scheme.loop.alpha import advance_alpha
 
     run = setup(name, problem, law, (Unilateral, Penalty, AugmentedLagrangian), dt, courant)
     system, h, implicit = run.system, run.h, 1.0 - w.af

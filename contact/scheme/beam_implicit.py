@@ -20,7 +20,7 @@ from contact.scheme.beam_run import BeamRun
 from contact.scheme.protocol import Motion
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_beam_implicit import ImplicitBeam
+    from contact.scheme.loop.beam_implicit import ImplicitBeam
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -31,7 +31,7 @@ class ImplicitBeamStepper(BeamRun):
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
-        from contact.scheme.loop_beam_implicit import advance_implicit
+        from contact.scheme.loop.beam_implicit import advance_implicit
 
         return advance_implicit(self.state, self.sums, out, self.dt, first, steps)
 
@@ -41,7 +41,7 @@ class ImplicitBeamStepper(BeamRun):
 
     def stored(self) -> Stored:
         """Energies at t_n; the discrete form leaves out what Newmark itself added or took."""
-        from contact.scheme.loop_beam import strain_energy_and_forces
+        from contact.scheme.loop.beam import strain_energy_and_forces
 
         s = self.state
         kinetic = 0.5 * float(np.sum(s.mass * s.v**2))
@@ -61,7 +61,7 @@ class ImplicitBeamStepper(BeamRun):
 
 def prepare_beam_newmark(problem: BeamInCircle, beta: float, gamma: float, dt: float | None) -> ImplicitBeamStepper:
     """Stepper at t = 0; raises InputError for a flexible ring or a missing dt."""
-    from contact.scheme.loop_beam_implicit import ImplicitBeam
+    from contact.scheme.loop.beam_implicit import ImplicitBeam
 
     if problem.ring is not None:
         raise InputError("ring: found a flexible ring with Newmark, expected CentralDifference or a rigid circle")

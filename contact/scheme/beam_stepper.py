@@ -23,7 +23,7 @@ from contact.scheme.propagator import Propagator, propagator
 from contact.scheme.protocol import Motion
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_beam import BeamState
+    from contact.scheme.loop.beam import BeamState
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -35,7 +35,7 @@ class BeamStepper(BeamRun):
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
-        from contact.scheme.loop_beam import advance_beam
+        from contact.scheme.loop.beam import advance_beam
 
         return advance_beam(self.state, self.sums, out, self.dt, first, steps)
 
@@ -45,7 +45,7 @@ class BeamStepper(BeamRun):
 
     def stored(self) -> Stored:
         """Kinetic energy at the half step, strain energy at t_n, the torque's potential, the ring's energies."""
-        from contact.scheme.loop_beam import INTERNAL, strain_energy_and_forces
+        from contact.scheme.loop.beam import INTERNAL, strain_energy_and_forces
 
         s, h = self.state, self.dt
         mass = self.problem.beam.lumped()
@@ -71,7 +71,7 @@ class BeamStepper(BeamRun):
 
     def angular_momentum(self) -> tuple[float, float]:
         """About the hinge, at the half step, and the impulse of the contacts' moment so far [kg m^2/s, N m s]."""
-        from contact.scheme.loop_beam import MOMENT
+        from contact.scheme.loop.beam import MOMENT
 
         s = self.state
         return self.spin(s.x, s.d / self.dt), float(s.ledger[MOMENT]) * self.dt
@@ -97,7 +97,7 @@ def beam_step(problem: BeamInCircle, dt: float | None, courant: float | None) ->
 
 def prepare_beam(problem: BeamInCircle, dt: float | None, courant: float | None) -> BeamStepper:
     """Stepper at t = 0."""
-    from contact.scheme.loop_beam import BeamState
+    from contact.scheme.loop.beam import BeamState
 
     beam, h = problem.beam, beam_step(problem, dt, courant)
     x, mass = beam.nodes(), beam.lumped()

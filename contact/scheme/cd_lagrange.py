@@ -33,7 +33,7 @@ class CDLagrange:
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError, LimitError."""
-        from contact.scheme.loop_leapfrog import IMPULSE
+        from contact.scheme.loop.leapfrog import IMPULSE
 
         e = self.restitution
         return prepare_leapfrog("CDLagrange", f"CD-Lagrange, e = {e:g}", IMPULSE, problem, law, (Unilateral,), dt,

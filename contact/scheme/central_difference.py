@@ -32,7 +32,7 @@ class CentralDifference:
         self, problem: Problem, law: Law, *, dt: float | None, courant: float | None
     ) -> LinearStepper | BeamStepper:
         """Check law and step; raises InputError, LimitError."""
-        from contact.scheme.loop_leapfrog import FORWARD
+        from contact.scheme.loop.leapfrog import FORWARD
 
         if isinstance(problem, BeamInCircle):
             if not isinstance(law, Unilateral):

@@ -20,12 +20,12 @@ from contact.scheme.modal_run import ModalRun
 from contact.scheme.propagator import Propagator
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_energy import EnergyState
+    from contact.scheme.loop.energy import EnergyState
 
 
 def energy_stepper(system: ModalSystem, parts: Propagator) -> ModalRun:
     """Stepper at t = 0; raises InputError for a rim, damping, or S = 0."""
-    from contact.scheme.loop_energy import EnergyState, advance_energy
+    from contact.scheme.loop.energy import EnergyState, advance_energy
 
     S, h, Q = system.S_nn(0.0), parts.h, system.Q
     if system.table is not None:

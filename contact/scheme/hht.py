@@ -34,7 +34,7 @@ class HHT:
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError."""
-        from contact.scheme.loop_alpha import Weights
+        from contact.scheme.loop.alpha import Weights
 
         alpha = self.alpha
         weights = Weights(0.0, -alpha, 0.25 * (1.0 - alpha) ** 2, 0.5 - alpha)

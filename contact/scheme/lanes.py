@@ -19,7 +19,7 @@ from contact.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal_run import ModalRun
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_lanes import LaneLeaps, LaneRows, Lanes, LaneSamples, LaneSeries
+    from contact.scheme.loop.lanes import LaneLeaps, LaneRows, Lanes, LaneSamples, LaneSeries
 
 WIDTH = 8
 BUDGET = 20_000  # steps a call takes at most: room for the events of so many
@@ -56,7 +56,7 @@ class Batch:
 
     def advance(self) -> None:
         """Step until a lane is at its end, has failed, or the room for events is used up."""
-        from contact.scheme.loop_lanes import advance_lanes
+        from contact.scheme.loop.lanes import advance_lanes
 
         self.sums.filled[:] = 0
         advance_lanes(
@@ -131,7 +131,7 @@ class Batch:
 
 def batch(jobs: Sequence[Job]) -> Batch:
     """Empty lanes for runs of one number of modes."""
-    from contact.scheme.loop_lanes import Lanes
+    from contact.scheme.loop.lanes import Lanes
 
     systems = [job.run.system for job in jobs]
     m = systems[0].omega.size
@@ -167,7 +167,7 @@ def _union(tables: Sequence[RowTable], m: int) -> tuple[Indices, Indices]:
 
 
 def _rows(start: Indices, harmonic: Indices, tables: Sequence[RowTable], kind: str) -> LaneRows:
-    from contact.scheme.loop_lanes import LaneRows
+    from contact.scheme.loop.lanes import LaneRows
 
     pairs = [(getattr(table, f"{kind}_cos"), getattr(table, f"{kind}_sin")) for table in tables]
     one = pairs[0][0].size == harmonic.size and all(
@@ -178,7 +178,7 @@ def _rows(start: Indices, harmonic: Indices, tables: Sequence[RowTable], kind: s
 
 
 def _series(terms: Sequence[Trig]) -> LaneSeries:
-    from contact.scheme.loop_lanes import LaneSeries
+    from contact.scheme.loop.lanes import LaneSeries
 
     harmonic = np.unique(np.concatenate([p.harmonic for p in terms])).astype(np.int64)
     return LaneSeries(harmonic, np.zeros((harmonic.size, WIDTH)), np.zeros((harmonic.size, WIDTH)))
@@ -195,7 +195,7 @@ def _spread(rows: LaneRows, table: RowTable, cos: Array, sin: Array, k: int) -> 
 
 
 def _leaps(jobs: Sequence[Job], m: int, start: Indices, harmonic: Indices) -> LaneLeaps:
-    from contact.scheme.loop_lanes import LaneLeaps
+    from contact.scheme.loop.lanes import LaneLeaps
 
     kinds = [job.run.rim.leap for job in jobs if job.run.rim is not None]
     bits = max(leap.powers.shape[0] for leap in kinds)
@@ -208,7 +208,7 @@ def _leaps(jobs: Sequence[Job], m: int, start: Indices, harmonic: Indices) -> La
 
 
 def _kept(jobs: Sequence[Job], m: int) -> LaneSamples:
-    from contact.scheme.loop_lanes import LaneSamples
+    from contact.scheme.loop.lanes import LaneSamples
 
     rows = max(job.steps // job.record.every + 1 for job in jobs)
     states = max(job.steps // job.record.state_every + 1 if job.record.state_every else 0 for job in jobs)

@@ -17,7 +17,7 @@ from contact.model.trig import Trig
 from contact.scheme.propagator import Propagator
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_leap import Leap
+    from contact.scheme.loop.leap import Leap
 
 BITS = 24  # a leap is shorter than 2^BITS steps
 CELLS = 720  # of the contact angle
@@ -26,7 +26,7 @@ POINTS = 8  # where the clearance is looked at in each cell
 
 def rim_leap(system: ModalSystem, parts: Propagator, *, skip: bool) -> Leap:
     """Powers, amplitudes and clearances of a rim; without powers, so without leaps, unless `skip`."""
-    from contact.scheme.loop_leap import Leap
+    from contact.scheme.loop.leap import Leap
 
     table, m = system.table, system.omega.size
     assert table is not None

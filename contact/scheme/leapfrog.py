@@ -20,7 +20,7 @@ def prepare_leapfrog(
 
     A contact spring counts in the limit, taken with every contact closed.
     """
-    from contact.scheme.loop_leapfrog import advance_leapfrog
+    from contact.scheme.loop.leapfrog import advance_leapfrog
 
     run = setup(name, problem, law, allowed, dt, courant)
     system, h = run.system, run.h

@@ -21,7 +21,7 @@ from contact.record import Samples, Tally, tally
 from contact.scheme.protocol import Block, Motion, Problem
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_linear import Parts, State
+    from contact.scheme.loop.linear import Parts, State
     from contact.solver.complementarity import LawNumbers
 
 Advance = Callable[..., int]  # (parts, state, sums, out, amplitudes, h, first, steps, *method)
@@ -186,7 +186,7 @@ def require_stable(h: float, omega: float, limit: float, name: str) -> str:
 
 def parts_of(system: LinearSystem, A: Band, opening: float, *, factored: Factor | None = None) -> Parts:
     """Arrays of a run whose step solves with A; response = opening A^-1 Q^T."""
-    from contact.scheme.loop_linear import Parts
+    from contact.scheme.loop.linear import Parts
 
     factored = factored or factor(A, "M + h C + h^2 K")
     Q = system.rows()
@@ -237,7 +237,7 @@ def linear_stepper(
 
     Leapfrog schemes start from u_1 = u_0 + h v_0 + h^2 a_0/2.
     """
-    from contact.scheme.loop_linear import State
+    from contact.scheme.loop.linear import State
 
     h, contacts = run.h, run.system.gap0.size
     reached = require_stable(h, run.omega if omega is None else omega, limit, run.name)

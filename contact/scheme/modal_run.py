@@ -18,9 +18,9 @@ from contact.scheme.wear_track import Track
 from contact.wear import Wear
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_leap import Leap
-    from contact.scheme.loop_modal import ModalState
-    from contact.scheme.loop_rim import RimRows
+    from contact.scheme.loop.leap import Leap
+    from contact.scheme.loop.modal import ModalState
+    from contact.scheme.loop.rim import RimRows
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

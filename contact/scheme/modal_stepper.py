@@ -19,8 +19,8 @@ from contact.scheme.propagator import Propagator
 from contact.scheme.wear_track import Track, bare
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_modal import ModalState
-    from contact.scheme.loop_rim import RimRows
+    from contact.scheme.loop.modal import ModalState
+    from contact.scheme.loop.rim import RimRows
 
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
 
@@ -74,7 +74,7 @@ def _failure(state: ModalState) -> str:
 
 
 def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalState:
-    from contact.scheme.loop_modal import ModalState
+    from contact.scheme.loop.modal import ModalState
 
     def gap(steps: int, q: Array) -> float:
         phi = system.angle - system.speed * parts.h * steps
@@ -90,7 +90,7 @@ def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalS
 
 
 def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: bool) -> Loop:
-    from contact.scheme.loop_modal import advance_modal
+    from contact.scheme.loop.modal import advance_modal
 
     clearance, S, h, Q = system.clearance(0.0), system.S_nn(0.0), parts.h, system.Q
 
@@ -101,7 +101,7 @@ def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: 
 
 
 def _rim_loop(rim: RimRun, h: float, track: Track | None) -> Loop:
-    from contact.scheme.loop_rim import advance_rim
+    from contact.scheme.loop.rim import advance_rim
 
     Q, Q_next, T = np.zeros((3, rim.state.q.size))
     coating = bare() if track is None else track.coating
@@ -120,8 +120,8 @@ def _rim_loop(rim: RimRun, h: float, track: Track | None) -> Loop:
 
 def rim_rows(system: ModalSystem, mu: float) -> RimRows:
     """What the compiled loops need of a rim: rows, polynomials of the angle, work space."""
-    from contact.scheme.loop_rim import RimRows
-    from contact.scheme.loop_rows import RowBlocks, Series
+    from contact.scheme.loop.rim import RimRows
+    from contact.scheme.loop.rows import RowBlocks, Series
 
     table = system.table
     assert table is not None

@@ -36,7 +36,7 @@ class MoreauJean:
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError."""
-        from contact.scheme.loop_moreau import advance_moreau
+        from contact.scheme.loop.moreau import advance_moreau
 
         run = setup("MoreauJean", problem, law, (Unilateral,), dt, courant)
         system, step = run.system, run.h * self.theta

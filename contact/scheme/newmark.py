@@ -45,7 +45,7 @@ class Newmark:
         self, problem: Problem, law: Law, *, dt: float | None, courant: float | None
     ) -> LinearStepper | ImplicitBeamStepper:
         """Check law and step; raises InputError, LimitError."""
-        from contact.scheme.loop_alpha import Weights
+        from contact.scheme.loop.alpha import Weights
 
         if isinstance(problem, BeamInCircle):
             if not isinstance(law, Unilateral):

@@ -24,8 +24,8 @@ from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
     from contact.model.arrays import Array
-    from contact.scheme.loop_alpha import Weights
-    from contact.scheme.loop_linear import Parts
+    from contact.scheme.loop.alpha import Weights
+    from contact.scheme.loop.linear import Parts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,7 +46,7 @@ class NonsmoothAlpha:
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError."""
-        from contact.scheme.loop_moreau import advance_nonsmooth
+        from contact.scheme.loop.moreau import advance_nonsmooth
 
         run, w = setup("NonsmoothAlpha", problem, law, (Unilateral,), dt, courant), chung_hulbert(self.rho_inf)
         parts, jump = _parts(run.system, w, run.h)
@@ -60,7 +60,7 @@ def chung_hulbert(rho_inf: float) -> Weights:
     >>> chung_hulbert(1.0)
     Weights(am=0.5, af=0.5, beta=0.25, gamma=0.5)
     """
-    from contact.scheme.loop_alpha import Weights
+    from contact.scheme.loop.alpha import Weights
 
     am, af = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0), rho_inf / (rho_inf + 1.0)
     gamma = 0.5 + af - am

@@ -31,7 +31,7 @@ class PaoliSchatzman:
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError, LimitError."""
-        from contact.scheme.loop_leapfrog import AVERAGED
+        from contact.scheme.loop.leapfrog import AVERAGED
 
         e = self.restitution
         return prepare_leapfrog("PaoliSchatzman", f"Paoli-Schatzman, e = {e:g}", AVERAGED, problem, law,

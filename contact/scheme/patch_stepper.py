@@ -20,7 +20,7 @@ from contact.scheme.propagator import Propagator
 from contact.scheme.protocol import Block, Motion
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_patch import PatchState
+    from contact.scheme.loop.patch import PatchState
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -57,13 +57,13 @@ class PatchStepper:
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
-        from contact.scheme.loop_patch import advance_patch
+        from contact.scheme.loop.patch import advance_patch
 
         return advance_patch(self.state, self.rough, self.sums, out, self.dt, first, steps)
 
     def why(self) -> str:
         """Explain a failed step."""
-        from contact.scheme.loop_patch import JAMMED, ROUGH
+        from contact.scheme.loop.patch import JAMMED, ROUGH
 
         fault = self.state.counts[3]
         if fault == JAMMED:
@@ -85,8 +85,8 @@ class PatchStepper:
 
 def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> PatchStepper:
     """Stepper at t = 0; without friction only the normal rows take part."""
-    from contact.scheme.loop_patch import PatchState
-    from contact.scheme.loop_stick import Sticking
+    from contact.scheme.loop.patch import PatchState
+    from contact.scheme.loop.stick import Sticking
 
     rough = mu > 0.0 and problem.dimensions > 1
     step = 1 if rough else problem.dimensions

@@ -25,7 +25,7 @@ class PenaltyDifference:
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step, contact spring included; raises InputError, LimitError."""
-        from contact.scheme.loop_leapfrog import SPRING
+        from contact.scheme.loop.leapfrog import SPRING
 
         words = "central difference + penalty"
         if isinstance(law, Penalty):

@@ -27,9 +27,9 @@ from contact.scheme.nonsmooth_alpha import chung_hulbert
 from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_alpha import Weights
-    from contact.scheme.loop_linear import Parts
-    from contact.scheme.loop_projected import Corrections
+    from contact.scheme.loop.alpha import Weights
+    from contact.scheme.loop.linear import Parts
+    from contact.scheme.loop.projected import Corrections
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +50,7 @@ class ProjectedAlpha:
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError."""
-        from contact.scheme.loop_projected import advance_projected
+        from contact.scheme.loop.projected import advance_projected
 
         run, w = setup("ProjectedAlpha", problem, law, (Unilateral,), dt, courant), chung_hulbert(self.rho_inf)
         parts, corrections = _parts(run.system, w, run.h)
@@ -60,7 +60,7 @@ class ProjectedAlpha:
 
 def _parts(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Corrections]:
     """Arrays of the run; what unit corrections nu and P do to u, v and a, and so to gaps and their rates."""
-    from contact.scheme.loop_projected import Corrections
+    from contact.scheme.loop.projected import Corrections
 
     implicit = 1.0 - w.af
     A = combine((1.0 - w.am, system.M), (implicit * w.gamma * h, system.C), (implicit * w.beta * h * h, system.K))

@@ -19,8 +19,8 @@ from contact.scheme.propagator import Propagator
 from contact.scheme.protocol import Block, Motion, Notes
 
 if TYPE_CHECKING:
-    from contact.scheme.loop_rub_rows import RubLaws, RubRows
-    from contact.scheme.loop_rub_state import RubState
+    from contact.scheme.loop.rub_rows import RubLaws, RubRows
+    from contact.scheme.loop.rub_state import RubState
 
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
 FOLLOWED = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
@@ -67,7 +67,7 @@ class RubStepper:
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
-        from contact.scheme.loop_rub import advance_rub
+        from contact.scheme.loop.rub import advance_rub
 
         failed = advance_rub(
             self.state, self.laws, self.rows, self.dimensions, self.averaged, self.sums, out, self.dt, first, steps
@@ -112,7 +112,7 @@ def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, di
 
 
 def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions: int) -> RubState:
-    from contact.scheme.loop_rub_state import RubState
+    from contact.scheme.loop.rub_state import RubState
 
     K, R, m = system.contacts, system.contacts * dimensions, system.omega.size
     stiff, stiff_at = _stiffening(rub, system)
@@ -146,8 +146,8 @@ def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
 
 
 def _laws(rub: Rub) -> RubLaws:
-    from contact.scheme.loop_rim import Terms
-    from contact.scheme.loop_rub_rows import RubLaws
+    from contact.scheme.loop.rim import Terms
+    from contact.scheme.loop.rub_rows import RubLaws
 
     terms = fourier(list(rub.profile.terms))
     whirl = [[w.amplitude, w.per_rev, 2.0 * math.pi * w.hz, math.radians(w.phase_deg)] for w in rub.whirl]
@@ -159,7 +159,7 @@ def _laws(rub: Rub) -> RubLaws:
 
 
 def _rows(rub: Rub, system: RubSystem, parts: Propagator, dimensions: int) -> RubRows:
-    from contact.scheme.loop_rub_rows import RubRows
+    from contact.scheme.loop.rub_rows import RubRows
 
     rim, m = system.rim, int(system.first[1])
     top = int(rim.harmonic.max(initial=0))

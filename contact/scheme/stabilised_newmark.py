@@ -29,7 +29,7 @@ class StabilisedNewmark:
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError."""
-        from contact.scheme.loop_stabilised import advance_stabilised
+        from contact.scheme.loop.stabilised import advance_stabilised
 
         run = setup("StabilisedNewmark", problem, law, (Unilateral,), dt, courant)
         system, h, Q = run.system, run.h, run.system.rows()

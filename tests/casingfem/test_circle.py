@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.experiment.circle import Circle, quadrature
+from casingfem.experiment.circle.orientation import Circle, quadrature
 
 EVEN = 2 * np.pi * np.arange(24) / 24
 UNEVEN = EVEN + np.radians(np.random.default_rng(31).uniform(-4, 4, 24))

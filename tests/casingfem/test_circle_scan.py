@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from casingfem.experiment.circle_lines import ScanError, clear_rate, line_frequencies
-from casingfem.experiment.circle_pair import split_pair
-from casingfem.experiment.circle_record import ScanRecord, from_tacho, turning
-from casingfem.experiment.circle_scan import demodulate
-from casingfem.experiment.rig import Probe, Rig, RigError
-from casingfem.experiment.rig_scan import Tone, Turning, scan
-from casingfem.experiment.rig_truth import truth
+from casingfem.experiment.circle.lines import ScanError, clear_rate, line_frequencies
+from casingfem.experiment.circle.pair import split_pair
+from casingfem.experiment.circle.record import ScanRecord, from_tacho, turning
+from casingfem.experiment.circle.scan import demodulate
+from casingfem.experiment.rig.rig import Probe, Rig, RigError
+from casingfem.experiment.rig.scan import Tone, Turning, scan
+from casingfem.experiment.rig.truth import truth
 
 SEED = 7719
 FS = 2000.0

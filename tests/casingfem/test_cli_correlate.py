@@ -9,8 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
-from casingfem.experiment.correlate import correlate
-from casingfem.experiment.measured_shapes import MeasuredShapes
+from casingfem.experiment.correlation.correlate import correlate
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.modes import modes
 from casingfem.modes_uff import write_modes_uff

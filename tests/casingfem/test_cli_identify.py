@@ -9,12 +9,12 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.identification import identify
-from casingfem.experiment.rig import Probe, Rig
-from casingfem.experiment.rig_noise import noisy
-from casingfem.experiment.uff_nodes import Nodes
-from casingfem.experiment.uff_write import write_uff
-from casingfem.plot_identify import figure_responses, figure_stabilisation
+from casingfem.experiment.identify.identification import identify
+from casingfem.experiment.rig.noise import noisy
+from casingfem.experiment.rig.rig import Probe, Rig
+from casingfem.experiment.uff.nodes import Nodes
+from casingfem.experiment.uff.write import write_uff
+from casingfem.plot.identify import figure_responses, figure_stabilisation
 
 THETA = np.radians(np.arange(12) * 30.0 + 5.0)
 

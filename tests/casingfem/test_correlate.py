@@ -5,12 +5,12 @@ import pytest
 from scipy.sparse.linalg import splu
 
 from casingfem.errors import ModelError
-from casingfem.experiment.comac import comac, ecomac
-from casingfem.experiment.correlate import correlate
-from casingfem.experiment.expansion import expand, well_conditioned
-from casingfem.experiment.measured_shapes import MeasuredShapes, ShapeError
-from casingfem.experiment.orthogonality import cross_orthogonality, guyan_mass, serep_mass
-from casingfem.experiment.sensors import nearest, sensors_of, sensors_on
+from casingfem.experiment.correlation.comac import comac, ecomac
+from casingfem.experiment.correlation.correlate import correlate
+from casingfem.experiment.correlation.expansion import expand, well_conditioned
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
+from casingfem.experiment.correlation.sensors import nearest, sensors_of, sensors_on
 from casingfem.modal.modes import modes
 from casingfem.modes_uff import write_modes_uff
 from casingfem.structure.assembly import assemble

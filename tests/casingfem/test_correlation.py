@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from casingfem.arrays import FloatArray, IntArray
-from casingfem.experiment.alignment import align
-from casingfem.experiment.correlation import ModeSet, mac, pair, subspace_mac
+from casingfem.experiment.correlation.alignment import align
+from casingfem.experiment.correlation.correlation import ModeSet, mac, pair, subspace_mac
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.structure.strict_csv import CsvError, read
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.frf import FrfError, FrfSet
-from casingfem.experiment.uff_write import write_uff
+from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.experiment.uff.write import write_uff
 
 
 @pytest.fixture

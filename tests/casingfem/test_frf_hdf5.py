@@ -4,9 +4,9 @@ import h5py
 import numpy as np
 import pytest
 
-from casingfem.experiment.frf import FrfError, FrfSet
-from casingfem.experiment.frf_files import read_frfs
-from casingfem.experiment.frf_hdf5 import ARRAYS, read_hdf5, write_hdf5
+from casingfem.experiment.frf.files import read_frfs
+from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.experiment.frf.hdf5 import ARRAYS, read_hdf5, write_hdf5
 
 
 @pytest.fixture

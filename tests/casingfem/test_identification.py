@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.frf_estimate import estimate
-from casingfem.experiment.rig import Probe, Rig
-from casingfem.experiment.rig_excitation import Random
-from casingfem.experiment.rig_noise import noisy
-from casingfem.experiment.rig_record import measured as with_noise
-from casingfem.experiment.rig_record import record
+from casingfem.experiment.frf.estimate import estimate
+from casingfem.experiment.rig.excitation import Random
+from casingfem.experiment.rig.noise import noisy
+from casingfem.experiment.rig.record import measured as with_noise
+from casingfem.experiment.rig.record import record
+from casingfem.experiment.rig.rig import Probe, Rig
 
 SEED = 1917
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
-from casingfem.experiment.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.correlation.sensors import sensors_of
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.experiment.sensors import sensors_of
 from casingfem.modal.modes import modes
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Cylinder

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.experiment.grouping import Doublet, Single
+from casingfem.experiment.correlation.grouping import Doublet, Single
 from casingfem.experiment.measurement import COLUMNS, FrequencyTable, TableError
 from casingfem.structure.strict_csv import CsvError, read
 

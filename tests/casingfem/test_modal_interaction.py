@@ -6,7 +6,7 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.modal.interaction import casing_pairs
-from casingfem.plot_interaction import figure_campbell, figure_zzenf
+from casingfem.plot.interaction import figure_campbell, figure_zzenf
 
 CASING = {n: [300.0 + 10.0 * (n - 6) ** 2] for n in range(3, 10)}
 

@@ -14,9 +14,9 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.outfiles import json_text, write_atomic, write_files
-from casingfem.plot_contact import figure_contact
-from casingfem.plot_page import Section, Table, render_page
-from casingfem.plot_style import embed, new_figure
+from casingfem.plot.contact import figure_contact
+from casingfem.plot.page import Section, Table, render_page
+from casingfem.plot.style import embed, new_figure
 
 STUDY = """
 [material]

@@ -8,8 +8,8 @@ import pytest
 from PIL import Image
 
 import casingfem as cf
-from casingfem.plot_modes import around, figure_rim, groups, most_moving
-from casingfem.plot_shapes import PHASES, Painter, figure_shapes, frames, moving_picture, moving_shapes, view_from
+from casingfem.plot.modes import around, figure_rim, groups, most_moving
+from casingfem.plot.shapes import PHASES, Painter, figure_shapes, frames, moving_picture, moving_shapes, view_from
 
 
 @pytest.fixture(scope="module")

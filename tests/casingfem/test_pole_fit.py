@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from casingfem.experiment import pole_fit
-from casingfem.experiment.pole_fit import fit_poles
-from casingfem.experiment.pole_selection import hidden_split, select_poles
-from casingfem.experiment.pole_window import Window
+from casingfem.experiment.identify import pole_fit
+from casingfem.experiment.identify.pole_fit import fit_poles
+from casingfem.experiment.identify.pole_selection import hidden_split, select_poles
+from casingfem.experiment.identify.pole_window import Window
 
 LINES = np.arange(390.0, 410.0, 0.1)
 SEED = 2711

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.experiment.circle_lines import ScanError
-from casingfem.experiment.circle_record import ScanRecord, turning
-from casingfem.experiment.frf import FrfSet
-from casingfem.experiment.rig import Probe, Rig
-from casingfem.experiment.rig_excitation import Random
-from casingfem.experiment.rig_files import origin, rig_angles, write_rig_uff
-from casingfem.experiment.rig_noise import noisy
-from casingfem.experiment.rig_record import record
-from casingfem.experiment.uff import read_uff
+from casingfem.experiment.circle.lines import ScanError
+from casingfem.experiment.circle.record import ScanRecord, turning
+from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.rig.excitation import Random
+from casingfem.experiment.rig.files import origin, rig_angles, write_rig_uff
+from casingfem.experiment.rig.noise import noisy
+from casingfem.experiment.rig.record import record
+from casingfem.experiment.rig.rig import Probe, Rig
+from casingfem.experiment.uff.read import read_uff
 
 ANGLES = (0.0, 2.0, 4.0)
 PROBES = [Probe(k + 1, 1, (float(np.cos(a)), float(np.sin(a)), 0.25), a) for k, a in enumerate(ANGLES)]

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.rig import SYNTHETIC, Rig, RigError
-from casingfem.experiment.rig_noise import Converter, noise, noisy
-from casingfem.experiment.rig_structure import Place, circle, damping_spread, rig_of
+from casingfem.experiment.rig.noise import Converter, noise, noisy
+from casingfem.experiment.rig.rig import SYNTHETIC, Rig, RigError
+from casingfem.experiment.rig.structure import Place, circle, damping_spread, rig_of
 from casingfem.structure.assembly import assemble
 from casingfem.structure.load import PointLoad
 from casingfem.structure.static import solve_static

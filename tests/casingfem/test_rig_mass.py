@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.rig import Rig, RigError
-from casingfem.experiment.rig_mass import loaded
-from casingfem.experiment.rig_structure import Place, circle, rig_of
+from casingfem.experiment.rig.mass import loaded
+from casingfem.experiment.rig.rig import Rig, RigError
+from casingfem.experiment.rig.structure import Place, circle, rig_of
 from casingfem.structure.assembly import assemble
 
 ANGLES = (0.2, 1.9)

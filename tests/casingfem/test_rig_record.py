@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from casingfem.experiment.frf_estimate import estimate
-from casingfem.experiment.rig import Rig, RigError
-from casingfem.experiment.rig_excitation import BurstRandom, Impact, Random, StepSine
-from casingfem.experiment.rig_record import BAND, FINER, measured, record, respond, sharpened
+from casingfem.experiment.frf.estimate import estimate
+from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
+from casingfem.experiment.rig.record import BAND, FINER, measured, record, respond, sharpened
+from casingfem.experiment.rig.rig import Rig, RigError
 
 SEED = 8123
 FS = 2048.0

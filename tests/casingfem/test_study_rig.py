@@ -10,8 +10,8 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.circle_record import ScanRecord
-from casingfem.plot_experiment import figure_deflections, figure_responses, figure_scan
+from casingfem.experiment.circle.record import ScanRecord
+from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
 from casingfem.study import StudyError, load_study
 from casingfem.study.rig import run_rig
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from casingfem.experiment.correlation import pair
+from casingfem.experiment.correlation.correlation import pair
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.modes import modes
 from casingfem.modal.neighbour import solved

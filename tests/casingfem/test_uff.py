@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelWarning
-from casingfem.experiment.uff import parse_uff, read_uff
-from casingfem.experiment.uff_nodes import Nodes, Units
-from casingfem.experiment.uff_split import UffError
-from casingfem.experiment.uff_write import write_uff
+from casingfem.experiment.uff.nodes import Nodes, Units
+from casingfem.experiment.uff.read import parse_uff, read_uff
+from casingfem.experiment.uff.split import UffError
+from casingfem.experiment.uff.write import write_uff
 from reports import uff_mutations
 from reports.uff_mutations import content
 from reports.uff_samples import function, nodes, samples, shape

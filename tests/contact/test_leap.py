@@ -8,7 +8,7 @@ import contact as ct
 from contact.model.modal_system import rim_system
 from contact.model.trig import fourier
 from contact.scheme.leap import BITS, CELLS, least_clearance, powers, rim_leap
-from contact.scheme.loop_leap import FOREVER, WAIT, largest_share, open_steps, propagate
+from contact.scheme.loop.leap import FOREVER, WAIT, largest_share, open_steps, propagate
 from contact.scheme.propagator import propagator
 
 DT = 2e-5

@@ -5,7 +5,7 @@ import sqlite3
 
 import pytest
 
-from contact.store import Store, digest_of, read_run, run_path, write_run
+from contact.sweep.store import Store, digest_of, read_run, run_path, write_run
 
 ROWS = {digest_of({"run": k}): {"status": "done", "x": k / 3.0, "why": ""} for k in range(20)}
 

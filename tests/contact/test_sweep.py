@@ -13,11 +13,12 @@ import pytest
 from synthetic_rim import blade, ring
 
 import contact as ct
-from contact import sweep, sweep_dask
-from contact.scene import scene_of
-from contact.store import Store
-from contact.sweep_plan import load_sweep
-from contact.sweep_row import growth_rate, row_of, sweep_record
+from contact.scene.load import scene_of
+from contact.sweep import dask_cluster as sweep_dask
+from contact.sweep import sweep
+from contact.sweep.plan import load_sweep
+from contact.sweep.row import growth_rate, row_of, sweep_record
+from contact.sweep.store import Store
 
 SCENE = """
 [scene]
@@ -252,8 +253,8 @@ def test_a_killed_driver_and_killed_workers_lose_nothing(scene, tmp_path):
     file = scene(many, SCENE.replace("t_end = 0.04", "t_end = 0.4"))
     plan, store = load_sweep(file), tmp_path / "store"
     code = (
-        "import sys\nfrom pathlib import Path\nfrom contact.sweep import run_sweep\n"
-        "from contact.sweep_plan import load_sweep\n"
+        "import sys\nfrom pathlib import Path\nfrom contact.sweep.sweep import run_sweep\n"
+        "from contact.sweep.plan import load_sweep\n"
         "if __name__ == '__main__':\n    run_sweep(load_sweep(sys.argv[1]), folder=Path(sys.argv[2]), jobs=2)\n"
     )
     script = tmp_path / "drive.py"

@@ -1,0 +1,169 @@
+"""The two modes of a close pair, both excited, from a circle scan at several tones across them.
+
+Real modes of one order n make V_+-n = (C -+ i S)/2 with C and S the cosine and sine parts of the wave, per newton
+
+    C, S = sum_k (a_k, b_k) i omega/(omega_k^2 - omega^2 + 2 i zeta_k omega_k omega) + i omega (c, s)
+
+a_k, b_k real, (c, s) what other modes bring, slow across the pair. Given omega_k, zeta_k the rest is linear: variable
+projection (Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973, 413). The member k has its antinode at
+psi_k = atan2(b_k, a_k)/n.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from casingfem.arrays import Array, FloatArray
+from casingfem.experiment.circle.lines import ScanError
+from casingfem.experiment.circle.scan import CircleScan
+
+TONES = 6  # at least: ten unknowns, four equations a tone, and something left to judge by
+STARTS = 9  # frequencies tried for each member
+ZETAS = (1e-3, 4e-3, 1.6e-2)  # damping ratios tried
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pair:
+    """A pair, lower member first: frequencies [Hz], damping ratios, antinodes [deg], each with its sigma, (2,).
+
+    `split` and `split_sigma` [Hz]; `misfit` is the rms of the residual over the noise: 1 where the model holds.
+    """
+
+    n: int
+    freq: FloatArray
+    freq_sigma: FloatArray
+    zeta: FloatArray
+    zeta_sigma: FloatArray
+    angle_deg: FloatArray
+    angle_sigma_deg: FloatArray
+    split: float
+    split_sigma: float
+    misfit: float
+
+
+def split_pair(scan: CircleScan, n: int) -> Pair:
+    """Tell the members of the pair of order n apart.
+
+    Parameters
+    ----------
+    scan
+        Demodulated at six tones or more, across the pair, per newton or at equal forces in phase.
+    n
+        The pair's order, 1 or more.
+
+    Raises
+    ------
+    ScanError
+        Too few tones, an order that was not fitted, or data that do not tell two members apart.
+    """
+    if n < 1 or n not in scan.n:
+        raise ScanError(f"order n = {n}: expected one of the orders fitted, 1 or more")
+    if len(scan.tones) < TONES:
+        raise ScanError(f"the pair n = {n}: found {len(scan.tones)} tones, expected {TONES} or more across it")
+    up, down = (int(np.flatnonzero(scan.n == k)[0]) for k in (n, -n))
+    sigma = np.sqrt(scan.sigma[:, up] ** 2 + scan.sigma[:, down] ** 2)
+    cosine, sine = scan.V[:, up] + scan.V[:, down], 1j * (scan.V[:, up] - scan.V[:, down])
+    data = np.stack([cosine, sine], axis=1) / sigma[:, None]
+    poles = fitted_poles(scan.tones, data, sigma)
+    parts, residual = linear_part(scan.tones, poles, data, sigma)
+    freedom = residual.size - 10
+    misfit = float(np.sqrt(residual @ residual / freedom))
+    J = jacobian(scan.tones, poles, parts, sigma)
+    scaled = J / np.linalg.norm(J, axis=0)
+    if np.linalg.cond(scaled) > 1e8:
+        raise ScanError(f"the pair n = {n}: the tones do not tell two members apart: more of them, closer to the peaks")
+    covariance = np.linalg.inv(scaled.T @ scaled) / np.multiply.outer(*[np.linalg.norm(J, axis=0)] * 2)
+    return described(n, poles, parts, covariance * max(misfit, 1.0) ** 2, misfit)
+
+
+def described(n: int, poles: FloatArray, parts: FloatArray, covariance: FloatArray, misfit: float) -> Pair:
+    """The pair from poles (f1, f2, ln zeta1, ln zeta2) and linear parts (3, 2), with their joint covariance."""
+    order = np.argsort(poles[:2])
+    a, b = parts[:2, 0], parts[:2, 1]
+    turn = np.zeros((2, 10))  # d psi/d(a, b), columns as in `jacobian`
+    size = a**2 + b**2
+    for k in range(2):
+        turn[k, 4 + k], turn[k, 7 + k] = -b[k] / size[k] / n, a[k] / size[k] / n
+    angle = np.mod(np.degrees(np.arctan2(b, a)) / n, 180.0 / n)
+    sigma = np.sqrt(np.diag(covariance))
+    apart = covariance[0, 0] + covariance[1, 1] - 2.0 * covariance[0, 1]
+    zeta = np.exp(poles[2:])
+    return Pair(
+        n=n,
+        freq=poles[order],
+        freq_sigma=sigma[order],
+        zeta=zeta[order],
+        zeta_sigma=(zeta * sigma[2:4])[order],
+        angle_deg=angle[order],
+        angle_sigma_deg=np.degrees(np.sqrt(np.einsum("ki,ij,kj->k", turn, covariance, turn)))[order],
+        split=float(np.ptp(poles[:2])),
+        split_sigma=float(np.sqrt(apart)),
+        misfit=misfit,
+    )
+
+
+def basis(tones: FloatArray, poles: FloatArray, sigma: FloatArray) -> Array:
+    """The two resonances and the slow rest, over the noise, (tones, 3)."""
+    omega, own, zeta = 2.0 * np.pi * tones[:, None], 2.0 * np.pi * poles[:2], np.exp(poles[2:])
+    h = 1j * omega / (own**2 - omega**2 + 2j * zeta * own * omega)
+    return np.asarray(np.hstack([h, 1j * omega]) / sigma[:, None])
+
+
+def real(values: Array) -> FloatArray:
+    """Real parts above imaginary parts."""
+    return np.concatenate([values.real, values.imag])
+
+
+def linear_part(tones: FloatArray, poles: FloatArray, data: Array, sigma: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Best real (a, c), (b, s) for given poles, (3, 2), and the residual over the noise."""
+    A, y = real(basis(tones, poles, sigma)), real(data)
+    scale = np.linalg.norm(A, axis=0)
+    x = np.linalg.lstsq(A / scale, y, rcond=None)[0] / scale[:, None]
+    return np.asarray(x), np.asarray((A @ x - y).ravel())
+
+
+def fitted_poles(tones: FloatArray, data: Array, sigma: FloatArray) -> FloatArray:
+    """f1, f2 [Hz], ln zeta1, ln zeta2 of the best fit, from a grid of starts."""
+    grid = np.linspace(tones[0], tones[-1], STARTS)
+    starts = [
+        np.r_[grid[i], grid[j], np.log([zeta, zeta])]
+        for i, j, zeta in product(range(STARTS), range(STARTS), ZETAS)
+        if i < j
+    ]
+    cost = [np.sum(linear_part(tones, start, data, sigma)[1] ** 2) for start in starts]
+    span = tones[-1] - tones[0]
+    low, high = np.r_[[tones[0] - span] * 2, [-14.0] * 2], np.r_[[tones[-1] + span] * 2, [-0.7] * 2]
+    found = [
+        least_squares(
+            lambda p: linear_part(tones, p, data, sigma)[1],
+            starts[k],
+            jac="3-point",
+            bounds=(low, high),
+            x_scale=np.r_[[span / STARTS] * 2, [0.5] * 2],
+            xtol=1e-12,
+            ftol=1e-12,
+        )
+        for k in np.argsort(cost)[:4]
+    ]
+    return np.asarray(min(found, key=lambda fit: float(fit.cost)).x)
+
+
+def jacobian(tones: FloatArray, poles: FloatArray, parts: FloatArray, sigma: FloatArray) -> FloatArray:
+    """Of the model over the noise: f1, f2, ln zeta1, ln zeta2, then a1, a2, c, b1, b2, s; (equations, 10)."""
+    columns = []
+    for k in range(4):
+        step = np.zeros(4)
+        step[k] = 1e-6 * (poles[k] if k < 2 else 1.0)
+        change = real((basis(tones, poles + step, sigma) - basis(tones, poles - step, sigma)) @ parts) / (2.0 * step[k])
+        columns.append(change.ravel())
+    A = real(basis(tones, poles, sigma))
+    for part in range(2):
+        for k in range(3):
+            column = np.zeros((len(A), 2))
+            column[:, part] = A[:, k]
+            columns.append(column.ravel())
+    return np.stack(columns, axis=1)

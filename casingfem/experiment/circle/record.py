@@ -1,0 +1,159 @@
+"""Records of a circle scan: what the vibrometer saw, and where its spot was."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from casingfem.arrays import FloatArray, frozen
+from casingfem.experiment.circle.lines import ScanError
+from casingfem.outfiles import write_atomic
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class ScanRecord:
+    """What the vibrometer saw while its spot ran; arrays are read-only.
+
+    Attributes
+    ----------
+    fs
+        Samples a second [Hz].
+    velocity
+        Along the beam [m/s], (samples,).
+    angle
+        The spot's angle on the casing [rad], running on, (samples,): `turning` or `from_tacho`.
+    tones
+        Frequencies of the excitation [Hz], ascending.
+    force
+        Excitation [N], (samples,), or None: waves are then not per newton, their phase that of cos(omega t).
+    card
+        Source lines.
+    """
+
+    fs: float
+    velocity: FloatArray
+    angle: FloatArray
+    tones: tuple[float, ...]
+    force: FloatArray | None = None
+    card: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("velocity", "angle", "force"):
+            values = getattr(self, name)
+            if values is None:
+                continue
+            array = frozen(np.asarray(values, np.float64))
+            if array.ndim != 1 or array.size != np.size(self.velocity) or not np.isfinite(array).all():
+                raise ScanError(f"{name}: found shape {array.shape}, expected finite numbers, one for each velocity")
+            object.__setattr__(self, name, array)
+        if not self.tones or min(self.tones) <= 0.0 or np.any(np.diff(self.tones) <= 0.0):
+            raise ScanError(f"tones: found {self.tones!r}, expected frequencies above 0 Hz, ascending")
+        if not self.fs > 0.0:
+            raise ScanError(f"fs: found {self.fs!r}, expected samples a second")
+
+    @property
+    def seconds(self) -> float:
+        """Length of the record."""
+        return len(self.velocity) / self.fs
+
+    @property
+    def rate(self) -> float:
+        """Mean rate at which the spot turns on the casing [turns/s], signed."""
+        return float((self.angle[-1] - self.angle[0]) / (2.0 * np.pi * (len(self.angle) - 1)) * self.fs)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write an npz file of plain arrays with its card, whole or not at all."""
+        arrays = {
+            "fs": np.array(self.fs),
+            "velocity": self.velocity,
+            "angle": self.angle,
+            "tones": np.array(self.tones),
+        }
+        arrays |= {} if self.force is None else {"force": self.force}
+
+        def store(part: Path) -> None:
+            with part.open("wb") as stream:
+                np.savez(stream, allow_pickle=False, card=np.asarray(self.card, dtype=np.str_), **arrays)
+
+        return write_atomic(Path(path), store)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> ScanRecord:
+        """Read what `save` wrote, without pickle.
+
+        Raises
+        ------
+        ScanError
+            A file that lacks an array, or is no npz file.
+        """
+        wanted = {"fs", "velocity", "angle", "tones", "card"}
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                data = {name: stored[name] for name in stored.files}
+        except (ValueError, EOFError, BadZipFile) as error:
+            raise ScanError(f"{path}: not a readable npz file ({error})") from error
+        if missing := wanted - data.keys():
+            raise ScanError(f"{path}: found no array {min(missing)!r}, expected {', '.join(sorted(wanted))}")
+        return cls(
+            fs=float(data["fs"]),
+            velocity=data["velocity"],
+            angle=data["angle"],
+            tones=tuple(data["tones"].tolist()),
+            force=data.get("force"),
+            card=tuple(data["card"].tolist()),
+        )
+
+    def __repr__(self) -> str:
+        tones = ", ".join(f"{tone:g}" for tone in self.tones)
+        return f"ScanRecord({self.seconds:g} s at {self.fs:g} Hz, {self.rate:.4g} turns/s, tones {tones} Hz)"
+
+
+def turning(rate: float, fs: float, count: int, *, first_angle: float = 0.0) -> FloatArray:
+    """Angles [rad] of a spot that turns at a known rate [turns/s], one for each of `count` samples.
+
+    >>> turning(0.25, 1.0, 3).round(4).tolist()
+    [0.0, 1.5708, 3.1416]
+    """
+    return np.asarray(first_angle + 2.0 * np.pi * rate / fs * np.arange(count), np.float64)
+
+
+def from_tacho(
+    pulses: ArrayLike, fs: float, count: int, *, per_turn: int = 1, first_angle: float = 0.0, direction: int = 1
+) -> FloatArray:
+    """Angles [rad] from the instants [s] of a tacho's pulses; between pulses the spot is taken to turn evenly.
+
+    Parameters
+    ----------
+    pulses
+        Ascending; the first at or before the record's start, the last at or after its end.
+    per_turn
+        Pulses of one turn.
+    first_angle
+        Angle at the first pulse.
+    direction
+        1 where the angle grows, -1 where it falls.
+
+    Raises
+    ------
+    ScanError
+        Pulses that do not ascend, or do not span the record.
+
+    Examples
+    --------
+    >>> from_tacho([-1.0, 1.0, 3.0], 1.0, 4).round(4).tolist()
+    [3.1416, 6.2832, 9.4248, 12.5664]
+    """
+    at = np.asarray(pulses, np.float64)
+    time = np.arange(count) / fs
+    if at.ndim != 1 or len(at) < 2 or not np.isfinite(at).all() or np.any(np.diff(at) <= 0.0):
+        raise ScanError("tacho: expected the instants of two pulses or more, ascending")
+    if at[0] > time[0] or at[-1] < time[-1]:
+        found = f"pulses from {at[0]:g} to {at[-1]:g} s"
+        raise ScanError(f"tacho: found {found}, expected them to span the record, 0 to {time[-1]:g} s")
+    turns = np.interp(time, at, np.arange(len(at)) / per_turn)
+    return np.asarray(first_angle + direction * 2.0 * np.pi * turns)

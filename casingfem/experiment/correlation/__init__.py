@@ -1,0 +1,1 @@
+"""Measured modes against computed ones: pairing, assurance criteria, expansion."""

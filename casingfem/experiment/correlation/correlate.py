@@ -1,0 +1,243 @@
+"""Measured shapes against a model's modes: which is which, how alike, where they differ, and the whole shapes.
+
+Shapes pair by frequency and shape together (`correlation.pair`): |log f_measured/f_computed| + 1 - MAC, the MAC in the
+plane of a doublet, at most `reach` off in frequency; no shape is paired at a MAC so low that it is better left out.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.experiment.correlation.comac import comac, ecomac, nearest_in_plane
+from casingfem.experiment.correlation.correlation import pair
+from casingfem.experiment.correlation.expansion import Expansion, expand
+from casingfem.experiment.correlation.mac import mac, subspace_mac
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
+from casingfem.experiment.correlation.pairing import Match, Pairing
+from casingfem.experiment.correlation.sensors import Sensors, sensors_of
+from casingfem.modal.mode_set import Modes
+from casingfem.structure.assembly import System
+
+DIFFERENT = 0.9  # COMAC below this is worth a look
+SHOWN = 12  # sensors named on a line; the document has all
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
+class Correlation:
+    """How measured shapes and computed modes go together.
+
+    Attributes
+    ----------
+    modes, measured, sensors
+        Both sides, and where the sensors stand on the shell.
+    pairing
+        Matches, and what is left unpaired on both sides.
+    mac
+        Of every measured shape with every computed mode, (measured, modes).
+    alike
+        MAC of each match: for a doublet that of the planes, (matches,).
+    nco
+        Normalised cross-orthogonality with the model's mass reduced to the sensors, (measured, modes).
+    mass_by
+        How that was reduced: "SEREP" or "Guyan".
+    comac, ecomac
+        Of every channel over the paired shapes, (channels,).
+    expansion
+        The measured shapes on the model's modes.
+    """
+
+    modes: Modes
+    measured: MeasuredShapes
+    sensors: Sensors
+    pairing: Pairing
+    mac: FloatArray
+    alike: FloatArray
+    nco: FloatArray
+    mass_by: str
+    comac: FloatArray
+    ecomac: FloatArray
+    expansion: Expansion
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a measured shape."""
+        match_of = {row: k for k, match in enumerate(self.pairing.matches) for row in match.rows}
+        rows: list[dict[str, object]] = []
+        for row, freq in enumerate(self.measured.freq_hz.tolist()):
+            k = match_of.get(row)
+            match = None if k is None else self.pairing.matches[k]
+            mode = None if match is None else match.modes[match.rows.index(row)]
+            rows.append(
+                {
+                    "row": row + 1,
+                    "measured_hz": freq,
+                    "mode": None if mode is None else mode + 1,
+                    "n": None if match is None or match.n < 0 else match.n,
+                    "computed_hz": None if mode is None else float(self.modes.freq[mode]),
+                    "mac": None if mode is None else float(self.mac[row, mode]),
+                    "subspace_mac": None if k is None else float(self.alike[k]),
+                    "nco": None if mode is None else float(self.nco[row, mode]),
+                    "left_out_error": float(np.sqrt(np.nanmean(self.expansion.left_out[:, row] ** 2))),
+                    "collinearity": float(self.measured.collinearity[row]),
+                }
+            )
+        return rows
+
+    def to_json(self) -> dict[str, object]:
+        """Plain lists and numbers."""
+        channels = [
+            {"sensor": int(label), "direction": direction, "distance_m": far, "comac": c, "ecomac": e}
+            for label, direction, far, c, e in zip(
+                self.sensors.labels.tolist(),
+                self.sensors.directions.round(6).tolist(),
+                self.sensors.distance.tolist(),
+                self.comac.tolist(),
+                self.ecomac.tolist(),
+                strict=True,
+            )
+        ]
+        return {
+            "shapes": self.records(),
+            "unpaired_modes": [mode + 1 for mode in self.pairing.unpaired_modes],
+            "channels": channels,
+            "mass_by": self.mass_by,
+            "expansion": {"modes": (self.expansion.modes + 1).tolist(), "condition": self.expansion.condition},
+        }
+
+    def __repr__(self) -> str:
+        """Table: measured, computed, MAC, subspace MAC, NCO; then sensors and expansion."""
+        head = (
+            f"{'row':>4} {'measured':>10} {'mode':>5} {'n':>3} {'computed':>10} {'error %':>8} "
+            f"{'MAC':>6} {'plane':>6} {'NCO':>6} {'left out':>8}"
+        )
+        lines = [head]
+        for r in self.records():
+            left = f"{r['left_out_error']:8.3f}"
+            if r["mode"] is None:
+                lines.append(f"{r['row']:>4} {r['measured_hz']:>10.3f} {'-':>5}{'':46} {left}")
+                continue
+            error = 100.0 * (float(str(r["computed_hz"])) / float(str(r["measured_hz"])) - 1.0)
+            n = "-" if r["n"] is None else r["n"]
+            lines.append(
+                f"{r['row']:>4} {r['measured_hz']:>10.3f} {r['mode']:>5} {n:>3} {r['computed_hz']:>10.3f} "
+                f"{error:>8.2f} {r['mac']:>6.3f} {r['subspace_mac']:>6.3f} {r['nco']:>6.3f} {left}"
+            )
+        rows, rest = self.pairing.unpaired_rows, self.pairing.unpaired_modes
+        lines.append(f"unpaired: {len(rows)} measured, {len(rest)} computed; NCO by {self.mass_by}")
+        lines.append(f"sensors up to {1e3 * self.sensors.distance.max():.2g} mm from the wall; {self.expansion!r}")
+        low = np.unique(self.sensors.labels[self.comac < DIFFERENT]).tolist()
+        told = ", ".join(map(str, low[:SHOWN])) + (f" and {len(low) - SHOWN} more" if len(low) > SHOWN else "")
+        lines.append(f"COMAC below {DIFFERENT}: sensors {told or 'none'}")
+        return "\n".join(lines)
+
+
+def correlate(
+    modes: Modes, measured: MeasuredShapes, *, reach: float = 0.2, mass: str = "SEREP", system: System | None = None
+) -> Correlation:
+    """Correlate measured shapes with the modes of a shell.
+
+    Parameters
+    ----------
+    reach
+        Largest relative frequency error of a pair.
+    mass
+        "SEREP", exact for the modes of the expansion, or "Guyan", which needs the assembled `system`.
+
+    Raises
+    ------
+    ModelError
+        sensor-far, sensor-twice, expansion-modes.
+    ShapeError
+        Nothing pairs.
+    ValueError
+        A mass that is neither, or Guyan's without a system.
+
+    Examples
+    --------
+    >>> from casingfem.modal.modes import modes
+    >>> from casingfem.structure.chart import Frustum
+    >>> from casingfem.structure.material import Material
+    >>> from casingfem.structure.mesh import ShellMesh
+    >>> from casingfem.structure.shell import Shell
+    >>> from casingfem.structure.support import Clamped
+    >>> shell = Shell(chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=3e-3, supports={"base": Clamped()},
+    ...               material=Material(E=210e9, nu=0.3, rho=7800.0), mesh=ShellMesh(order=6, rows=1, around=9))
+    >>> found = modes(shell, 6, method="shell")
+    >>> theta = np.arange(24) * np.pi / 12
+    >>> out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
+    >>> at = np.column_stack([0.45 * out[:, :2], np.full(24, 0.25)])
+    >>> sensors = sensors_of(found, at, out)
+    >>> values = sensors.shapes(found.fields)
+    >>> test = MeasuredShapes.from_arrays(freq_hz=found.freq, values=values, points=at, directions=out)
+    >>> correlate(found, test).alike.round(6).tolist()
+    [1.0, 1.0, 1.0]
+    """
+    if mass not in ("SEREP", "Guyan") or (mass == "Guyan" and system is None):
+        raise ValueError(f'mass must be "SEREP", or "Guyan" with the assembled system, found {mass!r}')
+    sensors = sensors_of(modes, measured.points, measured.directions, measured.labels)
+    computed, shapes = sensors.shapes(modes.fields), measured.real
+    likeness = seen_mac(shapes, computed)
+    pairing = pair(modes, measured.table(), reach=reach, shape_mac=likeness)
+    if not pairing.matches:
+        near = f"one within {reach:.2g} of a mode's frequency and like it"
+        raise ShapeError(measured.path, found="no shape that pairs with a mode", expected=near)
+    expansion = expand(shapes, computed, measured.labels)
+    if mass == "Guyan" and system is not None:
+        reduced = guyan_mass(system, sensors)
+    else:
+        reduced = serep_mass(computed[:, expansion.modes])
+    first, second = partners(pairing.matches, modes, shapes, computed)
+    return Correlation(
+        modes=modes,
+        measured=measured,
+        sensors=sensors,
+        pairing=pairing,
+        mac=likeness,
+        alike=np.array([alike(match, modes, shapes, computed) for match in pairing.matches]),
+        nco=seen_nco(shapes, computed, reduced),
+        mass_by=mass,
+        comac=comac(first, second),
+        ecomac=ecomac(first, second),
+        expansion=expansion,
+    )
+
+
+def seen_mac(measured: FloatArray, computed: FloatArray) -> FloatArray:
+    """MAC (measured, modes); 0 for modes that the sensors do not see."""
+    lengths = np.linalg.norm(computed, axis=0)
+    seen = lengths > 1e-9 * lengths.max()
+    found = np.zeros((measured.shape[1], computed.shape[1]))
+    found[:, seen] = mac(measured, computed[:, seen])
+    return found
+
+
+def seen_nco(measured: FloatArray, computed: FloatArray, mass: FloatArray) -> FloatArray:
+    """NCO (measured, modes); 0 for modes that have no mass at the sensors, as those that SEREP left out."""
+    seen = np.einsum("ci,cd,di->i", computed, mass, computed)
+    inside = seen > 1e-9 * seen.max()
+    found = np.zeros((measured.shape[1], computed.shape[1]))
+    found[:, inside] = cross_orthogonality(measured, computed[:, inside], mass)
+    return found
+
+
+def plane_of(match: Match, modes: Modes) -> list[int]:
+    """The modes of a match, with the doublets' other members."""
+    whole = {mode for pair in modes.doublets if set(pair) & set(match.modes) for mode in pair}
+    return sorted(whole | set(match.modes))
+
+
+def alike(match: Match, modes: Modes, measured: FloatArray, computed: FloatArray) -> float:
+    """MAC of a match: of the planes where the model has a doublet."""
+    return subspace_mac(measured[:, list(match.rows)], computed[:, plane_of(match, modes)])
+
+
+def partners(
+    matches: tuple[Match, ...], modes: Modes, measured: FloatArray, computed: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Paired shapes, measured ones of unit length, and their nearest in the planes of their modes."""
+    rows = [measured[:, list(match.rows)] for match in matches]
+    near = [nearest_in_plane(part, computed[:, plane_of(k, modes)]) for part, k in zip(rows, matches, strict=True)]
+    lengths = [np.linalg.norm(part, axis=0) for part in rows]
+    first = np.hstack([part / size for part, size in zip(rows, lengths, strict=True)])
+    return first, np.hstack([part / size for part, size in zip(near, lengths, strict=True)])

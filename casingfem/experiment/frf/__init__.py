@@ -1,0 +1,1 @@
+"""Measured functions: sets of frequency responses, their files, their estimation from records."""

@@ -1,0 +1,66 @@
+"""Frequency responses from a file of any kind that is read, and the angles of their points."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.experiment.frf.hdf5 import read_hdf5
+from casingfem.experiment.frf.sensor_grid import node_angles
+from casingfem.experiment.uff.read import read_uff
+from casingfem.structure.strict_csv import read
+
+UNIVERSAL = (".uff", ".unv", ".uf", ".ufb")
+HDF5 = (".h5", ".hdf5")
+KINDS = ", ".join((*UNIVERSAL, ".npz", *HDF5, ".csv"))
+
+
+def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
+    """Frequency responses of a universal file, an npz of `FrfSet.save`, HDF5 or a csv table, by the file's ending.
+
+    Raises
+    ------
+    FrfError, UffError
+        An unknown ending; what the readers refuse.
+    """
+    ending = Path(path).suffix.lower()
+    if ending in UNIVERSAL:
+        return FrfSet.from_uff(path)
+    if ending == ".npz":
+        return FrfSet.load(path)
+    if ending in HDF5:
+        return read_hdf5(path)
+    if ending == ".csv":
+        return FrfSet.from_csv(path)
+    raise FrfError(str(path), found=f"ending {ending!r}", expected=f"one of {KINDS}")
+
+
+def file_angles(path: str | os.PathLike[str]) -> dict[int, float] | None:
+    """Angles about z [deg] of the nodes of a universal file, by label; None without geometry off the axis."""
+    if Path(path).suffix.lower() not in UNIVERSAL:
+        return None
+    nodes = read_uff(path).nodes
+    if nodes is None or not np.any(np.hypot(nodes.points[:, 0], nodes.points[:, 1]) > 0.0):
+        return None
+    return node_angles(nodes)
+
+
+def read_angles(path: str | os.PathLike[str]) -> dict[int, float]:
+    """Angles [deg] by point, from a csv with the columns point, angle_deg.
+
+    Raises
+    ------
+    FrfError
+        Other columns, a point twice, cells that are no numbers.
+    """
+    csv = read(path, FrfError)
+    if set(csv.header) != {"point", "angle_deg"}:
+        raise csv.error(csv.path, line=csv.header_line, found=",".join(csv.header), expected="point,angle_deg")
+    points, angles = csv.integers("point").tolist(), csv.numbers("angle_deg").tolist()
+    for row, point in enumerate(points):
+        if point in points[:row]:
+            raise csv.refuse(row=row, column="point", found=f"{point} again", expected="each point once")
+    return dict(zip(points, angles, strict=True))

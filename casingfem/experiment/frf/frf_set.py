@@ -1,0 +1,295 @@
+"""Measured functions of many channels over one abscissa: frequency responses, spectra, time records."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Literal, get_args
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from casingfem.arrays import Array, FloatArray, IntArray
+from casingfem.experiment.uff.read import read_uff
+from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
+from casingfem.outfiles import write_atomic
+from casingfem.structure.strict_csv import CsvError, StrictCsv, read
+
+Kind = Literal["frf", "time", "spectrum"]
+PLACES = ("response_point", "response_direction", "reference_point", "reference_direction")
+TIME, FREQUENCY = 17, 18  # what an abscissa shows, in universal files
+_KINDS: dict[Kind, tuple[int, ...]] = {"frf": (4,), "time": (1,), "spectrum": (2, 3, 9, 10, 12)}
+_UNITS = {"hz": "frequency", "s": "time", "sec": "time"}
+_EVEN = 1e-9  # steps equal to this part are written as an even abscissa
+
+
+class FrfError(CsvError):
+    """Measured functions that cannot be used: names file, line, column, found and expected."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class FrfSet:
+    """Measured functions over one abscissa; arrays are read-only.
+
+    Parameters
+    ----------
+    kind : "frf" or "spectrum" over frequencies [Hz], or "time" over seconds
+    x : abscissa (lines,), ascending
+    responses : (channels, lines), complex; real for time records
+    response_point, response_direction, reference_point, reference_direction
+        Where each channel was measured, and what it refers to, (channels,): node, and 1, 2, 3 for x, y, z, 4, 5, 6
+        for turns, 0 without direction, signed.
+    unit : unit of the responses, as the file has it
+    card : source lines
+    path : where it was read from
+
+    Raises
+    ------
+    FrfError
+        Arrays that do not belong together, values that are not finite, an abscissa that does not ascend.
+
+    Examples
+    --------
+    >>> FrfSet.from_arrays(kind="frf", x=[10.0, 20.0], responses=[[1 + 1j, 2 - 1j]], unit="(m/s^2)/N")
+    FrfSet(frf, 1 channel, 2 lines, 10 to 20 Hz, (m/s^2)/N)
+    """
+
+    kind: Kind
+    x: FloatArray
+    responses: Array
+    response_point: IntArray
+    response_direction: IntArray
+    reference_point: IntArray
+    reference_direction: IntArray
+    unit: str
+    card: tuple[str, ...] = ()
+    path: str = "functions"
+
+    def __post_init__(self) -> None:
+        forms: dict[str, Any] = {"x": np.float64, "responses": np.float64 if self.kind == "time" else np.complex128}
+        for name in ("x", "responses", *PLACES):
+            if name == "responses" and self.kind == "time" and np.iscomplexobj(self.responses):
+                raise FrfError(self.path, found="a complex time record", expected="real values")
+            array = np.array(getattr(self, name), forms.get(name, np.int64))
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        self._check()
+
+    def _check(self) -> None:
+        """Refuse what does not belong together."""
+        if self.kind not in get_args(Kind):
+            raise FrfError(self.path, found=f"kind {self.kind!r}", expected=" or ".join(get_args(Kind)))
+        channels = self.responses.shape[:1]
+        fit = self.responses.ndim == 2 and self.responses.size and self.x.shape == self.responses.shape[1:]
+        if not fit or any(getattr(self, name).shape != channels for name in PLACES):
+            found = ", ".join(f"{name} {getattr(self, name).shape}" for name in ("x", "responses", *PLACES))
+            raise FrfError(
+                self.path, found=found, expected="x (lines,), responses (channels, lines), places (channels,)"
+            )
+        if not (np.isfinite(self.x).all() and np.isfinite(self.responses).all()):
+            raise FrfError(self.path, found="nan or infinity", expected="finite numbers")
+        if np.any(np.diff(self.x) <= 0.0):
+            index = int(np.argmax(np.diff(self.x) <= 0.0))
+            found = f"{self.x[index + 1]:g} after {self.x[index]:g}"
+            raise FrfError(self.path, found=found, expected="an abscissa that ascends")
+
+    @classmethod
+    def from_arrays(
+        cls,
+        *,
+        kind: Kind,
+        x: ArrayLike,
+        responses: ArrayLike,
+        unit: str,
+        response_point: ArrayLike = 0,
+        response_direction: ArrayLike = 0,
+        reference_point: ArrayLike = 0,
+        reference_direction: ArrayLike = 0,
+        card: Sequence[str] = (),
+        path: str = "functions",
+    ) -> FrfSet:
+        """Build from arrays; places may be scalars."""
+        values = np.atleast_2d(np.asarray(responses))
+        given = (response_point, response_direction, reference_point, reference_direction)
+        places: dict[str, Any] = {
+            name: np.broadcast_to(np.asarray(value), values.shape[:1]) if np.ndim(value) == 0 else value
+            for name, value in zip(PLACES, given, strict=True)
+        }
+        at = np.asarray(x, np.float64)
+        return cls(kind=kind, x=at, responses=values, unit=unit, card=tuple(card), path=path, **places)
+
+    @classmethod
+    def from_uff(cls, path: str | os.PathLike[str], kind: Kind = "frf") -> FrfSet:
+        """All functions of one kind in a universal file; they must share abscissa and unit. Its header is the card.
+
+        Raises
+        ------
+        UffError, FrfError
+            A file that cannot be read whole; no such functions; functions that do not belong in one set.
+        """
+        file = read_uff(path)
+        found = file.functions
+        chosen = [function for function in found if function.kind in _KINDS[kind]]
+        if not chosen:
+            there = ", ".join(sorted({function.word for function in found})) or "no functions"
+            raise FrfError(str(path), found=there, expected=f"functions of kind {kind!r}")
+        card = tuple(line for line in file.header if line)
+        return replace(cls.from_functions(chosen, kind, str(path)), card=card)
+
+    @classmethod
+    def from_functions(cls, functions: Sequence[Function], kind: Kind, path: str = "functions") -> FrfSet:
+        """Put functions of a universal file together."""
+        first = functions[0]
+        units = [_unit(function) for function in functions]
+        for k, function in enumerate(functions):
+            _check_abscissa(function, kind, k, path)
+            if not np.array_equal(function.x, first.x):
+                raise FrfError(path, found=f"function {k + 1} over other abscissas", expected="those of the first")
+            if units[k] != units[0]:
+                raise FrfError(path, found=f"function {k + 1} in {units[k]!r}", expected=f"{units[0]!r} as the first")
+        ends = [(f.response.node, f.response.direction, f.reference.node, f.reference.direction) for f in functions]
+        places = dict(zip(PLACES, np.array(ends, np.int64).T, strict=True))
+        values = np.stack([function.values for function in functions])
+        return cls(kind=kind, x=first.x, responses=values, unit=units[0], path=path, **places)
+
+    @classmethod
+    def from_csv(cls, path: str | os.PathLike[str]) -> FrfSet:
+        """Read rows of freq_hz (or time_s), the four places, real, imag; a card line `unit: ...` is required.
+
+        Rows of a channel follow one another. A card line `kind: spectrum` makes them spectra.
+
+        Raises
+        ------
+        FrfError
+            Everything that is not exactly such a table, with file, line and column.
+        """
+        csv = read(path, FrfError)
+        said = dict(part.split(":", 1) for part in csv.card if ":" in part)
+        said = {key.strip(): value.strip() for key, value in said.items()}
+        if "unit" not in said:
+            raise csv.refuse(found="no card line 'unit: ...'", expected="the unit, such as '# unit: (m/s^2)/N'")
+        timed = "time_s" in csv.header
+        kind = "time" if timed else said.get("kind", "frf")
+        columns = ("time_s" if timed else "freq_hz", *PLACES, "real", *(() if timed else ("imag",)))
+        for name in (*csv.header, *columns):
+            if name not in csv.header or name not in columns:
+                found = "no such column" if name in columns else "an unknown column"
+                raise csv.error(csv.path, line=csv.header_line, column=name, found=found, expected=",".join(columns))
+        x, values = csv.numbers(columns[0]), csv.numbers("real")
+        complete = values if timed else values + 1j * csv.numbers("imag")
+        places = np.column_stack([csv.integers(name) for name in PLACES])
+        starts = np.flatnonzero(np.r_[True, np.any(np.diff(places, axis=0) != 0, axis=1)])
+        lines = _common_lines(csv, x, starts)
+        return cls(
+            kind=kind,  # type: ignore[arg-type]  # checked on entry
+            x=x[:lines],
+            responses=complete.reshape(len(starts), lines),
+            unit=said["unit"],
+            card=csv.card,
+            path=csv.path,
+            **dict(zip(PLACES, places[starts].T, strict=True)),
+        )
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write the table, whole or not at all; reading it back gives every number bit for bit."""
+        timed = self.kind == "time"
+        card = [line for line in self.card if line.partition(":")[0].strip() not in ("unit", "kind")]
+        lines = [f"# {line}".rstrip() for line in (*card, f"unit: {self.unit}", f"kind: {self.kind}")]
+        lines.append(",".join(("time_s" if timed else "freq_hz", *PLACES, "real", *(() if timed else ("imag",)))))
+        for channel, values in enumerate(self.responses.tolist()):
+            place = ",".join(str(getattr(self, name)[channel]) for name in PLACES)
+            parts = (f"{v!r}" if timed else f"{v.real!r},{v.imag!r}" for v in values)
+            lines += [f"{at!r},{place},{part}" for at, part in zip(self.x.tolist(), parts, strict=True)]
+        return write_atomic(Path(path), "\n".join(lines) + "\n")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> FrfSet:
+        """Read what `save` wrote, without pickle."""
+        wanted = {"kind", "x", "responses", *PLACES, "unit", "card"}
+        try:
+            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
+                stored = {name: archive[name] for name in archive.files}
+        except (OSError, ValueError, EOFError, AttributeError, BadZipFile) as error:
+            raise FrfError(
+                str(path), found=f"no readable npz file ({error})", expected="what FrfSet.save wrote"
+            ) from error
+        missing = wanted - stored.keys()
+        if missing:
+            raise FrfError(str(path), found=f"no array {min(missing)!r}", expected=", ".join(sorted(wanted)))
+        arrays = {name: stored[name] for name in ("x", "responses", *PLACES)}
+        kind, unit, card = str(stored["kind"]), str(stored["unit"]), tuple(stored["card"].tolist())
+        return cls(kind=kind, unit=unit, card=card, path=str(path), **arrays)  # type: ignore[arg-type]
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write an npz file of plain arrays, whole or not at all."""
+        arrays = {field.name: np.asarray(getattr(self, field.name)) for field in fields(self) if field.name != "path"}
+        arrays["card"] = np.asarray(self.card, dtype=np.str_)
+
+        def store(part: Path) -> None:
+            with part.open("wb") as stream:
+                np.savez(stream, allow_pickle=False, **arrays)
+
+        return write_atomic(Path(path), store)
+
+    def functions(self, *, double: bool = True) -> tuple[Function, ...]:
+        """The channels as functions of a universal file, for `write_uff(path, functions=..., binary=True)`."""
+        steps = np.diff(self.x)
+        even = steps.size > 0 and bool(np.ptp(steps) <= _EVEN * steps.mean())
+        timed = self.kind == "time"
+        what = Axis(TIME, label="time", unit="s") if timed else Axis(FREQUENCY, label="frequency", unit="Hz")
+        axes = Axes(what, Axis(label="response", unit=self.unit))
+        return tuple(
+            Function(
+                kind=12 if self.kind == "spectrum" else _KINDS[self.kind][0],
+                text=(),
+                response=Channel("", int(self.response_point[k]), int(self.response_direction[k])),
+                reference=Channel("", int(self.reference_point[k]), int(self.reference_direction[k])),
+                x=self.x,
+                values=values,
+                step=float((self.x[-1] - self.x[0]) / steps.size) if even else 0.0,
+                double=double,
+                axes=axes,
+            )
+            for k, values in enumerate(self.responses)
+        )
+
+    def __len__(self) -> int:
+        return len(self.responses)
+
+    def __repr__(self) -> str:
+        count = f"{len(self)} channel" + "s" * (len(self) != 1)
+        unit = "s" if self.kind == "time" else "Hz"
+        span = f"{self.x[0]:g} to {self.x[-1]:g} {unit}"
+        return f"FrfSet({self.kind}, {count}, {len(self.x)} lines, {span}, {self.unit})"
+
+
+def _common_lines(csv: StrictCsv, x: FloatArray, starts: IntArray) -> int:
+    """Number of lines of every channel, which must stand over the same abscissas."""
+    ends = np.r_[starts[1:], len(x)]
+    lines = int(ends[0])
+    for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
+        if not np.array_equal(x[start:end], x[:lines]):
+            found = f"{end - start} rows of a channel over other abscissas"
+            raise csv.refuse(row=start, found=found, expected=f"the {lines} abscissas of the first channel, in order")
+    return lines
+
+
+def _unit(function: Function) -> str:
+    """Unit of the ordinate over that of its denominator."""
+    above, below = (
+        axis.unit if axis.unit.upper() != "NONE" else "" for axis in (function.axes.ordinate, function.axes.denominator)
+    )
+    return f"({above or 1})/({below})" if below else above
+
+
+def _check_abscissa(function: Function, kind: Kind, k: int, path: str) -> None:
+    """Refuse functions over something else than seconds, or Hz."""
+    axis = function.axes.abscissa
+    wanted, number, unit = ("time", TIME, "s") if kind == "time" else ("frequency", FREQUENCY, "Hz")
+    known = axis.kind in (0, number) and axis.unit.lower() in ("", "none", *(u for u in _UNITS if _UNITS[u] == wanted))
+    if not known:
+        found = f"function {k + 1} over {axis.label!r} in {axis.unit!r} (kind {axis.kind})"
+        raise FrfError(path, found=found, expected=f"{wanted} in {unit}")

@@ -1,0 +1,70 @@
+"""Frequency responses in HDF5: the arrays of `FrfSet` as data sets, kind, unit and card as attributes of the file."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from casingfem.experiment.frf.frf_set import PLACES, FrfError, FrfSet
+from casingfem.outfiles import write_atomic
+
+ARRAYS = ("x", "responses", *PLACES)
+
+
+def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
+    """Measured functions of an HDF5 file: x (lines,), responses (channels, lines), the four places (channels,).
+
+    Places that are missing are 0 for every channel. The file's attributes `kind` ("frf" if missing), `unit` and
+    `card` say what they are.
+
+    Raises
+    ------
+    FrfError
+        h5py is not installed; a file that is no HDF5, lacks a data set or the unit; what `FrfSet` refuses.
+    """
+    h5py = _h5py(path)
+    try:
+        with h5py.File(path, "r") as file:
+            arrays = {name: np.asarray(file[name]) for name in ARRAYS if isinstance(file.get(name), h5py.Dataset)}
+            said = dict(file.attrs)
+    except OSError as error:
+        raise FrfError(str(path), found=f"no readable HDF5 file ({error})", expected="HDF5") from error
+    for name in ("x", "responses"):
+        if name not in arrays:
+            found = f"no data set {name!r}"
+            raise FrfError(str(path), found=found, expected=f"data sets {', '.join(ARRAYS)}")
+        if not np.issubdtype(arrays[name].dtype, np.number):
+            raise FrfError(str(path), found=f"{name} of type {arrays[name].dtype}", expected="numbers")
+    if "unit" not in said:
+        raise FrfError(str(path), found="no attribute 'unit'", expected="the unit, such as '(m/s^2)/N'")
+    card = tuple(str(line) for line in np.atleast_1d(said.get("card", ())).tolist())
+    kind: Any = str(said.get("kind", "frf"))
+    return FrfSet.from_arrays(kind=kind, unit=str(said["unit"]), card=card, path=str(path), **arrays)
+
+
+def write_hdf5(frfs: FrfSet, path: str | os.PathLike[str]) -> Path:
+    """Write what `read_hdf5` reads, whole or not at all; numbers come back bit for bit."""
+    h5py = _h5py(path)
+
+    def store(part: Path) -> None:
+        with h5py.File(part, "w") as file:
+            for name in ARRAYS:
+                file[name] = getattr(frfs, name)
+            file.attrs["kind"], file.attrs["unit"] = frfs.kind, frfs.unit
+            if frfs.card:
+                file.attrs["card"] = list(frfs.card)
+
+    return write_atomic(Path(path), store)
+
+
+def _h5py(path: str | os.PathLike[str]) -> Any:
+    """h5py, or what to install."""
+    try:
+        import h5py
+    except ImportError as error:
+        expected = "the package h5py: pip install 'casingfem[test-data]'"
+        raise FrfError(str(path), found="an HDF5 file", expected=expected) from error
+    return h5py

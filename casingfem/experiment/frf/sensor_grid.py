@@ -1,0 +1,98 @@
+"""Channels of a set put in order: sensors by references, angles of the sensors, what was measured."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.experiment.uff.nodes import Nodes
+
+FORMS = {"receptance": 0, "mobility": 1, "accelerance": 2}
+_ACCELERATION, _VELOCITY, _LENGTH = r"m/s(\^?2|\*\*2|²)|m/sec(\^?2|²)|g", r"m/s(ec)?", r"m|mm|um|µm"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SensorGrid:
+    """Sensors (point, direction, angle [rad], nan where unknown) and the channel of each sensor and reference.
+
+    `channels` (sensors, references) index the set; `references` (references, 2) are points and directions.
+    """
+
+    points: IntArray
+    directions: IntArray
+    theta: FloatArray
+    references: IntArray
+    channels: IntArray
+
+    def __post_init__(self) -> None:
+        for name in ("points", "directions", "theta", "references", "channels"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def __len__(self) -> int:
+        """Return the number of sensors."""
+        return len(self.points)
+
+
+def sensor_grid(frfs: FrfSet, angles: Mapping[int, float] | None) -> SensorGrid:
+    """Sort the channels of a set; angles [deg] by response point.
+
+    Raises
+    ------
+    FrfError
+        A sensor without a channel to one of the references, a channel twice, a sensor without angle.
+    """
+    responses = np.column_stack([frfs.response_point, frfs.response_direction])
+    references = np.column_stack([frfs.reference_point, frfs.reference_direction])
+    sensors, sensor = np.unique(responses, axis=0, return_inverse=True)
+    bases, base = np.unique(references, axis=0, return_inverse=True)
+    channels = np.full((len(sensors), len(bases)), -1)
+    for k, at in enumerate(zip(sensor.ravel().tolist(), base.ravel().tolist(), strict=True)):
+        if channels[at] >= 0:
+            found = f"channels {channels[at] + 1} and {k + 1} from the same sensor to the same reference"
+            raise FrfError(frfs.path, found=found, expected="each once")
+        channels[at] = k
+    if np.any(channels < 0):
+        row, column = np.argwhere(channels < 0)[0]
+        found = f"no channel from point {sensors[row, 0]} to reference {bases[column, 0]}"
+        raise FrfError(frfs.path, found=found, expected="every sensor with every reference")
+    theta = np.full(len(sensors), np.nan)
+    if angles is not None:
+        for k, point in enumerate(sensors[:, 0].tolist()):
+            if point not in angles:
+                raise FrfError(frfs.path, found=f"no angle for point {point}", expected="an angle of every sensor")
+            theta[k] = np.radians(angles[point])
+    return SensorGrid(points=sensors[:, 0], directions=sensors[:, 1], theta=theta, references=bases, channels=channels)
+
+
+def node_angles(nodes: Nodes) -> dict[int, float]:
+    """Angle about the z axis [deg] of each node of a universal file's geometry, by label."""
+    x, y = nodes.points[:, 0], nodes.points[:, 1]
+    return dict(zip(nodes.labels.tolist(), np.degrees(np.arctan2(y, x)).tolist(), strict=True))
+
+
+def form_of(frfs: FrfSet, form: str | None) -> int:
+    """Power of j omega by which responses exceed receptances: from the unit, or as said.
+
+    >>> form_of(FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="(m/s^2)/N"), None)
+    2
+    """
+    if form is not None:
+        if form not in FORMS:
+            raise FrfError(frfs.path, found=f"form {form!r}", expected=" or ".join(FORMS))
+        return FORMS[form]
+    above = frfs.unit.replace(" ", "").replace("(", "").replace(")", "")
+    above = re.sub(r"/(k|m)?(N|lbf|V)$", "", above)
+    for power, pattern in ((2, _ACCELERATION), (1, _VELOCITY), (0, _LENGTH)):
+        if re.fullmatch(pattern, above, flags=re.IGNORECASE):
+            return power
+    raise FrfError(frfs.path, found=f"unit {frfs.unit!r}", expected="one such as (m/s^2)/N, or form=" + "|".join(FORMS))
+
+
+def radial_signs(grid: SensorGrid) -> Array:
+    """Sign of each sensor, (sensors,): a negative direction turns the response over."""
+    return np.where(grid.directions < 0, -1.0, 1.0)

@@ -1,0 +1,121 @@
+"""Fits of all bands of a set of responses, each knowing what the modes of the others add to it.
+
+First the bands with peaks are fitted, each from the poles that LSCF finds stable in it. Then every band is fitted
+again, those without peaks too, from what was found, after the responses of modes outside its window have been taken
+off: what its polynomials have to follow is then small.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.arrays import Array, FloatArray
+from casingfem.experiment.identify.bands import Band
+from casingfem.experiment.identify.ema_poles import lscf_poles
+from casingfem.experiment.identify.pole_fit import PoleFit
+from casingfem.experiment.identify.pole_selection import select_poles
+from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.stabilisation import Stabilisation, stabilise
+
+FLOOR = 3e-4  # of a window's rms: a model is not better than that
+ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most
+PASSES = 2  # fits of every band after the first
+
+
+class Responses(NamedTuple):
+    """Lines [Hz], responses (channels, lines), standard deviation of each channel's noise, power of j omega."""
+
+    freq: FloatArray
+    H: Array
+    noise: FloatArray
+    power: int
+
+
+class BandFits(NamedTuple):
+    """One fit for each band, and what the fit was of beside its own modes: (channels, lines)."""
+
+    bands: list[Band]
+    fits: list[PoleFit]
+    diagrams: list[Stabilisation]
+
+
+class _Mode(NamedTuple):
+    """A pole and its residues (channels,) of (j f)^q w^2/(w^2 - f^2 + 2 j zeta w f), f in Hz."""
+
+    freq: float
+    zeta: float
+    residues: Array
+
+
+def fit_bands(data: Responses, bands: list[Band], order: int | None) -> BandFits:
+    """Fit every band: see above; `order` as in `identify`."""
+    fits: list[PoleFit | None] = []
+    diagrams = []
+    for band in bands:
+        diagram, starts = _sweep(data, band, order)
+        diagrams.append(diagram)
+        fits.append(select_poles(_window(data, band, []), starts) if band.peaks else None)
+    for _ in range(PASSES):
+        for k, band in enumerate(bands):
+            modes = _modes(data, bands, fits)
+            low, high = data.freq[band.window[0]], data.freq[band.window[1] - 1]
+            inside = [mode for mode in modes if low <= mode.freq <= high]
+            outside = [mode for mode in modes if not low <= mode.freq <= high]
+            starts = np.array([(mode.freq, mode.zeta) for mode in inside]).reshape(-1, 2)
+            fits[k] = select_poles(_window(data, band, outside), starts)
+    return BandFits(bands, [fit for fit in fits if fit is not None], diagrams)
+
+
+def core_of(freq: FloatArray, band: Band) -> tuple[float, float]:
+    """Frequencies [Hz] from, to below which a pole belongs to a band."""
+    low, high = band.core
+    return float(freq[low]), float(freq[high]) if high < len(freq) else float(2.0 * freq[-1] - freq[-2])
+
+
+def _sweep(data: Responses, band: Band, order: int | None) -> tuple[Stabilisation, FloatArray]:
+    """Poles of growing orders in a window, and those that stay."""
+    lines = slice(*band.window)
+    weighted = data.H[:, lines] / data.noise[:, None]
+    most = order or min(ORDER[0] + ORDER[1] * band.peaks, ORDER[2], weighted.shape[1] // 6)
+    return stabilise(lscf_poles(data.freq[lines], weighted, most), data.freq[lines], weighted)
+
+
+def _window(data: Responses, band: Band, outside: list[_Mode]) -> Window:
+    """What is to be fitted in a band, without the modes outside its window."""
+    lines = slice(*band.window)
+    whole = data.H[:, lines] / data.noise[:, None]
+    rest = whole - _added(data, lines, outside) / data.noise[:, None]
+    return Window(
+        freq=data.freq[lines],
+        Y=np.concatenate([rest.real, rest.imag], axis=1).T,
+        power=data.power,
+        residues="real",
+        weight=1.0 / data.noise,
+        floor=FLOOR * float(np.sqrt(0.5 * np.mean(np.abs(whole) ** 2))),
+    )
+
+
+def _added(data: Responses, lines: slice, modes: list[_Mode]) -> Array:
+    """Sum of modes (channels, lines)."""
+    if not modes:
+        return np.zeros((len(data.H), 1))
+    f = data.freq[lines]
+    own, zeta = np.array([(mode.freq, mode.zeta) for mode in modes]).T[:, :, None]
+    unit = (1j * f) ** data.power * own**2 / (own**2 - f**2 + 2j * zeta * own * f)
+    return np.asarray(np.array([mode.residues for mode in modes]).T @ unit)
+
+
+def _modes(data: Responses, bands: list[Band], fits: list[PoleFit | None]) -> list[_Mode]:
+    """Modes of all cores."""
+    modes = []
+    for band, fit in zip(bands, fits, strict=True):
+        if fit is None:
+            continue
+        low, high = core_of(data.freq, band)
+        residues = fit.A[:, 0] + (1j * fit.A[:, 1] if fit.window.columns == 2 else 0.0)
+        residues = residues / fit.window.weight / fit.window.scale**data.power
+        for k in np.flatnonzero((fit.freq >= low) & (fit.freq < high)).tolist():
+            modes.append(_Mode(float(fit.freq[k]), float(fit.zeta[k]), residues[k]))
+    return modes

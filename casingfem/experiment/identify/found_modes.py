@@ -1,0 +1,143 @@
+"""From fitted poles to modes: those of each band's core, once, labelled, with what could have been missed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from casingfem.arrays import Array, FloatArray
+from casingfem.experiment.circle.orientation import Circle, Label
+from casingfem.experiment.frf.sensor_grid import SensorGrid
+from casingfem.experiment.identify.mode_shapes import mode_shape, residue_matrix
+from casingfem.experiment.identify.pole_fit import PoleFit
+from casingfem.experiment.identify.pole_selection import hidden_split
+
+BALANCE = 0.2  # least `balance` of a shape that is two
+CHANCE = 25.0  # chi-squared, two degrees of freedom, below which two poles are not told apart
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FoundMode:
+    """One mode, or a pair that is not resolved; see `Identified` for the names.
+
+    `double` says that the residues hold two shapes: the mode is a pair, unless its partner stands elsewhere.
+    """
+
+    freq: float
+    sigma_freq: float
+    zeta: float
+    sigma_zeta: float
+    n: int
+    purity: float
+    angle: float
+    sigma_angle: float
+    shape: FloatArray
+    sigma_shape: FloatArray
+    residues: Array
+    residue_scale: float
+    collinearity: float
+    signal: float
+    split_bound: float
+    double: bool
+    unresolved: bool = False
+
+
+def found_modes(
+    fits: list[PoleFit],
+    cores: list[tuple[float, float]],
+    grid: SensorGrid,
+    signs: FloatArray,
+    circle: Circle | None,
+) -> list[FoundMode]:
+    """Modes of all bands, ascending; one that two bands found beside their common edge counts once."""
+    modes: list[FoundMode] = []
+    for fit, (low, high) in zip(fits, cores, strict=True):
+        here = [_mode(fit, pole, grid, signs, circle) for pole in range(len(fit.freq))]
+        here = _merged(fit, here)
+        inside = [mode for mode in here if low <= mode.freq < high]
+        modes += [mode for mode in inside if not (modes and _same(modes[-1], mode))]
+    return sorted(modes, key=lambda mode: mode.freq)
+
+
+def _same(first: FoundMode, second: FoundMode) -> bool:
+    """Whether two bands found one mode."""
+    near = abs(first.freq - second.freq) < 0.5 * first.zeta * first.freq
+    return near and abs(float(first.shape @ second.shape)) > 0.9
+
+
+def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: Circle | None) -> FoundMode:
+    shape = mode_shape(fit, pole, grid.channels)
+    sigma = np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 0.0))
+    freq, zeta = float(fit.freq[pole]), float(fit.zeta[pole])
+    label = Label(-1, *[float("nan")] * 3)
+    if circle is not None:
+        label = circle.label(shape.values * signs, shape.covariance * np.outer(signs, signs))
+    peak = np.linalg.norm(fit.A[pole]) / (2.0 * zeta) * (freq / fit.window.scale) ** fit.window.power
+    double = shape.second > 1.0 and shape.balance > BALANCE
+    return FoundMode(
+        freq=freq,
+        sigma_freq=freq * float(sigma[pole]),
+        zeta=zeta,
+        sigma_zeta=float(sigma[len(fit.freq) + pole] * zeta),
+        n=label.n,
+        purity=label.purity,
+        angle=label.angle,
+        sigma_angle=label.sigma,
+        shape=shape.values,
+        sigma_shape=np.sqrt(np.diag(shape.covariance)),
+        residues=residue_matrix(fit, pole, grid.channels),
+        residue_scale=fit.window.scale,
+        collinearity=shape.collinearity,
+        signal=float(peak / np.sqrt(2.0 * fit.noise * fit.A.shape[2])),
+        split_bound=hidden_split(fit, pole) / (shape.balance if double else 1.0),
+        double=double,
+    )
+
+
+def _merged(fit: PoleFit, modes: list[FoundMode]) -> list[FoundMode]:
+    """Put neighbours whose poles differ by no more than chance into one: a pair whose members are not told apart."""
+    told: list[FoundMode] = []
+    last = -2
+    for k, mode in enumerate(modes):
+        if k and last != k - 1 and mode.n == modes[k - 1].n and not _distinct(fit, k - 1, k):
+            told[-1] = _one_of(fit, modes, k - 1, k)
+            last = k
+        else:
+            told.append(mode)
+    return told
+
+
+def _distinct(fit: PoleFit, low: int, high: int) -> bool:
+    """Whether two poles differ in frequency or damping by more than chance allows."""
+    if fit.freq[high] - fit.freq[low] > 2.0 * max(fit.zeta[low], fit.zeta[high]) * fit.freq[low]:
+        return True
+    m = len(fit.freq)
+    change = np.zeros((2, 2 * m))
+    change[[0, 1], [low, m + low]], change[[0, 1], [high, m + high]] = -1.0, 1.0
+    gap = change @ np.log(np.r_[fit.freq, fit.zeta])
+    covariance = fit.noise * change @ fit.covariance @ change.T
+    return bool(gap @ np.linalg.solve(covariance, gap) > CHANCE)
+
+
+def _one_of(fit: PoleFit, modes: list[FoundMode], low: int, high: int) -> FoundMode:
+    """The best common pole of two, by their covariance; for a pair that is not told apart."""
+    m = len(fit.freq)
+    values = []
+    for at, logs in (([low, high], np.log(fit.freq)), ([m + low, m + high], np.log(fit.zeta))):
+        covariance = fit.noise * fit.covariance[np.ix_(at, at)]
+        weights = np.linalg.solve(covariance, np.ones(2))
+        gap = np.sqrt(np.array([-1.0, 1.0]) @ covariance @ np.array([-1.0, 1.0]))
+        values.append((float(np.exp(weights @ logs[[low, high]] / weights.sum())), 1.0 / np.sqrt(weights.sum()), gap))
+    (freq, sigma, gap), (zeta, sigma_zeta, _) = values
+    bound = float(np.log(fit.freq[high] / fit.freq[low]) + 2.0 * gap)
+    stronger = modes[low] if modes[low].signal > modes[high].signal else modes[high]
+    one = replace(stronger, freq=freq, sigma_freq=float(freq * sigma), zeta=zeta, sigma_zeta=float(zeta * sigma_zeta))
+    return replace(without_antinode(replace(one, split_bound=bound)), unresolved=True)
+
+
+def without_antinode(mode: FoundMode) -> FoundMode:
+    """A mode that may stand for a pair: without orientation, and uncertain by half the largest split."""
+    nothing = float("nan")
+    sigma = float(np.hypot(mode.sigma_freq, 0.5 * mode.split_bound * mode.freq))
+    return replace(mode, sigma_freq=sigma, angle=nothing, sigma_angle=nothing)

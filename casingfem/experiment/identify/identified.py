@@ -1,0 +1,166 @@
+"""What was identified: modes with uncertainties, and the table an engineer wants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from casingfem.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.experiment.frf.sensor_grid import SensorGrid
+from casingfem.experiment.identify.stabilisation import Stabilisation
+from casingfem.experiment.measurement import FrequencyTable
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Identified:
+    """Modes found in frequency responses, ascending; arrays are read-only.
+
+    Attributes
+    ----------
+    freq, sigma_freq
+        Frequencies and their standard uncertainties [Hz], (modes,).
+    zeta, sigma_zeta
+        Damping ratios and their uncertainties.
+    n, purity
+        Nodal diameters, -1 where the sensors have no angles, and their share of the shape's energy.
+    angle_deg, sigma_angle
+        Antinode, in [0, 180/n), and its uncertainty [deg]; nan where n < 1.
+    shapes, sigma_shapes
+        Real shapes of unit norm at the sensors, (sensors, modes).
+    residues
+        Complex residues (sensors, references, modes) of unit (j omega)^q w_k^2/(w_k^2 - omega^2 + 2 j zeta w_k omega)
+        with omega in (j omega)^q in units of `residue_scale` [Hz], (modes,).
+    collinearity
+        Share of a shape's energy that is in phase: 1 for a normal mode.
+    signal
+        Peak of the mode's response over the noise of a line, both rms over the channels.
+    doublets
+        Index pairs (lower, upper) of the same n, a quarter wave apart.
+    unresolved
+        Modes whose residues hold two shapes at one frequency.
+    split_bound
+        Largest relative split of a partner that would have been missed, nan where a partner was found or n = 0.
+    sensors
+        Where the shapes stand.
+    lines, fitted, measured
+        Frequencies used [Hz], (lines,); responses there, fitted (nan where nothing was) and measured, both
+        (channels, lines).
+    diagram
+        Poles of all orders.
+    notes
+        What cannot be told apart, in words.
+    card
+        Source lines.
+    """
+
+    freq: FloatArray
+    sigma_freq: FloatArray
+    zeta: FloatArray
+    sigma_zeta: FloatArray
+    n: IntArray
+    purity: FloatArray
+    angle_deg: FloatArray
+    sigma_angle: FloatArray
+    shapes: FloatArray
+    sigma_shapes: FloatArray
+    residues: Array
+    residue_scale: FloatArray
+    collinearity: FloatArray
+    signal: FloatArray
+    doublets: tuple[tuple[int, int], ...]
+    unresolved: tuple[int, ...]
+    split_bound: FloatArray
+    sensors: SensorGrid
+    lines: FloatArray
+    fitted: Array
+    measured: Array
+    diagram: Stabilisation
+    notes: tuple[str, ...] = ()
+    card: tuple[str, ...] = ()
+    seconds: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            if isinstance(getattr(self, name), np.ndarray):
+                object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def __len__(self) -> int:
+        """Return the number of modes."""
+        return len(self.freq)
+
+    @property
+    def splits(self) -> FloatArray:
+        """Relative split (f_upper - f_lower)/mean of each doublet, in the order of `doublets`."""
+        pairs = self.freq[np.array(self.doublets, dtype=int).reshape(-1, 2)]
+        return np.asarray(np.diff(pairs, axis=1)[:, 0] / pairs.mean(axis=1))
+
+    def doublet_of(self, mode: int) -> int:
+        """Index into `doublets`, or -1 for a mode without partner."""
+        return next((k for k, pair in enumerate(self.doublets) if mode in pair), -1)
+
+    @property
+    def deviation(self) -> float:
+        """Rms of measured minus fitted over rms measured, where something was fitted."""
+        there = ~np.isnan(self.fitted[0])
+        error = self.measured[:, there] - self.fitted[:, there]
+        return float(np.linalg.norm(error) / np.linalg.norm(self.measured[:, there])) if there.any() else float("nan")
+
+    def table(self, card: Sequence[str] = ()) -> FrequencyTable:
+        """The frequency table for the updater; says SYNTHETIC first if the responses did."""
+        if not len(self):
+            raise ValueError("no mode was identified: there is no table")
+        made = "identified from frequency responses: LSCF poles (sdypy-EMA), refined by least squares"
+        return FrequencyTable.from_arrays(
+            freq_hz=self.freq,
+            sigma_hz=self.sigma_freq,
+            n=self.n,
+            angle_deg=self.angle_deg,
+            zeta=self.zeta,
+            card=(*self.card, *card, made, *self.notes),
+            path="identified",
+        )
+
+    def records(self) -> list[dict[str, Any]]:
+        """One plain dictionary a mode, numbers nan where they mean nothing."""
+        return [
+            {
+                "mode": k + 1,
+                "freq_hz": float(self.freq[k]),
+                "sigma_hz": float(self.sigma_freq[k]),
+                "zeta": float(self.zeta[k]),
+                "sigma_zeta": float(self.sigma_zeta[k]),
+                "n": int(self.n[k]) if self.n[k] >= 0 else None,
+                "n_purity": float(self.purity[k]),
+                "angle_deg": float(self.angle_deg[k]),
+                "sigma_angle_deg": float(self.sigma_angle[k]),
+                "doublet": self.doublet_of(k) + 1 or None,
+                "unresolved_pair": k in self.unresolved,
+                "split_bound_rel": float(self.split_bound[k]),
+                "collinearity": float(self.collinearity[k]),
+                "signal_to_noise": float(self.signal[k]),
+            }
+            for k in range(len(self))
+        ]
+
+    def __repr__(self) -> str:
+        pairs = f", {len(self.doublets)} doublets" if self.doublets else ""
+        lines = [
+            f"Identified({len(self)} modes{pairs}, deviation {100.0 * self.deviation:.2g} %)",
+            f"{'mode':>4} {'freq [Hz]':>11} {'+-':>7} {'zeta [%]':>9} {'+-':>7} {'n':>3} {'pure':>5}"
+            f" {'angle [deg]':>11} {'+-':>6} {'pair':>4}",
+        ]
+        for k, row in enumerate(self.records()):
+            n = "-" if row["n"] is None else str(row["n"])
+            purity, angle, sigma = (
+                "-" if np.isnan(value) else f"{value:.2f}"
+                for value in (row["n_purity"], row["angle_deg"], row["sigma_angle_deg"])
+            )
+            pair = row["doublet"] or ("?" if k in self.unresolved else "-")
+            lines.append(
+                f"{k + 1:>4} {row['freq_hz']:>11.4f} {row['sigma_hz']:>7.2g} {100 * row['zeta']:>9.5f}"
+                f" {100 * row['sigma_zeta']:>7.2g} {n:>3} {purity:>5} {angle:>11} {sigma:>6} {pair:>4}"
+            )
+        return "\n".join([*lines, *self.notes])

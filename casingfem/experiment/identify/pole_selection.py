@@ -1,0 +1,182 @@
+"""How many poles a window has: poles are left out and added as long as the data say so.
+
+The yardstick is the Bayesian information criterion (Schwarz, Ann. Statist. 6, 1978, 461): a pole stays if leaving it
+out raises the sum of squares, in units of the noise, by more than (its parameters) ln(number of data). A second pole
+beside the first has to earn itself the same way, so that a single mode is not split in two; two close poles with the
+same shape are a misfit of one mode and are merged; a pole narrower than the lines, or whose damping nobody can tell, is
+none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
+from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.stabilisation import ZETA_MAX
+
+GRID = 400  # frequencies tried for a further pole
+BEYOND = 0.03  # of the frequency
+LOCAL = 5.0, 12  # about a pole: half-power half-widths, lines at least
+NARROW = 1.5  # lines in a half-power bandwidth, below which nothing is resolved
+UNSURE = 0.3  # standard deviation of ln zeta beyond which a pole is no resonance
+PROMISE = 0.25  # of the price, that a place must promise before it is tried
+TRIES = 3  # places tried before the search ends
+NEAR, SAME = 3.0, 0.9  # half-power bandwidths; MAC
+ENOUGH = 6  # channels below which shapes say nothing
+MISFIT = 1.3  # deviation over noise, squared, that asks for complex residues
+
+
+def price(window: Window) -> float:
+    """Fall of the sum of squares, in units of the noise, that a pole must bring."""
+    return float((window.Y.shape[1] * window.columns + 2) * np.log(window.Y.size))
+
+
+def select_poles(window: Window, starts: FloatArray) -> PoleFit:
+    """Fit with as many poles as the data carry, from starts (poles, 2) of freq [Hz], zeta.
+
+    Real residues first; complex ones if real ones leave more than the noise and complex ones earn themselves.
+    """
+    fit = _searched(window, starts)
+    if fit.variance > MISFIT and fit.variance > window.floor**2 and window.residues == "real":
+        turned = _searched(replace(window, residues="complex"), np.column_stack([fit.freq, fit.zeta]))
+        more = turned.parameters - fit.parameters
+        if (fit.squares - turned.squares) / turned.noise > more * np.log(window.Y.size):
+            return turned
+    return fit
+
+
+def reach(window: Window) -> tuple[float, float]:
+    """Frequencies [Hz] between which poles are fitted: a little beyond the lines, whose ends neighbours raise."""
+    return float(window.freq[0]) * (1.0 - BEYOND), float(window.freq[-1]) * (1.0 + BEYOND)
+
+
+def _searched(window: Window, starts: FloatArray) -> PoleFit:
+    """Prune the starts, then add poles where the deviation asks for them."""
+    fit = pruned(fit_poles(window, starts[:, 0], starts[:, 1]))
+    for _ in range(2 * len(starts) + 8):
+        more = _one_more(fit)
+        if more is None:
+            return fit
+        fit = more
+    return fit
+
+
+def gains(fit: PoleFit) -> FloatArray:
+    """Rise of the sum of squares, in units of the noise there, if a pole were left out and the others stayed."""
+    each = range(len(fit.freq))
+    rise = [np.einsum("sc,st,tc->", fit.A[k], np.linalg.inv(fit.gram[k, :, k, :]), fit.A[k]) for k in each]
+    return np.array([rise[k] / noise_at(fit, k) for k in each], float)
+
+
+def noise_at(fit: PoleFit, pole: int) -> float:
+    """Variance of an entry about a pole: noise of estimated responses is larger on peaks than on average."""
+    lines = fit.window.freq
+    at = int(np.searchsorted(lines, fit.freq[pole]))
+    width = max(LOCAL[1], int(LOCAL[0] * fit.zeta[pole] * fit.freq[pole] / (lines[1] - lines[0])))
+    near = fit.spread[max(at - width, 0) : at + width]
+    return max(fit.noise, 0.5 * float(np.mean(np.abs(near) ** 2)) if near.size else 0.0)
+
+
+def pruned(fit: PoleFit) -> PoleFit:
+    """Leave out poles, one by one, that do not earn themselves, are no resonance, or repeat a neighbour."""
+    while len(fit.freq):
+        ends = reach(fit.window)
+        worth = gains(fit)
+        outside = (fit.freq < ends[0]) | (fit.freq > ends[1]) | (fit.zeta >= ZETA_MAX)
+        outside |= 2.0 * fit.zeta * fit.freq < NARROW * (fit.window.freq[1] - fit.window.freq[0])
+        unsure = fit.noise * np.diag(fit.covariance)[len(fit.freq) :] > UNSURE**2
+        worth = np.where(outside | unsure, 0.0, worth)
+        for low, high in _repeats(fit):
+            worth[low if worth[low] < worth[high] else high] = 0.0
+        least = int(worth.argmin())
+        if worth[least] > price(fit.window):
+            return fit
+        kept = np.arange(len(fit.freq)) != least
+        fit = fit_poles(fit.window, fit.freq[kept], fit.zeta[kept])
+    return fit
+
+
+def _repeats(fit: PoleFit) -> list[tuple[int, int]]:
+    """Neighbouring poles within three bandwidths and of the same shape."""
+    if fit.window.Y.shape[1] < ENOUGH:
+        return []
+    shapes = (fit.A[:, 0] + 1j * fit.A[:, 1] if fit.A.shape[1] == 2 else fit.A[:, 0]) / fit.window.weight
+    found = []
+    for low in range(len(fit.freq) - 1):
+        high = low + 1
+        width = 2.0 * max(fit.zeta[low] * fit.freq[low], fit.zeta[high] * fit.freq[high])
+        alike = abs(np.vdot(shapes[low], shapes[high])) ** 2
+        norms = np.vdot(shapes[low], shapes[low]).real * np.vdot(shapes[high], shapes[high]).real
+        if fit.freq[high] - fit.freq[low] < NEAR * width and alike > SAME * norms:
+            found.append((low, high))
+    return found
+
+
+def _one_more(fit: PoleFit) -> PoleFit | None:
+    """A fit with more poles that have earned themselves, or as many but much better ones, or None.
+
+    One pole at each of the places that promise most, then one at the first two at once: where several modes share
+    a bandwidth, one more pole alone may only fall together with another.
+    """
+    places = _places(fit)
+    together = [places[:2]] if len(places) > 1 else []
+    for added in [[place] for place in places] + together:
+        f, zeta = np.array(added).T
+        trial = fit_poles(fit.window, np.append(fit.freq, f), np.append(fit.zeta, zeta))
+        new = int(np.argmin(np.abs(trial.freq - f[0])))
+        if (fit.squares - trial.squares) / noise_at(trial, new) <= len(added) * price(fit.window):
+            continue
+        trial = pruned(trial)
+        better = (fit.squares - trial.squares) / trial.noise > price(fit.window)
+        if len(trial.freq) > len(fit.freq) or (len(trial.freq) == len(fit.freq) and better):
+            return trial
+    return None
+
+
+def _places(fit: PoleFit) -> list[tuple[float, float]]:
+    """Where one more pole would take most from the deviation: frequency and damping, best first, a bandwidth apart."""
+    window = fit.window
+    grid = np.linspace(*reach(window), min(GRID, 2 * len(window.freq)))
+    R = np.concatenate([fit.spread.real, fit.spread.imag])
+    Q = basis(fit)
+    usual = float(np.median(fit.zeta)) if len(fit.zeta) else 2e-3
+    tried = usual, 3.0 * usual
+    gain = np.array([_gain(window.resonances(grid, z * np.ones(len(grid))), Q, R, window.columns) for z in tried])
+    best, zeta = gain.max(axis=0), np.where(gain[0] >= gain[1], *tried)
+    found: list[tuple[float, float]] = []
+    while len(found) < TRIES and best.max() > PROMISE * price(window) * fit.noise:
+        k = int(best.argmax())
+        found.append((float(grid[k]), float(zeta[k])))
+        best = np.where(np.abs(grid - grid[k]) < 2.0 * usual * grid[k], 0.0, best)
+    return found
+
+
+def _gain(g: FloatArray, Q: FloatArray, R: FloatArray, columns: int) -> FloatArray:
+    """Fall of the sum of squares by each of the resonances g beside the terms Q, poles kept."""
+    g = g[:, ::columns]
+    size = np.sum(g * g, axis=0)
+    across = size - np.sum((Q.T @ g) ** 2, axis=0)
+    return np.asarray(np.sum((g.T @ R) ** 2, axis=1) / np.maximum(across, 1e-6 * size))
+
+
+def basis(fit: PoleFit) -> FloatArray:
+    """Orthonormal basis of all fitted terms, (2 lines, terms)."""
+    columns = fit.window.resonances(fit.freq, fit.zeta), fit.window.residuals()
+    return np.linalg.qr(np.concatenate(columns, axis=1))[0]
+
+
+def hidden_split(fit: PoleFit, pole: int) -> float:
+    """Relative split of two equally driven, orthogonal partners that the data would just not have shown.
+
+    Split by delta, the two give g(f) (u + v) + (delta/2) g'(f) (u - v) with |u - v| = |u + v|; the second term is seen
+    once its sum of squares across the fitted terms exceeds the price of a pole, noise against it (three sigma).
+    """
+    one = slice(pole, pole + 1)
+    g = fit.window.slopes(fit.freq[one], fit.zeta[one])[:, 0]
+    across = float(np.sum(g * g) - np.sum((basis(fit).T @ g) ** 2)) * float(np.sum(fit.A[pole] ** 2))
+    seen = np.sqrt(price(fit.window)) + 3.0
+    return float(2.0 * seen * np.sqrt(fit.noise / across)) if across > 0.0 else float("nan")

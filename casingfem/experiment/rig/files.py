@@ -1,0 +1,84 @@
+"""Files of the test rig: universal files with geometry, cards; all say SYNTHETIC first, and what made them."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from textwrap import wrap
+
+import numpy as np
+
+from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.rig.rig import SYNTHETIC, Rig
+from casingfem.experiment.uff.nodes import HEADER_LINES, Nodes, TraceLine, Units
+from casingfem.experiment.uff.write import write_uff
+
+WIDTH = 80  # columns of a line of text in a universal file
+COLOR = 8
+PACKAGES = ("casingfem", "numpy", "scipy")
+
+
+def origin(rig: Rig, source: str = "") -> tuple[str, ...]:
+    """Card lines that say what made a file: the versions, the hash of the rig's numbers, and a source.
+
+    >>> origin(Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0]]))[1][:20]
+    'rig: sha256 0665c6bb'
+    """
+    parts = (rig.omega, rig.zeta, rig.rows, rig.S)
+    digest = hashlib.sha256(b"".join(np.ascontiguousarray(part).tobytes() for part in parts)).hexdigest()
+    versions = []
+    for package in PACKAGES:
+        try:
+            versions.append(f"{package} {version(package)}")
+        except PackageNotFoundError:  # a copy that was not installed
+            versions.append(f"{package}, not installed")
+    return (f"versions: {', '.join(versions)}", f"rig: sha256 {digest}", *((source,) if source else ()))
+
+
+def write_rig_uff(path: str | os.PathLike[str], rig: Rig, sets: Sequence[FrfSet]) -> Path:
+    """Write sets of functions with the rig's nodes: sets 151, 164 (SI), 2411, 82, 58b.
+
+    The header and each function's text say SYNTHETIC first; the header has the first lines of the card.
+
+    Raises
+    ------
+    ValueError
+        Sets whose cards do not say so: they are not the rig's.
+    """
+    for functions in sets:
+        if not functions.card or not functions.card[0].startswith("SYNTHETIC"):
+            raise ValueError(f"{path}: found a set whose card does not say SYNTHETIC first, expected the rig's own")
+    card = list(dict.fromkeys(line for functions in sets for line in functions.card))
+    header = [part for line in card for part in wrap(line, WIDTH, subsequent_indent="  ")][:HEADER_LINES]
+    text = tuple(line[:WIDTH] for line in (SYNTHETIC, *card[1:4]))
+    return write_uff(
+        path,
+        header=header,
+        units=Units(),
+        nodes=rig_nodes(rig),
+        lines=[rig_outline(rig)],
+        functions=[replace(function, text=text) for functions in sets for function in functions.functions()],
+        binary=True,
+    )
+
+
+def rig_nodes(rig: Rig) -> Nodes:
+    """Each node of the probes once."""
+    places = {probe.node: probe.point for probe in rig.probes}
+    none = np.zeros(len(places), np.int64)
+    return Nodes(labels=np.array(list(places)), points=np.array(list(places.values())), systems=none, motions=none)
+
+
+def rig_outline(rig: Rig) -> TraceLine:
+    """A line through the nodes as they are numbered, by which test software draws them."""
+    nodes = list(dict.fromkeys(probe.node for probe in rig.probes))
+    return TraceLine(number=1, name="probes", color=COLOR, nodes=np.array(nodes))
+
+
+def rig_angles(rig: Rig) -> dict[int, float]:
+    """Angle about the axis [deg] of every node, as `identify` takes them."""
+    return {probe.node: float(np.degrees(probe.angle)) for probe in rig.probes}

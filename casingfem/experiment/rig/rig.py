@@ -1,0 +1,189 @@
+"""The virtual test rig: modes seen at probes, and what a test would measure there. Its records are SYNTHETIC.
+
+    H_rs(omega) = sum_k phi_rk phi_sk/(omega_k^2 - omega^2 + 2 i zeta_k omega_k omega) + S_rs
+
+with mass-normalised modes and S, the static compliance of all modes left out (Ewins, Modal Testing, 2nd ed., 2000,
+section 2.7 and residuals of 4.4). A probe is a place and a direction: an accelerometer, a laser spot, a shaker or a
+hammer; whatever can be measured there can be pushed there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal, NamedTuple, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from casingfem.arrays import Array, FloatArray, frozen
+from casingfem.experiment.frf.frf_set import FrfSet
+
+Quantity = Literal["receptance", "mobility", "accelerance"]
+UNITS: dict[Quantity, str] = {"receptance": "m/N", "mobility": "(m/s)/N", "accelerance": "(m/s^2)/N"}
+DERIVATIVES: dict[Quantity, int] = {"receptance": 0, "mobility": 1, "accelerance": 2}
+SYNTHETIC = "SYNTHETIC: made by casingfem's virtual test rig, not measured"
+
+
+class RigError(ValueError):
+    """A rig, or something asked of it, that cannot be: says what was found and what is expected."""
+
+
+class Probe(NamedTuple):
+    """A place and a direction: node number, position [m], angle about the axis [rad], direction as universal files.
+
+    Directions: 1, 2, 3 radial, hoop, axial at a node of a closed casing (x, y, z on an open part), signed; 0 another.
+    """
+
+    node: int
+    direction: int
+    point: tuple[float, float, float]
+    angle: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Rig:
+    """Modes as probes see them; arrays are read-only.
+
+    Attributes
+    ----------
+    omega, zeta
+        Angular frequencies [rad/s], ascending, and damping ratios, (modes,).
+    rows
+        Displacement of each probe in each mass-normalised mode [kg^-1/2], (probes, modes).
+    S
+        Compliance of the modes left out [m/N], (probes, probes), symmetric.
+    probes
+        Where and in which direction, in the order of the rows.
+
+    Raises
+    ------
+    RigError
+        Arrays that do not belong together, frequencies or damping out of range.
+
+    Examples
+    --------
+    >>> rig = Rig.of(omega=[100.0], zeta=[0.01], rows=[[2.0]])
+    >>> float(abs(rig.receptance([0], [0], [100.0 / (2.0 * np.pi)])[0, 0, 0]).round(9))  # 4/(2 zeta omega^2)
+    0.02
+    """
+
+    omega: FloatArray
+    zeta: FloatArray
+    rows: FloatArray
+    S: FloatArray
+    probes: tuple[Probe, ...]
+
+    def __post_init__(self) -> None:
+        for field in fields(self)[:4]:
+            object.__setattr__(self, field.name, frozen(np.asarray(getattr(self, field.name), np.float64)))
+        modes, probes = self.omega.size, len(self.probes)
+        shapes = {"omega": (modes,), "zeta": (modes,), "rows": (probes, modes), "S": (probes, probes)}
+        for name, shape in shapes.items():
+            array = getattr(self, name)
+            if array.shape != shape or not np.isfinite(array).all():
+                found = f"shape {array.shape}" if array.shape != shape else "nan or infinity"
+                raise RigError(f"{name}: found {found}, expected finite numbers of shape {shape}")
+        if modes == 0 or self.omega.min() <= 0.0 or np.any(np.diff(self.omega) < 0.0):
+            raise RigError("omega: expected at least one frequency, all above 0 (a body that is held), ascending")
+        if self.zeta.min() <= 0.0 or self.zeta.max() >= 1.0:
+            found = self.zeta[(self.zeta <= 0.0) | (self.zeta >= 1.0)][0]
+            raise RigError(f"zeta: found {found:g}, expected damping ratios between 0 and 1, not per cent")
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        omega: ArrayLike,
+        zeta: ArrayLike,
+        rows: ArrayLike,
+        S: ArrayLike | None = None,
+        probes: Sequence[Probe] = (),
+    ) -> Rig:
+        """Build from plain arrays; without probes they are numbered from 1, without S nothing is left out."""
+        values = np.asarray(rows, np.float64)
+        if values.ndim != 2:
+            raise RigError(f"rows: found shape {values.shape}, expected (probes, modes)")
+        count = len(values)
+        named = tuple(probes) or tuple(Probe(k + 1, 0, (0.0, 0.0, 0.0), 0.0) for k in range(count))
+        rest: Any = np.zeros((count, count)) if S is None else S
+        damping = np.broadcast_to(np.asarray(zeta, np.float64), np.shape(omega))
+        return cls(omega=np.asarray(omega, np.float64), zeta=damping, rows=values, S=rest, probes=named)
+
+    def __len__(self) -> int:
+        """Return the number of modes."""
+        return len(self.omega)
+
+    @property
+    def freq(self) -> FloatArray:
+        """Undamped frequencies [Hz]."""
+        return self.omega / (2.0 * np.pi)
+
+    def taking(self, probes: Sequence[int]) -> Rig:
+        """The rig with these of its probes, in this order."""
+        chosen = self.checked(probes)
+        rows, S = self.rows[chosen], self.S[np.ix_(chosen, chosen)]
+        return replace(self, rows=rows, S=S, probes=tuple(self.probes[k] for k in chosen))
+
+    def checked(self, probes: Sequence[int]) -> list[int]:
+        """Indices of probes, refused where there is none."""
+        chosen = [int(k) for k in probes]
+        if not chosen or not all(0 <= k < len(self.probes) for k in chosen):
+            raise RigError(f"probes {chosen}: expected at least one, each from 0 to {len(self.probes) - 1}")
+        return chosen
+
+    def receptance(self, sensors: Sequence[int], drives: Sequence[int], freq: ArrayLike) -> Array:
+        """H [m/N] at frequencies [Hz], (sensors, drives, lines)."""
+        to, by = self.checked(sensors), self.checked(drives)
+        at = 2.0 * np.pi * np.asarray(freq, np.float64)
+        residues = self.rows[to][:, None, :] * self.rows[by][None, :, :]
+        return np.asarray(residues @ resonances(self, at) + self.S[np.ix_(to, by)][:, :, None])
+
+    def frfs(
+        self,
+        freq: ArrayLike,
+        *,
+        sensors: Sequence[int],
+        drives: Sequence[int],
+        quantity: Quantity = "accelerance",
+        card: Sequence[str] = (),
+    ) -> FrfSet:
+        """Frequency responses, exact to the modes and S: each sensor to the first drive, then to the next.
+
+        Raises
+        ------
+        RigError
+            A probe that is not there, an unknown quantity.
+        """
+        if quantity not in get_args(Quantity):
+            raise RigError(f"quantity: found {quantity!r}, expected {' or '.join(get_args(Quantity))}")
+        at = np.asarray(freq, np.float64)
+        H = self.receptance(sensors, drives, at) * (2j * np.pi * at) ** DERIVATIVES[quantity]
+        return FrfSet.from_arrays(
+            kind="frf",
+            x=at,
+            responses=H.transpose(1, 0, 2).reshape(-1, len(at)),
+            unit=UNITS[quantity],
+            card=(SYNTHETIC, *card),
+            **self.places(sensors, drives),
+        )
+
+    def places(self, sensors: Sequence[int], drives: Sequence[int]) -> dict[str, Any]:
+        """Places of channels, sensors to each drive in turn, by their names in an `FrfSet`."""
+        pairs = [(self.probes[r], self.probes[s]) for s in drives for r in sensors]
+        return {
+            "response_point": [r.node for r, _ in pairs],
+            "response_direction": [r.direction for r, _ in pairs],
+            "reference_point": [s.node for _, s in pairs],
+            "reference_direction": [s.direction for _, s in pairs],
+        }
+
+    def __repr__(self) -> str:
+        low, high = self.freq[[0, -1]].tolist()
+        return f"Rig({len(self)} modes {low:.1f}-{high:.1f} Hz, {len(self.probes)} probes)"
+
+
+def resonances(rig: Rig, omega: FloatArray) -> Array:
+    """1/(omega_k^2 - omega^2 + 2 i zeta_k omega_k omega) [s^2], (modes, lines)."""
+    own, damping = rig.omega[:, None], rig.zeta[:, None]
+    return np.asarray(1.0 / (own**2 - omega**2 + 2j * damping * own * omega))

@@ -1,0 +1,145 @@
+"""A structure on the test rig: its modes at chosen places, and what the modes leave out, from the assembled model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.arrays import FloatArray
+from casingfem.experiment.rig.mass import loaded
+from casingfem.experiment.rig.rig import Probe, Rig, RigError
+from casingfem.modal.mode_set import Modes
+from casingfem.structure.assembly import System, assemble
+from casingfem.structure.factor import factorise
+from casingfem.structure.kinematics import DOFS, frame
+from casingfem.structure.place import interpolation
+
+CYLINDRICAL = ("radial", "hoop", "axial")
+CARTESIAN = ("x", "y", "z")
+DIRECTIONS = (*CYLINDRICAL, *CARTESIAN, "normal")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Parameters (a, b) of the chart and a direction: radial, hoop, axial about z; x, y, z; or normal to the wall.
+
+    On a casing a is the height [m] and b the angle [rad]. `mass` [kg] is that of the sensor glued there.
+
+    >>> Place(at=(0.25, 0.0)).direction
+    'radial'
+    """
+
+    at: tuple[float, float]
+    direction: str = "radial"
+    mass: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.mass < np.inf:
+            raise RigError(f"mass: found {self.mass!r} kg, expected 0 or more")
+        if self.direction not in DIRECTIONS:
+            raise RigError(f"direction: found {self.direction!r}, expected one of {', '.join(DIRECTIONS)}")
+
+
+def circle(
+    height: float, count: int, *, first_angle: float = 0.0, direction: str = "radial", mass: float = 0.0
+) -> list[Place]:
+    """Evenly spaced places around a casing.
+
+    >>> [round(float(place.at[1]), 4) for place in circle(0.25, 4)]
+    [0.0, 1.5708, 3.1416, 4.7124]
+    """
+    if count < 1:
+        raise RigError(f"count: found {count}, expected at least one place")
+    angles = (first_angle + 2.0 * np.pi * np.arange(count) / count).tolist()
+    return [Place(at=(height, angle), direction=direction, mass=mass) for angle in angles]
+
+
+def rig_of(
+    modes: Modes, places: Sequence[Place], *, zeta: float | FloatArray, system: System | None = None, first: int = 1
+) -> Rig:
+    """The rig of a shell: its modes at places, with S from one static solution.
+
+    S = P^T K^-1 P - sum_k phi_k phi_k^T/omega_k^2. The masses of sensors change the modes (`loaded`). On a
+    shear-deformable wall S of a force's own place grows as ln(1/h) with the mesh (`PointLoad`): the mesh stands for
+    the size of the shaker's head.
+
+    Parameters
+    ----------
+    modes
+        Elastic modes of a supported shell, without a rigid motion.
+    places
+        Probes, numbered from `first` on; equal positions get one number.
+    zeta
+        Damping ratio, or one for each mode.
+    system
+        The assembled shell, if there is one already.
+
+    Raises
+    ------
+    RigError
+        Rigid motions; places off the surface.
+    """
+    if modes.rigid:
+        raise RigError(f"modes: found {modes.rigid} rigid motions, expected a supported structure")
+    if not places:
+        raise RigError("places: found none, expected at least one")
+    system = system or assemble(modes.shell)
+    heavy = [place for place in places if place.mass]
+    under = [Place(at=place.at, direction=d) for place in heavy for d in CARTESIAN]
+    nodal, probes = probe_rows(modes, [*places, *under], first)
+    rows = np.einsum("pnd,ndm->pm", nodal, modes.fields, optimize=True)
+    P = system.restrict(nodal.transpose(1, 2, 0))
+    S = P.T @ factorise(system.K).solve(P) - (rows / modes.omega**2) @ rows.T
+    damping = np.broadcast_to(np.asarray(zeta, np.float64), modes.omega.shape)
+    bare = Rig(omega=modes.omega, zeta=damping, rows=rows, S=0.5 * (S + S.T), probes=probes)
+    if not heavy:
+        return bare
+    weighed = range(len(places), len(probes))
+    return loaded(bare, weighed, np.repeat([place.mass for place in heavy], 3)).taking(range(len(places)))
+
+
+def probe_rows(modes: Modes, places: Sequence[Place], first: int) -> tuple[FloatArray, tuple[Probe, ...]]:
+    """Displacements of the places as rows over nodal fields, (places, nodes, 5), and the probes."""
+    at = np.array([place.at for place in places], np.float64).T
+    try:
+        nodes, weights = interpolation(modes.grid, *at)
+    except ValueError as error:
+        raise RigError(f"places: {error}") from error
+    surface = modes.shell.geometry(*at).surface
+    points, normals = np.real(surface.x).T, frame(surface).normal.T
+    closed = modes.shell.chart.periodic
+    rows = np.zeros((len(places), modes.grid.nodes.shape[1], DOFS))
+    probes, numbers = [], dict[tuple[float, float], int]()
+    for k, place in enumerate(places):
+        angle = float(np.arctan2(points[k, 1], points[k, 0]))
+        unit, code = towards(place.direction, angle, normals[k], closed=closed)
+        rows[k, nodes[k], :3] = weights[k][:, None] * unit
+        node = numbers.setdefault(place.at, first + len(numbers))
+        x, y, z = points[k].tolist()
+        probes.append(Probe(node, code, (x, y, z), angle))
+    return rows, tuple(probes)
+
+
+def towards(direction: str, angle: float, normal: FloatArray, *, closed: bool) -> tuple[FloatArray, int]:
+    """The unit vector of a direction, and its number in universal files: see `Probe`."""
+    if direction == "normal":
+        return normal, 0
+    if direction in CARTESIAN:
+        axis = CARTESIAN.index(direction)
+        return np.eye(3)[axis], 3 if axis == 2 else 0 if closed else axis + 1
+    c, s = np.cos(angle), np.sin(angle)
+    axis = CYLINDRICAL.index(direction)
+    return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])[axis], axis + 1 if closed or axis == 2 else 0
+
+
+def damping_spread(zeta: float, spread: float, count: int, *, seed: int) -> FloatArray:
+    """Damping ratios about `zeta`, log-normal: ln zeta_k has the standard deviation `spread`.
+
+    >>> damping_spread(0.002, 0.0, 2, seed=3).tolist()
+    [0.002, 0.002]
+    """
+    if not (0.0 < zeta < 1.0 and 0.0 <= spread < 2.0):
+        raise RigError(f"zeta {zeta!r}, spread {spread!r}: expected 0 < zeta < 1 and 0 <= spread < 2")
+    return np.asarray(zeta * np.exp(spread * np.random.default_rng(seed).standard_normal(count)))

@@ -1,0 +1,1 @@
+"""Universal files: read, checked, written."""

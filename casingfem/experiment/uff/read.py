@@ -1,0 +1,245 @@
+"""Universal files of test and simulation software: `read_uff(path)`.
+
+Read are the sets 15, 55, 58, 58b, 82, 151, 164, 781, 2411, 2412; others are listed as skipped, or refused if asked.
+What is read is whole: points are counted against headers, columns checked, references between sets followed. The
+reader is the project's own: pyuff 2.5, the usual one, returns fewer points or none for many damaged files.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from casingfem.arrays import IntArray
+from casingfem.errors import doubt
+from casingfem.experiment.uff.nodes import (
+    Elements,
+    Nodes,
+    TraceLine,
+    Units,
+    read_elements,
+    read_header,
+    read_nodes,
+    read_trace_line,
+    read_units,
+)
+from casingfem.experiment.uff.set_55 import Shape, read_shape
+from casingfem.experiment.uff.set_58 import Function, read_function
+from casingfem.experiment.uff.split import KINDS, RawSet, split
+
+SAME = 1e-5  # two sets name one node: coordinates equal to this part of the structure's size
+FEW = 4  # numbers left out are doubted where they are fewer than a quarter of those there
+_SYSTEMS = ("18", "2420")
+
+
+class Skipped(NamedTuple):
+    """A set that was not read: number, kind, line."""
+
+    number: str
+    kind: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class UniversalFile:
+    """What a universal file holds. Points are in metres; shapes and functions in the units that the file names."""
+
+    path: str
+    header: tuple[str, ...] = ()
+    units: Units | None = None
+    nodes: Nodes | None = None
+    elements: Elements | None = None
+    lines: tuple[TraceLine, ...] = ()
+    shapes: tuple[Shape, ...] = ()
+    functions: tuple[Function, ...] = ()
+    skipped: tuple[Skipped, ...] = ()
+
+    def __repr__(self) -> str:
+        parts = [f"{len(self.nodes.labels)} nodes"] if self.nodes is not None else []
+        parts += [f"{len(self.elements.labels)} elements"] if self.elements is not None else []
+        for what, items in (("trace lines", self.lines), ("shapes", self.shapes), ("functions", self.functions)):
+            parts += [f"{len(items)} {what}"] if items else []
+        parts += [f"set {number} ({kind}) at line {line} skipped" for number, kind, line in self.skipped]
+        return f"UniversalFile({self.path}: {', '.join(parts) or 'nothing that is read'})"
+
+
+def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> UniversalFile:
+    """Read a universal file, every set whole, or refuse it.
+
+    Parameters
+    ----------
+    path
+        The file: text or binary functions, UTF-8 or Latin-1, any line ends.
+    strict
+        Refuse sets that are not read, instead of listing them in `skipped`.
+
+    Raises
+    ------
+    UffError
+        A set that is not as its format and header say, with set, line, found and expected.
+    FileNotFoundError
+        When there is no such file.
+
+    Warns
+    -----
+    ModelWarning
+        `uff-gap`, `uff-local`, `uff-shapes`, `uff-unknown`: what the format has no count for, but looks incomplete.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from casingfem.experiment.uff.write import write_uff
+    >>> nodes = Nodes(labels=np.array([1, 2]), points=np.eye(3)[:2], systems=np.zeros(2), motions=np.zeros(2))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     read_uff(write_uff(Path(folder) / "two.uff", nodes=nodes)).nodes
+    Nodes(2, 1 to 2)
+    """
+    return parse_uff(Path(path).read_bytes(), str(path), strict=strict)
+
+
+def parse_uff(data: bytes, path: str, *, strict: bool = False) -> UniversalFile:
+    """Read a universal file from its bytes; ``path`` is only named in errors."""
+    found = _Found()
+    for raw in split(data, path):
+        _read_set(raw, found, strict)
+    nodes = _merged_nodes(found.nodes)
+    elements = _merged_elements(found.elements)
+    _check_references(found, nodes)
+    _doubt(path, found, nodes, elements)
+    return UniversalFile(
+        path=path,
+        header=found.header,
+        units=found.units,
+        nodes=nodes,
+        elements=elements,
+        lines=tuple(part for _, part in found.lines),
+        shapes=tuple(part for _, part in found.shapes),
+        functions=tuple(found.functions),
+        skipped=tuple(found.skipped),
+    )
+
+
+@dataclass(slots=True)
+class _Found:
+    """What has been read so far, each with the set it came from."""
+
+    header: tuple[str, ...] = ()
+    units: Units | None = None
+    nodes: list[tuple[RawSet, Nodes]] = field(default_factory=list)
+    elements: list[tuple[RawSet, Elements]] = field(default_factory=list)
+    lines: list[tuple[RawSet, TraceLine]] = field(default_factory=list)
+    shapes: list[tuple[RawSet, Shape]] = field(default_factory=list)
+    functions: list[Function] = field(default_factory=list)
+    skipped: list[Skipped] = field(default_factory=list)
+
+
+def _read_set(raw: RawSet, found: _Found, strict: bool) -> None:
+    """Read one set into what has been found."""
+    match raw.number:
+        case "151":
+            found.header = read_header(raw)
+        case "164":
+            found.units = read_units(raw)
+        case "15" | "781" | "2411":
+            found.nodes.append((raw, read_nodes(raw, found.units or Units())))
+        case "82":
+            found.lines.append((raw, read_trace_line(raw)))
+        case "2412":
+            found.elements.append((raw, read_elements(raw)))
+        case "55":
+            found.shapes.append((raw, read_shape(raw)))
+        case "58" | "58b":
+            found.functions.append(read_function(raw))
+        case _ if strict:
+            raise raw.error(-1, "a set that is not read", "one of 15, 55, 58, 58b, 82, 151, 164, 781, 2411, 2412")
+        case _:
+            if raw.number not in KINDS:
+                doubt("uff-unknown", f"{raw.path}, line {raw.first - 1}: set {raw.number}", stacklevel=5)
+            found.skipped.append(Skipped(raw.number, KINDS.get(raw.number, "unknown"), raw.first - 1))
+
+
+def _merged_nodes(parts: Sequence[tuple[RawSet, Nodes]]) -> Nodes | None:
+    """All nodes of a file; a node that two sets name must lie at one place, the more precise set counts."""
+    if not parts:
+        return None
+    ordered = sorted(parts, key=lambda part: part[0].number == "15")  # stable: sets with all digits first
+    merged = {
+        name: np.concatenate([getattr(nodes, name) for _, nodes in ordered])
+        for name in ("labels", "points", "systems", "motions")
+    }
+    _, first, which = np.unique(merged["labels"], return_index=True, return_inverse=True)
+    points = merged["points"]
+    apart = np.abs(points - points[first][which]).max(axis=1) > SAME * np.ptp(points, axis=0).max()
+    if apart.any():
+        label = int(merged["labels"][apart][0])
+        raw = next(raw for raw, nodes in reversed(ordered) if label in nodes.labels)
+        raise raw.error(0, f"node {label} at another place than in the set before", "one place for every node")
+    kept = np.sort(first)
+    return Nodes(**{name: values[kept] for name, values in merged.items()})
+
+
+def _merged_elements(parts: Sequence[tuple[RawSet, Elements]]) -> Elements | None:
+    """All elements of a file; a label may stand in one set only."""
+    if not parts:
+        return None
+    seen: set[int] = set()
+    for raw, elements in parts:
+        repeated = seen & set(elements.labels.tolist())
+        if repeated:
+            raise raw.error(0, f"element {min(repeated)} again", "labels that no set before has")
+        seen |= set(elements.labels.tolist())
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(elements, name) for _, elements in parts])
+        for name in ("labels", "kinds", "properties", "beams")
+    }
+    return Elements(**arrays, nodes=tuple(row for _, elements in parts for row in elements.nodes))
+
+
+def _check_references(found: _Found, nodes: Nodes | None) -> None:
+    """Refuse lines, elements and shapes at nodes that the file does not have, if it has any."""
+    if nodes is None:
+        return
+    users: Iterable[tuple[RawSet, IntArray]] = (
+        *((raw, line.nodes[line.nodes > 0]) for raw, line in found.lines),
+        *((raw, np.concatenate(elements.nodes)) for raw, elements in found.elements),
+        *((raw, shape.nodes) for raw, shape in found.shapes),
+    )
+    for raw, used in users:
+        missing = np.setdiff1d(used, nodes.labels)
+        if missing.size:
+            what = f"node {missing[0]}" + (f" and {missing.size - 1} more" if missing.size > 1 else "")
+            raise raw.error(0, f"{what}, not among the nodes of the file", "nodes of the file's sets 15, 781 or 2411")
+
+
+def _doubt(path: str, found: _Found, nodes: Nodes | None, elements: Elements | None) -> None:
+    """Warn of what looks incomplete where the format holds no count."""
+    for what, labels in (("nodes", nodes), ("elements", elements)):
+        gaps = few_gaps(labels.labels) if labels is not None else np.empty(0)
+        if gaps.size:
+            message = f"{path}: {what} {', '.join(map(str, gaps[:5].tolist()))} left out"
+            doubt("uff-gap", message + f" and {gaps.size - 5} more" * (gaps.size > 5), stacklevel=5)
+    if nodes is not None and nodes.systems.any() and any(number in _SYSTEMS for number, _, _ in found.skipped):
+        message = f"{path}: {np.count_nonzero(nodes.systems)} nodes in coordinate systems of the file"
+        doubt("uff-local", message, stacklevel=5)
+    lists = {tuple(np.sort(shape.nodes).tolist()): shape.nodes.size for _, shape in found.shapes}
+    if len(lists) > 1:
+        counts = sorted(lists.values())
+        doubt("uff-shapes", f"{path}: shapes at {counts[0]} to {counts[-1]} nodes, not the same", stacklevel=5)
+
+
+def few_gaps(labels: IntArray) -> IntArray:
+    """Numbers left out of a list that looks like a count: from 1 or its least, fewer than a quarter of those there.
+
+    >>> few_gaps(np.array([1, 2, 3, 5, 6])).tolist(), few_gaps(np.array([101, 102, 201, 202])).tolist()
+    ([4], [])
+    """
+    low, high, room = int(labels.min()), int(labels.max()), labels.size / FEW
+    start = 1 if low - 1 < room else low
+    if high - start + 1 - labels.size >= room:
+        return np.empty(0, np.int64)
+    return np.setdiff1d(np.arange(start, high + 1), labels)

@@ -1,0 +1,106 @@
+"""Pictures of a contact run: force, gap and modal amplitudes against time."""
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from casingfem.arrays import Array
+from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
+
+POINTS = 6000  # drawn per curve: extremes of each bin beyond that
+
+
+class Run(Protocol):
+    """What a contact result shows: arrays over time, one column per contact, states by coordinate."""
+
+    @property
+    def time(self) -> Array:
+        """Times [s], (n,)."""
+        ...
+
+    @property
+    def gap(self) -> Array:
+        """Gaps [m], (n, contacts)."""
+        ...
+
+    @property
+    def state_time(self) -> Array:
+        """Times of the states [s], (ns,)."""
+        ...
+
+    @property
+    def state(self) -> Array:
+        """Coordinates, (ns, N)."""
+        ...
+
+    def windowed_force(self) -> Array:
+        """Force averaged over the model's shortest period [N], (n, contacts)."""
+        ...
+
+
+@styled
+def figure_contact(result: Run, contact: int = 0, *, coordinates: int = 4) -> Figure:
+    """Force, gap and the largest coordinates of one run over time."""
+    states = len(result.state_time) > 1
+    figure = new_figure(8.0, 4.2 + 1.9 * states)
+    axes: Any = figure.subplots(2 + states, 1, sharex=True)
+    axes[0].plot(*thinned(result.time, result.windowed_force()[:, contact]), color=AFTER)
+    axes[0].set_ylabel("force, windowed [N]")
+    axes[0].set_ylim(bottom=0.0)
+    axes[1].axhline(0.0, color="#777777", linewidth=0.8)
+    axes[1].plot(*thinned(result.time, 1e3 * result.gap[:, contact]), color=BEFORE)
+    axes[1].set_ylabel("gap [mm]")
+    if states:
+        largest = np.argsort(-np.abs(result.state).max(axis=0), kind="stable")[:coordinates]
+        for k, colour in zip(largest, (BEFORE, AFTER, GREEN, PURPLE, SKY), strict=False):
+            axes[2].plot(*thinned(result.state_time, result.state[:, k]), color=colour, label=f"{k + 1}")
+        axes[2].set_ylabel("modal coordinate\n[kg$^{1/2}$ m]")
+        axes[2].legend(title="number", ncols=2, fontsize=8, loc="upper left")
+    axes[-1].set_xlabel("time [s]")
+    return figure
+
+
+def thinned(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:
+    """A long record as the lowest and highest of each bin, so that no peak is lost.
+
+    >>> t, y = thinned(np.arange(100_000.0), np.eye(1, 100_000, 777)[0])
+    >>> len(t) <= POINTS, float(y.max())
+    (True, 1.0)
+    """
+    if len(values) <= points:
+        return time, values
+    size = 2 * -(-len(values) // points)
+    bins = len(values) // size
+    whole = values[: bins * size].reshape(bins, size)
+    places = np.sort(np.stack([whole.argmin(axis=1), whole.argmax(axis=1)]), axis=0)
+    index = (places + size * np.arange(bins)).T.ravel()
+    return time[index], values[index]
+
+
+@styled
+def figure_levels(histories: Mapping[str, tuple[Array, Array]], n: int, n_max: int = 20) -> Figure:
+    """RMS motion by nodal diameters over time, one panel a run: `n` and its neighbours named, the rest grey.
+
+    A history is the times (windows,) [s] and the levels (windows, nodal diameters) [m].
+    """
+    figure = new_figure(8.0, 2.0 * len(histories))
+    panels: Any = figure.subplots(len(histories), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (title, (time, levels)) in zip(panels, histories.items(), strict=True):
+        floor = 1e-3 * float(levels.max(initial=0.0)) or 1e-12
+        for k in range(2, min(n_max + 1, levels.shape[1])):
+            own = k == n
+            axes.semilogy(
+                time,
+                np.maximum(levels[:, k], floor),
+                color=AFTER if own else PERFECT,
+                linewidth=2.0 if own else 0.7,
+                zorder=3 if own else 2,
+                label=f"n = {n}" if own else f"n = 2 .. {n_max}" if k == 2 else None,
+            )
+        axes.set_title(title)
+        axes.set_ylabel("rms [m]")
+    panels[0].legend(ncols=2, fontsize=8)
+    panels[-1].set_xlabel("time [s]")
+    return figure

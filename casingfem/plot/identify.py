@@ -1,0 +1,132 @@
+"""Identification drawn: the stabilisation diagram, and fitted over measured responses."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from casingfem.arrays import Array, FloatArray
+from casingfem.experiment.identify.identified import Identified
+from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, new_figure, styled
+
+MODES_A_ROW, MOST_ROWS = 14, 4
+CLUSTER = 0.015  # of the axis: modes closer than this share one label
+
+
+@styled
+def figure_stabilisation(found: Identified) -> Figure:
+    """Poles over model order, stable ones marked, with the modes chosen and what was measured behind.
+
+    Behind stand the singular values of the response matrix over its references (the complex mode indicator, Shih et
+    al., Mech. Syst. Signal Process. 2, 1988, 367); with one reference that is the norm over the sensors.
+    """
+    values = indicator(found)
+    ends = _row_ends(found)
+    figure = new_figure(9.6, 1.2 + 2.5 * (len(ends) - 1))
+    rows = figure.subplots(len(ends) - 1, 1, squeeze=False)[:, 0]
+    diagram = found.diagram
+    for axes, low, high in zip(rows, ends[:-1], ends[1:], strict=True):
+        behind = axes.twinx()
+        behind.set_zorder(axes.get_zorder() - 1)
+        axes.patch.set_visible(False)
+        inside = (found.lines >= low) & (found.lines <= high)
+        for k, curve in enumerate(values):
+            behind.semilogy(found.lines[inside], curve[inside], color=PERFECT, lw=1.0 - 0.3 * min(k, 2), alpha=0.8)
+        behind.set_yticks([])
+        behind.minorticks_off()
+        behind.spines["left"].set_visible(False)
+        for kept, style in ((~diagram.stable, _STYLES[0]), (diagram.stable, _STYLES[1])):
+            here = kept & (diagram.freq >= low) & (diagram.freq <= high)
+            axes.plot(diagram.freq[here], diagram.order[here], **style)
+        _mark(axes, found, low, high)
+        axes.set_xlim(low, high)
+        axes.set_ylabel("model order")
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.grid(visible=False)
+    rows[-1].set_xlabel("frequency [Hz]")
+    rows[0].set_title(f"Stabilisation: {len(found)} modes chosen without a hand", pad=18)
+    handles, labels = rows[0].get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    figure.legend(unique.values(), unique.keys(), loc="outside lower center", ncols=4)
+    return figure
+
+
+_STYLES: tuple[dict[str, object], ...] = (
+    {"marker": "x", "ls": "", "ms": 3.0, "mew": 0.6, "color": BEFORE, "alpha": 0.45, "label": "pole"},
+    {"marker": "o", "ls": "", "ms": 3.2, "color": GREEN, "label": "stable pole"},
+)
+
+
+@styled
+def figure_responses(found: Identified, channel: int | None = None) -> Figure:
+    """Measured and fitted response of one channel, the strongest if none is named, with the identified modes."""
+    if channel is None:
+        channel = int(np.argmax(np.linalg.norm(found.measured, axis=1)))
+    figure = new_figure(9.6, 5.2)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    measured, fitted = found.measured[channel], found.fitted[channel]
+    upper.semilogy(found.lines, np.abs(measured), color=MEASURED, lw=0.9, label="measured")
+    upper.semilogy(found.lines, np.abs(fitted), color=AFTER, lw=1.3, ls="--", label="fitted")
+    lower.plot(found.lines, _phase(measured), color=MEASURED, lw=0.7)
+    lower.plot(found.lines, _phase(fitted), color=AFTER, lw=1.0, ls="--")
+    lower.set_ylim(-280.0, 100.0)
+    lower.set_yticks([-270, -180, -90, 0, 90])
+    _mark(upper, found, float(found.lines[0]), float(found.lines[-1]))
+    point, reference = _place(found, channel)
+    upper.set_title(f"Response at point {point} to a force at point {reference}", pad=18)
+    upper.set_ylabel("magnitude")
+    lower.set_ylabel("phase [deg]")
+    lower.set_xlabel("frequency [Hz]")
+    lower.set_xlim(found.lines[0], found.lines[-1])
+    upper.legend(handles=upper.lines[:2], loc="lower right")
+    return figure
+
+
+def _phase(values: Array) -> FloatArray:
+    """Phase [deg] from -270 to 90: noise about 0 and -180, where responses of real modes lie, does not jump."""
+    return np.asarray(np.mod(np.degrees(np.angle(values)) + 270.0, 360.0) - 270.0)
+
+
+def indicator(found: Identified) -> FloatArray:
+    """Singular values of the responses (sensors, references) at each line, (references, lines), largest first."""
+    matrix: Array = found.measured[found.sensors.channels].transpose(2, 0, 1)
+    return np.asarray(np.linalg.svd(matrix, compute_uv=False).T)
+
+
+def _row_ends(found: Identified) -> list[float]:
+    """Frequencies between rows with about equally many modes, in the widest gaps near by."""
+    first, last = float(found.lines[0]), float(found.lines[-1])
+    rows = min(max(-(-len(found) // MODES_A_ROW), 1), MOST_ROWS)
+    cuts = []
+    for row in range(1, rows):
+        middle = row * len(found) // rows
+        near = range(max(middle - 2, 1), min(middle + 3, len(found)))
+        best = max(near, key=lambda k: found.freq[k] - found.freq[k - 1])
+        cuts.append(0.5 * float(found.freq[best] + found.freq[best - 1]))
+    return [first, *cuts, last]
+
+
+def _mark(axes: Axes, found: Identified, low: float, high: float) -> None:
+    """A line for each identified mode; above each cluster the n in it; pairs that are not told apart dashed."""
+    clusters: list[list[int]] = []
+    for k in np.flatnonzero((found.freq >= low) & (found.freq <= high)).tolist():
+        whole = k in found.unresolved
+        colour, label = (PURPLE, "pair, not told apart") if whole else (AFTER, "mode")
+        axes.axvline(found.freq[k], color=colour, lw=0.9, ls="--" if whole else "-", alpha=0.8, label=label)
+        if clusters and found.freq[k] - found.freq[clusters[-1][0]] < CLUSTER * (high - low):
+            clusters[-1].append(k)
+        else:
+            clusters.append([k])
+    for cluster in clusters:
+        text = " ".join(str(n) for n in dict.fromkeys(found.n[cluster].tolist()) if n >= 0)
+        place = float(found.freq[cluster].mean()), 1.0
+        axes.annotate(
+            text, place, (0, 3), xycoords=axes.get_xaxis_transform(), textcoords="offset points", ha="center",
+            fontsize=8, color=AFTER,
+        )  # fmt: skip
+
+
+def _place(found: Identified, channel: int) -> tuple[int, int]:
+    """Points of a channel: sensor, reference."""
+    sensor, reference = np.argwhere(found.sensors.channels == channel)[0].tolist()
+    return int(found.sensors.points[sensor]), int(found.sensors.references[reference, 0])

@@ -1,0 +1,134 @@
+"""Pictures of coincidences: Campbell in the blade's frame, and frequency over nodal diameters at one speed."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from casingfem.arrays import FloatArray
+from casingfem.modal.campbell import Campbell
+from casingfem.modal.interaction import BladedDisk, Interactions, blade_over_speed
+from casingfem.plot.style import AFTER, BEFORE, MEASURED, PERFECT, SKY, new_figure, styled
+
+Blade = Sequence[float] | FloatArray | Campbell | BladedDisk
+
+
+@styled
+def figure_campbell(found: Interactions, blade: Blade, *, orders: int = 8) -> Figure:
+    """What a blade meets over speed: waves |f_c -+ n f|, its own modes, engine orders; filled where touching drives."""
+    figure = new_figure(7.6, 4.8)
+    axes: Any = figure.add_subplot()
+    speed = np.linspace(*found.speed_hz, 400)
+    top = 1.35 * max([c.blade_hz for c in found.meetings] or [_highest(found, blade)])
+    for order in range(1, orders + 1):
+        axes.plot(speed, order * speed, color=PERFECT, linewidth=0.6, linestyle=":", zorder=1)
+        edge = min(speed[-1], top / order)
+        axes.annotate(f"{order}", (edge, order * edge), fontsize=6.5, color=PERFECT, ha="right", va="bottom")
+    met = {(c.n, c.m) for c in found.meetings}
+    for n, m, freq in found.pairs:
+        if (n, m) in met:
+            axes.plot(speed, np.abs(freq - n * speed), color=SKY, linewidth=0.9, zorder=2)
+            axes.plot(speed, freq + n * speed, color=SKY, linewidth=0.9, linestyle="--", zorder=2)
+    for n in dict.fromkeys(n for n, _, _ in found.pairs):
+        at, freq_b = blade_over_speed(blade, n, *found.speed_hz)
+        axes.plot(at, freq_b, color=BEFORE, zorder=3)
+    _mark(axes, found)
+    for label, style in (("wave met, |f_c - n f|", "-"), ("f_c + n f", "--")):
+        axes.plot([], [], color=SKY, linestyle=style, label=label)
+    axes.plot([], [], color=BEFORE, label="blade")
+    axes.plot([], [], color=PERFECT, linestyle=":", linewidth=0.8, label="engine orders")
+    axes.set(xlim=found.speed_hz, ylim=(0.0, top), xlabel="speed f [Hz]", ylabel="frequency at the blade [Hz]")
+    figure.legend(loc="outside upper left", ncols=3)
+    return figure
+
+
+@styled
+def figure_zzenf(found: Interactions, blade: Blade, speed_hz: float) -> Figure:
+    """Frequency over nodal diameters at one speed: casing, blade, and what must meet it, n f - f_c and f_c -+ n f.
+
+    Left (SAFE) nodal diameters of the casing; for a bladed disk of N blades also (ZZENF) the line n f folded at N/2.
+    """
+    disk = isinstance(blade, BladedDisk)
+    figure = new_figure(8.6 if disk else 7.6, 4.4)
+    panels: Any = figure.subplots(1, 2 if disk else 1, squeeze=False)[0]
+    _safe(panels[0], found, blade, speed_hz)
+    if isinstance(blade, BladedDisk):
+        _zigzag(panels[1], found, blade, speed_hz)
+    figure.legend(loc="outside upper left", ncols=3)
+    return figure
+
+
+def _mark(axes: Any, found: Interactions) -> None:
+    """Coincidences: filled for the sum, hollow for the differences, with their n."""
+    for filled, label in ((True, "f_c + f_b = n f: flutter"), (False, "difference: resonance")):
+        shown = [c for c in found.meetings if (c.branch == "sum") is filled]
+        face = AFTER if filled else "white"
+        x, y = [c.speed_hz for c in shown], [c.blade_hz for c in shown]
+        axes.plot(x, y, "o", color=AFTER, markerfacecolor=face, markersize=6, label=label, zorder=4)
+    below, level = -np.inf, 0
+    for c in found.meetings:  # by speed: labels that would overlap are stacked
+        level = level + 1 if c.speed_hz - below < 0.06 * np.ptp(found.speed_hz) else 0
+        below, place = c.speed_hz, (c.speed_hz, c.blade_hz)
+        axes.annotate(
+            f"n = {c.n}", place, textcoords="offset points", xytext=(3, 5 + 9 * level), fontsize=7, zorder=5,
+        )  # fmt: skip
+
+
+def _safe(axes: Any, found: Interactions, blade: Blade, speed_hz: float) -> None:
+    """Casing and what the blade would have to be, over n."""
+    n = np.array([n for n, _, _ in found.pairs])
+    f_c = np.array([freq for _, _, freq in found.pairs])
+    axes.plot(n, f_c, "o", color=MEASURED, markersize=4, label="casing f_c")
+    axes.plot([0, n.max()], [0.0, n.max() * speed_hz], color=PERFECT, linestyle=":", label="n f")
+    fast = n * speed_hz > f_c
+    axes.plot(
+        n[fast], (n * speed_hz - f_c)[fast], "^", color=AFTER, markersize=6, label="blade that flutters, n f - f_c"
+    )
+    axes.plot(
+        n[~fast], (f_c - n * speed_hz)[~fast], "v", mfc="white", color=AFTER, label="blade in resonance, f_c - n f"
+    )
+    for order in dict.fromkeys(n.tolist()):
+        at, freq = blade_over_speed(blade, order, *found.speed_hz)
+        now = np.array([np.interp(speed_hz, at, column) for column in freq.T])
+        axes.hlines(now, order - 0.4, order + 0.4, color=BEFORE, label="blade f_b" if order == n[0] else None)
+    axes.set(xlabel="nodal diameters n of the casing", ylabel="frequency [Hz]", title=f"f = {speed_hz:g} Hz")
+    axes.set_ylim(bottom=0.0)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+
+
+def _zigzag(axes: Any, found: Interactions, disk: BladedDisk, speed_hz: float) -> None:
+    """The disk's families, and the line n f folded at half the number of blades."""
+    most = max(n for n, _, _ in found.pairs)
+    order = np.arange(most + 1)
+    axes.plot([disk.folded(int(n)) for n in order], order * speed_hz, color=PERFECT, linestyle=":")
+    families = [(k, freq) for k, values in sorted(disk.freq.items()) for freq in values]
+    axes.plot(*zip(*families, strict=True), "s", color=BEFORE, markersize=4, label="disk f_b")
+    for n, _, freq in found.pairs:
+        wanted = n * speed_hz - freq
+        if wanted > 0.0:
+            axes.plot(disk.folded(n), wanted, "^", color=AFTER, markersize=6)
+    axes.set(xlabel=f"nodal diameters of the disk, {disk.blades} blades", title="folded (ZZENF)")
+    axes.set_ylim(bottom=0.0)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+
+
+def _highest(found: Interactions, blade: Blade) -> float:
+    """Highest blade frequency of the range."""
+    return max(float(blade_over_speed(blade, n, *found.speed_hz)[1].max(initial=1.0)) for n, _, _ in found.pairs)
+
+
+@styled
+def figure_growth(
+    speed_hz: FloatArray, poles: FloatArray, tried_hz: FloatArray, seen: FloatArray, free_hz: float
+) -> Figure:
+    """Growth rate [1/s] over speed: by poles as a line, by runs as dots, the free coincidence marked."""
+    figure = new_figure(7.6, 3.6)
+    axes: Any = figure.add_subplot()
+    axes.plot(speed_hz, poles, color=BEFORE, label="poles")
+    axes.plot(tried_hz, seen, "o", color=AFTER, markersize=5, label="time integration")
+    axes.axvline(free_hz, color=PERFECT, linestyle=":", label="$f_c + f_b = n f$")
+    axes.set_xlabel("speed [turns/s]")
+    axes.set_ylabel("growth [1/s]")
+    axes.legend(fontsize=8)
+    return figure

@@ -1,0 +1,157 @@
+"""Shapes in space: surfaces projected along a fixed view, painted from the back to the front, still or moving."""
+
+import io
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from PIL import Image
+
+from casingfem.arrays import Array, FloatArray
+from casingfem.modal.mode_set import Modes
+from casingfem.plot.modes import lattice, radial, title
+from casingfem.plot.page import Picture
+from casingfem.plot.style import DIVERGING, embed, image, new_figure, styled
+
+EXAGGERATION = 0.05  # largest displacement drawn, as a part of the structure's diagonal
+PHASES = 20  # pictures in a period
+SECONDS = 1.6  # a period on the page
+COLOURS = 64  # of a moving picture
+
+
+class View(NamedTuple):
+    """Axes of a parallel projection: to the right, up, and towards the eye, each (3,)."""
+
+    right: FloatArray
+    up: FloatArray
+    near: FloatArray
+
+
+def view_from(elevation: float, azimuth: float) -> View:
+    """The view from an elevation above the x-y plane and an azimuth from x [degrees], z upward.
+
+    >>> view_from(0.0, 90.0).right.round(3).tolist()
+    [-1.0, 0.0, 0.0]
+    """
+    e, a = np.radians([elevation, azimuth])
+    near = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    return View(right, np.cross(near, right), near)
+
+
+class Painter:
+    """One mode's surface: `show(part)` paints it at displacement part * u, part in [-1, 1]."""
+
+    def __init__(self, modes: Modes, mode: int, view: View, most: tuple[int, int]) -> None:
+        nodes = lattice(modes, most)
+        points = modes.shell.geometry(*modes.grid.nodes).surface.x
+        u = modes.fields[:, :3, mode].T
+        diagonal = float(np.linalg.norm(np.ptp(points, axis=1)))
+        self.still = points[:, nodes]
+        self.swing = EXAGGERATION * diagonal / np.linalg.norm(u, axis=0).max() * u[:, nodes]
+        w = radial(modes, mode)[nodes] / np.linalg.norm(u, axis=0).max()
+        self.shade = 0.25 * (w[1:, 1:] + w[:-1, 1:] + w[1:, :-1] + w[:-1, :-1]).ravel()
+        self.view = view
+        self.faces = PolyCollection([], linewidth=0.4)
+
+    def corners(self, part: float) -> Array:
+        """Corners of the faces in space, (faces, 4, 3)."""
+        x = np.moveaxis(self.still + part * self.swing, 0, -1)
+        return np.stack([x[:-1, :-1], x[1:, :-1], x[1:, 1:], x[:-1, 1:]], axis=2).reshape(-1, 4, 3)
+
+    def flat(self, corners: Array) -> Array:
+        """The same on the page, (faces, 4, 2)."""
+        return corners @ np.stack([self.view.right, self.view.up], axis=-1)
+
+    def reach(self) -> Array:
+        """Lower left and upper right of all that is painted, (2, 2)."""
+        extremes = np.concatenate([self.flat(self.corners(part)).reshape(-1, 2) for part in (-1.0, 1.0)])
+        return np.stack([extremes.min(axis=0), extremes.max(axis=0)])
+
+    def show(self, part: float) -> None:
+        """Paint the faces from the back to the front: hue by displacement, darker where they turn from the eye."""
+        corners = self.corners(part)
+        order = np.argsort(corners.mean(axis=1) @ self.view.near)
+        normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        facing = np.abs(normals @ self.view.near) / np.linalg.norm(normals, axis=1)
+        colours = colormaps[DIVERGING](0.5 + 0.5 * part * self.shade)
+        colours[:, :3] *= (0.72 + 0.28 * facing)[:, None]
+        self.faces.set_verts(list(self.flat(corners)[order]))
+        self.faces.set(facecolor=colours[order], edgecolor=colours[order])
+
+
+def stage(modes: Modes, which: Sequence[int], columns: int, *, fine: bool) -> tuple[Figure, list[Painter]]:
+    """A figure with an axes for each mode, all to one scale, and what paints them."""
+    closed = modes.shell.chart.periodic
+    most = ((15, 181) if fine else (12, 151)) if closed else ((49, 33) if fine else (33, 25))
+    view = view_from(38.0, -60.0 if closed else -40.0)
+    found = [Painter(modes, mode, view, most) for mode in which]
+    reaches = np.array([painter.reach() for painter in found])
+    low, high = reaches[:, 0].min(axis=0), reaches[:, 1].max(axis=0)
+    width, height = high - low
+    rows = -(-len(which) // columns)
+    figure = new_figure(8.4, (8.4 / columns * float(np.clip(height / width, 0.3, 1.5)) + 0.35) * rows)
+    for k, (mode, painter) in enumerate(zip(which, found, strict=True)):
+        axes: Any = figure.add_subplot(rows, columns, k + 1)
+        axes.add_collection(painter.faces)
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+        axes.set_axis_off()
+        axes.set_title(title(modes, mode))
+    return figure, found
+
+
+@styled
+def figure_shapes(modes: Modes, which: Sequence[int], columns: int = 3) -> Figure:
+    """Shapes of some modes (indices), drawn exaggerated, coloured by the radial (or normal) displacement."""
+    figure, shown = stage(modes, which, columns, fine=True)
+    for painter in shown:
+        painter.show(1.0)
+    return figure
+
+
+@styled
+def frames(modes: Modes, which: Sequence[int], columns: int = 3) -> list[Array]:
+    """The pictures of half a period, from one extreme to the other, each (height, width, 3) of bytes."""
+    figure, shown = stage(modes, which, columns, fine=False)
+    canvas: Any = FigureCanvasAgg(figure)
+    pictures = []
+    for k in range(PHASES // 2 + 1):
+        for painter in shown:
+            painter.show(float(np.cos(2.0 * np.pi * k / PHASES)))
+        canvas.draw()
+        figure.set_layout_engine("none")  # what the first picture settled stays
+        pictures.append(np.asarray(canvas.buffer_rgba())[:, :, :3].copy())
+    return pictures
+
+
+def moving_picture(pictures: Sequence[Array]) -> bytes:
+    """An animated PNG that plays half a period forth and back, for ever, in a few colours."""
+    sample = Image.fromarray(np.concatenate([pictures[0], pictures[len(pictures) // 2], pictures[-1]]))
+    palette = sample.quantize(COLOURS, dither=Image.Dither.NONE)
+    once = [Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
+    for picture in once:
+        whiten(picture)
+    period = [*once, *once[-2:0:-1]]
+    buffer = io.BytesIO()
+    duration = round(1000.0 * SECONDS / len(period))
+    period[0].save(buffer, "PNG", save_all=True, append_images=period[1:], loop=0, duration=duration)
+    return buffer.getvalue()
+
+
+def whiten(picture: Image.Image) -> None:
+    """Make the colour of the upper left corner white, as the paper is."""
+    colours = np.array(picture.getpalette()).reshape(-1, 3)
+    colours[np.asarray(picture)[0, 0]] = 255
+    picture.putpalette(colours.ravel().tolist())
+
+
+def moving_shapes(modes: Modes, which: Sequence[int], caption: str) -> Picture:
+    """The shapes in motion, with the still picture for paper and for those who want none."""
+    moving = image(moving_picture(frames(modes, which)), "png", f"Moving: {caption}")
+    still = embed(figure_shapes(modes, which), caption, kind="png")
+    opened = f'<details class="motion" open><summary>moving</summary>{moving}</details>'
+    return Picture(f'{opened}<div class="still">{still}</div>', caption)

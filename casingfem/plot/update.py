@@ -1,0 +1,149 @@
+"""Pictures of an update: measured against computed, splits and orientations, correlations."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from casingfem.arrays import FloatArray
+from casingfem.experiment.correlation.correlation import Pairing
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.modal.mode_set import Modes
+from casingfem.plot.style import AFTER, BEFORE, DIVERGING, MEASURED, PERFECT, new_figure, styled
+from casingfem.updating.result import UpdateResult
+
+LOOKS: dict[str, dict[str, Any]] = {
+    "perfect": {"color": PERFECT, "marker": "s", "mfc": "white"},
+    "imperfect": {"color": BEFORE, "marker": "^"},
+    "before": {"color": BEFORE, "marker": "^"},
+    "updated": {"color": AFTER, "marker": "o"},
+}
+SHIFTS = {"perfect": -0.24, "imperfect": -0.08, "before": -0.08, "updated": 0.24}
+
+
+class Paired(NamedTuple):
+    """A model's modes and how they pair with the table."""
+
+    modes: Modes
+    pairing: Pairing
+
+
+class Doublets(NamedTuple):
+    """Doublets of one source by ascending mean: n, lower and upper [Hz], antinode of the lower [deg]."""
+
+    n: FloatArray
+    low: FloatArray
+    high: FloatArray
+    angle: FloatArray
+
+    @property
+    def split(self) -> FloatArray:
+        """Relative split."""
+        return 2.0 * (self.high - self.low) / (self.high + self.low)
+
+
+def measured_doublets(table: FrequencyTable) -> Doublets:
+    """The doublets of a table; where only the upper's angle is known, the lower's follows from it."""
+    rows = [(group.n, *group.rows) for group in table.groups() if len(group.rows) == 2]
+    low, high = (np.array([row[k] for row in rows], dtype=int) for k in (1, 2))
+    n = np.array([row[0] for row in rows], dtype=float)
+    angle = np.where(
+        np.isnan(table.angle_deg[low]), table.angle_deg[high] - 90.0 / np.maximum(n, 1.0), table.angle_deg[low]
+    )
+    return Doublets(n, table.freq_hz[low], table.freq_hz[high], np.mod(angle, 180.0 / np.maximum(n, 1.0)))
+
+
+def computed_doublets(model: Paired) -> Doublets:
+    """The doublets of a model that pair with measured doublets."""
+    pairs = [match.modes for match in model.pairing.matches if len(match.modes) == 2]
+    low, high = (np.array([pair[k] for pair in pairs], dtype=int) for k in (0, 1))
+    modes = model.modes
+    return Doublets(modes.nodal_diameters[low].astype(float), modes.freq[low], modes.freq[high], modes.angle_deg[low])
+
+
+@styled
+def figure_comparison(table: FrequencyTable, models: Mapping[str, Paired]) -> Figure:
+    """Measured and computed by nodal diameters: frequencies, splits, orientations.
+
+    `models` has the keys "perfect", "imperfect", "updated" (any of them).
+    """
+    measured = measured_doublets(table)
+    panels = 1 + bool(len(measured.n)) + bool(np.isfinite(measured.angle).any())
+    figure = new_figure(8.0, 3.2 + 2.0 * (panels - 1))
+    grid: Any = figure.subplots(panels, 1, sharex=True, squeeze=False, height_ratios=[2, 1, 1][:panels])
+    axes = grid[:, 0]
+    kind = "measured (SYNTHETIC)" if table.synthetic else "measured"
+    labelled = table.n >= 0
+    axes[0].errorbar(
+        table.n[labelled] + 0.08, table.freq_hz[labelled], yerr=table.sigma_hz[labelled], fmt="D",
+        color=MEASURED, markersize=4.5, label=kind, capsize=2,
+    )  # fmt: skip
+    for name, model in models.items():
+        modes = [mode for match in model.pairing.matches for mode in match.modes]
+        x = model.modes.nodal_diameters[modes] + SHIFTS[name]
+        axes[0].plot(x, model.modes.freq[modes], linestyle="", markersize=5, label=name, **LOOKS[name])
+    axes[0].set_ylabel("frequency [Hz]")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
+    sources = {"measured": measured, **{name: computed_doublets(model) for name, model in models.items()}}
+    looks = {"measured": {"color": MEASURED, "marker": "D"}, **LOOKS}
+    shifts = {"measured": 0.08, **SHIFTS}
+    for name, source in sources.items():
+        style = {"linestyle": "", "markersize": 4.5, **looks[name]}
+        if panels > 1:
+            x = source.n + shifts[name]
+            axes[1].vlines(x, 0.0, 100.0 * source.split, color=looks[name]["color"], linewidth=1.5)
+            axes[1].plot(x, 100.0 * source.split, **style)
+        if panels > 2 and name != "perfect":
+            axes[2].plot(source.n + shifts[name], source.angle * source.n / 180.0, **style)
+    if panels > 1:
+        axes[1].set_ylabel("split [%]")
+        axes[1].set_ylim(bottom=0.0)
+    if panels > 2:
+        axes[2].set_ylabel("antinode of the lower\nmode [180°/n]")
+        axes[2].set_ylim(-0.05, 1.05)
+    axes[-1].set_xlabel("nodal diameters n")
+    axes[-1].xaxis.get_major_locator().set_params(integer=True)
+    return figure
+
+
+@styled
+def figure_errors(table: FrequencyTable, models: Mapping[str, Paired]) -> Figure:
+    """Relative frequency error of every paired row, with the measurement's two sigma."""
+    figure = new_figure(8.0, 3.2)
+    axes = figure.add_subplot()
+    band = 200.0 * table.sigma_hz / table.freq_hz
+    x = np.arange(len(table))
+    axes.bar(x, 2.0 * band, bottom=-band, width=0.9, color="#dddddd", label="measurement, ± 2 sigma")
+    axes.axhline(0.0, color=MEASURED, linewidth=0.8)
+    for name, model in models.items():
+        rows = [row for match in model.pairing.matches for row in match.rows]
+        freq = np.array([model.modes.freq[mode] for match in model.pairing.matches for mode in match.modes])
+        error = 100.0 * (freq / table.freq_hz[rows] - 1.0)
+        place = np.array(rows) + SHIFTS[name]
+        axes.vlines(place, 0.0, error, color=LOOKS[name]["color"], linewidth=1.5)
+        axes.plot(place, error, linestyle="", markersize=5.5, label=name, **LOOKS[name])
+    axes.set_xticks(x, [str(mode) for mode in table.mode], fontsize=8 if len(table) < 30 else 6)
+    axes.set_xlabel("measured mode")
+    axes.set_ylabel("computed/measured - 1 [%]")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=4)
+    return figure
+
+
+@styled
+def figure_correlation(fit: UpdateResult) -> Figure:
+    """Correlations of the updated parameters: near ±1 the data cannot tell two of them apart."""
+    names, R = [p.name for p in fit.parameters], fit.correlation
+    size = 0.62 * len(names) + 2.6
+    figure = new_figure(size + 1.2, size)
+    axes = figure.add_subplot()
+    image = axes.imshow(R, vmin=-1.0, vmax=1.0, cmap=DIVERGING)
+    axes.grid(False)
+    axes.set_xticks(range(len(names)), names, rotation=35, ha="right")
+    axes.set_yticks(range(len(names)), names)
+    for i in range(len(names)):
+        for j in range(len(names)):
+            colour = "white" if abs(R[i, j]) > 0.6 else "black"
+            axes.text(j, i, f"{R[i, j]:+.2f}", ha="center", va="center", color=colour, fontsize=8.5)
+    figure.colorbar(image, ax=axes, shrink=0.8, label="correlation")
+    return figure

@@ -1,0 +1,1 @@
+"""Scene files: scene.toml to what runs."""

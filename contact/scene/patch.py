@@ -1,0 +1,122 @@
+"""Scene files of kind "patch": a modal body on points of rigid ground, with stick and slip."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, FiniteFloat, model_validator
+
+from contact.errors import InputError
+from contact.model.arrays import Array
+from contact.model.modal_body import ModalBody
+from contact.model.patch import Patch
+from contact.scene.record import RecordTable
+from contact.scene.scheme import NotNegative, Positive, Table
+
+
+class PatchHead(Table):
+    """[scene] of kind "patch"."""
+
+    kind: Literal["patch"]
+    t_end: Positive
+
+
+class PatchBodyTable(Table):
+    """[body]: a modal basis file, or its modes here; modal displacement and velocity at t = 0; load [N] by channel."""
+
+    basis: str | None = None
+    omega: list[NotNegative] | None = None
+    zeta: list[Annotated[FiniteFloat, Field(ge=0, lt=1)]] | None = None
+    channels: list[str] | None = None
+    rows: list[list[FiniteFloat]] | None = None
+    S: list[list[FiniteFloat]] | None = None
+    displacement: list[FiniteFloat] | None = None
+    velocity: list[FiniteFloat] | None = None
+    load: dict[str, FiniteFloat] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _whole(self) -> PatchBodyTable:
+        given = [name for name in ("omega", "zeta", "channels", "rows", "S") if getattr(self, name) is not None]
+        own = {"omega", "channels", "rows"} <= set(given)
+        if (self.basis is None) != own or (self.basis is not None and given):
+            found = ", ".join([*(["basis"] if self.basis else []), *given]) or "nothing"
+            raise ValueError(f"{found} found, expected a basis, or omega, channels and rows (with zeta, S)")
+        return self
+
+    def modes(self, folder: Path) -> ModalBody:
+        """The basis file, or the modes given here, undamped and with S = 0 unless they say more."""
+        if self.basis is not None:
+            return ModalBody.load(folder / self.basis)
+        omega, channels = np.array(self.omega), tuple(self.channels or ())
+        zeta = np.zeros(omega.size) if self.zeta is None else np.array(self.zeta)
+        S = np.zeros((len(channels), len(channels))) if self.S is None else _matrix("S", self.S)
+        return ModalBody(omega=omega, zeta=zeta, channels=channels, rows=_matrix("rows", self.rows or []), S=S)
+
+
+class PatchContact(Table):
+    """[[contact]]: channels along normal and tangents, clearance [m], velocity of the ground along the tangents."""
+
+    normal: str
+    tangent: Annotated[list[str], Field(max_length=2)] = Field(default_factory=list)
+    clearance: FiniteFloat = 0.0
+    slide: list[FiniteFloat] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _fits(self) -> PatchContact:
+        if len(self.slide) not in (0, len(self.tangent)):
+            raise ValueError(f"{len(self.slide)} slide found, expected {len(self.tangent)}, one for each tangent")
+        return self
+
+
+class GroundTable(Table):
+    """[ground]: its friction coefficient."""
+
+    friction: NotNegative = 0.0
+
+
+class PatchScheme(Table):
+    """[scheme] of a patch: exact-modal."""
+
+    kind: Literal["exact-modal"]
+    dt: Positive
+
+
+class PatchFile(Table):
+    """A modal body on points of rigid ground, with stick and slip."""
+
+    scene: PatchHead
+    body: PatchBodyTable
+    contact: Annotated[list[PatchContact], Field(min_length=1)]
+    ground: GroundTable = Field(default_factory=GroundTable)
+    scheme: PatchScheme
+    record: RecordTable | None = None
+
+    @model_validator(mode="after")
+    def _alike(self) -> PatchFile:
+        if len({len(contact.tangent) for contact in self.contact}) > 1:
+            raise ValueError("contacts with different numbers of tangents found, expected 0, 1 or 2 in all")
+        if self.ground.friction and not self.contact[0].tangent:
+            raise ValueError("ground.friction found without tangents, expected one or two in each contact")
+        return self
+
+    def patch(self, folder: Path) -> Patch:
+        """The scene; a basis file is found in `folder`. Raises InputError."""
+        body, contacts, width = self.body.modes(folder), self.contact, len(self.contact[0].tangent)
+        load = np.zeros(body.omega.size)
+        for channel, force in self.body.load.items():
+            load += force * body.rows[body.channel(channel)]
+        return Patch(
+            body=body, normal=tuple(contact.normal for contact in contacts),
+            tangent=tuple(tuple(contact.tangent) for contact in contacts) if width else (),
+            clearance=[contact.clearance for contact in contacts],
+            slide=[contact.slide or [0.0] * width for contact in contacts] if width else 0.0,
+            displacement=self.body.displacement, velocity=self.body.velocity, load=load,
+        )  # fmt: skip
+
+
+def _matrix(name: str, rows: list[list[float]]) -> Array:
+    if len({len(row) for row in rows}) > 1:
+        raise InputError(f"{name}: found rows of different lengths, expected a matrix")
+    return np.array(rows)

@@ -1,0 +1,202 @@
+"""Scene files of kind "rub": tips of one or more blades before a turning casing, with the laws of the run."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, FiniteFloat, model_validator
+
+from contact.errors import InputError
+from contact.model.arrays import readonly
+from contact.model.modal_body import ModalBody
+from contact.model.rub import Rub, Stiffening, Tip
+from contact.model.rub_laws import Closing, Profile, Speed, Whirl
+from contact.scene.record import RecordTable
+from contact.scene.scheme import NotNegative, Positive, Table, Waviness
+
+
+class RubHead(Table):
+    """[scene] of kind "rub"."""
+
+    kind: Literal["rub"]
+    t_end: Positive
+
+
+class RubCasing(Table):
+    """[casing]: modal basis of a rim, and the thickness of its wall [m], beyond half of which a run is flagged."""
+
+    basis: str
+    thickness: Positive | None = None
+
+
+class RubNode(Table):
+    """[[blade.node]]: channels of one place, its angle from the blade's, its rim line, clearance [m] of its own."""
+
+    span: str
+    flap: str
+    axial: str | None = None
+    angle_deg: FiniteFloat = 0.0
+    line: Annotated[int, Field(ge=0)] = 0
+    clearance: FiniteFloat = 0.0
+
+
+class RubBlade(Table):
+    """[[blade]]: a modal basis, `count` equal blades of it around from `angle_deg`, lean, and its contact places.
+
+    Without nodes: the place span, flap, or every node0, node1, ... there is; `axial` lets them slide along the axis.
+    """
+
+    basis: str
+    angle_deg: FiniteFloat = 0.0
+    count: Annotated[int, Field(ge=1, le=1000)] = 1
+    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = 0.0
+    axial: bool = False
+    stiffening: bool = False
+    node: list[RubNode] = Field(default_factory=list)
+
+    def nodes(self, body: ModalBody) -> list[RubNode]:
+        """The nodes given, or those the basis has."""
+        if self.node:
+            return self.node
+        chord = [name.removesuffix(".span") + "." for name in body.channels if name.endswith(".span")] or [""]
+        axial = "chord" if self.axial else None
+        return [RubNode(span=f"{at}span", flap=f"{at}flap", axial=axial and f"{at}{axial}") for at in chord]
+
+
+class RubContact(Table):
+    """[contact]: clearance [m], friction, out-of-roundness as harmonics and as a CSV file theta_deg,depth_m."""
+
+    clearance: FiniteFloat
+    friction: NotNegative = 0.0
+    out_of_roundness: list[Waviness] = Field(default_factory=list)
+    profile: str | None = None
+
+
+class RubSpeed(Table):
+    """[speed]: turns per second, one number, or as many as there are times [s], straight between them."""
+
+    hz: FiniteFloat | list[FiniteFloat]
+    time: list[FiniteFloat] | None = None
+
+    @model_validator(mode="after")
+    def _fits(self) -> RubSpeed:
+        found = len(self.hz) if isinstance(self.hz, list) else None
+        if (found is None) != (self.time is None) or (self.time is not None and found != len(self.time)):
+            raise ValueError(f"{found or 'one'} hz and {len(self.time or [])} time found, expected as many or one hz")
+        return self
+
+    def law(self) -> Speed:
+        """The speed over time."""
+        if isinstance(self.hz, list) and self.time is not None:
+            return Speed(readonly(self.time), readonly(self.hz))
+        return Speed.constant(float(np.ravel(self.hz)[0]))
+
+
+class RubClosing(Table):
+    """[closing]: the gap's reduction [m], by (1 - exp(-t/time_constant)), or by straight lines over `time`."""
+
+    by: FiniteFloat | list[FiniteFloat]
+    time_constant: Positive | None = None
+    time: list[FiniteFloat] | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> RubClosing:
+        listed = isinstance(self.by, list)
+        if listed == (self.time is None) or listed == (self.time_constant is not None):
+            raise ValueError("expected one by with time_constant, or a list of them with time")
+        return self
+
+    def law(self) -> Closing:
+        """The closing over time."""
+        if isinstance(self.by, list):
+            return Closing(readonly(self.by if self.time is None else self.time), readonly(self.by))
+        return Closing.exponential(self.by, 1.0 if self.time_constant is None else self.time_constant)
+
+
+class RubWhirl(Table):
+    """[[whirl]]: the fields of `Whirl`."""
+
+    amplitude: NotNegative
+    per_rev: FiniteFloat = 0.0
+    hz: FiniteFloat = 0.0
+    phase_deg: FiniteFloat = 0.0
+
+
+class RubScheme(Table):
+    """[scheme] of a rub: exact-modal."""
+
+    kind: Literal["exact-modal"]
+    law: Literal["auto", "forward", "averaged"] = "auto"
+    dt: Positive
+
+
+class RubFile(Table):
+    """Blades that rub on a turning casing, each tip in one or more places, with stick and slip."""
+
+    scene: RubHead
+    casing: RubCasing
+    blade: Annotated[list[RubBlade], Field(min_length=1)]
+    contact: RubContact
+    speed: RubSpeed
+    closing: RubClosing | None = None
+    whirl: list[RubWhirl] = Field(default_factory=list)
+    scheme: RubScheme
+    record: RecordTable | None = None
+
+    def files(self, folder: Path) -> list[Path]:
+        """Files the scene is made of, beside its own."""
+        names = [self.casing.basis, *(blade.basis for blade in self.blade)]
+        return [folder / name for name in (*names, *([self.contact.profile] if self.contact.profile else []))]
+
+    def rub(self, folder: Path) -> Rub:
+        """The rub; basis and profile files are found in `folder`. Raises InputError."""
+        blades: list[ModalBody] = []
+        tips: list[Tip] = []
+        stiff: list[Stiffening] = []
+        for table in self.blade:
+            body = ModalBody.load(folder / table.basis)
+            for k in range(table.count):
+                angle = table.angle_deg + 360.0 * k / table.count
+                if table.stiffening:
+                    stiff.append(Stiffening.of(body, len(blades)))
+                for node in table.nodes(body):
+                    given = node.model_dump() | {"angle_deg": angle + node.angle_deg}
+                    tips.append(Tip(blade=len(blades), lean_deg=table.lean_deg, **given))
+                blades.append(body)
+        return Rub(
+            ModalBody.load(folder / self.casing.basis), tuple(blades), tuple(tips), clearance=self.contact.clearance,
+            speed=self.speed.law(), profile=self._profile(folder), stiffening=tuple(stiff),
+            closing=Closing.none() if self.closing is None else self.closing.law(),
+            whirl=tuple(Whirl(**whirl.model_dump()) for whirl in self.whirl),
+            thickness=math.inf if self.casing.thickness is None else self.casing.thickness,
+        )  # fmt: skip
+
+    def _profile(self, folder: Path) -> Profile:
+        terms = Profile.fourier([term.model_dump() for term in self.contact.out_of_roundness]).terms
+        if self.contact.profile is None:
+            return Profile(terms)
+        theta, depth = read_profile(folder / self.contact.profile)
+        return Profile(terms, theta=readonly(np.radians(theta)), depth=readonly(depth))
+
+
+def read_profile(path: Path) -> tuple[list[float], list[float]]:
+    """Angles [deg] and depths [m] of a CSV file under theta_deg,depth_m; raises InputError naming the line."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"profile: {path}: {error}, expected a CSV file theta_deg,depth_m") from error
+    rows = [(n, line.split(",")) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    if not rows or [cell.strip() for cell in rows[0][1]] != ["theta_deg", "depth_m"]:
+        raise InputError(f"profile: {path}: found no header theta_deg,depth_m")
+    theta, depth = [], []
+    for n, cells in rows[1:]:
+        try:
+            angle, value = (float(cell) for cell in cells)
+        except ValueError as error:
+            raise InputError(f"profile: {path}: line {n}: found {','.join(cells)!r}, expected two numbers") from error
+        theta.append(angle)
+        depth.append(value)
+    return theta, depth

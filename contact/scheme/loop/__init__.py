@@ -1,0 +1,1 @@
+"""The compiled step loops of the schemes."""

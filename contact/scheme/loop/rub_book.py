@@ -1,0 +1,97 @@
+"""What a step did: work of the forces by where it goes, forces, gaps and events."""
+
+from __future__ import annotations
+
+import math
+
+from contact.compiled import jit
+from contact.record import Samples, Tally
+from contact.scheme.loop.rim import dot
+from contact.scheme.loop.rub_rows import RubRows, blade_dot
+from contact.scheme.loop.rub_state import RubState, Work
+from contact.scheme.loop.stick import INSIDE
+from contact.scheme.loop.tally import note_contact, note_stick
+
+
+@jit
+def book(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float, sums: Tally) -> None:
+    """Work of the forces along (D_n + D_{n+1})/2: by the gap, by the turning point, by friction; heat and drive.
+
+    What the tangential compliance takes up is friction's work on the bodies, and the contact's loss until S gives it
+    back; what S stores because the point moves is the turning point's.
+    """
+    for a in range(count * dim):
+        j, i = w.chosen[a // dim], a % dim
+        row, before = j * dim + i, 0.0
+        along = dot(w.rows[a], s.old) + dot(w.rows[a], s.d) + blade_dot(rows, row, j, s.old)
+        along = 0.5 * s.lam[row] * (along + blade_dot(rows, row, j, s.d))
+        strain, moved = 0.0, 0.0
+        for k in range(count * dim):
+            other = w.chosen[k // dim] * dim + k % dim
+            strain += w.S[row, other] * s.lam[other]
+            before += w.S_old[row, other] * s.lam[other]
+        moved = 0.5 * s.lam[row] * (strain - before)
+        sums.work[j] += moved
+        sums.rotation[j] -= moved
+        if i == 0:
+            work = 0.5 * s.lam[row] * (s.free[j] - s.last[j])
+            sums.work[j] += work
+            sums.rotation[j] += along - work
+            continue
+        soft = s.lam[row] * (strain - s.strain[row])
+        sums.friction[j] += along + soft
+        sums.work[j] -= soft
+        s.heat[j] -= s.lam[row] * s.motion[row]
+        if i == 1:
+            s.drive[j] -= s.lam[row] * rows.radius[j] * slid
+
+
+@jit
+def keep_strain(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
+    """S lam in every direction of every tip, for the slip of the next step."""
+    for row in range(s.strain.size):
+        s.strain[row] = 0.0
+        for a in range(count * dim):
+            other = w.chosen[a // dim] * dim + a % dim
+            s.strain[row] += w.S[other, row] * s.lam[other]
+
+
+@jit
+def settle(s: RubState, sums: Tally) -> None:
+    """Add the increments, and the work of damping and of the stiffening."""
+    lost, given = 0.0, 0.0
+    for i in range(s.q.size):
+        lost -= s.weight[i] * s.old[i] * (s.old[i] + s.d[i])
+        given += 0.5 * s.push[i] * (s.old[i] + s.d[i])
+        s.q[i] += s.d[i]
+    sums.damping[0] += lost
+    sums.external[0] += given
+
+
+@jit
+def note(s: RubState, rows: RubRows, w: Work, dim: int, sums: Tally, out: Samples, h: float, time: float) -> None:
+    """Forces, gaps and events of this step; the gaps of q move on."""
+    for j in range(s.mu.size):
+        R = j * dim
+        s.force[j] = s.lam[R]
+        before, predicted = 0.0, 0.0
+        if s.inside[j] > 0:
+            s.gap[j] = s.motion[R]
+            before, predicted = s.now[j], s.test[j]
+            s.last[j], s.now[j], s.known[j] = s.now[j], s.free[j], 1
+        if s.inside[j] == 2:
+            s.peaks[0] = max(s.peaks[0], abs(dot(w.ahead[j], s.q)))
+            if dim > 1:
+                s.peaks[1] = max(s.peaks[1], abs(blade_dot(rows, R + 1, j, s.q)))
+        note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)
+        if dim > 1:
+            note_stick(sums, out, j, int(sticks(s, R, dim, j)), time)
+
+
+@jit
+def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
+    """Whether a contact presses and its tangential force lies inside the cone."""
+    pull = 0.0
+    for i in range(row + 1, row + dim):
+        pull += s.lam[i] * s.lam[i]
+    return bool(s.lam[row] > 0.0 and math.sqrt(pull) < s.mu[j] * s.lam[row] * (1.0 - INSIDE))

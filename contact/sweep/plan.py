@@ -1,0 +1,176 @@
+"""What a sweep consists of: [sweep] of a scene file, spread out into runs with their hashes, before any is computed."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import itertools
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contact.result import versions
+from contact.scene.load import SceneError, problem_text, scene_data, scene_of
+from contact.sweep.store import digest_of
+
+if TYPE_CHECKING:
+    from contact.sweep.tables import SweepTable, VaryTable
+
+Value = float | str | int
+PART = re.compile(r"^(\w+)(?:\[(\d+)\])?$")
+MEASURES = 1  # number of the definition of what is measured on a run: a change of it changes every hash
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SweepRun:
+    """One run: the values of the varied keys, and the hash of all that defines it."""
+
+    values: tuple[Value, ...]
+    digest: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SweepPlan:
+    """A sweep: the scene's own tables, the varied keys, and the runs in the order of the table.
+
+    `source` names file, hash, versions and seed for the head of the table.
+    """
+
+    file: Path
+    base: dict[str, Any]
+    keys: tuple[str, ...]
+    runs: tuple[SweepRun, ...]
+    source: dict[str, str]
+
+    def data(self, run: SweepRun) -> dict[str, Any]:
+        """Tables of one run's scene."""
+        return changed(self.base, self.keys, run.values)
+
+
+def load_sweep(path: str | Path) -> SweepPlan:
+    """Read a scene file with [sweep], and spread it out.
+
+    Raises SceneError with file and key: for the table itself, for keys that the scene does not have, and where the
+    first run cannot be built. Later runs that cannot be are rows of the table.
+    """
+    file = Path(path)
+    base, text = scene_data(file)
+    table = _table(base.pop("sweep", None), file)
+    keys = tuple(vary.key for vary in table.vary)
+    values = list(_combinations(table, file))
+    first = changed(base, keys, values[0], file=file)
+    scene_of(first, file)
+    run_on, contents = versions(), dict[Path, str]()
+    runs = tuple(
+        SweepRun(values=row, digest=digest_of(_definition(changed(base, keys, row), file, run_on, contents)))
+        for row in values
+    )
+    source = {"scene": file.name, "sha256": hashlib.sha256(text).hexdigest(), **run_on}
+    if table.seed is not None:
+        source["seed"] = str(table.seed)
+    return SweepPlan(file=file, base=base, keys=keys, runs=runs, source=source)
+
+
+def _table(data: object, file: Path) -> SweepTable:
+    from pydantic import ValidationError
+
+    from contact.sweep.tables import SweepTable
+
+    if not isinstance(data, dict):
+        raise SceneError([f"{file}: sweep: missing, expected [sweep] with [[sweep.vary]]"])
+    try:
+        return SweepTable.model_validate(data)
+    except ValidationError as error:
+        raise SceneError([problem_text(file, detail, "sweep") for detail in error.errors()]) from error
+
+
+def _combinations(table: SweepTable, file: Path) -> Iterator[tuple[Value, ...]]:
+    """Values of the keys, run by run."""
+    if table.kind == "random":
+        assert table.draws is not None
+        assert table.seed is not None
+        for draw in range(table.draws):
+            rng = np.random.default_rng([table.seed, draw])  # a draw depends on its number alone
+            yield tuple(_drawn(vary, rng) for vary in table.vary)
+        return
+    columns = [_values(vary) for vary in table.vary]
+    if table.kind == "list":
+        sizes = {len(column) for column in columns}
+        if len(sizes) > 1:
+            raise SceneError([f"{file}: sweep.vary: found lists of {sorted(sizes)} values, expected one length"])
+        yield from zip(*columns, strict=True)
+    else:
+        yield from itertools.product(*columns)
+
+
+def _values(vary: VaryTable) -> Sequence[Value]:
+    if vary.values is not None:
+        return vary.values
+    assert vary.from_ is not None
+    assert vary.to is not None
+    spaced = np.geomspace if vary.log else np.linspace
+    return [float(value) for value in spaced(vary.from_, vary.to, vary.steps or 1)]
+
+
+def _drawn(vary: VaryTable, rng: np.random.Generator) -> Value:
+    if vary.values is not None:
+        return vary.values[int(rng.integers(len(vary.values)))]
+    assert vary.from_ is not None
+    assert vary.to is not None
+    if vary.key.endswith("seed"):
+        return int(rng.integers(int(vary.from_), int(vary.to) + 1))
+    if vary.log:
+        return float(np.exp(rng.uniform(np.log(vary.from_), np.log(vary.to))))
+    return float(rng.uniform(vary.from_, vary.to))
+
+
+def changed(
+    base: dict[str, Any], keys: Sequence[str], values: Sequence[Value], *, file: Path | None = None
+) -> dict[str, Any]:
+    """The tables with other values; `contact.out_of_roundness[1].cos` is the first term's.
+
+    Raises SceneError for a place that is not there.
+
+    >>> changed({"speed": {"hz": 5.0}, "rod": [{"x": 0.0}]}, ["speed.hz", "rod[1].x"], [6.0, 0.5])
+    {'speed': {'hz': 6.0}, 'rod': [{'x': 0.5}]}
+    """
+    data = copy.deepcopy(base)
+    for key, value in zip(keys, values, strict=True):
+        *path, last = key.split(".")
+        at: Any = data
+        for part in path:
+            at = _step(at, part, key, file)
+        if not isinstance(at, dict) or PART.fullmatch(last) is None or "[" in last or not path:
+            raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, expected table.key of the scene"])
+        whole = isinstance(at.get(last), int) or last in ("seed", "elements", "modes")
+        at[last] = int(value) if whole and isinstance(value, float) and value.is_integer() else value
+    return data
+
+
+def _step(at: Any, part: str, key: str, file: Path | None) -> Any:
+    match = PART.fullmatch(part)
+    found = at.get(match.group(1)) if match and isinstance(at, dict) else None
+    if match and match.group(2) and isinstance(found, list) and 1 <= int(match.group(2)) <= len(found):
+        return found[int(match.group(2)) - 1]
+    if match and not match.group(2) and isinstance(found, dict):
+        return found
+    raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, but the scene has no {part!r} there"])
+
+
+def _definition(data: dict[str, Any], file: Path, run_on: dict[str, str], contents: dict[Path, str]) -> dict[str, Any]:
+    """All that a run's numbers depend on: its tables, the contents of the bases, the versions, what is measured.
+
+    `contents` keeps the hashes of the bases read so far.
+    """
+    bases = {}
+    for name, part in sorted(data.items()):
+        if isinstance(part, dict) and isinstance(part.get("basis"), str):
+            path = file.parent / part["basis"]
+            if path not in contents:
+                contents[path] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "none"
+            bases[name] = contents[path]
+    return {"scene": data, "bases": bases, "versions": run_on, "measures": MEASURES}

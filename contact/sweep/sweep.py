@@ -1,0 +1,200 @@
+"""Many runs from one scene file: in this process, in several, or on a cluster; kept one by one, resumed after a kill.
+
+A run's row depends on the run alone: not on the order, the number of processes, what was killed, or what was there
+already. So the table is the same to the last bit.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from multiprocessing import get_context, parent_process
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+from contact.errors import InputError
+from contact.run import Scene
+from contact.run_many import Outcome, run_many
+from contact.scene.load import scene_of
+from contact.sweep.plan import SweepPlan
+from contact.sweep.row import COLUMNS, row_of, sweep_record
+from contact.sweep.store import Row, Store, read_run, run_path, write_run
+
+MOST = 64  # runs a task holds at most
+LANES = 8
+TRIES = 5  # of a task whose workers die
+Rows = dict[str, Row]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """Some runs for a worker: hash and tables of each; `folder` of the store, where the worker writes them."""
+
+    file: str
+    runs: tuple[tuple[str, dict[str, Any]], ...]
+    folder: str | None
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class SweepResult:
+    """Rows of all runs, in the plan's order; `resumed` of them were there already."""
+
+    plan: SweepPlan
+    rows: tuple[Row, ...]
+    resumed: int
+
+    @property
+    def failed(self) -> int:
+        """Runs that were refused or broke off."""
+        return sum(row["status"] != "done" for row in self.rows)
+
+
+def run_sweep(
+    plan: SweepPlan,
+    *,
+    folder: Path | None = None,
+    jobs: int = 1,
+    scheduler: str | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> SweepResult:
+    """Run what is missing of a sweep.
+
+    `folder`: the store; without one nothing is kept. `jobs` processes, or a Dask `scheduler` by its address, whose
+    workers see the same files. `progress` is called with the number of runs there.
+
+    Raises InputError when the scheduler cannot be reached, or a task's workers died TRIES times.
+    """
+    store = None if folder is None else Store.open(folder)
+    rows: Rows = {} if store is None else store.rows(run.digest for run in plan.runs)
+    resumed = sum(run.digest in rows for run in plan.runs)
+    for found in _workers(tasks(plan, rows, folder, jobs), jobs, scheduler):
+        rows |= found
+        if store is not None:
+            store.note(found)
+        if progress is not None:
+            progress(len(rows))
+    return SweepResult(plan=plan, rows=tuple(rows[run.digest] for run in plan.runs), resumed=resumed)
+
+
+def tasks(plan: SweepPlan, there: Rows, folder: Path | None, jobs: int) -> list[Task]:
+    """The missing runs, each once, in tasks of whole lanes."""
+    missing = {run.digest: run for run in plan.runs if run.digest not in there}
+    size = min(MOST, max(1, -(-len(missing) // (LANES * max(jobs, 1)))) * LANES)
+    pending = list(missing.items())
+    return [
+        Task(
+            file=str(plan.file), folder=None if folder is None else str(folder),
+            runs=tuple((digest, plan.data(run)) for digest, run in pending[first : first + size]),
+        )
+        for first in range(0, len(pending), size)
+    ]  # fmt: skip
+
+
+def run_task(task: Task) -> Rows:
+    """Run a task's runs, in a worker: those that its store has already are read."""
+    folder = None if task.folder is None else Path(task.folder)
+    rows: Rows = {}
+    scenes: list[tuple[str, Scene]] = []
+    for digest, data in task.runs:
+        kept = None if folder is None else read_run(run_path(folder, digest))
+        if kept is not None:
+            rows[digest] = kept
+            continue
+        try:
+            scenes.append((digest, scene_of(data, Path(task.file))))
+        except InputError as error:
+            rows[digest] = row_of(None, error)
+            _keep(folder, digest, rows[digest])
+
+    def ended(i: int, outcome: Outcome) -> None:
+        digest, scene = scenes[i]
+        rows[digest] = row_of(scene, outcome)
+        _keep(folder, digest, rows[digest])
+
+    run_many([scene for _, scene in scenes], record=sweep_record, ended=ended)
+    return rows
+
+
+def _keep(folder: Path | None, digest: str, row: Row) -> None:
+    if folder is not None and folder.is_dir():
+        write_run(folder, digest, row)
+
+
+def _workers(todo: Sequence[Task], jobs: int, scheduler: str | None) -> Iterator[Rows]:
+    """Rows of the tasks as they are done, wherever they run."""
+    if scheduler is not None:
+        from contact.sweep.dask_cluster import on_cluster
+
+        return on_cluster(todo, run_task, scheduler, TRIES)
+    return in_processes(todo, jobs) if jobs > 1 and len(todo) > 1 else map(run_task, todo)
+
+
+def in_processes(todo: Sequence[Task], jobs: int) -> Iterator[Rows]:
+    """Rows from worker processes; where one is killed, what it had not finished is given out again."""
+    waiting, tries = dict(enumerate(todo)), dict.fromkeys(range(len(todo)), 0)
+    while waiting:
+        context = get_context("spawn")
+        with ProcessPoolExecutor(min(jobs, len(waiting)), mp_context=context, initializer=end_with_parent) as pool:
+            futures = {pool.submit(run_task, task): number for number, task in waiting.items()}
+            for future in as_completed(futures):
+                number = futures[future]
+                try:
+                    rows = future.result()
+                except BrokenProcessPool:
+                    tries[number] += 1
+                    continue
+                del waiting[number]
+                yield rows
+        if waiting and min(tries[number] for number in waiting) >= TRIES:
+            raise InputError(f"sweep: {len(waiting)} tasks ended with their worker killed, {TRIES} times over")
+
+
+def end_with_parent() -> None:
+    """Let a worker end when its parent does, even if that was killed."""
+    parent = parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: BaseProcess) -> None:
+    parent.join()
+    os._exit(1)
+
+
+def columns(plan: SweepPlan) -> tuple[str, ...]:
+    """Names of the table's columns: run, the varied keys with their units, what was measured."""
+    return ("run", *(f"{key}{UNITS.get(key.rpartition('.')[2], '')}" for key in plan.keys), *COLUMNS)
+
+
+UNITS = {
+    "clearance": "_m", "cos": "_m", "sin": "_m", "t_end": "_s", "dt": "_s", "length": "_m", "width": "_m",
+    "height": "_m", "radius": "_m", "offset": "_m", "x": "_m", "velocity": "_m_s", "mass": "_kg", "E": "_Pa",
+    "rho": "_kg_m3", "area": "_m2", "stiffness": "_N_m", "gravity": "_m_s2", "force": "_N", "torque": "_N_m",
+    "thickness": "_m", "tip": "_m", "machined": "_m", "yield_stress": "_Pa", "hardening": "_Pa", "end_mass": "_kg",
+}  # fmt: skip
+
+
+def table(result: SweepResult) -> str:
+    """The table as CSV: a card with versions, hash and seed, column names with units, one row a run."""
+    plan = result.plan
+    lines = [
+        f"# COMPUTED: sweep of {plan.source['scene']}, {len(plan.runs)} runs",
+        *(f"# {name}: {value}" for name, value in sorted(plan.source.items())),
+        ",".join(columns(plan)),
+    ]
+    for number, (run, row) in enumerate(zip(plan.runs, result.rows, strict=True), start=1):
+        cells = (number, *run.values, *(row[name] for name in COLUMNS))
+        lines.append(",".join(map(_cell, cells)))
+    return "\n".join(lines) + "\n"
+
+
+def _cell(value: object) -> str:
+    text = "" if value is None else repr(value) if isinstance(value, float) else str(value)
+    if any(mark in text for mark in ',"\n'):
+        return '"' + text.replace('"', '""').replace("\n", " ") + '"'
+    return text
