@@ -22,7 +22,7 @@ SOURCES = (
     ROOT / "record.py",
     ROOT / "vector.py",
     ROOT / "model/band.py",
-    *sorted((ROOT / "scheme").glob("loop_*.py")),
+    *sorted((ROOT / "scheme/loop").glob("*.py")),
     *sorted((ROOT / "solver").glob("*.py")),
 )
 
