@@ -11,11 +11,12 @@ import pytest
 from casingfem.cli import main
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")
+DOCS = tuple(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md")))
+PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", *DOCS)
 TEXT = {name: (ROOT / name).read_text(encoding="utf-8") for name in PAGES}
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PRINTS = re.compile(r"# prints: (.+)$", re.MULTILINE)
-EXAMPLES = [code for kind, code in FENCE.findall(TEXT["README.md"]) if kind == "python"]
+EXAMPLES = [code for page in ("README.md", *DOCS) for kind, code in FENCE.findall(TEXT[page]) if kind == "python"]
 CONSOLE = [
     line.removeprefix("$ ").partition("  #")[0].split()
     for page in PAGES
@@ -39,12 +40,12 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_readme_has_an_example_for_each_use():
+def test_the_pages_have_an_example_for_each_use():
     assert len(EXAMPLES) == 7
     assert sum(len(PRINTS.findall(code)) for code in EXAMPLES) == 8
 
 
-@pytest.mark.parametrize("code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "parts", "rotation", "rig"])
+@pytest.mark.parametrize("code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "rig", "parts", "rotation"])
 def test_examples_run_and_print_what_they_say(code, folder, capsys):
     names: dict[str, object] = {"__name__": "example"}
     exec(compile(code, "README.md", "exec"), names)
@@ -105,11 +106,21 @@ def test_every_command_and_option_in_the_text_exists(words):
 
 @pytest.mark.parametrize("page", PAGES)
 def test_every_link_and_path_leads_somewhere(page):
-    links = re.findall(r"\]\(([^)#]+)\)", TEXT[page])
-    links += re.findall(r"`((?:casingfem|contact|data|reports|tests|docs)/[\w./]+)`", TEXT[page])
-    for link in links:
+    links = [((ROOT / page).parent, link) for link in re.findall(r"\]\(([^)#]+)(?:#[\w-]+)?\)", TEXT[page])]
+    links += [
+        (ROOT, path) for path in re.findall(r"`((?:casingfem|contact|data|reports|tests|docs)/[\w./]+)`", TEXT[page])
+    ]
+    for folder, link in links:
         if not link.startswith(("https://", "reports/out")):
-            assert (ROOT / link).exists(), link
+            assert (folder / link).exists(), link
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_heading_linked_to_is_there(page):
+    for file, anchor in re.findall(r"\]\(([^)#]*)#([\w-]+)\)", TEXT[page]):
+        target = (ROOT / page).parent / file if file else ROOT / page
+        headings = re.findall(r"^#+ (.+)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+        assert anchor in {re.sub(r"[^\w -]", "", title).lower().replace(" ", "-") for title in headings}, anchor
 
 
 def test_every_dependency_is_explained():
