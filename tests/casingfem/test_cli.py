@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from study_texts import STEEL, THICK
 
 import casingfem as cf
 from casingfem.cli import main
@@ -16,37 +17,7 @@ from casingfem.study import load_study
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
 
-# a short, thick frustum: few nodal diameters, so a coarse mesh carries all that is asked of it
-STUDY = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
-[chart]
-kind = "frustum"
-r_base = 0.50
-r_top = 0.45
-height = 0.25
-[shell]
-thickness = 20e-3
-[[imperfection]]
-of = "radius"
-harmonics = [{p = 6, cos = 0.004}]
-[support.base]
-kind = "elastic"
-k_face = 1e12
-[modes]
-count = 6
-[mesh]
-order = 5
-rows = 1
-around = 9
-[reduce]
-interface = "top"
-n_max = 6
-modes = 8
-out = "casing.npz"
-"""
+STUDY = THICK + 'out = "casing.npz"\n'
 UPDATE = """
 [update]
 table = "table.csv"
@@ -61,11 +32,9 @@ log = true
 lower = 1e11
 upper = 1e14
 """
-BLADE = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
+BLADE = (
+    STEEL
+    + """
 [chart]
 kind = "plate"
 length = 0.2
@@ -82,6 +51,7 @@ around = 1
 interface = "tip"
 modes = 4
 """
+)
 RUB = """
 [scene]
 kind = "rim"

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from study_texts import THIN
 
 from casingfem.cli import main
 from casingfem.experiment.correlation.correlate import correlate
@@ -17,18 +18,9 @@ from casingfem.modes_uff import write_modes_uff
 from casingfem.structure.bolts import Bolts
 from casingfem.study import load_study
 
-STUDY = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
-[chart]
-kind = "frustum"
-r_base = 0.50
-r_top = 0.45
-height = 0.25
-[shell]
-thickness = 3.0e-3
+STUDY = (
+    THIN
+    + """
 [support.base]
 kind = "bolts"
 count = 12
@@ -41,6 +33,7 @@ around = 12
 [modes]
 count = 10
 """
+)
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from study_texts import PLATE, written
 
 import casingfem as cf
 from casingfem.cli import main
@@ -106,19 +107,8 @@ def test_what_cannot_be_drawn_is_refused(casing):
         mode_files(casing, [4])
 
 
-STUDY = """
-material = {E = 70e9, nu = 0.3, rho = 2700.0}
-chart = {kind = "plate", length = 0.3, width = 0.1}
-shell = {thickness = 3e-3}
-support.root = {kind = "clamped"}
-modes = {count = 3}
-mesh = {order = 4, rows = 1, around = 1}
-"""
-
-
 def test_the_command_writes_the_chosen_modes_beside_the_table(tmp_path):
-    (tmp_path / "study.toml").write_text(STUDY)
-    base = ["modes", str(tmp_path / "study.toml")]
+    base = ["modes", str(written(tmp_path, PLATE))]
     out = ["--out", str(tmp_path / "out")]
     result = CliRunner().invoke(main, [*base, *out, "--vtu", "--modes", "1,3"])
     assert result.exit_code == 0, result.stderr

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from study_texts import STEEL
 
 from casingfem.cli import main
 from casingfem.modal import mistuning
@@ -25,11 +26,9 @@ from casingfem.study.mistuning import run_mistune
 from casingfem.study.problems import StudyError
 
 COUNT = 12
-STUDY = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
+STUDY = (
+    STEEL
+    + """
 [chart]
 kind = "cylinder"
 radius = 0.5
@@ -51,6 +50,7 @@ order = 5
 rows = 1
 around = 9
 """
+)
 
 
 @pytest.fixture(scope="module")

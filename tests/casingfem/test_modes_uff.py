@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from study_texts import PLATE, written
 
 import casingfem as cf
 from casingfem.cli import main
@@ -55,19 +56,8 @@ def test_modes_that_are_not_there_are_refused(casing, tmp_path):
         write_modes_uff(casing, tmp_path / "f.uff", [4])
 
 
-STUDY = """
-material = {E = 70e9, nu = 0.3, rho = 2700.0}
-chart = {kind = "plate", length = 0.3, width = 0.1}
-shell = {thickness = 3e-3}
-support.root = {kind = "clamped"}
-modes = {count = 3}
-mesh = {order = 4, rows = 1, around = 1}
-"""
-
-
 def test_the_command_writes_the_chosen_modes(tmp_path):
-    (tmp_path / "study.toml").write_text(STUDY)
-    base = ["modes", str(tmp_path / "study.toml")]
+    base = ["modes", str(written(tmp_path, PLATE))]
     result = CliRunner().invoke(main, [*base, "--out", str(tmp_path / "out"), "--uff", "--modes", "1,3"])
     assert result.exit_code == 0, result.stderr
     shapes = cf.read_uff(tmp_path / "out" / "modes.uff").shapes

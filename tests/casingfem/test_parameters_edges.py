@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from study_texts import THIN, written
 
 import casingfem as cf
 from casingfem.structure.section import Section
@@ -12,18 +13,9 @@ from casingfem.study.updated import updated_toml
 from casingfem.updating.parameters import get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 
-STUDY = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
-[chart]
-kind = "frustum"
-r_base = 0.5
-r_top = 0.45
-height = 0.25
-[shell]
-thickness = 3e-3
+STUDY = (
+    THIN
+    + """
 [support.base]
 kind = "ring"
 width = 0.03
@@ -43,12 +35,12 @@ edge = "top"
 angle_deg = 20.0
 mass = 0.02
 """
+)
 
 
 @pytest.fixture
 def study(tmp_path):
-    (tmp_path / "s.toml").write_text(STUDY)
-    return load_study(tmp_path / "s.toml")
+    return load_study(written(tmp_path, STUDY))
 
 
 def test_a_rectangle_stays_one():

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from study_texts import THICK
 
 import casingfem as cf
 from casingfem.cli import main
@@ -18,30 +19,7 @@ from casingfem.plot.contact import figure_contact
 from casingfem.plot.page import Section, Table, render_page
 from casingfem.plot.style import embed, new_figure
 
-STUDY = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
-[chart]
-kind = "frustum"
-r_base = 0.50
-r_top = 0.45
-height = 0.25
-[shell]
-thickness = 20e-3
-[[imperfection]]
-of = "radius"
-harmonics = [{p = 8, cos = 0.004}]
-[support.base]
-kind = "elastic"
-k_face = 1e12
-[modes]
-count = 6
-[mesh]
-order = 5
-rows = 1
-around = 9
+UPDATE = """
 [update]
 table = "table.csv"
 [[update.parameter]]
@@ -52,11 +30,8 @@ upper = 250e9
 name = "radius.p8.cos"
 lower = 0.0
 upper = 0.01
-[reduce]
-interface = "top"
-n_max = 6
-modes = 8
 """
+STUDY = THICK.replace("p = 6", "p = 8") + UPDATE
 
 
 class Page(HTMLParser):

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from study_texts import THIN, written
 
 import casingfem as cf
 from casingfem.study import StudyError, load_study, perfect, schema, updated_toml
@@ -16,19 +17,9 @@ from casingfem.study.schema import ModesTable
 STUDIES = Path(__file__).parents[2] / "data" / "studies"
 
 # the study of design.md, on a mesh that suits a test
-FRUSTUM = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
-[chart]
-kind = "frustum"
-r_base = 0.50
-r_top = 0.45
-height = 0.25
-[shell]
-thickness = 3.0e-3
-[[imperfection]]
+FRUSTUM = (
+    THIN
+    + """[[imperfection]]
 of = "radius"
 harmonics = [{p = 8, cos = 0.004}, {p = 20, cos = 0.003}, {p = 4, cos = 0.0019, sin = 0.0006}]
 [support.base]
@@ -40,6 +31,7 @@ order = 4
 rows = [0.0, 0.5, 1.0]
 around = 11
 """
+)
 
 UPDATE = """
 [update]
@@ -49,12 +41,6 @@ name = "material.E"
 lower = 150e9
 upper = 250e9
 """
-
-
-def written(folder: Path, text: str) -> Path:
-    file = folder / "study.toml"
-    file.write_text(text, encoding="utf-8")
-    return file
 
 
 def problems_of(folder: Path, text: str) -> tuple[str, ...]:

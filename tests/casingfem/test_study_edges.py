@@ -5,26 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from study_texts import STEEL, THIN, written
 
 from casingfem.study.load import load_study
 from casingfem.study.problems import StudyError
 from casingfem.study.updated import perfect, updated_toml
 from casingfem.updating.parameters import get_value
 
-CASING = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
-[chart]
-kind = "frustum"
-r_base = 0.50
-r_top = 0.45
-height = 0.25
-[shell]
-thickness = 3.0e-3
-"""
-PLATE = CASING[: CASING.index("kind")] + "{}" + CASING[CASING.index("[shell]") :]
+PLATE = STEEL + "[chart]\n{}[shell]\nthickness = 3.0e-3\n"
 BOLTS = """
 [support.base]
 kind = "bolts"
@@ -42,9 +30,7 @@ def study(tmp_path):
     """Load a study from the casing and more tables."""
 
     def load(more, chart=None):
-        path = tmp_path / "study.toml"
-        path.write_text((PLATE.format(chart) if chart else CASING) + more, encoding="utf-8")
-        return load_study(path)
+        return load_study(written(tmp_path, (PLATE.format(chart) if chart else THIN) + more))
 
     return load
 

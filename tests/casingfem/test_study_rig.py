@@ -2,11 +2,12 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from study_texts import STEEL, THIN, written
 
 import casingfem as cf
 from casingfem.cli import main
@@ -15,18 +16,9 @@ from casingfem.plot.experiment import figure_deflections, figure_responses, figu
 from casingfem.study import StudyError, load_study
 from casingfem.study.rig import run_rig
 
-CASING = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
-[chart]
-kind = "frustum"
-r_base = 0.5
-r_top = 0.45
-height = 0.25
-[shell]
-thickness = 3e-3
+CASING = (
+    THIN
+    + """
 [[imperfection]]
 of = "radius"
 harmonics = [{p = 12, cos = 0.001}]
@@ -51,6 +43,7 @@ mass = 0.01
 height = 0.25
 count = 24
 """
+)
 EXACT = """
 [rig.test]
 kind = "exact"
@@ -73,12 +66,7 @@ snr_db = 30.0
 
 @pytest.fixture
 def study(tmp_path):
-    def write(text: str) -> Path:
-        path = tmp_path / "study.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
+    return partial(written, tmp_path)
 
 
 def test_exact_responses_carry_the_truth(study):
@@ -167,11 +155,9 @@ def test_pictures_of_what_nobody_measured_say_so(study):
 
 
 def test_open_charts_give_places_by_their_parameters(study):
-    plate = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
+    plate = (
+        STEEL
+        + """
 [chart]
 kind = "plate"
 length = 0.11
@@ -197,6 +183,7 @@ band_hz = [200.0, 1000.0]
 resolution_hz = 4.0
 blocks = 2
 """
+    )
     test = run_rig(load_study(study(plate)))
     assert test.truth.n.tolist() == [-1] * 4
     assert abs(test.frfs.x[np.abs(test.frfs.responses[0]).argmax()] - test.truth.freq_hz[0]) <= 4.0

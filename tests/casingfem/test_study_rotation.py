@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from study_texts import written
 
 import casingfem as cf
 from casingfem.study.load import load_study
@@ -15,9 +16,7 @@ HUB = "hub_radius = 0.3\nstagger_deg = 30.0\n"
 
 
 def loaded(tmp_path, text):
-    path = tmp_path / "study.toml"
-    path.write_text(text)
-    return load_study(path)
+    return load_study(written(tmp_path, text))
 
 
 def test_the_blade_of_the_data_turns(tmp_path):
