@@ -13,6 +13,7 @@ from casingfem.experiment.circle.scan import CircleScan, demodulate
 from casingfem.experiment.correlation.correlate import Correlation, correlate
 from casingfem.experiment.correlation.correlation import Pairing, mac, pair, subspace_mac
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.correlation.shape_files import identified_shapes, read_shapes
 from casingfem.experiment.frf.frf_set import FrfError, FrfSet
 from casingfem.experiment.identify.ema_poles import MissingExtraError
 from casingfem.experiment.identify.identification import identify
@@ -164,6 +165,7 @@ __all__ = [
     "campbell",
     "correlate",
     "demodulate",
+    "identified_shapes",
     "identify",
     "interactions",
     "laplace",
@@ -174,6 +176,7 @@ __all__ = [
     "modes",
     "pair",
     "read_mesh",
+    "read_shapes",
     "read_uff",
     "reduce",
     "rig_of",

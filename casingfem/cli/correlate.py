@@ -25,18 +25,19 @@ SHAPES = click.argument("shapes", metavar="SHAPES", type=click.Path(path_type=Pa
               help="Largest relative frequency error of a pair.")  # fmt: skip
 @options
 def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, out: Path | None) -> None:
-    """Correlate the mode shapes of SHAPES (universal file, sets 55) with the modes of STUDY.
+    """Correlate the mode shapes of SHAPES with the modes of STUDY.
 
-    Sensors stand at the points of the file, which must lie on the wall.
+    SHAPES is a universal file with sets 55, or identified.npz of `casingfem identify --out`. Sensors stand at the
+    points of the file, which must lie on the wall.
     """
     from casingfem.experiment.correlation.correlate import correlate as compare
-    from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+    from casingfem.experiment.correlation.shape_files import read_shapes
     from casingfem.modal.modes import modes
     from casingfem.structure.assembly import assemble
     from casingfem.study import load_study
 
     study = load_study(file)
-    measured = MeasuredShapes.from_uff(shapes)
+    measured = read_shapes(shapes)
     with Working(f"modes of {file.name}") as working:
         system = assemble(study.shell)
         count = study.file.modes.wanted.get("count") or 40

@@ -17,14 +17,15 @@ if TYPE_CHECKING:
 @click.option("--band", type=(float, float), metavar="FROM TO", default=None, help="Frequencies [Hz]; all if left out.")
 @click.option(
     "--angles", "angles_file", type=click.Path(path_type=Path), metavar="CSV",
-    help="Angles of the points on the sensors' circle: point,angle_deg. From the geometry of a universal file if"
-    " left out.",
+    help="Angles of the points on the sensors' circle: point,angle_deg; with radius_m,z_m their places too. From the"
+    " geometry of a universal file if left out.",
 )  # fmt: skip
 @click.option(
     "--form", type=click.Choice(("receptance", "mobility", "accelerance")), default=None,
     help="What the responses are; from their unit if left out.",
 )  # fmt: skip
 @click.option("--order", type=click.IntRange(2, 200), default=None, help="Largest model order.")
+@click.option("--open", "open_part", is_flag=True, help="A blade or plate: no n; directions 1, 2, 3 are x, y, z.")
 @click.option("--n-max", type=click.IntRange(0, 200), default=None, help="Largest nodal diameter.")
 @options
 def identify(
@@ -34,21 +35,30 @@ def identify(
     form: str | None,
     order: int | None,
     n_max: int | None,
+    open_part: bool,
     as_json: bool,
     out: Path | None,
 ) -> None:
     """Modes of the frequency responses FRFS (.uff, .npz, .h5, .csv): frequency, damping, nodal diameters, angle.
 
     The poles are chosen without a hand; pairs that cannot be told apart are said to be so. DIR gets the frequency
-    table for `casingfem update`, the stabilisation diagram and the fitted responses.
+    table and the shapes (identified.csv, identified.npz) for `casingfem update`, `correlate` and `locate`, the
+    stabilisation diagram and the fitted responses.
     """
-    from casingfem.experiment.frf.files import file_angles, read_angles, read_frfs
+    from casingfem.experiment.frf.files import file_places, read_frfs, read_places
+    from casingfem.experiment.frf.sensor_grid import angles_of
     from casingfem.experiment.identify.identification import identify as find
 
+    if open_part and angles_file is not None:
+        raise click.UsageError("--open is for parts without a circle of sensors: leave out --angles")
     frfs = read_frfs(file)
-    angles = read_angles(angles_file) if angles_file else file_angles(file)
+    if angles_file is None:
+        places = file_places(file)
+        angles = None if places is None or open_part else angles_of(places)
+    else:
+        angles, places = read_places(angles_file)
     with Working(f"modes in {file.name}") as working:
-        found = find(frfs, angles=angles, band=band, form=form, order=order, n_max=n_max)
+        found = find(frfs, angles=angles, places=places, band=band, form=form, order=order, n_max=n_max)
     document = {
         "modes": found.records(),
         "notes": list(found.notes),
@@ -72,6 +82,7 @@ def result_files(found: "Identified", document: dict[str, Any]) -> dict[str, Con
     if len(found):
         table = found.table([f"source: {document['source']}"])
         files["identified.csv"] = table.to_csv
+        files["identified.npz"] = lambda path: found.save(path, responses=False)
     for name, figure in (("stabilisation", figure_stabilisation(found)), ("responses", figure_responses(found))):
         files[f"{name}.png"] = lambda path, figure=figure: figure.savefig(  # type: ignore[misc]
             path, format="png", dpi=150, metadata={"Software": None}

@@ -21,8 +21,8 @@ from casingfem.outfiles import Content, json_text
 @click.option("--most", type=click.IntRange(1, 12), default=4, show_default=True, help="Largest number of places.")
 @click.option("--model-error", type=click.FloatRange(0.0, 0.5), default=0.0, show_default=True,
               help="What the model may be off by, relative; without a baseline the size of its splits.")  # fmt: skip
-@click.option("--shapes", type=click.Path(path_type=Path), metavar="UFF",
-              help="Mode shapes measured with TABLE: they tell a bolt from the opposite one.")  # fmt: skip
+@click.option("--shapes", type=click.Path(path_type=Path), metavar="FILE",
+              help="Mode shapes measured with TABLE, as correlate takes them; tell opposite bolts apart.")  # fmt: skip
 @options
 def locate(
     file: Path,
@@ -37,7 +37,7 @@ def locate(
     out: Path | None,
 ) -> None:
     """Find loose bolts or added masses of STUDY from a frequency TABLE with nodal diameters and orientations."""
-    from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+    from casingfem.experiment.correlation.shape_files import read_shapes
     from casingfem.experiment.measurement import FrequencyTable
     from casingfem.plot.locate import figure_located
     from casingfem.study import load_study
@@ -48,7 +48,7 @@ def locate(
     study = load_study(file)
     now = FrequencyTable.from_csv(table)
     before = None if baseline is None else FrequencyTable.from_csv(baseline)
-    seen = None if shapes is None else MeasuredShapes.from_uff(shapes)
+    seen = None if shapes is None else read_shapes(shapes)
     if seen is not None and among != "bolts":
         raise click.UsageError("--shapes judges loose bolts, not masses")
     with Working(f"search among {among} of {file.name}") as working:

@@ -52,6 +52,9 @@ def test_a_universal_file_gives_table_pictures_and_a_document(uff, tmp_path):
     table = cf.FrequencyTable.from_csv(tmp_path / "out" / "identified.csv")
     assert table.n.tolist() == [3, 3, 0]
     assert table.angle_deg[0] == pytest.approx(np.degrees(0.1), abs=0.5)
+    shapes = cf.read_shapes(tmp_path / "out" / "identified.npz")
+    np.testing.assert_allclose(np.hypot(*shapes.points[:, :2].T), 0.5)  # at the nodes of the file
+    np.testing.assert_allclose(shapes.freq_hz, table.freq_hz)
     for name in ("stabilisation.png", "responses.png"):
         assert (tmp_path / "out" / name).read_bytes()[:4] == b"\x89PNG"
 
@@ -61,6 +64,23 @@ def test_npz_with_angles_and_a_band(frfs, tmp_path):
     angles.write_text("point,angle_deg\n" + "".join(f"{k + 1},{np.degrees(a)}\n" for k, a in enumerate(THETA)))
     result = invoke(path, "--angles", angles, "--band", 190, 215, "--json")
     assert [mode["n"] for mode in json.loads(result.stdout)["modes"]] == [3, 3]
+
+
+def test_a_table_of_sensors_places_the_shapes(frfs, tmp_path):
+    path, sensors = frfs.save(tmp_path / "frfs.npz"), tmp_path / "sensors.csv"
+    rows = (f"{k + 1},{np.degrees(a)},0.5,0.2\n" for k, a in enumerate(THETA))
+    sensors.write_text("point,angle_deg,radius_m,z_m\n" + "".join(rows))
+    assert invoke(path, "--angles", sensors, "--band", 190, 215, "--out", tmp_path).exit_code == 0
+    places = cf.Identified.load(tmp_path / "identified.npz").sensors.places
+    np.testing.assert_allclose(places, np.column_stack([0.5 * np.cos(THETA), 0.5 * np.sin(THETA), np.full(12, 0.2)]))
+
+
+def test_an_open_part_has_no_n(uff, tmp_path):
+    result = invoke(uff, "--open", "--json", "--out", tmp_path)
+    assert [mode["n"] for mode in json.loads(result.stdout)["modes"]] == [None, None, None]
+    np.testing.assert_array_equal(np.abs(cf.read_shapes(tmp_path / "identified.npz").directions[0]), [1.0, 0.0, 0.0])
+    (tmp_path / "angles.csv").write_text("point,angle_deg\n1,0\n")
+    assert "--open is for parts" in invoke(uff, "--open", "--angles", tmp_path / "angles.csv").stderr
 
 
 def test_without_angles_modes_have_no_n(frfs, tmp_path):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,6 +38,10 @@ class MeasuredShapes:
         Position [m] and unit vector of every channel, (channels, 3).
     labels
         Number of every channel's point, (channels,): channels of one sensor share it.
+    sigma
+        Noise of each shape, rms over the shape's own rms; nan where the test does not say, (modes,).
+    n
+        Nodal diameters, -1 where the test does not say, (modes,).
     path
         Where it was read from.
 
@@ -60,12 +64,20 @@ class MeasuredShapes:
     points: FloatArray
     directions: FloatArray
     labels: IntArray
+    sigma: FloatArray = field(default_factory=lambda: np.array(np.nan))
+    n: IntArray = field(default_factory=lambda: np.array(-1))
     path: str = "shapes"
 
     def __post_init__(self) -> None:
-        for name in ("freq_hz", "values", "points", "directions", "labels"):
+        for name in ("sigma", "n"):
+            values = getattr(self, name)
+            object.__setattr__(self, name, np.broadcast_to(values, self.freq_hz.shape) if values.ndim == 0 else values)
+        for name in ("freq_hz", "values", "points", "directions", "labels", "sigma", "n"):
             object.__setattr__(self, name, frozen(np.array(getattr(self, name))))
         channels, modes = len(self.labels), len(self.freq_hz)
+        if self.sigma.shape != (modes,) or self.n.shape != (modes,) or np.any(self.sigma <= 0.0):
+            found = f"sigma {self.sigma.tolist()} and n {self.n.tolist()}"
+            raise self.error(found, f"a sigma above 0, or nan, and an n, or -1, for each of {modes} modes")
         if self.values.shape != (channels, modes) or not channels or not modes:
             found = f"values {self.values.shape} of {modes} modes and {channels} channels"
             raise self.error(found, "values (channels, modes), one of each at least")
@@ -94,6 +106,8 @@ class MeasuredShapes:
         points: ArrayLike,
         directions: ArrayLike,
         labels: ArrayLike | None = None,
+        sigma: ArrayLike = np.nan,
+        n: ArrayLike = -1,
         path: str = "shapes",
     ) -> MeasuredShapes:
         """Build from arrays in any order of frequency; directions are normalised, channels numbered if not labelled."""
@@ -111,6 +125,8 @@ class MeasuredShapes:
             points=np.asarray(points, float),
             directions=towards / lengths,
             labels=np.arange(1, len(shapes) + 1) if labels is None else np.asarray(labels),
+            sigma=np.broadcast_to(np.asarray(sigma, float), freq.shape)[order],
+            n=np.broadcast_to(np.asarray(n, np.int64), freq.shape)[order],
             path=path,
         )
 

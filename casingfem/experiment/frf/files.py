@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from casingfem.arrays import FloatArray
 from casingfem.experiment.frf.frf_set import FrfError, FrfSet
 from casingfem.experiment.frf.hdf5 import read_hdf5
-from casingfem.experiment.frf.sensor_grid import node_angles
 from casingfem.experiment.uff.read import read_uff
 from casingfem.structure.strict_csv import read
 
@@ -38,18 +38,18 @@ def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
     raise FrfError(str(path), found=f"ending {ending!r}", expected=f"one of {KINDS}")
 
 
-def file_angles(path: str | os.PathLike[str]) -> dict[int, float] | None:
-    """Angles about z [deg] of the nodes of a universal file, by label; None without geometry off the axis."""
+def file_places(path: str | os.PathLike[str]) -> dict[int, FloatArray] | None:
+    """Positions [m] of the nodes of a universal file, by label; None without geometry off the axis."""
     if Path(path).suffix.lower() not in UNIVERSAL:
         return None
     nodes = read_uff(path).nodes
     if nodes is None or not np.any(np.hypot(nodes.points[:, 0], nodes.points[:, 1]) > 0.0):
         return None
-    return node_angles(nodes)
+    return dict(zip(nodes.labels.tolist(), nodes.points, strict=True))
 
 
-def read_angles(path: str | os.PathLike[str]) -> dict[int, float]:
-    """Angles [deg] by point, from a csv with the columns point, angle_deg.
+def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[int, FloatArray] | None]:
+    """Angles [deg] and positions [m] by point, from a csv: point, angle_deg and, for positions, radius_m and z_m.
 
     Raises
     ------
@@ -57,10 +57,16 @@ def read_angles(path: str | os.PathLike[str]) -> dict[int, float]:
         Other columns, a point twice, cells that are no numbers.
     """
     csv = read(path, FrfError)
-    if set(csv.header) != {"point", "angle_deg"}:
-        raise csv.error(csv.path, line=csv.header_line, found=",".join(csv.header), expected="point,angle_deg")
-    points, angles = csv.integers("point").tolist(), csv.numbers("angle_deg").tolist()
+    if set(csv.header) not in ({"point", "angle_deg"}, {"point", "angle_deg", "radius_m", "z_m"}):
+        expected = "point,angle_deg, or point,angle_deg,radius_m,z_m"
+        raise csv.error(csv.path, line=csv.header_line, found=",".join(csv.header), expected=expected)
+    points, angles = csv.integers("point").tolist(), csv.numbers("angle_deg")
     for row, point in enumerate(points):
         if point in points[:row]:
             raise csv.refuse(row=row, column="point", found=f"{point} again", expected="each point once")
-    return dict(zip(points, angles, strict=True))
+    by_point = dict(zip(points, angles.tolist(), strict=True))
+    if "z_m" not in csv.header:
+        return by_point, None
+    radius, theta = csv.numbers("radius_m"), np.radians(angles)
+    places = np.column_stack([radius * np.cos(theta), radius * np.sin(theta), csv.numbers("z_m")])
+    return by_point, dict(zip(points, places, strict=True))

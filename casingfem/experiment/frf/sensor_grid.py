@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from casingfem.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.experiment.frf.frf_set import FrfError, FrfSet
-from casingfem.experiment.uff.nodes import Nodes
 
 FORMS = {"receptance": 0, "mobility": 1, "accelerance": 2}
 _ACCELERATION, _VELOCITY, _LENGTH = r"m/s(\^?2|\*\*2|²)|m/sec(\^?2|²)|g", r"m/s(ec)?", r"m|mm|um|µm"
@@ -20,7 +20,8 @@ _ACCELERATION, _VELOCITY, _LENGTH = r"m/s(\^?2|\*\*2|²)|m/sec(\^?2|²)|g", r"m/
 class SensorGrid:
     """Sensors (point, direction, angle [rad], nan where unknown) and the channel of each sensor and reference.
 
-    `channels` (sensors, references) index the set; `references` (references, 2) are points and directions.
+    `channels` (sensors, references) index the set; `references` (references, 2) are points and directions. `places`
+    (sensors, 3) are positions [m], nan where nobody said.
     """
 
     points: IntArray
@@ -28,9 +29,10 @@ class SensorGrid:
     theta: FloatArray
     references: IntArray
     channels: IntArray
+    places: FloatArray
 
     def __post_init__(self) -> None:
-        for name in ("points", "directions", "theta", "references", "channels"):
+        for name in ("points", "directions", "theta", "references", "channels", "places"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def __len__(self) -> int:
@@ -38,8 +40,10 @@ class SensorGrid:
         return len(self.points)
 
 
-def sensor_grid(frfs: FrfSet, angles: Mapping[int, float] | None) -> SensorGrid:
-    """Sort the channels of a set; angles [deg] by response point.
+def sensor_grid(
+    frfs: FrfSet, angles: Mapping[int, float] | None, places: Mapping[int, ArrayLike] | None = None
+) -> SensorGrid:
+    """Sort the channels of a set; angles [deg] and positions [m] by response point.
 
     Raises
     ------
@@ -66,13 +70,22 @@ def sensor_grid(frfs: FrfSet, angles: Mapping[int, float] | None) -> SensorGrid:
             if point not in angles:
                 raise FrfError(frfs.path, found=f"no angle for point {point}", expected="an angle of every sensor")
             theta[k] = np.radians(angles[point])
-    return SensorGrid(points=sensors[:, 0], directions=sensors[:, 1], theta=theta, references=bases, channels=channels)
+    nowhere = np.full(3, np.nan)
+    known = {} if places is None else places
+    stands = [np.asarray(known.get(point, nowhere), float) for point in sensors[:, 0].tolist()]
+    return SensorGrid(
+        points=sensors[:, 0],
+        directions=sensors[:, 1],
+        theta=theta,
+        references=bases,
+        channels=channels,
+        places=np.array(stands),
+    )
 
 
-def node_angles(nodes: Nodes) -> dict[int, float]:
-    """Angle about the z axis [deg] of each node of a universal file's geometry, by label."""
-    x, y = nodes.points[:, 0], nodes.points[:, 1]
-    return dict(zip(nodes.labels.tolist(), np.degrees(np.arctan2(y, x)).tolist(), strict=True))
+def angles_of(places: Mapping[int, FloatArray]) -> dict[int, float]:
+    """Angle about the z axis [deg] of each position, by point."""
+    return {point: float(np.degrees(np.arctan2(place[1], place[0]))) for point, place in places.items()}
 
 
 def form_of(frfs: FrfSet, form: str | None) -> int:

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.circle.orientation import Circle
@@ -33,6 +34,7 @@ def identify(
     frfs: FrfSet,
     *,
     angles: Mapping[int, float] | None = None,
+    places: Mapping[int, ArrayLike] | None = None,
     band: tuple[float, float] | None = None,
     form: str | None = None,
     order: int | None = None,
@@ -46,6 +48,8 @@ def identify(
         Responses of every sensor to one or more references, over evenly spaced lines.
     angles
         Angle [deg] of each response point on the sensors' circle; without them modes have no n and no orientation.
+    places
+        Position [m] of each response point: the shapes can then be put on a model's wall.
     band
         Frequencies [Hz] from, to; all lines if None.
     form
@@ -72,7 +76,7 @@ def identify(
     ([100.0], [0.004], [2])
     """
     started = time.perf_counter()
-    grid = sensor_grid(frfs, angles)
+    grid = sensor_grid(frfs, angles, places)
     freq, H = _lines(frfs, band)
     noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
     data = Responses(freq, H, noise, form_of(frfs, form))

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from casingfem.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.experiment.frf.sensor_grid import SensorGrid
+from casingfem.experiment.identify.identified_file import read_fields, write_fields
 from casingfem.experiment.identify.stabilisation import Stabilisation
 from casingfem.experiment.measurement import FrequencyTable
 
@@ -123,6 +126,31 @@ class Identified:
             path="identified",
         )
 
+    def save(self, path: str | os.PathLike[str], *, responses: bool = True) -> Path:
+        """Write an npz file of plain arrays, whole or not at all; `load` reads it.
+
+        Without `responses` the measured and fitted ones and the diagram stay out: modes, shapes, sensors and notes.
+        """
+        kept = self if responses else self.bare()
+        return write_fields(path, {field.name: getattr(kept, field.name) for field in fields(kept)})
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Identified:
+        """Read what `save` wrote, without pickle.
+
+        Raises
+        ------
+        FrfError
+            Another file, arrays that are missing or do not belong together, shapes that are not finite.
+        """
+        return cls(**read_fields(path, {field.name for field in fields(cls)}))
+
+    def bare(self) -> Identified:
+        """The same modes without responses and diagram."""
+        nothing, few = np.zeros(0), np.zeros((len(self.measured), 0), complex)
+        empty = Stabilisation(freq=nothing, zeta=nothing, order=nothing.astype(int), stable=nothing.astype(bool))
+        return replace(self, lines=nothing, fitted=few, measured=few, diagram=empty)
+
     def records(self) -> list[dict[str, Any]]:
         """One plain dictionary a mode, numbers nan where they mean nothing."""
         return [
@@ -147,8 +175,9 @@ class Identified:
 
     def __repr__(self) -> str:
         pairs = f", {len(self.doublets)} doublets" if self.doublets else ""
+        left = f", deviation {100.0 * self.deviation:.2g} %" if len(self.lines) else ", without responses"
         lines = [
-            f"Identified({len(self)} modes{pairs}, deviation {100.0 * self.deviation:.2g} %)",
+            f"Identified({len(self)} modes{pairs}{left})",
             f"{'mode':>4} {'freq [Hz]':>11} {'+-':>7} {'zeta [%]':>9} {'+-':>7} {'n':>3} {'pure':>5}"
             f" {'angle [deg]':>11} {'+-':>6} {'pair':>4}",
         ]

@@ -1,0 +1,95 @@
+"""The file of identified modes: an npz of plain arrays, the sensors' and the diagram's under names with a dot."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from casingfem.arrays import Array
+from casingfem.experiment.frf.frf_set import FrfError
+from casingfem.experiment.frf.sensor_grid import SensorGrid
+from casingfem.experiment.identify.stabilisation import Stabilisation
+from casingfem.outfiles import write_atomic
+
+WANTED = "what Identified.save or `casingfem identify --out` wrote"
+PARTS: dict[str, Any] = {"sensors": SensorGrid, "diagram": Stabilisation}
+TEXTS = ("notes", "card")
+BY_MODE = ("freq", "sigma_freq", "zeta", "sigma_zeta", "n", "purity", "angle_deg", "sigma_angle", "residue_scale",
+           "collinearity", "signal", "split_bound")  # fmt: skip
+
+
+def write_fields(path: str | os.PathLike[str], values: Mapping[str, Any]) -> Path:
+    """Write the fields of an `Identified`, whole or not at all."""
+    arrays: dict[str, Array] = {}
+    for name, value in values.items():
+        if name in PARTS:
+            arrays |= {f"{name}.{field.name}": getattr(value, field.name) for field in fields(value)}
+        else:
+            arrays[name] = np.asarray(value, dtype=np.str_) if name in TEXTS else np.asarray(value)
+
+    def store(part: Path) -> None:
+        with part.open("wb") as stream:
+            np.savez_compressed(stream, allow_pickle=False, **arrays)
+
+    return write_atomic(Path(path), store)
+
+
+def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]:
+    """The fields of an `Identified` from a file.
+
+    Raises
+    ------
+    FrfError
+        Another file, arrays that are missing or do not belong together, numbers that are not finite.
+    OSError
+        No such file.
+    """
+    inner = {f"{name}.{field.name}" for name, part in PARTS.items() for field in fields(part)}
+    try:
+        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
+            stored = {name: archive[name] for name in archive.files}
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError, EOFError, AttributeError, BadZipFile) as error:
+        raise FrfError(str(path), found=f"no readable npz file ({error})", expected=WANTED) from error
+    missing = (names - PARTS.keys()) | inner
+    missing -= stored.keys()
+    if missing:
+        raise FrfError(str(path), found=f"an npz without {min(missing)!r}", expected=WANTED)
+    check(stored, str(path))
+    values: dict[str, Any] = {name: stored[name] for name in names - PARTS.keys()}
+    for name, part in PARTS.items():
+        values[name] = part(**{field.name: stored[f"{name}.{field.name}"] for field in fields(part)})
+    pairs = stored["doublets"].astype(int).reshape(-1, 2).tolist()
+    return values | {
+        "doublets": tuple((low, high) for low, high in pairs),
+        "unresolved": tuple(stored["unresolved"].astype(int).tolist()),
+        "notes": tuple(stored["notes"].tolist()),
+        "card": tuple(stored["card"].tolist()),
+        "seconds": float(stored["seconds"]),
+    }
+
+
+def check(stored: Mapping[str, Array], path: str) -> None:
+    """Refuse arrays that do not belong together, and numbers that no identification gives."""
+    modes, sensors = stored["freq"].size, stored["sensors.points"].size
+    shapes: dict[str, tuple[int, ...]] = {name: (modes,) for name in BY_MODE}
+    shapes |= {name: (sensors, modes) for name in ("shapes", "sigma_shapes")} | {"sensors.places": (sensors, 3)}
+    shapes |= {f"sensors.{name}": (sensors,) for name in ("points", "theta", "directions")}
+    for name, shape in shapes.items():
+        if stored[name].shape != shape:
+            expected = f"{shape} for {modes} modes at {sensors} sensors"
+            raise FrfError(path, found=f"{name} of shape {stored[name].shape}", expected=expected)
+    for name in ("freq", "sigma_freq", "zeta", "shapes", "sigma_shapes"):
+        if not np.all(np.isfinite(stored[name])):
+            raise FrfError(path, found=f"{name} with nan or infinity", expected="finite numbers")
+    at = np.concatenate([stored["doublets"].ravel(), stored["unresolved"].ravel()]).astype(int)
+    if at.size and not (at.min() >= 0 and at.max() < modes):
+        wrong = int(at[(at < 0) | (at >= modes)][0])
+        raise FrfError(path, found=f"mode {wrong + 1} in a pair", expected=f"modes 1 to {modes}")
