@@ -6,6 +6,8 @@ The rig's casing before and after updating, against its SYNTHETIC frequency tabl
 from pathlib import Path
 
 import casingfem as cf
+from casingfem.outfiles import write_atomic
+from casingfem.plot.style import png
 from casingfem.plot.update import Paired, figure_comparison
 from casingfem.study import load_study, perfect
 from casingfem.study.tasks import run_update
@@ -24,7 +26,7 @@ def main() -> None:
         "updated": Paired(fit.after, fit.pairing),
     }
     path = HERE / "casing.png"
-    figure_comparison(fit.table, models).savefig(path, dpi=120, metadata={"Software": None})
+    write_atomic(path, png(figure_comparison(fit.table, models), dpi=120))
     print(f"wrote {path}")
 
 

@@ -15,6 +15,7 @@ import contact as ct
 from casingfem.arrays import FloatArray, IntArray
 from casingfem.outfiles import write_atomic
 from casingfem.plot.interaction import figure_growth
+from casingfem.plot.style import png
 from contact.model.bladed_disk import two_dimensional
 from contact.model.permanent import disk_contact, rub_contact
 from contact.stability import growth
@@ -91,7 +92,7 @@ def two_modes_each(n_values: tuple[int, ...], spread: FloatArray, out: Path) -> 
         )  # fmt: skip
         if n == n_values[-1]:
             figure = figure_growth(found.speed_hz, growth(contact, found.speed_hz), speed, rates, free)
-            write_atomic(out / "bladed_disk.png", lambda path, figure=figure: figure.savefig(path, format="png"))
+            write_atomic(out / "bladed_disk.png", png(figure))
     return rows
 
 

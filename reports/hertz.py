@@ -21,7 +21,8 @@ from skfem.models.poisson import mass
 
 import contact as ct
 from casingfem.arrays import FloatArray
-from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
+from casingfem.outfiles import write_atomic
+from casingfem.plot.style import AFTER, BEFORE, new_figure, png, styled
 from reports.tables import Row, command_line, show, write
 
 RADIUS, E, NU, RHO, LOAD = 0.05, 210e9, 0.3, 7800.0, 2e6  # m, Pa, -, kg/m^3, N/m
@@ -131,7 +132,7 @@ def picture(x: FloatArray, pressure: FloatArray, path: Path) -> None:
     axes.plot(x, pressure, "o", ms=3.5, color=AFTER, label="nodal forces over their width")
     axes.set(xlabel="x/a", ylabel="pressure / p0", title="A disc on rigid ground")
     axes.legend(loc="lower center")
-    figure.savefig(path, dpi=150, metadata={"Software": None})
+    write_atomic(path, png(figure))
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:

@@ -117,6 +117,7 @@ def peaks() -> list[Row]:
 def main(out: Path, quick: bool = False) -> list[Row]:
     """Print the tables, write them and two pictures."""
     from casingfem.plot.interaction import figure_campbell, figure_zzenf
+    from casingfem.plot.style import png
 
     show("Peak growth of closed contact", peaks())
     show("B6 with 1e-3 of damping: friction and lean", friction())
@@ -129,8 +130,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     print(f"\n{found!r}")
     write(out / "interaction.csv", rows)
     for name, figure in (("campbell", figure_campbell(found, [120.0])), ("safe", figure_zzenf(found, [120.0], 60.0))):
-        with_png = out / f"interaction_{name}.png"
-        write_atomic(with_png, lambda path, figure=figure: figure.savefig(path, format="png"))
+        write_atomic(out / f"interaction_{name}.png", png(figure))
     return rows
 
 

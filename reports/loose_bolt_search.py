@@ -14,6 +14,7 @@ solutions.
 
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -120,8 +121,11 @@ def draws_of(truth: Truth, noise: float, baseline: bool, draws: int) -> Row:
         before = tested(true_modes(truth, {}), noise, rng)
         now = tested(true_modes(truth, dict.fromkeys(true, LOOSE)), noise, rng)
         model = model or search_model(shell, now)
-        options = {"baseline": before} if baseline else {"model_error": UNKNOWN}
-        found = locate(shell, now, model=model, angle_sigma=PHASE, **options)  # type: ignore[arg-type]
+        compared = partial(
+            locate, shell, baseline=before if baseline else None, model_error=0.0 if baseline else UNKNOWN,
+            model=model, angle_sigma=PHASE,
+        )  # fmt: skip
+        found = compared(now)
         hit = common(found.best, true)
         pairs += hit == 2 and len(found.found) == 2
         ones += hit == 1
@@ -131,7 +135,7 @@ def draws_of(truth: Truth, noise: float, baseline: bool, draws: int) -> Row:
         if hit == 2:
             errors += [one.value / LOOSE - 1.0 for one in found.found if one.place in true | turned(true)]
         tight = tested(true_modes(truth, {}), noise, rng)
-        alarms += bool(locate(shell, tight, model=model, angle_sigma=PHASE, **options).found)  # type: ignore[arg-type]
+        alarms += bool(compared(tight).found)
     return {
         "noise %": 100.0 * noise,
         "baseline": "measured" if baseline else "none",

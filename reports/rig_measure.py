@@ -11,7 +11,9 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.experiment.rig.files import rig_angles, write_rig_uff
+from casingfem.outfiles import write_atomic
 from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
+from casingfem.plot.style import png
 from casingfem.study.rig import RigTest
 from reports.rig_bench import BLADE_MODES, ORDERS, SEED, blade_test, casing_test, pair_from_scan, scan_at
 from reports.rig_predict import blade_model, casing_models, predict, rms, with_repeatability
@@ -154,7 +156,7 @@ def pictures(out: Path, test: RigTest, found: cf.Identified) -> None:
         ),
     }
     for name, figure in figures.items():
-        figure.savefig(out / name, dpi=150, metadata={"Software": None})
+        write_atomic(out / name, png(figure))
 
 
 def blade_chain() -> tuple[list[Row], Row, Row]:

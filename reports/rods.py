@@ -11,6 +11,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 import contact as ct
+from casingfem.outfiles import write_atomic
+from casingfem.plot.style import png
 from reports.contact_cases import Case, Method, errors, run, two_rods_case
 from reports.tables import Row, command_line, show, write
 
@@ -68,7 +70,7 @@ def picture(case: Case, drawn: dict[str, ct.Result], path: Path) -> None:
     axes[0].set(ylabel="force / exact force", ylim=(-0.1, 2.2))
     axes[1].set(ylabel="end of the first rod [in]", xlabel="time [µs]")
     axes[0].legend(fontsize=8)
-    figure.savefig(path, dpi=150)
+    write_atomic(path, png(figure))
     plt.close(figure)
 
 

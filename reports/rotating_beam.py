@@ -14,7 +14,8 @@ import numpy as np
 
 import contact as ct
 from casingfem.arrays import FloatArray
-from casingfem.plot.style import AFTER, BEFORE, GREEN, new_figure, styled
+from casingfem.outfiles import write_atomic
+from casingfem.plot.style import AFTER, BEFORE, GREEN, new_figure, png, styled
 from contact.record import samples
 from contact.scheme.beam_implicit import ImplicitBeamStepper
 from contact.scheme.beam_stepper import BeamStepper
@@ -171,7 +172,7 @@ def picture(found: Run, path: Path) -> None:
     axes[3].plot(t, scene.beam.torque * nodes[:, 0, 2], color="black", lw=0.9, ls="--", label="work of the torque")
     axes[3].set(ylabel="energy [J]", xlabel="time [ms]")
     axes[3].legend(loc="center left", fontsize=8)
-    figure.savefig(path, dpi=150, metadata={"Software": None})
+    write_atomic(path, png(figure))
 
 
 def energies(found: Run) -> tuple[FloatArray, FloatArray]:

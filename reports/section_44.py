@@ -15,6 +15,7 @@ import contact as ct
 from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.outfiles import write_atomic
 from casingfem.plot.contact import figure_levels
+from casingfem.plot.style import png
 from contact.stability import growth
 from reports.bases import casing, steel_strip
 from reports.rim_levels import excess_db, level_history, rim_levels
@@ -64,7 +65,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     if not quick:
         show(f"The same [dB] by the advance of the blade; {len(base.omega)} modes", by_advance(folder))
     print(f"\n{ASSUMED}")
-    write_atomic(folder / "levels.png", lambda path: figure_levels(histories, N).savefig(path, format="png"))
+    write_atomic(folder / "levels.png", png(figure_levels(histories, N)))
     return rows
 
 

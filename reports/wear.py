@@ -10,6 +10,7 @@ from pathlib import Path
 
 import contact as ct
 from casingfem.outfiles import write_atomic
+from casingfem.plot.style import png
 from casingfem.plot.wear import figure_wear
 from reports.rim_levels import level_history
 from reports.section_44 import N_MAX, RECORD, N, make_blades, make_casing, rim_of
@@ -32,8 +33,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         result = ct.run(scene, t_end=1.0 if quick else None, record=RECORD)
         rows.append({"coating": name.replace("_", " "), **told(body, result)})
         if result.wear is not None and result.wear.volume > 0.0:
-            wear = result.wear
-            write_atomic(folder / f"{name}.png", lambda path, wear=wear: figure_wear(wear).savefig(path, format="png"))
+            write_atomic(folder / f"{name}.png", png(figure_wear(result.wear)))
     show("Five turns a second, with the defect", rows)
     write(out / "wear.csv", rows)
     show("Worn volume [mm^3] by step, bars and modes", refined(folder, quick))

@@ -13,6 +13,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import contact as ct
+from casingfem.outfiles import write_atomic
+from casingfem.plot.style import png
 from reports.contact_cases import Case, cases, errors, methods, run, spring
 from reports.tables import Row, command_line, show, write
 
@@ -65,7 +67,7 @@ def picture(rows: list[Row], scenes: list[str], path: Path) -> None:
             axis.loglog([row["seconds"] for row in line], [row["force L1"] for row in line], "o-", ms=3, label=name)
         axis.set(title=scene, xlabel="seconds", ylabel="force L1 error")
     np.ravel(axes)[0].legend(fontsize=5, ncols=2)
-    figure.savefig(path, dpi=150)
+    write_atomic(path, png(figure))
     plt.close(figure)
 
 

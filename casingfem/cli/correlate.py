@@ -51,11 +51,10 @@ def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, 
 def result_files(result: "Correlation", document: dict[str, object]) -> dict[str, Content]:
     """The document and the pictures."""
     from casingfem.plot.correlation import figure_comac, figure_mac
+    from casingfem.plot.style import png
 
-    pictures = {"mac.png": figure_mac(result), "comac.png": figure_comac(result)}
-    files: dict[str, Content] = {"correlation.json": json_text(document, indent=1)}
-    for name, figure in pictures.items():
-        files[name] = lambda path, figure=figure: figure.savefig(  # type: ignore[misc]
-            path, format="png", dpi=150, metadata={"Software": None}
-        )
-    return files
+    return {
+        "correlation.json": json_text(document, indent=1),
+        "mac.png": png(figure_mac(result)),
+        "comac.png": png(figure_comac(result)),
+    }

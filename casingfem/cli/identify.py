@@ -77,6 +77,7 @@ def identify(
 def result_files(found: "Identified", document: dict[str, Any]) -> dict[str, Content]:
     """The table, the pictures and the document."""
     from casingfem.plot.identify import figure_responses, figure_stabilisation
+    from casingfem.plot.style import png
 
     files: dict[str, Content] = {"identified.json": json_text(document, indent=1)}
     if len(found):
@@ -84,7 +85,5 @@ def result_files(found: "Identified", document: dict[str, Any]) -> dict[str, Con
         files["identified.csv"] = table.to_csv
         files["identified.npz"] = lambda path: found.save(path, responses=False)
     for name, figure in (("stabilisation", figure_stabilisation(found)), ("responses", figure_responses(found))):
-        files[f"{name}.png"] = lambda path, figure=figure: figure.savefig(  # type: ignore[misc]
-            path, format="png", dpi=150, metadata={"Software": None}
-        )
+        files[f"{name}.png"] = png(figure)
     return files

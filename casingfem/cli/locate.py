@@ -40,6 +40,7 @@ def locate(
     from casingfem.experiment.correlation.shape_files import read_shapes
     from casingfem.experiment.measurement import FrequencyTable
     from casingfem.plot.locate import figure_located
+    from casingfem.plot.style import png
     from casingfem.study import load_study
     from casingfem.updating.localisation import locate as find
     from casingfem.updating.localisation import search_model
@@ -65,9 +66,8 @@ def locate(
     text = "\n".join([repr(found), *(["by the measured shapes, the likeliest first:"] if lines else []), *lines])
     files: dict[str, Content] = {}
     if out is not None:
-        figure = figure_located(found)
         files = {
             "located.json": json_text(document, indent=1),
-            "located.png": lambda path: figure.savefig(path, format="png", dpi=150, metadata={"Software": None}),
+            "located.png": png(figure_located(found)),
         }
     deliver(document, text, as_json=as_json, out=out, files=files)

@@ -67,6 +67,7 @@ def words(run: "MistuneRun") -> str:
 def result_files(found: "Mistuning", document: dict[str, Any]) -> dict[str, Content]:
     """The draws, the summary, the picture and the document."""
     from casingfem.plot.mistune import figure_splits
+    from casingfem.plot.style import png
 
     source = document["source"]
     versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())
@@ -76,10 +77,9 @@ def result_files(found: "Mistuning", document: dict[str, Any]) -> dict[str, Cont
     lines = [",".join("" if cell != cell else str(cell) for cell in row) for row in rows]
     summary = document["doublets"]
     short = [",".join("" if cell is None else str(cell) for cell in row.values()) for row in summary]
-    figure = figure_splits(found)
     return {
         "mistune.csv": "\n".join([*card, "draw,n,m,freq_hz,split_rel,angle_deg", *lines]) + "\n",
         "mistune_summary.csv": "\n".join([*card, ",".join(summary[0]) if summary else "n,m", *short]) + "\n",
         "mistune.json": json_text(document, indent=1),
-        "mistune.png": lambda path: figure.savefig(path, format="png", dpi=150, metadata={"Software": None}),
+        "mistune.png": png(figure_splits(found)),
     }

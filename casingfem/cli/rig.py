@@ -1,5 +1,6 @@
 """The command rig: the virtual test rig of a study, and what it measures."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,16 +64,17 @@ def result_files(test: "RigTest", document: dict[str, Any]) -> dict[str, Content
     """Records, truth, document and pictures."""
     from casingfem.experiment.rig.files import write_rig_uff
     from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
+    from casingfem.plot.style import png
 
     files: dict[str, Content] = {"rig.json": json_text(document, indent=1), "truth.csv": test.truth.to_csv}
     pictures = {}
     if test.frfs is not None:
         frfs = test.frfs
-        files["frfs.uff"] = lambda path: write_rig_uff(path, test.rig, [frfs])
+        files["frfs.uff"] = partial(write_rig_uff, rig=test.rig, sets=[frfs])
         files["frfs.npz"] = frfs.save
         pictures["frfs.png"] = figure_responses(frfs, marks=test.truth.freq_hz, coherence=test.coherence)
     for name, kept in zip(("responses", "forces"), test.records, strict=False):
-        files[f"{name}.uff"] = lambda path, kept=kept: write_rig_uff(path, test.rig, [kept])  # type: ignore[misc]
+        files[f"{name}.uff"] = partial(write_rig_uff, rig=test.rig, sets=[kept])
     if test.coherence is not None:
         files["coherence.npz"] = test.coherence.save
     if test.scan is not None and test.waves is not None:
@@ -81,8 +83,4 @@ def result_files(test: "RigTest", document: dict[str, Any]) -> dict[str, Content
         largest = [max(range(len(test.waves.n)), key=lambda k: abs(V[k])) for V in test.waves.V]
         shown = [(tone, abs(int(test.waves.n[k]))) for tone, k in enumerate(largest)][:8]
         pictures["deflections.png"] = figure_deflections(test.waves, shown)
-    for name, figure in pictures.items():
-        files[name] = lambda path, figure=figure: figure.savefig(  # type: ignore[misc]
-            path, format="png", dpi=150, metadata={"Software": None}
-        )
-    return files
+    return files | {name: png(figure) for name, figure in pictures.items()}

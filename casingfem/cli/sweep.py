@@ -81,9 +81,9 @@ def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Co
     plan = found.plan
     numbers = [k for k in range(len(plan.keys)) if all(isinstance(run.values[k], int | float) for run in plan.runs)][:2]
     if numbers and len(plan.runs) > 1:
+        from casingfem.plot.style import png
         from casingfem.plot.sweep import figure_sweep
 
         values = np.array([[float(run.values[k]) for k in numbers] for run in plan.runs])
-        figure = figure_sweep([plan.keys[k] for k in numbers], values, found.rows)
-        files["sweep.png"] = lambda path: figure.savefig(path, format="png", dpi=150, metadata={"Software": None})
+        files["sweep.png"] = png(figure_sweep([plan.keys[k] for k in numbers], values, found.rows))
     return files

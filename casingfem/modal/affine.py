@@ -110,7 +110,7 @@ class AffineModel:
     @property
     def changes(self) -> int:
         """Number of changes."""
-        return len(self.stiffness if self.stiffness is not None else self.mass)  # type: ignore[arg-type]
+        return max(len(each) for each in (self.stiffness, self.mass) if each is not None)
 
     def modes(self, x: FloatArray, count: int) -> "AffineModes":
         """Lowest `count` modes after changes x (changes,), labelled."""

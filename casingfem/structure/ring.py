@@ -105,8 +105,9 @@ class Ring:
         match path:
             case ("section", name):
                 return replace(self, section=self.section.with_number(name, value))
-            case ("material", _):
-                return replace(self, material=replace(self.material, **changes))  # type: ignore[type-var]
+            case ("material", _) if self.material is not None:
+                return replace(self, material=replace(self.material, **changes))
         if isinstance(self.support, Numbered):
             return replace(self, support=self.support.with_number(path, value))
-        return replace(self, support=replace(self.support, **changes))  # type: ignore[type-var]
+        held: Any = self.support  # the protocol does not say dataclass; `replace` refuses what is none
+        return replace(self, support=replace(held, **changes))

@@ -95,14 +95,15 @@ def _path(shell: Shell, name: str) -> list[str]:
     return ["support", bolted[0], *parts]
 
 
-def _numbered(shell: Shell, parts: list[str]) -> bool:
-    """Whether a name leads into a support that knows its own numbers."""
-    return parts[0] == "support" and len(parts) > 2 and isinstance(shell.supports.get(parts[1]), Bolts | Ring)
+def _numbered(shell: Shell, parts: list[str]) -> Bolts | Ring | None:
+    """The support that a name leads into, if it knows its own numbers."""
+    support = shell.supports.get(parts[1]) if parts[0] == "support" and len(parts) > 2 else None
+    return support if isinstance(support, Bolts | Ring) else None
 
 
-def _number(shell: Shell, name: str, parts: list[str]) -> Any:
+def _number(support: Bolts | Ring, name: str, parts: list[str]) -> Any:
     try:
-        return shell.supports[parts[1]].number(tuple(parts[2:]))  # type: ignore[union-attr]
+        return support.number(tuple(parts[2:]))
     except KeyError as error:
         raise ParameterError(f"{name!r}: {error.args[0]}") from None
 
@@ -224,8 +225,9 @@ def get_value(shell: Shell, name: str) -> Any:
     parts = _path(shell, name)
     if parts[0] in DEFECTS and len(parts) == 3:
         return _coefficient(name, shell.defects.get(parts[0]), *_harmonic(name, parts[1:]))
-    if _numbered(shell, parts):
-        return _number(shell, name, parts)
+    numbered = _numbered(shell, parts)
+    if numbered is not None:
+        return _number(numbered, name, parts)
     if parts[0] == "support" and len(parts) > 2:
         _, support = _edge(shell, name, parts)
         return _pattern_value(support, name, parts) if parts[3:] else getattr(support, parts[2])
@@ -257,9 +259,10 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
         series = _with_coefficient(name, shell.defects.get(parts[0]), *_harmonic(name, parts[1:]), value)
         defects: dict[str, Any] = {f"{parts[0]}_defect": series}
         return replace(shell, **defects)
-    if _numbered(shell, parts):
+    numbered = _numbered(shell, parts)
+    if numbered is not None:
         try:
-            renewed = shell.supports[parts[1]].with_number(tuple(parts[2:]), value)  # type: ignore[union-attr]
+            renewed = numbered.with_number(tuple(parts[2:]), value)
         except KeyError as error:
             raise ParameterError(f"{name!r}: {error.args[0]}") from None
         return replace(shell, supports={**shell.supports, parts[1]: renewed})

@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 from zipfile import BadZipFile
 
 import numpy as np
@@ -80,8 +80,7 @@ class FrfSet:
 
     def _check(self) -> None:
         """Refuse what does not belong together."""
-        if self.kind not in get_args(Kind):
-            raise FrfError(self.path, found=f"kind {self.kind!r}", expected=" or ".join(get_args(Kind)))
+        _kind(self.kind, self.path)
         channels = self.responses.shape[:1]
         fit = self.responses.ndim == 2 and self.responses.size and self.x.shape == self.responses.shape[1:]
         if not fit or any(getattr(self, name).shape != channels for name in PLACES):
@@ -184,7 +183,7 @@ class FrfSet:
         starts = np.flatnonzero(np.r_[True, np.any(np.diff(places, axis=0) != 0, axis=1)])
         lines = _common_lines(csv, x, starts)
         return cls(
-            kind=kind,  # type: ignore[arg-type]  # checked on entry
+            kind=_kind(kind, csv.path),
             x=x[:lines],
             responses=complete.reshape(len(starts), lines),
             unit=said["unit"],
@@ -220,8 +219,8 @@ class FrfSet:
         if missing:
             raise FrfError(str(path), found=f"no array {min(missing)!r}", expected=", ".join(sorted(wanted)))
         arrays = {name: stored[name] for name in ("x", "responses", *PLACES)}
-        kind, unit, card = str(stored["kind"]), str(stored["unit"]), tuple(stored["card"].tolist())
-        return cls(kind=kind, unit=unit, card=card, path=str(path), **arrays)  # type: ignore[arg-type]
+        kind, unit, card = _kind(str(stored["kind"]), str(path)), str(stored["unit"]), tuple(stored["card"].tolist())
+        return cls(kind=kind, unit=unit, card=card, path=str(path), **arrays)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write an npz file of plain arrays, whole or not at all."""
@@ -264,6 +263,13 @@ class FrfSet:
         unit = "s" if self.kind == "time" else "Hz"
         span = f"{self.x[0]:g} to {self.x[-1]:g} {unit}"
         return f"FrfSet({self.kind}, {count}, {len(self.x)} lines, {span}, {self.unit})"
+
+
+def _kind(word: str, path: str) -> Kind:
+    for kind in _KINDS:
+        if kind == word:
+            return kind
+    raise FrfError(path, found=f"kind {word!r}", expected=" or ".join(_KINDS))
 
 
 def _common_lines(csv: StrictCsv, x: FloatArray, starts: IntArray) -> int:
