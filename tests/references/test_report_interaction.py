@@ -2,7 +2,7 @@
 
 import pytest
 
-from reports import interaction, verify_interaction
+from reports import interaction, interaction_map, verify_interaction
 
 
 def test_signs_agree_and_pictures_are_written(tmp_path, capsys):
@@ -31,3 +31,14 @@ def test_digging_friction_moves_growth_to_the_difference():
     assert digging["sum 1/s"] < 0.0 < digging["backward 1/s"]
     assert digging["backward run 1/s"] == pytest.approx(digging["backward 1/s"], rel=0.02)
     assert rows[0.3, -10.0]["backward 1/s"] < 0.0
+
+
+@pytest.mark.slow
+def test_map_by_poles_is_the_map_by_runs(tmp_path):
+    *cost, verdict = interaction_map.main(tmp_path, quick=True)
+    assert [row["points"] for row in cost] == [21, 21]
+    assert 5 < verdict["grow by poles"] < 16
+    assert verdict["told"] >= 18
+    assert verdict["signs agree %"] == 100.0
+    assert (tmp_path / "interaction_map" / "interaction_map.png").stat().st_size > 10_000
+    assert (tmp_path / "interaction_map" / "map.csv").read_text(encoding="utf-8").count("\n") > 21
