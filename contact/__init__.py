@@ -18,6 +18,7 @@ from contact.growth_map import StabilityMap
 from contact.model.beam import BeamInCircle, HingedBeam
 from contact.model.bladed_disk import BladedDisk
 from contact.model.body import PointMass, Rod, Wall
+from contact.model.body_force import BodyForce
 from contact.model.cantilever import Cantilever
 from contact.model.gap import PointGap, RotatingRim, Side
 from contact.model.law import Abradable, AugmentedLagrangian, Coulomb, Penalty, Unilateral
@@ -28,6 +29,7 @@ from contact.model.permanent import HandPair, ModalPair, rim_contact
 from contact.model.ring_modes import ThinRing, ring_elements, ring_modes
 from contact.model.rod_modes import rod_modes
 from contact.model.rub import Rub, Start, Stiffening, Tip
+from contact.model.rub_forces import settled
 from contact.model.rub_laws import Closing, Profile, Speed, Whirl
 from contact.record import Record
 from contact.result import Result
@@ -50,12 +52,12 @@ from contact.scheme.stabilised_newmark import StabilisedNewmark
 from contact.stability import poles, rim_stability, stability
 
 __all__ = [
-    "HHT", "Abradable", "AugmentedLagrangian", "BeamInCircle", "BladedDisk", "CDLagrange", "Cantilever",
+    "HHT", "Abradable", "AugmentedLagrangian", "BeamInCircle", "BladedDisk", "BodyForce", "CDLagrange", "Cantilever",
     "CentralDifference", "Closing", "Coulomb", "EnergyBudget", "ExactModal", "Forcing", "HandPair", "HingedBeam",
     "InputError", "LimitError", "LinearBody", "MasslessBoundary", "ModalBody", "ModalPair", "MoreauJean", "Newmark",
     "NonsmoothAlpha", "NumericsError", "PaoliSchatzman", "Part", "Patch", "Penalty", "PenaltyDifference", "PointGap",
     "PointMass", "Profile", "ProjectedAlpha", "Record", "Result", "Rod", "RotatingRim", "Rub", "Scene", "SceneError",
     "Side", "Speed", "StabilisedNewmark", "StabilityMap", "Start", "Stiffening", "ThinRing", "Tip", "Unilateral",
     "Wall", "Whirl", "load_scene", "load_stability", "poles", "rim_contact", "rim_stability", "ring_elements",
-    "ring_modes", "rod_modes", "run", "scene_schema", "stability",
+    "ring_modes", "rod_modes", "run", "scene_schema", "settled", "stability",
 ]  # fmt: skip

@@ -32,7 +32,8 @@ class EnergyBudget:
 
     `contact` is the work of the contact forces along the gaps, in leapfrog schemes sum lam_n (g_{n+1} - g_{n-1})/2;
     `rotation` what the point of contact does by moving over the rim, `friction` = work of the tangential force on
-    the bodies, `damping` <= 0, `external` that of loads that vary in time. Constant loads (gravity) have a potential
+    the bodies, `damping` <= 0, `external` that of loads that vary in time, `body_force` that of gravity
+    on a body that turns and of a frame that whirls. Constant loads (gravity) have a potential
     and need no work term. `algorithmic` is what the scheme itself adds, by its own formulas (`scheme.protocol`, 5);
     `numerical` is that and the difference between the energies and their discrete form. `unaccounted` is
     round-off, or a mistake in a scheme. `load_step` = h^2 f^T M^-1 f is the work of the constant loads over one step
@@ -52,6 +53,7 @@ class EnergyBudget:
     friction: float
     damping: float
     external: float = 0.0
+    body_force: float = 0.0
     algorithmic: float = 0.0
     load_step: float = 0.0
 
@@ -70,7 +72,8 @@ class EnergyBudget:
     @property
     def unaccounted(self) -> float:
         """Change of discrete energy minus all work [J]: round-off."""
-        work = self.contact + self.rotation + self.friction + self.damping + self.external + self.algorithmic
+        work = self.contact + self.rotation + self.friction + self.damping + self.external + self.body_force
+        work += self.algorithmic
         return self.end.discrete - self.start.discrete - work
 
     @property
@@ -78,13 +81,21 @@ class EnergyBudget:
         """Largest energy of the budget [J], to compare `unaccounted` with."""
         ends = (self.start, self.end)
         parts = [value for s in ends for value in (s.kinetic, s.strain, s.potential)]
-        return max(*map(abs, parts), abs(self.contact), abs(self.rotation), abs(self.friction), abs(self.external))
+        return max(
+            *map(abs, parts),
+            abs(self.contact),
+            abs(self.rotation),
+            abs(self.friction),
+            abs(self.external),
+            abs(self.body_force),
+        )
 
     def to_dict(self) -> dict[str, object]:
         """Return totals first, parts after; JSON-ready."""
         return {
             "start": self.start.total, "end": self.end.total, "lost_in_contact": self.lost_in_contact,
             "unaccounted": self.unaccounted, "rotation": self.rotation, "friction": self.friction,
-            "damping": self.damping, "external": self.external, "numerical": self.numerical,
+            "damping": self.damping, "external": self.external, "body_force": self.body_force,
+            "numerical": self.numerical,
             "parts": {"start": asdict(self.start), "end": asdict(self.end)},
         }  # fmt: skip

@@ -137,6 +137,7 @@ class Tally(NamedTuple):
     friction: Array
     damping: Array  # (1,)
     external: Array  # (1,), by loads that vary in time
+    body_force: Array  # (1,), by gravity on what turns, and by frames that whirl
     algorithmic: Array  # (1,), the scheme's own gain, from its formulas
     peak: Array
     penetration: Array
@@ -159,7 +160,7 @@ def tally(contacts: int) -> Tally:
 
     return Tally(
         impulse=real(), work=real(), rotation=real(), friction=real(), damping=np.zeros(1),
-        external=np.zeros(1), algorithmic=np.zeros(1), peak=real(),
+        external=np.zeros(1), body_force=np.zeros(1), algorithmic=np.zeros(1), peak=real(),
         penetration=real(), residual=real(), closed=whole(), stuck=whole(), contact_steps=whole(), reversals=whole(),
         filled=np.zeros(3, dtype=np.int64),
     )  # fmt: skip

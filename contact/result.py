@@ -146,6 +146,7 @@ class Result:
         lines.append(
             f"energy [J]: start {energy.start.total:.6g}, end {energy.end.total:.6g}, lost in contact "
             f"{energy.lost_in_contact:.4g}, rotation {energy.rotation:.4g}, friction {energy.friction:.4g}, "
+            f"{f'gravity and whirl {energy.body_force:.4g}, ' if energy.body_force else ''}"
             f"damping {energy.damping:.4g}, numerical {energy.numerical:.3g}, "
             f"unaccounted {energy.unaccounted / scale:.1e} of the largest"
         )

@@ -196,7 +196,8 @@ def finished(ready: Prepared, parts: Sequence[Samples], taken: int, seconds: flo
             start=ready.start, end=stepper.stored(), contact=float(np.sum(sums.work)),
             rotation=float(np.sum(sums.rotation)),
             friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]),
-            external=float(sums.external[0]), algorithmic=float(sums.algorithmic[0]), load_step=ready.load_step,
+            external=float(sums.external[0]), body_force=float(sums.body_force[0]),
+            algorithmic=float(sums.algorithmic[0]), load_step=ready.load_step,
         )  # fmt: skip
         result = collect(stepper, parts, energy, taken, seconds, ready.source, ready.record)
     at, why = failed, ""

@@ -32,7 +32,7 @@ import sys
 from pathlib import Path
 from contact.sweep.sweep import run_sweep
 from contact.sweep.plan import load_sweep
-run_sweep(load_sweep(sys.argv[1]), folder=Path(sys.argv[2]), scheduler=sys.argv[3], jobs=2)
+run_sweep(load_sweep(sys.argv[1]), folder=Path(sys.argv[2]), scheduler=sys.argv[3] or None, jobs=2)
 """
 SCENE = """[scene]
 kind = "rim"
@@ -91,6 +91,26 @@ def write_scene(folder: Path, draws: int, t_end: float) -> Path:
     return file
 
 
+def start(folder: Path, name: str, *arguments: str) -> subprocess.Popen[bytes]:
+    """A process of this Python with the project on its path; what it says goes to a file in the folder."""
+    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    with (folder / f"{name}.log").open("ab") as log:
+        return subprocess.Popen(
+            [sys.executable, *arguments], env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"},
+            stdout=log, stderr=log, cwd=folder,
+        )  # fmt: skip
+
+
+def driver(folder: Path, sweep: Path, store: Path, address: str = "") -> subprocess.Popen[bytes]:
+    """A process that runs the sweep into the store: on the scheduler, or with two workers of its own."""
+    return start(folder, "driver", "-c", DRIVER, str(sweep), str(store), address)
+
+
+def finished(store: Path) -> int:
+    """How many runs the store has files of."""
+    return sum(1 for _ in (store / "runs").glob("??/*.json"))
+
+
 @dataclass(slots=True, kw_only=True)
 class Cluster:
     """Processes on this machine: a scheduler, workers, and the driver; only these are ever killed."""
@@ -103,21 +123,12 @@ class Cluster:
     workers: list[subprocess.Popen[bytes]] = field(default_factory=list)
     driver: subprocess.Popen[bytes] | None = None
 
-    def start(self, name: str, *arguments: str) -> subprocess.Popen[bytes]:
-        """A process of this Python with the project on its path; what it says goes to a file."""
-        path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-        with (self.folder / f"{name}.log").open("ab") as log:
-            return subprocess.Popen(
-                [sys.executable, *arguments], env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"},
-                stdout=log, stderr=log, cwd=self.folder,
-            )  # fmt: skip
-
     def open(self) -> None:
         """Start scheduler, two workers and driver."""
         card = self.folder / "scheduler.json"
         card.unlink(missing_ok=True)
-        self.scheduler = self.start(
-            "scheduler", "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0",
+        self.scheduler = start(
+            self.folder, "scheduler", "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0",
             "--no-dashboard", "--scheduler-file", str(card),
         )  # fmt: skip
         deadline = time.monotonic() + 120.0
@@ -129,14 +140,14 @@ class Cluster:
 
     def worker(self) -> subprocess.Popen[bytes]:
         """One more worker."""
-        return self.start(
-            "worker", "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-nanny",
+        return start(
+            self.folder, "worker", "-m", "distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-nanny",
             "--no-dashboard", "--local-directory", str(self.folder / "scratch"),
         )  # fmt: skip
 
     def drive(self) -> None:
         """The driver, from where the store stands."""
-        self.driver = self.start("driver", "-c", DRIVER, str(self.sweep), str(self.store), self.address)
+        self.driver = driver(self.folder, self.sweep, self.store, self.address)
 
     def kill_worker(self, k: int) -> None:
         """Kill -9 worker k and start another."""
@@ -171,8 +182,7 @@ def disturb(cluster: Cluster, runs: int, workers: int, drivers: int) -> tuple[in
     while cluster.driver is not None and cluster.driver.poll() is None:
         if time.monotonic() - began > DEADLINE:
             raise RuntimeError(f"not done after {DEADLINE:.0f} s: see the logs in {cluster.folder}")
-        there = sum(1 for _ in (cluster.store / "runs").glob("??/*.json"))
-        if done < kinds.size and there >= moments[done]:
+        if done < kinds.size and finished(cluster.store) >= moments[done]:
             if kinds[done] == "worker":
                 cluster.kill_worker(int(rng.integers(2)))
             else:
@@ -187,14 +197,13 @@ def disturb(cluster: Cluster, runs: int, workers: int, drivers: int) -> tuple[in
 
 def compared(plan: SweepPlan, undisturbed: SweepResult, store: Path) -> Row:
     """What the store holds after all kills, against the undisturbed table."""
-    there = run_sweep(plan, folder=store)
+    expected, there = table(undisturbed), run_sweep(plan, folder=store)
     Store.open(store).rebuild()
-    again = run_sweep(plan, folder=store)
     return {
         "finished before the table was asked for": there.resumed,
         "unreadable files": len(Store.open(store).unreadable()),
-        "table identical": table(there) == table(undisturbed),
-        "identical from a new index": table(again) == table(undisturbed),
+        "table identical": table(there) == expected,
+        "identical from a new index": table(run_sweep(plan, folder=store)) == expected,
     }
 
 

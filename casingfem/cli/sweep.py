@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from casingfem.cli.contact import SCENE
-from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.running import NUMERICS_FAILED, Working, deliver, fail, options
 from casingfem.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
     """Run SCENE over the keys that its [sweep] varies: one table, one picture.
 
     With --out DIR every finished run is kept in DIR/store: the same command goes on where a sweep was broken off.
+    Runs that fail are rows that say why; where none is done, the exit code is 3.
     """
     from contact.sweep.plan import load_sweep
     from contact.sweep.sweep import run_sweep
@@ -50,14 +51,22 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
     }  # fmt: skip
     files: dict[str, Content] = {} if out is None else result_files(found, document)
     deliver(document, words(found, working.seconds), as_json=as_json, out=out, files=files)
+    if found.failed == len(rows):
+        all_of = "the only run" if len(rows) == 1 else f"all {len(rows)} runs"
+        fail(
+            f"sweep {file}: the numerics failed: {all_of} failed or were refused, the first: {found.why}",
+            NUMERICS_FAILED,
+        )
 
 
 def words(found: "SweepResult", seconds: float) -> str:
     """How many runs, what became of them, the largest growth."""
+    from contact.sweep.sweep import counted
+
     plan, rows = found.plan, found.rows
-    lines = [f"{len(rows)} runs over {', '.join(plan.keys)} in {seconds:.3g} s"]
+    lines = [f"{counted(len(rows))} over {', '.join(plan.keys)} in {seconds:.3g} s"]
     if found.resumed:
-        lines.append(f"{found.resumed} runs were there already")
+        lines.append(f"{counted(found.resumed)} {'was' if found.resumed == 1 else 'were'} there already")
     growing = [(row["growth_1_s"], run) for row, run in zip(rows, plan.runs, strict=True) if row["growth_1_s"]]
     if growing:
         most, run = max(growing, key=lambda pair: pair[0])
@@ -66,10 +75,10 @@ def words(found: "SweepResult", seconds: float) -> str:
     for status in ("refused", "failed"):
         told = [row["why"] for row in rows if row["status"] == status]
         if told:
-            lines.append(f"{len(told)} runs {status}, the first: {told[0]}")
+            lines.append(f"{len(told)} of {counted(len(rows))} {status}, the first: {told[0]}")
     flagged = sum(bool(row["flags"]) for row in rows)
     if flagged:
-        lines.append(f"{flagged} runs have flags: read their column")
+        lines.append(f"{counted(flagged)} {'has' if flagged == 1 else 'have'} flags: read their column")
     return "\n".join(lines)
 
 

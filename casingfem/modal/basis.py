@@ -53,6 +53,9 @@ class ModalBasis:
     K_omega, spin
         Of a rotating body: speed Omega_0 of the basis [rad/s], and the modal stiffness that Omega^2 - Omega_0^2 adds,
         (modes, modes).
+    participation
+        Modal force per acceleration of the whole body, Phi^T M e [sqrt(kg)], along x, y and the axis of a casing, along
+        span, flap and chord of a blade, (3, modes); empty where it is not known.
     provenance
         Where it comes from: method, versions, hash of the matrices.
     """
@@ -74,6 +77,7 @@ class ModalBasis:
     output_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     K_omega: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     spin: float = 0.0
+    participation: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     provenance: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -128,6 +132,7 @@ class ModalBasis:
                 output_rows=self.output_rows,
                 output_S=self.output_S,
                 K_omega=self.K_omega,
+                participation=self.participation,
                 spin=np.array(self.spin),
                 provenance=np.array(json.dumps(self.provenance, sort_keys=True)),
             )
@@ -153,7 +158,16 @@ class ModalBasis:
         missing = {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys()
         if missing:
             raise BasisError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
-        wanted = ("recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega")
+        wanted = (
+            "recovery",
+            "recovery_S",
+            "recovery_points",
+            "lines",
+            "output_rows",
+            "output_S",
+            "K_omega",
+            "participation",
+        )
         extra = {name: data[name] for name in wanted if name in data}
         try:
             provenance = json.loads(str(data.get("provenance", "{}")))

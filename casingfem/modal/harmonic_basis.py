@@ -62,11 +62,14 @@ def harmonic_basis(
     S = np.zeros((size, size))
     omega: list[FloatArray] = []
     rows: list[FloatArray] = []
+    shares: list[FloatArray] = []
     for n in range(rim.n_max + 1):
         meridian = harmonic_matrices(shell, n)
         keep = orders if isinstance(orders, int) else orders(n)
-        for channels, loads in families(shell, rim, meridian):
-            squares, at_rim = kept_modes(shell, meridian, loads, keep)
+        for family, (channels, loads) in enumerate(families(shell, rim, meridian)):
+            squares, vectors = kept_modes(shell, meridian, keep)
+            at_rim = loads.T @ vectors
+            shares.append(participation(meridian, family, vectors))
             omega.append(np.sqrt(squares))
             block = np.zeros((size, len(squares)))
             block[channels] = at_rim
@@ -80,6 +83,7 @@ def harmonic_basis(
         channels=rim.channels,
         rows=np.concatenate(rows, axis=1)[:, order],
         S=0.5 * (S + S.T) * residual,
+        participation=np.concatenate(shares, axis=1)[:, order],
         kind="rim",
         n_max=rim.n_max,
         radius=rim_radius(shell, rim),
@@ -109,13 +113,26 @@ def families(shell: Shell, rim: Rim, meridian: Meridian) -> Iterator[tuple[list[
     yield (first + rim.n_max - wave + n).tolist(), loads / np.sqrt(np.pi)
 
 
-def kept_modes(shell: Shell, meridian: Meridian, loads: FloatArray, keep: int) -> tuple[FloatArray, FloatArray]:
-    """Squares of omega (modes,) and interface rows (channels, modes) of the lowest modes of one family."""
+def kept_modes(shell: Shell, meridian: Meridian, keep: int) -> tuple[FloatArray, FloatArray]:
+    """Squares of omega (modes,) and vectors (free, modes) of the lowest modes of one family."""
     if keep == 0:
-        return np.zeros(0), np.zeros((loads.shape[1], 0))
+        return np.zeros(0), np.zeros((len(meridian.mass), 0))
     wanted = 2 * keep if meridian.n == 0 else keep  # n = 0 holds radial and torsional motions
-    squares, vectors = lowest(meridian, wanted, (SHIFT * frequency_scale(shell)) ** 2)
-    return squares, loads.T @ vectors
+    return lowest(meridian, wanted, (SHIFT * frequency_scale(shell)) ** 2)
+
+
+def participation(meridian: Meridian, family: int, vectors: FloatArray) -> FloatArray:
+    """Phi^T M e of translations along x, y, z, (3, modes): (1, 1, 0) of n = 1 is x or y, (0, 0, 1) of n = 0 is z."""
+    found = np.zeros((3, vectors.shape[1]))
+    if meridian.n > 1:
+        return found
+    shift = np.array([1.0, 1.0, 0.0, 0.0, 0.0] if meridian.n else [0.0, 0.0, 1.0, 0.0, 0.0])
+    fields = np.tile(shift, (len(meridian.z), 1))
+    fields[:, :3] = np.einsum("nji,nj->ni", meridian.turn, fields[:, :3])
+    moved = np.linalg.solve(meridian.change, np.append(fields.ravel(), np.zeros(meridian.own))[meridian.free])
+    whole = np.sqrt(np.pi if meridian.n else 2.0 * np.pi)
+    found[family if meridian.n else 2] = whole * (meridian.mass * moved) @ vectors
+    return found
 
 
 def rim_radius(shell: Shell, rim: Rim) -> float:

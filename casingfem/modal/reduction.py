@@ -20,7 +20,7 @@ from casingfem.arrays import Array, FloatArray
 from casingfem.errors import ModelError
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.eigen import START_SEED
-from casingfem.modal.interface import Rim, Tip, TipNodes, interface_rows, rim_lines
+from casingfem.modal.interface import Rim, Tip, TipNodes, interface_rows, rim_lines, tip_directions
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.modal.output import Output, output_rows
 from casingfem.structure.assembly import System, assemble, spin
@@ -120,6 +120,7 @@ def reduce(
         lines=rim_lines(system, interface) if isinstance(interface, Rim) else np.zeros((0, 2)),
         rows=at_interface,
         S=S,
+        participation=participation(system, interface, vectors),
         kind="rim" if isinstance(interface, Rim) else "point",
         n_max=interface.n_max if isinstance(interface, Rim) else 0,
         radius=rim_radius(system, interface) if isinstance(interface, Rim) else 0.0,
@@ -134,6 +135,18 @@ def stiffening(structure: Shell, vectors: FloatArray) -> FloatArray:
     at_rest = assemble(replace(structure, rotation=None))
     added = vectors.T @ (spin(at_rest, structure.rotation).K1 @ vectors)
     return np.asarray(0.5 * (added + added.T))
+
+
+def participation(system: System, interface: Rim | Tip | TipNodes, vectors: FloatArray) -> FloatArray:
+    """Phi^T M e of unit translations e, (3, modes) [sqrt(kg)]: along x, y, z of a casing, span, flap, chord of a blade.
+
+    Its squares are effective masses: over all modes they add up to the mass that moves.
+    """
+    axes = np.eye(3) if isinstance(interface, Rim) else tip_directions(system, interface)
+    shift = np.zeros((len(system.frames), DOFS, 3))
+    shift[:, :3] = axes.T
+    moved = system.collect(shift, np.zeros((system.own, 3)))
+    return np.asarray((system.mass[:, None] * moved).T @ vectors)
 
 
 def load_columns(system: System, rows: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from contact.model.arrays import Array, readonly, require_not_negative, require_
 
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
-OPTIONAL = ("recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega")
+OPTIONAL = ("recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -30,7 +30,8 @@ class ModalBody:
     rim lines line0.radial.cos0 .. line1..., `lines` (L, 2) their axial positions and radii [m]. `recovery` (R, m),
     `recovery_S` (R, K) and `recovery_points` (R, 3) give displacements elsewhere; `output_rows` (O, m) and `output_S`
     (O, K) the quantities named in `outputs`. `K_omega` (m, m): what Omega^2 - spin^2 adds to the modal stiffness of a
-    body whose basis was made at `spin` [rad/s].
+    body whose basis was made at `spin` [rad/s]. `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the
+    whole body, Phi^T M e, along x, y and the axis of a rim, along span, flap and chord of a blade.
 
     Raises InputError for shapes that do not fit, NaN, negative frequencies or an asymmetric S.
 
@@ -56,6 +57,7 @@ class ModalBody:
     output_rows: Array | None = None
     output_S: Array | None = None
     K_omega: Array | None = None
+    participation: Array | None = None
     spin: float = 0.0
 
     def __post_init__(self) -> None:
@@ -75,7 +77,12 @@ class ModalBody:
                 require_shape("recovery_S", self.recovery_S, (len(self.recovery), K))
         object.__setattr__(self, "outputs", tuple(str(name) for name in self.outputs))
         wanted = len(self.outputs)
-        for name, shape in (("output_rows", (wanted, m)), ("output_S", (wanted, K)), ("K_omega", (m, m))):
+        for name, shape in (
+            ("output_rows", (wanted, m)),
+            ("output_S", (wanted, K)),
+            ("K_omega", (m, m)),
+            ("participation", (3, m)),
+        ):
             if getattr(self, name) is not None:
                 require_shape(name, getattr(self, name), shape)
         _require_modes(self.omega, self.zeta)
@@ -145,6 +152,7 @@ class ModalBody:
         return replace(
             self, omega=self.omega[keep], zeta=self.zeta[keep], rows=self.rows[:, keep],
             S=self.S + gone @ gone.T, recovery=recovery, recovery_S=recovery_S, output_rows=outputs,
+            participation=None if self.participation is None else self.participation[:, keep],
             output_S=output_S, K_omega=None if self.K_omega is None else self.K_omega[np.ix_(keep, keep)],
         )  # fmt: skip
 

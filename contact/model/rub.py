@@ -9,6 +9,7 @@ import numpy as np
 
 from contact.errors import InputError
 from contact.model.arrays import Array, readonly, require_finite, require_shape
+from contact.model.body_force import BodyForce
 from contact.model.gap import FAR
 from contact.model.modal_body import ModalBody
 from contact.model.rub_laws import Closing, Profile, Speed, Whirl
@@ -92,7 +93,8 @@ class Rub:
     g_j = clearance + clearance_j + d(phi_j) - closing(t) + whirl + u_r(phi_j) - n_j.u_blade, the laws of
     `rub_laws`; slip R Omega + v_theta - t_j.v_blade around, v_z - v_blade,z along the axis. All contacts are solved
     together, with the residual compliances that couple them. `thickness` of the wall [m], if given, bounds the
-    deflection that linear theory carries: `Result.flags` says when it was passed.
+    deflection that linear theory carries: `Result.flags` says when it was passed. `forces`: gravity and whirl on the
+    modes that are kept; the static share of the others is left out.
 
     Raises InputError for bases of the wrong kind, channels that are missing, tips that differ in their directions,
     or a clearance beyond a tenth of the radius.
@@ -111,11 +113,12 @@ class Rub:
     casing_start: Start = field(default_factory=Start)
     blade_starts: tuple[Start, ...] = ()
     thickness: float = math.inf
+    forces: tuple[BodyForce, ...] = ()
 
     def __post_init__(self) -> None:
         if self.casing.kind != "rim":
             raise InputError(f"casing: found a basis of kind {self.casing.kind!r}, expected 'rim'")
-        for name in ("blades", "tips", "whirl", "stiffening", "blade_starts"):
+        for name in ("blades", "tips", "whirl", "stiffening", "blade_starts", "forces"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         if not self.blades or not self.tips:
             raise InputError(f"tips: found {len(self.tips)} on {len(self.blades)} blades, expected one or more")
@@ -135,8 +138,18 @@ class Rub:
                 raise InputError(f"stiffening: found blade {stiff.blade}, expected 0 .. {len(self.blades) - 1}")
             m = self.blades[stiff.blade].omega.size
             require_shape("K_omega", stiff.K_omega, (m, m))
+        for force in self.forces:
+            self._require_participation(force)
         if not self.thickness > 0.0:
             raise InputError(f"thickness: found {self.thickness!r}, expected metres > 0")
+
+    def _require_participation(self, force: BodyForce) -> None:
+        for k, (name, body) in enumerate(zip(self.names, self.bodies, strict=True)):
+            if body.participation is None and (force.on == "both" or (force.on == "casing") == (k == 0)):
+                raise InputError(
+                    f"{name}: found a basis without participation, which gravity and whirl need, expected one of "
+                    "casingfem reduce"
+                )
 
     def _require_tip(self, j: int, tip: Tip) -> None:
         if not 0 <= tip.blade < len(self.blades):

@@ -10,6 +10,7 @@ import numpy as np
 from contact.model.arrays import Array, Indices
 from contact.model.modal_system import NOISE
 from contact.model.rub import Rub
+from contact.model.rub_forces import axial_load
 from contact.model.trig import harmonics
 
 
@@ -96,7 +97,8 @@ def rub_system(rub: Rub, dimensions: int) -> RubSystem:
 
     return RubSystem(
         omega=np.concatenate([b.omega for b in rub.bodies]), zeta=np.concatenate([b.zeta for b in rub.bodies]),
-        load=joined("load"), displacement=joined("displacement"), velocity=joined("velocity"), first=first,
+        load=joined("load") + axial_load(rub), displacement=joined("displacement"), velocity=joined("velocity"),
+        first=first,
         names=rub.names, rim=_rim_table(rub), directions=rub.casing.directions,
         line=np.array([t.line for t in tips], dtype=np.int64),
         radius=np.array([rub.casing.line_radius(t.line) for t in tips]), angle=angle,

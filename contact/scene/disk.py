@@ -15,7 +15,8 @@ from contact.model.permanent import ModalPair
 from contact.model.rub import Rub, Start
 from contact.model.rub_laws import Profile, Speed
 from contact.scene.record import RecordTable
-from contact.scene.scheme import NotNegative, Positive, Table, Waviness
+from contact.scene.roundness import Roundness
+from contact.scene.scheme import NotNegative, Positive, Table
 
 Ratio = Annotated[FiniteFloat, Field(ge=0, lt=1)]
 
@@ -72,12 +73,11 @@ class DiskTable(Table):
     lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = 0.0
 
 
-class DiskContact(Table):
+class DiskContact(Roundness):
     """[contact]: clearance [m], friction coefficient, out-of-roundness."""
 
     clearance: FiniteFloat
     friction: NotNegative = 0.0
-    out_of_roundness: list[Waviness] = Field(default_factory=list)
 
 
 class DiskSpeed(Table):
@@ -112,11 +112,10 @@ class DiskFile(Table):
     def rub(self, folder: Path) -> Rub:
         """The scene; a basis file is found in `folder`. Raises InputError."""
         casing, disk = self.casing.modes(folder), BladedDisk(**self.disk.model_dump())
-        terms = [term.model_dump() for term in self.contact.out_of_roundness]
         kick = np.zeros(casing.omega.size)
         kick[0] = 0.0 if self.casing.pair is None else self.casing.pair.kick
         return Rub(
             casing, (disk.body(),), disk.tips(), clearance=self.contact.clearance,
-            speed=Speed.constant(self.speed.hz), profile=Profile.fourier(terms),
+            speed=Speed.constant(self.speed.hz), profile=Profile.fourier(self.contact.terms()),
             casing_start=Start(velocity=readonly(kick)),
         )  # fmt: skip

@@ -11,11 +11,14 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.errors import InputError
 from contact.model.arrays import readonly
+from contact.model.body_force import BodyForce
 from contact.model.modal_body import ModalBody
 from contact.model.rub import Rub, Stiffening, Tip
+from contact.model.rub_forces import settled
 from contact.model.rub_laws import Closing, Profile, Speed, Whirl
 from contact.scene.record import RecordTable
-from contact.scene.scheme import NotNegative, Positive, Table, Waviness
+from contact.scene.roundness import Roundness
+from contact.scene.scheme import NotNegative, Positive, Table
 
 
 class RubHead(Table):
@@ -66,20 +69,23 @@ class RubBlade(Table):
         return [RubNode(span=f"{at}span", flap=f"{at}flap", axial=axial and f"{at}{axial}") for at in chord]
 
 
-class RubContact(Table):
+class RubContact(Roundness):
     """[contact]: clearance [m], friction, out-of-roundness as harmonics and as a CSV file theta_deg,depth_m."""
 
     clearance: FiniteFloat
     friction: NotNegative = 0.0
-    out_of_roundness: list[Waviness] = Field(default_factory=list)
     profile: str | None = None
 
 
 class RubSpeed(Table):
-    """[speed]: turns per second, one number, or as many as there are times [s], straight between them."""
+    """[speed]: turns per second, one number, or as many as there are times [s], straight between them.
+
+    `turning` says which side turns, which gravity and whirl can tell.
+    """
 
     hz: FiniteFloat | list[FiniteFloat]
     time: list[FiniteFloat] | None = None
+    turning: Literal["casing", "blades"] = "casing"
 
     @model_validator(mode="after")
     def _fits(self) -> RubSpeed:
@@ -117,12 +123,29 @@ class RubClosing(Table):
 
 
 class RubWhirl(Table):
-    """[[whirl]]: the fields of `Whirl`."""
+    """[[whirl]]: the fields of `Whirl`; `shakes` the side that runs on this circle with its acceleration r w^2."""
 
     amplitude: NotNegative
     per_rev: FiniteFloat = 0.0
     hz: FiniteFloat = 0.0
     phase_deg: FiniteFloat = 0.0
+    shakes: Literal["casing", "blades"] | None = None
+
+    def law(self) -> Whirl:
+        """What the gap sees."""
+        return Whirl(**self.model_dump(exclude={"shakes"}))
+
+
+class RubGravity(Table):
+    """[gravity] on all bodies [m/s^2]: towards `down_deg` at t = 0 in the casing's angles, `axial` along its axis.
+
+    Bodies start `settled` under it, and under the whirl that shakes them; or undeformed.
+    """
+
+    acceleration: NotNegative = 9.80665
+    down_deg: FiniteFloat = -90.0
+    axial: FiniteFloat = 0.0
+    settled: bool = True
 
 
 class RubScheme(Table):
@@ -143,6 +166,7 @@ class RubFile(Table):
     speed: RubSpeed
     closing: RubClosing | None = None
     whirl: list[RubWhirl] = Field(default_factory=list)
+    gravity: RubGravity | None = None
     scheme: RubScheme
     record: RecordTable | None = None
 
@@ -166,16 +190,26 @@ class RubFile(Table):
                     given = node.model_dump() | {"angle_deg": angle + node.angle_deg}
                     tips.append(Tip(blade=len(blades), lean_deg=table.lean_deg, **given))
                 blades.append(body)
-        return Rub(
+        rub = Rub(
             ModalBody.load(folder / self.casing.basis), tuple(blades), tuple(tips), clearance=self.contact.clearance,
             speed=self.speed.law(), profile=self._profile(folder), stiffening=tuple(stiff),
             closing=Closing.none() if self.closing is None else self.closing.law(),
-            whirl=tuple(Whirl(**whirl.model_dump()) for whirl in self.whirl),
+            whirl=tuple(whirl.law() for whirl in self.whirl), forces=self._forces(),
             thickness=math.inf if self.casing.thickness is None else self.casing.thickness,
         )  # fmt: skip
+        return settled(rub) if self.gravity is not None and self.gravity.settled else rub
+
+    def _forces(self) -> tuple[BodyForce, ...]:
+        turning = self.speed.turning
+        forces = [
+            BodyForce.of_whirl(whirl.law(), whirl.shakes, turning=turning) for whirl in self.whirl if whirl.shakes
+        ]
+        if self.gravity is not None:
+            forces.append(BodyForce.gravity(turning=turning, **self.gravity.model_dump(exclude={"settled"})))
+        return tuple(forces)
 
     def _profile(self, folder: Path) -> Profile:
-        terms = Profile.fourier([term.model_dump() for term in self.contact.out_of_roundness]).terms
+        terms = Profile.fourier(self.contact.terms()).terms
         if self.contact.profile is None:
             return Profile(terms)
         theta, depth = read_profile(folder / self.contact.profile)
@@ -187,7 +221,8 @@ def read_profile(path: Path) -> tuple[list[float], list[float]]:
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"profile: {path}: {error}, expected a CSV file theta_deg,depth_m") from error
+        reason = error.strerror if isinstance(error, OSError) else error  # its text would repeat the path
+        raise InputError(f"profile: {path}: {reason}, expected a CSV file theta_deg,depth_m") from error
     rows = [(n, line.split(",")) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if not rows or [cell.strip() for cell in rows[0][1]] != ["theta_deg", "depth_m"]:
         raise InputError(f"profile: {path}: found no header theta_deg,depth_m")

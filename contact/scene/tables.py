@@ -9,8 +9,9 @@ from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
 from contact.scene.disk import DiskFile
 from contact.scene.patch import PatchFile
 from contact.scene.record import RecordTable
+from contact.scene.roundness import Roundness
 from contact.scene.rub import RubFile
-from contact.scene.scheme import NotNegative, Positive, SchemeTable, Table, Waviness
+from contact.scene.scheme import NotNegative, Positive, SchemeTable, Table
 
 
 class RodTable(Table):
@@ -94,12 +95,11 @@ class BladeTable(Table):
     lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = 0.0
 
 
-class RimContact(Table):
+class RimContact(Roundness):
     """[contact] of a rim: clearance [m], friction coefficient, out-of-roundness."""
 
     clearance: FiniteFloat
     friction: NotNegative = 0.0
-    out_of_roundness: list[Waviness] = Field(default_factory=list)
     angle_deg: FiniteFloat = 0.0
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,7 @@ from contact.energy import Stored
 from contact.errors import LimitError
 from contact.model.arrays import Array, readonly
 from contact.model.rub import Rub
+from contact.model.rub_forces import force_at_start, plane_participation
 from contact.model.rub_system import RubSystem, rub_system
 from contact.model.trig import Trig, fourier
 from contact.record import Samples, Tally, tally
@@ -86,7 +87,7 @@ class RubStepper:
         s = self.state
         turned = self.rub.speed.angle((self.steps[0] - 1) * self.dt)
         residual = 0.5 * float(s.lam @ self.system.compliance(turned) @ s.lam)
-        return self.parts.stored(s.q, s.d, s.contact + s.push, residual, 0.0)
+        return self.parts.stored(s.q, s.d, s.contact + s.push + (s.body if s.body.size else 0.0), residual, 0.0)
 
     def motions(self) -> tuple[Motion, ...]:
         """Supported bodies have no rigid motion."""
@@ -105,7 +106,7 @@ def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, di
     """Stepper at t = 0; without friction only the normal rows take part."""
     K = system.contacts
     return RubStepper(
-        rub=rub, system=system, parts=parts, state=_state(rub, system, parts, mu, dimensions), laws=_laws(rub),
+        rub=rub, system=system, parts=parts, state=_state(rub, system, parts, mu, dimensions), laws=_laws(rub, system),
         rows=_rows(rub, system, parts, dimensions), dimensions=dimensions, averaged=averaged, sums=tally(K),
         label=label, steps=[0],
     )  # fmt: skip
@@ -117,14 +118,16 @@ def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions
     K, R, m = system.contacts, system.contacts * dimensions, system.omega.size
     stiff, stiff_at = _stiffening(rub, system)
     q = system.displacement.copy()
+    body = force_at_start(rub) if rub.forces else np.zeros(0)
+    loaded = replace(parts, load=parts.load + body) if rub.forces else parts  # under what pulls at t = 0
 
     def none(size: int) -> Array:
         return np.zeros(size)
 
     return RubState(
-        q=q, d=parts.backward(q, system.velocity), old=none(m), al=parts.al, be=parts.be, c=parts.c,
+        q=q, d=loaded.backward(q, system.velocity), old=none(m), al=parts.al, be=parts.be, c=parts.c,
         kick=parts.c * parts.load, weight=(1.0 - parts.al) / (2.0 * parts.c), stiff=stiff, stiff_at=stiff_at,
-        push=none(m), contact=none(m), mu=np.full(K, mu), lam=none(R), strain=none(R), motion=none(R),
+        push=none(m), contact=none(m), body=body, mu=np.full(K, mu), lam=none(R), strain=none(R), motion=none(R),
         scale=none(K), now=none(K),
         last=none(K), known=np.zeros(K, dtype=np.int64), inside=np.zeros(K, dtype=np.int64), free=none(K),
         test=none(K), force=none(K), gap=none(K), seen=none(m + R), heat=none(K), drive=none(K),
@@ -145,16 +148,21 @@ def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
     return total[0], total[1]
 
 
-def _laws(rub: Rub) -> RubLaws:
+def _laws(rub: Rub, system: RubSystem) -> RubLaws:
     from contact.scheme.loop.rim import Terms
+    from contact.scheme.loop.rub_pull import Pulls
     from contact.scheme.loop.rub_rows import RubLaws
 
     terms = fourier(list(rub.profile.terms))
     whirl = [[w.amplitude, w.per_rev, 2.0 * math.pi * w.hz, math.radians(w.phase_deg)] for w in rub.whirl]
+    pulls = Pulls(
+        laws=np.array([force.row for force in rub.forces], dtype=float).reshape(-1, 8),
+        plane=plane_participation(rub), casing=int(system.first[1]),
+    )  # fmt: skip
     return RubLaws(
         speed=rub.speed.table, closing=np.ascontiguousarray(np.stack([rub.closing.time, rub.closing.by], axis=1)),
         whirl=np.array(whirl, dtype=float).reshape(-1, 4), terms=Terms(terms.harmonic, terms.cos, terms.sin),
-        table=rub.profile.table, lowest=rub.profile.lowest,
+        table=rub.profile.table, lowest=rub.profile.lowest, pulls=pulls,
     )  # fmt: skip
 
 

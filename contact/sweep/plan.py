@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     from contact.sweep.tables import SweepTable, VaryTable
 
 Value = float | str | int
+COUNTS = ("seed", "draw", "elements", "modes", "count", "blades", "line", "bars", "updates", "p", "n", "n_max")
 PART = re.compile(r"^(\w+)(?:\[(\d+)\])?$")
-MEASURES = 1  # number of the definition of what is measured on a run: a change of it changes every hash
+MEASURES = 2  # number of the definition of what is measured on a run: a change of it changes every hash
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +62,10 @@ def load_sweep(path: str | Path) -> SweepPlan:
     base, text = scene_data(file)
     table = _table(base.pop("sweep", None), file)
     keys = tuple(vary.key for vary in table.vary)
-    values = list(_combinations(table, file))
+    whole = [_whole(base, key, file) for key in keys]
+    values = [
+        tuple(_as_in_scene(value, w) for value, w in zip(row, whole, strict=True)) for row in _combinations(table, file)
+    ]
     first = changed(base, keys, values[0], file=file)
     scene_of(first, file)
     run_on, contents = versions(), dict[Path, str]()
@@ -121,7 +125,7 @@ def _drawn(vary: VaryTable, rng: np.random.Generator) -> Value:
         return vary.values[int(rng.integers(len(vary.values)))]
     assert vary.from_ is not None
     assert vary.to is not None
-    if vary.key.endswith("seed"):
+    if vary.key.rpartition(".")[2] in COUNTS:
         return int(rng.integers(int(vary.from_), int(vary.to) + 1))
     if vary.log:
         return float(np.exp(rng.uniform(np.log(vary.from_), np.log(vary.to))))
@@ -140,15 +144,31 @@ def changed(
     """
     data = copy.deepcopy(base)
     for key, value in zip(keys, values, strict=True):
-        *path, last = key.split(".")
-        at: Any = data
-        for part in path:
-            at = _step(at, part, key, file)
-        if not isinstance(at, dict) or PART.fullmatch(last) is None or "[" in last or not path:
-            raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, expected table.key of the scene"])
-        whole = isinstance(at.get(last), int) or last in ("seed", "elements", "modes")
-        at[last] = int(value) if whole and isinstance(value, float) and value.is_integer() else value
+        at, last = _place(data, key, file)
+        at[last] = value
     return data
+
+
+def _place(data: dict[str, Any], key: str, file: Path | None) -> tuple[dict[str, Any], str]:
+    """The table a key stands in, and its name there."""
+    *path, last = key.split(".")
+    at: Any = data
+    for part in path:
+        at = _step(at, part, key, file)
+    if not isinstance(at, dict) or PART.fullmatch(last) is None or "[" in last or not path:
+        raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, expected table.key of the scene"])
+    return at, last
+
+
+def _whole(base: dict[str, Any], key: str, file: Path) -> bool:
+    """Whether a key is written as a whole number in the scene, or counts something."""
+    at, last = _place(base, key, file)
+    return type(at.get(last)) is int or last in COUNTS
+
+
+def _as_in_scene(value: Value, whole: bool) -> Value:
+    """A number as the scene has it: 50.0 elements are 50."""
+    return int(value) if whole and isinstance(value, float) and value.is_integer() else value
 
 
 def _step(at: Any, part: str, key: str, file: Path | None) -> Any:
@@ -162,15 +182,24 @@ def _step(at: Any, part: str, key: str, file: Path | None) -> Any:
 
 
 def _definition(data: dict[str, Any], file: Path, run_on: dict[str, str], contents: dict[Path, str]) -> dict[str, Any]:
-    """All that a run's numbers depend on: its tables, the contents of the bases, the versions, what is measured.
+    """All that a run's numbers depend on: its tables, the contents of its files, the versions, what is measured.
 
-    `contents` keeps the hashes of the bases read so far.
+    `contents` keeps the hashes of the files read so far.
     """
-    bases = {}
-    for name, part in sorted(data.items()):
-        if isinstance(part, dict) and isinstance(part.get("basis"), str):
-            path = file.parent / part["basis"]
-            if path not in contents:
-                contents[path] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "none"
-            bases[name] = contents[path]
-    return {"scene": data, "bases": bases, "versions": run_on, "measures": MEASURES}
+    files = {}
+    for name in sorted(set(_words(data))):
+        path = file.parent / name
+        if path not in contents:
+            contents[path] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "none"
+        if contents[path] != "none":
+            files[name] = contents[path]
+    return {"scene": data, "files": files, "versions": run_on, "measures": MEASURES}
+
+
+def _words(part: Any) -> Iterator[str]:
+    """All texts of a scene's tables: bases, profiles, whatever may name a file."""
+    if isinstance(part, str):
+        yield part
+    elif isinstance(part, dict | list):
+        for inner in part.values() if isinstance(part, dict) else part:
+            yield from _words(inner)

@@ -11,6 +11,7 @@ import numpy as np
 from contact.errors import NumericsError
 from contact.model.arrays import Array
 from contact.model.gap import FAR, RotatingRim
+from contact.model.rub import Rub
 from contact.record import Record
 from contact.result import Result
 from contact.run import Scene
@@ -84,7 +85,8 @@ def _motion(scene: Scene | None, result: Result) -> dict[str, Any]:
             return {"amplitude_m": float(np.abs(result.state).max())}
         N = rim.casing.n_max
         radial = result.state_of("casing") @ rim.casing.rows[: 2 * N + 1].T
-        blade = result.state_of("blade") @ _normal(rim)
+        name, normal = _normal(rim)
+        blade = result.state_of(name) @ normal
         levels = _levels(radial[late], N)
         n = int(levels.argmax())
         return {
@@ -94,22 +96,26 @@ def _motion(scene: Scene | None, result: Result) -> dict[str, Any]:
         }  # fmt: skip
 
 
-def _rim(scene: Scene | None) -> RotatingRim | None:
-    return scene.what if scene is not None and isinstance(scene.what, RotatingRim) else None
+def _rim(scene: Scene | None) -> RotatingRim | Rub | None:
+    return scene.what if scene is not None and isinstance(scene.what, RotatingRim | Rub) else None
 
 
-def _largest(rim: RotatingRim, result: Result) -> float:
+def _largest(rim: RotatingRim | Rub, result: Result) -> float:
     """Largest amplitude of a harmonic of the rim's radial motion [m]."""
     N = rim.casing.n_max
     with np.errstate(over="ignore", invalid="ignore"):
         return float(np.abs(result.state_of("casing") @ rim.casing.rows[: 2 * N + 1].T).max(initial=0.0))
 
 
-def _normal(rim: RotatingRim) -> Array:
-    """Row of the blade's motion along the contact normal."""
+def _normal(rim: RotatingRim | Rub) -> tuple[str, Array]:
+    """The (first) blade that touches, and the row of its motion along the contact normal."""
+    if isinstance(rim, Rub):
+        tip = rim.tips[0]
+        body = rim.blades[tip.blade]
+        return rim.names[1 + tip.blade], np.asarray(tip.directions(body)[0] @ body.rows)
     a = math.radians(rim.lean_deg)
     span, flap = (rim.blade.rows[rim.blade.channel(name)] for name in ("span", "flap"))
-    return np.asarray(math.cos(a) * span + math.sin(a) * flap)
+    return "blade", np.asarray(math.cos(a) * span + math.sin(a) * flap)
 
 
 def _levels(radial: Array, N: int) -> Array:
@@ -141,7 +147,7 @@ def growth_rate(time: Array, motion: Array) -> float:
     return float(slope)
 
 
-def _flags(result: Result, rim: RotatingRim | None) -> list[str]:
+def _flags(result: Result, rim: RotatingRim | Rub | None) -> list[str]:
     """What a reader of the row should know."""
     found = list(result.flags)
     energy = result.energy

@@ -53,6 +53,11 @@ class SweepResult:
         """Runs that were refused or broke off."""
         return sum(row["status"] != "done" for row in self.rows)
 
+    @property
+    def why(self) -> str:
+        """Why the first of those was refused or broke off; empty where all runs are done."""
+        return next((str(row["why"]) for row in self.rows if row["status"] != "done"), "")
+
 
 def run_sweep(
     plan: SweepPlan,
@@ -183,7 +188,7 @@ def table(result: SweepResult) -> str:
     """The table as CSV: a card with versions, hash and seed, column names with units, one row a run."""
     plan = result.plan
     lines = [
-        f"# COMPUTED: sweep of {plan.source['scene']}, {len(plan.runs)} runs",
+        f"# COMPUTED: sweep of {plan.source['scene']}, {counted(len(plan.runs))}",
         *(f"# {name}: {value}" for name, value in sorted(plan.source.items())),
         ",".join(columns(plan)),
     ]
@@ -191,6 +196,15 @@ def table(result: SweepResult) -> str:
         cells = (number, *run.values, *(row[name] for name in COLUMNS))
         lines.append(",".join(map(_cell, cells)))
     return "\n".join(lines) + "\n"
+
+
+def counted(runs: int) -> str:
+    """How many runs, in words.
+
+    >>> counted(1), counted(2)
+    ('1 run', '2 runs')
+    """
+    return f"{runs} run" if runs == 1 else f"{runs} runs"
 
 
 def _cell(value: object) -> str:

@@ -243,6 +243,27 @@ def test_sweep_writes_table_picture_and_store_and_goes_on(tmp_path):
     assert table.splitlines()[-5].startswith(b"run,rod[1].velocity_m_s,rod[2].x_m,status,")
 
 
+def test_a_sweep_of_which_nothing_is_done_ends_with_3(tmp_path):
+    """All runs refused: 3, how many, and why the first; some: 0, and a line that says so."""
+    file = tmp_path / "rods.toml"
+    scene = (SCENES / "two_rods.toml").read_text()
+    file.write_text(scene + '[sweep]\n[[sweep.vary]]\nkey = "scheme.courant"\nvalues = [1.5, 2.0]\n')
+    result = invoke("sweep", file, "--jobs", "1", "--out", tmp_path / "out")
+    assert result.exit_code == 3
+    assert "all 2 runs failed or were refused, the first: " in result.stderr
+    assert "1.5" in result.stderr
+    assert (tmp_path / "out" / "sweep.csv").is_file()
+    file.write_text(scene + '[sweep]\n[[sweep.vary]]\nkey = "scheme.courant"\nvalues = [0.9, 1.5]\n')
+    some = invoke("sweep", file, "--jobs", "1")
+    assert some.exit_code == 0
+    assert "1 of 2 runs refused, the first: " in some.stdout
+    file.write_text(scene + '[sweep]\n[[sweep.vary]]\nkey = "rod[1].elements"\nvalues = [40]\n')
+    one = invoke("sweep", file, "--jobs", "1", "--out", tmp_path / "one")
+    assert one.stdout.startswith("1 run over rod[1].elements")
+    last = (tmp_path / "one" / "sweep.csv").read_text().splitlines()[-1]
+    assert last.startswith("1,40,done,")
+
+
 def test_sweep_refuses_a_scene_without_one():
     result = invoke("sweep", SCENES / "two_rods.toml")
     assert result.exit_code == 2

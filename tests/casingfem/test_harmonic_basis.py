@@ -78,3 +78,24 @@ def test_imperfect_casings_and_unknown_edges_are_refused():
         harmonic_basis(casing(radius_defect=cf.FourierField.of({4: 1e-3})), RIM, orders=1)
     with pytest.raises(ValueError, match="no edge 'rim'"):
         harmonic_basis(casing(), cf.Rim("rim"), orders=1)
+
+
+def test_participation_is_that_of_the_two_dimensional_reduction():
+    """Effective masses by frequency, pair by pair; those of n > 1 are none."""
+    shell = casing(mesh=cf.ShellMesh(order=6, rows=1, around=9))
+    rim = cf.Rim("top", n_max=3)
+    found, full = harmonic_basis(shell, rim, orders=2), cf.reduce(shell, rim, modes=120)
+    for k in range(3):
+        moving = np.flatnonzero(found.participation[k] ** 2 > 1e-3)
+        assert (found.omega[moving] < full.omega[-1]).sum() > 0
+        for mode in moving[found.omega[moving] < 0.95 * full.omega[-1]]:
+            near = np.abs(full.omega / found.omega[mode] - 1.0) < 1e-6
+            expected = float(np.sum(full.participation[k, near] ** 2))
+            assert found.participation[k, mode] ** 2 == pytest.approx(expected, rel=1e-6)
+    assert np.count_nonzero(found.participation[0] ** 2 > 1e-3) == 2
+    # the sign too: a pull along x moves the rim along cos of one diameter, along y along sin, and towards it
+    sag = found.rows @ (found.participation.T / found.omega[:, None] ** 2)
+    assert sag[1, 0] > 0.0
+    assert sag[rim.n_max + 1, 1] == pytest.approx(sag[1, 0], rel=1e-9)
+    exact = full.rows @ (full.participation.T / full.omega[:, None] ** 2)
+    assert np.sign(exact[1, 0]) == np.sign(exact[rim.n_max + 1, 1]) == 1.0

@@ -7,12 +7,13 @@ import pytest
 
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.eigen import factorise
-from casingfem.modal.interface import Rim, Tip, rim_rows, tip_rows
+from casingfem.modal.interface import Rim, Tip, rim_rows, tip_directions, tip_rows
 from casingfem.modal.modes import modes
-from casingfem.modal.reduction import load_columns, reduce
+from casingfem.modal.reduction import free_vectors, load_columns, reduce
 from casingfem.structure.assembly import assemble
-from casingfem.structure.chart import Cylinder, Panel
+from casingfem.structure.chart import Cylinder, Panel, Plate
 from casingfem.structure.field import FourierField
+from casingfem.structure.load import Gravity
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
@@ -202,3 +203,39 @@ def test_refuses_rigid_motions(frustum, supports, method):
 def test_refuses_a_number_of_modes_there_is_not(casing, method, count):
     with pytest.raises((ValueError, RuntimeError), match=r"count|modes"):
         reduce(casing.shell, RIM, modes=count, method=method, system=casing)
+
+
+def test_participation_is_the_modal_force_of_gravity_and_gives_a_blades_sag(casing, blade):
+    """Phi^T M a against the nodal loads of the same body force; rows (Phi^T M a)/omega^2 against the mesh's statics."""
+    a = np.array([1.5, -9.0, 4.0])
+    for system, interface, rows_of in (bodies("tip", casing, blade), bodies("rim", casing, blade)):
+        basis = reduce(system.shell, interface, modes=30, system=system)
+        axes = np.eye(3) if isinstance(interface, Rim) else tip_directions(system, interface)
+        load = system.restrict(
+            Gravity(acceleration=tuple((a @ axes).tolist())).nodal(system.shell, system.grid)[:, :, None]
+        )
+        vectors, _ = free_vectors(system, 30)
+        force = basis.participation.T @ a
+        assert force == pytest.approx((vectors.T @ load)[:, 0], abs=1e-9 * np.abs(force).max())
+        if not isinstance(interface, Rim):  # of a casing's rim thirty modes know little: few have one diameter
+            rows, _ = rows_of(system, interface)
+            exact = (load_columns(system, rows).T @ factorise(system.K).solve(load))[:, 0]
+            assert np.abs(basis.rows @ (force / basis.omega**2) - exact).max() <= 1e-3 * np.abs(exact).max()
+
+
+def test_effective_masses_are_those_of_a_cantilever_beam(steel):
+    """First three flap modes: .6131, .1883 and .0647 of the mass (Blevins 1979, of the thin beam)."""
+    strip = Shell(
+        chart=Plate(length=0.4, width=0.02), thickness=1e-3, material=replace(steel, nu=0.0),
+        supports={"root": Clamped()}, mesh=ShellMesh(order=7, rows=3, around=1),
+    )  # fmt: skip
+    basis = reduce(strip, Tip(), modes=12)
+    shares = np.sort(basis.participation[1] ** 2)[::-1][:3] / (0.4 * 0.02 * 1e-3 * steel.rho)
+    assert shares == pytest.approx([0.6131, 0.1883, 0.0647], rel=2e-3)
+    assert basis.participation.shape == (3, 12)
+
+
+def test_participation_survives_the_file(blade, tmp_path):
+    basis = reduce(blade.shell, Tip(), modes=4, system=blade)
+    again = ModalBasis.load(basis.save(tmp_path / "blade.npz"))
+    assert np.array_equal(again.participation, basis.participation)

@@ -1,5 +1,6 @@
 """Scenes of kind "rub": what the file says is what runs; what it cannot mean is refused with file and key."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -86,6 +87,25 @@ def test_the_file_is_the_rub(write):
     assert len(result.source["sha256"]) == 64
 
 
+def test_gravity_and_whirl_of_the_file_are_those_of_the_rub(write, tmp_path):
+    share = np.arange(30.0).reshape(3, 10) / 30.0
+    replace(rim3(), participation=share).save(tmp_path / "casing.npz")
+    replace(nodes(2), participation=share[:, :3]).save(tmp_path / "blade.npz")
+    text = RUB.replace("per_rev = -1.0", 'per_rev = -1.0\nhz = 2.0\nphase_deg = 30.0\nshakes = "blades"')
+    text = text.replace("hz = [3.0, 5.0]", 'hz = [3.0, 5.0]\nturning = "blades"') + "[gravity]\ndown_deg = 10.0\n"
+    rub = ct.load_scene(write(text)).what
+    shaken, weight = rub.forces
+    assert (shaken.on, shaken.radius, shaken.per_rev, shaken.hz, shaken.phase_deg) == ("blades", -1e-6, -1.0, 2.0, 30.0)
+    assert (weight.on, weight.acceleration, weight.per_rev, weight.casing_turns) == ("both", 9.80665, 0.0, False)
+    x, y = np.cos(np.radians(10.0)), np.sin(np.radians(10.0))
+    sag = 9.80665 * (x * share[0] + y * share[1]) / rub.casing.omega**2
+    assert rub.casing_start.displacement == pytest.approx(sag, rel=1e-12)
+    assert rub.blade_starts[2].displacement.any()
+    undeformed = ct.load_scene(write(text + "settled = false\n")).what
+    assert undeformed.casing_start.displacement is None
+    assert ct.load_scene(write(text.replace('turning = "blades"', ""))).what.forces[1].per_rev == -1.0
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
@@ -99,6 +119,10 @@ def test_the_file_is_the_rub(write):
         ('axial = "node1.chord"', "", "expected all or none"),
         ("lean_deg = 10.0", "lean_deg = 10.0\nstiffening = true", "found a basis without K_omega"),
         ('basis = "casing.npz"', 'basis = "none.npz"', "found no such file"),
+        ("amplitude = 1e-6", 'amplitude = 1e-6\nshakes = "casing"', "casing: found a basis without participation"),
+        ("amplitude = 1e-6", 'amplitude = 1e-6\nshakes = "rotor"', "whirl[1].shakes: found 'rotor'"),
+        ("[scheme]", "[gravity]\n[scheme]", "casing: found a basis without participation"),
+        ("friction = 0.2", "friction = 0.2\ndraw = 3", "draw found without random_out_of_roundness"),
         ("amplitude = 1e-6", "amplitude = -1e-6", r"whirl[1].amplitude: found -1e-06"),
     ],
 )  # fmt: skip
@@ -123,6 +147,13 @@ def test_broken_rub_scenes(write, old, new, words):
 def test_broken_profiles(write, table, words):
     with pytest.raises(ct.SceneError, match=words):
         ct.load_scene(write(table=table))
+
+
+def test_a_missing_profile_is_named_once(write, tmp_path):
+    with pytest.raises(ct.SceneError) as caught:
+        ct.load_scene(write(RUB.replace("round.csv", "gone.csv")))
+    assert str(caught.value).count("gone.csv") == 1
+    assert "No such file or directory, expected a CSV file theta_deg,depth_m" in str(caught.value)
 
 
 @pytest.mark.slow

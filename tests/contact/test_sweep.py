@@ -1,9 +1,6 @@
 """Sweeps from scene files: what is run, what the table says, the same bits whatever happens on the way."""
 
 import csv
-import os
-import signal
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -11,14 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from synthetic_rim import blade, ring
+from synthetic_rub import nodes, rim3
 
 import contact as ct
 from contact.scene.load import scene_of
+from contact.scene.roundness import RandomRoundness
 from contact.sweep import dask_cluster as sweep_dask
 from contact.sweep import sweep
 from contact.sweep.plan import load_sweep
 from contact.sweep.row import growth_rate, row_of, sweep_record
 from contact.sweep.store import Store
+from reports import sweep_kills
 
 SCENE = """
 [scene]
@@ -50,6 +50,31 @@ steps = 3
 [[sweep.vary]]
 key = "contact.friction"
 values = [0.0, 0.1, 100.0]
+"""
+RUB = """
+[scene]
+kind = "rub"
+t_end = 0.02
+[casing]
+basis = "casing.npz"
+[[blade]]
+basis = "blade.npz"
+count = 1
+[contact]
+clearance = -2e-5
+profile = "round.csv"
+[speed]
+hz = 3.0
+[scheme]
+kind = "exact-modal"
+dt = 4e-5
+[sweep]
+[[sweep.vary]]
+key = "blade[1].count"
+values = [1, 2]
+[[sweep.vary]]
+key = "speed.hz"
+values = [2.0, 3.5]
 """
 
 
@@ -137,6 +162,97 @@ to = 140.0
     assert built.what.blade.omega[0] == pytest.approx(2.0 * np.pi * plan.runs[0].values[3])
     assert len(np.unique(built.what.casing.omega)) == 10  # pairs are split
     assert len({run.digest for run in plan.runs}) == 40
+
+
+DRAWS = """
+[contact.random_out_of_roundness]
+seed = 5
+spectrum = [
+    {p = 2, median = 1e-4, high = 3e-4}, {p = 3, median = 4e-5, high = 1e-4}, {p = 7, median = 2e-5, high = 9e-5},
+]
+"""
+
+
+def drawn(scene, draws, table=DRAWS, **more):
+    text = table + f'[sweep]\n[[sweep.vary]]\nkey = "contact.draw"\nvalues = {draws}\n'
+    return load_sweep(scene(text, **more))
+
+
+def test_imperfection_draws_depend_on_seed_and_number_alone(scene):
+    """In any order, among any others, in the file or varied: the numbers are those of casingfem's RandomField."""
+    from casingfem.structure.random_field import RandomField, Spectrum
+
+    plan, other = drawn(scene, [0, 1, 2, 3]), drawn(scene, [7, 3, 1])
+    assert other.runs[1] == plan.runs[3]
+    assert other.runs[2] == plan.runs[1]
+    assert [run.values for run in other.runs] == [(7,), (3,), (1,)]
+    assert len({run.digest for run in (*plan.runs, *other.runs)}) == 5
+    rows = [float(row["impulse_N_s"]) for row in read(sweep.table(sweep.run_sweep(plan)))]
+    again = [float(row["impulse_N_s"]) for row in read(sweep.table(sweep.run_sweep(other)))]
+    assert again[1:] == [rows[3], rows[1]]
+    assert len(set(rows)) == 4
+    alone = ct.load_scene(scene(DRAWS, SCENE.replace("friction = 0.1", "friction = 0.1\ndraw = 3")))
+    assert ct.run(alone, record=sweep_record(2000)).impulse[0] == pytest.approx(rows[3], rel=1e-12)
+    spectrum = Spectrum(p=[2, 3, 7], median=[1e-4, 4e-5, 2e-5], high=[3e-4, 1e-4, 9e-5])
+    fit = RandomField(spectrum=spectrum, seed=5, draw=3).fit
+    terms = alone.what.out_of_roundness
+    assert terms[0] == {"p": 2, "cos": 2.5e-4, "sin": 0.0}  # the given harmonic stays
+    assert [t["cos"] for t in terms[1:]] == pytest.approx(fit.cos[:, 0].tolist(), rel=1e-12)
+    assert [t["sin"] for t in terms[1:]] == pytest.approx(fit.sin[:, 0].tolist(), rel=1e-12)
+
+
+def test_the_hash_of_a_draw_covers_the_seed_and_the_spectrum(scene):
+    first = [run.digest for run in drawn(scene, [0, 1]).runs]
+    for old, new in (("seed = 5", "seed = 6"), ("median = 4e-5", "median = 4.1e-5"), ("p = 7", "p = 6")):
+        assert not set(first) & {run.digest for run in drawn(scene, [0, 1], DRAWS.replace(old, new)).runs}
+
+
+def test_draws_have_the_rms_and_the_quantiles_they_are_given():
+    table = RandomRoundness(seed=11, harmonics=[2, 5, 9], rms=3e-5)
+    theta = 2.0 * np.pi * np.arange(64) / 64
+    for draw in range(5):
+        d = sum(t["cos"] * np.cos(t["p"] * theta) + t["sin"] * np.sin(t["p"] * theta) for t in table.terms(draw))
+        assert np.sqrt(np.mean(d**2)) == pytest.approx(3e-5, rel=1e-12)
+    table = RandomRoundness(seed=11, spectrum=[{"p": 4, "median": 1e-4, "high": 2.5e-4}])
+    size = np.array([np.hypot(t["cos"], t["sin"]) for k in range(4000) for t in table.terms(k)])
+    assert np.mean(size > 1e-4) == pytest.approx(0.5, abs=0.025)  # three standard deviations of 4,000 draws
+    assert np.mean(size > 2.5e-4) == pytest.approx(0.1, abs=0.015)
+
+
+@pytest.mark.parametrize(("old", "new", "words"), [
+    ("spectrum", "spectra", "contact.random_out_of_roundness.spectra: unknown key"),
+    ("spectrum =", "harmonics = [2]\nspectrum =", "spectrum and harmonics: found both"),
+    ("spectrum =", "rms = 0.0\nspectrum =", "random_out_of_roundness.rms: found 0.0"),
+    ("seed = 5", "seed = -1", "random_out_of_roundness.seed: found -1"),
+    ("p = 7", "p = 3", "harmonics [2, 3, 3] found, expected each once, ascending"),
+    ("high = 1e-4}", "high = 1e-5}", "high = 1e-05 found below median = 4e-05"),
+])  # fmt: skip
+def test_broken_random_roundness_is_refused(scene, old, new, words):
+    assert old in DRAWS
+    with pytest.raises(ct.SceneError) as error:
+        drawn(scene, [0], DRAWS.replace(old, new, 1))
+    assert words in str(error.value)
+
+
+def test_whole_numbers_stay_whole_and_files_of_lists_are_hashed(tmp_path):
+    rim3().save(tmp_path / "casing.npz")
+    nodes(1).save(tmp_path / "blade.npz")
+    (tmp_path / "round.csv").write_text("theta_deg,depth_m\n0,0\n90,2e-5\n200,-1e-5\n")
+    file = tmp_path / "scene.toml"
+    file.write_text(RUB)
+    plan = load_sweep(file)
+    assert [run.values for run in plan.runs] == [(1, 2.0), (1, 3.5), (2, 2.0), (2, 3.5)]
+    rows = read(sweep.table(sweep.run_sweep(plan)))
+    assert [row["blade[1].count"] for row in rows] == ["1", "1", "2", "2"]
+    assert [row["status"] for row in rows] == ["done"] * 4
+    assert {int(row["dominant_n"]) for row in rows} <= set(range(6))
+    assert all(float(row["blade_rms_m"]) > 0.0 for row in rows)
+    first = {run.digest for run in plan.runs}
+    (tmp_path / "round.csv").write_text("theta_deg,depth_m\n0,0\n90,2e-5\n200,-2e-5\n")
+    second = {run.digest for run in load_sweep(file).runs}
+    nodes(1, seed=8).save(tmp_path / "blade.npz")
+    third = {run.digest for run in load_sweep(file).runs}
+    assert len(first | second | third) == 12
 
 
 def test_the_hash_follows_all_that_defines_a_run(scene, tmp_path):
@@ -252,25 +368,14 @@ def test_a_killed_driver_and_killed_workers_lose_nothing(scene, tmp_path):
     many = GRID.replace("steps = 3", "steps = 60").replace("values = [0.0, 0.1, 100.0]", "values = [0.0, 0.1]")
     file = scene(many, SCENE.replace("t_end = 0.04", "t_end = 0.4"))
     plan, store = load_sweep(file), tmp_path / "store"
-    code = (
-        "import sys\nfrom pathlib import Path\nfrom contact.sweep.sweep import run_sweep\n"
-        "from contact.sweep.plan import load_sweep\n"
-        "if __name__ == '__main__':\n    run_sweep(load_sweep(sys.argv[1]), folder=Path(sys.argv[2]), jobs=2)\n"
-    )
-    script = tmp_path / "drive.py"
-    script.write_text(code)
-    root = str(Path(__file__).parents[2])
-    driver = subprocess.Popen(
-        [sys.executable, str(script), str(file), str(store)], env={**os.environ, "PYTHONPATH": root}
-    )
+    driver = sweep_kills.driver(tmp_path, file, store)
     deadline = time.monotonic() + 240.0
-    while len(list((store / "runs").glob("??/*.json"))) < 8 and time.monotonic() < deadline:
+    while sweep_kills.finished(store) < 8 and time.monotonic() < deadline:
         time.sleep(0.02)
-    driver.send_signal(signal.SIGKILL)
-    driver.wait()
+    sweep_kills.kill(driver)
     kept = len(Store.open(store).files())
     assert 8 <= kept < 120
     assert Store.open(store).unreadable() == []
-    result = sweep.run_sweep(plan, folder=store)
-    assert result.resumed >= kept
-    assert sweep.table(result) == sweep.table(sweep.run_sweep(plan))
+    assert sweep.run_sweep(plan, folder=store).resumed >= kept
+    found = sweep_kills.compared(plan, sweep.run_sweep(plan), store)
+    assert list(found.values()) == [120, 0, True, True]

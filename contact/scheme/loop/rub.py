@@ -23,7 +23,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, dim: int, averaged: b
     for step in range(first, first + steps):
         t = step * h
         ahead, omega_ahead = turned(laws.speed, t + h)
-        propagate(s, omega)
+        propagate(s, laws, t, angle, omega)
         every = due(step, out.every, out.at, sums.filled[0])
         closing = look(s, laws, rows, w, dim, share, every, t, h, before, angle, ahead)
         s.contact[:] = 0.0

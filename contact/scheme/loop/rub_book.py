@@ -58,7 +58,9 @@ def keep_strain(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> No
 
 @jit
 def settle(s: RubState, sums: Tally) -> None:
-    """Add the increments, and the work of damping and of the stiffening."""
+    """Add the increments, and the work of damping, of the stiffening, of gravity and whirl."""
+    for i in range(s.body.size):
+        sums.body_force[0] += 0.5 * s.body[i] * (s.old[i] + s.d[i])
     lost, given = 0.0, 0.0
     for i in range(s.q.size):
         lost -= s.weight[i] * s.old[i] * (s.old[i] + s.d[i])

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from contact.compiled import jit
 from contact.scheme.loop.rim import dot
+from contact.scheme.loop.rub_pull import pull
 from contact.scheme.loop.rub_rows import RubLaws, RubRows, blade_dot, fill_block, gap_of, least_gap, rigid_gap, straight
 from contact.scheme.loop.rub_state import RubState, Work
 
 
 @jit
-def propagate(s: RubState, omega: float) -> None:
-    """D* = al D - be q + c (f - stiffening), the last increment kept in `old`."""
+def propagate(s: RubState, laws: RubLaws, t: float, angle: float, omega: float) -> None:
+    """D* = al D - be q + c (f + gravity and whirl - stiffening), the last increment kept in `old`."""
     b = s.stiff.shape[0]
     begin = s.q.size - b
     for i in range(b):
@@ -23,6 +24,10 @@ def propagate(s: RubState, omega: float) -> None:
         s.d[i] = s.al[i] * s.d[i] - s.be[i] * s.q[i] + s.kick[i]
     for i in range(begin, s.q.size):
         s.d[i] += s.c[i] * s.push[i]
+    if s.body.size > 0:
+        pull(laws.pulls, laws.speed, t, angle, omega, s.body)
+        for i in range(s.q.size):
+            s.d[i] += s.c[i] * s.body[i]
 
 
 @jit

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from contact.compiled import jit
 from contact.model.arrays import Array, Indices
 from contact.scheme.loop.rim import Terms, dot, polynomial, turn
+from contact.scheme.loop.rub_pull import Pulls
 
 
 class RubLaws(NamedTuple):
@@ -19,6 +20,7 @@ class RubLaws(NamedTuple):
     terms: Terms  # of the profile
     table: Array  # (points, 3) of the profile, may be empty
     lowest: float  # of the profile
+    pulls: Pulls
 
 
 class RubRows(NamedTuple):

@@ -26,6 +26,7 @@ class RubState(NamedTuple):
     stiff_at: Array  # the same times Omega^2 of each basis
     push: Array  # (m,) force of the stiffening
     contact: Array  # (m,) force of the tips
+    body: Array  # (m,) gravity and whirl, empty without any
     mu: Array
     lam: Array
     strain: Array  # S lam of the last step

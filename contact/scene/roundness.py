@@ -1,0 +1,99 @@
+"""Out-of-roundness of a rim in scene files: given harmonics, and numbered draws from a spectrum of random ones."""
+
+from __future__ import annotations
+
+import math
+from statistics import NormalDist
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from contact.scene.scheme import Positive, Table, Waviness
+
+NINETY = NormalDist().inv_cdf(0.9)  # standard deviations between the median and the 90th percentile
+RAYLEIGH = math.sqrt(math.log(10.0) / math.log(2.0))  # 90th percentile over median of two equal Gaussian coefficients
+Whole = Annotated[int, Field(ge=0)]
+
+
+class SpectrumLine(Table):
+    """One random harmonic: the amplitudes [m] that half and a tenth of all draws exceed."""
+
+    p: Annotated[int, Field(ge=1)]
+    median: Positive
+    high: Positive
+
+    @model_validator(mode="after")
+    def _ordered(self) -> SpectrumLine:
+        if self.high < self.median:
+            raise ValueError(f"high = {self.high:g} found below median = {self.median:g}, expected at least as much")
+        return self
+
+
+class RandomRoundness(Table):
+    """[contact.random_out_of_roundness]: d(theta) = sum_p a_p cos(p theta - phi_p) by seed and number of the draw.
+
+    a_p lognormal through `spectrum`'s median and 90th percentile, phi_p uniform, the convention of casingfem's
+    RandomField: the same numbers for the same seed, draw and spectrum. `harmonics` in its place have one median and
+    Rayleigh's ratio. `rms` [m] scales every draw to this root mean square around the rim.
+
+    >>> table = RandomRoundness(seed=7, harmonics=[2, 3], rms=1e-4)
+    >>> terms = table.terms(0)
+    >>> round(sum(t["cos"] ** 2 + t["sin"] ** 2 for t in terms) / 2.0, 15), terms == table.terms(1)
+    (1e-08, False)
+    """
+
+    seed: Whole
+    spectrum: Annotated[list[SpectrumLine], Field(min_length=1)] | None = None
+    harmonics: Annotated[list[Annotated[int, Field(ge=1)]], Field(min_length=1)] | None = None
+    rms: Positive | None = None
+
+    @model_validator(mode="after")
+    def _fits(self) -> RandomRoundness:
+        if (self.spectrum is None) == (self.harmonics is None):
+            found = "neither" if self.spectrum is None else "both"
+            raise ValueError(f"spectrum and harmonics: found {found}, expected one of them")
+        if self.harmonics is not None and self.rms is None:
+            raise ValueError("harmonics found without rms, expected how large the deviation is [m]")
+        p = [line.p for line in self._lines()]
+        if p != sorted(set(p)):
+            raise ValueError(f"harmonics {p} found, expected each once, ascending")
+        return self
+
+    def _lines(self) -> list[SpectrumLine]:
+        return self.spectrum or [SpectrumLine(p=p, median=1.0, high=RAYLEIGH) for p in self.harmonics or ()]
+
+    def terms(self, draw: int) -> list[dict[str, float]]:
+        """Harmonics {p, cos, sin} [m] of one draw; it depends on its number alone."""
+        lines = self._lines()
+        size, turn = np.random.default_rng([self.seed, 0, draw]).random((len(lines), 2)).T
+        normal = np.array([NormalDist().inv_cdf(float(u)) for u in np.clip(size, 1e-300, None)])
+        spread = np.log([line.high / line.median for line in lines])
+        amplitude = np.array([line.median for line in lines]) * np.exp(spread * normal / NINETY)
+        if self.rms is not None:
+            amplitude *= self.rms / math.sqrt(0.5 * float(amplitude @ amplitude))
+        cos, sin = amplitude * np.cos(2.0 * np.pi * turn), amplitude * np.sin(2.0 * np.pi * turn)
+        return [{"p": line.p, "cos": float(a), "sin": float(b)} for line, a, b in zip(lines, cos, sin, strict=True)]
+
+
+class Roundness(Table):
+    """What [contact] of every rim says of its shape: `out_of_roundness`, and `draw` of the random one added to it."""
+
+    out_of_roundness: list[Waviness] = Field(default_factory=list)
+    random_out_of_roundness: RandomRoundness | None = None
+    draw: Whole | None = None
+
+    @model_validator(mode="after")
+    def _draws_of_something(self) -> Roundness:
+        if self.draw is not None and self.random_out_of_roundness is None:
+            raise ValueError("draw found without random_out_of_roundness, expected [contact.random_out_of_roundness]")
+        return self
+
+    def terms(self) -> list[dict[str, float]]:
+        """Harmonics {p, cos, sin} [m], the drawn ones after the given; harmonics that are there twice add up."""
+        given = [term.model_dump() for term in self.out_of_roundness]
+        return (
+            given
+            if self.random_out_of_roundness is None
+            else given + self.random_out_of_roundness.terms(self.draw or 0)
+        )
