@@ -13,12 +13,15 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from contact.sealing import SealedPipeline
+
 config: Any = numba.config
 Function = TypeVar("Function", bound=Callable[..., object])
 
 ROOT = Path(__file__).parent
 SOURCES = (
     Path(__file__),
+    ROOT / "sealing.py",
     ROOT / "record.py",
     ROOT / "vector.py",
     ROOT / "model/band.py",
@@ -65,6 +68,6 @@ def compiled(function: Function, options: dict[str, Any]) -> Function:
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE
     try:
-        return cast(Function, numba.njit(**options)(function))
+        return cast(Function, numba.njit(pipeline_class=SealedPipeline, **options)(function))
     finally:
         config.CACHE_DIR = before
