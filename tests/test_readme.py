@@ -115,6 +115,23 @@ def test_every_link_and_path_leads_somewhere(page):
             assert (folder / link).exists(), link
 
 
+MAP = TEXT["CONTRIBUTING.md"].partition("## Where things are")[2].partition("## ")[0]
+
+
+def test_the_map_names_every_package():
+    inits = [path for top in ("casingfem", "contact") for path in (ROOT / top).glob("*/**/__init__.py")]
+    packages = [init.parent.relative_to(ROOT).as_posix() for init in inits]
+    assert len(packages) > 15
+    assert [package for package in packages if f"`{package}/" not in MAP] == []
+
+
+def test_files_in_the_map_stand_in_the_folder_of_their_row():
+    for row in MAP.splitlines():
+        folders = [ROOT / path for path in re.findall(r"`((?:casingfem|contact|reports)/(?:\w+/)*)[\w.]*`", row)]
+        for name in re.findall(r"`(\w+\.py)`", row):
+            assert any((folder / name).is_file() for folder in folders), f"{name}: {row}"
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_every_heading_linked_to_is_there(page):
     for file, anchor in re.findall(r"\]\(([^)#]*)#([\w-]+)\)", TEXT[page]):
