@@ -16,7 +16,7 @@ def prepare_leapfrog(
     name: str, words: str, rule: int, problem: Problem, law: Law, allowed: tuple[type, ...], dt: float | None,
     courant: float | None, restitution: float = 0.0,
 ) -> LinearStepper:  # fmt: skip
-    """Stepper with one of the rules of `loop_leapfrog`; raises InputError, LimitError beyond dt omega_max = 2.
+    """Stepper with one of the rules of `loop.leapfrog`; raises InputError, LimitError beyond dt omega_max = 2.
 
     A contact spring counts in the limit, taken with every contact closed.
     """

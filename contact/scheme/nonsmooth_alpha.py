@@ -24,6 +24,7 @@ from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
     from contact.model.arrays import Array
+    from contact.model.band import Factor
     from contact.scheme.loop.alpha import Weights
     from contact.scheme.loop.linear import Parts
 
@@ -40,9 +41,7 @@ class NonsmoothAlpha:
     restitution: float = 0.0
 
     def __post_init__(self) -> None:
-        require_restitution(self.restitution)
-        if not 0.0 <= self.rho_inf <= 1.0:
-            raise InputError(f"rho_inf: found {self.rho_inf!r}, expected between 0 and 1")
+        require_weights(self.rho_inf, self.restitution)
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError."""
@@ -52,6 +51,13 @@ class NonsmoothAlpha:
         parts, jump = _parts(run.system, w, run.h)
         words = f"nonsmooth generalised-alpha, rho_inf = {self.rho_inf:g}, e = {self.restitution:g}"
         return linear_stepper(run, parts, advance_nonsmooth, (run.law, w, jump, self.restitution), words)
+
+
+def require_weights(rho_inf: float, restitution: float) -> None:
+    """Raise InputError unless both lie between 0 and 1."""
+    require_restitution(restitution)
+    if not 0.0 <= rho_inf <= 1.0:
+        raise InputError(f"rho_inf: found {rho_inf!r}, expected between 0 and 1")
 
 
 def chung_hulbert(rho_inf: float) -> Weights:
@@ -67,13 +73,18 @@ def chung_hulbert(rho_inf: float) -> Weights:
     return Weights(am, af, 0.25 * (gamma + 0.5) ** 2, gamma)
 
 
-def _parts(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Array]:
-    """Arrays of the run, and the velocity jumps M^-1 Q^T of unit impulses, (k, N)."""
+def smooth_parts(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Factor, Array]:
+    """Arrays of motion without contact, its factored matrix, velocity jumps M^-1 Q^T of unit impulses (k, N)."""
     implicit = 1.0 - w.af
     A = combine((1.0 - w.am, system.M), (implicit * w.gamma * h, system.C), (implicit * w.beta * h * h, system.K))
     factored = factor(A, "M + h C + h^2 K")
-    parts, Q = parts_of(system, A, 1.0, factored=factored), system.rows()
-    jump = solve(factor(system.M, "M"), Q.T.copy()).T
+    jump = solve(factor(system.M, "M"), system.rows().T.copy()).T
+    return parts_of(system, A, 1.0, factored=factored), factored, jump
+
+
+def _parts(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Array]:
+    """Arrays of the run, and the velocity jumps of unit impulses."""
+    (parts, factored, jump), Q, implicit = smooth_parts(system, w, h), system.rows(), 1.0 - w.af
     pull = np.array([product(system.C, row) + 0.5 * h * product(system.K, row) for row in jump])
     response = -implicit * solve(factored, pull.T.copy()).T
     W = Q @ jump.T + w.gamma * h * (Q @ response.T)

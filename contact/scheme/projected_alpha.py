@@ -18,12 +18,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contact.errors import InputError
-from contact.model.band import combine, factor, solve
+from contact.model.band import solve
 from contact.model.law import Law, Unilateral
 from contact.model.linear_system import LinearSystem
-from contact.scheme.linear_stepper import LinearStepper, linear_stepper, parts_of, product, require_restitution, setup
-from contact.scheme.nonsmooth_alpha import chung_hulbert
+from contact.scheme.linear_stepper import LinearStepper, linear_stepper, product, setup
+from contact.scheme.nonsmooth_alpha import chung_hulbert, require_weights, smooth_parts
 from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
@@ -44,9 +43,7 @@ class ProjectedAlpha:
     restitution: float = 0.0
 
     def __post_init__(self) -> None:
-        require_restitution(self.restitution)
-        if not 0.0 <= self.rho_inf <= 1.0:
-            raise InputError(f"rho_inf: found {self.rho_inf!r}, expected between 0 and 1")
+        require_weights(self.rho_inf, self.restitution)
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError."""
@@ -62,11 +59,8 @@ def _parts(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Correctio
     """Arrays of the run; what unit corrections nu and P do to u, v and a, and so to gaps and their rates."""
     from contact.scheme.loop.projected import Corrections
 
-    implicit = 1.0 - w.af
-    A = combine((1.0 - w.am, system.M), (implicit * w.gamma * h, system.C), (implicit * w.beta * h * h, system.K))
-    factored = factor(A, "M + h C + h^2 K")
-    parts, Q = parts_of(system, A, 1.0, factored=factored), system.rows()
-    jump = np.ascontiguousarray(solve(factor(system.M, "M"), Q.T.copy()).T)
+    parts, factored, jump = smooth_parts(system, w, h)
+    jump, Q, implicit = np.ascontiguousarray(jump), system.rows(), 1.0 - w.af
     of_nu, of_impulse = (
         np.ascontiguousarray(-implicit * solve(factored, np.array([product(pull, row) for row in jump]).T.copy()).T)
         for pull in (system.K, system.C)

@@ -1,4 +1,4 @@
-"""A rub in progress: its arrays for the compiled loop, its limits, and how to read it; see `loop_rub`."""
+"""A rub in progress: its arrays for the compiled loop, its limits, and how to read it; see `loop.rub`."""
 
 from __future__ import annotations
 

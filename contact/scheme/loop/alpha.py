@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_inside
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
 from contact.scheme.loop.linear import (
@@ -76,6 +76,36 @@ def own_gain(
     return gain - h * h * (w.beta - 0.5 * w.gamma) * dot(da, out)
 
 
+@jit_inside
+def note_works(
+    p: Parts, s: State, du: Array, dv: Array, load: Array, next_load: Array, sums: Tally, rate: Array, spare: Array
+) -> None:
+    """Work of damping and of varying loads over the step."""
+    if p.damped:
+        for i in range(du.size):
+            rate[i] = s.v[i] + 0.5 * dv[i]
+        sums.damping[0] += damping_work(p, du, rate, spare, s.work)
+    sums.external[0] += varying_work(p, load, next_load, du, spare)
+
+
+@jit
+def take_step(
+    p: Parts, s: State, w: Weights, du: Array, dv: Array, a: Array, net: Array, dnet: Array, load: Array,
+    dforce: Array, h: float, spare: Array,
+) -> float:  # fmt: skip
+    """Move the state by du, dv, to the acceleration a, which becomes da; the energy that the scheme adds."""
+    for i in range(du.size):
+        s.u[i] += du[i]
+        s.v[i] += dv[i]
+        a[i] -= s.a[i]
+        s.a[i] += a[i]
+    internal_force(p, s.u, s.v, load, dnet, s.work)
+    for i in range(du.size):
+        dnet[i] -= net[i]
+        net[i] += dnet[i]
+    return own_gain(p, s, w, du, dv, a, dnet, dforce, h, spare)
+
+
 @jit
 def advance_alpha(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
@@ -108,20 +138,7 @@ def advance_alpha(
             scale = p.W[k, k] if law.stiffness == 0.0 or law.updates > 0 else 1.0 / law.stiffness
             slack = abs(min(s.force[k] * scale, s.gap[k]))
             note_step(sums, out, k, h, s.force[k], s.gap[k], slack, begin, was, s.free[k], begin + 0.5 * h)
-        if p.damped:
-            for i in range(n):
-                spare[i] = s.v[i] + 0.5 * v[i]
-            sums.damping[0] += damping_work(p, u, spare, dnet, s.work)
-        sums.external[0] += varying_work(p, load, next_load, u, dnet)
-        for i in range(n):
-            s.u[i] += u[i]
-            s.v[i] += v[i]
-            a[i] -= s.a[i]
-            s.a[i] += a[i]
-        internal_force(p, s.u, s.v, next_load, dnet, s.work)
-        for i in range(n):
-            dnet[i] -= net[i]
-            net[i] += dnet[i]
-        sums.algorithmic[0] += own_gain(p, s, w, u, v, a, dnet, s.shifted, h, spare)
+        note_works(p, s, u, v, load, next_load, sums, spare, dnet)
+        sums.algorithmic[0] += take_step(p, s, w, u, v, a, net, dnet, next_load, s.shifted, h, spare)
         store(sums, out, step, begin + h, s.force, s.gap)
     return -1

@@ -1,7 +1,7 @@
 """Compiled leapfrog steps whose contact coordinates have no mass: they follow the others statically, with the contact.
 
 Others: M (D_{n+1} - D_n)/h^2 = f - K u_n + Q^T force_n; then K_cc u_c = f_c - K_cm u_m + Q_c^T force_{n+1} with
-g_{n+1} >= 0. Energies and their balance are those of `loop_leapfrog`.
+g_{n+1} >= 0. Energies and their balance are those of `leapfrog`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Compiled steps of the two schemes with an impact law on velocities over each step.
 
 Moreau-Jean: M dv = h F_theta + Q^T P, du = h (v_n + theta dv). Nonsmooth generalised-alpha: smooth accelerations
-as in `loop_alpha` without contact, and a jump w = M^-1 Q^T P in v, h w/2 in u. Where the contact is predicted
+as in `loop.alpha` without contact, and a jump w = M^-1 Q^T P in v, h w/2 in u. Where the contact is predicted
 closed: Q v_{n+1} + e Q v_n >= 0, P >= 0, complementary; force = P/h over the step.
 """
 
@@ -12,19 +12,17 @@ import math
 from contact.compiled import jit
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
-from contact.scheme.loop.alpha import Weights, free_acceleration, own_gain
+from contact.scheme.loop.alpha import Weights, free_acceleration, note_works, take_step
 from contact.scheme.loop.linear import (
     Parts,
     State,
     add_product,
     add_response,
     along,
-    damping_work,
     dot,
     gap_of,
     internal_force,
     solve_in_place,
-    varying_work,
 )
 from contact.scheme.loop.tally import note_step, store, store_state
 from contact.solver.complementarity import LawNumbers, contact_forces
@@ -43,18 +41,6 @@ def note_impulses(
         s.gap[k] = was + rise
         sums.work[k] += s.force[k] * rise
         note_step(sums, out, k, h, s.force[k], s.gap[k], slack, begin, was, was + h * speed, begin)
-
-
-@jit
-def note_works(
-    p: Parts, s: State, du: Array, dv: Array, load: Array, next_load: Array, sums: Tally, rate: Array, spare: Array
-) -> None:
-    """Work of damping and of varying loads over the step."""
-    if p.damped:
-        for i in range(du.size):
-            rate[i] = s.v[i] + 0.5 * dv[i]
-        sums.damping[0] += damping_work(p, du, rate, spare, s.work)
-    sums.external[0] += varying_work(p, load, next_load, du, spare)
 
 
 @jit
@@ -136,17 +122,8 @@ def advance_nonsmooth(
                 v[i] += s.force[k] * jump[k, i]
         note_impulses(p, s, e, u, v, sums, out, begin, h)
         note_works(p, s, u, v, load, next_load, sums, rate, spare)
-        for i in range(n):
-            s.u[i] += u[i]
-            s.v[i] += v[i]
-            a[i] -= s.a[i]
-            s.a[i] += a[i]
-        internal_force(p, s.u, s.v, next_load, dnet, s.work)
-        for i in range(n):
-            dnet[i] -= net[i]
-            net[i] += dnet[i]
         for k in range(contacts):
             s.shifted[k] = 0.0
-        sums.algorithmic[0] += own_gain(p, s, w, u, v, a, dnet, s.shifted, h, spare)
+        sums.algorithmic[0] += take_step(p, s, w, u, v, a, net, dnet, next_load, s.shifted, h, spare)
         store(sums, out, step, begin + 0.5 * h, s.force, s.gap)
     return -1

@@ -8,9 +8,8 @@ from typing import NamedTuple
 from contact.compiled import jit
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
-from contact.scheme.loop.alpha import Weights, free_acceleration, own_gain
+from contact.scheme.loop.alpha import Weights, free_acceleration, note_works, take_step
 from contact.scheme.loop.linear import Parts, State, along, gap_of, internal_force
-from contact.scheme.loop.moreau import note_works
 from contact.scheme.loop.tally import note_step, store, store_state
 from contact.solver.complementarity import LawNumbers, contact_forces
 
@@ -129,17 +128,8 @@ def advance_projected(
                     v[i] += c.impulse[k] * c.jump[k, i]
         note_contacts(p, s, c, e, u, v, sums, out, begin, h)
         note_works(p, s, u, v, load, next_load, sums, rate, spare)
-        for i in range(n):
-            s.u[i] += u[i]
-            s.v[i] += v[i]
-            a[i] -= s.a[i]
-            s.a[i] += a[i]
-        internal_force(p, s.u, s.v, next_load, dnet, s.work)
-        for i in range(n):
-            dnet[i] -= net[i]
-            net[i] += dnet[i]
         for k in range(contacts):
             s.shifted[k] = 0.0
-        sums.algorithmic[0] += own_gain(p, s, w, u, v, a, dnet, s.shifted, h, spare)
+        sums.algorithmic[0] += take_step(p, s, w, u, v, a, net, dnet, next_load, s.shifted, h, spare)
         store(sums, out, step, begin + 0.5 * h, s.force, s.gap)
     return -1
