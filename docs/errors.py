@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from casingfem.errors import CATALOGUE
+from casingfem.faults import CATALOGUE
 
 PAGE = Path(__file__).parent / "errors.md"
 HEAD = """# What can be wrong with a model
 
-Made by `.venv/bin/python docs/errors.py` from `casingfem/errors.py`. Every refusal and warning about a structural
+Made by `.venv/bin/python docs/errors.py` from `casingfem/faults/`. Every refusal and warning about a structural
 model ends with one of these codes; `casingfem explain shell-thickness` prints its line.
 
 | code | cause | remedy |

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from casingfem.cli.running import deliver, options
-from casingfem.errors import CATALOGUE
+from casingfem.faults import CATALOGUE
 from casingfem.outfiles import json_text
 
 

@@ -11,7 +11,8 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.errors import CATALOGUE, ModelError, ModelWarning, code_of, doubt
+from casingfem.errors import ModelError, ModelWarning, code_of, doubt
+from casingfem.faults import CATALOGUE, PARTS
 from casingfem.modal.resolution import FINEST, finest_shares
 from casingfem.study import StudyError, load_study
 from reports import broken_models
@@ -97,6 +98,7 @@ def test_every_code_of_the_package_stands_in_the_catalogue_with_words():
         assert min(len(fault.cause), len(fault.remedy)) > 10
         assert not (fault.cause + fault.remedy).endswith(".")
         assert "|" not in fault.cause + fault.remedy
+    assert sum(map(len, PARTS)) == len(CATALOGUE), "a code stands twice"
     with pytest.raises(KeyError):
         ModelError("no-such-code", "message")
     with pytest.warns(ModelWarning, match="shell-thin"):

@@ -1,0 +1,166 @@
+"""Faults of meshes, the project's own and imported ones."""
+
+from casingfem.faults.fault import Fault
+
+MESHES = {
+    "mesh-around": Fault(
+        "there is no such number of elements",
+        "give a whole number of at least 1, or leave mesh.around out",
+    ),
+    "mesh-aspect": Fault(
+        "cells are much longer than wide",
+        "refine along their long side, or see that no node is misplaced",
+    ),
+    "mesh-coarse": Fault(
+        "the shapes bend more within an element than its polynomials carry: frequencies come out too high",
+        "ask for more elements or a higher order, for fewer modes, or leave [mesh] out",
+    ),
+    "mesh-collapsed-cell": Fault(
+        "a cell has the same node twice, as wedges written as bricks have",
+        "mesh with tetrahedra or true bricks; wedges and pyramids are not supported",
+    ),
+    "mesh-distorted-cell": Fault(
+        "a cell is nearly folded somewhere",
+        "remesh there; frequencies may still be good, compare with a finer mesh",
+    ),
+    "mesh-file": Fault(
+        "a mesh file is malformed, cut short, or has what this program does not read",
+        "export it again as a flat mesh: one part, the basic coordinate system, no other files",
+    ),
+    "mesh-flat-cell": Fault(
+        "a cell has no volume or area",
+        "delete it, or see whether its nodes were merged by mistake",
+    ),
+    "mesh-flipped-shell": Fault(
+        "neighbouring shell cells are numbered in opposite senses",
+        "orient the normals alike in the mesher",
+    ),
+    "mesh-fold": Fault(
+        "cells of a shell meet in a fold, which one director a node cannot follow",
+        "mesh the part as a solid, or round the fold off with small cells",
+    ),
+    "mesh-format": Fault(
+        "the ending of a mesh file is not one of those known",
+        "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX) or .bdf, .nas, .dat (Nastran)",
+    ),
+    "mesh-group-empty": Fault(
+        "a group holds no node of a cell",
+        "name a group on the part, or save the group's cells with the mesh",
+    ),
+    "mesh-group-no-cells": Fault(
+        "a material is given to a group without cells",
+        "give it to a physical volume (for a shell: surface) or an element set",
+    ),
+    "mesh-group-no-facets": Fault(
+        "a foundation needs facets, and the group's nodes cover none on the boundary",
+        "name a physical surface, or every node of the facets",
+    ),
+    "mesh-hanging-node": Fault(
+        "neighbouring cells do not share all nodes of their common facet",
+        "remesh so that cells meet node to node",
+    ),
+    "mesh-inverted-cell": Fault(
+        "the nodes of a cell run round it the wrong way, its volume is negative",
+        "reverse the cells' orientation in the mesher",
+    ),
+    "mesh-kink": Fault(
+        "neighbouring cells of a shell meet at an angle",
+        "refine there; on a smooth surface the angle falls with the size of the cells",
+    ),
+    "mesh-left-out": Fault(
+        "springs, masses, ties or rigid links of a mesh file are not taken over",
+        "the body is computed without them; join parts in the mesher, give supports in the study",
+    ),
+    "mesh-linear-cells": Fault(
+        "linear cells lock: bending comes out too stiff",
+        "use quadratic cells (order 2 in the mesher)",
+    ),
+    "mesh-loose-facets": Fault(
+        "facets of a group lie on no cell of the part",
+        "they are left out; save the group with the part it is on",
+    ),
+    "mesh-material-twice": Fault(
+        "a cell lies in two groups that each have a material",
+        "give each cell one material: the groups must not overlap",
+    ),
+    "mesh-mechanism": Fault(
+        "parts of the body move against each other without strain: they hang together by an edge or a node only",
+        "join the parts over facets, or support each of them",
+    ),
+    "mesh-mixed-cells": Fault(
+        "a mesh has cells of several kinds",
+        "mesh with one kind: all quadratic tetrahedra, or all bricks with the same middle nodes",
+    ),
+    "mesh-no-cells": Fault(
+        "a mesh file holds no volume or surface cells",
+        "export the mesh, not the geometry alone, with its volumes",
+    ),
+    "mesh-no-group": Fault(
+        "a support or material names a group the mesh does not have",
+        "name one of the groups listed, or add the physical group in the mesher",
+    ),
+    "mesh-not-finite": Fault(
+        "coordinates are nan or infinite",
+        "repair the file's node block",
+    ),
+    "mesh-not-shell": Fault(
+        "a shell needs quadrilaterals",
+        "mesh the mid-surface with quadrilaterals, or use the mesh as a solid",
+    ),
+    "mesh-not-solid": Fault(
+        "a solid needs tetrahedra or hexahedra",
+        "mesh the volume, or use the mesh as a shell",
+    ),
+    "mesh-open-seam": Fault(
+        "coincident nodes are not joined: the body is slit there",
+        "merge duplicate nodes in the mesher, or read the mesh with join = a distance in metres",
+    ),
+    "mesh-order": Fault(
+        "the order of the elements is not a whole number within reach",
+        "give an order of 2 to 20, or leave mesh.order out",
+    ),
+    "mesh-orphan-nodes": Fault(
+        "nodes belong to no cell",
+        "they are left out; see that no cell is missing",
+    ),
+    "mesh-overlap": Fault(
+        "more than two cells share a facet: cells lie over each other, or shells meet in a T",
+        "delete duplicate cells; shells that branch are not supported, mesh them as solids",
+    ),
+    "mesh-parts": Fault(
+        "the mesh falls into parts that do not touch",
+        "join them in the mesher, or compute each part alone",
+    ),
+    "mesh-rows": Fault(
+        "the rows do not divide the first parameter",
+        "give a whole number of at least 1, or breaks ascending from 0 to 1",
+    ),
+    "mesh-scale": Fault(
+        "the scale or joining distance of a mesh is not a usable number",
+        "give scale = 1e-3 for millimetres, join = a distance in metres",
+    ),
+    "mesh-scrambled-cell": Fault(
+        "the nodes of a cell are in another order than the format's",
+        "export again; check the order of the middle nodes",
+    ),
+    "mesh-support": Fault(
+        "an imported mesh cannot have this kind of support",
+        "use clamped, fixed (directions) or elastic with k_face alone",
+    ),
+    "mesh-thin-curved": Fault(
+        "thin curved walls of solid cells lock: frequencies come out too high",
+        "use more cells along the curve, or mesh the mid-surface and compute a shell",
+    ),
+    "mesh-too-large": Fault(
+        "the mesh has more unknowns than a factorisation in memory can take",
+        "take fewer elements; 1e5 unknowns are plenty for a shell",
+    ),
+    "mesh-units": Fault(
+        "the part is very large for its material",
+        "if the file is in millimetres, read it with scale = 1e-3",
+    ),
+    "mesh-unsupported-cell": Fault(
+        "cells of a kind that is not supported",
+        "use tetrahedra or bricks for solids, quadrilaterals for shells",
+    ),
+}

@@ -1,0 +1,154 @@
+"""Faults of what is asked of a model, and of what it is compared with: modes, reduction, sensors, study and files."""
+
+from casingfem.faults.fault import Fault
+
+RESULTS = {
+    "expansion-modes": Fault(
+        "shapes at the sensors do not determine so many modes",
+        "use fewer modes, modes that the sensors tell apart, or more sensors",
+    ),
+    "interaction-blade": Fault(
+        "a blade or bladed disk has no positive frequencies, or nodal diameters that its blades cannot carry",
+        "give frequencies in Hz; a disk of N blades has nodal diameters 0 to N/2",
+    ),
+    "interaction-casing": Fault(
+        "a casing has no elastic pair with nodal diameters",
+        "take modes of a closed casing, or give frequencies by n >= 1",
+    ),
+    "interaction-speed": Fault(
+        "there is no such range of speeds, or nothing that turns",
+        'give speed_hz = (first, last) with 0 <= first < last, and turning "blade" or "casing"',
+    ),
+    "interface-edge": Fault(
+        "the interface is not an edge that contact can see",
+        "name a curved edge of a casing (Rim), or root or tip of an open panel or blade (Tip)",
+    ),
+    "interface-harmonics": Fault(
+        "the rim's harmonics exceed what the mesh resolves",
+        "reduce n_max, or ask for more elements around",
+    ),
+    "interface-held": Fault(
+        "the edge that contact should push is held",
+        "name a free edge, or an elastic one",
+    ),
+    "interface-lines": Fault(
+        "a rim's lines lie off the casing, or cannot be had in this reduction",
+        "give places of the chart's first parameter within its bounds; leave lines out for the edge itself",
+    ),
+    "interface-nodes": Fault(
+        "a blade's tip is cut into no pieces, or into too many",
+        "take 1 to 100 pieces",
+    ),
+    "law-stations": Fault(
+        "a law from root to tip is neither a number nor a list of them",
+        "give one number, or 2 to 8 finite values at equally spaced stations, the root's first",
+    ),
+    "locate-among": Fault(
+        "there are two kinds of places to look among",
+        "look among bolts or mass",
+    ),
+    "locate-baseline": Fault(
+        "the table measured before has nothing to set against the model",
+        "give the table of the same casing, with n, or leave the baseline out",
+    ),
+    "locate-bolts": Fault(
+        "loose bolts are looked for on the one edge that has bolts",
+        "give one edge bolts, under a ring or not",
+    ),
+    "locate-edge": Fault(
+        "masses and bolts are looked for on an edge that runs around a closed casing",
+        "name the edge, base or top, of a closed casing",
+    ),
+    "locate-unlabelled": Fault(
+        "places are told by the splits of pairs, which need their nodal diameters",
+        "give n for the rows of the table, and angle_deg where it was measured",
+    ),
+    "modes-band": Fault(
+        "a band of frequencies is no band, or a count stands beside it",
+        "give band = (from, to) in Hz, 0 <= from < to, or a count, not both",
+    ),
+    "modes-count": Fault(
+        "no such number of modes can be computed",
+        "ask for at least 1 and far fewer than the mesh has unknowns",
+    ),
+    "modes-lobpcg": Fault(
+        "LOBPCG with multigrid did not find the modes, as on thin walls; shift-invert was used instead",
+        "none is needed; `mesh_modes(solid, count, multigrid=False)` saves the attempt",
+    ),
+    "modes-method": Fault(
+        "this method does not apply",
+        "leave method out; harmonics need a casing on which nothing varies around",
+    ),
+    "modes-rigid": Fault(
+        "on a mesh this coarse a thin free body bends before it turns as a whole: the rotations are not resolved",
+        "leave the mesh out, or raise mesh.order or mesh.around",
+    ),
+    "output-direction": Fault(
+        "an output asks for a direction or component that there is none of",
+        "x, y, z, normal, radial, tangential for a displacement; 11, 22, 12 and a side of -1 to 1 for a strain",
+    ),
+    "output-name": Fault(
+        "two outputs have the same name",
+        "give each its own",
+    ),
+    "output-place": Fault(
+        "an output lies off the surface",
+        "give parameters within the chart's bounds",
+    ),
+    "reduce-damping": Fault(
+        "the damping ratio is not one of a vibrating mode",
+        "give zeta from 0 to below 1 (half a per cent as 0.005)",
+    ),
+    "reduce-method": Fault(
+        "there is no such method of reduction",
+        "use free or craig-bampton",
+    ),
+    "reduce-rigid": Fault(
+        "a body that can move as a whole has no static compliance",
+        "support it before reducing",
+    ),
+    "sensor-far": Fault(
+        "a sensor does not stand on the wall of this model",
+        "check the points' unit (metres), origin and axes; the axis of a casing is z",
+    ),
+    "sensor-twice": Fault(
+        "two channels measure the same motion, so that the mass at them is not defined",
+        "leave repeated channels out, or reduce the mass by SEREP",
+    ),
+    "study-file": Fault(
+        "the file cannot be read",
+        "give the path of a text file in UTF-8",
+    ),
+    "study-key": Fault(
+        "a key is unknown, or stands beside one that excludes it",
+        "`casingfem schema` lists all keys",
+    ),
+    "study-missing": Fault(
+        "a key or table that the study needs is not there",
+        "add it; `casingfem schema` lists all keys",
+    ),
+    "study-toml": Fault(
+        "the file is not TOML",
+        "correct the line named; text stands in quotes, each table once",
+    ),
+    "study-value": Fault(
+        "a value has the wrong type or lies out of range",
+        "give what is expected there, in SI units",
+    ),
+    "uff-gap": Fault(
+        "sets of nodes and elements hold no count, and here a few of their numbers are left out",
+        "compare with the program that wrote the file: were lines lost?",
+    ),
+    "uff-local": Fault(
+        "the coordinates of nodes refer to coordinate systems of the file that are not read",
+        "export the geometry in global coordinates, or see that these systems are the global one",
+    ),
+    "uff-shapes": Fault(
+        "sets of shapes hold no count, and the shapes of one file have values at different nodes",
+        "compare with the program that wrote the file: were lines lost?",
+    ),
+    "uff-unknown": Fault(
+        "the file has a set of a number that this reader does not know; it is skipped",
+        "look whether the number is the one meant",
+    ),
+}

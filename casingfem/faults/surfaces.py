@@ -1,0 +1,198 @@
+"""Faults of surfaces and walls: charts, imperfections, surveys, thickness, strips, material."""
+
+from casingfem.faults.fault import Fault
+
+SURFACES = {
+    "blade-shape": Fault(
+        "the sections of a blade have no chord somewhere, or close on themselves",
+        "keep the chord above 0 and the camber below 2 pi rad from root to tip",
+    ),
+    "chart-angle": Fault(
+        "an open panel would overlap itself",
+        "give the angle in radians, below 2 pi; a closed panel is a Cylinder",
+    ),
+    "chart-aspect": Fault(
+        "the surface is a thousand times longer than wide, or wider than long",
+        "check the units of each length; a model of a rod or a wire needs no shell",
+    ),
+    "chart-bounds": Fault(
+        "the chart's parameters do not run over finite ranges from low to high",
+        "let `bounds` return ((from, to), (from, to)), each ascending",
+    ),
+    "chart-derivatives": Fault(
+        "the chart's derivatives are not those of its surface",
+        "correct x1, x2, x11, x12, x22 in `surface`; compare them with differences of x",
+    ),
+    "chart-dimension": Fault(
+        "a length of the chart is not a positive finite number",
+        "give lengths in metres, 500 mm as 0.5",
+    ),
+    "chart-edge": Fault(
+        "the chart names an edge that its parameter rectangle does not have",
+        "let `edges` map names to (parameter held: 0 or 1, end: 0 or 1)",
+    ),
+    "chart-fold": Fault(
+        "the surface shrinks to a line or a point, or folds: its tangents do not span a plane there",
+        "leave a small hole at a pole, or change the chart or its radius field",
+    ),
+    "chart-near-closed": Fault(
+        "the two straight edges of a panel nearly touch but are not joined: the seam is open",
+        "use a Cylinder for a closed casing, or a smaller angle",
+    ),
+    "chart-not-finite": Fault(
+        "the surface or its derivatives are not finite numbers somewhere",
+        "correct the chart, or the radius field, there",
+    ),
+    "chart-open-seam": Fault(
+        "a chart said to close on itself does not: its two ends lie at different places",
+        "let the second parameter run once around, or say periodic = False",
+    ),
+    "chart-twist": Fault(
+        "the twist is not a finite angle",
+        "give the twist in radians, 30 degrees as 0.5236",
+    ),
+    "chart-twist-units": Fault(
+        "the blade is twisted by more than half a turn",
+        "give the twist in radians, 30 degrees as 0.5236 (study.toml: twist_deg in degrees)",
+    ),
+    "chart-units": Fault(
+        "the structure is very large or very small for a casing or a blade",
+        "give lengths in metres, 500 mm as 0.5",
+    ),
+    "field-coefficients": Fault(
+        "the coefficients of a field are not finite numbers, or not of the shape its harmonics ask for",
+        "give one finite number, or one row, for each harmonic",
+    ),
+    "field-harmonics": Fault(
+        "the harmonics of a field are not whole numbers from 0, each given once",
+        "give p = 0, 1, 2, ... each once; the mean (p = 0) has no sine",
+    ),
+    "field-large": Fault(
+        "an imperfection is larger than any wall has: it changes the design",
+        "give fields relative to the nominal value (.4 % as 0.004); put the design itself into the chart",
+    ),
+    "field-mesh": Fault(
+        "the field has finer waves than the mesh can carry",
+        "leave out finer harmonics, or ask for more elements around",
+    ),
+    "field-no-radius": Fault(
+        "a flat surface has no radius to be defective",
+        "use a Panel, or a thickness field",
+    ),
+    "field-not-finite": Fault(
+        "the field is nan or infinite somewhere on the surface",
+        "correct the field there; a survey's fit must cover the whole surface",
+    ),
+    "field-range": Fault(
+        "a relative field takes away almost all of what it acts on, or multiplies it tenfold",
+        "give fields relative to the nominal value (.4 % as 0.004), between -0.9 and 9",
+    ),
+    "field-resolution": Fault(
+        "a pair of n nodal diameters is split by harmonic 2n of a defect, which the survey is too coarse to show",
+        "survey more points around (more than 4n to a ring), or trust the splits of fewer nodal diameters only",
+    ),
+    "field-seed": Fault(
+        "a random field needs seeds that are whole numbers from 0",
+        "give seed = 1, 2, ...; the same seed gives the same field",
+    ),
+    "field-spectrum": Fault(
+        "a spectrum is not a list of harmonics with a positive median and a higher 90th percentile each",
+        "give p ascending from 1 and 0 < median <= high at each",
+    ),
+    "field-spline": Fault(
+        "a spline along the axis has no such ends, intervals or degree",
+        "give z_low below z_high in metres, 1 interval or more, degree 2 or more; a natural spline is cubic",
+    ),
+    "material-density": Fault(
+        "the density is not a positive finite number",
+        "give rho in kg/m^3 (steel 7800)",
+    ),
+    "material-density-units": Fault(
+        "no solid is as light or as heavy",
+        "give rho in kg/m^3 (steel 7800, not 7.8 or 7.8e-9)",
+    ),
+    "material-modulus": Fault(
+        "Young's modulus is not a positive finite number",
+        "give E in Pa (steel 210e9)",
+    ),
+    "material-poisson": Fault(
+        "Poisson's ratio lies outside what is stable",
+        "give nu between -1 and 0.5, exclusive (steel 0.3)",
+    ),
+    "material-poisson-negative": Fault(
+        "the material widens when pulled",
+        "give nu above 0 (steel 0.3) unless the material is auxetic",
+    ),
+    "material-units": Fault(
+        "the material's speed of sound is not that of a solid",
+        "give E in Pa (steel 210e9) and rho in kg/m^3 (steel 7800)",
+    ),
+    "meridian-arc": Fault(
+        "an arc of no length or of more than a turn",
+        "give two angles in radians, less than 2 pi apart",
+    ),
+    "meridian-axis": Fault(
+        "the meridian reaches the axis, where a chart of revolution ends in a pole",
+        "stop short of the axis and leave a small hole",
+    ),
+    "shear-correction": Fault(
+        "the shear correction is none of 5/6, about 1, or the thin-shell limit",
+        "leave it at 5/6; give 1e6 for a wall without shear",
+    ),
+    "shell-free": Fault(
+        "nothing holds the structure: its first modes are rigid motions",
+        "give [support.EDGE], unless a free body is meant",
+    ),
+    "shell-thick": Fault(
+        "the wall is thick for its curvature or size: shell theory is off by several per cent",
+        "check the units of thickness (3 mm is 3e-3), or model it as a solid",
+    ),
+    "shell-thickness": Fault(
+        "the wall thickness is not a positive finite number",
+        "give the thickness in metres, 3 mm as 3e-3",
+    ),
+    "shell-thickness-size": Fault(
+        "the wall is as thick as the structure is wide, or as its radius of curvature",
+        "give the thickness in metres, 3 mm as 3e-3",
+    ),
+    "shell-thin": Fault(
+        "the wall is thinner than a hundred-thousandth of the size",
+        "give the thickness in metres, 3 mm as 3e-3, not 3e-6",
+    ),
+    "strip-extent": Fault(
+        "the ends of a strip are not finite numbers in order",
+        "give start below end, in metres along the axis",
+    ),
+    "strip-off-line": Fault(
+        "a strip ends inside an element, where its jump of thickness or material would be smeared",
+        "leave the mesh's rows to the program, or put a break of mesh.rows at each end of the strip",
+    ),
+    "strip-outside": Fault(
+        "a strip reaches beyond the ends of the shell",
+        "give start and end in metres within the chart's bounds",
+    ),
+    "strip-overlap": Fault(
+        "two strips claim the same part of the wall",
+        "let one strip end where the next begins",
+    ),
+    "survey-other": Fault(
+        "the survey is of another casing: its mean is not the nominal value, or its heights are not the shell's",
+        "use the survey of this casing, in metres and degrees, or correct the nominal value",
+    ),
+    "survey-outliers": Fault(
+        "a robust fit of a survey left stray points out",
+        "look at the points named: chips, seams and slips of the probe are no shape, a dent is",
+    ),
+    "survey-quantity": Fault(
+        "the survey is of another quantity",
+        "let `of` name what was surveyed",
+    ),
+    "survey-table": Fault(
+        "the survey cannot be used as it stands, or does not carry the fit asked for",
+        "correct the line named, or fit fewer harmonics (n_max) and a lower degree",
+    ),
+    "taper-thickness": Fault(
+        "the law of the thickness leaves no wall somewhere",
+        "keep the polynomial through the stations above 0",
+    ),
+}
