@@ -2,7 +2,8 @@
 
 `python -m reports.identification [--quick] [--out DIR]` makes the sets of `reports.identification_sets`, half with
 one reference and half with two, identifies each without help, and prints one row a set, the failures, the errors by
-size of the split and how often the truth lies in the 95 % intervals. It writes identification.csv.
+size of the split and how often the truth lies in the 95 % intervals of frequency, damping and orientation. It writes
+identification.csv and identification_intervals.csv.
 
 A mode counts as found where a mode of the same n lies within its half-power bandwidth and within 45/n deg (where the
 imperfections mix two n, either of those that hold a quarter of its energy will do, without an angle to judge). One
@@ -17,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from casingfem.arrays import FloatArray
 from casingfem.experiment.identify.identification import identify
 from casingfem.experiment.identify.identified import Identified
 from reports.identification_sets import SNR_DB, TestSet, make_set
@@ -42,6 +44,7 @@ class Judged(NamedTuple):
     freq_percent: float
     angle_deg: float
     freq_sigmas: float
+    zeta_sigmas: float
     angle_sigmas: float
 
 
@@ -73,15 +76,18 @@ def judge(data: TestSet, found: Identified, seed: int, references: int) -> tuple
             taken.add(j)
             labelled = n > 0 and found.n[j] == n
             error = float(np.degrees(np.arcsin(np.sin(turn[j]))) / n) if labelled else np.nan
-            sigmas = (found.freq[j] - freq) / found.sigma_freq[j], error / found.sigma_angle[j]
+            by_freq = float((found.freq[j] - freq) / found.sigma_freq[j])
+            by_zeta = float((found.zeta[j] - zeta) / found.sigma_zeta[j])
             errors = 100.0 * float(gap[j]) / freq, abs(error)
-            judged.append(Judged(*nothing, "found", *errors, float(sigmas[0]), float(sigmas[1])))
+            judged.append(Judged(*nothing, "found", *errors, by_freq, by_zeta, float(error / found.sigma_angle[j])))
         elif whole:
             j = min(whole, key=lambda j: float(gap[j]))
-            sigmas = float(gap[j] / found.sigma_freq[j]), np.nan
-            judged.append(Judged(*nothing, "one of a pair", 100.0 * float(gap[j]) / freq, np.nan, *sigmas))
+            by_freq = float(gap[j] / found.sigma_freq[j])
+            judged.append(
+                Judged(*nothing, "one of a pair", 100.0 * float(gap[j]) / freq, np.nan, by_freq, np.nan, np.nan)
+            )
         else:
-            judged.append(Judged(*nothing, "missed", np.nan, np.nan, np.nan, np.nan))
+            judged.append(Judged(*nothing, "missed", np.nan, np.nan, np.nan, np.nan, np.nan))
     stands = {j for j in found.unresolved if (np.abs(found.freq[j] / truth.freq - 1) < 2 * found.zeta[j]).any()}
     return judged, sorted(set(range(len(found))) - taken - stands)
 
@@ -127,14 +133,30 @@ def by_split(judged: Sequence[Judged]) -> list[Row]:
                 "missed": sum(mode.outcome == "missed" for mode in members),
                 "worst freq %": max((mode.freq_percent for mode in met), default=None),
                 "worst angle deg": max((mode.angle_deg for mode in met if np.isfinite(mode.angle_deg)), default=None),
-                "95 % freq": coverage([mode.freq_sigmas for mode in met]),
-                "95 % angle": coverage([mode.angle_sigmas for mode in met if np.isfinite(mode.angle_sigmas)]),
             }
         )
     return rows
 
 
-def coverage(sigmas: Sequence[float]) -> float | None:
+def intervals(judged: Sequence[Judged]) -> list[Row]:
+    """How many of the 95 % intervals hold the truth, by size of the split, found members only."""
+    classes = [*pairwise(CLASSES), (RESOLVED, np.inf)]
+    rows: list[Row] = []
+    for low, high in classes:
+        met = [mode for mode in judged if mode.outcome == "found" and low <= mode.split]
+        met = [mode for mode in met if mode.split < high or high == np.inf]
+        row: Row = {
+            "split / bandwidth": f"{low:g} to {high:g}" if high < np.inf else f"{low:g} and more, or no partner"
+        }
+        for name in ("freq", "zeta", "angle"):
+            sigmas = np.array([getattr(mode, f"{name}_sigmas") for mode in met], float)
+            sigmas = sigmas[np.isfinite(sigmas)]
+            row |= {f"{name}s": len(sigmas), f"{name} holds %": coverage(sigmas)}
+        rows.append(row)
+    return rows
+
+
+def coverage(sigmas: FloatArray) -> float | None:
     """Share [%] of errors within the 95 % interval."""
     return 100.0 * float(np.mean(np.abs(sigmas) < NORMAL)) if len(sigmas) else None
 
@@ -172,6 +194,9 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         everything += judged
     show(f"Sets: 24 sensors, signal over noise {SNR_DB:g} dB; clear: split of half a bandwidth or more", rows)
     show("By split", by_split(everything))
+    held = intervals(everything)
+    show("95 % intervals that hold the truth", held)
+    write(out / "identification_intervals.csv", held)
     bad = failures(everything)
     if bad:
         show(f"Missed, or off by more than {FREQ_PERCENT:g} % or {ANGLE_DEG:g} deg", bad)

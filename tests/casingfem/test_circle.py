@@ -50,6 +50,20 @@ def test_the_uncertainty_is_the_scatter_of_repeated_tests():
     assert scatter == pytest.approx(float(np.mean([label.sigma for label in found])), rel=0.2)
 
 
+@pytest.mark.parametrize("noise", [1e-5, 0.02])
+def test_intervals_hold_beside_other_n_of_many_sizes(noise):
+    """150 shapes with all other n, of sizes 1 to 1/25: at 95 % fewer than 133 hold in 1 of 1000 runs."""
+    rng, circle, hits = np.random.default_rng(58), Circle.of(UNEVEN), 0
+    for _ in range(150):
+        n, at = int(rng.integers(3, 12)), rng.uniform(0, np.pi)
+        shape = np.cos(n * (UNEVEN - at)) + noise * rng.standard_normal(24)
+        for k, m in enumerate(rng.permutation([m for m in range(26) if m != n]), start=1):
+            shape += 0.1 / k * rng.standard_normal(2) @ [np.cos(m * UNEVEN), np.sin(m * UNEVEN)]
+        found = circle.label(shape, noise**2 * np.eye(24))
+        hits += abs(np.arcsin(np.sin(n * (found.angle - at)))) / n < 1.96 * found.sigma
+    assert 133 <= hits < 150
+
+
 def test_what_no_n_explains_has_no_label():
     found = Circle.of(EVEN, n_max=3).label(np.cos(8 * EVEN), SMALL)
     assert found.n == -1

@@ -11,13 +11,16 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import norm as normal
+from scipy.stats import t as student
 
 from casingfem.arrays import FloatArray, frozen
+from casingfem.experiment.circle.other_orders import reading, spread_of_others
 
 ALIKE = 0.95  # cosine of the angle between the spaces of two n that cannot be told apart
-TERMS = 8  # sensors for each n fitted to a shape, at least
 BEYOND = 8  # n above the largest label that still may add to a shape
-NOTABLE = 20.0  # fall of the sum of squares, in units of the noise, for which another n is fitted
+TAIL = 0.025  # beyond either end of an interval
+EXACT = 1e-14  # of a shape's energy: a variance that every sensor has, where noise has none
 PURE = 0.35  # least share of the energy for a label
 SEEN = 0.25  # least ratio of what the sensors see of a sine and a cosine
 
@@ -69,9 +72,11 @@ class Circle:
     def label(self, shape: FloatArray, covariance: FloatArray) -> Label:
         """Which n a shape (sensors,) with this covariance (sensors, sensors) has, and where its antinode lies.
 
-        The n whose sine and cosine take most energy is the label. The next n are fitted beside it while they are
-        notable, for on uneven sensors they turn the antinode; all others are taken as random, of the size that
-        the rest shows, and so enter the uncertainty.
+        The n whose sine and cosine take most energy is the label. All other n are random, each of a size that the
+        shape itself tells: on uneven sensors they turn the antinode, and so enter its uncertainty
+        (`other_orders.py`). What they add to its variance is estimated from that many sensors: 1.96 sigma is the 95 %
+        interval of Student's t, its degrees of freedom (sensors - 2)/(share of that variance)^2 (Satterthwaite,
+        Biometrics Bulletin 2, 1946, 110).
 
         >>> theta = np.array([0.0, 0.5, 1.1, 1.5, 2.1, 2.9, 3.3, 4.2, 5.0, 5.7])
         >>> found = Circle.of(theta).label(np.cos(3 * theta - 0.6), 1e-6 * np.eye(10))
@@ -80,50 +85,28 @@ class Circle:
         """
         if not self.orders:
             return Label(-1, *[float("nan")] * 3)
-        chosen = [self._next(shape, [])]
-        noise = float(np.trace(covariance)) / len(shape)
-        while len(chosen) < min(len(shape) // TERMS, len(self.orders)):
-            rest = self._rest(shape, chosen)
-            more = [*chosen, self._next(shape, chosen)]
-            if rest - self._rest(shape, more) < NOTABLE * noise:
-                break
-            chosen = more
-        return self._read(shape, covariance, self._others(shape, chosen, noise), chosen)
-
-    def _others(self, shape: FloatArray, chosen: list[int], noise: float) -> FloatArray:
-        """Covariance (sensors, sensors) of what all other n add, equally large, from what is left."""
-        rest = self._columns([n for n in range(self.n_max + BEYOND) if n not in chosen])
-        columns = self._columns(chosen)
-        across = rest - columns @ np.linalg.lstsq(columns, rest, rcond=None)[0]
-        left = max(self._rest(shape, chosen) - noise * (len(shape) - columns.shape[1]), 0.0)
-        return np.asarray(left / np.sum(across**2) * rest @ rest.T)
-
-    def _next(self, shape: FloatArray, chosen: list[int]) -> int:
-        """The n that takes most from what is left."""
-        free = [n for n in self.orders if n not in chosen]
-        return min(free, key=lambda n: self._rest(shape, [*chosen, n]))
-
-    def _columns(self, chosen: list[int]) -> FloatArray:
-        return np.concatenate([harmonic(self.theta, n) for n in chosen], axis=1)
-
-    def _rest(self, shape: FloatArray, chosen: list[int]) -> float:
-        columns = self._columns(chosen)
-        rest = shape - columns @ np.linalg.lstsq(columns, shape, rcond=None)[0]
-        return float(rest @ rest)
-
-    def _read(self, shape: FloatArray, covariance: FloatArray, others: FloatArray, chosen: list[int]) -> Label:
-        """Label by the first n chosen, the others fitted beside it, by least squares weighted by the other n."""
-        n, columns = chosen[0], self._columns(chosen)
-        even = float(np.trace(covariance + others)) / len(shape) + 1e-24 * float(shape @ shape)
-        weighted = np.linalg.solve(others + even * np.eye(len(shape)), columns)
-        read = np.linalg.solve(columns.T @ weighted, weighted.T)
-        width = harmonic(self.theta, n).shape[1]
-        parts = (read @ shape)[:width]
-        part = columns[:, :width] @ parts
-        purity = min(float(part @ part) / float(shape @ shape), 1.0)
+        n = min(self.orders, key=lambda n: self._rest(shape, n))
+        own = harmonic(self.theta, n)
+        rest = [harmonic(self.theta, m) for m in range(self.n_max + BEYOND) if m != n]
+        order = np.repeat(np.arange(len(rest)), [columns.shape[1] for columns in rest])
+        covariance = covariance + EXACT * float(shape @ shape) * np.eye(len(shape))
+        others = spread_of_others(shape, own, np.concatenate(rest, axis=1), order, covariance)
+        even = float(np.trace(covariance)) / len(shape) * np.eye(len(shape))  # a partner's share is no weight
+        read = reading(own, others + even)
+        parts = read @ shape
+        purity = min(float(np.sum((own @ parts) ** 2)) / float(shape @ shape), 1.0)
         if purity < PURE or n == 0:
             return Label(n if purity >= PURE else -1, purity, float("nan"), float("nan"))
-        return Label(n, purity, *antinode(parts, (read @ (covariance + others) @ read.T)[:width, :width], n))
+        angle, sigma = antinode(parts, read @ (covariance + others) @ read.T, n)
+        known = antinode(parts, read @ covariance @ read.T, n)[1]
+        freedom = (len(shape) - own.shape[1]) / max(1.0 - (known / sigma) ** 2, 1e-9) ** 2
+        return Label(n, purity, angle, sigma * float(student.isf(TAIL, freedom) / normal.isf(TAIL)))
+
+    def _rest(self, shape: FloatArray, n: int) -> float:
+        """Sum of squares that an n leaves."""
+        columns = harmonic(self.theta, n)
+        rest = shape - columns @ np.linalg.lstsq(columns, shape, rcond=None)[0]
+        return float(rest @ rest)
 
 
 def harmonic(theta: FloatArray, n: int) -> FloatArray:
