@@ -24,7 +24,9 @@ from casingfem.updating.calibration import calibrated
 from casingfem.updating.located import Explanation, Found, Localisation
 from casingfem.updating.mass_places import Masses, refined, search_masses
 from casingfem.updating.misfit import Misfit, Point
-from casingfem.updating.sparse_search import Bounds, fitted, scale2, search, threshold
+from casingfem.updating.sparse_fit import Bounds, fitted
+from casingfem.updating.sparse_search import scale2, search, threshold
+from casingfem.updating.unknown_coupling import half_split, widened
 
 AMONG = ("bolts", "mass")
 EDGE = "top"  # where masses are looked for unless told
@@ -133,7 +135,12 @@ def locate(
     misfit = Misfit(model=reduced, table=table, count=count, angle_sigma=angle_sigma, model_error=model_error)
     start = misfit.at(np.zeros(reduced.changes))
     if among == "bolts":
-        active, point = search(misfit.at, loosening(factors_of(reduced)), most=most, level=level, least=LEAST)
+        bounds = loosening(factors_of(reduced))
+        active, point = search(misfit.at, bounds, most=most, level=level, least=LEAST)
+        if baseline is not None and active:  # again, with what the couplings that these bolts show leave unknown
+            wider = widened(table, reduced, start.modes, point.modes, half_split(baseline), misfit.reach)
+            misfit = replace(misfit, table=wider)
+            active, point = search(misfit.at, bounds, most=most, level=level, least=LEAST)
         explained = bolts_explained(misfit, active, point, angles)
     else:
         edge = edge or EDGE
@@ -157,6 +164,7 @@ def locate(
         smallest=visible(start, level, scale),
         alike=groups_alike(start.jacobian),
         calibrated=baseline is not None,
+        misfit=misfit,
     )
 
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from casingfem.arrays import FloatArray
+from casingfem.updating.misfit import Misfit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +57,8 @@ class Localisation:
         Groups of places that this table cannot tell apart.
     calibrated
         Whether a baseline was known.
+    misfit
+        What chi^2 was last judged by: the model as calibrated, the table with the uncertainty that was added to it.
     """
 
     among: str
@@ -69,6 +72,7 @@ class Localisation:
     smallest: FloatArray
     alike: tuple[tuple[int, ...], ...]
     calibrated: bool
+    misfit: Misfit
 
     @property
     def found(self) -> tuple[Found, ...]:

@@ -12,7 +12,8 @@ import numpy as np
 from casingfem.arrays import FloatArray
 from casingfem.modal.affine import AffineModel, mass_changes
 from casingfem.updating.misfit import Misfit, Point
-from casingfem.updating.sparse_search import TRIED, Bounds, gains, goes_on, significant
+from casingfem.updating.sparse_fit import Bounds, gains
+from casingfem.updating.sparse_search import TRIED, goes_on, significant
 
 STEP = 1e-4  # rad, of the difference that gives dM/dtheta
 ROUNDS = 15

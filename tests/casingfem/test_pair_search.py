@@ -1,0 +1,75 @@
+"""Two of many changes: found where the one that explains most alone is neither; what unknown couplings add."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.updating.misfit import Point
+from casingfem.updating.pair_search import best_pair
+from casingfem.updating.sparse_fit import Bounds, fitted
+from casingfem.updating.sparse_search import best_addition, search
+from casingfem.updating.unknown_coupling import half_split, mixing
+
+BOUNDS = Bounds(lower=-np.ones(6), upper=np.zeros(6))
+
+
+def between(truth):
+    """Residuals J (x - truth); column 2 is nearly the sum of columns 0 and 1, and so explains most alone."""
+    J = np.random.default_rng(4).standard_normal((20, 6))
+    J[:, 2] = J[:, 0] + J[:, 1] + 0.1 * J[:, 2]
+
+    def evaluate(x):
+        left = 30.0 * J @ (x - truth)
+        return Point(x, None, left, 30.0 * J, float(left @ left))
+
+    return evaluate
+
+
+def test_a_pair_is_found_though_a_third_place_explains_more_alone():
+    truth = np.array([-0.7, -0.7, 0.0, 0.0, 0.0, 0.0])
+    evaluate = between(truth)
+    none = evaluate(np.zeros(6))
+    first, one = best_addition(evaluate, none, [], BOUNDS)
+    assert first == 2
+    assert best_addition(evaluate, one, [2], BOUNDS)[1].chi2 > 1.0
+    pair, at = best_pair(evaluate, none, BOUNDS)
+    assert pair == [0, 1]
+    np.testing.assert_allclose(at.x, truth, atol=1e-9)
+    assert search(evaluate, BOUNDS, most=3, level=0.01)[0] == [0, 1]
+
+
+def test_a_fit_stays_within_its_bounds():
+    evaluate = between(np.array([-1.4, 0.3, 0.0, 0.0, 0.0, 0.0]))
+    at = fitted(evaluate, evaluate(np.zeros(6)), [0, 1], BOUNDS)
+    assert at.x[0] == pytest.approx(-1.0)
+    assert at.x[1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_unknown_couplings_scatter_mixed_modes_by_what_is_said():
+    """Two pairs and two single modes, turned at random; 4,000 symmetric W without parts within pairs."""
+    rng, c = np.random.default_rng(12), 1e-3
+    y = np.eye(6)
+    y[:5, :5], _ = np.linalg.qr(rng.standard_normal((5, 5)))
+    tight = SimpleNamespace(coordinates=np.eye(6), doublets=((0, 1), (2, 3)))
+    said = mixing(SimpleNamespace(M=np.eye(6)), tight, SimpleNamespace(coordinates=y))
+    W = np.sqrt(2.0) * c * rng.standard_normal((4000, 6, 6))  # of omega^2, relative: 2 c in a pair's (cos, sin) plane
+    W = np.triu(W, 1)
+    W[:, 0, 1] = W[:, 2, 3] = 0.0
+    W = W + W.transpose(0, 2, 1)
+    scatter = 0.5 * np.einsum("ki,wkl,li->wi", y, W, y, optimize=True).std(axis=0)
+    np.testing.assert_allclose(scatter, c * said, rtol=0.05, atol=1e-12)
+    assert said[5] == 0.0
+    assert said.max() > 0.7
+
+
+def test_half_the_split_of_a_baseline_is_relative():
+    table = FrequencyTable.from_arrays(
+        freq_hz=[99.0, 101.0, 199.0, 201.0, 300.0],
+        sigma_hz=np.full(5, 0.1),
+        n=[3, 3, 4, 4, 0],
+        angle_deg=[0.0, 30.0, 0.0, 22.5, 0.0],
+    )
+    assert half_split(table) == pytest.approx(np.sqrt((0.01**2 + 0.005**2) / 2))
+    assert half_split(table.without(1, 2, 3, 4)) == 0.0
