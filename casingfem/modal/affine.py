@@ -29,7 +29,7 @@ from casingfem.structure.factor import factorise
 from casingfem.structure.point_mass import PointMass
 from casingfem.structure.ring import Ring
 from casingfem.structure.ring_form import foothold_form
-from casingfem.structure.shell import grips
+from casingfem.structure.variation import grips
 
 ANSWERS, FEWEST = 120, 5  # static answers kept for all changes together, and for each
 BEYOND = 3  # nodal diameters past those of the nominal modes that labels know

@@ -11,7 +11,7 @@ from casingfem.arrays import FloatArray
 from casingfem.errors import doubt
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.element import ElementQuadLobatto, lobatto
-from casingfem.structure.shell import grips
+from casingfem.structure.variation import grips
 
 FINEST = 0.015
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import chain, pairwise
 from types import MappingProxyType
 from typing import NamedTuple, cast
 
@@ -14,19 +13,20 @@ from casingfem.structure.bolt_mesh import SEEN, following, springs_per_wave, spu
 from casingfem.structure.bolts import Bolts
 from casingfem.structure.chart import Chart, Surface, require_positive
 from casingfem.structure.chart_checks import check_chart, check_symmetry
+from casingfem.structure.default_mesh import default_mesh
 from casingfem.structure.edge_form import Sprung
 from casingfem.structure.extent import check_wall
 from casingfem.structure.field import Field, relative
 from casingfem.structure.material import Material
 from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.point_mass import PointMass
-from casingfem.structure.random_field import typical
 from casingfem.structure.ring import Ring
 from casingfem.structure.rotation import Rotation
-from casingfem.structure.strip import Strip, breaks_between, check_strips, spread
+from casingfem.structure.strip import Strip, check_strips, spread
 from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry, grip
 from casingfem.structure.survey_check import check_survey, surveys
 from casingfem.structure.taper import Taper
+from casingfem.structure.variation import field_samples, finest_harmonic, grips
 
 SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bolts, Ring)
 DEFECTS = ("radius", "thickness", "modulus", "density")  # quantity -> Shell.<quantity>_defect
@@ -42,66 +42,6 @@ class ShellGeometry(NamedTuple):
     rho: Array
 
 
-def default_mesh(shell: "Shell") -> ShellMesh:
-    """The mesh used when none is given; `python -m reports.frustum_convergence` measures the choice.
-
-    Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
-    17 where something varies around, so that turning it changes no frequency by more than some 1e-10 and what symmetry
-    forbids to split stays whole (`reports.splitting`); and 14 nodes a wave of the fields themselves, harmonics below
-    2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned; where springs
-    vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian: the shear
-    layer of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
-    Strips put an element line at each of their ends, and each stretch between them is divided on its own.
-    Bolts are followed: a multiple of their number around, which by itself keeps whole what symmetry does, at 8 nodes a
-    wave where nothing else varies; and a layer along their edge, which is free between them.
-    """
-    (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
-    t, length, span = shell.thinnest, float(a1 - a0), float(b1 - b0)
-    if not shell.chart.periodic:
-        corner = shell.chart.surface(np.array([a0]), np.array([b1]), None)
-        size = float(np.linalg.norm(np.real(corner.x2))) * span
-        around = int(np.clip(round(2.0 * size / length), 2, 8))
-        rows = int(np.clip(round(2.0 * length / size), 2, 8))
-        return ShellMesh(order=8, rows=divided(shell, 1.0 / rows) if shell.strips else rows, around=around)
-    order = 7
-    middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
-    radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
-    lowest = 0.46 * radius / np.sqrt(t * length)
-    finest = max((finest_harmonic(shell, f) for f in shell.defects.values()), default=0)
-    bolted = {edge: support.count for edge, support in grips(shell).items() if isinstance(support, Bolts)}
-    patterned = any(isinstance(support, ElasticEdge) and support.patterns for support in grips(shell).values())
-    only_bolts = bool(bolted) and not (shell.defects or shell.masses or patterned)  # which the mesh follows
-    elements = max((16.0 if shell.axisymmetric or only_bolts else 34.0) * lowest, 14.0 * finest) / order
-    around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
-    springy = any(not s.uniform for s in shell.supports.values() if isinstance(s, Sprung | Ring))
-    period = around_period(shell) if springy else 1
-    whole = period * -(-around // period) if period > 1 else 0
-    if 4.4 * lowest < whole <= 1.25 * around:  # what symmetry forbids to split, the mesh leaves whole
-        around = whole
-    if bolted:
-        around = following(around, int(np.lcm.reduce(list(bolted.values()))))
-    held = {shell.chart.edges[edge] for edge in shell.supports.keys() - bolted.keys()}
-    at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
-    layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
-    longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.locking
-    return ShellMesh(order=order, rows=divided(shell, longest, (layers[0], layers[1])), around=around)
-
-
-def divided(shell: "Shell", longest: float, layers: tuple[float, float] = (0.0, 0.0)) -> tuple[float, ...]:
-    """Breaks of the rows: a layer at either end, and stretches between strip ends in equal rows below `longest`.
-
-    A layer wider than half of its stretch is left out.
-    """
-    breaks = breaks_between(shell.strips, shell.chart.bounds[0])
-    rows: set[float] = set()
-    for low, high in pairwise(breaks):
-        first = layers[0] * (low == 0.0 and layers[0] < 0.5 * (high - low))
-        last = layers[1] * (high == 1.0 and layers[1] < 0.5 * (high - low))
-        count = max(1, int(np.ceil((high - low - first - last) / longest - 1e-9)))
-        rows |= {low, high, *np.linspace(low + first, high - last, count + 1).tolist()}
-    return tuple(sorted(rows))
-
-
 def sampled_geometry(shell: "Shell", around: int) -> ShellGeometry:
     """The shell at five places along each row of its mesh and `around` places across: every strip has its share."""
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
@@ -109,45 +49,6 @@ def sampled_geometry(shell: "Shell", around: int) -> ShellGeometry:
     along = lines[:-1, None] + np.diff(lines)[:, None] * np.linspace(0.0, 1.0, 5)
     middle = 0.5 * (lines[:-1] + lines[1:])
     return shell.geometry(along[:, :, None], np.linspace(b0, b1, around), middle[:, None, None])
-
-
-def grips(shell: "Shell") -> dict[str, object]:
-    """Edge -> what holds it from outside, a ring's own support under a ring."""
-    return {edge: grip(support) for edge, support in shell.supports.items()}
-
-
-def field_samples(defect: Field) -> int:
-    """Points around that show a field whole: four a wave of its highest harmonic, where it says which."""
-    return 4 * max(64, 1 + int(getattr(defect, "max_harmonic", None) or 0))
-
-
-def harmonic_amplitudes(shell: "Shell", defect: Field) -> Array:
-    """Largest amplitude of each harmonic 1, 2, ... around of a field over five heights; random parts are typical."""
-    (a0, a1), _ = shell.chart.bounds
-    points = field_samples(defect)
-    theta = 2.0 * np.pi * np.arange(points) / points
-    values = np.real(typical(defect).derivatives(np.linspace(a0, a1, 5)[:, None], theta[None, :]).value)
-    return np.asarray(np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1 : points // 2])
-
-
-def around_period(shell: "Shell", floor: float = 1e-3) -> int:
-    """The greatest common divisor of all that varies around: a mesh of as many elements shares its symmetry."""
-    period = 0
-    springs = [s.patterns.values() for s in grips(shell).values() if isinstance(s, ElasticEdge)]
-    for defect in (*shell.defects.values(), *chain.from_iterable(springs)):
-        amplitude = harmonic_amplitudes(shell, defect)
-        period = int(np.gcd.reduce([period, *(1 + np.flatnonzero(amplitude > floor * amplitude.max())).tolist()]))
-    for support in grips(shell).values():
-        if isinstance(support, Bolts):
-            period = int(np.gcd(period, support.period))
-    return period
-
-
-def finest_harmonic(shell: "Shell", defect: Field, floor: float = 0.02) -> int:
-    """The highest circumferential harmonic of a field above `floor` times its largest, by sampling."""
-    amplitude = harmonic_amplitudes(shell, defect)
-    above = np.flatnonzero(amplitude > floor * amplitude.max())
-    return int(above[-1]) + 1 if amplitude.max() > 0.0 else 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -19,7 +19,8 @@ from casingfem.modal.affine import AffineModel, affine_model, bolt_changes, mass
 from casingfem.modal.modes import count_below
 from casingfem.structure.assembly import assemble
 from casingfem.structure.bolts import Bolts
-from casingfem.structure.shell import Shell, grips
+from casingfem.structure.shell import Shell
+from casingfem.structure.variation import grips
 from casingfem.updating.calibration import calibrated
 from casingfem.updating.located import Explanation, Found, Localisation
 from casingfem.updating.mass_places import Masses, refined, search_masses

@@ -9,8 +9,9 @@ from casingfem.modal.modes import modes
 from casingfem.structure.chart import Cylinder, Panel, Plate
 from casingfem.structure.field import FieldValues, FourierField
 from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell, finest_harmonic
+from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped, ElasticEdge
+from casingfem.structure.variation import finest_harmonic
 
 PATTERN = FourierField.of({4: (0.2, 0.0)})
 
