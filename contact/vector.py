@@ -84,6 +84,33 @@ def _same(typing: Any, number: Any) -> Any:
     return VECTOR(types.float64), generate
 
 
+def _entry(typing: Any, array: Any, place: Any) -> Any:
+    _contiguous(array)
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        make: Any = arrayobj.make_array
+        data = make(signature.args[0])(context, builder, args[0]).data
+        return builder.load(builder.gep(data, [args[1]]))
+
+    return array.dtype(array, types.intp), generate
+
+
+def _larger(typing: Any, first: Any, second: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.select(builder.fcmp_ordered(">", args[0], args[1]), args[0], args[1])
+
+    return VECTOR(VECTOR, VECTOR), generate
+
+
+def _below_zero(typing: Any, vector: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        found = builder.fcmp_unordered("<", args[0], ir.Constant(SHAPE, [0.0] * WIDTH))
+        bits = builder.bitcast(found, ir.IntType(WIDTH))
+        return builder.icmp_unsigned("!=", bits, ir.Constant(ir.IntType(WIDTH), 0))
+
+    return types.boolean(VECTOR), generate
+
+
 def _total(typing: Any, vector: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         parts = [builder.extract_element(args[0], ir.Constant(ir.IntType(32), i)) for i in range(WIDTH)]
@@ -96,11 +123,15 @@ def _total(typing: Any, vector: Any) -> Any:
 
 
 # load(array, k): entries k .. k+7 of a contiguous array, counted flat; put(array, k, v) writes them; same(x): x eight
-# times; total(v): the sum
+# times; total(v): the sum; larger(v, w): by entry, w's where one is NaN; below_zero(v): whether some entry is, or NaN;
+# entry(array, k): entry k, counted flat, which spares the arithmetic of indices that may be negative
 load: Any = intrinsic(_load)
 put: Any = intrinsic(_put)
 same: Any = intrinsic(_same)
 total: Any = intrinsic(_total)
+larger: Any = intrinsic(_larger)
+below_zero: Any = intrinsic(_below_zero)
+entry: Any = intrinsic(_entry)
 
 
 make_signature: Any = signature

@@ -9,9 +9,10 @@ import numpy as np
 
 from contact.model.arrays import Array, Indices, readonly
 from contact.model.gap import PointGap, RotatingRim
-from contact.model.trig import Trig, fourier, quadratic
+from contact.model.trig import Trig, fourier, pruned, quadratic
+from contact.model.waves import Terms, terms
 
-NOISE = 1e-10  # of the largest row entry: smaller ones come from the eigen solver, not from the casing
+NOISE = 1e-10  # of the largest entry of rows or of S: smaller ones come from the eigen solver, not from the casing
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -45,6 +46,11 @@ class RowTable:
         columns = ((self.q_cos, self.q_sin), (self.t_cos, self.t_sin))
         Q, T = (c @ self.by_harmonic(cos) + s @ self.by_harmonic(sin) for cos, sin in columns)
         return Q, T
+
+    def terms(self, cos: Array, sin: Array) -> Terms:
+        """One of the pairs of columns without its zeros, by mode."""
+        modes = self.start.size - 1
+        return terms(np.repeat(np.arange(modes), np.diff(self.start)), self.harmonic, cos, sin, modes)
 
     def by_harmonic(self, values: Array) -> Array:
         """One of the columns as a full table, (highest harmonic + 1, m)."""
@@ -107,8 +113,9 @@ def rim_system(rim: RotatingRim) -> ModalSystem:
     normal[[span, flap]] = math.cos(a), math.sin(a)
     tangent[[span, flap]] = -math.sin(a), math.cos(a)
     table = _table(casing.rows[:size], casing.rows[size:], -normal @ blade.rows, -tangent @ blade.rows, N)
-    S_nn = quadratic(casing.S[:size, :size], N)
-    S_nt = quadratic(casing.S[:size, size:], N)
+    S_nn = _raised(quadratic(casing.S[:size, :size], N), float(normal @ blade.S @ normal))
+    S_nt = _raised(quadratic(casing.S[:size, size:], N), float(normal @ blade.S @ tangent))
+    noise = NOISE * S_nn.largest
     return ModalSystem(
         omega=readonly(np.concatenate([casing.omega, blade.omega])),
         zeta=readonly(np.concatenate([casing.zeta, blade.zeta])),
@@ -120,8 +127,7 @@ def rim_system(rim: RotatingRim) -> ModalSystem:
         names=("casing", "blade"), masses=(math.nan, math.nan),
         Q=readonly(table.rows(math.radians(rim.angle_deg))[0]),
         clearance=fourier([(0, rim.clearance, 0.0), *rim.terms]),
-        S_nn=_raised(S_nn, float(normal @ blade.S @ normal)),
-        S_nt=_raised(S_nt, float(normal @ blade.S @ tangent)),
+        S_nn=pruned(S_nn, noise), S_nt=pruned(S_nt, noise),
         table=table, speed=rim.speed, angle=math.radians(rim.angle_deg), radius=casing.radius,
     )  # fmt: skip
 
@@ -136,14 +142,15 @@ def _raised(polynomial: Trig, constant: float) -> Trig:
 
 
 def _table(radial: Array, tangential: Array, blade_n: Array, blade_t: Array, N: int) -> RowTable:
-    """Keep, per mode, the harmonics above the noise of an eigen solver."""
+    """Keep, per mode, the cosines and sines above the noise of an eigen solver."""
     scale = max(float(np.abs(radial).max(initial=0.0)), float(np.abs(tangential).max(initial=0.0)))
     none = np.zeros((1, radial.shape[1]))
     full = [
         part for rows in (radial, tangential) for part in (rows[: N + 1], np.concatenate([none, rows[N + 1 :]]))
     ]  # q_cos, q_sin, t_cos, t_sin: (N + 1, m) each
     entry = np.array([part.T for part in full])
-    mode, n = np.nonzero(np.abs(entry).max(axis=0) > NOISE * scale)
+    entry[np.abs(entry) <= NOISE * scale] = 0.0
+    mode, n = np.nonzero(entry.any(axis=0))
     count = np.bincount(mode, minlength=radial.shape[1])
     start = np.concatenate(([0], np.cumsum(np.concatenate([count, np.ones(blade_n.size)]))))
     harmonic = np.concatenate([n, np.zeros(blade_n.size)])

@@ -33,6 +33,11 @@ class Trig:
         """Highest harmonic."""
         return int(self.harmonic.max(initial=0))
 
+    @property
+    def largest(self) -> float:
+        """Largest coefficient."""
+        return float(np.maximum(np.abs(self.cos), np.abs(self.sin)).max(initial=0.0))
+
 
 def trig(cos: Array, sin: Array) -> Trig:
     """Trigonometric polynomial from coefficients by harmonic 0, 1, ..., pruned at round-off.
@@ -43,6 +48,17 @@ def trig(cos: Array, sin: Array) -> Trig:
     size = np.maximum(np.abs(cos), np.abs(sin))
     kept = np.flatnonzero(size > PRUNE * size.max(initial=0.0))
     return Trig(harmonic=kept.astype(np.int64), cos=readonly(cos[kept]), sin=readonly(sin[kept]))
+
+
+def pruned(polynomial: Trig, noise: float) -> Trig:
+    """The same without coefficients up to `noise`.
+
+    >>> pruned(trig(np.array([1.0, 1e-9]), np.array([0.0, 1e-3])), 1e-8).cos.tolist()
+    [1.0, 0.0]
+    """
+    cos, sin = (np.where(np.abs(part) > noise, part, 0.0) for part in (polynomial.cos, polynomial.sin))
+    kept = (cos != 0.0) | (sin != 0.0)
+    return Trig(harmonic=polynomial.harmonic[kept], cos=readonly(cos[kept]), sin=readonly(sin[kept]))
 
 
 def harmonics(n_max: int, phi: float) -> Array:

@@ -7,19 +7,17 @@ harmonics; a run's own numbers fill a column when it enters a lane.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact.model.arrays import Array, Indices
-from contact.model.modal_system import RowTable
-from contact.model.trig import Trig
+from contact.model.waves import Terms, terms
 from contact.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal_run import ModalRun
 
 if TYPE_CHECKING:
-    from contact.scheme.loop.lanes import LaneLeaps, LaneRows, Lanes, LaneSamples, LaneSeries
+    from contact.scheme.loop.lanes import LaneLeaps, Lanes, LaneSamples, LaneTerms
 
 WIDTH = 8
 BUDGET = 20_000  # steps a call takes at most: room for the events of so many
@@ -29,17 +27,32 @@ SUMS = (
     "contact_steps", "reversals",
 )  # fmt: skip
 OF_MODES = ("q", "d", "al", "be", "c", "weight")
-STEPS = ("averaged", "turns", "live", "step", "end", "retry", "failed")
-POLYNOMIALS = ("clearance", "S_nn", "S_nt")
+STEPS = ("live", "step", "end", "retry", "failed")
+NUMBERS = ("angle", "speed", "surface", "mu", "h", "averaged", "turns")
+TERMS = ("normal", "tangent", "series")
+AWAY = 1e300  # gap where there is no run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
-    """A run for the lanes: `steps` steps, stored as `record` says (every, state_every)."""
+    """A run for the lanes: `steps` steps, stored as `record` says (every, state_every); its sums of waves."""
 
     run: ModalRun
     steps: int
     record: Record
+    terms: tuple[Terms, Terms, Terms] = field(init=False)  # of TERMS
+
+    def __post_init__(self) -> None:
+        system = self.run.system
+        table, parts = system.table, (system.clearance, system.S_nn, system.S_nt)
+        assert table is not None
+        series = terms(
+            np.repeat(np.arange(len(parts)), [part.harmonic.size for part in parts]),
+            np.concatenate([part.harmonic for part in parts]), np.concatenate([part.cos for part in parts]),
+            np.concatenate([part.sin for part in parts]), len(parts),
+        )  # fmt: skip
+        rows = table.terms(table.q_cos, table.q_sin), table.terms(table.t_cos, table.t_sin)
+        object.__setattr__(self, "terms", (*rows, series))
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -67,28 +80,14 @@ class Batch:
         """Put a run at its start into lane k."""
         rim = job.run.rim
         assert rim is not None
-        lanes, system = self.lanes, job.run.system
+        lanes = self.lanes
         for name in OF_MODES:
             getattr(lanes, name)[:, k] = getattr(rim.state, name)
-        table = system.table
-        assert table is not None
-        for rows, cos, sin in ((lanes.normal, table.q_cos, table.q_sin), (lanes.tangent, table.t_cos, table.t_sin)):
-            _spread(rows, table, cos, sin, k)
-        for name in POLYNOMIALS:
-            series, terms = getattr(lanes, name), getattr(system, name)
-            place = np.searchsorted(series.harmonic, terms.harmonic)
-            series.cos[:, k], series.sin[:, k] = 0.0, 0.0
-            series.cos[place, k], series.sin[place, k] = terms.cos, terms.sin
+        for name, found in zip(TERMS, job.terms, strict=True):
+            _spread(getattr(lanes, name), found, k)
         own = {name: getattr(rim.rows, name) for name in ("angle", "speed", "surface", "mu")} | {"h": job.run.dt}
-        own |= {
-            "averaged": rim.averaged,
-            "turns": rim.rows.S_turns,
-            "live": 1,
-            "step": 0,
-            "end": job.steps,
-            "retry": 0,
-            "failed": 0,
-        }
+        own |= {"averaged": rim.averaged, "turns": rim.rows.S_turns, "away": 0.0}
+        own |= {"live": 1, "step": 0, "end": job.steps, "retry": 0, "failed": 0}
         for name, value in own.items():
             getattr(lanes, name)[k] = value
         lanes.memory[:, k] = rim.state.memory
@@ -108,7 +107,7 @@ class Batch:
             self.leaps.powers[k] = leap.powers
         else:
             self.lanes.retry[k] = NEVER
-        self.leaps.row_cos[k], self.leaps.row_sin[k] = self.lanes.normal.cos[:, k], self.lanes.normal.sin[:, k]
+        self.leaps.row[k] = self.lanes.normal.value[:, k]
         self.leaps.taken[k] = 0
 
     def unload(self, k: int, job: Job, events: Samples) -> Samples:
@@ -121,7 +120,7 @@ class Batch:
             getattr(job.run.sums, name)[0] = getattr(self.sums, name)[k]
         job.run.steps[0] = job.steps
         n, states = (int(value) for value in kept.filled[:, k])
-        lanes.live[k] = 0
+        lanes.live[k], lanes.away[k] = 0, AWAY
         return events._replace(
             time=kept.time[:n, k].copy(), force=kept.force[:n, k, None].copy(), gap=kept.gap[:n, k, None].copy(),
             impulse=kept.impulse[:n, k, None].copy(), state_time=kept.state_time[:states, k].copy(),
@@ -133,77 +132,55 @@ def batch(jobs: Sequence[Job]) -> Batch:
     """Empty lanes for runs of one number of modes."""
     from contact.scheme.loop.lanes import Lanes
 
-    systems = [job.run.system for job in jobs]
-    m = systems[0].omega.size
-    tables = [system.table for system in systems if system.table is not None]
-    start, harmonic = _union(tables, m)
-    clearance, S_nn, S_nt = (_series([getattr(system, name) for system in systems]) for name in POLYNOMIALS)
-    top = max(int(h.max(initial=0)) for h in (harmonic, clearance.harmonic, S_nn.harmonic, S_nt.harmonic))
+    m = jobs[0].run.size
+    found: dict[str, Any] = {name: _together([job.terms[i] for job in jobs]) for i, name in enumerate(TERMS)}
+    top = max(int(part.wave.max(initial=0)) // 2 for part in found.values())
     arrays: dict[str, Any] = {name: np.zeros((m, WIDTH)) for name in (*OF_MODES, "old", "Q", "Q_next", "T")}
-    arrays |= {name: np.zeros(WIDTH) for name in ("angle", "speed", "surface", "mu", "h")}
+    arrays |= {name: np.zeros(WIDTH) for name in NUMBERS}
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
-    arrays |= {name: np.zeros((2, top + 2 - top % 2, WIDTH)) for name in ("waves", "waves_next")}
-    lanes = Lanes(
-        normal=_rows(start, harmonic, tables, "q"), tangent=_rows(start, harmonic, tables, "t"),
-        clearance=clearance, S_nn=S_nn, S_nt=S_nt,
-        memory=np.zeros((5, WIDTH)), work=np.zeros((16, WIDTH)), **arrays,
-    )  # fmt: skip
+    arrays |= {name: np.zeros((top + 1, 2, WIDTH)) for name in ("waves", "waves_next")}
+    lanes = Lanes(away=np.full(WIDTH, AWAY), memory=np.zeros((5, WIDTH)), work=np.zeros((18, WIDTH)), **found, **arrays)
     return Batch(
-        lanes=lanes, leaps=_leaps(jobs, m, start, harmonic), sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
+        lanes=lanes, leaps=_leaps(jobs, lanes.normal), sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
         events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs, m),
         rubs=any(job.run.rim is not None and job.run.rim.rows.mu > 0.0 for job in jobs),
         turns=any(job.run.rim is not None and job.run.rim.rows.S_turns for job in jobs),
     )  # fmt: skip
 
 
-def _union(tables: Sequence[RowTable], m: int) -> tuple[Indices, Indices]:
-    """Harmonics of each mode in any of the tables."""
-    distinct = {(t.start.tobytes(), t.harmonic.tobytes()): t for t in tables}.values()
-    parts = [
-        np.unique(np.concatenate([t.harmonic[t.start[i] : t.start[i + 1]] for t in distinct])) for i in range(m)
-    ]  # fmt: skip
-    start = np.concatenate(([0], np.cumsum([part.size for part in parts]))).astype(np.int64)
-    return start, np.concatenate(parts).astype(np.int64)
+def _together(parts: Sequence[Terms]) -> LaneTerms:
+    """Terms that any of the runs has, without values as yet."""
+    from contact.scheme.loop.lanes import LaneTerms
+
+    top = max(int(part.wave.max(initial=0)) for part in parts) + 1
+    first, sums = parts[0], np.arange(parts[0].sums + 1)
+    one = all(
+        np.array_equal(part.start, first.start) and np.array_equal(part.wave, first.wave)
+        and np.array_equal(part.value, first.value) for part in parts
+    )  # fmt: skip
+    common = np.unique(np.concatenate([part.owner * top + part.wave for part in ([first] if one else parts)]))
+    start, wave = np.searchsorted(common, sums * top).astype(np.int64), (common % top).astype(np.int64)
+    return LaneTerms(start, wave, np.zeros((wave.size, WIDTH)), first.value.copy() if one else np.zeros(0))
 
 
-def _rows(start: Indices, harmonic: Indices, tables: Sequence[RowTable], kind: str) -> LaneRows:
-    from contact.scheme.loop.lanes import LaneRows
-
-    pairs = [(getattr(table, f"{kind}_cos"), getattr(table, f"{kind}_sin")) for table in tables]
-    one = pairs[0][0].size == harmonic.size and all(
-        np.array_equal(cos, pairs[0][0]) and np.array_equal(sin, pairs[0][1]) for cos, sin in pairs
-    )
-    alike = np.ascontiguousarray(np.stack(pairs[0], axis=1)) if one else np.zeros((0, 2))
-    return LaneRows(start, harmonic, np.zeros((harmonic.size, WIDTH)), np.zeros((harmonic.size, WIDTH)), alike)
+def _spread(lanes: LaneTerms, own: Terms, k: int) -> None:
+    """One run's coefficients among the terms that all runs have in common."""
+    top = max(int(lanes.wave.max(initial=0)), int(own.wave.max(initial=0))) + 1
+    common = np.repeat(np.arange(lanes.start.size - 1), np.diff(lanes.start)) * top + lanes.wave
+    lanes.value[:, k] = 0.0
+    lanes.value[np.searchsorted(common, own.owner * top + own.wave), k] = own.value
 
 
-def _series(terms: Sequence[Trig]) -> LaneSeries:
-    from contact.scheme.loop.lanes import LaneSeries
-
-    harmonic = np.unique(np.concatenate([p.harmonic for p in terms])).astype(np.int64)
-    return LaneSeries(harmonic, np.zeros((harmonic.size, WIDTH)), np.zeros((harmonic.size, WIDTH)))
-
-
-def _spread(rows: LaneRows, table: RowTable, cos: Array, sin: Array, k: int) -> None:
-    """One run's coefficients among the entries that all runs have in common."""
-    top = int(rows.harmonic.max(initial=0)) + 1
-    modes = np.arange(rows.start.size - 1)
-    common = np.repeat(modes, np.diff(rows.start)) * top + rows.harmonic
-    place = np.searchsorted(common, np.repeat(modes, np.diff(table.start)) * top + table.harmonic)
-    rows.cos[:, k], rows.sin[:, k] = 0.0, 0.0
-    rows.cos[place, k], rows.sin[place, k] = cos, sin
-
-
-def _leaps(jobs: Sequence[Job], m: int, start: Indices, harmonic: Indices) -> LaneLeaps:
+def _leaps(jobs: Sequence[Job], normal: LaneTerms) -> LaneLeaps:
     from contact.scheme.loop.lanes import LaneLeaps
 
-    kinds = [job.run.rim.leap for job in jobs if job.run.rim is not None]
+    kinds, m, size = [job.run.rim.leap for job in jobs if job.run.rim is not None], jobs[0].run.size, normal.wave.size
     bits = max(leap.powers.shape[0] for leap in kinds)
     arrays: dict[str, Any] = {name: np.zeros((WIDTH, m)) for name in ("fade", "cos", "sin")}
-    arrays |= {name: np.zeros((WIDTH, harmonic.size)) for name in ("row_cos", "row_sin")}
     return LaneLeaps(
         powers=np.zeros((WIDTH, bits, 4, m)), floor=np.zeros((WIDTH, kinds[0].floor.size)),
-        reach=np.zeros((2, int(harmonic.max(initial=0)) + 1)), taken=np.zeros((WIDTH, 2), dtype=np.int64), **arrays,
+        reach=np.zeros(int(normal.wave.max(initial=0)) // 2 * 2 + 2), taken=np.zeros((WIDTH, 2), dtype=np.int64),
+        row=np.zeros((WIDTH, size)), **arrays,
     )  # fmt: skip
 
 

@@ -12,41 +12,32 @@ from typing import NamedTuple
 from contact.compiled import jit, jit_inside
 from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
+from contact.scheme.loop.circle import cosine, half_turns, sign_of, sine, within
 from contact.scheme.loop.leap import PAUSE, Leap, discrete_energy, leap_ahead
-from contact.scheme.loop.tally import note_contact
-from contact.vector import WIDTH, load, put, same
+from contact.scheme.loop.tally import note_event
+from contact.vector import WIDTH, below_zero, entry, larger, load, put, same
 
 
-class LaneRows(NamedTuple):
-    """Rows of the modes: entries start[i] .. start[i + 1] - 1 of mode i, coefficients by lane (entries, 8).
+class LaneTerms(NamedTuple):
+    """Sums of waves as `contact.model.waves.Terms`, coefficients by lane (terms, 8).
 
-    `alike` (entries, 2) are cos and sin where all lanes have the same: an eighth of the memory; else it is empty.
+    `alike` (terms,) are the coefficients where all lanes have the same: an eighth of the memory; else it is empty.
     """
 
     start: Indices
-    harmonic: Indices
-    cos: Array
-    sin: Array
+    wave: Indices
+    value: Array
     alike: Array
 
 
-class LaneSeries(NamedTuple):
-    """Trigonometric polynomials with their harmonics in common, coefficients by lane (terms, 8)."""
-
-    harmonic: Indices
-    cos: Array
-    sin: Array
-
-
 class LaneLeaps(NamedTuple):
-    """The fields of `Leap`, one row a lane; `row_cos`, `row_sin` belong to the entries of `Lanes.normal`."""
+    """The fields of `Leap`, one row a lane; `row` belongs to the terms of `Lanes.normal`."""
 
     powers: Array
     fade: Array
     cos: Array
     sin: Array
-    row_cos: Array
-    row_sin: Array
+    row: Array
     floor: Array
     reach: Array
     taken: Indices
@@ -76,18 +67,17 @@ class Lanes(NamedTuple):
     be: Array
     c: Array
     weight: Array
-    normal: LaneRows
-    tangent: LaneRows
-    clearance: LaneSeries
-    S_nn: LaneSeries
-    S_nt: LaneSeries
+    normal: LaneTerms
+    tangent: LaneTerms
+    series: LaneTerms  # clearance, S_nn, S_nt
     angle: Array
     speed: Array
     surface: Array
     mu: Array
     h: Array
-    averaged: Indices
-    turns: Indices  # S depends on the angle
+    averaged: Array  # 1, or 0 for the forward law
+    turns: Array  # 1 where S depends on the angle, else 0
+    away: Array  # 0, or a gap that never closes where no run is
     live: Indices
     step: Indices
     end: Indices
@@ -97,12 +87,13 @@ class Lanes(NamedTuple):
     Q: Array  # (m, 8)
     Q_next: Array
     T: Array
-    waves: Array  # (2, harmonics, 8), an even number of harmonics
+    waves: Array  # (harmonics, 2, 8): cos n phi, sin n phi
     waves_next: Array
-    work: Array  # (16, 8)
+    work: Array  # (18, 8)
 
 
-FREE, TEST, FORCE, PULL, DRAG, H_, SCALE, NORMAL, TANGENT, DAMPING, SLIDE, S_NN, S_NT, COS, SIN, H_T = range(16)
+(FREE, TEST, FORCE, PULL, DRAG, H_, SCALE, NORMAL, TANGENT, DAMPING, SLIDE, S_NN, S_NT, SPARE, ANGLE, H_T, BEFORE,
+ GAP) = range(18)  # fmt: skip
 
 
 @jit_inside
@@ -114,51 +105,43 @@ def angle_after(s: Lanes, k: int, step: int) -> float:
 @jit_inside
 def rotate_lanes(s: Lanes, waves: Array, ahead: int) -> None:
     """Cos n phi, sin n phi of every lane, `ahead` steps from where it is."""
-    count = waves.shape[1]
-    for k in range(WIDTH):
-        phi = angle_after(s, k, s.step[k] + ahead)
-        s.work[COS, k], s.work[SIN, k] = math.cos(phi), math.sin(phi)
-    c, s1 = load(s.work, COS * WIDTH), load(s.work, SIN * WIDTH)
-    even, even_sin, odd, odd_sin = same(1.0), same(0.0), c, s1  # n = 0, 2, .. and 1, 3, ..: two shorter chains
-    c, s1 = c * c - s1 * s1, c * s1 + c * s1
-    for n in range(0, count, 2):
-        put(waves, n * WIDTH, even)
-        put(waves, (count + n) * WIDTH, even_sin)
-        put(waves, (n + 1) * WIDTH, odd)
-        put(waves, (count + n + 1) * WIDTH, odd_sin)
-        even, even_sin = c * even - s1 * even_sin, s1 * even + c * even_sin
-        odd, odd_sin = c * odd - s1 * odd_sin, s1 * odd + c * odd_sin
+    for k in range(s.step.size):
+        s.work[ANGLE, k] = angle_after(s, k, s.step[k] + ahead)
+    phi = load(s.work, ANGLE * WIDTH)
+    turns = half_turns(phi)
+    x, sign = within(phi, turns), sign_of(turns)
+    c, s1 = sign * cosine(x), sign * sine(x)
+    put(waves, 0, same(1.0))
+    put(waves, WIDTH, same(0.0))
+    have, count = 1, waves.shape[0]
+    while have < WIDTH:  # n = have .. 2 have - 1 from n = 0 .. have - 1
+        turn_on(waves, have, min(2 * have, count), have, c, s1)
+        c, s1 = c * c - s1 * s1, c * s1 + c * s1
+        have *= 2
+    turn_on(waves, WIDTH, count, WIDTH, c, s1)
 
 
 @jit_inside
-def entry_sum(rows: LaneRows, waves: Array, i: int) -> float:
-    """Row of mode i in every lane: a vector."""
-    count = waves.shape[1]
-    cos_part, sin_part = same(0.0), same(0.0)
-    if rows.alike.shape[0] > 0:
-        for j in range(rows.start[i], rows.start[i + 1]):
-            n = rows.harmonic[j]
-            cos_part = cos_part + same(rows.alike[j, 0]) * load(waves, n * WIDTH)
-            sin_part = sin_part + same(rows.alike[j, 1]) * load(waves, (count + n) * WIDTH)
-        alike: float = cos_part + sin_part
-        return alike
-    for j in range(rows.start[i], rows.start[i + 1]):
-        n = rows.harmonic[j]
-        cos_part = cos_part + load(rows.cos, j * WIDTH) * load(waves, n * WIDTH)
-        sin_part = sin_part + load(rows.sin, j * WIDTH) * load(waves, (count + n) * WIDTH)
-    result: float = cos_part + sin_part
-    return result
+def turn_on(waves: Array, begin: int, end: int, by: int, c: float, s1: float) -> None:
+    """Waves `begin` .. `end` - 1 from those `by` before, c + i s1 = e^{i by phi}."""
+    for n in range(begin, end):
+        at = 2 * WIDTH * (n - by)
+        a, b = load(waves, at), load(waves, at + WIDTH)
+        put(waves, at + 2 * WIDTH * by, c * a - s1 * b)
+        put(waves, at + 2 * WIDTH * by + WIDTH, s1 * a + c * b)
 
 
 @jit_inside
-def series_value(series: LaneSeries, waves: Array) -> float:
-    """Value of the polynomials: a vector."""
-    count = waves.shape[1]
+def wave_sum(terms: LaneTerms, waves: Array, i: int) -> float:
+    """Sum i in every lane: a vector. Terms are added one by one: those of other lanes, zero here, change no bit."""
     part = same(0.0)
-    for j in range(series.harmonic.size):
-        n = series.harmonic[j]
-        part = part + load(series.cos, j * WIDTH) * load(waves, n * WIDTH)
-        part = part + load(series.sin, j * WIDTH) * load(waves, (count + n) * WIDTH)
+    begin, end = entry(terms.start, i), entry(terms.start, i + 1)
+    if terms.alike.size > 0:
+        for j in range(begin, end):
+            part = part + same(entry(terms.alike, j)) * load(waves, WIDTH * entry(terms.wave, j))
+    else:
+        for j in range(begin, end):
+            part = part + load(terms.value, WIDTH * j) * load(waves, WIDTH * entry(terms.wave, j))
     result: float = part
     return result
 
@@ -171,32 +154,32 @@ def land(s: Lanes, waves: Array, Q: Array, k: int, step: int, back: float, d: Ar
     """
     phi = angle_after(s, k, step)
     c, s1, a, b = math.cos(phi), math.sin(phi), 1.0, 0.0
-    for n in range(waves.shape[1]):
-        waves[0, n, k], waves[1, n, k] = a, b
+    for n in range(waves.shape[0]):
+        waves[n, 0, k], waves[n, 1, k] = a, b
         a, b = c * a - s1 * b, s1 * a + c * b
-    gap = pick(s, series_value(s.clearance, waves), k)
+    gap = pick(s, wave_sum(s.series, waves, 0), k)
     for i in range(Q.shape[0]):
-        row = pick(s, entry_sum(s.normal, waves, i), k)
+        row = pick(s, wave_sum(s.normal, waves, i), k)
         Q[i, k] = row
         gap += row * (s.q[i, k] - back * d[i, k])
-    s.work[S_NN, k] = pick(s, series_value(s.S_nn, waves), k)
-    s.work[S_NT, k] = pick(s, series_value(s.S_nt, waves), k)
+    s.work[S_NN, k] = pick(s, wave_sum(s.series, waves, 1), k)
+    s.work[S_NT, k] = pick(s, wave_sum(s.series, waves, 2), k)
     return gap
 
 
 @jit_inside
 def pick(s: Lanes, vector: float, k: int) -> float:
     """Entry k of a vector."""
-    put(s.work, COS * WIDTH, vector)
-    return float(s.work[COS, k])
+    put(s.work, SPARE * WIDTH, vector)
+    return float(s.work[SPARE, k])
 
 
 @jit
 def leap_lane(s: Lanes, leaps: LaneLeaps, sums: Tally, Q: Array, waves: Array, d: Array, k: int, room: int) -> int:
     """Leap lane k over steps without contact, as `leap_rim`. Negative: wait."""
     leap = Leap(
-        leaps.powers[k], leaps.fade[k], leaps.cos[k], leaps.sin[k], s.normal.start, s.normal.harmonic,
-        leaps.row_cos[k], leaps.row_sin[k], leaps.floor[k], leaps.reach, leaps.taken[k],
+        leaps.powers[k], leaps.fade[k], leaps.cos[k], leaps.sin[k], s.normal.start, s.normal.wave,
+        leaps.row[k], leaps.floor[k], leaps.reach, leaps.taken[k],
     )  # fmt: skip
     q, own, be, c = s.q[:, k], d[:, k], s.be[:, k], s.c[:, k]
     before = discrete_energy(q, own, be, c)
@@ -212,17 +195,23 @@ def leap_lane(s: Lanes, leaps: LaneLeaps, sums: Tally, Q: Array, waves: Array, d
 
 
 @jit_inside
-def fly(s: Lanes, Q_next: Array, ahead: Array, old: Array, new: Array) -> None:
-    """Free motion over a step into `new`, the rows ahead, and the free gap."""
-    gap = series_value(s.clearance, ahead)
+def fly(s: Lanes, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
+    """Free motion over a step into `new`, the rows ahead, and the gaps; whether one would close."""
+    free = wave_sum(s.series, ahead, 0)
     for i in range(s.q.shape[0]):
         at = i * WIDTH
-        row, q = entry_sum(s.normal, ahead, i), load(s.q, at)
+        row, q = wave_sum(s.normal, ahead, i), load(s.q, at)
         put(Q_next, at, row)
         step = load(s.al, at) * load(old, at) - load(s.be, at) * q
         put(new, at, step)
-        gap = gap + row * (q + step)
-    put(s.work, FREE * WIDTH, gap)
+        free = free + row * (q + step)
+    now, last, share = load(s.memory, 0), load(s.memory, WIDTH), load(s.averaged, 0)
+    mean = same(0.25) * (free + now + now + last)
+    test = share * mean + (same(1.0) - share) * free  # one of the two, to the bit
+    put(s.work, FREE * WIDTH, free)
+    put(s.work, TEST * WIDTH, test)
+    closes: bool = below_zero(test + load(s.away, 0))
+    return closes
 
 
 @jit_inside
@@ -234,14 +223,14 @@ def touch(s: Lanes, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: boo
         stiff = load(Q_next, at) * load(s.c, at)
         H = H + stiff * load(Q, at)
         if rubs:
-            row = entry_sum(s.tangent, waves, i)
+            row = wave_sum(s.tangent, waves, i)
             put(s.T, at, row)
             slide = slide + row * load(old, at)
             H_t = H_t + stiff * row
     put(s.work, H_ * WIDTH, H)
     put(s.work, H_T * WIDTH, H_t)
     put(s.work, SLIDE * WIDTH, slide)
-    for k in range(WIDTH):
+    for k in range(s.step.size):
         force, scale, pull, H_k, test = 0.0, 1.0, 0.0, 0.0, s.work[TEST, k]
         if s.live[k] == 1 and not test >= 0.0:
             if s.mu[k] > 0.0:
@@ -249,7 +238,7 @@ def touch(s: Lanes, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: boo
                 pull = s.mu[k] if sliding > 0.0 else (-s.mu[k] if sliding < 0.0 else 0.0)
                 s.work[SLIDE, k] = sliding
             H_k = s.work[H_, k] - pull * s.work[H_T, k]
-            scale = (0.25 * H_k if s.averaged[k] == 1 else H_k) + s.work[S_NN, k] - pull * s.work[S_NT, k]
+            scale = (0.25 * H_k if s.averaged[k] == 1.0 else H_k) + s.work[S_NN, k] - pull * s.work[S_NT, k]
             force = -test / scale if scale > 0.0 else math.nan
             if not force >= 0.0:
                 s.failed[k], force = 1, 0.0
@@ -283,28 +272,50 @@ def move_lanes(s: Lanes, Q: Array, old: Array, new: Array, touching: bool, rubs:
 
 
 @jit_inside
-def note_lane(s: Lanes, sums: Tally, out: Samples, kept: LaneSamples, k: int) -> None:
-    """Sums, events and samples of one step of lane k."""
-    force, H, scale, pull = s.work[FORCE, k], s.work[H_, k], s.work[SCALE, k], s.work[PULL, k]
-    free, now, last, h, step = s.work[FREE, k], s.memory[0, k], s.memory[1, k], s.h[k], s.step[k]
-    S = s.work[S_NN, k] - pull * s.work[S_NT, k]
+def add_up(s: Lanes, sums: Tally) -> None:
+    """Sums of one step of every lane, and the gaps the next one needs; where no force is, it does no work."""
+    force, H = load(s.work, FORCE * WIDTH), load(s.work, H_ * WIDTH)
+    scale, pull = load(s.work, SCALE * WIDTH), load(s.work, PULL * WIDTH)
+    free, now, last, h = load(s.work, FREE * WIDTH), load(s.memory, 0), load(s.memory, WIDTH), load(s.h, 0)
+    half, S = same(0.5) * force, load(s.work, S_NN * WIDTH) - pull * load(s.work, S_NT * WIDTH)
+    after = free + H * force
+    work = half * (after - last) + half * force * (S - load(s.memory, 4 * WIDTH)) * load(s.turns, 0)
+    put(sums.work, 0, load(sums.work, 0) + work)
+    put(sums.rotation, 0, load(sums.rotation, 0) + (half * load(s.work, NORMAL * WIDTH) - work))
+    put(sums.friction, 0, load(sums.friction, 0) - half * pull * load(s.work, TANGENT * WIDTH))
+    put(sums.damping, 0, load(sums.damping, 0) - load(s.work, DAMPING * WIDTH))
+    impulse, none = load(sums.impulse, 0) + force * h, same(0.0)
+    put(sums.impulse, 0, impulse)
+    put(sums.peak, 0, larger(load(sums.peak, 0), force))
+    gap = load(s.work, TEST * WIDTH) + scale * force
+    put(s.work, GAP * WIDTH, gap)
+    put(sums.penetration, 0, larger(load(sums.penetration, 0), none - gap))
+    slack = larger(none - force * scale, none - gap)  # minus the lesser
+    put(sums.residual, 0, larger(load(sums.residual, 0), larger(slack, none - slack)))
+    put(s.memory, 0, after)
+    put(s.memory, WIDTH, now)
+    put(s.memory, 2 * WIDTH, force)
+    put(s.memory, 3 * WIDTH, pull)
+    put(s.memory, 4 * WIDTH, S)
+
+
+@jit_inside
+def note_lane(s: Lanes, sums: Tally, out: Samples, kept: LaneSamples, before: float, k: int) -> None:
+    """Events and samples of one step of lane k; the gap was `before`."""
+    force, h, step = s.work[FORCE, k], s.h[k], s.step[k]
     if force > 0.0:
-        work = 0.5 * force * (free + H * force - last)
-        if s.turns[k] == 1:
-            work += 0.5 * force * force * (S - s.memory[4, k])
-        sums.work[k] += work
-        sums.rotation[k] += 0.5 * force * s.work[NORMAL, k] - work
-        sums.friction[k] -= 0.5 * force * pull * s.work[TANGENT, k]
+        sums.contact_steps[k] += 1
         if s.mu[k] > 0.0 and s.work[SLIDE, k] * s.surface[k] < 0.0:
             sums.reversals[k] += 1
-    sums.damping[k] -= s.work[DAMPING, k]
-    gap = s.work[TEST, k] + scale * force
-    note_contact(sums, out, k, h, step * h, force, gap, scale, now, free)
-    s.memory[1, k], s.memory[0, k] = now, free + H * force
-    s.memory[2, k], s.memory[3, k], s.memory[4, k] = force, pull, S
+        if sums.closed[k] == 0:
+            predicted = s.work[FREE, k]
+            part = before / (before - predicted) if before > 0.0 and before > predicted else 0.0
+            note_event(sums, out, k, 1, step * h + part * h)
+    elif sums.closed[k] == 1:
+        note_event(sums, out, k, 0, step * h - 0.5 * h)
     if step == kept.due[0, k]:
         row = kept.filled[0, k]
-        kept.time[row, k], kept.force[row, k], kept.gap[row, k] = step * h, force, gap
+        kept.time[row, k], kept.force[row, k], kept.gap[row, k] = step * h, force, s.work[GAP, k]
         kept.impulse[row, k] = sums.impulse[k]
         kept.filled[0, k] += 1
         kept.due[0, k] += kept.every[0, k]
@@ -328,13 +339,13 @@ def advance_lanes(
 ) -> None:
     """Step all live lanes, until one is at its end or has failed, or `budget` steps are taken."""
     old, new, Q, Q_next, waves, ahead = s.old, s.d, s.Q, s.Q_next, s.waves, s.waves_next
-    for k in range(WIDTH):
+    for k in range(s.step.size):
         if s.live[k] == 1 and s.step[k] == 0:
             land(s, waves, Q, k, 0, 0.0, new)
     skips, swapped = leaps.powers.shape[1] > 0, False
     for _ in range(budget):
         stop = False
-        for k in range(WIDTH):
+        for k in range(s.step.size):
             if s.live[k] == 1:
                 if skips and s.step[k] >= s.retry[k] and s.memory[0, k] > 0.0 and s.memory[1, k] > 0.0:
                     room = min(s.end[k], kept.due[0, k], kept.due[1, k]) - s.step[k]
@@ -350,32 +361,29 @@ def advance_lanes(
             break
         old, new, swapped = new, old, not swapped
         rotate_lanes(s, ahead, 1)
-        fly(s, Q_next, ahead, old, new)
-        touching = False
-        for k in range(WIDTH):
-            free, test = s.work[FREE, k], s.work[FREE, k]
-            if s.averaged[k] == 1:
-                test = 0.25 * (free + 2.0 * s.memory[0, k] + s.memory[1, k])
-            touching = touching or (s.live[k] == 1 and not test >= 0.0)
-            s.work[TEST, k], s.work[FORCE, k], s.work[PULL, k], s.work[DRAG, k] = test, 0.0, 0.0, 0.0
-            s.work[H_, k], s.work[SCALE, k] = 0.0, 1.0
+        touching = fly(s, Q_next, ahead, old, new)
+        for row in range(FORCE, SCALE):
+            put(s.work, row * WIDTH, same(0.0))
+        put(s.work, SCALE * WIDTH, same(1.0))
         if touching:
             touch(s, Q, Q_next, waves, old, rubs)
         move_lanes(s, Q, old, new, touching, rubs)
-        for k in range(WIDTH):
+        put(s.work, BEFORE * WIDTH, load(s.memory, 0))
+        add_up(s, sums)
+        for k in range(s.step.size):
             if s.live[k] == 1 and s.failed[k] == 0:
-                note_lane(s, sums, out, kept, k)
+                note_lane(s, sums, out, kept, s.work[BEFORE, k], k)
                 s.step[k] += 1
             stop = stop or (s.live[k] == 1 and (s.failed[k] == 1 or s.step[k] == s.end[k]))
         Q, Q_next, waves, ahead = Q_next, Q, ahead, waves
         if turns:
-            put(s.work, S_NN * WIDTH, series_value(s.S_nn, waves))
-            put(s.work, S_NT * WIDTH, series_value(s.S_nt, waves))
+            put(s.work, S_NN * WIDTH, wave_sum(s.series, waves, 1))
+            put(s.work, S_NT * WIDTH, wave_sum(s.series, waves, 2))
         if stop:
             break
     if swapped:  # the buffers changed places an odd number of times; nothing is computed anew, not to change a bit
         for i in range(s.q.shape[0]):
             put(s.d, i * WIDTH, load(s.old, i * WIDTH))
             put(s.Q, i * WIDTH, load(s.Q_next, i * WIDTH))
-        for n in range(2 * s.waves.shape[1]):
+        for n in range(2 * s.waves.shape[0]):
             put(s.waves, n * WIDTH, load(s.waves_next, n * WIDTH))

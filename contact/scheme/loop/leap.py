@@ -25,12 +25,11 @@ class Leap(NamedTuple):
     fade: Array  # (m,) e^{-a h}
     cos: Array  # (m,) cos w_d h
     sin: Array
-    start: Indices  # entries of mode i: start[i] .. start[i + 1] - 1
-    harmonic: Indices
-    row_cos: Array
-    row_sin: Array
+    start: Indices  # terms of mode i, as in `contact.model.waves.Terms`
+    wave: Indices
+    row: Array
     floor: Array  # (cells,) least clearance of each cell of the contact angle
-    reach: Array  # (2, highest harmonic + 1), work space
+    reach: Array  # (2 (highest harmonic + 1),), work space
     taken: Indices  # (2,): leaps taken, steps in them
 
 
@@ -47,15 +46,14 @@ def amplitude(q: float, d: float, fade: float, cos: float, sin: float) -> float:
 def largest_share(leap: Leap, q: Array, d: Array) -> float:
     """Bound B of the modes' share of the gap at any angle and any later time without force."""
     reach = leap.reach
-    reach[:, :] = 0.0
+    reach[:] = 0.0
     for i in range(q.size):
         A = amplitude(q[i], d[i], leap.fade[i], leap.cos[i], leap.sin[i])
         for j in range(leap.start[i], leap.start[i + 1]):
-            reach[0, leap.harmonic[j]] += A * abs(leap.row_cos[j])
-            reach[1, leap.harmonic[j]] += A * abs(leap.row_sin[j])
+            reach[leap.wave[j]] += A * abs(leap.row[j])
     total = 0.0
-    for n in range(reach.shape[1]):
-        total += math.sqrt(reach[0, n] * reach[0, n] + reach[1, n] * reach[1, n])
+    for n in range(0, reach.size, 2):
+        total += math.sqrt(reach[n] * reach[n] + reach[n + 1] * reach[n + 1])
     return total
 
 
