@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contact.model.arrays import Indices
+from contact.model.modal_system import ModalSystem
 from contact.model.waves import Terms, terms
 from contact.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal_run import ModalRun
@@ -30,6 +32,7 @@ OF_MODES = ("q", "d", "al", "be", "c", "weight")
 STEPS = ("live", "step", "end", "retry", "failed")
 NUMBERS = ("angle", "speed", "surface", "mu", "h", "averaged", "turns")
 TERMS = ("normal", "tangent", "series")
+GROUP = 4  # terms that are added to a row at once
 AWAY = 1e300  # gap where there is no run
 
 
@@ -40,32 +43,85 @@ class Job:
     run: ModalRun
     steps: int
     record: Record
-    terms: tuple[Terms, Terms, Terms] = field(init=False)  # of TERMS
+    normal: Terms = field(init=False)
+    tangent: Terms = field(init=False)
+    series: Terms = field(init=False)  # clearance, S_nn, S_nt
 
     def __post_init__(self) -> None:
-        system = self.run.system
-        table, parts = system.table, (system.clearance, system.S_nn, system.S_nt)
+        table = self.run.system.table
         assert table is not None
-        series = terms(
-            np.repeat(np.arange(len(parts)), [part.harmonic.size for part in parts]),
-            np.concatenate([part.harmonic for part in parts]), np.concatenate([part.cos for part in parts]),
-            np.concatenate([part.sin for part in parts]), len(parts),
+        object.__setattr__(self, "normal", table.terms(table.q_cos, table.q_sin))
+        object.__setattr__(self, "tangent", table.terms(table.t_cos, table.t_sin))
+        object.__setattr__(self, "series", _series(self.run.system))
+
+
+def _series(system: ModalSystem) -> Terms:
+    parts = system.clearance, system.S_nn, system.S_nt
+    owner = np.repeat(np.arange(len(parts)), [part.harmonic.size for part in parts])
+    harmonic, cos, sin = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("harmonic", "cos", "sin")
+    )
+    return terms(owner, harmonic, cos, sin, len(parts))
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Layout:
+    """Where the terms that any of some runs has stand in the groups of `LaneTerms`.
+
+    Keys tell sum and wave; groups stand by their number in the sum, then by the sum.
+    """
+
+    top: int  # waves
+    keys: Indices
+    place: Indices
+    row: Indices
+    wave: Indices
+    alike: bool
+
+    @staticmethod
+    def of(parts: Sequence[Terms], first: int) -> Layout:
+        """That of the runs' sums, the first of which is row number `first`."""
+        top, one = max(int(part.wave.max(initial=0)) for part in parts) + 1, parts[0]
+        alike = all(
+            np.array_equal(part.start, one.start) and np.array_equal(part.wave, one.wave)
+            and np.array_equal(part.value, one.value) for part in parts
         )  # fmt: skip
-        rows = table.terms(table.q_cos, table.q_sin), table.terms(table.t_cos, table.t_sin)
-        object.__setattr__(self, "terms", (*rows, series))
+        keys = np.unique(np.concatenate([part.owner * top + part.wave for part in ([one] if alike else parts)]))
+        owner = keys // top
+        rank = np.arange(keys.size) - np.searchsorted(owner, owner)
+        group, of = np.unique(rank // GROUP * one.sums + owner, return_inverse=True)
+        place = of * GROUP + rank % GROUP
+        wave = np.zeros(group.size * GROUP, dtype=np.int64)
+        wave[place] = keys % top * WIDTH
+        row = (first + group % one.sums) * WIDTH
+        return Layout(top=top, keys=keys, place=place, row=row.astype(np.int64), wave=wave, alike=alike)
+
+    def empty(self, one: Terms) -> LaneTerms:
+        """Terms without values as yet, but those that all runs have in common."""
+        from contact.scheme.loop.lanes import LaneTerms
+
+        lanes = LaneTerms(self.row, self.wave, np.zeros((self.wave.size, WIDTH)), np.zeros(self.wave.size * self.alike))
+        if self.alike:
+            lanes.alike[self.place] = one.value
+        return lanes
+
+    def load(self, lanes: LaneTerms, own: Terms, k: int) -> None:
+        """Put one run's coefficients into lane k."""
+        lanes.value[:, k] = 0.0
+        lanes.value[self.place[np.searchsorted(self.keys, own.owner * self.top + own.wave)], k] = own.value
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Batch:
-    """Lanes, their sums and what they store; `turns`: some S depends on the angle, `rubs`: some run has friction."""
+    """Lanes, their sums and what they store; `rubs`: some run has friction."""
 
     lanes: Lanes
+    layouts: dict[str, Layout]
     leaps: LaneLeaps
     sums: Tally
     events: Samples
     kept: LaneSamples
     rubs: bool
-    turns: bool
 
     def advance(self) -> None:
         """Step until a lane is at its end, has failed, or the room for events is used up."""
@@ -73,7 +129,7 @@ class Batch:
 
         self.sums.filled[:] = 0
         advance_lanes(
-            self.lanes, self.leaps, self.sums, self.events, self.kept, self.rubs, self.turns, BUDGET
+            self.lanes, self.leaps, self.sums, self.events, self.kept, self.rubs, BUDGET
         )  # fmt: skip
 
     def load(self, k: int, job: Job) -> None:
@@ -83,8 +139,8 @@ class Batch:
         lanes = self.lanes
         for name in OF_MODES:
             getattr(lanes, name)[:, k] = getattr(rim.state, name)
-        for name, found in zip(TERMS, job.terms, strict=True):
-            _spread(getattr(lanes, name), found, k)
+        for name, layout in self.layouts.items():
+            layout.load(getattr(lanes, name), getattr(job, name), k)
         own = {name: getattr(rim.rows, name) for name in ("angle", "speed", "surface", "mu")} | {"h": job.run.dt}
         own |= {"averaged": rim.averaged, "turns": rim.rows.S_turns, "away": 0.0}
         own |= {"live": 1, "step": 0, "end": job.steps, "retry": 0, "failed": 0}
@@ -107,7 +163,8 @@ class Batch:
             self.leaps.powers[k] = leap.powers
         else:
             self.lanes.retry[k] = NEVER
-        self.leaps.row[k] = self.lanes.normal.value[:, k]
+        self.leaps.start[k] = leap.start
+        self.leaps.wave[k, : leap.wave.size], self.leaps.row[k, : leap.row.size] = leap.wave, leap.row
         self.leaps.taken[k] = 0
 
     def unload(self, k: int, job: Job, events: Samples) -> Samples:
@@ -133,54 +190,35 @@ def batch(jobs: Sequence[Job]) -> Batch:
     from contact.scheme.loop.lanes import Lanes
 
     m = jobs[0].run.size
-    found: dict[str, Any] = {name: _together([job.terms[i] for job in jobs]) for i, name in enumerate(TERMS)}
-    top = max(int(part.wave.max(initial=0)) // 2 for part in found.values())
-    arrays: dict[str, Any] = {name: np.zeros((m, WIDTH)) for name in (*OF_MODES, "old", "Q", "Q_next", "T")}
+    layouts = {name: Layout.of([getattr(job, name) for job in jobs], m * (name == "series")) for name in TERMS}
+    arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0], name)) for name, layout in layouts.items()}
+    arrays |= {name: np.zeros((m, WIDTH)) for name in (*OF_MODES, "old", "T")}
+    arrays |= {name: np.zeros((m + 3, WIDTH)) for name in ("Q", "Q_next")}
     arrays |= {name: np.zeros(WIDTH) for name in NUMBERS}
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
-    arrays |= {name: np.zeros((top + 1, 2, WIDTH)) for name in ("waves", "waves_next")}
-    lanes = Lanes(away=np.full(WIDTH, AWAY), memory=np.zeros((5, WIDTH)), work=np.zeros((18, WIDTH)), **found, **arrays)
+    arrays |= {
+        name: np.zeros((max(layout.top for layout in layouts.values()) // 2 + 1, 2, WIDTH))
+        for name in ("waves", "waves_next")
+    }
+    lanes = Lanes(away=np.full(WIDTH, AWAY), memory=np.zeros((5, WIDTH)), work=np.zeros((15, WIDTH)), **arrays)
     return Batch(
-        lanes=lanes, leaps=_leaps(jobs, lanes.normal), sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
+        lanes=lanes, layouts=layouts, leaps=_leaps(jobs, m), sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
         events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs, m),
         rubs=any(job.run.rim is not None and job.run.rim.rows.mu > 0.0 for job in jobs),
-        turns=any(job.run.rim is not None and job.run.rim.rows.S_turns for job in jobs),
     )  # fmt: skip
 
 
-def _together(parts: Sequence[Terms]) -> LaneTerms:
-    """Terms that any of the runs has, without values as yet."""
-    from contact.scheme.loop.lanes import LaneTerms
-
-    top = max(int(part.wave.max(initial=0)) for part in parts) + 1
-    first, sums = parts[0], np.arange(parts[0].sums + 1)
-    one = all(
-        np.array_equal(part.start, first.start) and np.array_equal(part.wave, first.wave)
-        and np.array_equal(part.value, first.value) for part in parts
-    )  # fmt: skip
-    common = np.unique(np.concatenate([part.owner * top + part.wave for part in ([first] if one else parts)]))
-    start, wave = np.searchsorted(common, sums * top).astype(np.int64), (common % top).astype(np.int64)
-    return LaneTerms(start, wave, np.zeros((wave.size, WIDTH)), first.value.copy() if one else np.zeros(0))
-
-
-def _spread(lanes: LaneTerms, own: Terms, k: int) -> None:
-    """One run's coefficients among the terms that all runs have in common."""
-    top = max(int(lanes.wave.max(initial=0)), int(own.wave.max(initial=0))) + 1
-    common = np.repeat(np.arange(lanes.start.size - 1), np.diff(lanes.start)) * top + lanes.wave
-    lanes.value[:, k] = 0.0
-    lanes.value[np.searchsorted(common, own.owner * top + own.wave), k] = own.value
-
-
-def _leaps(jobs: Sequence[Job], normal: LaneTerms) -> LaneLeaps:
+def _leaps(jobs: Sequence[Job], m: int) -> LaneLeaps:
     from contact.scheme.loop.lanes import LaneLeaps
 
-    kinds, m, size = [job.run.rim.leap for job in jobs if job.run.rim is not None], jobs[0].run.size, normal.wave.size
-    bits = max(leap.powers.shape[0] for leap in kinds)
+    kinds = [job.run.rim.leap for job in jobs if job.run.rim is not None]
+    bits, size = max(leap.powers.shape[0] for leap in kinds), max(leap.row.size for leap in kinds)
     arrays: dict[str, Any] = {name: np.zeros((WIDTH, m)) for name in ("fade", "cos", "sin")}
     return LaneLeaps(
         powers=np.zeros((WIDTH, bits, 4, m)), floor=np.zeros((WIDTH, kinds[0].floor.size)),
-        reach=np.zeros(int(normal.wave.max(initial=0)) // 2 * 2 + 2), taken=np.zeros((WIDTH, 2), dtype=np.int64),
-        row=np.zeros((WIDTH, size)), **arrays,
+        start=np.zeros((WIDTH, m + 1), dtype=np.int64), wave=np.zeros((WIDTH, size), dtype=np.int64),
+        row=np.zeros((WIDTH, size)), reach=np.zeros(max(leap.reach.size for leap in kinds)),
+        taken=np.zeros((WIDTH, 2), dtype=np.int64), **arrays,
     )  # fmt: skip
 
 

@@ -19,24 +19,27 @@ from contact.vector import WIDTH, below_zero, entry, larger, load, put, same
 
 
 class LaneTerms(NamedTuple):
-    """Sums of waves as `contact.model.waves.Terms`, coefficients by lane (terms, 8).
+    """Sums of waves, coefficients by lane: group g adds terms 4 g .. 4 g + 3 to the row at row[g].
 
+    Groups of one row are far apart, so that they do not wait for each other. `row` and `wave` count single numbers.
     `alike` (terms,) are the coefficients where all lanes have the same: an eighth of the memory; else it is empty.
     """
 
-    start: Indices
+    row: Indices
     wave: Indices
-    value: Array
+    value: Array  # (terms, 8)
     alike: Array
 
 
 class LaneLeaps(NamedTuple):
-    """The fields of `Leap`, one row a lane; `row` belongs to the terms of `Lanes.normal`."""
+    """The fields of `Leap`, one row a lane."""
 
     powers: Array
     fade: Array
     cos: Array
     sin: Array
+    start: Indices
+    wave: Indices
     row: Array
     floor: Array
     reach: Array
@@ -69,7 +72,7 @@ class Lanes(NamedTuple):
     weight: Array
     normal: LaneTerms
     tangent: LaneTerms
-    series: LaneTerms  # clearance, S_nn, S_nt
+    series: LaneTerms  # clearance, S_nn, S_nt: rows m, m + 1, m + 2
     angle: Array
     speed: Array
     surface: Array
@@ -84,16 +87,15 @@ class Lanes(NamedTuple):
     retry: Indices
     failed: Indices
     memory: Array  # (5, 8), as `ModalState.memory`
-    Q: Array  # (m, 8)
+    Q: Array  # (m + 3, 8)
     Q_next: Array
-    T: Array
+    T: Array  # (m, 8)
     waves: Array  # (harmonics, 2, 8): cos n phi, sin n phi
     waves_next: Array
-    work: Array  # (18, 8)
+    work: Array  # (15, 8)
 
 
-(FREE, TEST, FORCE, PULL, DRAG, H_, SCALE, NORMAL, TANGENT, DAMPING, SLIDE, S_NN, S_NT, SPARE, ANGLE, H_T, BEFORE,
- GAP) = range(18)  # fmt: skip
+FREE, TEST, FORCE, PULL, DRAG, H_, SCALE, NORMAL, TANGENT, DAMPING, SLIDE, ANGLE, H_T, BEFORE, GAP = range(15)
 
 
 @jit_inside
@@ -132,54 +134,64 @@ def turn_on(waves: Array, begin: int, end: int, by: int, c: float, s1: float) ->
 
 
 @jit_inside
-def wave_sum(terms: LaneTerms, waves: Array, i: int) -> float:
-    """Sum i in every lane: a vector. Terms are added one by one: those of other lanes, zero here, change no bit."""
-    part = same(0.0)
-    begin, end = entry(terms.start, i), entry(terms.start, i + 1)
+def fill_lanes(s: Lanes, waves: Array, Q: Array) -> None:
+    """Rows of the modes, clearance and S in every lane."""
+    clear(Q)
+    add_terms(s.normal, waves, Q)
+    add_terms(s.series, waves, Q)
+
+
+@jit_inside
+def clear(rows: Array) -> None:
+    """Zero in every lane."""
+    for i in range(rows.shape[0]):
+        put(rows, i * WIDTH, same(0.0))
+
+
+@jit_inside
+def add_terms(terms: LaneTerms, waves: Array, rows: Array) -> None:
+    """Add sums of waves. Terms of a row are added one by one: those of other lanes, zero here, change no bit."""
     if terms.alike.size > 0:
-        for j in range(begin, end):
-            part = part + same(entry(terms.alike, j)) * load(waves, WIDTH * entry(terms.wave, j))
-    else:
-        for j in range(begin, end):
-            part = part + load(terms.value, WIDTH * j) * load(waves, WIDTH * entry(terms.wave, j))
-    result: float = part
-    return result
+        for g in range(terms.row.size):
+            at = entry(terms.row, g)
+            part = load(rows, at)
+            for j in range(4 * g, 4 * g + 4):
+                part = part + same(entry(terms.alike, j)) * load(waves, entry(terms.wave, j))
+            put(rows, at, part)
+        return
+    for g in range(terms.row.size):
+        at = entry(terms.row, g)
+        part = load(rows, at)
+        for j in range(4 * g, 4 * g + 4):
+            part = part + load(terms.value, j * WIDTH) * load(waves, entry(terms.wave, j))
+        put(rows, at, part)
 
 
 @jit
 def land(s: Lanes, waves: Array, Q: Array, k: int, step: int, back: float, d: Array) -> float:
-    """Gap of lane k at a step, its waves, rows and S there; q - back D is its displacement.
+    """Gap of lane k at a step, its waves and rows there; q - back D is its displacement.
 
-    Sums are formed as vectors, so that harmonics which only other lanes have cannot change their order.
+    The other lanes' rows are formed again from their waves: the same to the bit.
     """
     phi = angle_after(s, k, step)
     c, s1, a, b = math.cos(phi), math.sin(phi), 1.0, 0.0
     for n in range(waves.shape[0]):
         waves[n, 0, k], waves[n, 1, k] = a, b
         a, b = c * a - s1 * b, s1 * a + c * b
-    gap = pick(s, wave_sum(s.series, waves, 0), k)
-    for i in range(Q.shape[0]):
-        row = pick(s, wave_sum(s.normal, waves, i), k)
-        Q[i, k] = row
-        gap += row * (s.q[i, k] - back * d[i, k])
-    s.work[S_NN, k] = pick(s, wave_sum(s.series, waves, 1), k)
-    s.work[S_NT, k] = pick(s, wave_sum(s.series, waves, 2), k)
-    return gap
-
-
-@jit_inside
-def pick(s: Lanes, vector: float, k: int) -> float:
-    """Entry k of a vector."""
-    put(s.work, SPARE * WIDTH, vector)
-    return float(s.work[SPARE, k])
+    fill_lanes(s, waves, Q)
+    m = s.q.shape[0]
+    gap = Q[m, k]
+    for i in range(m):
+        gap += Q[i, k] * (s.q[i, k] - back * d[i, k])
+    return float(gap)
 
 
 @jit
 def leap_lane(s: Lanes, leaps: LaneLeaps, sums: Tally, Q: Array, waves: Array, d: Array, k: int, room: int) -> int:
     """Leap lane k over steps without contact, as `leap_rim`. Negative: wait."""
     leap = Leap(
-        leaps.powers[k], leaps.fade[k], leaps.cos[k], leaps.sin[k], s.normal.start, s.normal.wave,
-        leaps.row[k], leaps.floor[k], leaps.reach, leaps.taken[k],
+        leaps.powers[k], leaps.fade[k], leaps.cos[k], leaps.sin[k], leaps.start[k], leaps.wave[k], leaps.row[k],
+         leaps.floor[k], leaps.reach, leaps.taken[k],
     )  # fmt: skip
     q, own, be, c = s.q[:, k], d[:, k], s.be[:, k], s.c[:, k]
     before = discrete_energy(q, own, be, c)
@@ -188,7 +200,7 @@ def leap_lane(s: Lanes, leaps: LaneLeaps, sums: Tally, Q: Array, waves: Array, d
         sums.damping[k] += discrete_energy(q, own, be, c) - before
         s.step[k] += steps
         s.memory[1, k] = land(s, waves, Q, k, s.step[k] - 1, 1.0, d)
-        s.memory[4, k] = s.work[S_NN, k]
+        s.memory[4, k] = Q[s.q.shape[0] + 1, k]
         s.memory[0, k] = land(s, waves, Q, k, s.step[k], 0.0, d)
         s.memory[2, k], s.memory[3, k] = 0.0, 0.0
     return steps
@@ -197,11 +209,11 @@ def leap_lane(s: Lanes, leaps: LaneLeaps, sums: Tally, Q: Array, waves: Array, d
 @jit_inside
 def fly(s: Lanes, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
     """Free motion over a step into `new`, the rows ahead, and the gaps; whether one would close."""
-    free = wave_sum(s.series, ahead, 0)
+    fill_lanes(s, ahead, Q_next)
+    free = load(Q_next, s.q.shape[0] * WIDTH)
     for i in range(s.q.shape[0]):
         at = i * WIDTH
-        row, q = wave_sum(s.normal, ahead, i), load(s.q, at)
-        put(Q_next, at, row)
+        row, q = load(Q_next, at), load(s.q, at)
         step = load(s.al, at) * load(old, at) - load(s.be, at) * q
         put(new, at, step)
         free = free + row * (q + step)
@@ -217,14 +229,16 @@ def fly(s: Lanes, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
 @jit_inside
 def touch(s: Lanes, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: bool) -> None:
     """Slip, Delassus numbers and forces of the lanes whose gap would close."""
-    H, H_t, slide = same(0.0), same(0.0), same(0.0)
+    H, H_t, slide, m = same(0.0), same(0.0), same(0.0), s.q.shape[0]
+    if rubs:
+        clear(s.T)
+        add_terms(s.tangent, waves, s.T)
     for i in range(s.q.shape[0]):
         at = i * WIDTH
         stiff = load(Q_next, at) * load(s.c, at)
         H = H + stiff * load(Q, at)
         if rubs:
-            row = wave_sum(s.tangent, waves, i)
-            put(s.T, at, row)
+            row = load(s.T, at)
             slide = slide + row * load(old, at)
             H_t = H_t + stiff * row
     put(s.work, H_ * WIDTH, H)
@@ -238,7 +252,7 @@ def touch(s: Lanes, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: boo
                 pull = s.mu[k] if sliding > 0.0 else (-s.mu[k] if sliding < 0.0 else 0.0)
                 s.work[SLIDE, k] = sliding
             H_k = s.work[H_, k] - pull * s.work[H_T, k]
-            scale = (0.25 * H_k if s.averaged[k] == 1.0 else H_k) + s.work[S_NN, k] - pull * s.work[S_NT, k]
+            scale = (0.25 * H_k if s.averaged[k] == 1.0 else H_k) + Q[m + 1, k] - pull * Q[m + 2, k]
             force = -test / scale if scale > 0.0 else math.nan
             if not force >= 0.0:
                 s.failed[k], force = 1, 0.0
@@ -272,12 +286,13 @@ def move_lanes(s: Lanes, Q: Array, old: Array, new: Array, touching: bool, rubs:
 
 
 @jit_inside
-def add_up(s: Lanes, sums: Tally) -> None:
+def add_up(s: Lanes, sums: Tally, Q: Array) -> None:
     """Sums of one step of every lane, and the gaps the next one needs; where no force is, it does no work."""
     force, H = load(s.work, FORCE * WIDTH), load(s.work, H_ * WIDTH)
     scale, pull = load(s.work, SCALE * WIDTH), load(s.work, PULL * WIDTH)
     free, now, last, h = load(s.work, FREE * WIDTH), load(s.memory, 0), load(s.memory, WIDTH), load(s.h, 0)
-    half, S = same(0.5) * force, load(s.work, S_NN * WIDTH) - pull * load(s.work, S_NT * WIDTH)
+    m = s.q.shape[0]
+    half, S = same(0.5) * force, load(Q, (m + 1) * WIDTH) - pull * load(Q, (m + 2) * WIDTH)
     after = free + H * force
     work = half * (after - last) + half * force * (S - load(s.memory, 4 * WIDTH)) * load(s.turns, 0)
     put(sums.work, 0, load(sums.work, 0) + work)
@@ -335,7 +350,7 @@ def keep_state(s: Lanes, kept: LaneSamples, k: int) -> None:
 
 @jit
 def advance_lanes(
-    s: Lanes, leaps: LaneLeaps, sums: Tally, out: Samples, kept: LaneSamples, rubs: bool, turns: bool, budget: int
+    s: Lanes, leaps: LaneLeaps, sums: Tally, out: Samples, kept: LaneSamples, rubs: bool, budget: int
 ) -> None:
     """Step all live lanes, until one is at its end or has failed, or `budget` steps are taken."""
     old, new, Q, Q_next, waves, ahead = s.old, s.d, s.Q, s.Q_next, s.waves, s.waves_next
@@ -369,21 +384,19 @@ def advance_lanes(
             touch(s, Q, Q_next, waves, old, rubs)
         move_lanes(s, Q, old, new, touching, rubs)
         put(s.work, BEFORE * WIDTH, load(s.memory, 0))
-        add_up(s, sums)
+        add_up(s, sums, Q)
         for k in range(s.step.size):
             if s.live[k] == 1 and s.failed[k] == 0:
                 note_lane(s, sums, out, kept, s.work[BEFORE, k], k)
                 s.step[k] += 1
             stop = stop or (s.live[k] == 1 and (s.failed[k] == 1 or s.step[k] == s.end[k]))
         Q, Q_next, waves, ahead = Q_next, Q, ahead, waves
-        if turns:
-            put(s.work, S_NN * WIDTH, wave_sum(s.series, waves, 1))
-            put(s.work, S_NT * WIDTH, wave_sum(s.series, waves, 2))
         if stop:
             break
     if swapped:  # the buffers changed places an odd number of times; nothing is computed anew, not to change a bit
         for i in range(s.q.shape[0]):
             put(s.d, i * WIDTH, load(s.old, i * WIDTH))
+        for i in range(s.Q.shape[0]):
             put(s.Q, i * WIDTH, load(s.Q_next, i * WIDTH))
         for n in range(2 * s.waves.shape[0]):
             put(s.waves, n * WIDTH, load(s.waves_next, n * WIDTH))
