@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from contact.errors import InputError, LimitError
-from contact.model.arrays import Array
+from contact.model.arrays import Array, aligned
 from contact.model.gap import RotatingRim
 from contact.model.modal_system import ModalSystem, rim_system
 from contact.scheme.propagator import free_motion
@@ -45,7 +45,7 @@ def _growth(rim: RotatingRim, mu: float, phase: float) -> float:
 def monodromy(system: ModalSystem, mu: float, phase: float = PHASE) -> Array:
     """State (q, q'/scale) after one turn for each unit state before, (2 m, 2 m); `mu` with the sign of the speed."""
     from contact.scheme.loop.floquet import revolve
-    from contact.scheme.modal_stepper import rim_rows
+    from contact.scheme.modal_stepper import padded, rim_rows
 
     m, period = system.omega.size, 2.0 * math.pi / abs(system.speed)
     scale = float(system.omega.max())
@@ -58,7 +58,9 @@ def monodromy(system: ModalSystem, mu: float, phase: float = PHASE) -> Array:
                        for a, b in pairwise(edges)])  # fmt: skip
     q, v = np.hstack([np.eye(m), np.zeros((m, m))]), np.hstack([np.zeros((m, m)), scale * np.eye(m)])
     times = np.cumsum(KICKS) - 0.5 * KICKS
-    revolve(q, v, rim_rows(system, mu), np.zeros(m), np.zeros(m), np.zeros(2 * m), drifts, times, KICKS, h, steps)
+    rows = rim_rows(system, mu)
+    Q, T = aligned(2, padded(m))
+    revolve(q, v, rows, Q, T, np.zeros(2 * m), drifts, times, KICKS, h, steps)
     return np.vstack([q, v / scale])
 
 

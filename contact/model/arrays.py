@@ -21,6 +21,18 @@ def readonly(values: ArrayLike) -> Array:
     return array
 
 
+def aligned(*shape: int) -> Array:
+    """Zeros that begin on a cache line, which is as wide as a vector of eight: loads across two cost double.
+
+    >>> aligned(3, 8).ctypes.data % 64
+    0
+    """
+    size = math.prod(shape)
+    room = np.zeros(size + 7)
+    skip = -(room.ctypes.data // 8) % 8
+    return room[skip : skip + size].reshape(shape)
+
+
 def require_shape(name: str, array: Array, shape: Sequence[int]) -> None:
     """Raise InputError unless `array` has this shape and only finite entries."""
     if array.shape != tuple(shape):

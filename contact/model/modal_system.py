@@ -84,6 +84,15 @@ class ModalSystem:
     angle: float = 0.0
     radius: float = 0.0
 
+    @property
+    def series(self) -> Terms:
+        """Clearance, S_nn and S_nt as sums of waves."""
+        parts = self.clearance, self.S_nn, self.S_nt
+        owner = np.repeat(np.arange(len(parts)), [part.harmonic.size for part in parts])
+        harmonic = np.concatenate([part.harmonic for part in parts])
+        cos, sin = np.concatenate([part.cos for part in parts]), np.concatenate([part.sin for part in parts])
+        return terms(owner, harmonic, cos, sin, len(parts))
+
 
 def point_system(gap: PointGap) -> ModalSystem:
     """Concatenate the sides of a gap at a fixed point."""

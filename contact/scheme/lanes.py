@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact.model.arrays import Indices
-from contact.model.modal_system import ModalSystem
-from contact.model.waves import Terms, terms
+from contact.model.arrays import Indices, aligned
+from contact.model.waves import Terms
 from contact.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal_run import ModalRun
 
@@ -52,16 +51,7 @@ class Job:
         assert table is not None
         object.__setattr__(self, "normal", table.terms(table.q_cos, table.q_sin))
         object.__setattr__(self, "tangent", table.terms(table.t_cos, table.t_sin))
-        object.__setattr__(self, "series", _series(self.run.system))
-
-
-def _series(system: ModalSystem) -> Terms:
-    parts = system.clearance, system.S_nn, system.S_nt
-    owner = np.repeat(np.arange(len(parts)), [part.harmonic.size for part in parts])
-    harmonic, cos, sin = (
-        np.concatenate([getattr(part, name) for part in parts]) for name in ("harmonic", "cos", "sin")
-    )
-    return terms(owner, harmonic, cos, sin, len(parts))
+        object.__setattr__(self, "series", self.run.system.series)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -100,7 +90,7 @@ class Layout:
         """Terms without values as yet, but those that all runs have in common."""
         from contact.scheme.loop.lanes import LaneTerms
 
-        lanes = LaneTerms(self.row, self.wave, np.zeros((self.wave.size, WIDTH)), np.zeros(self.wave.size * self.alike))
+        lanes = LaneTerms(self.row, self.wave, aligned(self.wave.size, WIDTH), np.zeros(self.wave.size * self.alike))
         if self.alike:
             lanes.alike[self.place] = one.value
         return lanes
@@ -192,15 +182,15 @@ def batch(jobs: Sequence[Job]) -> Batch:
     m = jobs[0].run.size
     layouts = {name: Layout.of([getattr(job, name) for job in jobs], m * (name == "series")) for name in TERMS}
     arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0], name)) for name, layout in layouts.items()}
-    arrays |= {name: np.zeros((m, WIDTH)) for name in (*OF_MODES, "old", "T")}
-    arrays |= {name: np.zeros((m + 3, WIDTH)) for name in ("Q", "Q_next")}
-    arrays |= {name: np.zeros(WIDTH) for name in NUMBERS}
+    arrays |= {name: aligned(m, WIDTH) for name in (*OF_MODES, "old", "T")}
+    arrays |= {name: aligned(m + 3, WIDTH) for name in ("Q", "Q_next")}
+    arrays |= {name: aligned(WIDTH) for name in NUMBERS}
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
     arrays |= {
-        name: np.zeros((max(layout.top for layout in layouts.values()) // 2 + 1, 2, WIDTH))
+        name: aligned(max(layout.top for layout in layouts.values()) // 2 + 1, 2, WIDTH)
         for name in ("waves", "waves_next")
     }
-    lanes = Lanes(away=np.full(WIDTH, AWAY), memory=np.zeros((5, WIDTH)), work=np.zeros((15, WIDTH)), **arrays)
+    lanes = Lanes(away=np.full(WIDTH, AWAY), memory=aligned(5, WIDTH), work=aligned(15, WIDTH), **arrays)
     return Batch(
         lanes=lanes, layouts=layouts, leaps=_leaps(jobs, m), sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
         events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs, m),

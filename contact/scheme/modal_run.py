@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 class RimRun:
     """What the compiled loop of a rotating rim works on: one run's, or a lane's of many runs at once."""
 
-    state: ModalState
+    state: ModalState  # views of `wide`
+    wide: ModalState  # in whole blocks of eight
     rows: RimRows
     leap: Leap
     averaged: bool

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact.energy import Stored
-from contact.model.arrays import Array, Indices
+from contact.model.arrays import Array, Indices, aligned
 from contact.model.law import Abradable
-from contact.model.modal_system import ModalSystem, RowTable
-from contact.model.trig import Trig
+from contact.model.modal_system import ModalSystem
 from contact.record import Samples, Tally, tally
 from contact.scheme.leap import rim_leap
 from contact.scheme.modal_run import ModalRun, RimRun
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
     from contact.scheme.loop.modal import ModalState
     from contact.scheme.loop.rim import RimRows
 
+OF_MODES = ("q", "d", "old", "al", "be", "c", "kick", "weight")
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
 
 
@@ -40,7 +40,9 @@ def modal_stepper(
         loop = _point_loop(system, parts, averaged, damped)
     else:
         rows, leap = rim_rows(system, mu), rim_leap(system, parts, skip=skip)
-        rim = RimRun(state=state, rows=rows, leap=leap, averaged=averaged, damped=damped)
+        wide = widened(state)
+        state = narrowed(wide, q.size)
+        rim = RimRun(state=state, wide=wide, rows=rows, leap=leap, averaged=averaged, damped=damped)
         loop = _rim_loop(rim, parts.h, track)
 
     def advance(sums: Tally, out: Samples, first: int, steps: int) -> int:
@@ -89,6 +91,20 @@ def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalS
     )  # fmt: skip
 
 
+def widened(state: ModalState) -> ModalState:
+    """The same with its arrays over the modes in whole blocks, zero beyond them."""
+    found = {}
+    for name in OF_MODES:
+        found[name] = aligned(padded(state.q.size))
+        found[name][: state.q.size] = getattr(state, name)
+    return state._replace(**found)
+
+
+def narrowed(state: ModalState, modes: int) -> ModalState:
+    """Views of the modes alone."""
+    return state._replace(**{name: getattr(state, name)[:modes] for name in OF_MODES})
+
+
 def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: bool) -> Loop:
     from contact.scheme.loop.modal import advance_modal
 
@@ -103,12 +119,12 @@ def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: 
 def _rim_loop(rim: RimRun, h: float, track: Track | None) -> Loop:
     from contact.scheme.loop.rim import advance_rim
 
-    Q, Q_next, T = np.zeros((3, rim.state.q.size))
+    Q, Q_next, T = aligned(3, rim.wide.q.size)
     coating = bare() if track is None else track.coating
 
     def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
         return advance_rim(
-            state, rim.rows, rim.leap, coating, Q, Q_next, T, rim.averaged, rim.damped, sums, out, h, first, steps
+            rim.wide, rim.rows, rim.leap, coating, Q, Q_next, T, rim.averaged, rim.damped, sums, out, h, first, steps
         )
 
     def watched(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
@@ -118,52 +134,51 @@ def _rim_loop(rim: RimRun, h: float, track: Track | None) -> Loop:
     return loop if track is None else watched
 
 
+def padded(modes: int) -> int:
+    """Modes, clearance, S_nn and S_nt in whole blocks of eight."""
+    return -(-(modes + 3) // 8) * 8
+
+
 def rim_rows(system: ModalSystem, mu: float) -> RimRows:
     """What the compiled loops need of a rim: rows, polynomials of the angle, work space."""
     from contact.scheme.loop.rim import RimRows
-    from contact.scheme.loop.rows import RowBlocks, Series
+    from contact.scheme.loop.rows import RowBlocks
 
-    table = system.table
+    table, m = system.table, system.omega.size
     assert table is not None
     top = max(int(table.harmonic.max(initial=0)), system.clearance.degree, system.S_nn.degree, system.S_nt.degree)
     count = -(-(top + 1) // 8) * 8
-
-    def terms(p: Trig) -> Series:
-        cos, sin = np.zeros(count), np.zeros(count)
-        cos[p.harmonic], sin[p.harmonic] = p.cos, p.sin
-        return Series(cos, sin)
-
+    normal, tangent = np.zeros((2, padded(m), 2 * count))
+    normal[:m] = table.terms(table.q_cos, table.q_sin).full(2 * count)
+    tangent[:m] = table.terms(table.t_cos, table.t_sin).full(2 * count)
+    normal[m : m + 3] = system.series.full(2 * count)
     return RimRows(
-        normal=RowBlocks(*row_blocks(table, table.q_cos, table.q_sin)),
-        tangent=RowBlocks(*row_blocks(table, table.t_cos, table.t_sin)),
-        clearance=terms(system.clearance), S_nn=terms(system.S_nn), S_nt=terms(system.S_nt),
+        normal=RowBlocks(*row_blocks(normal)), tangent=RowBlocks(*row_blocks(tangent)), modes=m,
         S_turns=max(system.S_nn.degree, system.S_nt.degree) > 0, angle=system.angle, speed=system.speed,
-        surface=system.radius * system.speed, mu=mu, waves=np.zeros((2, count)), waves_next=np.zeros((2, count)),
-        found=np.zeros(6),
+        surface=system.radius * system.speed, mu=mu, waves=aligned(2, count), waves_next=aligned(2, count),
     )  # fmt: skip
 
 
-def row_blocks(table: RowTable, cos: Array, sin: Array) -> tuple[Indices, Indices, Array, Array]:
-    """Rows by blocks of eight modes: starts, harmonics, coefficients (entries, 8), as the compiled loops take them.
+def row_blocks(table: Array) -> tuple[Indices, Indices, Array]:
+    """Sums of waves (8 blocks, waves), by blocks of eight: starts, waves, coefficients (entries, 8).
 
-    >>> table = RowTable(start=np.array([0, 1, 3]), harmonic=np.array([4, 0, 4]), q_cos=np.ones(3), q_sin=np.zeros(3),
-    ...                  t_cos=np.zeros(3), t_sin=np.zeros(3))
-    >>> start, harmonic, c, _ = row_blocks(table, table.q_cos, table.q_sin)
-    >>> start.tolist(), harmonic.tolist(), c[:, :2].tolist()
-    ([0, 2], [0, 4], [[0.0, 1.0], [1.0, 1.0]])
+    A block has an even number of entries; columns are cos 0, sin 0, cos 1, ..., but the waves found are counted as
+    cos 0, cos 1, ..., sin 0, sin 1, ...
+
+    >>> table = np.zeros((8, 8))
+    >>> table[0, 2], table[1, [1, 7]] = 1.0, (2.0, 3.0)
+    >>> start, wave, value = row_blocks(table)
+    >>> start.tolist(), wave.tolist(), value[:, :2].tolist()
+    ([0, 4], [4, 1, 7, 0], [[0.0, 2.0], [1.0, 0.0], [0.0, 3.0], [0.0, 0.0]])
     """
-    full = table.by_harmonic(cos), table.by_harmonic(sin)
-    m, start, harmonic = full[0].shape[1], [0], []
-    blocks: tuple[list[Array], list[Array]] = ([], [])
-    for first in range(0, m, 8):
-        present = np.unique(table.harmonic[table.start[first] : table.start[min(first + 8, m)]])
-        for part, values in zip(blocks, full, strict=True):
-            padded = np.zeros((present.size, 8))
-            padded[:, : min(8, m - first)] = values[present, first : first + 8]
-            part.append(padded)
-        harmonic.append(present)
-        start.append(start[-1] + present.size)
-    return (
-        np.array(start, dtype=np.int64), np.concatenate([*harmonic, np.zeros(0)]).astype(np.int64),
-        np.concatenate([*blocks[0], np.zeros((0, 8))]), np.concatenate([*blocks[1], np.zeros((0, 8))]),
-    )  # fmt: skip
+    count = table.shape[1] // 2
+    start, waves, values = [0], [], []
+    for block in table.reshape(-1, 8, table.shape[1]):
+        present = np.flatnonzero(block.any(axis=0))
+        spare = present.size % 2
+        waves.append(np.concatenate([present // 2 + present % 2 * count, np.zeros(spare)]))
+        values.append(np.concatenate([block[:, present].T, np.zeros((spare, 8))]))
+        start.append(start[-1] + present.size + spare)
+    value = aligned(start[-1], 8)
+    value[:] = np.concatenate(values)
+    return np.array(start, dtype=np.int64), np.concatenate(waves).astype(np.int64), value

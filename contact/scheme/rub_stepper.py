@@ -149,9 +149,8 @@ def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
 
 
 def _laws(rub: Rub, system: RubSystem) -> RubLaws:
-    from contact.scheme.loop.rim import Terms
     from contact.scheme.loop.rub_pull import Pulls
-    from contact.scheme.loop.rub_rows import RubLaws
+    from contact.scheme.loop.rub_rows import RubLaws, Terms
 
     terms = fourier(list(rub.profile.terms))
     whirl = [[w.amplitude, w.per_rev, 2.0 * math.pi * w.hz, math.radians(w.phase_deg)] for w in rub.whirl]

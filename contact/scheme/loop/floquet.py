@@ -5,7 +5,7 @@ from __future__ import annotations
 from contact.compiled import jit
 from contact.model.arrays import Array
 from contact.scheme.loop.rim import RimRows
-from contact.scheme.loop.rows import fill, rotate, value
+from contact.scheme.loop.rows import fill, rotate
 
 
 @jit
@@ -45,6 +45,6 @@ def revolve(
             fill(rows.normal, rows.waves, Q)
             if rows.mu != 0.0:
                 fill(rows.tangent, rows.waves, T)
-            S = value(rows.S_nn, rows.waves) - rows.mu * value(rows.S_nt, rows.waves)
+            S = Q[rows.modes + 1] - rows.mu * Q[rows.modes + 2]
             kick(q, v, Q, T, rows.mu, kicks[k] * h / S, y)
         drift(q, v, drifts[times.size])

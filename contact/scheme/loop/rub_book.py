@@ -6,8 +6,7 @@ import math
 
 from contact.compiled import jit
 from contact.record import Samples, Tally
-from contact.scheme.loop.rim import dot
-from contact.scheme.loop.rub_rows import RubRows, blade_dot
+from contact.scheme.loop.rub_rows import RubRows, blade_dot, dot
 from contact.scheme.loop.rub_state import RubState, Work
 from contact.scheme.loop.stick import INSIDE
 from contact.scheme.loop.tally import note_contact, note_stick

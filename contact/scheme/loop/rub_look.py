@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 from contact.compiled import jit
-from contact.scheme.loop.rim import dot
 from contact.scheme.loop.rub_pull import pull
-from contact.scheme.loop.rub_rows import RubLaws, RubRows, blade_dot, fill_block, gap_of, least_gap, rigid_gap, straight
+from contact.scheme.loop.rub_rows import (
+    RubLaws,
+    RubRows,
+    blade_dot,
+    dot,
+    fill_block,
+    gap_of,
+    least_gap,
+    rigid_gap,
+    straight,
+)
 from contact.scheme.loop.rub_state import RubState, Work
 
 

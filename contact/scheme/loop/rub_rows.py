@@ -7,8 +7,44 @@ from typing import NamedTuple
 
 from contact.compiled import jit
 from contact.model.arrays import Array, Indices
-from contact.scheme.loop.rim import Terms, dot, polynomial, turn
 from contact.scheme.loop.rub_pull import Pulls
+
+
+class Terms(NamedTuple):
+    """A trigonometric polynomial of the contact angle."""
+
+    harmonic: Indices
+    cos: Array
+    sin: Array
+
+
+@jit
+def turn(waves: Array, phi: float) -> None:
+    """Cos n phi and sin n phi from one sine and cosine by the addition theorem: no drift over steps."""
+    c, s = math.cos(phi), math.sin(phi)
+    waves[0, 0], waves[1, 0] = 1.0, 0.0
+    for n in range(1, waves.shape[1]):
+        waves[0, n] = c * waves[0, n - 1] - s * waves[1, n - 1]
+        waves[1, n] = s * waves[0, n - 1] + c * waves[1, n - 1]
+
+
+@jit
+def polynomial(terms: Terms, waves: Array) -> float:
+    """Value at the angle of `waves`."""
+    total = 0.0
+    for j in range(terms.harmonic.size):
+        n = terms.harmonic[j]
+        total += terms.cos[j] * waves[0, n] + terms.sin[j] * waves[1, n]
+    return total
+
+
+@jit
+def dot(a: Array, b: Array) -> float:
+    """Sum of products."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
 
 
 class RubLaws(NamedTuple):

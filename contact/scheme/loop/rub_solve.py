@@ -7,8 +7,7 @@ import numpy as np
 from contact.compiled import jit, jit_allocating
 from contact.model.arrays import Array
 from contact.scheme.loop.patch import ROUGH
-from contact.scheme.loop.rim import dot, turn
-from contact.scheme.loop.rub_rows import RubRows, blade_dot, fill_block, residual_row
+from contact.scheme.loop.rub_rows import RubRows, blade_dot, dot, fill_block, residual_row, turn
 from contact.scheme.loop.rub_state import RubState, Work
 from contact.solver.coulomb import friction_forces
 from contact.solver.friction_newton import TOLERANCE
