@@ -56,7 +56,8 @@ def search(
         if len(active) > 2 and unexplained(there, len(active), PLAUSIBLE):
             active, there = exchanged(evaluate, there, active, bounds)
         path.append((active, there))
-        if significant(at, there, len(active), level, changes):
+        tried = changes * (changes - 1) // 2 if len(active) == 2 else changes  # the luckiest of all pairs
+        if significant(at, there, len(active), level, tried):
             told = len(path) - 1
     active, best = path[told]
     if len(active) > 2 and unexplained(best, len(active), UNLIKELY):  # a wrong turn early on: look further
