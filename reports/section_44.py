@@ -1,8 +1,8 @@
 """Section 4.4 of the source study: when n = 10 stands out of a rub, and what is left when a cause is taken away.
 
 `python -m reports.section_44 [--quick] [--out DIR]` runs the scenes of data/scenes/section_44: four rubs, each with
-three controls. Level of n = 10 over the next nodal diameter, with half the step and with twice the modes; then the same by
-how far the blade is advanced, which the study does not state. Bases, scenes and pictures go to DIR/section_44.
+three controls. Level of n = 10 over the next nodal diameter, with half the step and with twice the modes; then the same
+by how far the blade is advanced, which the study does not state. Bases, scenes and pictures go to DIR/section_44.
 """
 
 from dataclasses import replace
