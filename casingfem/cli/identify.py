@@ -1,5 +1,6 @@
 """The command identify: modes from measured frequency responses."""
 
+import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -81,7 +82,9 @@ def result_files(found: "Identified", document: dict[str, Any]) -> dict[str, Con
 
     files: dict[str, Content] = {"identified.json": json_text(document, indent=1)}
     if len(found):
-        table = found.table([f"source: {document['source']}"])
+        source = Path(document["source"])
+        digest = hashlib.sha256(source.read_bytes()).hexdigest()
+        table = found.table([f"source: {source.name}, sha256 {digest}"])
         files["identified.csv"] = table.to_csv
         files["identified.npz"] = lambda path: found.save(path, responses=False)
     for name, figure in (("stabilisation", figure_stabilisation(found)), ("responses", figure_responses(found))):

@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from casingfem.errors import coded
+from casingfem.experiment.correlation.shape_files import read_shapes
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.eigen import START_SEED
 from casingfem.modal.interface import Rim, Tip, TipNodes
@@ -20,8 +21,9 @@ from casingfem.structure.shell import Shell
 from casingfem.study.build import build_shell, try_chart
 from casingfem.study.imported import MeshStudy, build_imported, is_imported
 from casingfem.study.problems import Problems, StudyError
-from casingfem.study.schema import REQUIRED, ParameterTable, ReduceTable, StudyFile
+from casingfem.study.schema import REQUIRED, ParameterTable, ReduceTable, StudyFile, UpdateTable
 from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.shapes import SensorShapes
 
 PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem")
 
@@ -36,8 +38,8 @@ class Study:
         Where it was read from, and its tables as written.
     shell
         The structure.
-    table, parameters
-        Of [update]: the measured frequencies and what may vary; None and () without.
+    table, shapes, parameters
+        Of [update]: the measured frequencies and mode shapes, None without; what may vary.
     start
         The structure with the parameters' start values put in: where an update begins.
     interface
@@ -51,6 +53,7 @@ class Study:
     shell: Shell
     start: Shell
     table: FrequencyTable | None
+    shapes: SensorShapes | None
     parameters: tuple[Parameter, ...]
     interface: Rim | Tip | TipNodes | None
     source: dict[str, Any]
@@ -101,6 +104,7 @@ def load_any(path: str | Path) -> Study | MeshStudy:
         return MeshStudy(path=file, file=tables, structure=structure, source=source(file, text, tables))
     shell = build_shell(tables, problems)
     table, parameters, start = load_update(tables, shell, problems)
+    shapes = load_shapes(tables.update, start, table, problems)
     chart = try_chart(tables, Problems(file))  # its problems are noted with the shell's
     interface = load_interface(tables.reduce, chart, problems)
     if problems or shell is None or start is None:
@@ -111,6 +115,7 @@ def load_any(path: str | Path) -> Study | MeshStudy:
         shell=shell,
         start=start,
         table=table,
+        shapes=shapes,
         parameters=parameters,
         interface=interface,
         source=source(file, text, tables),
@@ -170,6 +175,23 @@ def load_update(
     return table, tuple(parameters), start
 
 
+def load_shapes(
+    tables: UpdateTable | None, shell: Shell | None, table: FrequencyTable | None, problems: Problems
+) -> SensorShapes | None:
+    """The mode shapes of [update], put on the wall and matched to the rows of its table."""
+    if tables is None or tables.shapes is None:
+        return None
+    with problems.at("update.shapes"):
+        measured = read_shapes(problems.file.parent / tables.shapes)
+        if tables.shape_sigma is None and np.isnan(measured.sigma).any():
+            expected = f"the relative noise of the shapes, of which {tables.shapes} says nothing"
+            problems.add("update.shape_sigma", "nothing", expected, "study-missing")
+        elif shell is not None and table is not None:
+            error, reach = tables.shape_error, tables.shape_reach
+            return SensorShapes.of(measured, shell, table, reach=reach, sigma=tables.shape_sigma, error=error)
+    return None
+
+
 def started(shell: Shell, entry: ParameterTable) -> Shell:
     """The shell with a parameter at its start value, which must lie within the bounds."""
     own = float(np.real(get_value(shell, entry.name)))
@@ -205,7 +227,7 @@ def load_interface(table: ReduceTable | None, chart: Chart | None, problems: Pro
 def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:
     """Name and hash of the input, package versions, seed."""
     names: Sequence[str | None] = [entry.survey for entry in tables.imperfection]
-    names = [*names, tables.update.table if tables.update is not None else None]
+    names = [*names, *((tables.update.table, tables.update.shapes) if tables.update is not None else ())]
     names = [*names, *(table.mesh for table in (tables.solid, tables.shell) if table is not None)]
     contents = [text, *((file.parent / name).read_bytes() for name in names if name is not None)]
     return {

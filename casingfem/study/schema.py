@@ -394,11 +394,26 @@ class UpdateTable(Table):
     reach: Positive = Field(default=0.5, description="largest relative frequency error of a pair")
     count: int | None = Field(default=None, ge=1, le=100_000, description="modes computed; from the table if left out")
     model_error: float = Field(default=0.0, ge=0, lt=1, description="relative error allowed to the model")
+    shapes: str | None = Field(
+        default=None, min_length=1, description="mode shapes of the table: universal file or identified.npz"
+    )
+    shape_sigma: Positive | None = Field(
+        default=None, description="noise of the shapes, rms over a shape's own rms; the file's if left out"
+    )
+    shape_error: float = Field(default=0.0, ge=0, lt=1, description="the same, allowed to the model's shapes")
+    shape_reach: Positive = Field(default=1e-3, description="largest relative distance of a shape from its row")
     regularise: Literal["discrepancy", "l-curve"] | None = Field(
         default=None, description="rule that chooses how strongly ill-posed parameters are held to their start"
     )
     regularised: list[str] = Field(default=[], description="their names; all harmonics if left out")
     parameter: list[ParameterTable] = Field(min_length=1, description="at least one [[update.parameter]]")
+
+    @model_validator(mode="after")
+    def _of_shapes(self) -> "UpdateTable":
+        alone = sorted({"shape_sigma", "shape_error", "shape_reach"} & self.model_fields_set)
+        if alone and self.shapes is None:
+            raise ValueError(f"found {', '.join(alone)} without shapes, expected shapes = a file with mode shapes")
+        return self
 
 
 class OutputTable(Table):

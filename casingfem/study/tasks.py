@@ -37,6 +37,7 @@ def run_update(study: Study, progress: Progress | None = None) -> UpdateResult:
             count=tables.count,
             reach=tables.reach,
             model_error=tables.model_error,
+            shapes=study.shapes,
             regularise=None
             if tables.regularise is None
             else Regularisation(rule=tables.regularise, names=tuple(tables.regularised)),

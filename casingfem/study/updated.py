@@ -52,7 +52,7 @@ def updated_toml(study: Study, values: Mapping[str, float], folder: Path) -> str
         put(tables, study.shell, name, value)
     owners = [*tables.get("imperfection", []), tables.get("update", {})]
     for owner in owners:
-        for key in owner.keys() & {"survey", "table"}:
+        for key in owner.keys() & {"survey", "table", "shapes"}:
             owner[key] = Path(os.path.relpath(study.path.parent / owner[key], folder)).as_posix()
     for entry in tables.get("update", {}).get("parameter", []):
         entry.pop("start", None)

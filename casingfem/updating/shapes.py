@@ -11,14 +11,17 @@ gives as many residuals as sensors, of which one, or two for a doublet, are no i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import FloatArray, frozen
-from casingfem.experiment.correlation.mac import mac
+from casingfem.arrays import FloatArray, IntArray, frozen
+from casingfem.experiment.correlation.correlate import seen_mac
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.pairing import Match
+from casingfem.experiment.correlation.sensors import on_wall
+from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.adjoint import adjoint_space
 from casingfem.modal.mode_set import Modes
 from casingfem.modal.neighbour import Solution
@@ -27,6 +30,7 @@ from casingfem.structure.place import interpolation
 from casingfem.structure.shell import Shell
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import product_derivatives
+from casingfem.updating.shape_rows import REACH, columns, rows_of_shapes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,7 +46,11 @@ class SensorShapes:
     shapes
         (sensors, rows), any scale; a column of nan where a row has no shape.
     sigma
-        Standard deviation of each component of a shape of unit norm.
+        Standard deviation of each component of a shape of unit norm, one number or (rows,).
+    labels
+        Number of every sensor's point, from 1 if left out, (sensors,).
+    unused_hz
+        Frequencies of measured shapes that belong to no row [Hz].
 
     Raises
     ------
@@ -54,10 +62,14 @@ class SensorShapes:
     b: FloatArray
     directions: FloatArray
     shapes: FloatArray
-    sigma: float
+    sigma: FloatArray | float
+    labels: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
+    unused_hz: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         sensors = len(self.a)
+        if not len(self.labels):
+            object.__setattr__(self, "labels", frozen(np.arange(1, sensors + 1)))
         if self.b.shape != (sensors,) or self.directions.shape != (sensors, 3) or len(self.shapes) != sensors:
             raise ValueError(
                 f"shapes: found {sensors} places, directions {self.directions.shape}, shapes {self.shapes.shape}; "
@@ -67,8 +79,10 @@ class SensorShapes:
         blank = np.isnan(self.shapes).all(axis=0)
         if not np.all(blank | (norms > 0.0)):
             raise ValueError(f"shapes: column {int(np.argmin(blank | (norms > 0.0))) + 1} is zero or partly nan")
-        if not self.sigma > 0.0:
-            raise ValueError(f"shapes: sigma must be positive, found {self.sigma!r}")
+        spread = np.asarray(self.sigma, float)
+        if spread.shape not in ((), norms.shape) or not np.all(blank | (spread > 0.0)):
+            raise ValueError(f"shapes: sigma must be positive, one or {len(norms)}, found {self.sigma!r}")
+        object.__setattr__(self, "sigma", frozen(np.where(blank, np.nan, spread)))
         object.__setattr__(self, "shapes", frozen(self.shapes / norms))
 
     @classmethod
@@ -82,9 +96,58 @@ class SensorShapes:
         radial = shell.chart.directions(a, b)[0].T
         return cls(a=a, b=b, directions=radial, shapes=np.asarray(shapes, dtype=float), sigma=sigma)
 
+    @classmethod
+    def of(
+        cls,
+        measured: MeasuredShapes,
+        shell: Shell,
+        table: FrequencyTable,
+        *,
+        reach: float = REACH,
+        sigma: float | None = None,
+        error: float = 0.0,
+    ) -> "SensorShapes":
+        """Measured shapes at their places on a shell, each with the row of the table that it belongs to.
+
+        Parameters
+        ----------
+        reach
+            Largest relative distance of a shape's frequency from its row's (`rows_of_shapes`).
+        sigma
+            Noise of the shapes, rms over a shape's own rms; that of `measured` if left out.
+        error
+            What the model's shapes may be off by, in the same measure, added in squares.
+
+        Raises
+        ------
+        ShapeError
+            No noise is known; shapes that belong to no row or could belong to several.
+        ModelError
+            sensor-far.
+        """
+        if sigma is None and np.isnan(measured.sigma).any():
+            raise measured.error("no uncertainty of the shapes", "a sigma, relative, for shapes whose file says none")
+        rows = rows_of_shapes(measured, table, reach=reach)
+        a, b, _ = on_wall(shell, measured.points, measured.labels)
+        spread = np.hypot(measured.sigma if sigma is None else np.full(len(measured), sigma), error)
+        return cls(
+            a=a,
+            b=b,
+            directions=measured.directions,
+            shapes=columns(measured.real, rows, len(table)),
+            sigma=columns(spread / np.sqrt(len(a)), rows, len(table)),
+            labels=measured.labels,
+            unused_hz=tuple(measured.freq_hz[rows < 0].tolist()),
+        )
+
     def only(self, rows: Sequence[int]) -> "SensorShapes":
         """The shapes of some rows of the table."""
-        return replace(self, shapes=self.shapes[:, list(rows)])
+        kept = list(rows)
+        return replace(self, shapes=self.shapes[:, kept], sigma=np.asarray(self.sigma)[kept])
+
+    def sigma_of(self, rows: Sequence[int]) -> FloatArray:
+        """Standard deviations of the shapes of some rows, (rows,)."""
+        return np.asarray(np.asarray(self.sigma)[list(rows)])
 
     def loads(self, grid: Grid) -> FloatArray:
         """The sensors as nodal loads: their readings of nodal fields, (nodes, 5, sensors)."""
@@ -99,16 +162,10 @@ class SensorShapes:
         return np.asarray(np.einsum("ncs,ncm->sm", self.loads(modes.grid), modes.fields))
 
     def mac(self, modes: Modes) -> FloatArray:
-        """MAC of measured with computed shapes, (rows, modes); all alike for rows without a shape.
-
-        Raises
-        ------
-        ValueError
-            If a computed mode does not move the sensors.
-        """
+        """MAC of measured with computed shapes, (rows, modes); 0 for rows without a shape and modes not seen."""
         found = np.zeros((self.shapes.shape[1], len(modes)))
         known = ~np.isnan(self.shapes).any(axis=0)
-        found[known] = mac(self.shapes[:, known], self.readings(modes))
+        found[known] = seen_mac(self.shapes[:, known], self.readings(modes))
         return found
 
     def seen(self, match: Match) -> list[int]:
@@ -128,9 +185,10 @@ def shape_values(modes: Modes, measured: SensorShapes, matches: Sequence[Match])
     readings = measured.readings(modes)
     parts = [np.zeros(0)]
     for match in matches:
-        psi = measured.shapes[:, measured.seen(match)]
+        seen = measured.seen(match)
+        psi = measured.shapes[:, seen]
         _, phi = plane_at(modes, match, readings)
-        parts.append((psi - phi @ (np.linalg.pinv(phi) @ psi)).T.ravel() / measured.sigma)
+        parts.append(((psi - phi @ (np.linalg.pinv(phi) @ psi)) / measured.sigma_of(seen)).T.ravel())
     return np.concatenate(parts)
 
 
@@ -143,7 +201,8 @@ def shape_jacobian(
     K, M = product_derivatives(modes, vary, space.fields, space.own)
     parts = [np.zeros((0, len(vary)))]
     for match in matches:
-        psi = measured.shapes[:, measured.seen(match)]
+        seen = measured.seen(match)
+        psi = measured.shapes[:, seen]
         plane, phi = plane_at(modes, match, space.readings)
         inverse = np.linalg.pinv(phi)
         left = psi - phi @ (inverse @ psi)
@@ -153,7 +212,8 @@ def shape_jacobian(
         change = np.einsum("sy,pyi->psi", space.readings, forces / away)
         outside = change - phi @ (inverse @ change)
         slope = -(outside @ (inverse @ psi) + inverse.T @ (change.transpose(0, 2, 1) @ left))
-        parts.append(slope.transpose(2, 1, 0).reshape(-1, len(vary)) / measured.sigma)
+        slope = slope / measured.sigma_of(seen)
+        parts.append(slope.transpose(2, 1, 0).reshape(-1, len(vary)))
     return np.concatenate(parts)
 
 

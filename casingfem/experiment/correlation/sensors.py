@@ -98,6 +98,21 @@ def sensors_on(
     """
     where, towards = np.asarray(points, float), np.asarray(directions, float)
     numbers = np.arange(1, len(where) + 1) if labels is None else np.asarray(labels)
+    a, b, distance = on_wall(shell, where, numbers, tolerance=tolerance)
+    nodes, weights = interpolation(grid, a, b)
+    return Sensors(a=a, b=b, distance=distance, directions=towards, labels=numbers, nodes=nodes, weights=weights)
+
+
+def on_wall(
+    shell: Shell, where: FloatArray, numbers: IntArray, *, tolerance: float | None = None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Chart parameters of the nearest points and their distances [m], each (channels,).
+
+    Raises
+    ------
+    ModelError
+        sensor-far.
+    """
     a, b = nearest(shell, where)
     surface = np.real(shell.geometry(a, b).surface.x)
     distance = np.linalg.norm(surface.T - where, axis=1)
@@ -109,8 +124,7 @@ def sensors_on(
             f"sensor {numbers[worst]} at {where[worst].round(4).tolist()} m is {distance[worst]:.4g} m from the wall"
         )
         raise ModelError("sensor-far", f"{message}, {allowed:.4g} m are allowed")
-    nodes, weights = interpolation(grid, a, b)
-    return Sensors(a=a, b=b, distance=distance, directions=towards, labels=numbers, nodes=nodes, weights=weights)
+    return a, b, distance
 
 
 def sensors_of(modes: Modes, points: ArrayLike, directions: ArrayLike, labels: ArrayLike | None = None) -> Sensors:

@@ -188,11 +188,11 @@ def respond(
     `keep` is what is kept of each motion, such as `decimated`: a linear map of its samples.
     """
     order = DERIVATIVES[quantity]
-    p = rig.rows[list(drives)].T @ force  # modal forces
+    participation = rig.rows[list(drives)].T
     motions = np.array(
         [
-            keep(modal_motion(filters, p[k], rig.omega[k], rig.zeta[k], order))
-            for k, filters in enumerate(modal_filters(rig, fs))
+            keep(modal_motion(filters, participation[k] @ force, rig.omega[k], rig.zeta[k], order))
+            for k, filters in enumerate(modal_filters(rig, fs))  # one mode's fine samples at a time
         ]
     )
     beyond = np.array([keep(row) for row in differences(force, fs, order)])
