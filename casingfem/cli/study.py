@@ -33,9 +33,16 @@ def numbers(context: click.Context, option: click.Parameter, value: str | None) 
 @click.option(
     "--modes", "shown", callback=numbers, metavar="1,2,5", help="The modes that --vtu and --uff write; all if left out."
 )
+@click.option("--sigma", type=click.FloatRange(0.0, 0.1, min_open=True), default=1e-4, show_default=True,
+              help="Relative uncertainty that modes.csv states: of the mesh, of another test.")  # fmt: skip
 @options
-def modes(file: Path, as_json: bool, out: Path | None, vtu: bool, uff: bool, shown: tuple[int, ...] | None) -> None:
-    """Modes of the structure of STUDY, labelled and counted."""
+def modes(
+    file: Path, as_json: bool, out: Path | None, vtu: bool, uff: bool, shown: tuple[int, ...] | None, sigma: float
+) -> None:
+    """Modes of the structure of STUDY, labelled and counted.
+
+    modes.csv of --out is a frequency table, which `casingfem locate` and `update` take; it says COMPUTED.
+    """
     from casingfem.modal.modes import Modes
     from casingfem.modal.modes import modes as compute
     from casingfem.study import MeshStudy, load_any
@@ -61,7 +68,10 @@ def modes(file: Path, as_json: bool, out: Path | None, vtu: bool, uff: bool, sho
         "warnings": noted(),
         "source": study.source,
     }
-    files: dict[str, Content] = {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study)}
+    files: dict[str, Content] = {
+        "modes.json": json_text(document, indent=1),
+        "modes.csv": modes_csv(found, study, sigma),
+    }
     if vtu and isinstance(found, Modes):
         files |= shapes(found, shown)
     if uff and isinstance(found, Modes):
@@ -92,14 +102,21 @@ def indices(found: "Modes", shown: tuple[int, ...] | None) -> list[int] | None:
     return None if shown is None else [number - 1 for number in shown]
 
 
-def modes_csv(found: "ModeSet", study: "Study | MeshStudy") -> str:
-    """The modes as a table with its card."""
+def modes_csv(found: "ModeSet", study: "Study | MeshStudy", sigma: float) -> str:
+    """The modes as a frequency table with its card, and beyond it what only a model knows."""
+    from casingfem.experiment.measurement import COLUMNS, COMPUTED
+
     source = study.source
     versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())
-    lines = [f"# COMPUTED: modes of {source['study']} (sha256 {source['sha256']})", f"# by {versions}"]
-    rows = found.records()
-    lines.append(",".join(rows[0] if rows else ("mode", "freq_hz")))
-    lines += [",".join("" if cell is None else str(cell) for cell in row.values()) for row in rows]
+    lines = [
+        f"# COMPUTED, SYNTHETIC where a test is expected: modes of {source['study']} (sha256 {source['sha256']})",
+        f"# by {versions}",
+        f"# sigma_hz: {sigma:g} of the frequency, as stated by --sigma",
+        ",".join(COLUMNS + COMPUTED),
+    ]
+    for row in found.records():
+        cells = {**row, "sigma_hz": sigma * float(str(row["freq_hz"])), "zeta": None}
+        lines.append(",".join("" if cells[name] is None else str(cells[name]) for name in COLUMNS + COMPUTED))
     return "\n".join(lines) + "\n"
 
 
@@ -113,17 +130,20 @@ def modes_csv(found: "ModeSet", study: "Study | MeshStudy") -> str:
 )
 @options
 def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterior: str | None) -> None:
-    """Fit the parameters of STUDY to its measured frequency table."""
+    """Fit the parameters of STUDY to its measured frequency table, and mode shapes where it names them."""
     from casingfem.study import load_study, updated_toml
     from casingfem.study.tasks import judge_update, run_update
+    from casingfem.updating.shape_fit import shape_fit
 
     study = load_study(file)
     with Working(f"update of {file.name}") as working:
         fit = run_update(study, lambda k, rms: working.say(f"evaluation {k}: rms {rms:.3g} sigma"))
         fit_seconds = working.seconds
         further = judge_update(study, fit, left_out=left_out, posterior=posterior, say=working.say)
+    compared = shape_fit(fit)
     document = {
         **fit.to_json(),
+        "shapes": None if compared is None else compared.to_json(),
         **{name: part.to_json() for name, part in further.items()},
         "seconds": fit_seconds,
         "warnings": noted(),
@@ -133,7 +153,8 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
     if out is not None:
         values = {p.name: value for p, value in zip(fit.parameters, fit.value, strict=True)}
         files[f"{file.stem}_updated.toml"] = updated_toml(study, values, out)
-    deliver(document, "\n".join(map(repr, [fit, *further.values()])), as_json=as_json, out=out, files=files)
+    parts = [fit, *([] if compared is None else [compared]), *further.values()]
+    deliver(document, "\n".join(map(repr, parts)), as_json=as_json, out=out, files=files)
 
 
 @click.command()

@@ -17,6 +17,8 @@ from casingfem.experiment.correlation.grouping import Doublet, Group, grouped
 from casingfem.structure.strict_csv import CsvError, StrictCsv, read
 
 COLUMNS = ("mode", "n", "freq_hz", "sigma_hz", "angle_deg", "zeta")
+COMPUTED = ("n_purity", "m", "doublet", "split_rel", "rigid")
+"""Columns that `casingfem modes --out` writes beside these; they are read over, so that its file is a table too."""
 _REQUIRED = {
     "mode": "mode numbers 1, 2, ...",
     "freq_hz": "frequencies in Hz",
@@ -124,6 +126,8 @@ class FrequencyTable:
     def from_csv(cls, path: str | os.PathLike[str]) -> FrequencyTable:
         """Read mode,n,freq_hz,sigma_hz,angle_deg,zeta; n, angle_deg, zeta may be empty or absent.
 
+        The table of `casingfem modes --out` is read too, without what it says beyond these.
+
         Raises
         ------
         TableError
@@ -223,7 +227,7 @@ def _says_synthetic(line: str) -> bool:
 def _check_columns(csv: StrictCsv) -> None:
     """Refuse unknown columns first: a misnamed one explains what is missing."""
     for name in csv.header:
-        if name not in COLUMNS:
+        if name not in COLUMNS + COMPUTED:
             stem = re.split(r"[_\[( ]", name.lower())[0]
             absent = [c for c in COLUMNS if c not in csv.header]
             near = [c for c in absent if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))]

@@ -6,12 +6,14 @@ from typing import TypeVar
 
 from casingfem.modal.modes import Modes, modes
 from casingfem.plot.fit import update_section
+from casingfem.plot.fit_shapes import shapes_section
 from casingfem.plot.page import render_page
 from casingfem.plot.sections import inputs_section, modes_section, provenance_section, reduction_section
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import ElasticEdge
 from casingfem.study import Study, perfect
 from casingfem.study.tasks import run_reduce, run_update
+from casingfem.updating.shape_fit import shape_fit
 
 SYNTHETIC = "SYNTHETIC: the frequency table was made by a program; nobody measured it."
 
@@ -38,6 +40,8 @@ def study_report(study: Study, say: Callable[[str], None] = lambda words: None) 
         if has_imperfections(fit.before.shell):
             nominal = clock("perfect shell", lambda: modes(perfect(fit.before.shell), len(fit.before)))
         sections.append(update_section(fit, nominal))
+        compared = shape_fit(fit)
+        sections += [] if compared is None else [shapes_section(compared)]
     if study.file.reduce is not None:
         basis = clock("reduction", lambda: run_reduce(study, structure))
         sections.append(reduction_section(basis, updated=study.table is not None))

@@ -36,6 +36,9 @@ def inputs_section(study: Study) -> Section:
     if study.table is not None:
         name = "Synthetic" if study.table.synthetic else "Measured"
         paragraphs.append(f"{name} frequencies: {len(study.table)} rows of {Path(study.table.path).name}; its card:")
+    if study.shapes is not None and study.file.update is not None:
+        name = Path(str(study.file.update.shapes)).name
+        paragraphs.insert(0, f"Mode shapes at {len(study.shapes.a)} sensors from {name}.")
     card = "\n".join(study.table.card) if study.table is not None else ""
     return Section("Inputs", tuple(paragraphs), tables=tuple(tables), preformatted=card)
 

@@ -109,8 +109,12 @@ def test_modes_is_one_document_and_two_files(study, tmp_path):
     assert result.stderr == ""
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["modes.csv", "modes.json"]
     rows = (tmp_path / "out" / "modes.csv").read_text().splitlines()
-    assert rows[2].startswith("mode,freq_hz,n,")
-    assert float(rows[3].split(",")[1]) == document["modes"][0]["freq_hz"]
+    assert rows[3].startswith("mode,n,freq_hz,sigma_hz,")
+    assert float(rows[4].split(",")[2]) == document["modes"][0]["freq_hz"]
+    table = cf.FrequencyTable.from_csv(tmp_path / "out" / "modes.csv")
+    assert table.n.tolist() == [row["n"] for row in document["modes"]]
+    np.testing.assert_allclose(table.sigma_hz, 1e-4 * table.freq_hz)
+    assert table.synthetic
 
 
 def test_modes_of_a_band(study):

@@ -111,6 +111,22 @@ def test_locate_names_the_bolt_or_the_opposite_one(folder, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"located.json", "located.png"}
 
 
+def test_computed_modes_go_to_locate_and_correlate_as_they_are(folder, tmp_path):
+    text = STUDY.replace("k_rot = 1e6", "k_rot = 1e6\nloose = [{bolt = 4, factor = 0.2}]")
+    (tmp_path / "loose.toml").write_text(text, encoding="utf-8")
+    for study, name in ((folder / "casing.toml", "tight"), (tmp_path / "loose.toml", "loose")):
+        result = invoke("modes", study, "--sigma", "2e-4", "--uff", "--out", tmp_path / name)
+        assert result.exit_code == 0, result.output
+    result = invoke(
+        "locate", folder / "casing.toml", tmp_path / "loose" / "modes.csv",
+        "--baseline", tmp_path / "tight" / "modes.csv", "--shapes", tmp_path / "loose" / "modes.uff", "--json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["by_shapes"][0]["places"] == [4]
+    result = invoke("correlate", tmp_path / "loose.toml", tmp_path / "loose" / "modes.uff", "--json")
+    assert min(row["subspace_mac"] for row in json.loads(result.stdout)["shapes"]) > 0.999
+
+
 def test_locate_refuses_a_table_without_labels(folder, tmp_path):
     bare = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1)
     bare.to_csv(tmp_path / "bare.csv")

@@ -1,0 +1,161 @@
+"""How the shapes of an update compare before and after: MAC of each, of planes where the model has pairs, by sensor."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.arrays import FloatArray, IntArray
+from casingfem.experiment.correlation.comac import comac
+from casingfem.experiment.correlation.correlate import alike, partners, seen_mac
+from casingfem.experiment.correlation.pairing import Match, Pairing
+from casingfem.modal.mode_set import Modes
+from casingfem.updating.result import UpdateResult
+from casingfem.updating.shapes import SensorShapes
+
+WORST = 6  # sensors named
+
+
+class ShapeMatch(NamedTuple):
+    """A row with its shape: the mode it pairs with, MAC with that and with its plane; None and nan where unpaired."""
+
+    mode: int | None
+    mac: float
+    plane: float
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class ShapeComparison:
+    """Measured shapes and a model's modes.
+
+    Attributes
+    ----------
+    modes, pairing
+        The model and how the table pairs with it.
+    rows
+        Rows of the table that have a shape, (shapes,).
+    mac
+        Of every shape with every mode, (shapes, modes).
+    found
+        What each shape pairs with, in the order of the rows.
+    comac
+        Of each sensor over the paired shapes, (sensors,); nan without any.
+    """
+
+    modes: Modes
+    pairing: Pairing
+    rows: IntArray
+    mac: FloatArray
+    found: tuple[ShapeMatch, ...]
+    comac: FloatArray
+
+    @property
+    def mean_plane(self) -> float:
+        """Mean MAC of planes over the paired shapes; nan without any."""
+        planes = [match.plane for match in self.found if match.mode is not None]
+        return float(np.mean(planes)) if planes else float("nan")
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
+class ShapeFit:
+    """The measured shapes against the models before and after an update."""
+
+    fit: UpdateResult
+    shapes: SensorShapes
+    before: ShapeComparison
+    after: ShapeComparison
+
+    def worst_sensors(self, count: int = WORST) -> list[tuple[int, float, float]]:
+        """Label and COMAC before and after of the sensors that agree least after it."""
+        order = np.argsort(self.after.comac, kind="stable")[:count]
+        columns = (self.shapes.labels, self.before.comac, self.after.comac)
+        return [
+            (int(label), float(old), float(new)) for label, old, new in zip(*(c[order] for c in columns), strict=True)
+        ]
+
+    def records(self) -> Iterator[dict[str, object]]:
+        """One plain dictionary a row with a shape; mode numbers from 1."""
+        table = self.fit.table
+        for row, old, new in zip(self.after.rows.tolist(), self.before.found, self.after.found, strict=True):
+            yield {
+                "mode": int(table.mode[row]),
+                "n": int(table.n[row]) if table.n[row] >= 0 else None,
+                "measured_hz": float(table.freq_hz[row]),
+                **{f"{name}_before": value for name, value in numbered(old).items()},
+                **{f"{name}_after": value for name, value in numbered(new).items()},
+            }
+
+    def to_json(self) -> dict[str, object]:
+        """Plain lists and numbers."""
+        return {
+            "rows": list(self.records()),
+            "unused_hz": list(self.shapes.unused_hz),
+            "unpaired_modes": [mode + 1 for mode in self.after.pairing.unpaired_modes],
+            "worst_sensors": [
+                dict(zip(("sensor", "comac_before", "comac_after"), one, strict=True)) for one in self.worst_sensors()
+            ],
+        }
+
+    def __repr__(self) -> str:
+        """MAC of planes before and after, the least one, the shapes that took no part."""
+        count, total = len(self.after.rows), len(self.fit.table)
+        lines = [f"shapes of {count} of {total} rows: MAC of planes {self.before.mean_plane:.3f} -> "
+                 f"{self.after.mean_plane:.3f} in the mean"]  # fmt: skip
+        paired = [
+            (m.plane, row)
+            for m, row in zip(self.after.found, self.after.rows.tolist(), strict=True)
+            if m.mode is not None
+        ]
+        if paired:
+            plane, row = min(paired)
+            lines[0] += f", least {plane:.3f} (mode {self.fit.table.mode[row]})"
+        if self.shapes.unused_hz:
+            lines.append(f"shapes of no row: {', '.join(f'{f:.2f}' for f in self.shapes.unused_hz)} Hz")
+        return "\n".join(lines)
+
+
+def numbered(match: ShapeMatch) -> dict[str, object]:
+    """A match as plain data, modes from 1."""
+    return {"computed": None if match.mode is None else match.mode + 1, "mac": match.mac, "plane": match.plane}
+
+
+def shape_fit(fit: UpdateResult) -> ShapeFit | None:
+    """Compare the shapes of an update with both its models; None for one without shapes."""
+    shapes = fit.problem.shapes
+    if shapes is None:
+        return None
+    before = compared(shapes, fit.before, fit.pairing_before)
+    return ShapeFit(fit=fit, shapes=shapes, before=before, after=compared(shapes, fit.after, fit.pairing))
+
+
+def compared(shapes: SensorShapes, modes: Modes, pairing: Pairing) -> ShapeComparison:
+    """The shapes against one model."""
+    rows = np.flatnonzero(~np.isnan(shapes.shapes).any(axis=0))
+    computed = shapes.readings(modes)
+    likeness = seen_mac(shapes.shapes[:, rows], computed)
+    with_shape = [only_seen(match, rows) for match in pairing.matches]
+    matches = tuple(match for match in with_shape if match is not None)
+    of = {row: (match, mode) for match in matches for row, mode in zip(match.rows, match.modes, strict=True)}
+    planes = {match.rows: alike(match, modes, shapes.shapes, computed) for match in matches}
+    found = tuple(
+        ShapeMatch(of[row][1], float(likeness[k, of[row][1]]), planes[of[row][0].rows])
+        if row in of
+        else ShapeMatch(None, float("nan"), float("nan"))
+        for k, row in enumerate(rows.tolist())
+    )
+    by_sensor = np.full(len(shapes.a), np.nan)
+    if matches:
+        by_sensor = comac(*partners(matches, modes, shapes.shapes, computed))
+    return ShapeComparison(modes=modes, pairing=pairing, rows=rows, mac=likeness, found=found, comac=by_sensor)
+
+
+def only_seen(match: Match, rows: IntArray) -> Match | None:
+    """A match with those of its rows that have shapes, None without any."""
+    kept = [k for k, row in enumerate(match.rows) if row in rows]
+    if not kept:
+        return None
+    values = {
+        name: tuple(getattr(match, name)[k] for k in kept) for name in ("rows", "modes", "measured_hz", "computed_hz")
+    }
+    return Match(n=match.n, confidence=match.confidence, **values)

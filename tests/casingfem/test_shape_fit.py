@@ -1,0 +1,81 @@
+"""Shapes of an update before and after: what the page says is what the modes do."""
+
+import json
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.plot.fit_shapes import figure_shape_mac, shapes_section
+from casingfem.updating.parameters import with_value
+from casingfem.updating.shape_fit import shape_fit
+
+THETA = 2.0 * np.pi * np.arange(20) / 20 + 0.05
+ROWS = 8
+UPSIDE_DOWN = 7
+
+
+@pytest.fixture(scope="module")
+def fit(frustum):
+    """An update of one harmonic; no shape of the last row, a shape of no row, one sensor that lies."""
+    mesh = cf.ShellMesh(order=5, rows=1, around=9)
+    truth = frustum(
+        supports={"base": cf.ElasticEdge(k_face=5e11, around=cf.FourierField.of({3: (0.4, 0.2)}))},
+        radius_defect=cf.FourierField.of({8: (0.002, 0.001)}), mesh=mesh,
+    )  # fmt: skip
+    found = cf.modes(truth, 14)
+    table = cf.FrequencyTable.from_arrays(
+        freq_hz=found.freq[:ROWS], sigma_hz=1e-3 * found.freq[:ROWS], n=found.nodal_diameters[:ROWS]
+    )
+    seen = [*range(ROWS - 1), 11]
+    out = np.column_stack([np.cos(THETA), np.sin(THETA), 0.0 * THETA])
+    points = np.real(truth.geometry(np.full(20, 0.25), THETA).surface.x).T
+    blank = cf.SensorShapes.on_edge(truth, "top", THETA, np.ones((20, 1)), 0.01)
+    values = blank.readings(found)[:, seen]
+    values[UPSIDE_DOWN] *= 0.2
+    measured = cf.MeasuredShapes.from_arrays(
+        freq_hz=found.freq[seen], values=values, points=points, directions=out, labels=np.arange(101, 121), sigma=0.05
+    )
+    start = with_value(truth, "support.base.around.p3.cos", 0.1)
+    shapes = cf.SensorShapes.of(measured, start, table)
+    return cf.update(
+        start, table, [cf.Parameter(name="support.base.around.p3.cos", lower=-0.5, upper=0.7)], shapes=shapes
+    )
+
+
+def test_macs_rise_and_the_lying_sensor_is_named(fit):
+    found = shape_fit(fit)
+    assert fit.value[0] == pytest.approx(0.4, abs=4.0 * fit.sigma[0])
+    assert found.after.mean_plane > found.before.mean_plane
+    of = dict(zip(found.after.rows.tolist(), found.after.found, strict=True))
+    for match in fit.pairing.matches:  # turned within their plane, members lose MAC but the plane does not
+        pair = [of[row] for row in match.rows if row in of]
+        assert all(one.plane >= np.mean([other.mac for other in pair]) - 1e-12 for one in pair)
+    assert found.after.rows.tolist() == list(range(ROWS - 1))
+    assert found.worst_sensors(1)[0][0] == 101 + UPSIDE_DOWN
+
+
+def test_what_is_left_over_is_listed_on_both_sides(fit):
+    document = json.loads(json.dumps(shape_fit(fit).to_json()))
+    assert document["unused_hz"] == [pytest.approx(fit.problem.shapes.unused_hz[0])]
+    assert len(document["rows"]) == ROWS - 1
+    assert document["unpaired_modes"]
+    said = " ".join(shapes_section(shape_fit(fit)).paragraphs)
+    assert f"Without a shape: modes {ROWS} of the table" in said
+    assert f"Measured shapes of no row: {document['unused_hz'][0]:.2f} Hz" in said
+    assert "shapes of 7 of 8 rows" in repr(shape_fit(fit))
+
+
+def test_pictures_frame_every_pair(fit):
+    figure = figure_shape_mac(shape_fit(fit))
+    axes = [axes for axes in figure.axes if axes.get_xlabel() == "computed mode"]
+    seen = [match for match in fit.pairing.matches if min(match.rows) < ROWS - 1]
+    assert len(axes[1].lines) == len(seen)
+    np.testing.assert_allclose(axes[1].images[0].get_array(), shape_fit(fit).after.mac)
+
+
+def test_an_update_without_shapes_has_no_comparison(frustum):
+    shell = frustum(mesh=cf.ShellMesh(order=5, rows=1, around=9))
+    found = cf.modes(shell, 4)
+    table = cf.FrequencyTable.from_arrays(freq_hz=found.freq, sigma_hz=0.1, n=found.nodal_diameters)
+    assert shape_fit(cf.update(shell, table, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)])) is None
