@@ -48,9 +48,12 @@ def test_macs_rise_and_the_lying_sensor_is_named(fit):
     assert fit.value[0] == pytest.approx(0.4, abs=4.0 * fit.sigma[0])
     assert found.after.mean_plane > found.before.mean_plane
     of = dict(zip(found.after.rows.tolist(), found.after.found, strict=True))
-    for match in fit.pairing.matches:  # turned within their plane, members lose MAC but the plane does not
-        pair = [of[row] for row in match.rows if row in of]
-        assert all(one.plane >= np.mean([other.mac for other in pair]) - 1e-12 for one in pair)
+    readings = found.shapes.readings(fit.after)
+    for match in fit.pairing.matches:  # the plane of a doublet is both its modes, though one row alone has a shape
+        rows = [row for row in match.rows if row in of]
+        plane = next((pair for pair in fit.after.doublets if match.modes[0] in pair), match.modes)
+        alike = cf.subspace_mac(found.shapes.shapes[:, rows], readings[:, list(plane)])
+        assert [of[row].plane for row in rows] == pytest.approx([alike] * len(rows))
     assert found.after.rows.tolist() == list(range(ROWS - 1))
     assert found.worst_sensors(1)[0][0] == 101 + UPSIDE_DOWN
 
