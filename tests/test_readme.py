@@ -158,4 +158,4 @@ def test_synthetic_data_says_so():
     section = TEXT["README.md"].partition("## What is measured")[2].partition("## ")[0]
     for path, kind in re.findall(r"\]\((data/[\w/]+\.csv)\) \| (MEASURED|SYNTHETIC)", section):
         assert (ROOT / path).read_text(encoding="utf-8").startswith(f"# {kind}"), path
-    assert section.count("SYNTHETIC") == 2
+    assert section.count("SYNTHETIC") == 3

@@ -43,11 +43,17 @@ def rig(file: Path, as_json: bool, out: Path | None) -> None:
             "channels": len(test.frfs), "lines": len(test.frfs.x), "unit": test.frfs.unit
         },
         "waves": None if test.waves is None else [w._asdict() for w in test.waves.waves() if w.seen],
+        "waves_unit": waves_unit(test),
         "seconds": working.seconds,
         "source": study.source,
     }  # fmt: skip
     files = {} if out is None else result_files(test, document)
     deliver(document, words(test), as_json=as_json, out=out, files=files)
+
+
+def waves_unit(test: "RigTest") -> str:
+    """Unit of the waves' amplitudes: velocities, over the force where the scan has its record."""
+    return "m/s" if test.scan is None or test.scan.record.force is None else "(m/s)/N"
 
 
 def words(test: "RigTest") -> str:
@@ -56,7 +62,12 @@ def words(test: "RigTest") -> str:
     parts += [] if test.frfs is None else [repr(test.frfs)]
     if test.coherence is not None:
         parts.append(f"coherence {np.median(test.coherence.responses.real):.4f} (median)")
-    parts += [] if test.scan is None else [repr(test.scan.record), repr(test.waves)]
+    if test.scan is not None:
+        parts += [
+            repr(test.scan.record),
+            f"waves: amplitude [{waves_unit(test)}], phase and angle [deg]",
+            repr(test.waves),
+        ]
     return "\n".join(parts)
 
 
