@@ -18,9 +18,10 @@ from contact.model.law import pressure
 from contact.model.modal_body import read_npz, write_npz
 from contact.record import MOST_SAMPLES, Record, Samples
 from contact.scheme.protocol import Block, Motion, Noted, Notes, Stepper, Wearing
-from contact.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear
+from contact.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear, joined
 
 FORMAT = "contact-result-1"
+LONGEST = 8  # numbers in a line that lists tips
 UNSETTLED = 1e-8  # of the largest gap
 ARRAYS = (
     "time", "force", "gap", "impulse_history", "impulse", "peak_force", "max_penetration", "residual",
@@ -40,8 +41,8 @@ class Result:
     `impulse`, `peak_force`, `max_penetration` [m], `residual` = max|min(-lam W_ii, g)| [m], `contact_steps` and
     `reversals` (steps in which the slip changed sign) (K,), all over every step whatever was stored. `state` (ns, N)
     displacements or modal coordinates u at `state_time`, or R u (ns, c) where `channels` = R (c, N) is not empty.
-    `every`: of how many steps one was stored as a sample, 0 when the record asked for instants. `wear`: what an
-    abradable coating lost.
+    `every`: of how many steps one was stored as a sample, 0 when the record asked for instants. `tracks`: what
+    each track of an abradable coating lost.
 
     The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
     """
@@ -71,8 +72,13 @@ class Result:
     channels: Array
     every: int = 1
     sticking: tuple[Intervals, ...] = ()
-    wear: Wear | None = None
+    tracks: tuple[Wear, ...] = ()
     notes: Notes = field(default_factory=Notes)
+
+    @property
+    def wear(self) -> Wear | None:
+        """What an abradable coating lost, all tracks together; None without one."""
+        return joined(self.tracks)
 
     @property
     def flags(self) -> tuple[str, ...]:
@@ -166,6 +172,8 @@ class Result:
             lines.append(f"slip changed sign in {int(self.reversals.sum())} steps: sticking is not modelled there")
         if self.wear is not None:
             lines.append(f"coating: {self.wear!r}")
+        if len(self.tracks) > 1:
+            lines.extend(f"  track {k} (tips {_listed(t.tips)}): {t!r}" for k, t in enumerate(self.tracks, 1))
         if self.every != 1:
             which = f"one of every {self.every} steps (at most {MOST_SAMPLES:,} unless a Record says otherwise)"
             lines.append(
@@ -200,7 +208,7 @@ class Result:
             "contacts": contacts, "bodies": [_finite(asdict(motion)) for motion in self.motions],
             "energy": self.energy.to_dict(), "steps": self.steps, "dt": self.dt, "window": self.window,
             "every": self.every, "scheme": self.scheme, "source": self.source, "seconds": self.seconds,
-            "flags": list(self.flags),
+            "flags": list(self.flags), "coating": [track.to_dict() for track in self.tracks],
         }  # fmt: skip
 
     def save(self, path: str | Path) -> None:
@@ -216,9 +224,9 @@ class Result:
             "flags": self.flags, "heat": self.notes.heat.tolist(), "drive": self.notes.drive.tolist()
         }  # fmt: skip
         data = {name: getattr(self, name) for name in ARRAYS}
-        if self.wear is not None:
-            rest["wear"] = {name: getattr(self.wear, name) for name in WEAR_NUMBERS}
-            data |= {f"wear_{name}": getattr(self.wear, name) for name in WEAR_ARRAYS}
+        rest["tracks"] = [{name: getattr(t, name) for name in (*WEAR_NUMBERS, "tips")} for t in self.tracks]
+        for k, track in enumerate(self.tracks):
+            data |= {f"wear{k}_{name}": getattr(track, name) for name in WEAR_ARRAYS}
         write_npz(Path(path), {"format": FORMAT, "document": json.dumps(rest), **data})
 
     @staticmethod
@@ -237,8 +245,10 @@ class Result:
         rest["blocks"] = tuple((name, start, end) for name, start, end in rest["blocks"])
         rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
         rest |= {name: readonly(data[name]) for name in ARRAYS}
-        if "wear" in rest:
-            rest["wear"] = Wear(**rest["wear"], **{name: data[f"wear_{name}"] for name in WEAR_ARRAYS})
+        rest["tracks"] = tuple(
+            Wear(**t | {"tips": tuple(t["tips"])}, **{name: data[f"wear{k}_{name}"] for name in WEAR_ARRAYS})
+            for k, t in enumerate(rest.get("tracks", ()))
+        )
         return Result(**rest, energy=EnergyBudget(**energy))
 
 
@@ -267,7 +277,7 @@ def collect(
         blocks=stepper.blocks, steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds,
         scheme=stepper.label,
         source={**versions(), **source}, every=record.every if record.at is None else 0,
-        channels=readonly(record.rows(stepper.size)), wear=stepper.wear() if isinstance(stepper, Wearing) else None,
+        channels=readonly(record.rows(stepper.size)), tracks=stepper.wear() if isinstance(stepper, Wearing) else (),
         notes=stepper.notes() if isinstance(stepper, Noted) else Notes(),
     )  # fmt: skip
 
@@ -281,6 +291,12 @@ def _remedy(scheme: str) -> str:
     if "penalty" in scheme:
         return "reduce dt, or take forward Lagrange (CentralDifference with the law Unilateral)"
     return "reduce dt"
+
+
+def _listed(tips: tuple[int, ...]) -> str:
+    """Numbers from 1, the middle of a long row left out."""
+    numbers = [str(j + 1) for j in tips]
+    return ", ".join(numbers if len(numbers) <= LONGEST else [*numbers[: LONGEST - 2], "...", numbers[-1]])
 
 
 def versions() -> dict[str, str]:

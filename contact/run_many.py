@@ -78,7 +78,7 @@ def _alone(ready: Prepared | InputError) -> Outcome:
 def _fits(ready: Prepared) -> bool:
     """Whether the lanes take this run."""
     stepper, record = ready.stepper, ready.record
-    if not isinstance(stepper, ModalRun) or stepper.rim is None or stepper.track is not None:
+    if not isinstance(stepper, ModalRun) or stepper.rim is None or stepper.tracks is not None:
         return False
     if record.at is not None or record.channels is not None:
         return False

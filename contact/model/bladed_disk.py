@@ -83,7 +83,7 @@ class BladedDisk:
     def tips(self) -> tuple[Tip, ...]:
         """A contact at the tip of every blade, evenly around."""
         return tuple(
-            Tip(span=f"span{j}", flap=f"flap{j}", angle_deg=360.0 * j / self.blades, lean_deg=self.lean_deg)
+            Tip(span=f"span{j}", flap=f"flap{j}", angle_deg=360.0 * j / self.blades, lean_deg=self.lean_deg, track=0)
             for j in range(self.blades)
         )
 
@@ -130,7 +130,9 @@ def two_dimensional(
         omega=np.full(2, disk.omega), zeta=np.full(2, disk.zeta), channels=tip_channels(blades), rows=rows,
         S=np.eye(2 * blades) / stiffness,
     )  # fmt: skip
-    tips = tuple(Tip(span=f"span{j}", flap=f"flap{j}", angle_deg=math.degrees(angle[j])) for j in range(blades))
+    tips = tuple(
+        Tip(span=f"span{j}", flap=f"flap{j}", angle_deg=math.degrees(angle[j]), track=0) for j in range(blades)
+    )
     start = Start(velocity=readonly([velocity * math.sqrt(casing.modal_mass), 0.0]))
     return Rub(
         pair_rim(casing, radius=radius), (body,), tips, clearance=-press, speed=Speed.constant(speed_hz),

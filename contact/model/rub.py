@@ -21,7 +21,8 @@ class Tip:
 
     `span`, `flap` and `axial` name channels of the blade: radial at no lean, along +theta, along the casing's axis
     (left out: the contact slides along theta only). `angle_deg` where it stands at t = 0 in the casing's frame,
-    `lean_deg` as in `RotatingRim`, `clearance` [m] added to that of the rub.
+    `lean_deg` as in `RotatingRim`, `clearance` [m] added to that of the rub. `track` numbers the strip of an abradable
+    coating that it wears, for tips of one rim line at one axial place; left out, its place among its blade's tips.
 
     >>> Tip(angle_deg=90.0).span
     'span'
@@ -35,8 +36,11 @@ class Tip:
     angle_deg: float = 0.0
     lean_deg: float = 0.0
     clearance: float = 0.0
+    track: int | None = None
 
     def __post_init__(self) -> None:
+        if self.track is not None and (not isinstance(self.track, int) or self.track < 0):
+            raise InputError(f"track: found {self.track!r}, expected a whole number >= 0")
         require_finite(angle_deg=self.angle_deg, clearance=self.clearance)
         if not -90.0 < self.lean_deg < 90.0:
             raise InputError(f"lean_deg: found {self.lean_deg!r}, expected an angle between -90 and 90")

@@ -78,12 +78,12 @@ class ExactModal:
                 f"law: found {law!r}, expected Unilateral(), Coulomb(mu=...) or Abradable(...) with ExactModal"
             )
         mu, coating = friction(law), law if isinstance(law, Abradable) else None
-        if coating is not None and not isinstance(problem, RotatingRim):
-            raise InputError(f"law: found Abradable on {type(problem).__name__}, expected a RotatingRim")
+        if coating is not None and not isinstance(problem, RotatingRim | Rub):
+            raise InputError(f"law: found Abradable on {type(problem).__name__}, expected a RotatingRim or a Rub")
         if isinstance(problem, Patch):
             return self._patch(problem, mu, dt, courant)
         if isinstance(problem, Rub):
-            return self._rub(problem, mu, dt, courant)
+            return self._rub(problem, mu, coating, dt, courant)
         system = _system(problem, self.modes)
         if mu > 0.0 and system.table is None:
             raise InputError("law: found Coulomb friction on a scene without tangential motion, expected a rim")
@@ -117,7 +117,7 @@ class ExactModal:
         reached = f"dt omega_max = {h * float(omega.max(initial=0.0)):.3g} (limit {self.omega_h_limit:g})"
         return patch_stepper(problem, parts, mu, f"exact modal, forward law in every contact, {reached}")
 
-    def _rub(self, rub: Rub, mu: float, dt: float | None, courant: float | None) -> Stepper:
+    def _rub(self, rub: Rub, mu: float, coating: Abradable | None, dt: float | None, courant: float | None) -> Stepper:
         if self.law == "energy":
             raise InputError("law: found 'energy' on a turning rim, expected 'auto', 'forward' or 'averaged'")
         dimensions = rub.dimensions if mu > 0.0 else 1
@@ -135,7 +135,9 @@ class ExactModal:
             f"{top:.3g} (limit {self.omega_h_limit:g}), n_max Omega dt = {n_max * rub.speed.fastest * h:.3g} "
             f"(limit 0.3), rho = {rho:.3g}"
         )
-        return rub_stepper(rub, system, parts, mu=mu, dimensions=dimensions, averaged=averaged, label=label)
+        return rub_stepper(
+            rub, system, parts, mu=mu, dimensions=dimensions, averaged=averaged, label=label, law=coating
+        )
 
     def _averaged(self, H: float, S: float, rho: float) -> bool:
         """Whether the averaged law is to be taken; raises LimitError where it is asked for and not stable."""

@@ -14,7 +14,7 @@ from contact.model.arrays import Array
 from contact.model.modal_system import ModalSystem
 from contact.record import Samples, Tally
 from contact.scheme.protocol import Block, Motion
-from contact.scheme.wear_track import Track
+from contact.scheme.wear_track import Tracks
 from contact.wear import Wear
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class ModalRun:
     failure: Callable[[], str]
     steps: list[int]  # steps taken so far, one entry
     rim: RimRun | None = None
-    track: Track | None = None
+    tracks: Tracks | None = None
 
     @property
     def window(self) -> float:
@@ -74,9 +74,9 @@ class ModalRun:
         self.steps[0] = first + steps
         return failed
 
-    def wear(self) -> Wear | None:
-        """What a coating has lost so far; None without one."""
-        return None if self.track is None else self.track.wear()
+    def wear(self) -> tuple[Wear, ...]:
+        """What a coating has lost so far; none without one."""
+        return () if self.tracks is None else self.tracks.wear()
 
     def why(self) -> str:
         """Explain a failed step."""

@@ -15,7 +15,7 @@ from contact.record import Samples, Tally, tally
 from contact.scheme.leap import rim_leap
 from contact.scheme.modal_run import ModalRun, RimRun
 from contact.scheme.propagator import Propagator
-from contact.scheme.wear_track import Track, bare
+from contact.scheme.wear_track import Tracks, bare
 
 if TYPE_CHECKING:
     from contact.scheme.loop.modal import ModalState
@@ -34,7 +34,7 @@ def modal_stepper(
     d = parts.backward(q, system.velocity)
     state = _state(system, parts, q, d)
     damped = bool(system.zeta.any())
-    track = None if law is None else Track.of(system, law)
+    tracks = None if law is None else Tracks.of(system, law)
     rim = None
     if system.table is None:
         loop = _point_loop(system, parts, averaged, damped)
@@ -43,25 +43,25 @@ def modal_stepper(
         wide = widened(state)
         state = narrowed(wide, q.size)
         rim = RimRun(state=state, wide=wide, rows=rows, leap=leap, averaged=averaged, damped=damped)
-        loop = _rim_loop(rim, parts.h, track)
+        loop = _rim_loop(rim, parts.h, tracks)
 
     def advance(sums: Tally, out: Samples, first: int, steps: int) -> int:
         return loop(state, sums, out, first, steps)
 
     return ModalRun(
         system=system, dt=parts.h, sums=tally(1), label=label, loop=advance, steps=[0],
-        energy=lambda steps: _stored(system, parts, state, steps, track), velocity=lambda: state.d / parts.h,
-        failure=lambda: _failure(state), rim=rim, track=track,
+        energy=lambda steps: _stored(system, parts, state, steps, tracks), velocity=lambda: state.d / parts.h,
+        failure=lambda: _failure(state), rim=rim, tracks=tracks,
     )  # fmt: skip
 
 
-def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: int, track: Track | None) -> Stored:
+def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: int, tracks: Tracks | None) -> Stored:
     """Energy at t_n; lam^2 S/2 and what bends the coating count as residual."""
     phi = system.angle - system.speed * steps * parts.h
     force, pull = float(state.memory[2]), float(state.memory[3])
     Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q * 0.0)
     residual = 0.5 * force**2 * (system.S_nn(phi) - pull * system.S_nt(phi))
-    residual += 0.0 if track is None else track.elastic
+    residual += 0.0 if tracks is None else tracks.elastic
     return parts.stored(state.q, state.d, (Q - pull * T) * force, residual, system.potential)
 
 
@@ -116,11 +116,11 @@ def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: 
     return loop
 
 
-def _rim_loop(rim: RimRun, h: float, track: Track | None) -> Loop:
+def _rim_loop(rim: RimRun, h: float, tracks: Tracks | None) -> Loop:
     from contact.scheme.loop.rim import advance_rim
 
     Q, Q_next, T = aligned(3, rim.wide.q.size)
-    coating = bare() if track is None else track.coating
+    coating = bare() if tracks is None else tracks.tracks[0].coating
 
     def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
         return advance_rim(
@@ -128,10 +128,10 @@ def _rim_loop(rim: RimRun, h: float, track: Track | None) -> Loop:
         )
 
     def watched(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
-        assert track is not None
-        return track.watch(h, first, steps, lambda start, some: loop(state, sums, out, start, some))
+        assert tracks is not None
+        return tracks.watch(h, first, steps, lambda start, some: loop(state, sums, out, start, some))
 
-    return loop if track is None else watched
+    return loop if tracks is None else watched
 
 
 def padded(modes: int) -> int:

@@ -108,8 +108,8 @@ class Stepper(Protocol):
 class Wearing(Protocol):
     """A run whose contact surface may wear."""
 
-    def wear(self) -> Wear | None:
-        """What was lost so far; None where nothing wears."""
+    def wear(self) -> tuple[Wear, ...]:
+        """What each track of a coating has lost so far; none where nothing wears."""
 
 
 @runtime_checkable

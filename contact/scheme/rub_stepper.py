@@ -11,6 +11,7 @@ import numpy as np
 from contact.energy import Stored
 from contact.errors import LimitError
 from contact.model.arrays import Array, readonly
+from contact.model.law import Abradable
 from contact.model.rub import Rub
 from contact.model.rub_forces import force_at_start, plane_participation
 from contact.model.rub_system import RubSystem, rub_system
@@ -18,10 +19,14 @@ from contact.model.trig import Trig, fourier
 from contact.record import Samples, Tally, tally
 from contact.scheme.propagator import Propagator
 from contact.scheme.protocol import Block, Motion, Notes
+from contact.scheme.rub_tracks import rub_tracks
+from contact.scheme.wear_track import Tracks
+from contact.wear import Wear
 
 if TYPE_CHECKING:
     from contact.scheme.loop.rub_rows import RubLaws, RubRows
     from contact.scheme.loop.rub_state import RubState
+    from contact.solver.abradable_tips import Coats
 
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
 FOLLOWED = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
@@ -43,6 +48,7 @@ class RubStepper:
     sums: Tally
     label: str
     steps: list[int]
+    worn: tuple[Tracks, Coats] | None = None
 
     @property
     def dt(self) -> float:
@@ -68,13 +74,31 @@ class RubStepper:
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
-        from contact.scheme.loop.rub import advance_rub
-
-        failed = advance_rub(
-            self.state, self.laws, self.rows, self.dimensions, self.averaged, self.sums, out, self.dt, first, steps
-        )
+        failed = self._plain(out, first, steps) if self.worn is None else self._coated(*self.worn, out, first, steps)
         self.steps[0] = first + steps
         return failed
+
+    def _plain(self, out: Samples, first: int, steps: int) -> int:
+        from contact.scheme.loop.rub import advance_rub
+
+        return advance_rub(
+            self.state, self.laws, self.rows, self.dimensions, self.averaged, self.sums, out, self.dt, first, steps
+        )
+
+    def _coated(self, tracks: Tracks, coats: Coats, out: Samples, first: int, steps: int) -> int:
+        from contact.scheme.loop.rub_coated import advance_coated
+
+        def some(start: int, count: int) -> int:
+            return advance_coated(
+                self.state, self.laws, self.rows, coats, self.dimensions, self.averaged, self.sums, out, self.dt, start,
+                count,
+            )  # fmt: skip
+
+        return tracks.watch(self.dt, first, steps, some)
+
+    def wear(self) -> tuple[Wear, ...]:
+        """What each track of a coating has lost so far; none without one."""
+        return () if self.worn is None else self.worn[0].wear()
 
     def why(self) -> str:
         """Explain a failed step."""
@@ -83,10 +107,11 @@ class RubStepper:
         return "no forces found that obey Coulomb's law at every tip: a tip digs in, or reduce dt or mu"
 
     def stored(self) -> Stored:
-        """Energy now; what S stores counts as residual."""
+        """Energy now; what S stores counts as residual, and what bends a coating."""
         s = self.state
         turned = self.rub.speed.angle((self.steps[0] - 1) * self.dt)
         residual = 0.5 * float(s.lam @ self.system.compliance(turned) @ s.lam)
+        residual += 0.0 if self.worn is None else self.worn[0].elastic
         return self.parts.stored(s.q, s.d, s.contact + s.push + (s.body if s.body.size else 0.0), residual, 0.0)
 
     def motions(self) -> tuple[Motion, ...]:
@@ -102,13 +127,13 @@ class RubStepper:
 
 
 def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, dimensions: int, averaged: bool,
-                label: str) -> RubStepper:  # fmt: skip
-    """Stepper at t = 0; without friction only the normal rows take part."""
+                label: str, law: Abradable | None = None) -> RubStepper:  # fmt: skip
+    """Stepper at t = 0; without friction only the normal rows take part; `law` a coating. Raises as `rub_tracks`."""
     K = system.contacts
     return RubStepper(
         rub=rub, system=system, parts=parts, state=_state(rub, system, parts, mu, dimensions), laws=_laws(rub, system),
         rows=_rows(rub, system, parts, dimensions), dimensions=dimensions, averaged=averaged, sums=tally(K),
-        label=label, steps=[0],
+        label=label, steps=[0], worn=None if law is None else rub_tracks(rub, law),
     )  # fmt: skip
 
 
@@ -130,7 +155,7 @@ def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions
         push=none(m), contact=none(m), body=body, mu=np.full(K, mu), lam=none(R), strain=none(R), motion=none(R),
         scale=none(K), now=none(K),
         last=none(K), known=np.zeros(K, dtype=np.int64), inside=np.zeros(K, dtype=np.int64), free=none(K),
-        test=none(K), force=none(K), gap=none(K), seen=none(m + R), heat=none(K), drive=none(K),
+        test=none(K), skin=none(K), force=none(K), gap=none(K), seen=none(m + R), heat=none(K), drive=none(K),
         peaks=none(2 + rub.casing.rim_lines), counts=none(4),
     )  # fmt: skip
 

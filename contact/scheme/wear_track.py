@@ -1,9 +1,9 @@
-"""The coating of a run: bars made from the law, a map of their wear over time, and the reading at the end."""
+"""The coating of a run: tracks of bars made from the law, maps of their wear over time, the reading at the end."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -29,44 +29,74 @@ def bare() -> Coating:
     return Coating(np.zeros(0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1, np.zeros(3))
 
 
-@dataclass(eq=False, slots=True, kw_only=True)
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Track:
-    """Bars under way: `coating` is what the compiled loop changes, `maps` their worn depths at steps so far."""
+    """Bars under way: `coating` is what the compiled loop changes, `memory` (K, 3) that of all tips, `tips` its own."""
 
     law: Abradable
     coating: Coating
     made: Array
     area: float  # of one bar [m^2]
-    every: int = FIRST_EVERY
-    maps: list[tuple[float, Array]] = field(default_factory=list)
+    tips: tuple[int, ...]
+    memory: Array
 
     @staticmethod
-    def of(system: ModalSystem, law: Abradable) -> Track:
-        """The coating of a rim as it leaves the machine.
+    def of(
+        law: Abradable, radius: float, profile: Callable[[float], float], tips: Sequence[int], memory: Array
+    ) -> Track:
+        """A coating as it leaves the machine, on a rim whose radius deviates by `profile` of the angle [m].
 
         Raises InputError when the tip is longer than a quarter of the rim.
         """
         from contact.solver.abradable import Coating
 
-        if law.tip > 0.5 * math.pi * system.radius:
-            raise InputError(f"tip: found {law.tip:g} m, expected at most a quarter of the rim of {system.radius:g} m")
-        cells = round(2.0 * math.pi * system.radius * law.bars / law.tip)
-        angle = _angles(cells)
-        mean = float(system.clearance.cos[system.clearance.harmonic == 0].sum())
-        made = np.array([system.clearance(float(phi)) for phi in angle]) - mean
-        area = law.width * 2.0 * math.pi * system.radius / cells
-        circle = float(made.min()) + law.machined if law.machined else -math.inf
+        if law.tip > 0.5 * math.pi * radius:
+            raise InputError(f"tip: found {law.tip:g} m, expected at most a quarter of the rim of {radius:g} m")
+        cells = round(2.0 * math.pi * radius * law.bars / law.tip)
+        radial = np.array([profile(float(phi)) for phi in _angles(cells)])
+        mean = float(radial.mean())
+        made, area = radial - mean, law.width * 2.0 * math.pi * radius / cells
         coating = Coating(
-            worn=np.zeros(cells), round=circle, mean=mean, thickness=law.thickness,
-            stiffness=law.E * area / law.thickness, yield_force=law.yield_stress * area,
-            hardening=law.hardening * area / law.thickness, under=law.bars, memory=np.zeros(3),
+            worn=np.zeros(cells), round=float(made.min()) + law.machined if law.machined else -math.inf, mean=mean,
+            thickness=law.thickness, stiffness=law.E * area / law.thickness, yield_force=law.yield_stress * area,
+            hardening=law.hardening * area / law.thickness, under=law.bars, memory=memory[0],
         )  # fmt: skip
-        return Track(law=law, coating=coating, made=made, area=area)
+        return Track(law=law, coating=coating, made=made, area=area, tips=tuple(tips), memory=memory)
+
+    def memorised(self, what: int) -> float:
+        """Sum over its tips: 0 energy dissipated, 1 elastic energy now [J]."""
+        return float(self.memory[list(self.tips), what].sum())
+
+    def wear(self, maps: Sequence[tuple[float, Array]]) -> Wear:
+        """What was lost so far, `maps` of time and worn depths on the way."""
+        worn, law = self.coating.worn, self.law
+        cut = np.maximum(self.coating.round - self.made, 0.0)
+        return Wear(
+            angle=_angles(worn.size), made=self.made, cut=cut, worn=worn, map_time=np.array([time for time, _ in maps]),
+            map=np.array([depth for _, depth in maps]).reshape(len(maps), worn.size),
+            volume=self.area * float(worn.sum()), dissipated=self.memorised(0),
+            stated=self.area * float(np.sum(law.dissipated(worn))),
+            bare=int(np.count_nonzero(worn >= law.thickness - cut)), tips=self.tips,
+        )  # fmt: skip
+
+
+@dataclass(eq=False, slots=True, kw_only=True)
+class Tracks:
+    """All tracks of a run, and maps of their worn depths at steps so far."""
+
+    tracks: tuple[Track, ...]
+    every: int = FIRST_EVERY
+    maps: list[tuple[float, tuple[Array, ...]]] = field(default_factory=list)
+
+    @staticmethod
+    def of(system: ModalSystem, law: Abradable) -> Tracks:
+        """The one track of a rim's one tip; raises as `Track.of`."""
+        return Tracks(tracks=(Track.of(law, system.radius, system.clearance, (0,), np.zeros((1, 3))),))
 
     @property
     def elastic(self) -> float:
-        """Energy that the bars under the tip would give back now [J]."""
-        return float(self.coating.memory[1])
+        """Energy that the bars under the tips would give back now [J]."""
+        return sum(track.memorised(1) for track in self.tracks)
 
     def watch(self, h: float, first: int, steps: int, loop: Callable[[int, int], int]) -> int:
         """Run the loop, keeping a map every so many steps; -1, or the step that failed."""
@@ -78,23 +108,16 @@ class Track:
                 return failed
             start = stop
             if start % self.every == 0:
-                self.maps.append((start * h, self.coating.worn.copy()))
+                self.maps.append((start * h, tuple(track.coating.worn.copy() for track in self.tracks)))
                 if len(self.maps) > MOST_MAPS:
                     self.maps, self.every = self.maps[1::2], 2 * self.every
         return -1 if steps else loop(first, 0)
 
-    def wear(self) -> Wear:
-        """What was lost so far."""
-        worn, law = self.coating.worn, self.law
-        cut = np.maximum(self.coating.round - self.made, 0.0)
-        times = [time for time, _ in self.maps]
-        return Wear(
-            angle=_angles(worn.size), made=self.made, cut=cut, worn=worn, map_time=np.array(times),
-            map=np.array([depth for _, depth in self.maps]).reshape(len(times), worn.size),
-            volume=self.area * float(worn.sum()), dissipated=float(self.coating.memory[0]),
-            stated=self.area * float(np.sum(law.dissipated(worn))),
-            bare=int(np.count_nonzero(worn >= law.thickness - cut)),
-        )  # fmt: skip
+    def wear(self) -> tuple[Wear, ...]:
+        """What each track has lost so far."""
+        return tuple(
+            track.wear([(time, depths[k]) for time, depths in self.maps]) for k, track in enumerate(self.tracks)
+        )
 
 
 def _angles(cells: int) -> Array:

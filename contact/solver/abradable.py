@@ -67,21 +67,26 @@ def worn_by(c: Coating, i: int, cut: float, depth: float) -> float:
 
 
 @jit
-def crush(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
-    """Force of the tip on the bars under it, which flow; JAMMED where D <= 0."""
-    if not D > 0.0:
-        return JAMMED
-    low, high, depth = surface(c, first, cut), -gap, -gap
+def borne(c: Coating, first: int, cut: float, depth: float) -> tuple[float, float]:
+    """Force of the bars under a tip that presses to `depth`, and its slope; nothing flows yet."""
+    force, slope = 0.0, 0.0
     k, yielding = c.stiffness, c.stiffness * c.hardening / (c.stiffness + c.hardening)
+    for j in range(c.under):
+        i = (first + j) % c.worn.size
+        w = worn_by(c, i, cut, depth)
+        elastic = depth - cut - w
+        if elastic > 0.0:
+            force += k * elastic
+            slope += yielding if c.worn[i] < w < c.thickness - cut else k
+    return force, slope
+
+
+@jit
+def settled(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
+    """Depth d of a tip whose free `gap` is below the bars' surface: d + D force(d) = -gap; nothing flows yet."""
+    low, high, depth = surface(c, first, cut), -gap, -gap
     for _ in range(MOST):
-        force, slope = 0.0, 0.0
-        for j in range(c.under):
-            i = (first + j) % c.worn.size
-            w = worn_by(c, i, cut, depth)
-            elastic = depth - cut - w
-            if elastic > 0.0:
-                force += k * elastic
-                slope += yielding if c.worn[i] < w < c.thickness - cut else k
+        force, slope = borne(c, first, cut, depth)
         error = depth + D * force + gap
         if abs(error) <= ROUND_OFF * abs(gap):
             break
@@ -92,6 +97,15 @@ def crush(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
         depth -= error / (1.0 + D * slope)
         if not low < depth < high:
             depth = 0.5 * (low + high)
+    return depth
+
+
+@jit
+def crush(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
+    """Force of the tip on the bars under it, which flow; JAMMED where D <= 0."""
+    if not D > 0.0:
+        return JAMMED
+    depth = settled(c, first, cut, D, gap)
     wear(c, first, cut, depth)
     return max(-(gap + depth) / D, 0.0)
 

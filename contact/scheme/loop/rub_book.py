@@ -78,7 +78,7 @@ def note(s: RubState, rows: RubRows, w: Work, dim: int, sums: Tally, out: Sample
         before, predicted = 0.0, 0.0
         if s.inside[j] > 0:
             s.gap[j] = s.motion[R]
-            before, predicted = s.now[j], s.test[j]
+            before, predicted = s.now[j] + s.skin[j], s.test[j]
             s.last[j], s.now[j], s.known[j] = s.now[j], s.free[j], 1
         if s.inside[j] == 2:
             s.peaks[0] = max(s.peaks[0], abs(dot(w.ahead[j], s.q)))

@@ -38,6 +38,7 @@ class RubState(NamedTuple):
     inside: Indices  # 2 in the solve, 1 near, 0 far
     free: Array
     test: Array
+    skin: Array  # (K,) depth of the surface that a coating has left [m]
     force: Array
     gap: Array
     seen: Array  # (m + K d,) what `Result.state` holds: q and lam of one instant
