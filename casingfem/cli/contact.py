@@ -1,11 +1,16 @@
 """Commands on scene.toml: contact, rub and stability."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from casingfem.cli.running import Working, deliver, options
 from casingfem.outfiles import Content, json_text
+
+if TYPE_CHECKING:
+    from contact.wear import Wear
 
 SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
 
@@ -55,4 +60,15 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
         result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
     document = result.to_dict()
     files: dict[str, Content] = {f"{command}.npz": result.save, f"{command}.json": json_text(document)}
+    if out is not None and result.tracks and len(result.tracks[0].map_time) > 1:
+        files |= pictures(result.tracks)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)
+
+
+def pictures(tracks: "Sequence[Wear]") -> dict[str, Content]:
+    """Profile and wear map of each track of a coating."""
+    from casingfem.plot.style import png
+    from casingfem.plot.wear import figure_wear
+
+    names = ["coating.png"] if len(tracks) == 1 else [f"coating_{k}.png" for k in range(1, len(tracks) + 1)]
+    return {name: png(figure_wear(track)) for name, track in zip(names, tracks, strict=True)}

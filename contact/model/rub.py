@@ -22,7 +22,8 @@ class Tip:
     `span`, `flap` and `axial` name channels of the blade: radial at no lean, along +theta, along the casing's axis
     (left out: the contact slides along theta only). `angle_deg` where it stands at t = 0 in the casing's frame,
     `lean_deg` as in `RotatingRim`, `clearance` [m] added to that of the rub. `track` numbers the strip of an abradable
-    coating that it wears, for tips of one rim line at one axial place; left out, its place among its blade's tips.
+    coating that it wears on its rim line, so that tips at one axial place share one; left out, its place among its
+    blade's tips on that line.
 
     >>> Tip(angle_deg=90.0).span
     'span'

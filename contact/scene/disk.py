@@ -14,6 +14,7 @@ from contact.model.modal_body import ModalBody
 from contact.model.permanent import ModalPair
 from contact.model.rub import Rub, Start
 from contact.model.rub_laws import Profile, Speed
+from contact.scene.coating import CoatingTable
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness
 from contact.scene.scheme import NotNegative, Positive, Table
@@ -101,6 +102,7 @@ class DiskFile(Table):
     casing: DiskCasingTable
     disk: DiskTable
     contact: DiskContact
+    coating: CoatingTable | None = None
     speed: DiskSpeed
     scheme: DiskScheme
     record: RecordTable | None = None

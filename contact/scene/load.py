@@ -16,12 +16,14 @@ from contact.model.body import Body, PointMass, Rod, Wall
 from contact.model.cantilever import Cantilever
 from contact.model.chain import assemble
 from contact.model.gap import RotatingRim
-from contact.model.law import Abradable, Coulomb, Law, Unilateral
+from contact.model.law import Abradable, Coulomb, Unilateral
 from contact.model.modal_body import ModalBody
 from contact.model.ring_modes import ThinRing, ring_modes
 from contact.record import Record
 from contact.run import Scene
+from contact.scene.coating import contact_law
 from contact.scheme.exact_modal import ExactModal
+from contact.scheme.rub_tracks import track_tips
 
 if TYPE_CHECKING:
     from contact.scene.disk import DiskFile
@@ -183,7 +185,7 @@ def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
         ),
         file, problems,
     )  # fmt: skip
-    law = _tried(partial(_rim_law, table), file, problems, "coating")
+    law = _tried(lambda: contact_law(table.coating, contact.friction), file, problems, "coating")
     if rim is None or law is None:
         raise SceneError(problems)
     return Scene(
@@ -216,14 +218,6 @@ def _basis(path: Path) -> ModalBody:
 @lru_cache(maxsize=32)
 def _basis_as(path: Path, _changed: int, _size: int) -> ModalBody:
     return ModalBody.load(path)
-
-
-def _rim_law(table: RimFile) -> Law:
-    """Contact law of a rim: coated, sliding, or neither."""
-    mu = table.contact.friction
-    if table.coating is not None:
-        return Abradable(mu=mu, **table.coating.model_dump())
-    return Coulomb(mu=mu) if mu > 0.0 else Unilateral()
 
 
 def _beam(table: BeamFile, file: Path, text: bytes) -> Scene:
@@ -279,11 +273,15 @@ def _patch(table: PatchFile, file: Path, text: bytes) -> Scene:
 def _rub(table: RubFile | DiskFile, file: Path, text: bytes) -> Scene:
     problems: list[str] = []
     what = _tried(lambda: table.rub(file.parent), file, problems)
-    if what is None:
+    law = _tried(lambda: contact_law(table.coating, table.contact.friction), file, problems, "coating")
+    if what is None or law is None:
         raise SceneError(problems)
-    mu = table.contact.friction
+    if isinstance(law, Abradable):
+        length = law.tip
+        if _tried(lambda: track_tips(what, length), file, problems) is None:
+            raise SceneError(problems)
     return Scene(
-        what=what, law=Coulomb(mu=mu) if mu else Unilateral(), scheme=ExactModal(law=table.scheme.law),
+        what=what, law=law, scheme=ExactModal(law=table.scheme.law),
         t_end=table.scene.t_end, dt=table.scheme.dt, record=_record(table.record, file),
         source=_source(file, text, *(path.read_bytes() for path in table.files(file.parent))),
     )  # fmt: skip

@@ -16,6 +16,7 @@ from contact.model.modal_body import ModalBody
 from contact.model.rub import Rub, Stiffening, Tip
 from contact.model.rub_forces import settled
 from contact.model.rub_laws import Closing, Profile, Speed, Whirl
+from contact.scene.coating import CoatingTable
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness
 from contact.scene.scheme import NotNegative, Positive, Table
@@ -36,7 +37,11 @@ class RubCasing(Table):
 
 
 class RubNode(Table):
-    """[[blade.node]]: channels of one place, its angle from the blade's, its rim line, clearance [m] of its own."""
+    """[[blade.node]]: channels of one place, its angle from the blade's, its rim line, clearance [m] of its own.
+
+    `track` numbers the strip of a coating that it wears on its rim line; left out, the k-th node of every blade there
+    wears the k-th.
+    """
 
     span: str
     flap: str
@@ -44,6 +49,7 @@ class RubNode(Table):
     angle_deg: FiniteFloat = 0.0
     line: Annotated[int, Field(ge=0)] = 0
     clearance: FiniteFloat = 0.0
+    track: Annotated[int, Field(ge=0)] | None = None
 
 
 class RubBlade(Table):
@@ -163,6 +169,7 @@ class RubFile(Table):
     casing: RubCasing
     blade: Annotated[list[RubBlade], Field(min_length=1)]
     contact: RubContact
+    coating: CoatingTable | None = None
     speed: RubSpeed
     closing: RubClosing | None = None
     whirl: list[RubWhirl] = Field(default_factory=list)

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
 
+from contact.scene.coating import CoatingTable
 from contact.scene.disk import DiskFile
 from contact.scene.patch import PatchFile
 from contact.scene.record import RecordTable
@@ -101,19 +102,6 @@ class RimContact(Roundness):
     clearance: FiniteFloat
     friction: NotNegative = 0.0
     angle_deg: FiniteFloat = 0.0
-
-
-class CoatingTable(Table):
-    """[coating] of a rim: the fields of `Abradable`, whose friction is that of [contact]."""
-
-    E: Positive
-    yield_stress: Positive
-    hardening: NotNegative
-    thickness: Positive
-    width: Positive
-    tip: Positive
-    bars: Annotated[int, Field(ge=1, le=10_000)] = 6
-    machined: NotNegative = 0.0
 
 
 class ScanTable(Table):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -19,24 +20,35 @@ if TYPE_CHECKING:
     from contact.solver.abradable_tips import Coats
 
 
-def track_numbers(rub: Rub) -> list[int]:
-    """Track of each tip: the one it names, else its place among the tips of its blade."""
-    counts: dict[int, int] = {}
-    numbers = []
-    for tip in rub.tips:
-        place = counts.get(tip.blade, 0)
-        counts[tip.blade] = place + 1
-        numbers.append(place if tip.track is None else tip.track)
-    return numbers
+def track_tips(rub: Rub, length: float) -> list[list[int]]:
+    """Tips by the track they wear: one track for each rim line and number, which a tip names.
+
+    Else its number is its place among its blade's tips on this line.
+
+    Raises InputError where tips of one track stand nearer to one another than the `length` of a tip [m].
+    """
+    found: dict[tuple[int, int], list[int]] = {}
+    places: Counter[tuple[int, int]] = Counter()
+    for j, tip in enumerate(rub.tips):
+        place = places[tip.blade, tip.line]
+        places[tip.blade, tip.line] += 1
+        found.setdefault((tip.line, place if tip.track is None else tip.track), []).append(j)
+    for (_, number), tips in found.items():
+        _require_apart(rub, number, tips, length)
+    return list(found.values())
 
 
 def rub_tracks(rub: Rub, law: Abradable) -> tuple[Tracks, Coats]:
-    """The tracks of a rub's tips by ascending number, and what the compiled loop changes of them.
+    """The tracks of a rub's tips, and what the compiled loop changes of them. Raises as `track_tips` and `Track.of`."""
+    memory, table = np.zeros((len(rub.tips), 3)), rub.profile.table
 
-    Raises InputError where tips of one track stand on different rim lines, or nearer to one another than a tip is long.
-    """
-    numbers, memory = track_numbers(rub), np.zeros((len(rub.tips), 3))
-    tracks = [_track(rub, law, numbers, number, memory) for number in sorted(set(numbers))]
+    def profile(phi: float) -> float:
+        return rub.profile.smooth(phi) + hermite(table, phi)
+
+    tracks = [
+        Track.of(law, rub.casing.line_radius(rub.tips[tips[0]].line), profile, tips, memory)
+        for tips in track_tips(rub, law.tip)
+    ]
     start = np.cumsum([0, *(track.coating.worn.size for track in tracks)])
     worn = np.zeros(start[-1])
     tracks = [
@@ -63,28 +75,14 @@ def _coats(tracks: list[Track], worn: Array, start: Indices, memory: Array, law:
     )  # fmt: skip
 
 
-def _track(rub: Rub, law: Abradable, numbers: list[int], number: int, memory: Array) -> Track:
-    tips = [j for j, own in enumerate(numbers) if own == number]
-    line = rub.tips[tips[0]].line
-    for j in tips:
-        if rub.tips[j].line != line:
-            raise InputError(
-                f"tips[{j}].track: found track {number} on rim line {rub.tips[j].line}, expected the line {line} of "
-                f"tips[{tips[0]}], or another track"
-            )
-    radius = rub.casing.line_radius(line)
-    _require_apart(rub, law, number, tips, radius)
-    table = rub.profile.table
-    return Track.of(law, radius, lambda phi: rub.profile.smooth(phi) + hermite(table, phi), tips, memory)
-
-
-def _require_apart(rub: Rub, law: Abradable, number: int, tips: list[int], radius: float) -> None:
+def _require_apart(rub: Rub, number: int, tips: list[int], length: float) -> None:
     """Two tips that press one bar at once have no law."""
+    radius = rub.casing.line_radius(rub.tips[tips[0]].line)
     around = sorted((rub.tips[j].angle_deg % 360.0, j) for j in tips)
     for (low, a), (high, b) in zip(around, [*around[1:], (around[0][0] + 360.0, around[0][1])], strict=True):
         apart = radius * math.radians(high - low)
-        if apart < law.tip * (1.0 - 1e-9):
+        if apart < length * (1.0 - 1e-9):
             raise InputError(
-                f"tips[{b}].track: found {apart:.3g} m from tips[{a}] on track {number} of both, expected at least the "
-                f"tip's length of {law.tip:g} m, or another track"
+                f"tips[{max(a, b)}].track: found {apart:.3g} m to tips[{min(a, b)}] on one track {number}, expected "
+                f"at least the tip's length of {length:g} m, or another track"
             )

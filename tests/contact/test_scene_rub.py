@@ -8,6 +8,7 @@ import pytest
 from synthetic_rub import nodes, rim3
 
 import contact as ct
+from contact.scheme.rub_tracks import track_tips
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes" / "rub"
 
@@ -154,6 +155,92 @@ def test_a_missing_profile_is_named_once(write, tmp_path):
         ct.load_scene(write(RUB.replace("round.csv", "gone.csv")))
     assert str(caught.value).count("gone.csv") == 1
     assert "No such file or directory, expected a CSV file theta_deg,depth_m" in str(caught.value)
+
+
+COATING = """
+[coating]
+E = 1e9
+yield_stress = 2e4
+hardening = 1e6
+thickness = 1e-3
+width = 8e-3
+tip = 6e-3
+"""
+
+
+def test_a_coating_of_the_file_wears(write):
+    scene = ct.load_scene(write(RUB + COATING + "bars = 3\nmachined = 1e-5\n"))
+    given = {"yield_stress": 2e4, "hardening": 1e6, "thickness": 1e-3, "width": 8e-3, "tip": 6e-3}
+    assert scene.law == ct.Abradable(E=1e9, bars=3, machined=1e-5, mu=0.2, **given)
+    result = ct.run(scene)
+    assert [track.tips for track in result.tracks] == [(0, 2), (1, 3), (4,)]
+    assert all(track.volume > 0.0 and abs(track.residual) <= 1e-12 for track in result.tracks)
+    for track in result.tracks:
+        made = np.array([scene.what.profile(float(phi)) for phi in track.angle])  # harmonics and table
+        assert track.made == pytest.approx(made - made.mean(), abs=1e-18)
+    assert result.wear.cut.max() == pytest.approx(1e-5, rel=1e-3)
+    sharing = ct.load_scene(write(RUB.replace("angle_deg = 0.5\nline = 1", "angle_deg = 9.0\ntrack = 1") + COATING))
+    assert track_tips(sharing.what, 6e-3) == [[0, 2], [1, 3, 4]]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("E = 1e9", "E = 0.0", "coating.E: found 0.0, expected greater than 0"),
+        ("yield_stress = 2e4", "", "coating.yield_stress: missing"),
+        ("hardening = 1e6", "hardening = -1.0", "coating.hardening: found -1.0, expected greater than or equal to 0"),
+        ("thickness = 1e-3", "thickness = nan", "coating.thickness: found nan, expected a finite number"),
+        ("width = 8e-3", 'width = "wide"', "coating.width: found 'wide', expected a valid number"),
+        ("tip = 6e-3", "tip = -6e-3", "coating.tip: found -0.006, expected greater than 0"),
+        ("tip = 6e-3", "tip = 6e-3\nbars = 0", "coating.bars: found 0, expected greater than or equal to 1"),
+        ("tip = 6e-3", "tip = 6e-3\nmachined = 2e-3", "coating: machined: found 0.002 m, expected at most"),
+        ("tip = 6e-3", "tip = 6e-3\nmu = 0.2", "coating.mu: unknown key"),
+        ("line = 1", "line = 1\ntrack = -1", "blade[2].node[1].track: found -1, expected greater than or equal to 0"),
+        ("line = 1", "track = 0", "tips[4].track: found 0.0314 m to tips[0] on one track 0, expected at least"),
+    ],
+)  # fmt: skip
+def test_broken_coatings(write, old, new, words):
+    text = (RUB + COATING).replace("tip = 6e-3", "tip = 3.5e-2" if "0.0314" in words else "tip = 6e-3")
+    assert old in text
+    with pytest.raises(ct.SceneError) as caught:
+        ct.load_scene(write(text.replace(old, new, 1)))
+    assert words in str(caught.value)
+    assert "scene.toml" in str(caught.value)
+
+
+def test_a_coated_disk_wears_one_track(tmp_path):
+    text = (SCENES.parent / "bladed_disk.toml").read_text().replace("t_end = 0.5", "t_end = 0.02")
+    (tmp_path / "disk.toml").write_text(text + COATING.replace("1e-3", "2e-3"))
+    result = ct.run(ct.load_scene(tmp_path / "disk.toml"))
+    assert [track.tips for track in result.tracks] == [tuple(range(12))]
+    assert result.wear.volume > 0.0
+    assert abs(result.wear.residual) <= 1e-12
+
+
+def test_the_shipped_coating_prints_its_wear_and_draws_it(write, tmp_path):
+    """On made-up bases of five places, which are soft; one turn."""
+    import json
+
+    from click.testing import CliRunner
+
+    from casingfem.cli import main
+
+    write()
+    nodes(5).save(tmp_path / "blade.npz")
+    text = (SCENES / "coated.toml").read_text()
+    text = text.replace("t_end = 0.6", "t_end = 0.2").replace("yield_stress = 1e5", "yield_stress = 1e3")
+    (tmp_path / "coated.toml").write_text(text)
+    ran = CliRunner().invoke(main, ["rub", str(tmp_path / "coated.toml"), "--out", str(tmp_path / "out")])
+    assert ran.exit_code == 0, ran.output
+    assert "coating: worn" in ran.output
+    assert "track 5 (tips 5, 10): worn" in ran.output
+    pictures = sorted(tmp_path.glob("out/coating_*.png"))
+    assert [file.name for file in pictures] == [f"coating_{k}.png" for k in range(1, 6)]
+    assert min(file.stat().st_size for file in pictures) > 10_000
+    told = json.loads((tmp_path / "out" / "rub.json").read_text())["coating"]
+    assert [row["contacts"] for row in told] == [[k, k + 5] for k in range(1, 6)]
+    assert all(row["dissipated_J"] == pytest.approx(row["stated_J"], rel=1e-12) for row in told)
+    assert sum(row["volume_m3"] for row in told) > 0.0
 
 
 @pytest.mark.slow
