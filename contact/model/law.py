@@ -95,7 +95,7 @@ class Abradable:
 
     `E`, `yield_stress`, `hardening` [Pa]; `thickness` [m]; the tip covers `width` [m] along the axis and `tip` [m]
     around, `bars` of them; `machined` [m] is cut before the run, from the rim's highest point to a
-    circle; `mu` of sliding friction as for `Coulomb`.
+    circle; `mu` of friction, sliding as for `Coulomb`, at the tips of a `Rub` with stick.
 
     >>> coating = Abradable(E=1e9, yield_stress=5e6, hardening=1e8, thickness=2e-3, width=0.04, tip=2e-3)
     >>> coating.stress(1e-4), round(coating.dissipated(1e-4))
