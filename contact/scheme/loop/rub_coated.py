@@ -9,10 +9,9 @@ import numpy as np
 from contact.compiled import jit_allocating
 from contact.record import Samples, Tally
 from contact.scheme.loop.patch import ROUGH
-from contact.scheme.loop.rim import dot, polynomial, turn
 from contact.scheme.loop.rub_book import book, keep_strain, note, settle
 from contact.scheme.loop.rub_look import look, propagate
-from contact.scheme.loop.rub_rows import RubLaws, RubRows, blade_dot, hermite, turned
+from contact.scheme.loop.rub_rows import RubLaws, RubRows, blade_dot, dot, hermite, polynomial, turn, turned
 from contact.scheme.loop.rub_solve import drawn_in, gather, push, relax, soften
 from contact.scheme.loop.rub_state import RubState, Work, work_space
 from contact.scheme.loop.tally import due, store, store_state
