@@ -23,6 +23,9 @@ from contact.sweep.plan import load_sweep
 from contact.sweep.sweep import run_sweep
 from reports.bases import blade
 from reports.frustum_convergence import reference_frustum
+from reports.rub_checks import COARSE, MU, SPEED, body, strip
+from reports.rub_checks import casing as seen_along_the_axis
+from reports.rub_checks import rub as tips_on
 from reports.tables import Row, command_line, show, write
 
 DT = 1e-5
@@ -78,10 +81,14 @@ def limits(repeats: int) -> dict[str, float]:
 # --- the rub --------------------------------------------------------------------------------------------------
 
 
-def bodies(folder: Path, modes: int) -> tuple[ct.ModalBody, ct.ModalBody]:
-    """A reduced casing, split by .1 % of cos 16 theta, and a blade of two modes: `modes` together."""
+ONE = {16: 1e-4}  # radius defect [m] by harmonic: a mode sees few others
+SEVERAL = {2: 2e-4, 3: 2e-4, 5: 1e-4, 7: 5e-5, 11: 5e-5, 16: 1e-4}  # as a survey finds: every mode sees every harmonic
+
+
+def bodies(folder: Path, modes: int, defect: dict[int, float] = ONE) -> tuple[ct.ModalBody, ct.ModalBody]:
+    """A reduced casing with a radius defect, and a blade of two modes: `modes` together."""
     folder.mkdir(parents=True, exist_ok=True)
-    shell = replace(reference_frustum(), radius_defect=cf.FourierField.of({16: 1e-4}))
+    shell = replace(reference_frustum(), radius_defect=cf.FourierField.of(defect))  # type: ignore[arg-type]
     casing = cf.reduce(shell, cf.Rim("top", n_max=20), modes=modes - 2, zeta=0.002)
     strip = blade()
     files = casing.save(folder / f"casing_{modes}.npz"), strip.save(folder / "blade.npz")
@@ -126,14 +133,15 @@ def _speeds(name: str, scene: ct.Scene, repeats: int, peak: dict[str, float]) ->
     ready = best(lambda: [prepared(one) for one in scenes], 1)
     one = best(lambda: ct.run(scene), repeats) - ready / RUNS
     many = best(lambda: ct.run_many(scenes), repeats) - ready
-    m, entries = _size(scene)
+    m, terms, along = _size(scene)
     touching = float(result.contact_steps[0]) / result.steps
     rate = 1e-9 * RUNS * result.steps / many  # billions of steps a second
-    flops = 14.0 * m + 4.0 * entries + touching * 9.0 * m
+    flops = 14.0 * m + 2.0 * terms + touching * 9.0 * m
     if isinstance(scene.law, ct.Coulomb):
-        flops += touching * (11.0 * m + 4.0 * entries)
+        flops += touching * (11.0 * m + 2.0 * along)
     return {
-        "case": name, "modes": m, "contact fraction": touching, "us/step alone": 1e6 * one / result.steps,
+        "case": name, "modes": m, "terms of the rows": terms, "contact fraction": touching,
+        "us/step alone": 1e6 * one / result.steps,
         "us/run-step in lanes": 1e6 * many / (RUNS * result.steps),
         "million steps/s in lanes": 1e3 * rate,
         "% of peak flops": 100.0 * rate * flops / peak["GFlop/s"],
@@ -141,12 +149,43 @@ def _speeds(name: str, scene: ct.Scene, repeats: int, peak: dict[str, float]) ->
     }  # fmt: skip
 
 
-def _size(scene: ct.Scene) -> tuple[int, int]:
-    """Modes, and entries of their rows by harmonics."""
+def _size(scene: ct.Scene) -> tuple[int, int, int]:
+    """Modes, and terms (cosines and sines) of their normal and their tangential rows."""
     stepper = ExactModal().prepare(scene.what, scene.law or ct.Unilateral(), dt=DT, courant=None)  # type: ignore[arg-type]
     assert isinstance(stepper, ModalRun)
-    assert stepper.system.table is not None
-    return stepper.size, int(stepper.system.table.harmonic.size)
+    table = stepper.system.table
+    assert table is not None
+    normal, tangent = table.terms(table.q_cos, table.q_sin), table.terms(table.t_cos, table.t_sin)
+    return stepper.size, normal.value.size, tangent.value.size
+
+
+def contacts(steps: int, repeats: int, peak: dict[str, float]) -> list[Row]:
+    """Microseconds per step of 1, 5 and 16 tips on one blade, each part of the physics added.
+
+    Flops count the modes' motion, the rows of all tips, and where tips touch their Delassus matrix and one
+    factorisation: 14 m + 6 K m, and d K (2 m K d + 4 m) + 2 (d K)^3/3 while some tip touches.
+    """
+    rim, dt, rows = body(cf.reduce(seen_along_the_axis(), COARSE, modes=48, zeta=0.002)), 1.0 / SPEED / 1000, []
+    friction = ct.Coulomb(mu=MU)
+    for tips in (1, 5, 16):
+        blade = strip(tips)
+        blade = blade.truncated(min(2.5 / dt, float(blade.omega[1]) * 1.01))
+        cases = (("no contact", -1e-3, ct.Unilateral()), ("contact", 1e-4, ct.Unilateral()),
+                 ("friction in two directions", 1e-4, friction))  # fmt: skip
+        for name, advance, law in cases:
+            what = tips_on(rim, blade, tips, advance=advance)
+            scene = ct.Scene(what=what, law=law, t_end=steps * dt, dt=dt, record=ct.Record(every=10_007))
+            result, seconds = ct.run(scene), best(lambda scene=scene: ct.run(scene), repeats)
+            seconds -= best(lambda scene=scene: prepared(scene), repeats)
+            m, d = rim.omega.size + blade.omega.size, 3 if law is friction else 1
+            touching, size = float(result.contact_steps.max()) / result.steps, d * tips
+            flops = 14.0 * m + 6.0 * tips * m + touching * (size * m * (2.0 * size + 4.0) + 2.0 * size**3 / 3.0)
+            rows.append({
+                "case": name, "modes": m, "tips": tips, "contact fraction": touching,
+                "us/step": 1e6 * seconds / result.steps,
+                "% of peak flops": 100e-9 * flops * result.steps / seconds / peak["GFlop/s"],
+            })  # fmt: skip
+    return rows
 
 
 def leaps(pair: tuple[ct.ModalBody, ct.ModalBody], turns: int, repeats: int) -> list[Row]:
@@ -222,7 +261,13 @@ def main(out: Path, quick: bool = False) -> Sequence[Row]:
     rows: list[Row] = []
     for modes in (42,) if quick else (12, 42, 82):
         rows += physics(bodies(folder, modes), steps, repeats, peak)
+    dense = bodies(folder / "several", 42, SEVERAL)
+    scene = rub(dense, clearance=-4e-4, t_end=steps * DT)
+    rows.append(_speeds("all that, a casing of several harmonics", scene, repeats, peak))
     show("Microseconds per step, processor time", rows)
+    several = contacts(1_000 if quick else 20_000, repeats, peak)
+    show("Microseconds per step of several contacts, processor time", several)
+    write(out / "sweep_tips.csv", several)
     write(out / "sweep_speed.csv", rows)
     skipped = leaps(bodies(folder, 42), 2 if quick else 4, 1 if quick else 3)
     show("Leaps over contact-free time", skipped)
@@ -230,7 +275,7 @@ def main(out: Path, quick: bool = False) -> Sequence[Row]:
     swept = rig_sweep(folder, 8 if quick else 100, 1 if quick else 100)
     show("A sweep of the rig over its speed", swept)
     write(out / "sweep_rig.csv", swept)
-    return [*rows, *skipped, *swept]
+    return [*rows, *several, *skipped, *swept]
 
 
 if __name__ == "__main__":
