@@ -7,7 +7,7 @@ from scikit-fem; their order is found from the places of the nodes, so no table 
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from skfem.element import (
@@ -42,6 +42,14 @@ TETRA_EDGES: Pairs = (*TRIANGLE_EDGES, (0, 3), (1, 3), (2, 3))
 CUBE_EDGES: Pairs = (*SQUARE_EDGES, *((4 + i, 4 + j) for i, j in SQUARE_EDGES), *((i, 4 + i) for i in range(4)))
 TETRA_FACETS: Corners = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))  # seen from outside, anticlockwise
 CUBE_FACETS: Corners = ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7))
+
+
+class Outline(NamedTuple):
+    """Corners in the reference cell, edges and facets by their corners: what cells of one shape share."""
+
+    corners: Corners
+    edges: Pairs
+    facets: Corners
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,12 +106,12 @@ class CellKind:
 
 
 def _kinds() -> dict[str, CellKind]:
-    line: dict[str, Corners | Pairs] = {"corners": LINE, "edges": ((0, 1),), "facets": ()}
-    tri: dict[str, Corners | Pairs] = {"corners": TRIANGLE, "edges": TRIANGLE_EDGES, "facets": TRIANGLE_EDGES}
-    quad: dict[str, Corners | Pairs] = {"corners": SQUARE, "edges": SQUARE_EDGES, "facets": SQUARE_EDGES}
-    tetra: dict[str, Corners | Pairs] = {"corners": TETRA, "edges": TETRA_EDGES, "facets": TETRA_FACETS}
-    cube: dict[str, Corners | Pairs] = {"corners": CUBE, "edges": CUBE_EDGES, "facets": CUBE_FACETS}
-    rows: list[tuple[str, dict[str, Corners | Pairs], type, int, str, int]] = [
+    line = Outline(LINE, ((0, 1),), ())
+    tri = Outline(TRIANGLE, TRIANGLE_EDGES, TRIANGLE_EDGES)
+    quad = Outline(SQUARE, SQUARE_EDGES, SQUARE_EDGES)
+    tetra = Outline(TETRA, TETRA_EDGES, TETRA_FACETS)
+    cube = Outline(CUBE, CUBE_EDGES, CUBE_FACETS)
+    rows: list[tuple[str, Outline, type, int, str, int]] = [
         ("line", line, ElementLineP1, 0, "", 3),
         ("line3", line, ElementLineP2, 1, "", 5),
         ("triangle", tri, ElementTriP1, 0, "line", 2),
@@ -118,7 +126,7 @@ def _kinds() -> dict[str, CellKind]:
         ("hexahedron27", cube, ElementHex2, 2, "quad9", 5),
     ]
     return {
-        name: CellKind(name=name, element=element, middles=middles, facet=facet, degree=degree, **shape)  # type: ignore[arg-type]
+        name: CellKind(name=name, element=element, middles=middles, facet=facet, degree=degree, **shape._asdict())
         for name, shape, element, middles, facet, degree in rows
     }
 
