@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -301,6 +302,12 @@ def _listed(tips: tuple[int, ...]) -> str:
 
 def versions() -> dict[str, str]:
     """Versions of the packages a result depends on."""
+    return dict(_installed())
+
+
+@cache
+def _installed() -> dict[str, str]:
+    """Read once: the packages' metadata took a third of what a short run costs beside its steps."""
     import importlib.metadata
     import platform
 
