@@ -6,8 +6,8 @@ export MPLBACKEND := Agg
 # small factorisations: a second BLAS thread costs more than it gives, several times so on a busy machine
 export OPENBLAS_NUM_THREADS ?= 1
 
-# one process for each core; a file's tests stay together, they share what they compute
-CORES := -n logical --dist loadfile
+# one process for each core; tests that share what they compute or compile stay together, in the order of conftest.py
+CORES := -n logical --dist loadgroup --no-loadscope-reorder
 
 .DEFAULT_GOAL := help
 .PHONY: help setup study test fast check bench report clean

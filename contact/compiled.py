@@ -9,9 +9,10 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, NoReturn, TypeVar, cast
 
 import numba
+from numba.core.registry import CPUDispatcher
 
 from contact.sealing import SealedPipeline
 
@@ -42,10 +43,12 @@ CACHE = str(cache_directory())
 OPTIONS: Any = {
     "cache": True, "_nrt": False, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"},
 }  # fmt: skip
+# no way in from Python or C: unpacking a state's many arrays took a third of the time to compile
+PART: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
-def jit(function: Function) -> Function:
-    """Compile a step loop that allocates nothing to machine code, cached on disk.
+def jit_entry(function: Function) -> Function:
+    """Compile a step loop that Python calls and that allocates nothing to machine code, cached on disk.
 
     Sums may be reassociated and products contracted, so that reductions vectorise; NaN keeps its meaning,
     so that a run that diverges is seen. The same input gives bit-identical results on one machine.
@@ -53,14 +56,40 @@ def jit(function: Function) -> Function:
     return compiled(function, OPTIONS)
 
 
+def jit_entry_allocating(function: Function) -> Function:
+    """Compile a function that Python calls, else as `jit_allocating`."""
+    return compiled(function, {**OPTIONS, "_nrt": True})
+
+
+def jit(function: Function) -> Function:
+    """Compile what only compiled functions call, else as `jit_entry`; raises TypeError when Python calls it."""
+    return part(function, OPTIONS)
+
+
 def jit_inside(function: Function) -> Function:
     """Compile a part of a step loop into its caller, else as `jit`: passing a state's many arrays costs more."""
-    return compiled(function, {**OPTIONS, "forceinline": True})
+    return part(function, {**OPTIONS, "forceinline": True})
 
 
 def jit_allocating(function: Function) -> Function:
     """Compile a function that needs work arrays of its own (dense factors, lists of active contacts), else as `jit`."""
-    return compiled(function, {**OPTIONS, "_nrt": True})
+    return part(function, {**OPTIONS, "_nrt": True})
+
+
+class Part(CPUDispatcher):
+    """A compiled function without a way in from Python: a call from there would end the process."""
+
+    def __call__(self, *_: object, **__: object) -> NoReturn:
+        """Refuse."""
+        raise TypeError(f"{self.py_func.__name__} is a part of compiled loops; found a call from Python")
+
+
+def part(function: Function, options: dict[str, Any]) -> Function:
+    """Compile for compiled callers alone; as it stands where numba is told not to compile."""
+    made: Any = compiled(function, {**options, **PART})
+    if isinstance(made, CPUDispatcher):
+        made.__class__ = Part
+    return cast(Function, made)
 
 
 def compiled(function: Function, options: dict[str, Any]) -> Function:

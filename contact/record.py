@@ -77,7 +77,7 @@ class Record:
     def rows(self, coordinates: int) -> Array:
         """Channel rows (c, N), none when displacements are stored whole; raises InputError unless N fits."""
         if self.channels is None:
-            return np.zeros((0, coordinates))
+            return readonly(np.zeros((0, coordinates)))  # as channels are: the same type compiles once
         rows = np.asarray(self.channels)
         if rows.shape[1] != coordinates:
             raise InputError(

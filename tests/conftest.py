@@ -14,6 +14,30 @@ from casingfem.structure.mesh import ShellMesh
 from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped
 
+# On an empty cache a loop takes longer to compile than its tests to run. Files that compile the same loops go to one
+# process and go first, so that no two processes compile the same thing; else a file's tests stay together.
+LOOPS = {
+    "several contacts": [
+        "test_bladed_disk.py", "test_rub.py", "test_rub_forces.py", "test_scene_rub.py", "test_patch.py",
+        "test_scene_patch.py", "test_one_step.py", "test_beam.py", "test_scene.py",
+    ],
+    "one contact": [
+        "test_schemes.py", "test_rods.py", "test_wide_bodies.py", "test_rim.py", "test_leap.py", "test_run_many.py",
+        "test_run.py", "test_record.py", "test_sweep.py", "test_wear.py", "test_stability.py", "test_cli.py",
+        "test_exact_modal.py", "test_cantilever.py", "test_interaction.py",
+    ],
+}  # fmt: skip
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Name the group of every test for `--dist loadgroup`; those that compile loops come first."""
+    group_of = {file: group for group, files in LOOPS.items() for file in files}
+    for item in items:
+        item.add_marker(pytest.mark.xdist_group(group_of.get(item.path.name, item.path.stem)))
+    items.sort(key=lambda item: item.path.name not in group_of)
+
+
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 

@@ -32,7 +32,7 @@ def rim_leap(system: ModalSystem, parts: Propagator, *, skip: bool) -> Leap:
     assert table is not None
     normal = table.terms(table.q_cos, table.q_sin)
     return Leap(
-        powers=powers(parts.al, parts.be) if skip else np.zeros((0, 4, m)), fade=parts.fade,
+        powers=powers(parts.al, parts.be) if skip else readonly(np.zeros((0, 4, m))), fade=parts.fade,
         cos=np.cos(parts.turn), sin=np.sin(parts.turn), start=normal.start, wave=normal.wave,
         row=normal.value, floor=least_clearance(system.clearance),
         reach=np.zeros(2 * (int(table.harmonic.max(initial=0)) + 1)), taken=np.zeros(2, dtype=np.int64),

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit_allocating
+from contact.compiled import jit_allocating, jit_entry_allocating
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import Array, Indices
 
@@ -78,7 +78,7 @@ def delassus_rows(W: Array) -> Array:
     return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
 
 
-@jit_allocating
+@jit_entry_allocating
 def project(A: Array, b: Array, force: Array, y: Array) -> tuple[int, int]:
     """Fill `force` and `y` (both zero on entry); returns (SOLVED | NO_MOTION | TOO_LONG, changes)."""
     contacts, size = A.shape

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit_allocating
+from contact.compiled import jit_allocating, jit_entry_allocating
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import Array
 from contact.solver.faceted import GOLDEN, faceted
@@ -79,7 +79,7 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
     return Friction(force=force.reshape(b.shape), motion=motion, iterations=iterations, residual=residual)
 
 
-@jit_allocating
+@jit_entry_allocating
 def friction_forces(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, float]:
     """Improve `force` until it obeys the law to TOLERANCE of the largest force; returns (iterations, residual).
 

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from contact.compiled import jit_allocating
+from contact.compiled import jit_allocating, jit_entry_allocating
 from contact.model.arrays import Array, Indices
 
 ZERO = 1e-12  # of a column's largest entry: no pivot
@@ -42,7 +42,7 @@ def directions(dim: int, turn: float, spread: float) -> Array:
     return D
 
 
-@jit_allocating
+@jit_entry_allocating
 def faceted(
     W: Array, b: Array, mu: Array, dim: int, turn: Array, spread: float, draw: int, force: Array
 ) -> bool:  # fmt: skip
@@ -71,7 +71,7 @@ def faceted(
     return found
 
 
-@jit_allocating
+@jit_entry_allocating
 def covering(n: int, draw: int) -> Array:
     """Covering vector of Lemke's method: ones, or entries spread over 1 .. 2; where one path ends, another goes on."""
     d = np.ones(n)
@@ -80,7 +80,7 @@ def covering(n: int, draw: int) -> Array:
     return d
 
 
-@jit_allocating
+@jit_entry_allocating
 def lemke(M: Array, q: Array, d: Array, z: Array) -> bool:
     """Fill z with 0 <= M z + q _|_ z >= 0; False on a ray or after too many pivots.
 

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from contact.compiled import jit_allocating
+from contact.compiled import jit_allocating, jit_entry_allocating
 from contact.model.arrays import Array, Indices
 
 ROUNDS = 5
@@ -19,7 +19,7 @@ STILL = 1e-13  # change of direction at which the rounds end
 MOST_CHANGES = 20  # of the set of closed contacts
 
 
-@jit_allocating
+@jit_entry_allocating
 def glide(W: Array, b: Array, mu: Array, dim: int, force: Array) -> None:
     """Improve `force` for contacts that all slide; leaves it as it was where one does not, or no set settles."""
     count = mu.size

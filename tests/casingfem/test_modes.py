@@ -305,16 +305,24 @@ def test_tube_of_two_materials_scales(steel):
     np.testing.assert_allclose(modes(half, 6).freq, 2 * f, rtol=1e-9)
 
 
-def test_a_low_axial_mode_does_not_hide_the_valley_behind_a_hump(steel):
-    """n = 0 lies lowest, n = 1 to 10 climb, and the next modes wait at n = 17."""
+def humped(steel):
+    """A thin cylinder that may slide along its axis: n = 0 lies lowest, n = 1 to 10 climb, the next wait at n = 17."""
     base, top = ElasticEdge(k_r=1e13, k_z=1e13, k_theta=1e6), ElasticEdge(k_r=1e13)
-    shell = Shell(
+    return Shell(
         chart=Cylinder(radius=0.5, height=0.25), thickness=5e-4, material=steel, supports={"base": base, "top": top}
     )
-    found = modes(shell, 3)
+
+
+def test_a_low_axial_mode_does_not_hide_the_valley_behind_a_hump(steel):
+    found = modes(humped(steel), 3)
     assert found.nodal_diameters.tolist() == [0, 17, 17]
     assert found.sturm_count == 3
-    np.testing.assert_allclose(found.freq, modes(shell, 3, method="shell").freq, rtol=1e-4)
+
+
+@pytest.mark.slow
+def test_the_valley_behind_a_hump_is_as_in_the_whole_shell(steel):
+    shell = humped(steel)
+    np.testing.assert_allclose(modes(shell, 3).freq, modes(shell, 3, method="shell").freq, rtol=1e-4)
 
 
 def test_the_floor_of_a_harmonic_lies_below_its_lowest_mode(steel):

@@ -7,9 +7,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from conftest import LOOPS
 
 import contact
 from contact.compiled import SOURCES
+from contact.solver.scalar import scalar_force
 
 ROOT = Path(contact.__file__).parent
 # annotations and what is raised outside loops
@@ -44,7 +46,7 @@ def test_the_cache_watches_what_compiled_modules_take_from_elsewhere() -> None:
 SUMS = """
 import hashlib
 import numpy as np
-from contact.compiled import jit
+from contact.compiled import jit, jit_entry
 
 @jit
 def inner(a, b, c, n):
@@ -67,7 +69,7 @@ def inner(a, b, c, n):
             s += a[i] * b[j] * c[j]
     return s
 
-@jit
+@jit_entry
 def outer(a, b, c, n):
     return inner(a, b, c, n) + inner(b, a, c, n - 1) + inner(c, a, b, n - 2)
 
@@ -86,3 +88,14 @@ def test_the_run_that_compiles_and_the_next_one_agree_to_the_last_bit(tmp_path: 
     assert len(list((tmp_path / "cache").rglob("*.nbc"))) == 2
     assert len(first.stdout) > 60
     assert first.stdout == second.stdout
+
+
+def test_a_part_of_a_loop_refuses_python() -> None:
+    """Without its guard the call would end the process."""
+    with pytest.raises(TypeError, match="scalar_force is a part of compiled loops"):
+        scalar_force(1.0, 1.0)
+
+
+def test_the_files_that_share_loops_are_there() -> None:
+    there = {path.name for path in Path(__file__).parents[1].rglob("test_*.py")}
+    assert {file for files in LOOPS.values() for file in files} <= there

@@ -5,7 +5,7 @@ import pytest
 from synthetic_rim import blade, ring
 
 import contact as ct
-from contact.compiled import jit
+from contact.compiled import jit_entry
 from contact.model.modal_system import NOISE, rim_system
 from contact.scheme.lanes import GROUP, WIDTH, Layout
 from contact.scheme.loop.circle import cosine, half_turns, sign_of, sine, within
@@ -29,7 +29,7 @@ def rows_at(system, phi):
     return np.concatenate([system.table.rows(phi)[0], found])
 
 
-@jit
+@jit_entry
 def both(phi, found):
     """Cosines and sines of eight angles."""
     turns = half_turns(load(phi, 0))
@@ -38,11 +38,17 @@ def both(phi, found):
     put(found, WIDTH, sign * sine(x))
 
 
-@jit
+@jit_entry
 def turn_and_fill(rows, waves, phi, found):
     """Rows at one angle."""
     rotate(waves, phi)
     fill(rows, waves, found)
+
+
+@jit_entry
+def sum_lanes(terms, waves, found):
+    """Rows of eight runs."""
+    add_terms(terms, waves, found)
 
 
 @pytest.mark.parametrize("largest", [1.0, 1e3, 1e6])
@@ -80,7 +86,7 @@ def test_lanes_of_unlike_runs_hold_the_rows_of_each():
     n = np.arange(layout.top // 2 + 1)
     waves = np.repeat(np.stack([np.cos(n * phi), np.sin(n * phi)], axis=1)[:, :, None], WIDTH, axis=2)
     found = np.zeros((m + 2, WIDTH))
-    add_terms(lanes, np.ascontiguousarray(waves), found)
+    sum_lanes(lanes, np.ascontiguousarray(waves), found)
     for k, one in enumerate(systems):
         assert np.allclose(found[2:, k], one.table.rows(phi)[0], rtol=0.0, atol=1e-14)
     assert not found[:2].any()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from contact.compiled import jit, jit_inside
+from contact.compiled import jit, jit_entry, jit_inside
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
 from contact.scheme.loop.linear import (
@@ -106,7 +106,7 @@ def take_step(
     return own_gain(p, s, w, du, dv, a, dnet, dforce, h, spare)
 
 
-@jit
+@jit_entry
 def advance_alpha(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, w: Weights,

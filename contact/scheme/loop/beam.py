@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit_allocating
+from contact.compiled import jit_allocating, jit_entry_allocating
 from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
 from contact.scheme.loop.tally import note_contact, store, store_state
@@ -48,7 +48,7 @@ class BeamState(NamedTuple):
     ledger: Array  # work done against internal forces; impulse of the contacts' moment about the hinge
 
 
-@jit_allocating
+@jit_entry_allocating
 def strain_energy_and_forces(x: Array, rest: float, EA: float, EI: float, out: Array) -> float:
     """Fill `out` (n, 3) with internal forces of co-rotational elements; returns the strain energy."""
     out[:] = 0.0
@@ -192,7 +192,7 @@ def push_bodies(s: BeamState, sums: Tally, old: Array, old_q: Array) -> None:
             sums.work[i - 1] += 0.5 * work
 
 
-@jit_allocating
+@jit_entry_allocating
 def advance_beam(s: BeamState, sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:
     """Central differences with forward increment Lagrange multipliers at the nodes."""
     n = s.x.shape[0]

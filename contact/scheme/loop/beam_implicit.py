@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit_allocating
+from contact.compiled import jit_allocating, jit_entry_allocating
 from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
 from contact.scheme.loop.beam import strain_energy_and_forces
@@ -182,7 +182,7 @@ def contact_work(s: ImplicitBeam, sums: Tally, x: Array, h: float) -> None:
                 s.ledger[1] += 0.5 * h * force * (at[i, 1] * ex - at[i, 0] * ey) / r
 
 
-@jit_allocating
+@jit_entry_allocating
 def advance_implicit(s: ImplicitBeam, sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:
     """Newmark steps; samples hold the state and forces at the end of each step."""
     n = s.x.shape[0]

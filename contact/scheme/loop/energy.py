@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_entry
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
 from contact.scheme.loop.tally import note_contact, store, store_state
@@ -39,7 +39,7 @@ def next_gap(b: float, S: float, now: float, free: float) -> float:
     return (p - math.sqrt(max(p * p - 2.0 * a * S * free * now, 0.0))) / a
 
 
-@jit
+@jit_entry
 def advance_energy(
     s: EnergyState, Q: Array, clearance: float, S: float, b: float,
     sums: Tally, out: Samples, h: float, first: int, steps: int,

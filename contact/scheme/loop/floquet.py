@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_entry
 from contact.model.arrays import Array
 from contact.scheme.loop.rim import RimRows
 from contact.scheme.loop.rows import fill, rotate
@@ -32,7 +32,7 @@ def kick(q: Array, v: Array, Q: Array, T: Array, pull: float, strength: float, y
             v[i, j] -= push * y[j]
 
 
-@jit
+@jit_entry
 def revolve(
     q: Array, v: Array, rows: RimRows, Q: Array, T: Array, y: Array,
     drifts: Array, times: Array, kicks: Array, h: float, steps: int,

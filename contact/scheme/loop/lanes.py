@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from contact.compiled import jit, jit_inside
+from contact.compiled import jit, jit_entry, jit_inside
 from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
 from contact.scheme.loop.circle import cosine, half_turns, sign_of, sine, within
@@ -348,7 +348,7 @@ def keep_state(s: Lanes, kept: LaneSamples, k: int) -> None:
         kept.due[1, k] += kept.every[1, k]
 
 
-@jit
+@jit_entry
 def advance_lanes(
     s: Lanes, leaps: LaneLeaps, sums: Tally, out: Samples, kept: LaneSamples, rubs: bool, budget: int
 ) -> None:

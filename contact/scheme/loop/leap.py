@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_entry
 from contact.model.arrays import Array, Indices
 
 LEAST = 6  # steps: what a shorter leap saves, looking for it costs
@@ -42,7 +42,7 @@ def amplitude(q: float, d: float, fade: float, cos: float, sin: float) -> float:
     return math.sqrt(q * q + other * other)
 
 
-@jit
+@jit_entry
 def largest_share(leap: Leap, q: Array, d: Array) -> float:
     """Bound B of the modes' share of the gap at any angle and any later time without force."""
     reach = leap.reach
@@ -57,7 +57,7 @@ def largest_share(leap: Leap, q: Array, d: Array) -> float:
     return total
 
 
-@jit
+@jit_entry
 def open_steps(floor: Array, bound: float, phi: float, turn: float) -> int:
     """Steps from angle phi on, `turn` apart, at which the clearance surely exceeds `bound`.
 
@@ -85,7 +85,7 @@ def open_steps(floor: Array, bound: float, phi: float, turn: float) -> int:
     return FOREVER if is_open else -WAIT
 
 
-@jit
+@jit_entry
 def propagate(q: Array, d: Array, powers: Array, steps: int) -> None:
     """Take (q, D) over `steps` steps of free motion."""
     j = 0

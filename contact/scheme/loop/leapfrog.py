@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_entry
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
 from contact.scheme.loop.linear import (
@@ -53,7 +53,7 @@ def law_gap(rule: int, e: float, now: float, was: float, will: float) -> float:
     return now
 
 
-@jit
+@jit_entry
 def advance_leapfrog(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, rule: int, e: float,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from contact.compiled import jit
+from contact.compiled import jit_entry
 from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
 from contact.scheme.loop.leapfrog import free_increment
@@ -31,7 +31,7 @@ class Massless(NamedTuple):
     force: Array  # (k,), scratch
 
 
-@jit
+@jit_entry
 def settle(p: Parts, c: Massless, s: State, law: LawNumbers, amplitudes: Array) -> bool:
     """Move the massless coordinates to rest under loads, springs and contact; s.force is the contact's."""
     for m in range(c.place.size):
@@ -56,7 +56,7 @@ def settle(p: Parts, c: Massless, s: State, law: LawNumbers, amplitudes: Array) 
     return True
 
 
-@jit
+@jit_entry
 def advance_massless(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, c: Massless,

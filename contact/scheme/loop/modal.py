@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from contact.compiled import jit, jit_inside
+from contact.compiled import jit_entry, jit_inside
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
 from contact.scheme.loop.tally import note_contact, store, store_state
@@ -80,7 +80,7 @@ def move(s: ModalState, new: Array) -> None:
         s.q[i] += new[i]
 
 
-@jit
+@jit_entry
 def advance_modal(
     s: ModalState, Q: Array, clearance: float, S: float, averaged: bool, damped: bool,
     sums: Tally, out: Samples, h: float, first: int, steps: int,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_entry
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
 from contact.scheme.loop.alpha import Weights, free_acceleration, note_works, take_step
@@ -43,7 +43,7 @@ def note_impulses(
         note_step(sums, out, k, h, s.force[k], s.gap[k], slack, begin, was, was + h * speed, begin)
 
 
-@jit
+@jit_entry
 def advance_moreau(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, theta: float, e: float,
@@ -91,7 +91,7 @@ def advance_moreau(
     return -1
 
 
-@jit
+@jit_entry
 def advance_nonsmooth(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, w: Weights, jump: Array, e: float,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit_allocating
+from contact.compiled import jit_allocating, jit_entry_allocating
 from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
 from contact.scheme.loop.stick import Sticking, note_sticking
@@ -105,7 +105,7 @@ def frictional(s: PatchState, b: Array, dim: int, inside: Indices) -> bool:
             return True
 
 
-@jit_allocating
+@jit_entry_allocating
 def advance_patch(
     s: PatchState, rough: bool, sums: Tally, out: Samples, h: float, first: int, steps: int
 ) -> int:  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_entry
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
 from contact.scheme.loop.alpha import Weights, free_acceleration, note_works, take_step
@@ -94,7 +94,7 @@ def note_contacts(
         note_step(sums, out, k, h, s.force[k], s.gap[k], slack, begin, was, was + h * speed, begin)
 
 
-@jit
+@jit_entry
 def advance_projected(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, w: Weights, c: Corrections, e: float,

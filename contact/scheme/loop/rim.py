@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from contact.compiled import jit, jit_inside
+from contact.compiled import jit, jit_entry, jit_inside
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
 from contact.scheme.loop.leap import FOREVER, PAUSE, Leap, discrete_energy, leap_ahead
@@ -120,7 +120,7 @@ def move(s: ModalState, old: Array, new: Array) -> float:
     return -total(part)  # type: ignore[no-any-return]
 
 
-@jit
+@jit_entry
 def advance_rim(
     s: ModalState, rows: RimRows, leap: Leap, coating: Coating, Q: Array, Q_next: Array, T: Array, averaged: bool,
     damped: bool,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contact.compiled import jit_allocating
+from contact.compiled import jit_entry_allocating
 from contact.record import Samples, Tally
 from contact.scheme.loop.rub_book import book, keep_strain, note, settle
 from contact.scheme.loop.rub_look import look, propagate
@@ -12,7 +12,7 @@ from contact.scheme.loop.rub_state import RubState, work_space
 from contact.scheme.loop.tally import due, store, store_state
 
 
-@jit_allocating
+@jit_entry_allocating
 def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, dim: int, averaged: bool, sums: Tally, out: Samples,
                 h: float, first: int, steps: int) -> int:  # fmt: skip
     """Whole steps: force at phi_n, gap at phi_{n+1}, slip over the step."""

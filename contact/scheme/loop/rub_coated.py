@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from contact.compiled import jit_allocating
+from contact.compiled import jit_allocating, jit_entry_allocating
 from contact.record import Samples, Tally
 from contact.scheme.loop.patch import ROUGH
 from contact.scheme.loop.rub_book import book, keep_strain, note, settle
@@ -19,7 +19,7 @@ from contact.solver.abradable import first_bar, machined, surface, wear
 from contact.solver.abradable_tips import Coats, coating_of, crush_tips
 
 
-@jit_allocating
+@jit_entry_allocating
 def advance_coated(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats, dim: int, averaged: bool, sums: Tally,
                    out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
     """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step."""

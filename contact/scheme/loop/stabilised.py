@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_entry
 from contact.model.arrays import Array
 from contact.record import Samples, Tally
 from contact.scheme.loop.linear import (
@@ -38,7 +38,7 @@ def project(p: Parts, s: State, h: float, law: LawNumbers, jump: Array, opening:
     return True
 
 
-@jit
+@jit_entry
 def advance_stabilised(
     p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
     law: LawNumbers, jump: Array, opening: Array,
