@@ -24,7 +24,7 @@ LOOPS = {
     "one contact": [
         "test_schemes.py", "test_rods.py", "test_wide_bodies.py", "test_rim.py", "test_leap.py", "test_run_many.py",
         "test_run.py", "test_record.py", "test_sweep.py", "test_wear.py", "test_stability.py", "test_cli.py",
-        "test_exact_modal.py", "test_cantilever.py", "test_interaction.py",
+        "test_exact_modal.py", "test_cantilever.py", "test_interaction.py", "test_contact_reports.py",
     ],
 }  # fmt: skip
 

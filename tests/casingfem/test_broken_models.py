@@ -63,7 +63,12 @@ def sound() -> dict[str, object]:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", sound())
+SLOW = "wavy casing"
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name == SLOW else name for name in sound()]
+)
 def test_sound_models_meet_no_doubt(name):
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -60,6 +60,7 @@ def assert_turned(turned, still, angle, tolerance):
     np.testing.assert_allclose(np.mod(off + period / 2, period) - period / 2, 0.0, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_turning_the_field_changes_no_frequency_and_turns_the_shapes(frustum, split_modes):
     """Default mesh: 1e-11."""
     field = FourierField.of({8: 0.002}).rotated(0.3)

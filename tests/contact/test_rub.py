@@ -230,17 +230,18 @@ def test_a_table_profile_is_smooth_and_stays_between_its_points():
     assert profile(0.7 + 2.0 * np.pi) == pytest.approx(profile(0.7), abs=1e-17)
 
 
-def test_a_turning_blade_is_stiffer():
-    """Free modes of diag(omega^2) + Omega^2 K_omega, coupled ones too."""
+@pytest.mark.parametrize("at_hz", [0.0, 60.0])
+def test_a_turning_blade_is_stiffer(at_hz):
+    """Free modes of diag(omega^2) + (Omega^2 - at^2) K_omega, coupled ones too."""
     K_omega = np.array([[1.7, 0.4, 0.0], [0.4, 6.0, 0.2], [0.0, 0.2, 9.0]])
     rub = ct.Rub(
         rim3(), [nodes(1)], tips(1, axial=False), clearance=0.03, speed=ct.Speed.constant(80.0),
-        stiffening=[ct.Stiffening(K_omega=K_omega)], blade_starts=[ct.Start(velocity=[1.0, 0.0, 0.0])],
+        stiffening=[ct.Stiffening(K_omega=K_omega, at_hz=at_hz)], blade_starts=[ct.Start(velocity=[1.0, 0.0, 0.0])],
     )  # fmt: skip
     errors = []
     for h in (1e-5, 5e-6):
         result = ct.run(rub, t_end=0.02, dt=h, record=ct.Record(every=100, state_every=100))
-        omega2, V = np.linalg.eigh(np.diag(rub.blades[0].omega ** 2) + (160.0 * np.pi) ** 2 * K_omega)
+        omega2, V = np.linalg.eigh(np.diag(rub.blades[0].omega ** 2) + 4.0 * np.pi**2 * (80.0**2 - at_hz**2) * K_omega)
         omega, t = np.sqrt(omega2), result.state_time
         exact = (np.sin(np.outer(t, omega)) / omega * V[0]) @ V.T
         undamped = np.abs(result.state_of("blade")[:, 0] - exact[:, 0]).max() / np.abs(exact[:, 0]).max()

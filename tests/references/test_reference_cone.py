@@ -14,12 +14,14 @@ def found(reference):
     return errors(reference("cone_love_ritz_irie_set.csv"))
 
 
+@pytest.mark.slow
 def test_without_shear_and_rotary_inertia_all_880_rows_are_met(found):
     """Worst .06 %: metric, curvature, ends and order of modes are right for every cone."""
     assert len(found) == 880
     assert found.thin.abs().max() < 7e-4
 
 
+@pytest.mark.slow
 def test_the_shell_lies_below_by_what_thin_theory_leaves_out(found):
     """617 rows within .3 %; the rest are short waves on the short wide cones, to -2.2 % (C-C, 60 degrees, m = 2)."""
     assert np.count_nonzero(found.error.abs() < 3e-3) >= 610
