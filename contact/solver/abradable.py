@@ -66,7 +66,7 @@ def worn_by(c: Coating, i: int, cut: float, depth: float) -> float:
     return most
 
 
-@jit
+@jit_entry
 def borne(c: Coating, first: int, cut: float, depth: float) -> tuple[float, float]:
     """Force of the bars under a tip that presses to `depth`, and its slope; nothing flows yet."""
     force, slope = 0.0, 0.0

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit, jit_allocating
+from contact.compiled import jit, jit_entry_allocating
 from contact.model.arrays import Array, Indices
 from contact.solver.abradable import Coating, borne, settled, surface
 from contact.solver.coulomb import friction_forces
@@ -50,7 +50,7 @@ class Coats(NamedTuple):
     cut: Array
 
 
-@jit_allocating
+@jit_entry_allocating
 def coating_of(c: Coats, j: int) -> Coating:
     """The bars that tip j wears, and its own memory."""
     k = c.track[j]
@@ -60,7 +60,7 @@ def coating_of(c: Coats, j: int) -> Coating:
     )  # fmt: skip
 
 
-@jit_allocating
+@jit_entry_allocating
 def crush_tips(c: Coats, tips: Indices, W: Array, b: Array, mu: Array, dim: int, force: Array, depth: Array) -> bool:
     """Improve `force` (d n,) of n tips and find `depth` (n,) so that both laws hold; False where they do not.
 
