@@ -21,7 +21,6 @@ from contact.model.modal_body import ModalBody
 from contact.model.ring_modes import ThinRing, ring_modes
 from contact.record import Record
 from contact.run import Scene
-from contact.scene.coating import contact_law
 from contact.scheme.exact_modal import ExactModal
 from contact.scheme.rub_tracks import track_tips
 
@@ -169,6 +168,8 @@ def _record(table: RecordTable | None, file: Path) -> Record | None:
 
 
 def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
+    from contact.scene.coating import contact_law
+
     problems: list[str] = []
     paths = {"casing.basis": file.parent / table.casing.basis, "blade.basis": file.parent / table.blade.basis}
     casing = _tried(partial(_casing, table, paths["casing.basis"]), file, problems, "casing.basis")
@@ -271,6 +272,8 @@ def _patch(table: PatchFile, file: Path, text: bytes) -> Scene:
 
 
 def _rub(table: RubFile | DiskFile, file: Path, text: bytes) -> Scene:
+    from contact.scene.coating import contact_law
+
     problems: list[str] = []
     what = _tried(lambda: table.rub(file.parent), file, problems)
     law = _tried(lambda: contact_law(table.coating, table.contact.friction), file, problems, "coating")

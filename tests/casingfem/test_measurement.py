@@ -64,7 +64,7 @@ BAD = {
     "no frequencies": ("mode,sigma_hz\n1,2\n", "column 'freq_hz': found no such column"),
     "no mode": ("freq_hz,sigma_hz\n2,1\n", "column 'mode': found no such column"),
     "unknown column": (HEAD.replace("zeta", "colour") + ROW, "column 'colour': found an unknown column"),
-    "column beside its like": (HEAD.replace("zeta", "n_purity") + ROW, "column 'n_purity': .* expected only mode, n,"),
+    "column beside its like": (HEAD.replace("zeta", "n_share") + ROW, "column 'n_share': .* expected only mode, n,"),
     "column twice": (HEAD.replace("zeta", "n") + ROW, "line 1, column 'n': found this column twice"),
     "unnamed column": (HEAD.strip() + ",\n" + ROW.strip() + ",\n", "no name for column 7"),
     "no header": (ROW, "line 1: found numbers"),
