@@ -7,7 +7,7 @@ export MPLBACKEND := Agg
 export OPENBLAS_NUM_THREADS ?= 1
 
 # one process for each core; tests that share what they compute or compile stay together, in the order of conftest.py
-CORES := -n logical --dist loadgroup --no-loadscope-reorder
+CORES := -n logical
 
 .DEFAULT_GOAL := help
 .PHONY: help setup study test fast check bench report clean

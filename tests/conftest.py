@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from xdist.remote import Producer
+from xdist.scheduler import LoadScopeScheduling
 
 from casingfem.modal.modes import Modes, modes
 from casingfem.structure.chart import Frustum
@@ -29,13 +31,27 @@ LOOPS = {
 }  # fmt: skip
 
 
-@pytest.hookimpl(tryfirst=True)
+GROUP = {file: group for group, files in LOOPS.items() for file in files}
+
+
+class Groups(LoadScopeScheduling):
+    """A group of files, or a file, goes to one process. (Nodes of pytest 9.2 lose the marks of `--dist loadgroup`.)"""
+
+    def _split_scope(self, nodeid: str) -> str:
+        file = nodeid.partition("::")[0]
+        return GROUP.get(Path(file).name, file)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Groups:
+    """Groups of tests in the order of the tests, not by their number."""
+    config.option.loadscopereorder = False
+    return Groups(config, log)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Name the group of every test for `--dist loadgroup`; those that compile loops come first."""
-    group_of = {file: group for group, files in LOOPS.items() for file in files}
-    for item in items:
-        item.add_marker(pytest.mark.xdist_group(group_of.get(item.path.name, item.path.stem)))
-    items.sort(key=lambda item: item.path.name not in group_of)
+    """Tests that compile loops come first."""
+    items.sort(key=lambda item: item.path.name not in GROUP)
 
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)

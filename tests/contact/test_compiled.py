@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import LOOPS
+from conftest import LOOPS, Groups
 
 import contact
 from contact.compiled import SOURCES
@@ -99,3 +99,10 @@ def test_a_part_of_a_loop_refuses_python() -> None:
 def test_the_files_that_share_loops_are_there() -> None:
     there = {path.name for path in Path(__file__).parents[1].rglob("test_*.py")}
     assert {file for files in LOOPS.values() for file in files} <= there
+
+
+def test_files_that_share_loops_go_to_one_process_and_others_by_themselves() -> None:
+    scope = object.__new__(Groups)._split_scope
+    assert scope("tests/contact/test_rub.py::test_a[b]") == scope("tests/contact/test_patch.py::test_c")
+    assert scope("tests/contact/test_rub.py::test_a") != scope("tests/contact/test_rim.py::test_a")
+    assert scope("tests/casingfem/test_field.py::test_a") == "tests/casingfem/test_field.py"

@@ -1,0 +1,32 @@
+"""Reports on speed run small: their tables are whole, no time is asserted beyond a limit that any machine meets."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from reports import speed, sweep_speed
+
+
+@pytest.mark.slow
+def test_speed_gives_ratios_and_steps(tmp_path):
+    rows = speed.main(tmp_path, quick=True)
+    steps = pd.read_csv(tmp_path / "speed.csv").set_index("step")
+    assert steps.loc["assemble, 10290 dofs", "over assembly"] == 1.0
+    assert steps.loc["40 modes, perfect casing by harmonics", "seconds"] < steps.loc["40 modes", "seconds"]
+    runs = pd.read_csv(tmp_path / "speed_contact.csv")
+    assert np.all(runs["us/step"] < 50.0)
+    assert len(rows) == len(steps) + len(runs)
+
+
+@pytest.mark.slow
+def test_speed_tables_are_whole_and_leaps_change_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(sweep_speed, "RUNS", 16)
+    rows = sweep_speed.main(tmp_path, quick=True)
+    names = ("us/step alone", "tips", "speed-up alone", "cores")
+    speeds, several, leaps, swept = ([row for row in rows if name in row] for name in names)
+    assert all(row["% of peak flops"] > 0.0 for row in (*speeds, *several))
+    assert len(several) == 9
+    assert speeds[-1]["terms of the rows"] > 1.5 * speeds[0]["terms of the rows"]
+    assert max(row["state differs by"] for row in leaps) <= 1e-12
+    assert leaps[-1]["contact fraction"] < 0.1 < leaps[0]["contact fraction"]
+    assert [row["failed"] for row in swept] == [0, 0]
