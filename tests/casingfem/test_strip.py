@@ -101,13 +101,19 @@ def test_a_foundation_along_a_side_feels_each_strips_wall(steel):
     assert form.D[:, 3, 3].sum() == pytest.approx(1e9 * (0.75 * 0.01**3 + 0.25 * 0.03**3) / 12.0, rel=1e-13)
 
 
+@pytest.fixture(scope="module")
+def uneven(frustum):
+    """A casing of strips with a radius field, and its modes."""
+    mesh = ShellMesh(order=5, rows=(0.0, 0.4, 0.6, 0.96, 1.0), around=9)
+    casing = frustum(strips=STRIPS, mesh=mesh, radius_defect=cf.FourierField.of({8: 0.002, 3: 0.001}))
+    return casing, cf.modes(casing, 6)
+
+
 @pytest.mark.parametrize(
     "name", ["strip.1.thickness", "strip.2.thickness", "strip.2.material.E", "strip.2.material.rho", "material.E"]
 )
-def test_derivatives_equal_central_differences(frustum, name):
-    mesh = ShellMesh(order=5, rows=(0.0, 0.4, 0.6, 0.96, 1.0), around=9)
-    casing = frustum(strips=STRIPS, mesh=mesh, radius_defect=cf.FourierField.of({8: 0.002, 3: 0.001}))
-    found = cf.modes(casing, 6)
+def test_derivatives_equal_central_differences(uneven, name):
+    casing, found = uneven
     exact = np.diag(eigen_derivatives(found, [Parameter(name=name, lower=1e-4, upper=1e12)])[0])
     x = get_value(casing, name)
     plus, minus = (cf.modes(with_value(casing, name, x * (1 + s)), 6).omega ** 2 for s in (1e-4, -1e-4))
