@@ -143,6 +143,7 @@ def test_same_study_twice_gives_the_same_table(study, tmp_path):
     assert (tmp_path / "a" / "modes.csv").read_bytes() == (tmp_path / "b" / "modes.csv").read_bytes()
 
 
+@pytest.mark.slow
 def test_update_judges_itself_when_asked(study):
     result = invoke("update", study, "--json", "--leave-one-out", "--posterior", "laplace")
     document = json.loads(result.stdout)
@@ -172,6 +173,7 @@ def test_update_recovers_what_made_the_table_and_writes_a_study(study, tmp_path)
     assert modes[0]["freq_hz"] == pytest.approx(document["pairs"][0]["after_hz"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_an_error_allowed_to_the_model_widens_sigma(study):
     first = json.loads(invoke("update", study, "--json").stdout)["parameters"][1]["sigma"]
     study.write_text(study.read_text().replace('table = "table.csv"', 'table = "table.csv"\nmodel_error = 0.01'))

@@ -97,6 +97,7 @@ def test_the_line_of_low_comac_stays_a_line(folder):
     assert re.fullmatch(r"COMAC below 0.9: sensors (\d+, ){11}\d+ and \d+ more", line), line
 
 
+@pytest.mark.slow
 def test_locate_names_the_bolt_or_the_opposite_one(folder, tmp_path):
     result = invoke(
         "locate", folder / "casing.toml", folder / "loose.csv", "--baseline", folder / "tight.csv",
@@ -111,6 +112,7 @@ def test_locate_names_the_bolt_or_the_opposite_one(folder, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"located.json", "located.png"}
 
 
+@pytest.mark.slow
 def test_computed_modes_go_to_locate_and_correlate_as_they_are(folder, tmp_path):
     text = STUDY.replace("k_rot = 1e6", "k_rot = 1e6\nloose = [{bolt = 4, factor = 0.2}]")
     (tmp_path / "loose.toml").write_text(text, encoding="utf-8")

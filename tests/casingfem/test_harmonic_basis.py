@@ -45,6 +45,7 @@ def test_static_push_does_not_depend_on_the_modes_kept(orders):
     assert scaled_difference(few.compliance, many.compliance)[0] < 1e-10
 
 
+@pytest.mark.slow
 def test_agrees_with_the_two_dimensional_reduction():
     shell, rim = casing(), cf.Rim("top", n_max=14)
     plane, ring = cf.reduce(shell, rim, modes=30), harmonic_basis(shell, rim, orders=2)
@@ -67,6 +68,7 @@ def test_orders_may_depend_on_n():
     assert len(basis) == 2 + 2 * 2  # n = 0 holds a radial and a torsional motion
 
 
+@pytest.mark.slow
 def test_an_edge_held_in_its_own_frame():
     shell = casing(supports={"base": cf.ShearDiaphragm(), "top": cf.ElasticEdge(k_r=1e8)})
     plane, ring = cf.reduce(shell, RIM, modes=10), harmonic_basis(shell, RIM, orders=2)

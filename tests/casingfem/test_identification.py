@@ -54,6 +54,7 @@ def test_finds_every_member_of_split_pairs_and_nothing_else(drives):
     assert np.all(np.abs(found.freq - rig.freq) < 5 * found.sigma_freq)
 
 
+@pytest.mark.slow
 def test_intervals_of_frequency_and_damping_hold():
     """64 members of pairs .5 to 3 bandwidths apart: at 95 % fewer than 53 hold, of either, in 1 of 1000 runs."""
     rng, sigmas = np.random.default_rng(SEED), []

@@ -54,6 +54,7 @@ def test_the_sense_of_the_meridian_does_not_matter():
     np.testing.assert_allclose(*found, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_symmetry_plane_of_a_closed_shell_keeps_its_even_modes():
     whole = shell(
         cf.Cylinder(radius=0.3, height=0.4),

@@ -43,6 +43,7 @@ def fit(frustum):
     )
 
 
+@pytest.mark.slow
 def test_macs_rise_and_the_lying_sensor_is_named(fit):
     found = shape_fit(fit)
     assert fit.value[0] == pytest.approx(0.4, abs=4.0 * fit.sigma[0])

@@ -112,6 +112,7 @@ def test_the_same_file_twice_is_the_same_to_the_last_bit(study):
     assert not np.array_equal(one.frfs.responses, other.frfs.responses)
 
 
+@pytest.mark.slow
 def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_path):
     out = tmp_path / "out"
     path = study(CASING + BURST + "keep_records = true\n" + SCAN)

@@ -106,6 +106,7 @@ def test_residuals_are_weighted_by_their_sigma(casing):
     assert len(found) == COUNT
 
 
+@pytest.mark.slow
 def test_split_vector_jacobian_at_a_perfect_start(frustum):
     """No split, no angle: the vector is still linear in cos and sin of 2 n theta, through zero."""
     shell = frustum(mesh=ShellMesh(order=6, rows=1, around=17), radius_defect=FourierField.of({8: (0.0, 0.0)}))

@@ -93,6 +93,7 @@ def test_takes_no_radius_defect(steel):
         BLADE.surface(A, B, field.derivatives(A, B))
 
 
+@pytest.mark.slow
 def test_thin_plates_are_within_half_a_per_cent_of_3d(reference):
     """75 of 80; the others, torsion of strongly twisted square plates, up to 1.11 %: see the next test."""
     table = reference("twisted_plate_3d.csv")

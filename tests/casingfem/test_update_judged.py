@@ -140,6 +140,7 @@ def test_left_out_rows_are_predicted_as_well_as_their_sigma_says(fit):
     assert "predicted without themselves" in repr(left)
 
 
+@pytest.mark.slow
 def test_a_left_out_row_is_not_used():
     """One frequency wrong by 3 %: the others, and the fit without it, know where it belongs."""
     clean = table()

@@ -72,6 +72,7 @@ def test_derivatives_equal_central_differences(frustum, name):
     assert np.abs(exact - numeric).max() < 1e-4 * np.abs(numeric).max()
 
 
+@pytest.mark.slow
 def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
     truth = casing(frustum, c8=0.0025)
     start = with_value(casing(frustum), "support.base.around.p3.cos", 0.3)

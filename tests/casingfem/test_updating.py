@@ -74,6 +74,7 @@ def true_values(frustum):
 # --- twins ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_without_noise_every_parameter_is_recovered_to_1e_5(frustum, exact_fit):
     fit, _ = exact_fit
     np.testing.assert_allclose(fit.value, true_values(frustum), rtol=1e-5)
@@ -101,6 +102,7 @@ def deviations(frustum, measured, seed):
     return (np.array(internal[0]) - np.array(internal[1])) / fit.sigma, fit
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [101, 202, 303])
 def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured, seed):
     deviation, fit = deviations(frustum, measured, seed)

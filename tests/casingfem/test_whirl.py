@@ -67,6 +67,7 @@ def test_ring_waves_reach_the_closed_form_with_the_speed_squared():
     assert gaps[1] / gaps[0] == pytest.approx(16.0, rel=0.35)
 
 
+@pytest.mark.slow
 def test_rows_of_rotation_pass():
     assert {row["verdict"] for row in verify_rotation.rows(quick=True)} == {"pass"}
 
@@ -84,6 +85,7 @@ def test_counts_out_of_reach_are_refused(casing):
         cf.whirl_modes(casing, 0)
 
 
+@pytest.mark.slow
 def test_report_prints_a_campbell_table(tmp_path, capsys):
     verify_rotation.main(tmp_path, quick=True)
     assert "Southwell" in capsys.readouterr().out

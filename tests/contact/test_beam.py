@@ -34,6 +34,7 @@ def before_and_after():
     return stepper, start, out, steps
 
 
+@pytest.mark.slow
 def test_first_contact_is_where_and_when_a_rigid_beam_meets_the_circle(before_and_after):
     _, _, out, _ = before_and_after
     first = int(np.flatnonzero(out.force[:, -1] > 0.0)[0])
@@ -43,6 +44,7 @@ def test_first_contact_is_where_and_when_a_rigid_beam_meets_the_circle(before_an
     assert not out.force[:first].any()
 
 
+@pytest.mark.slow
 def test_nothing_leaves_the_circle_and_only_closed_gaps_press(before_and_after):
     stepper, _, out, _ = before_and_after
     nodes = out.state.reshape(len(out.state), -1, 3)
@@ -53,6 +55,7 @@ def test_nothing_leaves_the_circle_and_only_closed_gaps_press(before_and_after):
     assert out.force.max() > 0.0
 
 
+@pytest.mark.slow
 def test_energy_equals_the_work_of_the_torque_before_contact():
     stepper = prepare_beam(CIRCLE, None, 0.2)  # the torque hits the light hinge node at once: an error of h^2
     start = stepper.stored()
@@ -63,6 +66,7 @@ def test_energy_equals_the_work_of_the_torque_before_contact():
     assert end.kinetic == pytest.approx(work, rel=1e-2)  # nearly all of it
 
 
+@pytest.mark.slow
 def test_the_ledger_and_angular_momentum_balance_to_round_off(before_and_after):
     stepper, start, _, steps = before_and_after
     end = stepper.stored()
@@ -73,6 +77,7 @@ def test_the_ledger_and_angular_momentum_balance_to_round_off(before_and_after):
     assert impulse < 0.0
 
 
+@pytest.mark.slow
 def test_contact_takes_energy_and_never_gives_it(before_and_after):
     stepper = before_and_after[0]
     assert -0.2 * stepper.stored().kinetic < stepper.sums.work.sum() < 0.0
@@ -90,6 +95,7 @@ def test_implicit_newmark_agrees_with_the_explicit_impulse(before_and_after):
     assert stepper.sums.penetration.max() <= 1e-12
 
 
+@pytest.mark.slow
 def test_a_run_through_the_front_door_reports_it():
     result = ct.run(CIRCLE, t_end=0.5, courant=0.5, record=ct.Record(every=1000))
     assert len(result.intervals[-1]) > 0

@@ -73,6 +73,7 @@ def test_one_tip_is_the_blade_before_a_rim(mu):
         rub_contact(replace(one, casing=ring(imperfect=0.05)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("speed_hz", "grows"), [(86.65, True), (84.0, False)])
 def test_runs_grow_as_the_poles_say(speed_hz, grows):
     rub = two_dimensional(*pairs(), blades=22, stiffness=1e4, press=1e-3, speed_hz=speed_hz, velocity=1e-6)
@@ -89,6 +90,7 @@ def test_runs_grow_as_the_poles_say(speed_hz, grows):
         assert abs(rate) < 1.0
 
 
+@pytest.mark.slow
 def test_the_mistuned_scene_opens_its_tips():
     scene = ct.load_scene(SCENE)
     result = ct.run(scene, t_end=0.5)
@@ -99,6 +101,7 @@ def test_the_mistuned_scene_opens_its_tips():
     assert last > 2.0 * first
 
 
+@pytest.mark.slow
 def test_a_split_casing_from_a_file_is_taken(tmp_path):
     """As an updated casing has its doublets apart."""
     ring(imperfect=0.05).save(tmp_path / "casing.npz")

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import LOOPS, Groups
+from conftest import PLACE, Groups
 
 import contact
 from contact.compiled import SOURCES
@@ -96,9 +96,9 @@ def test_a_part_of_a_loop_refuses_python() -> None:
         scalar_force(1.0, 1.0)
 
 
-def test_the_files_that_share_loops_are_there() -> None:
+def test_the_files_that_go_first_are_there() -> None:
     there = {path.name for path in Path(__file__).parents[1].rglob("test_*.py")}
-    assert {file for files in LOOPS.values() for file in files} <= there
+    assert set(PLACE) <= there
 
 
 def test_files_that_share_loops_go_to_one_process_and_others_by_themselves() -> None:

@@ -44,9 +44,10 @@ KINDS = {
     **{method.name: rods(method) for method in methods(50.0)},
     "forward law": modal("forward"), "energy law": modal("energy"), "rim": rim, "patch": patch, "linear body": tree,
 }  # fmt: skip
+COLD = ("patch",)  # takes long to compile
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind in COLD)) for kind in KINDS])
 def test_instants_and_channels_are_what_a_full_record_holds_there(kind, monkeypatch):
     make = KINDS[kind]
     whole = make(record=ct.Record(state_every=1))

@@ -33,6 +33,7 @@ def one_tip(*, S=1e-8, imperfect=0.0, speed_hz=5.0):
     return rim, rub
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("S", [0.0, 1e-8])
 @pytest.mark.parametrize("imperfect", [0.0, 0.05])
 @pytest.mark.parametrize("mu", [0.0, 0.2])
@@ -106,6 +107,7 @@ def lcp(W, b):
     raise AssertionError("no solution")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mu", "speed_hz"), [(0.0, 7.0), (0.25, 7.0), (0.0, 1e-3), (0.5, 1e-3)])
 def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz):
     """Two blades with two tip nodes each on two rim lines, everything coupled with everything."""
@@ -131,6 +133,7 @@ def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz
         assert sum(end - start for pairs in result.sticking for start, end in pairs) > 10 * h
 
 
+@pytest.mark.slow
 def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
     """Drag R Omega t of a blade of tangential stiffness k pressed on with N: force k R Omega t up to mu N."""
     flap, span, delta, mu, R = 2.0 * np.pi * 400.0, 2.0 * np.pi * 3000.0, 2e-6, 0.2, 0.45
@@ -167,6 +170,7 @@ def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
     assert result.notes.heat[0] == pytest.approx(mu * N * drag * (2.0 * slips - end), rel=2e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.2])
 def test_the_energy_identity_of_the_moving_contact_closes_with_the_step(mu):
     """With S > 0 no impact loses energy: what remains of the gap's work falls with the step."""
@@ -189,6 +193,7 @@ def test_the_energy_identity_of_the_moving_contact_closes_with_the_step(mu):
         assert slip[1] <= 0.6 * slip[0]
 
 
+@pytest.mark.slow
 def test_the_rigid_gap_follows_its_laws():
     """No contact: clearance, profile, closing, whirl and a ramp of the speed, from their definitions."""
     theta = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
@@ -230,6 +235,7 @@ def test_a_table_profile_is_smooth_and_stays_between_its_points():
     assert profile(0.7 + 2.0 * np.pi) == pytest.approx(profile(0.7), abs=1e-17)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("at_hz", [0.0, 60.0])
 def test_a_turning_blade_is_stiffer(at_hz):
     """Free modes of diag(omega^2) + (Omega^2 - at^2) K_omega, coupled ones too."""
@@ -251,6 +257,7 @@ def test_a_turning_blade_is_stiffer(at_hz):
     assert max(errors) <= 0.05  # damping of .2 % over 14 ms
 
 
+@pytest.mark.slow
 def test_deflection_beyond_linear_theory_is_flagged():
     rub = ct.Rub(rim3(), [nodes(2)], tips(2), clearance=-5e-5, speed=ct.Speed.constant(5.0), thickness=1e-5)
     result = ct.run(rub, law=ct.Coulomb(mu=0.2), t_end=0.01, dt=2e-5)
@@ -260,6 +267,7 @@ def test_deflection_beyond_linear_theory_is_flagged():
     assert thick.flags == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.2])
 def test_recovered_surfaces_touch(mu):
     """Clearance + profile + u_r(phi) - n.u_tip = 0 at closed tips, with the residual term of every force."""

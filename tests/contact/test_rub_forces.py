@@ -50,6 +50,7 @@ def answer(body, load, t):
     return solve_ivp(rate, (0.0, t[-1]), np.zeros(2 * m), t_eval=t, rtol=1e-5, atol=1e-9, method="DOP853").y[:m].T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turning", ["blades", "casing"])
 def test_gravity_on_what_turns_is_a_steady_oscillation_of_the_exact_amplitude(turning):
     """Whoever turns sees gravity go round: q = Re F e^(i W t)/(w^2 - W^2 + 2 i z w W); the other sags and stays."""
@@ -78,6 +79,7 @@ def test_gravity_on_what_turns_is_a_steady_oscillation_of_the_exact_amplitude(tu
     assert abs(result.energy.unaccounted) <= 1e-11 * result.energy.scale
 
 
+@pytest.mark.slow
 def test_a_settled_rub_stays_where_gravity_holds_it():
     """Speed 0: q = P^T a/w^2 from the first step to the last; from zero it gets there by its damping."""
     still = rub([ct.BodyForce.gravity(turning="blades", axial=-3.0)], hz=0.0, angle=0.0, lean=0.0)
@@ -91,6 +93,7 @@ def test_a_settled_rub_stays_where_gravity_holds_it():
     assert np.abs(later - exact).max() <= 1e-4 * np.abs(exact).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("on", "turning"), [("casing", "blades"), ("blades", "casing"), ("blades", "blades")])
 def test_an_unbalance_that_runs_up_is_the_acceleration_of_its_frame(on, turning):
     """The second derivative of where the frame's origin is, by differences: w^2 r, w' r and who turns."""
@@ -122,6 +125,7 @@ def test_an_unbalance_that_runs_up_is_the_acceleration_of_its_frame(on, turning)
     assert np.abs(result.state_of(other)).max() == 0.0
 
 
+@pytest.mark.slow
 def test_energy_of_gravity_has_its_own_entry_and_the_ledger_closes_with_contact():
     """In a rub too; a settled undamped body that nothing touches gets as much as it stores, half of it at rest."""
     pressed = rub(

@@ -9,6 +9,7 @@ import contact as ct
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
 RUNS = sorted(set(SCENES.glob("*.toml")) - {SCENES / "pair.toml"})  # a pair has poles and no run
+COLD = {"beam_in_ring.toml", "bladed_disk.toml", "coulomb_oscillator.toml", "rotating_beam.toml"}  # to compile
 IMPULSE = {
     "two_rods.toml": 1.4842, "two_rods_sweep.toml": 1.4842,
     "rod_on_wall.toml": 200.0, "bouncing_bar.toml": 533.333, "mass_on_rod.toml": 1.687619,
@@ -69,7 +70,9 @@ def problems(tmp_path, text):
     return caught.value.problems
 
 
-@pytest.mark.parametrize("file", RUNS, ids=lambda file: file.name)
+@pytest.mark.parametrize(
+    "file", [pytest.param(file, marks=[pytest.mark.slow] * (file.name in COLD), id=file.name) for file in RUNS]
+)
 def test_shipped_scenes_run(file):
     result = ct.run(ct.load_scene(file))
     if file.name in BEAMS:
@@ -231,6 +234,7 @@ def test_schema_is_there_for_every_kind():
 BEAM = (SCENES / "beam_in_ring.toml").read_text().replace("t_end = 0.4", "t_end = 0.36").replace("= 10\n", "= 5\n")
 
 
+@pytest.mark.slow
 def test_a_beam_in_a_ring_runs_from_its_file(tmp_path):
     (tmp_path / "scene.toml").write_text(BEAM)
     scene = ct.load_scene(tmp_path / "scene.toml")

@@ -14,6 +14,7 @@ SCENES = Path(__file__).parents[2] / "data" / "scenes"
 OSCILLATOR = (SCENES / "coulomb_oscillator.toml").read_text()
 
 
+@pytest.mark.slow
 def test_the_shipped_oscillator_rests_where_and_when_the_closed_form_says():
     result = ct.run(ct.load_scene(SCENES / "coulomb_oscillator.toml"))
     x = result.state[:, 0]
@@ -24,6 +25,7 @@ def test_the_shipped_oscillator_rests_where_and_when_the_closed_form_says():
     assert result.energy.friction == pytest.approx(-0.5, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_command_line_runs_it():
     done = CliRunner().invoke(main, ["contact", str(SCENES / "coulomb_oscillator.toml"), "--json"])
     assert done.exit_code == 0
@@ -44,6 +46,7 @@ def of_basis(folder, contacts, more=""):
     return ct.load_scene(file)
 
 
+@pytest.mark.slow
 def test_a_basis_file_in_a_plane_dragged_by_the_ground(tmp_path):
     contact = '[[contact]]\nnormal = "n"\ntangent = ["s", "t"]\nslide = [0.1, -0.2]\nclearance = 0.01\n'
     scene = of_basis(tmp_path, contact, "[ground]\nfriction = 0.4")

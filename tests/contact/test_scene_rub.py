@@ -70,6 +70,7 @@ def write(tmp_path):
     return written
 
 
+@pytest.mark.slow
 def test_the_file_is_the_rub(write):
     scene = ct.load_scene(write())
     rub = scene.what
@@ -168,6 +169,7 @@ tip = 6e-3
 """
 
 
+@pytest.mark.slow
 def test_a_coating_of_the_file_wears(write):
     scene = ct.load_scene(write(RUB + COATING + "bars = 3\nmachined = 1e-5\n"))
     given = {"yield_stress": 2e4, "hardening": 1e6, "thickness": 1e-3, "width": 8e-3, "tip": 6e-3}
@@ -208,6 +210,7 @@ def test_broken_coatings(write, old, new, words):
     assert "scene.toml" in str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_coated_disk_wears_one_track(tmp_path):
     text = (SCENES.parent / "bladed_disk.toml").read_text().replace("t_end = 0.5", "t_end = 0.02")
     (tmp_path / "disk.toml").write_text(text + COATING.replace("1e-3", "2e-3"))
@@ -217,6 +220,7 @@ def test_a_coated_disk_wears_one_track(tmp_path):
     assert abs(result.wear.residual) <= 1e-12
 
 
+@pytest.mark.slow
 def test_the_shipped_coating_prints_its_wear_and_draws_it(write, tmp_path):
     """On made-up bases of five places, which are soft; one turn."""
     import json

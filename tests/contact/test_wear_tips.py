@@ -27,6 +27,7 @@ def one_blade(*angles, S=1e-8, speed_hz=5.0, **options):
     return ct.Rub(ring(S=S, zeta=0.01), bodies, stand, speed=ct.Speed.constant(speed_hz), **given)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("S", "mu", "machined"), [(1e-8, 0.1, 0.0), (1e-8, 0.0, 3e-5), (0.0, 0.1, 3e-5)])
 def test_one_tip_is_the_rotating_rim(S, mu, machined):
     law, clearance = coating(mu=mu, machined=machined), -2e-5 - 0.5 * machined
@@ -69,6 +70,7 @@ def coupled(rng):
     return coats, W, b.ravel(), rng.choice([0.0, 0.1, 0.3]) * np.ones(K), dim
 
 
+@pytest.mark.slow
 def test_forces_and_depths_of_coupled_tips_obey_both_laws():
     """Depth = -gap, force = what the bars bear there, friction in its cone and against the slip."""
     rng, met = np.random.default_rng(17), set()
@@ -93,6 +95,7 @@ def test_forces_and_depths_of_coupled_tips_obey_both_laws():
     assert met >= {(True, True), (False, False)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("deeper", [5e-6, -5e-6])
 def test_two_blades_wear_one_track_and_the_second_cuts_what_the_first_left(deeper):
     """Nothing but S yields: a tip of n bars at their yield force leaves w = -g - S n Y - Y/k, exactly."""
@@ -122,6 +125,7 @@ def test_two_blades_wear_one_track_and_the_second_cuts_what_the_first_left(deepe
     assert abs(track.residual) <= 1e-12
 
 
+@pytest.mark.slow
 def test_each_place_along_the_tip_wears_its_own_track():
     """Two blades with three places each: the k-th of both share the k-th track; the sums close for each."""
     rub = ct.Rub(
@@ -148,6 +152,7 @@ def test_each_place_along_the_tip_wears_its_own_track():
     assert result.to_dict()["coating"][1]["contacts"] == [2, 5]
 
 
+@pytest.mark.slow
 def test_at_rest_what_the_contact_takes_is_what_the_bars_took():
     """Omega = 0: work along the gap = energy dissipated by the bars + elastic energy, exactly as the step falls."""
     left = []
@@ -162,6 +167,7 @@ def test_at_rest_what_the_contact_takes_is_what_the_bars_took():
     assert left[1] <= 0.6 * left[0] <= 0.006
 
 
+@pytest.mark.slow
 def test_a_saved_result_keeps_its_tracks(tmp_path):
     rub = ct.Rub(rim3(), [nodes(2)], tips(2), clearance=-3e-5, speed=ct.Speed.constant(7.0))
     result = ct.run(rub, law=coating(), t_end=0.01, dt=4e-5)
@@ -172,6 +178,7 @@ def test_a_saved_result_keeps_its_tracks(tmp_path):
     assert again.wear.volume == result.wear.volume
 
 
+@pytest.mark.slow
 def test_a_disk_wears_one_track_with_all_its_tips():
     disk = ct.BladedDisk(blades=6, freq_hz=100.0, modal_mass=0.4, coupling=0.05, compliance=1e-7, lean_deg=20.0)
     rub = ct.Rub(ring(), [disk.body()], disk.tips(), clearance=-3e-5, speed=ct.Speed.constant(5.0))

@@ -16,6 +16,7 @@ def thin(reference):
     return errors(table[table.h_over_R <= 0.02])
 
 
+@pytest.mark.slow
 def test_one_mesh_serves_the_table(thin):
     """384 of 390 rows within .1 % of 3-D, all within .19 %: the rest are the shortest waves (h/R = .02, L/R = .5,
     m = 2), where first-order shear theory itself ends."""
