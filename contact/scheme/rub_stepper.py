@@ -74,27 +74,21 @@ class RubStepper:
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
-        failed = self._plain(out, first, steps) if self.worn is None else self._coated(*self.worn, out, first, steps)
+        if self.worn is None:
+            failed = self._some(None, out, first, steps)
+        else:
+            tracks, coats = self.worn
+            failed = tracks.watch(self.dt, first, steps, lambda start, count: self._some(coats, out, start, count))
         self.steps[0] = first + steps
         return failed
 
-    def _plain(self, out: Samples, first: int, steps: int) -> int:
+    def _some(self, coats: Coats | None, out: Samples, first: int, steps: int) -> int:
         from contact.scheme.loop.rub import advance_rub
 
         return advance_rub(
-            self.state, self.laws, self.rows, self.dimensions, self.averaged, self.sums, out, self.dt, first, steps
-        )
-
-    def _coated(self, tracks: Tracks, coats: Coats, out: Samples, first: int, steps: int) -> int:
-        from contact.scheme.loop.rub_coated import advance_coated
-
-        def some(start: int, count: int) -> int:
-            return advance_coated(
-                self.state, self.laws, self.rows, coats, self.dimensions, self.averaged, self.sums, out, self.dt, start,
-                count,
-            )  # fmt: skip
-
-        return tracks.watch(self.dt, first, steps, some)
+            self.state, self.laws, self.rows, coats, self.dimensions, self.averaged, self.sums, out, self.dt, first,
+            steps,
+        )  # fmt: skip
 
     def wear(self) -> tuple[Wear, ...]:
         """What each track of a coating has lost so far; none without one."""
@@ -199,12 +193,13 @@ def _rows(rub: Rub, system: RubSystem, parts: Propagator, dimensions: int) -> Ru
     full = rim.harmonic.size > FULL * (top + 1) * m
     empty = np.zeros((0, 0, 0))
     size = np.hypot(rim.cos, rim.sin)[:: system.directions]
+    _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
     reach = np.stack([np.bincount(np.repeat(np.arange(m), np.diff(rim.start)), line, m) for line in size])
     return RubRows(
         start=rim.start, harmonic=rim.harmonic, cos=rim.cos, sin=rim.sin,
         cos_table=rim.by_harmonic(rim.cos) if full else empty, sin_table=rim.by_harmonic(rim.sin) if full else empty,
         reach=np.asarray(reach, float), directions=system.directions, line=system.line,
-        radius=system.radius, angle=system.angle,
+        place=place.reshape(-1).astype(np.int64), radius=system.radius, angle=system.angle,
         clearance=system.clearance, blade=system.blade_rows, own=system.own, fixed=blade_delassus(system, parts),
         S_harmonic=system.S_harmonic, S_cos=system.S_cos, S_sin=system.S_sin,
         waves=np.zeros((2, max(top, profile.degree) + 1)),

@@ -13,12 +13,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from contact.compiled import jit, jit_entry_allocating
 from contact.model.arrays import Array, Indices
 from contact.solver.abradable import Coating, borne, settled, surface
 from contact.solver.coulomb import friction_forces
+from contact.solver.dense import affine
 from contact.solver.friction_newton import TOLERANCE
 from contact.solver.gliding import glide
 
@@ -66,7 +65,8 @@ def crush_tips(c: Coats, tips: Indices, W: Array, b: Array, mu: Array, dim: int,
 
     Nothing flows yet.
     """
-    soft, short, trial, u = W.copy(), b.copy(), force.copy(), np.dot(W, force) + b
+    soft, short, trial, u = W.copy(), b.copy(), force.copy(), b.copy()
+    affine(W, force, b, u)
     part, last = 1.0, math.inf
     for step in range(MOST):
         miss, size = 0.0, 0.0
@@ -96,7 +96,7 @@ def crush_tips(c: Coats, tips: Indices, W: Array, b: Array, mu: Array, dim: int,
             return False
         for i in range(force.size):
             force[i] = trial[i] if part == 1.0 else force[i] + part * (trial[i] - force[i])
-        u[:] = np.dot(W, force) + b
+        affine(W, force, b, u)
     return False
 
 

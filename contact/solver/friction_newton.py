@@ -16,12 +16,13 @@ import math
 
 import numpy as np
 
-from contact.compiled import jit_allocating
-from contact.model.arrays import Array
+from contact.compiled import jit, jit_allocating
+from contact.model.arrays import Array, Indices
+from contact.solver.dense import affine, solve_in_place
 
 TOLERANCE = 1e-12  # of the largest force
 MOST_ITERATIONS = 50  # Newton steps and bursts of sweeps together
-SWEEPS = 20  # Gauss-Seidel sweeps in a burst
+SWEEPS, ROUGHLY = 8, 1e-3  # Gauss-Seidel sweeps in a burst, and how closely each contact is solved: a start is wanted
 HAIR = 1e-11  # regularisation of Newton's matrix, whose entries are of order one
 HALVINGS = 8
 LEAPS = 8
@@ -36,9 +37,15 @@ def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, 
     """
     size = b.size
     rho, miss, u = np.zeros((mu.size, 2)), np.zeros(size), np.zeros(size)
-    J, trial, trial_miss, base = np.zeros((size, size)), np.zeros(size), np.zeros(size), np.zeros(size)
     steps_in(W, dim, rho)
     found = law_residual(W, b, mu, rho, dim, force, u, miss)
+    scale = force_scale(b, rho, dim, force)
+    if found <= TOLERANCE * scale:
+        release(rho, dim, u, force)
+        return 0, found / scale if scale > 0.0 else found
+    J, step = np.zeros((size, size)), np.zeros(size)
+    closed, space = np.zeros(size, dtype=np.int64), np.zeros(size * (size + 1))
+    trial, trial_miss, base = np.zeros(size), np.zeros(size), np.zeros(size)
     leaps, sweeps = 0, SWEEPS
     for iteration in range(MOST_ITERATIONS + 1):
         scale = force_scale(b, rho, dim, force)
@@ -47,10 +54,8 @@ def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, 
             return iteration, found / scale if scale > 0.0 else found
         if leaps == 0:
             base[:] = force
-        law_slope(W, mu, rho, dim, force, u, J)
-        for i in range(size):
-            J[i, i] += HAIR
-        step = np.linalg.solve(J, miss)
+        n = law_slope(W, mu, rho, dim, force, u, J, closed)
+        newton_step(J, closed, n, miss, space, step)
         part = 1.0
         for _ in range(1 if leaps > 0 else HALVINGS):
             for i in range(size):
@@ -72,7 +77,7 @@ def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, 
     return MOST_ITERATIONS, found
 
 
-@jit_allocating
+@jit
 def release(rho: Array, dim: int, u: Array, force: Array) -> None:
     """Set what is left of the forces in open contacts to zero."""
     for k in range(rho.shape[0]):
@@ -82,7 +87,7 @@ def release(rho: Array, dim: int, u: Array, force: Array) -> None:
                 force[j] = 0.0
 
 
-@jit_allocating
+@jit
 def steps_in(W: Array, dim: int, rho: Array) -> None:
     """Step lengths of each contact: 1/W_NN, 1/(largest eigenvalue of the tangential block)."""
     for k in range(rho.shape[0]):
@@ -97,7 +102,7 @@ def steps_in(W: Array, dim: int, rho: Array) -> None:
         rho[k, 1] = 1.0 / top
 
 
-@jit_allocating
+@jit
 def force_scale(b: Array, rho: Array, dim: int, force: Array) -> float:
     """The largest force there is, or that a free step's gap alone would ask for; friction follows the latter.
 
@@ -111,10 +116,10 @@ def force_scale(b: Array, rho: Array, dim: int, force: Array) -> float:
     return scale
 
 
-@jit_allocating
+@jit
 def law_residual(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array, miss: Array) -> float:
     """Fill u = W force + b and `miss` = F; returns |F|."""
-    u[:] = np.dot(W, force) + b
+    affine(W, force, b, u)
     total = 0.0
     for k in range(mu.size):
         i = k * dim
@@ -134,50 +139,74 @@ def law_residual(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Arr
     return math.sqrt(total)
 
 
-@jit_allocating
-def law_slope(W: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array, J: Array) -> None:
-    """Fill J = dF/dforce (a member of the generalised derivative)."""
-    size = force.size
-    J[:] = 0.0
-    t = np.zeros(2)
+@jit
+def law_slope(W: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array, J: Array, closed: Indices) -> int:
+    """Rows of dF/dforce (a member of the generalised derivative) for what presses, one below the other, into J.
+
+    Returns how many; `closed` says which. The others' rows are those of the unit matrix.
+    """
+    n = 0
     for k in range(mu.size):
         i = k * dim
         normal = force[i] - rho[k, 0] * u[i]
         if normal <= 0.0:
-            for j in range(i, i + dim):
-                J[j, j] = 1.0
             continue
-        for m in range(size):
-            J[i, m] = rho[k, 0] * W[i, m]
-        length = 0.0
-        for j in range(dim - 1):
-            t[j] = force[i + 1 + j] - rho[k, 1] * u[i + 1 + j]
-            length += t[j] * t[j]
-        length = math.sqrt(length)
+        for j in range(i, i + dim):
+            closed[n + j - i] = j
+        for m in range(force.size):
+            J[n, m] = rho[k, 0] * W[i, m]
+        first = n
+        n += dim
+        t1, t2 = 0.0, 0.0
+        if dim > 1:
+            t1 = force[i + 1] - rho[k, 1] * u[i + 1]
+        if dim > 2:
+            t2 = force[i + 2] - rho[k, 1] * u[i + 2]
+        length = math.hypot(t1, t2)
         if length <= mu[k] * normal:
-            for j in range(i + 1, i + dim):
-                for m in range(size):
-                    J[j, m] = rho[k, 1] * W[j, m]
+            for j in range(1, dim):
+                for m in range(force.size):
+                    J[first + j, m] = rho[k, 1] * W[i + j, m]
             continue
-        part = mu[k] * normal / length
-        for j in range(dim - 1):
-            t[j] /= length
-        for j in range(dim - 1):
-            row = i + 1 + j
-            for m in range(size):  # d s_N = e_N - rho_N W_N
-                J[row, m] = mu[k] * t[j] * rho[k, 0] * W[i, m]
-            J[row, i] -= mu[k] * t[j]
-            for other in range(dim - 1):  # (1 - t t^T) part (d force_T - rho_T W_T)
-                across = part * ((1.0 if j == other else 0.0) - t[j] * t[other])
-                for m in range(size):
-                    J[row, m] += across * rho[k, 1] * W[i + 1 + other, m]
-                J[row, i + 1 + other] -= across
-            J[row, row] += 1.0
+        part, t1, t2 = mu[k] * normal / length, t1 / length, t2 / length
+        for j in range(1, dim):  # d s_N = e_N - rho_N W_N, (1 - t t^T) part (d force_T - rho_T W_T)
+            t = t1 if j == 1 else t2
+            a1, a2 = part * ((1.0 if j == 1 else 0.0) - t * t1), part * ((1.0 if j == 2 else 0.0) - t * t2)
+            for m in range(force.size):
+                J[first + j, m] = mu[k] * t * rho[k, 0] * W[i, m] + a1 * rho[k, 1] * W[i + 1, m]
+            J[first + j, i] -= mu[k] * t
+            J[first + j, i + 1] -= a1
+            if dim > 2:
+                for m in range(force.size):
+                    J[first + j, m] += a2 * rho[k, 1] * W[i + 2, m]
+                J[first + j, i + 2] -= a2
+            J[first + j, i + j] += 1.0
+    return n
+
+
+@jit
+def newton_step(J: Array, closed: Indices, n: int, miss: Array, space: Array, step: Array) -> None:
+    """Solve J step = miss, what does not press first; NaN where J is singular."""
+    inside, short = space[: n * n].reshape(n, n), space[n * n : n * n + n]
+    for m in range(step.size):
+        step[m] = miss[m]
+    for a in range(n):
+        step[closed[a]] = 0.0
+    for a in range(n):
+        short[a] = miss[closed[a]]
+        for m in range(step.size):
+            short[a] -= J[a, m] * step[m]
+        for b in range(n):
+            inside[a, b] = J[a, closed[b]]
+        inside[a, a] += HAIR
+    solved = solve_in_place(inside, short)
+    for a in range(n):
+        step[closed[a]] = short[a] if solved else math.nan  # no step: sweeps follow
 
 
 @jit_allocating
 def sweep(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Array) -> None:
-    """One nonlinear Gauss-Seidel sweep: each contact solved exactly with the others' forces held."""
+    """One nonlinear Gauss-Seidel sweep: each contact solved with the others' forces held."""
     size = force.size
     q = np.zeros(3)
     for k in range(mu.size):
@@ -193,9 +222,9 @@ def sweep(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Array) -> 
         one_contact(W, i, dim, q, mu[k], force)
 
 
-@jit_allocating
+@jit
 def one_contact(W: Array, i: int, dim: int, q: Array, mu: float, force: Array) -> None:
-    """Exact force of one contact with free gap and slip q: open, sticking, or slipping.
+    """Force of one contact with free gap and slip q: open, sticking, or slipping (to `ROUGHLY`).
 
     Slipping, force_T = -(W_TT + alpha)^-1 (q_T + W_TN force_N) with alpha >= 0 the ratio of slip to tangential force:
     force_N follows, and |force_T| - mu force_N changes sign between alpha = 0 (too much) and infinity (too little).
@@ -223,11 +252,11 @@ def one_contact(W: Array, i: int, dim: int, q: Array, mu: float, force: Array) -
             low = middle
         else:
             high = middle
-        if high - low <= 1e-15 * high:
+        if high - low <= ROUGHLY * high:
             break
 
 
-@jit_allocating
+@jit
 def slip_excess(W: Array, i: int, dim: int, q: Array, mu: float, alpha: float, force: Array) -> float:
     """Set the force of a contact that slips by alpha times its tangential force; returns |force_T| - mu force_N."""
     a, c, m = W[i + 1, i + 1] + alpha, 1.0, 0.0

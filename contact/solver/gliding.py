@@ -2,7 +2,8 @@
 
 With force_T = -mu force_N d, d = u_T/|u_T| as it was, what remains is complementarity of the normals,
 0 <= (W_NN - W_NT mu d) force_N + b_N, in a third of the unknowns; then d follows and it is solved again. Where a rim
-turns fast, d hardly moves and two or three rounds end at round-off; where something sticks, the start is left alone.
+turns fast, d hardly moves and two or three rounds end at round-off. Where the bodies slip as slowly as friction can
+turn them round, d is led along instead: `lead`. Where something sticks, the start is left alone.
 """
 
 from __future__ import annotations
@@ -11,10 +12,13 @@ import math
 
 import numpy as np
 
-from contact.compiled import jit_allocating, jit_entry_allocating
+from contact.compiled import jit, jit_allocating, jit_entry_allocating
 from contact.model.arrays import Array, Indices
+from contact.solver.dense import affine, solve_in_place
 
-ROUNDS = 5
+ROUNDS = 8
+LED, NEAR = 9, 0.3  # rounds of `lead`; the angle [rad] to the slip's direction from where Newton's method goes on
+SHORT, LONG = 0.1, 2.0  # bounds of Aitken's factor
 STILL = 1e-13  # change of direction at which the rounds end
 MOST_CHANGES = 20  # of the set of closed contacts
 
@@ -23,32 +27,99 @@ MOST_CHANGES = 20  # of the set of closed contacts
 def glide(W: Array, b: Array, mu: Array, dim: int, force: Array) -> None:
     """Improve `force` for contacts that all slide; leaves it as it was where one does not, or no set settles."""
     count = mu.size
-    trial, x, gap = force.copy(), np.zeros(count), b[::dim].copy()
+    trial, u, x, gap = force.copy(), np.zeros(b.size), np.zeros(count), np.zeros(count)
     A, d = np.zeros((count, count)), np.zeros((count, dim - 1))
     closed = np.zeros(count, dtype=np.int64)
     for k in range(count):
+        gap[k] = b[k * dim]
         closed[k] = 1 if force[k * dim] > 0.0 or gap[k] < 0.0 else 0
     for turn in range(ROUNDS):
-        moved = follow(np.dot(W, trial) + b, dim, d, turn == 0)
+        affine(W, trial, b, u)
+        moved = follow(u, dim, d, turn == 0)
         if moved > 1.0:
+            if dim == 3 and lead(W, b, mu, gap, closed, force, trial):
+                break
             return
         if moved <= STILL:
             break
-        for i in range(count):
-            for k in range(count):
-                A[i, k] = W[i * dim, k * dim]
-                for j in range(dim - 1):
-                    A[i, k] -= W[i * dim, k * dim + 1 + j] * mu[k] * d[k, j]
-        if not press(A, gap, closed, x):
+        if not slide(W, mu, dim, d, gap, closed, x, trial, A):
             return
-        for k in range(count):
-            trial[k * dim] = x[k]
-            for j in range(dim - 1):
-                trial[k * dim + 1 + j] = -mu[k] * x[k] * d[k, j]
     force[:] = trial
 
 
 @jit_allocating
+def slide(W: Array, mu: Array, dim: int, d: Array, gap: Array, closed: Indices, x: Array, trial: Array,
+          A: Array) -> bool:  # fmt: skip
+    """Forces `trial` of contacts that slide along d; False where no set of closed ones settles."""
+    for i in range(gap.size):
+        for k in range(gap.size):
+            A[i, k] = W[i * dim, k * dim]
+            for j in range(dim - 1):
+                A[i, k] -= W[i * dim, k * dim + 1 + j] * mu[k] * d[k, j]
+    if not press(A, gap, closed, x):
+        return False
+    for k in range(gap.size):
+        trial[k * dim] = x[k]
+        for j in range(dim - 1):
+            trial[k * dim + 1 + j] = -mu[k] * x[k] * d[k, j]
+    return True
+
+
+@jit_allocating
+def lead(W: Array, b: Array, mu: Array, gap: Array, closed: Indices, force: Array, trial: Array) -> bool:
+    """Directions in a plane where following the slip would turn them round; whether the last ones are near it.
+
+    d aims at u_T + g d, g = -d . W_TT force_T what friction itself takes away of the slip: tips that move together and
+    yield alike in all directions are there in one round. Aitken's factor from the last two errors shortens the steps.
+    """
+    count = gap.size
+    A, x, u, own = np.zeros((count, count)), np.zeros(count), np.zeros(b.size), np.zeros(b.size)
+    d, phi, last = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
+    factor, worst = 1.0, math.pi
+    trial[:] = force
+    for turn in range(LED):
+        affine(W, trial, b, u)
+        dragged(W, trial, own)
+        worst, product, square = 0.0, 0.0, 0.0
+        for k in range(count):
+            u1, u2, v1, v2 = u[3 * k + 1], u[3 * k + 2], own[3 * k + 1], own[3 * k + 2]
+            if turn == 0:
+                phi[k] = math.atan2(u2 - v2, u1 - v1)
+                continue
+            g = max(-d[k, 0] * v1 - d[k, 1] * v2, 0.0)
+            error = between(u1 + g * d[k, 0], u2 + g * d[k, 1], d[k])
+            worst = max(worst, abs(between(u1, u2, d[k])))
+            change = error - last[k]
+            product, square, last[k] = product + last[k] * change, square + change * change, error
+        if turn > 0 and worst <= STILL:
+            return True
+        if turn > 1 and square > 0.0:
+            factor = min(max(-factor * product / square, SHORT), LONG)
+        for k in range(count):
+            phi[k] += factor * last[k]
+            d[k, 0], d[k, 1] = math.cos(phi[k]), math.sin(phi[k])
+        if not slide(W, mu, 3, d, gap, closed, x, trial, A):
+            return False
+    return worst < NEAR
+
+
+@jit
+def dragged(W: Array, force: Array, out: Array) -> None:
+    """Motion that the tangential forces alone make."""
+    for i in range(force.size):
+        total = 0.0
+        for k in range(0, force.size, 3):
+            total += W[i, k + 1] * force[k + 1] + W[i, k + 2] * force[k + 2]
+        out[i] = total
+
+
+@jit
+def between(a: float, c: float, d: Array) -> float:
+    """Angle from the unit vector d to (a, c)."""
+    return math.atan2(d[0] * c - d[1] * a, d[0] * a + d[1] * c)
+
+
+@jit
 def follow(u: Array, dim: int, d: Array, first: bool) -> float:
     """Directions of slip into `d`; returns how far the worst turned, 2 where one stands still or turns round."""
     worst = 1.0 if first else 0.0
@@ -74,20 +145,25 @@ def follow(u: Array, dim: int, d: Array, first: bool) -> float:
 @jit_allocating
 def press(A: Array, gap: Array, closed: Indices, x: Array) -> bool:
     """0 <= x, 0 <= A x + gap, complementary, by exchanging whole sets; False where no set settles."""
+    n = gap.size
+    at, left, short, space = np.zeros(n, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n * n)
     for _ in range(MOST_CHANGES):
-        at = np.flatnonzero(closed)
-        x[:] = 0.0
-        if at.size > 0:
-            part, short = np.zeros((at.size, at.size)), np.zeros(at.size)
-            for i in range(at.size):
-                short[i] = -gap[at[i]]
-                for k in range(at.size):
-                    part[i, k] = A[at[i], at[k]]
-            found = np.linalg.solve(part, short)
-            for i in range(at.size):
-                x[at[i]] = found[i]
-        left, same = np.dot(A, x) + gap, True
-        for k in range(closed.size):
+        size = 0
+        for i in range(n):
+            x[i] = 0.0
+            if closed[i] == 1:
+                at[size], short[size], size = i, -gap[i], size + 1
+        part = space[: size * size].reshape(size, size)
+        for i in range(size):
+            for k in range(size):
+                part[i, k] = A[at[i], at[k]]
+        if not solve_in_place(part, short[:size]):
+            return False
+        for i in range(size):
+            x[at[i]] = short[i]
+        affine(A, x, gap, left)
+        same = True
+        for k in range(n):
             now = (1 if x[k] > 0.0 else 0) if closed[k] == 1 else (1 if left[k] < 0.0 else 0)
             same = same and now == closed[k]
             closed[k] = now

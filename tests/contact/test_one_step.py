@@ -228,3 +228,20 @@ def test_gliding_contacts_are_solved_by_their_normals_alone(dim):
     start = np.zeros(dim)
     glide(np.eye(dim), stuck, np.array([9.0]), dim, start)
     assert np.array_equal(start, np.zeros(dim))
+
+
+def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
+    """Six tips that move together, from forces of another direction: Newton's method takes three steps, not nine."""
+    rng = np.random.default_rng(3)
+    rigid = np.tile(np.eye(3), (6, 1))
+    for _ in range(20):
+        own = 0.02 * rng.standard_normal((18, 18))
+        W = rigid @ np.diag([1.0, 2.0, 1.5]) @ rigid.T + own @ own.T + 1e-3 * np.eye(18)
+        to, old = rng.uniform(0.0, 2.0 * np.pi, 2)
+        b = np.array([-1.0, 0.5 * np.cos(to), 0.5 * np.sin(to)]) + 0.01 * rng.standard_normal((6, 3))
+        start = np.tile([0.3, -0.06 * np.cos(old), -0.06 * np.sin(old)], 6)
+        force = start.copy()
+        glide(W, b.ravel(), np.full(6, 0.2), 3, force)
+        led, alone = (coulomb(W, b, 0.2, one.reshape(6, 3)) for one in (force, start))
+        assert led.iterations <= 3 < alone.iterations
+        assert np.abs(led.force - alone.force).max() <= 1e-9 * alone.force.max()

@@ -51,8 +51,8 @@ def test_one_sliding_tip_is_the_rotating_rim(S, imperfect, mu):
     assert abs(rub.energy.unaccounted) <= 1e-11 * rub.energy.scale
 
 
-def dense_step(rub, q, d, lam, n, h, mu):
-    """One forward step with rows and compliances from their definitions and all tips in the solve."""
+def dense_step(rub, q, d, lam, n, h, mu, averaged):
+    """One step with rows and compliances from their definitions and all tips in the solve."""
     bodies, t = rub.bodies, n * h
     dim = rub.dimensions if mu else 1
     omega = np.concatenate([b.omega for b in bodies])
@@ -85,9 +85,16 @@ def dense_step(rub, q, d, lam, n, h, mu):
     tests[::dim] = rows_at(t + h)[0][::dim]
     free = parts.al * d - parts.be * q
     b = tests @ free - (rows_at(t - h)[1] if n else 0.0 * S) @ lam
-    phi = [np.radians(tip.angle_deg) - rub.speed.angle(t + h) for tip in rub.tips]
-    rigid = [rub.clearance + tip.clearance + rub.profile(p) for tip, p in zip(rub.tips, phi, strict=True)]
-    b[::dim] = np.array(rigid) - rub.closing.at(t + h) + tests[::dim] @ (q + free)
+
+    def gaps(t, q):
+        phi = [np.radians(tip.angle_deg) - rub.speed.angle(t) for tip in rub.tips]
+        rigid = [rub.clearance + tip.clearance + rub.profile(p) for tip, p in zip(rub.tips, phi, strict=True)]
+        return np.array(rigid) - rub.closing.at(t) + rows_at(t)[0][::dim] @ q
+
+    b[::dim] = gaps(t + h, q + free)
+    if averaged:
+        b[::dim] = 0.25 * (b[::dim] + 2.0 * gaps(t, q) + gaps(t - h, q - d))
+        tests[::dim] *= 0.25
     if dim > 1:
         b[1::dim] += rub.casing.radius * rub.speed.omega(t) * h
     W = (tests * parts.c) @ now.T + S
@@ -108,29 +115,36 @@ def lcp(W, b):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("law_of", ["forward", "averaged"])
+@pytest.mark.parametrize("apart", [True, False])
 @pytest.mark.parametrize(("mu", "speed_hz"), [(0.0, 7.0), (0.25, 7.0), (0.0, 1e-3), (0.5, 1e-3)])
-def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz):
-    """Two blades with two tip nodes each on two rim lines, everything coupled with everything."""
+def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz, apart, law_of):
+    """Two blades with two tip nodes each on two rim lines, everything coupled with everything.
+
+    Not apart: both blades' tips stand before the same two places of the rim, whose rows they share.
+    """
+    angles = (10.0, 14.0) if apart else (10.0, 10.0)
     rub = ct.Rub(
-        rim3(), [nodes(2), nodes(2, seed=6)], [*tips(2), *tips(2, blade=1, angle=14.0)], clearance=-3e-5,
+        rim3(), [nodes(2), nodes(2, seed=6)],
+        [*tips(2, angle=angles[0]), *tips(2, blade=1, angle=angles[1])], clearance=-3e-5,
         closing=ct.Closing([0.0, 0.01], [0.0, 4e-4]),
         speed=ct.Speed.constant(speed_hz), profile=ct.Profile.fourier(WAVES),
     )  # fmt: skip
     h, steps = 4e-5, 250
     result = ct.run(
-        rub, law=law(mu), scheme=ct.ExactModal(law="forward"), t_end=steps * h, dt=h, record=ct.Record(state_every=1)
+        rub, law=law(mu), scheme=ct.ExactModal(law=law_of), t_end=steps * h, dt=h, record=ct.Record(state_every=1)
     )
     q, d, lam, worst = np.zeros(16), np.zeros(16), np.zeros(4 * (3 if mu else 1)), 0.0
     for n in range(steps):
         scale = np.abs(result.state_of("tips")).max()
-        q, d, lam = dense_step(rub, q, d, lam, n, h, mu)
+        q, d, lam = dense_step(rub, q, d, lam, n, h, mu, law_of == "averaged")
         worst = max(worst, np.abs(result.state_of("tips")[n] - lam).max() / scale)
     assert worst <= 1e-8
     closed = result.contact_steps
     assert closed.min() >= 3
     assert np.median(closed) < steps
     if mu and speed_hz < 1.0:
-        assert sum(end - start for pairs in result.sticking for start, end in pairs) > 10 * h
+        assert sum(end - start for pairs in result.sticking for start, end in pairs) > 5 * h
 
 
 @pytest.mark.slow

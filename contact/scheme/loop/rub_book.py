@@ -19,40 +19,49 @@ def book(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float,
     What the tangential compliance takes up is friction's work on the bodies, and the contact's loss until S gives it
     back; what S stores because the point moves is the turning point's.
     """
-    for a in range(count * dim):
-        j, i = w.chosen[a // dim], a % dim
-        row, before = j * dim + i, 0.0
-        along = dot(w.rows[a], s.old) + dot(w.rows[a], s.d) + blade_dot(rows, row, j, s.old)
-        along = 0.5 * s.lam[row] * (along + blade_dot(rows, row, j, s.d))
-        strain, moved = 0.0, 0.0
-        for k in range(count * dim):
-            other = w.chosen[k // dim] * dim + k % dim
-            strain += w.S[row, other] * s.lam[other]
-            before += w.S_old[row, other] * s.lam[other]
-        moved = 0.5 * s.lam[row] * (strain - before)
-        sums.work[j] += moved
-        sums.rotation[j] -= moved
-        if i == 0:
-            work = 0.5 * s.lam[row] * (s.free[j] - s.last[j])
-            sums.work[j] += work
-            sums.rotation[j] += along - work
-            continue
-        soft = s.lam[row] * (strain - s.strain[row])
-        sums.friction[j] += along + soft
-        sums.work[j] -= soft
-        s.heat[j] -= s.lam[row] * s.motion[row]
-        if i == 1:
-            s.drive[j] -= s.lam[row] * rows.radius[j] * slid
+    for a in range(w.slots[0] * dim):
+        w.along[a] = dot(w.rows[a], s.old) + dot(w.rows[a], s.d)
+    for n in range(count):
+        j = w.chosen[n]
+        for i in range(dim):
+            row = j * dim + i
+            along = w.along[w.column[n * dim + i]] + blade_dot(rows, row, j, s.old)
+            along = 0.5 * s.lam[row] * (along + blade_dot(rows, row, j, s.d))
+            moved = 0.5 * s.lam[row] * (w.strain[row] - strain_before(s, rows, w, row))
+            sums.work[j] += moved
+            sums.rotation[j] -= moved
+            if i == 0:
+                work = 0.5 * s.lam[row] * (s.free[j] - s.last[j])
+                sums.work[j] += work
+                sums.rotation[j] += along - work
+                continue
+            soft = s.lam[row] * (w.strain[row] - s.strain[row])
+            sums.friction[j] += along + soft
+            sums.work[j] -= soft
+            s.heat[j] -= s.lam[row] * s.motion[row]
+            if i == 1:
+                s.drive[j] -= s.lam[row] * rows.radius[j] * slid
 
 
 @jit
-def keep_strain(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
-    """S lam in every direction of every tip, for the slip of the next step."""
-    for row in range(s.strain.size):
-        s.strain[row] = 0.0
-        for a in range(count * dim):
-            other = w.chosen[a // dim] * dim + a % dim
-            s.strain[row] += w.S[other, row] * s.lam[other]
+def strain_before(s: RubState, rows: RubRows, w: Work, row: int) -> float:
+    """One row of S(phi_{n-1}) lam."""
+    if rows.S_harmonic.size == 1:
+        return float(w.strain[row])
+    total = 0.0
+    for p in range(rows.S_harmonic.size):
+        total += w.waves_old[0, p] * dot(rows.S_cos[p, row], s.lam) + w.waves_old[1, p] * dot(rows.S_sin[p, row], s.lam)
+    return total
+
+
+@jit
+def strains(s: RubState, w: Work, size: int) -> None:
+    """S lam in every direction of every tip; S is symmetric."""
+    w.strain[:] = 0.0
+    for a in range(size):
+        r = w.row[a]
+        for k in range(w.strain.size):
+            w.strain[k] += w.S[r, k] * s.lam[r]
 
 
 @jit
@@ -81,7 +90,7 @@ def note(s: RubState, rows: RubRows, w: Work, dim: int, sums: Tally, out: Sample
             before, predicted = s.now[j] + s.skin[j], s.test[j]
             s.last[j], s.now[j], s.known[j] = s.now[j], s.free[j], 1
         if s.inside[j] == 2:
-            s.peaks[0] = max(s.peaks[0], abs(dot(w.ahead[j], s.q)))
+            s.peaks[0] = max(s.peaks[0], abs(dot(w.ahead[rows.place[j]], s.q)))
             if dim > 1:
                 s.peaks[1] = max(s.peaks[1], abs(blade_dot(rows, R + 1, j, s.q)))
         note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)

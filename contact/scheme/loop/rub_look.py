@@ -50,6 +50,7 @@ def look(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, share: fl
         for i in range(m):
             bound += rows.reach[line, i] * abs(s.q[i] + s.d[i])
         s.peaks[2 + line] = bound
+    w.fresh[:] = 0
     for j in range(s.mu.size):
         R = j * dim
         blade = blade_dot(rows, R, j, s.q) + blade_dot(rows, R, j, s.d)
@@ -59,12 +60,15 @@ def look(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, share: fl
             s.inside[j], s.known[j], s.gap[j] = 0, 0, low
             continue
         if s.known[j] == 0:
-            s.now[j] = gap_of(laws, rows, j, t, angle, dim, s.q, w.ahead[j])
-            s.last[j] = gap_of(laws, rows, j, t - h, before, dim, s.q, w.ahead[j])
-            s.last[j] -= dot(w.ahead[j], s.old) + blade_dot(rows, R, j, s.old)
-        rigid = rigid_gap(laws, rows, j, t + h, ahead)
-        fill_block(rows, rows.line[j] * rows.directions, w.ahead[j])
-        s.free[j] = rigid + blade + dot(w.ahead[j], s.q) + dot(w.ahead[j], s.d)
+            s.now[j] = gap_of(laws, rows, j, t, angle, dim, s.q, w.spare)
+            s.last[j] = gap_of(laws, rows, j, t - h, before, dim, s.q, w.spare)
+            s.last[j] -= dot(w.spare, s.old) + blade_dot(rows, R, j, s.old)
+        p = rows.place[j]
+        if w.fresh[p] == 0:
+            w.fresh[p], w.rigid[p] = 1, rigid_gap(laws, rows, j, t + h, ahead)
+            fill_block(rows, rows.line[j] * rows.directions, w.ahead[p])
+            w.moved[p] = dot(w.ahead[p], s.q) + dot(w.ahead[p], s.d)
+        s.free[j] = rows.clearance[j] + w.rigid[p] + blade + w.moved[p]
         s.test[j] = s.free[j] if share == 1.0 else 0.25 * (s.free[j] + 2.0 * s.now[j] + s.last[j])
         s.inside[j], s.motion[R] = 1, s.test[j]
         if not s.test[j] >= 0.0 or s.lam[R] > 0.0:

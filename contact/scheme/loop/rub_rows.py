@@ -71,6 +71,7 @@ class RubRows(NamedTuple):
     reach: Array  # (lines, m): bound of |normal row| over the angle
     directions: int
     line: Indices  # (K,)
+    place: Indices  # (K,) number of the tip's (line, angle): tips at one place share their rows
     radius: Array  # (K,)
     angle: Array  # (K,)
     clearance: Array  # (K,)
@@ -155,10 +156,13 @@ def fill_block(rows: RubRows, block: int, row: Array) -> None:
 
 @jit
 def rigid_gap(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float) -> float:
-    """Gap of tip j without deflection, when the casing has turned by `angle`; leaves `waves` at the tip."""
+    """Gap at the place of tip j without its own clearance and without deflection, the casing turned by `angle`.
+
+    Leaves `waves` at the tip.
+    """
     phi = rows.angle[j] - angle
     turn(rows.waves, phi)
-    gap = rows.clearance[j] - straight(laws.closing, t) + polynomial(laws.terms, rows.waves) + hermite(laws.table, phi)
+    gap = polynomial(laws.terms, rows.waves) + hermite(laws.table, phi) - straight(laws.closing, t)
     for w in range(laws.whirl.shape[0]):
         beta = laws.whirl[w, 3] + laws.whirl[w, 1] * angle + laws.whirl[w, 2] * t
         gap += laws.whirl[w, 0] * math.cos(phi - beta)
@@ -167,7 +171,7 @@ def rigid_gap(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float) -> f
 
 @jit
 def least_gap(laws: RubLaws, rows: RubRows, j: int, closing: float) -> float:
-    """A bound of `rigid_gap` from below, for no trigonometry."""
+    """A bound from below of the tip's clearance and `rigid_gap`, for no trigonometry."""
     gap = rows.clearance[j] - closing + laws.lowest
     for w in range(laws.whirl.shape[0]):
         gap -= laws.whirl[w, 0]
@@ -187,17 +191,6 @@ def blade_dot(rows: RubRows, row: int, j: int, values: Array) -> float:
 @jit
 def gap_of(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float, dim: int, q: Array, row: Array) -> float:
     """Gap of tip j for the modal coordinates q, without residual compliance; leaves its casing row in `row`."""
-    rigid = rigid_gap(laws, rows, j, t, angle)
+    rigid = rows.clearance[j] + rigid_gap(laws, rows, j, t, angle)
     fill_block(rows, rows.line[j] * rows.directions, row)
     return float(rigid + dot(row, q) + blade_dot(rows, j * dim, j, q))
-
-
-@jit
-def residual_row(rows: RubRows, row: int, angle: float, out: Array) -> None:
-    """One row of the residual compliance when the casing has turned by `angle`."""
-    out[:] = 0.0
-    for p in range(rows.S_harmonic.size):
-        c, s = math.cos(rows.S_harmonic[p] * angle), math.sin(rows.S_harmonic[p] * angle)
-        cos, sin = rows.S_cos[p, row], rows.S_sin[p, row]
-        for k in range(out.size):
-            out[k] += c * cos[k] + s * sin[k]

@@ -2,99 +2,149 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from contact.compiled import jit, jit_allocating
 from contact.model.arrays import Array
 from contact.scheme.loop.patch import ROUGH
-from contact.scheme.loop.rub_rows import RubRows, blade_dot, dot, fill_block, residual_row, turn
+from contact.scheme.loop.rub_rows import RubRows, blade_dot, dot, fill_block, turn
 from contact.scheme.loop.rub_state import RubState, Work
+from contact.solver.abradable_tips import Coats, crush_tips
 from contact.solver.coulomb import friction_forces
+from contact.solver.dense import affine
 from contact.solver.friction_newton import TOLERANCE
 from contact.solver.gliding import glide
 
 
 @jit
 def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float, angle: float) -> int:
-    """Rows at t_n of the tips to be solved, and the rows of the law times c; returns how many tips."""
-    count = 0
+    """Rows at t_n where tips are to be solved, and the rows of the law times c; returns how many tips."""
+    count, w.slots[0] = 0, 0
+    w.slot[:] = -1
     for j in range(s.mu.size):
         if s.inside[j] != 2:
             for i in range(j * dim, (j + 1) * dim):
                 s.lam[i] = 0.0
             continue
-        turn(rows.waves, rows.angle[j] - angle)
+        if w.slot[rows.place[j]] < 0:
+            fill_slot(s, rows, w, j, dim, share, angle)
+        first = w.slot[rows.place[j]] * dim
         for i in range(dim):
-            a = count * dim + i
-            fill_block(rows, rows.line[j] * rows.directions + i, w.rows[a])
-            for k in range(w.pushed.size):
-                w.tests[a, k] = s.c[k] * (share * w.ahead[j, k] if i == 0 else w.rows[a, k])
+            w.row[count * dim + i], w.column[count * dim + i] = j * dim + i, first + i
         w.chosen[count] = j
         count += 1
     return count
 
 
 @jit
-def soften(rows: RubRows, w: Work, count: int, dim: int, before: float, angle: float) -> None:
-    """Residual compliance of the chosen tips at phi_{n-1} and phi_n."""
-    if rows.S_harmonic.size == 1:
-        return
-    for a in range(count * dim):
-        row = w.chosen[a // dim] * dim + a % dim
-        residual_row(rows, row, before, w.S_old[row])
-        residual_row(rows, row, angle, w.S[row])
-
-
-@jit_allocating
-def solve(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float, slid: float) -> bool:
-    """Forces of the chosen tips into `lam`, their gaps into `gap`; `slid` = Omega h."""
-    size = count * dim
-    W = np.dot(w.tests[:size], w.rows[:size].T)
-    b, lam, mu = np.zeros(size), np.zeros(size), np.zeros(count)
-    for a in range(size):
-        j, i = w.chosen[a // dim], a % dim
-        row = j * dim + i
-        for k in range(size):
-            other = w.chosen[k // dim] * dim + k % dim
-            W[a, k] += (share if i == 0 else 1.0) * rows.fixed[row, other] + w.S[row, other]
-        lam[a] = s.lam[row]
-        if i == 0:
-            b[a], mu[a // dim], s.scale[j] = s.test[j], s.mu[j], W[a, a]
-            continue
-        b[a] = dot(w.rows[a], s.d) + blade_dot(rows, row, j, s.d) - s.strain[row]
-        if i == 1:
-            b[a] += rows.radius[j] * slid
-    if dim > 1 and count > 1:
-        glide(W, b, mu, dim, lam)
-    iterations, miss = friction_forces(W, b, mu, dim, lam)
-    s.counts[0] = max(s.counts[0], float(iterations))
-    s.counts[1] += float(iterations)
-    if not miss <= TOLERANCE:
-        s.counts[3] = ROUGH
-        return False
-    w.pushed[:] = np.dot(lam, w.rows[:size])
-    motion = np.dot(W, lam) + b
-    for a in range(size):
-        j, i = w.chosen[a // dim], a % dim
-        s.lam[j * dim + i] = lam[a]
-        s.motion[j * dim + i] = motion[a]
-    return True
+def fill_slot(s: RubState, rows: RubRows, w: Work, j: int, dim: int, share: float, angle: float) -> None:
+    """The next slot becomes the place of tip j."""
+    p, slot = rows.place[j], w.slots[0]
+    w.slot[p], w.slots[0] = slot, slot + 1
+    turn(rows.waves, rows.angle[j] - angle)
+    for i in range(dim):
+        a = slot * dim + i
+        fill_block(rows, rows.line[j] * rows.directions + i, w.rows[a])
+        w.along[a] = dot(w.rows[a], s.d)
+        for k in range(w.pushed.size):
+            w.tests[a, k] = s.c[k] * (share * w.ahead[p, k] if i == 0 else w.rows[a, k])
 
 
 @jit
-def drawn_in(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float) -> bool:
+def soften(rows: RubRows, w: Work, size: int, before: float, angle: float) -> None:
+    """Residual compliance of the chosen tips at phi_n, and the waves of that at phi_{n-1}."""
+    if rows.S_harmonic.size == 1:
+        return
+    for p in range(rows.S_harmonic.size):
+        n = rows.S_harmonic[p]
+        c, s = math.cos(n * angle), math.sin(n * angle)
+        w.waves_old[0, p], w.waves_old[1, p] = math.cos(n * before), math.sin(n * before)
+        for a in range(size):
+            r = w.row[a]
+            for k in range(w.strain.size):
+                last = w.S[r, k] if p > 0 else 0.0
+                w.S[r, k] = last + c * rows.S_cos[p, r, k] + s * rows.S_sin[p, r, k]
+
+
+@jit_allocating
+def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, dim: int, share: float,
+          slid: float) -> bool:  # fmt: skip
+    """Forces of the chosen tips into `lam`, gaps (from the pressed surface) and slips into `motion`."""
+    size = count * dim
+    assemble(s, rows, w, count, dim, share, slid)
+    W, b, lam, mu = w.W[: size * size].reshape(size, size), w.b[:size], w.lam[:size], w.mu[:count]
+    if coats is None:
+        if dim > 1 and count > 1:
+            glide(W, b, mu, dim, lam)
+        iterations, miss = friction_forces(W, b, mu, dim, lam)
+        s.counts[0] = max(s.counts[0], float(iterations))
+        s.counts[1] += float(iterations)
+        solved = miss <= TOLERANCE
+    else:
+        solved = crush_tips(coats, w.chosen[:count], W, b, mu, dim, lam, w.depth[:count])
+    if not solved:
+        s.counts[3] = ROUGH
+        return False
+    affine(W, lam, b, w.motion[:size])
+    if coats is not None:
+        for a in range(count):
+            coats.memory[w.chosen[a], 2] = w.depth[a]
+            w.motion[a * dim] += w.depth[a]
+    hand_over(s, w, size, dim)
+    return True
+
+
+@jit_allocating
+def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float, slid: float) -> None:
+    """Fill W, b, mu and the last forces of the chosen tips; `slid` = Omega h."""
+    size, used = count * dim, w.slots[0] * dim
+    casing = np.dot(w.tests[:used], w.rows[:used].T)
+    W = w.W[: size * size].reshape(size, size)
+    for n in range(count):
+        j = w.chosen[n]
+        w.mu[n] = s.mu[j]
+        for i in range(dim):
+            a, row, part = n * dim + i, j * dim + i, share if i == 0 else 1.0
+            for k in range(size):
+                other = w.row[k]
+                W[a, k] = casing[w.column[a], w.column[k]] + part * rows.fixed[row, other] + w.S[row, other]
+            w.lam[a] = s.lam[row]
+            if i == 0:
+                w.b[a], s.scale[j] = s.test[j] - s.skin[j], W[a, a]
+            else:
+                w.b[a] = w.along[w.column[a]] + blade_dot(rows, row, j, s.d) - s.strain[row]
+            if i == 1:
+                w.b[a] += rows.radius[j] * slid
+
+
+@jit
+def hand_over(s: RubState, w: Work, size: int, dim: int) -> None:
+    """Forces, gaps and slips to the tips, and what the forces push on the casing."""
+    used = w.slots[0] * dim
+    for a in range(used):
+        w.pull[a] = 0.0
+    for a in range(size):
+        s.lam[w.row[a]], s.motion[w.row[a]] = w.lam[a], w.motion[a]
+        w.pull[w.column[a]] += w.lam[a]
+    w.pushed[:] = 0.0
+    for a in range(used):
+        for k in range(w.pushed.size):
+            w.pushed[k] += w.pull[a] * w.rows[a, k]
+
+
+@jit
+def drawn_in(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: float) -> bool:
     """Whether the forces close tips that were left out; these are marked, the gaps of the others noted."""
     grown = False
     for j in range(s.mu.size):
         if s.inside[j] != 1:
             continue
         R = j * dim
-        gap = s.test[j]
-        for k in range(w.pushed.size):
-            gap += share * w.ahead[j, k] * s.c[k] * w.pushed[k]
-        for a in range(count * dim):
-            other = w.chosen[a // dim] * dim + a % dim
-            gap += (share * rows.fixed[R, other] + w.S[other, R]) * s.lam[other]
+        gap = s.test[j] + share * (dot_c(w.ahead[rows.place[j]], s.c, w.pushed) + dot(rows.fixed[R], s.lam))
+        for a in range(size):
+            gap += w.S[w.row[a], R] * w.lam[a]
         s.motion[R] = gap
         if gap < 0.0:
             s.inside[j], grown = 2, True
@@ -106,25 +156,25 @@ def push(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
     """Forces on the modes, and what they add to the increments."""
     for k in range(w.pushed.size):
         s.contact[k] = w.pushed[k]
-    for a in range(count * dim):
-        j = w.chosen[a // dim]
-        row, begin = j * dim + a % dim, rows.own[j, 0]
-        for k in range(begin, rows.own[j, 1]):
-            s.contact[k] += rows.blade[row, k - begin] * s.lam[row]
+    for n in range(count):
+        j = w.chosen[n]
+        begin = rows.own[j, 0]
+        for row in range(j * dim, (j + 1) * dim):
+            for k in range(begin, rows.own[j, 1]):
+                s.contact[k] += rows.blade[row, k - begin] * s.lam[row]
     for i in range(s.d.size):
         s.d[i] += s.c[i] * s.contact[i]
 
 
 @jit
-def relax(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
+def relax(s: RubState, rows: RubRows, w: Work, dim: int) -> None:
     """Add the forces' share to the gaps of q at t_{n+1}, for every tip near enough to be looked at."""
+    for p in range(w.fresh.size):
+        if w.fresh[p] == 1:
+            w.moved[p] = dot_c(w.ahead[p], s.c, w.pushed)
     for j in range(s.mu.size):
-        if s.inside[j] == 0:
-            continue
-        s.free[j] += dot_c(w.ahead[j], s.c, w.pushed)
-        for a in range(count * dim):
-            other = w.chosen[a // dim] * dim + a % dim
-            s.free[j] += rows.fixed[j * dim, other] * s.lam[other]
+        if s.inside[j] > 0:
+            s.free[j] += w.moved[rows.place[j]] + dot(rows.fixed[j * dim], s.lam)
 
 
 @jit

@@ -49,22 +49,48 @@ class RubState(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Buffers of one call: rows at t_{n+1} and t_n, Delassus matrix, and what the forces push."""
+    """Buffers of one call, K tips at P places: rows at t_{n+1} and t_n, the problem of one step, what forces push.
 
-    ahead: Array  # (K, m_casing) normal rows at t_{n+1}
-    rows: Array  # (K d, m_casing) all rows at t_n, in the order of `chosen`
-    tests: Array  # (K d, m_casing) those the law is stated with, times c
+    The tips that are solved for are `chosen`, their directions stand in rows `row` of `lam`; the places where they are
+    have a slot each, row `column` of `rows`.
+    """
+
+    ahead: Array  # (P, m_casing) normal rows at t_{n+1}, where `fresh`
+    fresh: Indices  # (P,)
+    rigid: Array  # (P,) gap of the rigid casing there
+    moved: Array  # (P,) motion of the casing there
+    spare: Array  # (m_casing,) any other row
+    slot: Indices  # (P,) -1 for a place without a chosen tip
+    slots: Indices  # (1,) how many
+    rows: Array  # (P d, m_casing) all rows at t_n, by slot
+    tests: Array  # (P d, m_casing) those the law is stated with, times c
+    along: Array  # (P d,) motion of the casing along them
+    pull: Array  # (P d,) sum of the forces of one place
     chosen: Indices  # (K,)
+    row: Indices  # (K d,)
+    column: Indices  # (K d,)
+    W: Array  # (K d K d,) Delassus matrix of the chosen, one row after the other
+    b: Array  # (K d,) free gaps and slips of the chosen
+    lam: Array
+    motion: Array
+    mu: Array  # (K,)
+    depth: Array  # (K,) of the tips in a coating
     pushed: Array  # (m_casing,)
     S: Array  # (K d, K d) residual compliance at phi_n; rows of tips that are not solved for may be stale
-    S_old: Array  # at phi_{n-1}
+    strain: Array  # (K d,) S lam
+    waves_old: Array  # (2, harmonics of S) at phi_{n-1}
 
 
 @jit_allocating
 def work_space(s: RubState, rows: RubRows) -> Work:
     """Buffers; a residual compliance that does not turn is put there for good."""
     K, R, m = s.mu.size, s.lam.size, rows.start.size - 1
-    S = rows.S_cos[0].copy()
+    P = rows.place.max() + 1
+    D = P * (R // K)
     return Work(
-        np.zeros((K, m)), np.zeros((R, m)), np.zeros((R, m)), np.zeros(K, dtype=np.int64), np.zeros(m), S, S.copy()
-    )
+        np.zeros((P, m)), np.zeros(P, dtype=np.int64), np.zeros(P), np.zeros(P), np.zeros(m),
+        np.zeros(P, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros((D, m)), np.zeros((D, m)), np.zeros(D),
+        np.zeros(D), np.zeros(K, dtype=np.int64), np.zeros(R, dtype=np.int64), np.zeros(R, dtype=np.int64),
+        np.zeros(R * R), np.zeros(R), np.zeros(R), np.zeros(R), np.zeros(K), np.zeros(K), np.zeros(m),
+        rows.S_cos[0].copy(), np.zeros(R), np.zeros((2, rows.S_harmonic.size)),
+    )  # fmt: skip
