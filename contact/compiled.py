@@ -12,11 +12,13 @@ from pathlib import Path
 from typing import Any, NoReturn, TypeVar, cast
 
 import numba
+from numba.core import types
 from numba.core.registry import CPUDispatcher
 
 from contact.sealing import SealedPipeline
 
 config: Any = numba.config
+unliteral: Any = types.unliteral
 Function = TypeVar("Function", bound=Callable[..., object])
 
 ROOT = Path(__file__).parent
@@ -76,7 +78,21 @@ def jit_allocating(function: Function) -> Function:
     return part(function, {**OPTIONS, "_nrt": True})
 
 
-class Part(CPUDispatcher):
+class Loop(CPUDispatcher):
+    """A compiled function that is compiled once for whole numbers.
+
+    Numba compiles for the literal 0 and again for the variable that begins with it, or for each number that is passed.
+    """
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Types and template of a call from a compiled function."""
+        known: Any = super()
+        return known.get_call_template(
+            [unliteral(kind) for kind in args], {name: unliteral(kind) for name, kind in kws.items()}
+        )
+
+
+class Part(Loop):
     """A compiled function without a way in from Python: a call from there would end the process."""
 
     def __call__(self, *_: object, **__: object) -> NoReturn:
@@ -86,17 +102,17 @@ class Part(CPUDispatcher):
 
 def part(function: Function, options: dict[str, Any]) -> Function:
     """Compile for compiled callers alone; as it stands where numba is told not to compile."""
-    made: Any = compiled(function, {**options, **PART})
-    if isinstance(made, CPUDispatcher):
-        made.__class__ = Part
-    return cast(Function, made)
+    return compiled(function, {**options, **PART}, Part)
 
 
-def compiled(function: Function, options: dict[str, Any]) -> Function:
+def compiled(function: Function, options: dict[str, Any], kind: type[Loop] = Loop) -> Function:
     """Compile with numba, the cache in a directory named after the sources."""
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE
     try:
-        return cast(Function, numba.njit(pipeline_class=SealedPipeline, **options)(function))
+        made: Any = numba.njit(pipeline_class=SealedPipeline, **options)(function)
     finally:
         config.CACHE_DIR = before
+    if isinstance(made, CPUDispatcher):
+        made.__class__ = kind
+    return cast(Function, made)

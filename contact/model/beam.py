@@ -8,7 +8,7 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 
 from contact.errors import InputError
-from contact.model.arrays import Array, require_finite, require_not_negative, require_positive
+from contact.model.arrays import Array, readonly, require_finite, require_not_negative, require_positive
 from contact.model.modal_body import ModalBody
 from contact.model.trig import harmonics
 
@@ -153,6 +153,6 @@ class BeamInCircle:
 def ring_table(ring: ModalBody | None) -> tuple[Array, Array]:
     """Radial rows by interface function, (2N + 1, m), and their residual compliance (2N + 1, 2N + 1)."""
     if ring is None:
-        return np.zeros((1, 0)), np.zeros((1, 1))
+        return readonly(np.zeros((1, 0))), readonly(np.zeros((1, 1)))  # as a ring's: one type compiles once
     size = harmonics(ring.n_max, 0.0).size
-    return np.ascontiguousarray(ring.rows[:size]), np.ascontiguousarray(ring.S[:size, :size])
+    return readonly(ring.rows[:size]), readonly(ring.S[:size, :size])

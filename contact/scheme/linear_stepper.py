@@ -11,7 +11,7 @@ import numpy as np
 
 from contact.energy import Stored
 from contact.errors import InputError, LimitError
-from contact.model.arrays import Array, require_not_negative, require_positive
+from contact.model.arrays import Array, readonly, require_not_negative, require_positive
 from contact.model.band import Band, Factor, factor, pairs, solve
 from contact.model.chain import Chain
 from contact.model.law import AugmentedLagrangian, Law, Penalty
@@ -62,7 +62,7 @@ class LinearStepper:
         rows, loads = np.nonzero(~np.isfinite(amplitudes))
         good = steps if rows.size == 0 else max(int(rows[0]) - 1, 0)
         whole = len(out.rows) == 0
-        stored = out if whole else out._replace(rows=np.ascontiguousarray(out.rows[:, self.system.order]))
+        stored = out if whole else out._replace(rows=readonly(out.rows[:, self.system.order]))
         failed = self.loop(self.parts, self.state, self.sums, stored, amplitudes, self.dt, first, good, *self.method)
         if good < steps and failed < 0:
             value, at = amplitudes[rows[0], loads[0]], (first + int(rows[0])) * self.dt

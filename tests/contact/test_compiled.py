@@ -5,12 +5,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import PLACE, Groups
 
 import contact
-from contact.compiled import SOURCES
+from contact.compiled import SOURCES, jit, jit_entry
 from contact.solver.scalar import scalar_force
 
 ROOT = Path(contact.__file__).parent
@@ -94,6 +95,25 @@ def test_a_part_of_a_loop_refuses_python() -> None:
     """Without its guard the call would end the process."""
     with pytest.raises(TypeError, match="scalar_force is a part of compiled loops"):
         scalar_force(1.0, 1.0)
+
+
+@jit
+def following(k: int) -> int:
+    return k + 1
+
+
+@jit_entry
+def counted(n: int) -> int:
+    k = 0
+    for _ in range(n):
+        k = following(k)
+    return following(2) + k
+
+
+def test_a_part_is_compiled_once_for_the_number_zero_and_for_others() -> None:
+    assert counted(3) == 6
+    compiled: Any = following
+    assert len(compiled.overloads) == 1
 
 
 def test_the_files_that_go_first_are_there() -> None:

@@ -7,6 +7,7 @@ import pytest
 from synthetic_rim import blade, ring
 
 import contact as ct
+from contact.scheme.loop.leapfrog import advance_leapfrog
 from reports.contact_cases import methods
 
 BAR = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=2.0, velocity=-10.0, elements=12)
@@ -73,6 +74,12 @@ def test_channels_beside_a_regular_record():
     assert whole.state_of("body 1").shape == (10, 4)
     with pytest.raises(ct.InputError, match="1 channels of all bodies"):
         part.state_of("body 1")
+
+
+def test_a_loop_is_compiled_once_with_channels_and_without():
+    tree(record=ct.Record(state_every=50))
+    tree(record=ct.Record(state_every=50, channels=np.eye(4)[:1]))
+    assert len(advance_leapfrog.signatures) == 1
 
 
 def test_both_survive_a_file(tmp_path):

@@ -92,7 +92,7 @@ def free_gaps(s: BeamState) -> bool:
     touches = False
     flexible = s.q.size > 0
     if flexible:
-        s.rim[:] = np.dot(s.rows, s.q + s.dq)
+        np.dot(s.rows, s.q + s.dq, s.rim)
     for i in range(1, s.x.shape[0]):
         x, y = s.x[i, 0] + s.d[i, 0] - s.offset, s.x[i, 1] + s.d[i, 1]
         r = math.hypot(x, y)
@@ -103,6 +103,13 @@ def free_gaps(s: BeamState) -> bool:
             s.free[i] += np.dot(s.waves[i], s.rim)
         touches |= not s.free[i] >= 0.0
     return touches
+
+
+@jit_allocating
+def copy_gaps(s: BeamState) -> None:
+    """Gaps of the free step; a loop compiles sooner than a slice."""
+    for i in range(s.gap.size):
+        s.gap[i] = s.free[i + 1]
 
 
 @jit_allocating
@@ -134,14 +141,14 @@ def solve_contacts(s: BeamState, chosen: Indices) -> bool:
     """
     n, count = s.free.size, 0
     inside = np.zeros(n, dtype=np.int64)
-    s.gap[:] = s.free[1:]
+    copy_gaps(s)
     while True:
         before = count
         for i in range(1, n):
             if inside[i] == 0 and s.gap[i - 1] < 0.0:
                 chosen[count], inside[i] = i, 1
                 count += 1
-                s.phi[i] = np.dot(s.waves[i], s.rows)
+                np.dot(s.waves[i], s.rows, s.phi[i])
         if count == before:
             return True
         W, b, force = np.zeros((count, count)), np.zeros(count), np.zeros(count)
@@ -160,13 +167,18 @@ def solve_contacts(s: BeamState, chosen: Indices) -> bool:
             return True
         moved, pressed = np.zeros(s.q.size), np.zeros(s.rim.size)
         for a in range(count):
-            moved += s.phi[chosen[a]] * force[a]
-            pressed += s.waves[chosen[a]] * force[a]
-        moved[:] = moved * s.c
-        pressed[:] = np.dot(s.rows, moved) + np.dot(s.S, pressed)
+            for m in range(moved.size):
+                moved[m] += s.phi[chosen[a], m] * force[a]
+            for m in range(pressed.size):
+                pressed[m] += s.waves[chosen[a], m] * force[a]
+        for m in range(moved.size):
+            moved[m] *= s.c[m]
+        radial, soft = np.dot(s.rows, moved), np.dot(s.S, pressed)
+        for m in range(pressed.size):
+            radial[m] += soft[m]
         for i in range(1, n):
             if inside[i] == 0:
-                s.gap[i - 1] = s.free[i] + np.dot(s.waves[i], pressed)
+                s.gap[i - 1] = s.free[i] + np.dot(s.waves[i], radial)
 
 
 @jit_allocating
@@ -200,7 +212,11 @@ def advance_beam(s: BeamState, sums: Tally, out: Samples, h: float, first: int, 
     chosen = np.zeros(n, dtype=np.int64)
     for step in range(first, first + steps):
         store_state(sums, out, step, step * h, s.x.ravel())
-        old[:], old_q[:] = s.d, s.dq
+        for i in range(n):
+            for j in range(3):
+                old[i, j] = s.d[i, j]
+        for k in range(s.q.size):
+            old_q[k] = s.dq[k]
         free_step(s)
         s.force[:] = 0.0
         if free_gaps(s):
@@ -208,7 +224,7 @@ def advance_beam(s: BeamState, sums: Tally, out: Samples, h: float, first: int, 
                 return step
             push_bodies(s, sums, old, old_q)
         else:
-            s.gap[:] = s.free[1:]
+            copy_gaps(s)
         total = 0.0
         for i in range(n):
             for j in range(3):

@@ -59,7 +59,8 @@ def add_tangent(x: Array, rest: float, EA: float, EI: float, K: Array) -> None:
         B[0, 0], B[0, 1], B[0, 3], B[0, 4] = -c, -s, c, s
         z[0], z[1], z[3], z[4] = s, -c, -s, c
         for k in range(1, 3):
-            B[k] = -z / length
+            for i in range(6):
+                B[k, i] = -z[i] / length
             B[k, 3 * k - 1] += 1.0
         one = np.dot(B.T, np.dot(D, B))
         for i in range(6):
@@ -190,11 +191,13 @@ def advance_implicit(s: ImplicitBeam, sums: Tally, out: Samples, h: float, first
     active = np.zeros(n, dtype=np.int64)
     for step in range(first, first + steps):
         time = (step + 1) * h
-        start[:] = s.x + h * s.v + h * h * (0.5 - s.beta) * s.a
-        x[:] = s.x + h * s.v
+        for i in range(n):
+            for j in range(3):
+                x[i, j] = s.x[i, j] + h * s.v[i, j]
+                start[i, j] = s.x[i, j] + h * s.v[i, j] + h * h * (0.5 - s.beta) * s.a[i, j]
         for i in range(1, n):
             active[i] = 1 if s.force[i - 1] > 0.0 else 0
-        s.last[:] = s.force
+            s.last[i - 1] = s.force[i - 1]
         if not solve_step(s, x, a, start, active, h):
             return step
         s.ledger[0] += numerical_work(s, x, a, h)

@@ -118,14 +118,17 @@ def advance_patch(
         for i in range(s.q.size):
             old[i] = s.d[i]
             s.d[i] = s.al[i] * s.d[i] - s.be[i] * s.q[i] + s.kick[i]
-        b[:] = np.dot(s.rows, s.d)
+        np.dot(s.rows, s.d, b)
         if not math.isfinite(b[0]):
             return step
         soft = s.S.size > 0
         if rough:
-            b -= s.slide
+            for row in range(b.size):
+                b[row] -= s.slide[row]
             if soft:
-                b -= np.dot(s.S, s.lam)  # the slip of a step is the change of T q + S lam ...
+                rest = np.dot(s.S, s.lam)
+                for row in range(b.size):
+                    b[row] -= rest[row]  # the slip of a step is the change of T q + S lam ...
         touches = False
         for i in range(k):
             if rough and soft:
@@ -138,7 +141,7 @@ def advance_patch(
             push(s, rough, dim, old, sums)
         else:
             s.lam[:] = 0.0
-            s.moved[:] = np.dot(s.rows, s.d)
+            np.dot(s.rows, s.d, s.moved)
         total = 0.0
         for i in range(s.q.size):
             total -= s.weight[i] * old[i] * (old[i] + s.d[i])
@@ -172,4 +175,5 @@ def push(s: PatchState, rough: bool, dim: int, old: Array, sums: Tally) -> None:
         if rough:
             for j in range(row + 1, row + dim):
                 sums.friction[i] += 0.5 * s.lam[j] * (s.moved[j] + after[j])
-    s.moved[:] = after
+    for row in range(after.size):
+        s.moved[row] = after[row]
