@@ -30,11 +30,12 @@ LOOPS = {
 }  # fmt: skip
 # then those that take long, so that none is left for the end
 LONG = (
-    "test_report_updating.py", "test_report_sweep_kills.py", "test_rig.py", "test_report_speed.py", "test_modes.py",
-    "test_report_identification.py", "test_report_verification.py", "test_bench_chain.py", "test_cli.py",
+    "test_report_updating.py", "test_updating.py", "test_report_rig.py", "test_report_correlation.py",
+    "test_report_sweep_kills.py", "test_rig.py", "test_report_speed.py", "test_modes.py", "test_cli.py",
+    "test_report_identification.py", "test_report_verification.py", "test_bench_chain.py", "test_report_rub.py",
     "test_reference_imported.py", "test_update_judged.py", "test_contact_reports.py", "test_localisation.py",
-    "test_report_rub.py", "test_report_section_44.py", "test_report_bladed_disk.py", "test_mistuning.py",
-    "test_report_eigen.py", "test_reference_cone.py", "test_reference_frustum.py", "test_updating.py",
+    "test_report_bladed_disk.py", "test_report_section_44.py", "test_mistuning.py", "test_report_eigen.py",
+    "test_reference_cone.py", "test_reference_frustum.py", "test_report_rotating_beam.py", "test_report_wear.py",
 )  # fmt: skip
 GROUP = {file: group for group, files in LOOPS.items() for file in files}
 PLACE = {file: place for place, file in enumerate([*GROUP, *LONG])}
