@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 CORES := -n logical
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study test fast check bench report clean
+.PHONY: help setup study test fast check lint types doctests bench report clean
 
 help:    ## show what each target does
 	@grep -hE '^[a-z]+: .*##|^[a-z]+:  +##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -32,11 +32,17 @@ test: $(READY) ## every test
 fast: $(READY) ## the tests that take seconds
 	$(BIN)/python -m pytest $(CORES) -m 'not slow'
 
-check: $(READY) ## lint, format, types, layers, doctests
+check: types lint doctests ## lint, format, types, layers, doctests; with -j2 two at a time
+
+lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+types: $(READY)
+	$(BIN)/mypy
+
+doctests: $(READY)
 	$(BIN)/python -m pytest --doctest-modules casingfem contact
 
 bench: $(READY) ## speed tables
