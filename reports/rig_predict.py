@@ -38,9 +38,10 @@ def casing_models(quick: bool) -> dict[str, tuple[cf.Shell, list[cf.Parameter]]]
         P(name="support.base.k", log=True, lower=1e7, upper=1e11),
         P(name="support.base.k_rot", log=True, lower=1e3, upper=1e8),
     ]
+    if quick:  # without the clamps' harmonics, which split pairs and move few means
+        even = [p for p in study.parameters if ".p8." not in p.name]
+        return {"elastic edge": (start, even)}
     elastic = {"elastic edge": (start, list(study.parameters))}
-    if quick:
-        return elastic
     return elastic | {"ring on 24 bolts": (replace(start, supports={"base": ring}, mesh=mesh), [*steel, *bolts])}
 
 
