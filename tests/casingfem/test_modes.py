@@ -321,7 +321,7 @@ def test_a_low_axial_mode_does_not_hide_the_valley_behind_a_hump(steel):
 
 @pytest.mark.slow
 def test_the_valley_behind_a_hump_is_as_in_the_whole_shell(steel):
-    shell = humped(steel)
+    shell = replace(humped(steel), mesh=ShellMesh(order=8, rows=2, around=19))
     np.testing.assert_allclose(modes(shell, 3).freq, modes(shell, 3, method="shell").freq, rtol=1e-4)
 
 
