@@ -6,10 +6,10 @@ modes. Errors are against 3-D elasticity (perfect) or the finest mesh (imperfect
 the same run, and so is ARPACK on the same factor, one vector at a time. Writes modal_speed.csv and modal_parts.csv.
 """
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 import pandas as pd
@@ -27,6 +27,7 @@ from casingfem.structure.factor import factorise
 from casingfem.structure.field import FourierField
 from casingfem.structure.mesh import ShellMesh, make_grid
 from casingfem.structure.shell import Shell
+from reports.core_limits import best
 from reports.frustum_convergence import COUNT, GRADED, REFERENCE, exact_frequencies, reference_frustum
 from reports.tables import Row, command_line, show, write
 
@@ -42,16 +43,6 @@ FINE = ShellMesh(order=8, rows=GRADED, around=27)
 HARMONICS, EACH = range(4, 17), 3
 
 
-def best(task: Callable[[], object], repeats: int) -> float:
-    """Least seconds of some calls."""
-    times = []
-    for _ in range(repeats):
-        started = time.perf_counter()
-        task()
-        times.append(time.perf_counter() - started)
-    return min(times)
-
-
 def mesh_rows(quick: bool) -> list[Row]:
     """Error and time of each mesh, perfect and imperfect."""
     imperfect = replace(reference_frustum(), radius_defect=FourierField.of({8: 0.002}))
@@ -63,7 +54,7 @@ def mesh_rows(quick: bool) -> list[Row]:
         for mesh_name, mesh in list(MESHES.items())[: 2 if quick else None]:
             meshed = replace(shell, mesh=mesh)
             found = modes(meshed, COUNT, method="shell")
-            seconds = best(lambda meshed=meshed: modes(meshed, COUNT, method="shell"), 1 if quick else 3)
+            seconds = best(lambda meshed=meshed: modes(meshed, COUNT, method="shell"), 1 if quick else 3, perf_counter)
             rows.append({"frustum": name, "order, rows, around": mesh_name, "dofs": found.dofs, "seconds": seconds,
                          "worst error": float(np.abs(found.freq / exact - 1.0).max()),
                          "sturm": found.sturm_count})  # fmt: skip
@@ -75,9 +66,9 @@ def harmonic_row() -> Row:
     table = pd.read_csv(REFERENCE, comment="#").set_index("n")
     shell = reference_frustum()
     shift = (SHIFT * frequency_scale(shell)) ** 2
-    started = time.perf_counter()
+    started = perf_counter()
     found = np.array([lowest(harmonic_matrices(shell, n), EACH, shift)[0] for n in HARMONICS])
-    seconds = time.perf_counter() - started
+    seconds = perf_counter() - started
     exact = table.loc[list(HARMONICS), [f"f{m}_3d" for m in range(1, EACH + 1)]].to_numpy()
     error = float(np.nanmax(np.abs(np.sqrt(found) / (2.0 * np.pi) / exact - 1.0)))
     return {"frustum": "perfect", "order, rows, around": "13 harmonics x 3", "dofs": None, "seconds": seconds,
@@ -103,7 +94,7 @@ def part_rows(quick: bool) -> list[Row]:
         "instead: ARPACK": lambda: eigsh(pencil.A, wanted, sigma=shift, OPinv=inverse, v0=start),
         **{f"instead: blocks of {b}": lambda b=b: nearest(pencil, factor.solve, shift, wanted, b) for b in (2, 4, 16)},
     }
-    seconds = {name: best(task, repeats) for name, task in parts.items()}
+    seconds = {name: best(task, repeats, perf_counter) for name, task in parts.items()}
     return [{"part": name, "seconds": s, "of the whole": s / seconds["whole"]} for name, s in seconds.items()]
 
 

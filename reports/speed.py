@@ -7,9 +7,9 @@ rows are microseconds per step of contact runs: finite element rods and modal bo
 
 import os
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 
@@ -27,21 +27,12 @@ from casingfem.structure.shell import Shell
 from casingfem.structure.support import Clamped
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import eigen_derivatives
+from reports.core_limits import best
 from reports.frustum_convergence import COUNT, reference_frustum
 from reports.tables import Row, command_line, show, write
 
 BAR = {"length": 10.0, "area": 1.0, "E": 900.0, "rho": 1.0, "x": 5.0}
 SPARSE = ct.Record(every=1000)
-
-
-def best(task: Callable[[], object], repeats: int) -> float:
-    """Least seconds of some calls."""
-    times = []
-    for _ in range(repeats):
-        started = time.perf_counter()
-        task()
-        times.append(time.perf_counter() - started)
-    return min(times)
 
 
 def structure_tasks() -> Iterator[tuple[str, Callable[[], object]]]:
@@ -107,7 +98,7 @@ def rubbed_casing(folder: Path) -> ct.RotatingRim:
 def main(out: Path, quick: bool = False) -> list[Row]:
     """Print the table and write it."""
     repeats = 1 if quick else 3
-    seconds = {name: best(task, repeats) for name, task in structure_tasks()}
+    seconds = {name: best(task, repeats, perf_counter) for name, task in structure_tasks()}
     unit = next(value for name, value in seconds.items() if name.startswith("assemble"))
     rows: list[Row] = [{"step": name, "seconds": s, "over assembly": s / unit} for name, s in seconds.items()]
     show(f"Structures, {os.cpu_count()} processors, best of {repeats}", rows)
