@@ -122,6 +122,7 @@ def test_covariance_tells_the_scatter_of_many_fits(frustum, measured):
     assert np.count_nonzero(np.abs(z) > 3.0) <= 2
 
 
+@pytest.mark.slow
 def test_start_does_not_matter(frustum, measured, exact_fit):
     other = casing(frustum, E=215e9, t=2.95e-3, k=2e12, c8=0.0008, s8=0.0, c16=0.0002, k4=0.4)
     fit = update(other, table_of(measured), VARY)
@@ -145,6 +146,7 @@ def test_a_perfect_start_finds_the_harmonics_of_the_splits(frustum):
     np.testing.assert_allclose(fit.value, [0.0006, -0.0003], rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_two_updates_agree_bit_by_bit(frustum, measured):
     fits = [update(casing(frustum), table_of(measured), VARY[:2], max_iterations=4) for _ in range(2)]
     assert fits[0].value == fits[1].value

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pandas as pd
+import pytest
 
 from reports import (
     cone,
@@ -16,6 +17,7 @@ from reports import (
 )
 
 
+@pytest.mark.slow
 def test_frustum_convergence_marks_the_default_mesh_and_finds_it_good(tmp_path, capsys):
     rows = frustum_convergence.main(tmp_path, quick=True)
     table = pd.read_csv(tmp_path / "frustum_convergence.csv")
@@ -35,6 +37,7 @@ def test_cylinder_counts_rows_within_a_thousandth(tmp_path, capsys):
     assert "118 of 120 rows within .1 %" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_quick_tables_of_cones_and_twisted_plates(tmp_path, capsys):
     assert len(cone.main(tmp_path, quick=True)) == 20
     assert len(pd.read_csv(tmp_path / "cone.csv")) == 240

@@ -7,6 +7,7 @@ from reports import model_updating, update_checks, update_twin
 from reports.update_derivatives import ENOUGH, extrapolated
 
 
+@pytest.mark.slow
 def test_the_script_to_copy_runs(tmp_path, capsys):
     row = model_updating.main(tmp_path, quick=True)[0]
     assert row["RMS before"] > 0.03 > 0.02 > row["RMS after"]

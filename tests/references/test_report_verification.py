@@ -1,10 +1,12 @@
 """The table of published, exact and independent references, small: what passes, and what has its reason."""
 
 import pandas as pd
+import pytest
 
 from reports import verification
 
 
+@pytest.mark.slow
 def test_verification_passes_or_says_why_not(tmp_path, capsys):
     rows = verification.main(tmp_path, quick=True)
     verdicts = [row["verdict"] for row in rows]
