@@ -21,9 +21,9 @@ SEED = 20_251
 
 
 def rows(quick: bool) -> list[Row]:
-    """All lines; quick draws fewer problems."""
+    """All lines; quick draws fewer problems and takes no times."""
     count = 2_000 if quick else 100_000
-    return [*_redundant(), *_degenerate(count), *_friction(count // 5), *_oscillator(), *_sixteen(quick)]
+    return [*_redundant(quick), *_degenerate(count), *_friction(count // 5), *_oscillator(), *_sixteen(quick)]
 
 
 def residual(A: FloatArray, b: FloatArray, force: FloatArray) -> float:
@@ -33,7 +33,7 @@ def residual(A: FloatArray, b: FloatArray, force: FloatArray) -> float:
     return float(np.abs(np.minimum(own, gap)).max() / max(np.abs(b).max(), own.max()))
 
 
-def _redundant() -> list[Row]:
+def _redundant(quick: bool) -> list[Row]:
     rng = np.random.default_rng(SEED)
     A = rng.standard_normal((5000, 100))
     b = np.maximum(rng.standard_normal(5000), 0.0) - A @ rng.standard_normal(100)
@@ -42,10 +42,8 @@ def _redundant() -> list[Row]:
     found = unilateral(A, b)
     seconds = time.perf_counter() - started
     head = "5,000 candidates on 100 modes"
-    return [
-        target(f"{head}: residual", 1e-12, residual(A, b, found.force)),
-        target(f"{head}: seconds", 0.2, seconds),
-    ]
+    exact = target(f"{head}: residual", 1e-12, residual(A, b, found.force))
+    return [exact] if quick else [exact, target(f"{head}: seconds", 0.2, seconds)]
 
 
 def _problem(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
@@ -126,7 +124,7 @@ def _sixteen(quick: bool) -> list[Row]:
         clearance=1e-4 * rng.random(16), load=-5.0 * rows[::3].sum(axis=0),
     )  # fmt: skip
     steps, best = 2_000 if quick else 20_000, math.inf
-    for _ in range(3):
+    for _ in range(1 if quick else 3):
         stepper = ct.ExactModal().prepare(patch, ct.Coulomb(mu=0.3), dt=1e-4, courant=None)
         assert isinstance(stepper, PatchStepper)
         stepper.advance(samples(ct.Record(), 1, 16, 50), 0, 1)
@@ -135,7 +133,5 @@ def _sixteen(quick: bool) -> list[Row]:
         stepper.advance(buffers, 1, steps)
         best = min(best, time.perf_counter() - started)
     head = "16 contacts with friction in three dimensions, 50 modes, solved to 1e-12"
-    return [
-        target(f"{head}: steps/s", 1e4, steps / best, at_least=True),
-        target(f"{head}: most iterations of a step", 50, float(stepper.state.counts[0])),
-    ]
+    most = target(f"{head}: most iterations of a step", 50, float(stepper.state.counts[0]))
+    return [most] if quick else [target(f"{head}: steps/s", 1e4, steps / best, at_least=True), most]
