@@ -116,8 +116,8 @@ def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured):
 
 @pytest.mark.slow
 def test_covariance_tells_the_scatter_of_many_fits(frustum, measured):
-    """Twelve draws: 84 deviations with unit variance. The fits start at the truth, which is nearer than the guess."""
-    z = np.array([deviations(frustum, measured, seed)[0] for seed in range(401, 413)])
+    """Eight draws: 56 deviations with unit variance. The fits start at the truth, which is nearer than the guess."""
+    z = np.array([deviations(frustum, measured, seed)[0] for seed in range(401, 409)])
     assert 0.6 < np.sqrt(np.mean(z**2)) < 1.5
     assert np.count_nonzero(np.abs(z) > 3.0) <= 2
 
@@ -148,7 +148,7 @@ def test_a_perfect_start_finds_the_harmonics_of_the_splits(frustum):
 
 @pytest.mark.slow
 def test_two_updates_agree_bit_by_bit(frustum, measured):
-    fits = [update(casing(frustum), table_of(measured), VARY[:2], max_iterations=4) for _ in range(2)]
+    fits = [update(casing(frustum), table_of(measured), VARY[:2], max_iterations=2) for _ in range(2)]
     assert fits[0].value == fits[1].value
     assert fits[0].covariance.tobytes() == fits[1].covariance.tobytes()
 
