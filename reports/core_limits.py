@@ -17,7 +17,7 @@ def best(task: Callable[[], object], repeats: int, clock: Callable[[], float] = 
     return min(times)
 
 
-@numba.njit(fastmath={"contract", "nsz"})  # type: ignore[untyped-decorator]
+@numba.njit(fastmath={"contract", "nsz"})
 def multiply_add(x: float, y: float, rounds: int) -> float:
     """Sixty-four independent chains of multiply-adds."""
     a = np.linspace(0.1, 0.2, 64)
@@ -27,8 +27,8 @@ def multiply_add(x: float, y: float, rounds: int) -> float:
     return float(a.sum())
 
 
-@numba.njit(fastmath={"contract", "nsz"})  # type: ignore[untyped-decorator]
-def triad(a: np.ndarray, b: np.ndarray, c: np.ndarray, rounds: int) -> None:  # type: ignore[type-arg]
+@numba.njit(fastmath={"contract", "nsz"})
+def triad(a: np.ndarray, b: np.ndarray, c: np.ndarray, rounds: int) -> None:
     """A = b + s c, again and again."""
     for r in range(rounds):
         s = 1.0 + 1e-9 * r

@@ -69,7 +69,7 @@ def physics(pair: tuple[ct.ModalBody, ct.ModalBody], steps: int, repeats: int, p
     cases = [
         ("no contact, no damping, S = 0", rub(bare, clearance=1e-3, mu=0.0, rough=False, t_end=end)),
         ("contact all the time, S = 0", rub(bare, clearance=-1e-4, mu=0.0, rough=False, t_end=end)),
-        ("and S", rub(undamped, clearance=-1e-4, mu=0.0, rough=False, t_end=end)),  # type: ignore[arg-type]
+        ("and S", rub(undamped, clearance=-1e-4, mu=0.0, rough=False, t_end=end)),
         ("and damping", rub(pair, clearance=-1e-4, mu=0.0, rough=False, t_end=end)),
         ("and out-of-roundness", rub(pair, clearance=-4e-4, mu=0.0, t_end=end)),
         ("and friction", rub(pair, clearance=-4e-4, t_end=end)),
@@ -110,7 +110,7 @@ def _speeds(name: str, scene: ct.Scene, repeats: int, peak: dict[str, float]) ->
 
 def _size(scene: ct.Scene) -> tuple[int, int, int]:
     """Modes, and terms (cosines and sines) of their normal and their tangential rows."""
-    stepper = ExactModal().prepare(scene.what, scene.law or ct.Unilateral(), dt=DT, courant=None)  # type: ignore[arg-type]
+    stepper = ExactModal().prepare(scene.what, scene.law or ct.Unilateral(), dt=DT, courant=None)
     assert isinstance(stepper, ModalRun)
     table = stepper.system.table
     assert table is not None

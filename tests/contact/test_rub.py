@@ -144,7 +144,8 @@ def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz
     assert closed.min() >= 3
     assert np.median(closed) < steps
     if mu and speed_hz < 1.0:
-        assert sum(end - start for pairs in result.sticking for start, end in pairs) > 5 * h
+        least = 10 if law_of == "forward" else 5  # the averaged law holds the tips for nine steps
+        assert sum(end - start for pairs in result.sticking for start, end in pairs) > least * h
 
 
 @pytest.mark.slow
