@@ -46,7 +46,7 @@ def run_many(
         else:
             found[i] = _note(i, _alone(ready), ended)
     for group in groups.values():
-        for i, outcome in _together(group):
+        for i, outcome in together(group):
             # a failed run is repeated singly: its result is then complete up to the step that failed
             found[i] = _note(i, outcome or _alone(_prepared(scenes[i], record)), ended)
     return [outcome for outcome in found if outcome is not None]
@@ -87,8 +87,8 @@ def _fits(ready: Prepared) -> bool:
     return 8.0 * WIDTH * stored <= MOST_BYTES
 
 
-def _together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Result | None]]:
-    """Outcomes in the order in which lanes end; None for a run that failed."""
+def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Result | None]]:
+    """Outcomes of prepared runs of one size in the order in which lanes end; None for a run that failed."""
     jobs = [_job(ready) for _, ready in group]
     shared = batch(jobs)
     waiting = list(range(len(jobs)))[::-1]

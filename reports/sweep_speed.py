@@ -15,13 +15,14 @@ import numpy as np
 
 import casingfem as cf
 import contact as ct
-from contact.run import prepared
+from contact.run import completed, prepared
+from contact.run_many import together
 from contact.scheme.exact_modal import ExactModal
 from contact.scheme.modal_run import ModalRun
 from contact.sweep.plan import load_sweep
 from contact.sweep.sweep import run_sweep
 from reports.bases import blade
-from reports.core_limits import best, limits
+from reports.core_limits import best, best_of, limits
 from reports.frustum_convergence import reference_frustum
 from reports.rub_checks import COARSE, MU, SPEED, body, strip
 from reports.rub_checks import casing as seen_along_the_axis
@@ -89,9 +90,10 @@ def _speeds(name: str, scene: ct.Scene, repeats: int, peak: dict[str, float]) ->
     scenes = [replace(scene, what=rim) for rim in rims]
     result = ct.run(scene)
     ct.run_many(scenes[:1])
-    ready = best(lambda: [prepared(one) for one in scenes], 1)
-    one = best(lambda: ct.run(scene), repeats) - ready / RUNS
-    many = best(lambda: ct.run_many(scenes), repeats) - ready
+    one = best_of(lambda: prepared(scene), completed, repeats)
+    many = best_of(
+        lambda: [(k, prepared(one)) for k, one in enumerate(scenes)], lambda ready: list(together(ready)), repeats
+    )
     m, terms, along = _size(scene)
     touching = float(result.contact_steps[0]) / result.steps
     rate = 1e-9 * RUNS * result.steps / many  # billions of steps a second
@@ -134,8 +136,7 @@ def contacts(steps: int, repeats: int, peak: dict[str, float]) -> list[Row]:
         for name, advance, law in cases:
             what = tips_on(rim, blade, tips, advance=advance)
             scene = ct.Scene(what=what, law=law, t_end=steps * dt, dt=dt, record=ct.Record(every=10_007))
-            result, seconds = ct.run(scene), best(lambda scene=scene: ct.run(scene), repeats)
-            seconds -= best(lambda scene=scene: prepared(scene), repeats)
+            result, seconds = ct.run(scene), best_of(lambda scene=scene: prepared(scene), completed, repeats)
             m, d = rim.omega.size + blade.omega.size, 3 if law is friction else 1
             touching, size = float(result.contact_steps.max()) / result.steps, d * tips
             flops = 14.0 * m + 6.0 * tips * m + touching * (size * m * (2.0 * size + 4.0) + 2.0 * size**3 / 3.0)
