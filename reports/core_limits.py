@@ -16,7 +16,9 @@ def best(task: Callable[[], object], repeats: int, clock: Callable[[], float] = 
 
 
 def best_of(
-    prepare: Callable[[], Made], task: Callable[[Made], object], repeats: int,
+    prepare: Callable[[], Made],
+    task: Callable[[Made], object],
+    repeats: int,
     clock: Callable[[], float] = time.process_time,
 ) -> float:
     """Least seconds of some calls of `task` on what `prepare` makes anew for each; making it is not counted."""
