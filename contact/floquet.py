@@ -58,7 +58,7 @@ def monodromy(system: ModalSystem, mu: float, phase: float = PHASE) -> Array:
                        for a, b in pairwise(edges)])  # fmt: skip
     q, v = np.hstack([np.eye(m), np.zeros((m, m))]), np.hstack([np.zeros((m, m)), scale * np.eye(m)])
     times = np.cumsum(KICKS) - 0.5 * KICKS
-    rows = rim_rows(system, mu)
+    rows = rim_rows(system, mu, *system.sums())
     Q, T = aligned(2, padded(m))
     revolve(q, v, rows, Q, T, np.zeros(2 * m), drifts, times, KICKS, h, steps)
     return np.vstack([q, v / scale])

@@ -4,8 +4,11 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-import numba
 import numpy as np
+
+from contact.compiled import jit_entry
+from contact.model.arrays import aligned
+from contact.vector import WIDTH, load, put, same
 
 Made = TypeVar("Made")
 
@@ -31,31 +34,34 @@ def best_of(
     return min(times)
 
 
-@numba.njit(fastmath={"contract", "nsz"})
-def multiply_add(x: float, y: float, rounds: int) -> float:
-    """Sixty-four independent chains of multiply-adds."""
-    a = np.linspace(0.1, 0.2, 64)
+@jit_entry
+def multiply_add(factor: float, add: float, rounds: int, found: np.ndarray) -> None:
+    """Ten independent chains of multiply-adds, eight wide, which stay in the registers."""
+    x, y = same(factor), same(add)
+    a, b, c, d, e = same(0.10), same(0.11), same(0.12), same(0.13), same(0.14)
+    f, g, h, i, j = same(0.15), same(0.16), same(0.17), same(0.18), same(0.19)
     for _ in range(rounds):
-        for i in range(64):
-            a[i] = a[i] * x + y
-    return float(a.sum())
+        a, b, c, d, e = a * x + y, b * x + y, c * x + y, d * x + y, e * x + y
+        f, g, h, i, j = f * x + y, g * x + y, h * x + y, i * x + y, j * x + y
+    put(found, 0, a + b + c + d + e + f + g + h + i + j)
 
 
-@numba.njit(fastmath={"contract", "nsz"})
+@jit_entry
 def triad(a: np.ndarray, b: np.ndarray, c: np.ndarray, rounds: int) -> None:
-    """A = b + s c, again and again."""
+    """A = b + s c, again and again, eight wide."""
     for r in range(rounds):
-        s = 1.0 + 1e-9 * r
-        for i in range(a.size):
-            a[i] = b[i] + s * c[i]
+        s = same(1.0 + 1e-9 * r)
+        for i in range(0, a.size, WIDTH):
+            put(a, i, load(b, i) + s * load(c, i))
 
 
 def limits(repeats: int) -> dict[str, float]:
     """Flops [GFlop/s], and bytes read and written [GB/s] in the first-level cache and in the second."""
-    rounds = 400_000
-    found = {"GFlop/s": 128e-9 * rounds / best(lambda: multiply_add(0.999, 1e-3, rounds), repeats + 1)}
-    for name, size in (("GB/s, 12 kB", 500), ("GB/s, 400 kB", 16_000)):
-        arrays = [np.full(size, 0.5) for _ in range(3)]
+    rounds, last = 1_000_000, np.zeros(WIDTH)
+    seconds = best(lambda: multiply_add(0.999, 1e-3, rounds, last), repeats + 1)
+    found = {"GFlop/s": 2e-9 * 10 * WIDTH * rounds / seconds}
+    for name, size in (("GB/s, 12 kB", 512), ("GB/s, 400 kB", 16_384)):
+        arrays = aligned(3, size)
         turns = 40_000_000 // size
         seconds = best(lambda arrays=arrays, turns=turns: triad(*arrays, turns), repeats + 1)
         found[name] = 24e-9 * size * turns / seconds

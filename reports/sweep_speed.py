@@ -116,7 +116,7 @@ def _size(scene: ct.Scene) -> tuple[int, int, int]:
     assert isinstance(stepper, ModalRun)
     table = stepper.system.table
     assert table is not None
-    normal, tangent = table.terms(table.q_cos, table.q_sin), table.terms(table.t_cos, table.t_sin)
+    normal, tangent = table.normal, table.tangent
     return stepper.size, normal.value.size, tangent.value.size
 
 
@@ -214,7 +214,7 @@ def rig_sweep(folder: Path, speeds: int, turns: int) -> list[Row]:
 def main(out: Path, quick: bool = False) -> Sequence[Row]:
     """Measure and print."""
     folder = out / "sweep_speed"
-    steps, repeats = (10_000, 1) if quick else (40_000, 5)
+    steps, repeats = (10_000, 1) if quick else (100_000, 3)
     print(f"load of the machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
     peak = limits(repeats)
     show("Limits of the core, measured here", [{"what": name, "value": value} for name, value in peak.items()])

@@ -47,8 +47,17 @@ class RowTable:
         Q, T = (c @ self.by_harmonic(cos) + s @ self.by_harmonic(sin) for cos, sin in columns)
         return Q, T
 
-    def terms(self, cos: Array, sin: Array) -> Terms:
-        """One of the pairs of columns without its zeros, by mode."""
+    @property
+    def normal(self) -> Terms:
+        """Q as sums of waves."""
+        return self._terms(self.q_cos, self.q_sin)
+
+    @property
+    def tangent(self) -> Terms:
+        """T as sums of waves."""
+        return self._terms(self.t_cos, self.t_sin)
+
+    def _terms(self, cos: Array, sin: Array) -> Terms:
         modes = self.start.size - 1
         return terms(np.repeat(np.arange(modes), np.diff(self.start)), self.harmonic, cos, sin, modes)
 
@@ -84,9 +93,12 @@ class ModalSystem:
     angle: float = 0.0
     radius: float = 0.0
 
-    @property
-    def series(self) -> Terms:
-        """Clearance, S_nn and S_nt as sums of waves."""
+    def sums(self) -> tuple[Terms, Terms]:
+        """Sums of waves of a rim: Q followed by clearance, S_nn and S_nt; and T."""
+        assert self.table is not None
+        return self.table.normal.followed_by(self._series()), self.table.tangent
+
+    def _series(self) -> Terms:
         parts = self.clearance, self.S_nn, self.S_nt
         owner = np.repeat(np.arange(len(parts)), [part.harmonic.size for part in parts])
         harmonic = np.concatenate([part.harmonic for part in parts])

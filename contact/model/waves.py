@@ -30,6 +30,21 @@ class Terms:
         """Which sum each term belongs to."""
         return np.repeat(np.arange(self.sums), np.diff(self.start))
 
+    def first(self, sums: int) -> Terms:
+        """So many of the sums alone."""
+        start = self.start[: sums + 1]
+        return Terms(start=start, wave=self.wave[: start[-1]], value=self.value[: start[-1]])
+
+    def followed_by(self, other: Terms) -> Terms:
+        """These sums, then those of the other."""
+        pairs = zip(
+            (self.start[:-1], self.wave, self.value),
+            (other.start + self.value.size, other.wave, other.value),
+            strict=True,
+        )
+        start, wave, value = (np.concatenate(pair) for pair in pairs)
+        return Terms(start=start, wave=wave, value=value)
+
     def full(self, waves: int) -> Array:
         """Dense table (sums, waves)."""
         table = np.zeros((self.sums, waves))

@@ -7,15 +7,16 @@ harmonics; a run's own numbers fill a column when it enters a lane.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact.model.arrays import Indices, aligned
 from contact.model.waves import Terms
 from contact.record import Record, Samples, Tally, samples, tally
-from contact.scheme.modal_run import ModalRun
+from contact.scheme.modal_run import ModalRun, RimRun
 
 if TYPE_CHECKING:
     from contact.scheme.loop.lanes import LaneLeaps, Lanes, LaneSamples, LaneTerms
@@ -30,67 +31,68 @@ SUMS = (
 OF_MODES = ("q", "d", "al", "be", "c", "weight")
 STEPS = ("live", "step", "end", "retry", "failed")
 NUMBERS = ("angle", "speed", "surface", "mu", "h", "averaged", "turns")
-TERMS = ("normal", "tangent", "series")
-GROUP = 4  # terms that are added to a row at once
+TERMS = ("normal", "tangent")
+FOUR = 4  # rows that are summed at once where lanes share their coefficients
 AWAY = 1e300  # gap where there is no run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
-    """A run for the lanes: `steps` steps, stored as `record` says (every, state_every); its sums of waves."""
+    """A run for the lanes: `steps` steps, stored as `record` says (every, state_every)."""
 
     run: ModalRun
     steps: int
     record: Record
-    normal: Terms = field(init=False)
-    tangent: Terms = field(init=False)
-    series: Terms = field(init=False)  # clearance, S_nn, S_nt
 
-    def __post_init__(self) -> None:
-        table = self.run.system.table
-        assert table is not None
-        object.__setattr__(self, "normal", table.terms(table.q_cos, table.q_sin))
-        object.__setattr__(self, "tangent", table.terms(table.t_cos, table.t_sin))
-        object.__setattr__(self, "series", self.run.system.series)
+    @property
+    def rim(self) -> RimRun:
+        """What its lane works on."""
+        assert self.run.rim is not None
+        return self.run.rim
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Layout:
-    """Where the terms that any of some runs has stand in the groups of `LaneTerms`.
-
-    Keys tell sum and wave; groups stand by their number in the sum, then by the sum.
-    """
+    """Where the terms that any of some runs has stand in the blocks of `LaneTerms`; keys tell sum and wave."""
 
     top: int  # waves
     keys: Indices
     place: Indices
     row: Indices
+    start: Indices
     wave: Indices
     alike: bool
 
     @staticmethod
-    def of(parts: Sequence[Terms], first: int) -> Layout:
-        """That of the runs' sums, the first of which is row number `first`."""
+    def of(parts: Sequence[Terms]) -> Layout:
+        """That of the runs' sums."""
         top, one = max(int(part.wave.max(initial=0)) for part in parts) + 1, parts[0]
         alike = all(
             np.array_equal(part.start, one.start) and np.array_equal(part.wave, one.wave)
             and np.array_equal(part.value, one.value) for part in parts
         )  # fmt: skip
         keys = np.unique(np.concatenate([part.owner * top + part.wave for part in ([one] if alike else parts)]))
-        owner = keys // top
-        rank = np.arange(keys.size) - np.searchsorted(owner, owner)
-        group, of = np.unique(rank // GROUP * one.sums + owner, return_inverse=True)
-        place = of * GROUP + rank % GROUP
-        wave = np.zeros(group.size * GROUP, dtype=np.int64)
-        wave[place] = keys % top * WIDTH
-        row = (first + group % one.sums) * WIDTH
-        return Layout(top=top, keys=keys, place=place, row=row.astype(np.int64), wave=wave, alike=alike)
+        has = np.zeros((one.sums, top), dtype=bool)
+        has[keys // top, keys % top] = True
+        many = FOUR if alike else 1
+        blocks = _blocks(has, many)
+        row = np.full((len(blocks), many), one.sums, dtype=np.int64)  # where there is none: the row past the last
+        place, waves = np.zeros(has.shape, dtype=np.int64), [np.flatnonzero(has[block].any(axis=0)) for block in blocks]
+        start = np.concatenate(([0], np.cumsum([part.size for part in waves]))).astype(np.int64)
+        for b, (block, part) in enumerate(zip(blocks, waves, strict=True)):
+            place[block[:, None], part] = (start[b] + np.arange(part.size)) * many + np.arange(block.size)[:, None]
+            row[b, : block.size] = block
+        return Layout(
+            top=top, keys=keys, place=place[keys // top, keys % top], row=row.ravel() * WIDTH, start=start,
+            wave=np.concatenate(waves).astype(np.int64) * WIDTH, alike=alike,
+        )  # fmt: skip
 
     def empty(self, one: Terms) -> LaneTerms:
         """Terms without values as yet, but those that all runs have in common."""
         from contact.scheme.loop.lanes import LaneTerms
 
-        lanes = LaneTerms(self.row, self.wave, aligned(self.wave.size, WIDTH), np.zeros(self.wave.size * self.alike))
+        size = (FOUR if self.alike else 1) * self.wave.size
+        lanes = LaneTerms(self.row, self.start, self.wave, aligned(size, WIDTH), np.zeros(size * self.alike))
         if self.alike:
             lanes.alike[self.place] = one.value
         return lanes
@@ -99,6 +101,18 @@ class Layout:
         """Put one run's coefficients into lane k."""
         lanes.value[:, k] = 0.0
         lanes.value[self.place[np.searchsorted(self.keys, own.owner * self.top + own.wave)], k] = own.value
+
+
+def _blocks(has: NDArray[np.bool_], many: int) -> list[Indices]:
+    """Rows, `many` at a time, that add the fewest waves to the first; `has` (rows, waves) tells which a row has."""
+    left, blocks, size = list(range(has.shape[0])), [], has.sum(axis=1)
+    while left:
+        block = [left.pop(0)]
+        while left and len(block) < many:
+            more = (has[left] & ~has[block].any(axis=0)).sum(axis=1)
+            block.append(left.pop(int(np.lexsort((-size[left], more))[0])))
+        blocks.append(np.array(block))
+    return blocks
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -124,13 +138,11 @@ class Batch:
 
     def load(self, k: int, job: Job) -> None:
         """Put a run at its start into lane k."""
-        rim = job.run.rim
-        assert rim is not None
-        lanes = self.lanes
+        rim, lanes = job.rim, self.lanes
         for name in OF_MODES:
             getattr(lanes, name)[:, k] = getattr(rim.state, name)
         for name, layout in self.layouts.items():
-            layout.load(getattr(lanes, name), getattr(job, name), k)
+            layout.load(getattr(lanes, name), getattr(rim, name), k)
         own = {name: getattr(rim.rows, name) for name in ("angle", "speed", "surface", "mu")} | {"h": job.run.dt}
         own |= {"averaged": rim.averaged, "turns": rim.rows.S_turns, "away": 0.0}
         own |= {"live": 1, "step": 0, "end": job.steps, "retry": 0, "failed": 0}
@@ -145,8 +157,7 @@ class Batch:
         self.kept.due[:, k], self.kept.filled[:, k] = (0, 0 if states else NEVER), 0
 
     def _load_leap(self, k: int, job: Job) -> None:
-        assert job.run.rim is not None
-        leap = job.run.rim.leap
+        leap = job.rim.leap
         for name in ("fade", "cos", "sin", "floor"):
             getattr(self.leaps, name)[k] = getattr(leap, name)
         if leap.powers.size:
@@ -159,8 +170,7 @@ class Batch:
 
     def unload(self, k: int, job: Job, events: Samples) -> Samples:
         """Write lane k's state and sums back into its run; what it stored, with its `events`."""
-        rim, lanes, kept = job.run.rim, self.lanes, self.kept
-        assert rim is not None
+        rim, lanes, kept = job.rim, self.lanes, self.kept
         rim.state.q[:], rim.state.d[:], rim.state.memory[:] = lanes.q[:, k], lanes.d[:, k], lanes.memory[:, k]
         rim.leap.taken[:] = self.leaps.taken[k]
         for name in SUMS:
@@ -180,10 +190,10 @@ def batch(jobs: Sequence[Job]) -> Batch:
     from contact.scheme.loop.lanes import Lanes
 
     m = jobs[0].run.size
-    layouts = {name: Layout.of([getattr(job, name) for job in jobs], m * (name == "series")) for name in TERMS}
-    arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0], name)) for name, layout in layouts.items()}
-    arrays |= {name: aligned(m, WIDTH) for name in (*OF_MODES, "old", "T")}
-    arrays |= {name: aligned(m + 3, WIDTH) for name in ("Q", "Q_next")}
+    layouts = {name: Layout.of([getattr(job.rim, name) for job in jobs]) for name in TERMS}
+    arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0].rim, name)) for name, layout in layouts.items()}
+    arrays |= {name: aligned(m, WIDTH) for name in (*OF_MODES, "old")}
+    arrays |= {"Q": aligned(m + 4, WIDTH), "Q_next": aligned(m + 4, WIDTH), "T": aligned(m + 1, WIDTH)}
     arrays |= {name: aligned(WIDTH) for name in NUMBERS}
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
     arrays |= {
@@ -194,14 +204,14 @@ def batch(jobs: Sequence[Job]) -> Batch:
     return Batch(
         lanes=lanes, layouts=layouts, leaps=_leaps(jobs, m), sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
         events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs, m),
-        rubs=any(job.run.rim is not None and job.run.rim.rows.mu > 0.0 for job in jobs),
+        rubs=any(job.rim.rows.mu > 0.0 for job in jobs),
     )  # fmt: skip
 
 
 def _leaps(jobs: Sequence[Job], m: int) -> LaneLeaps:
     from contact.scheme.loop.lanes import LaneLeaps
 
-    kinds = [job.run.rim.leap for job in jobs if job.run.rim is not None]
+    kinds = [job.rim.leap for job in jobs]
     bits, size = max(leap.powers.shape[0] for leap in kinds), max(leap.row.size for leap in kinds)
     arrays: dict[str, Any] = {name: np.zeros((WIDTH, m)) for name in ("fade", "cos", "sin")}
     return LaneLeaps(

@@ -14,6 +14,7 @@ import numpy as np
 from contact.model.arrays import Array, readonly
 from contact.model.modal_system import ModalSystem
 from contact.model.trig import Trig
+from contact.model.waves import Terms
 from contact.scheme.propagator import Propagator
 
 if TYPE_CHECKING:
@@ -24,18 +25,17 @@ CELLS = 720  # of the contact angle
 POINTS = 8  # where the clearance is looked at in each cell
 
 
-def rim_leap(system: ModalSystem, parts: Propagator, *, skip: bool) -> Leap:
-    """Powers, amplitudes and clearances of a rim; without powers, so without leaps, unless `skip`."""
+def rim_leap(system: ModalSystem, parts: Propagator, normal: Terms, *, skip: bool) -> Leap:
+    """Powers (none, so no leaps, unless `skip`), amplitudes (those of `normal`) and clearances of a rim."""
     from contact.scheme.loop.leap import Leap
 
-    table, m = system.table, system.omega.size
-    assert table is not None
-    normal = table.terms(table.q_cos, table.q_sin)
+    m = system.omega.size
+    rows = normal.first(m)
     return Leap(
         powers=powers(parts.al, parts.be) if skip else readonly(np.zeros((0, 4, m))), fade=parts.fade,
-        cos=np.cos(parts.turn), sin=np.sin(parts.turn), start=normal.start, wave=normal.wave,
-        row=normal.value, floor=least_clearance(system.clearance),
-        reach=np.zeros(2 * (int(table.harmonic.max(initial=0)) + 1)), taken=np.zeros(2, dtype=np.int64),
+        cos=np.cos(parts.turn), sin=np.sin(parts.turn), start=rows.start, wave=rows.wave,
+        row=rows.value, floor=least_clearance(system.clearance),
+        reach=np.zeros(2 * (int(rows.wave.max(initial=0)) // 2 + 1)), taken=np.zeros(2, dtype=np.int64),
     )  # fmt: skip
 
 

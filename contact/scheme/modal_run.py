@@ -12,6 +12,7 @@ import numpy as np
 from contact.energy import Stored
 from contact.model.arrays import Array
 from contact.model.modal_system import ModalSystem
+from contact.model.waves import Terms
 from contact.record import Samples, Tally
 from contact.scheme.protocol import Block, Motion
 from contact.scheme.wear_track import Tracks
@@ -30,6 +31,8 @@ class RimRun:
     state: ModalState  # views of `wide`
     wide: ModalState  # in whole blocks of eight
     rows: RimRows
+    normal: Terms  # what the rows are sums of: Q, clearance, S_nn and S_nt
+    tangent: Terms
     leap: Leap
     averaged: bool
     damped: bool

@@ -11,6 +11,7 @@ from contact.energy import Stored
 from contact.model.arrays import Array, Indices, aligned
 from contact.model.law import Abradable
 from contact.model.modal_system import ModalSystem
+from contact.model.waves import Terms
 from contact.record import Samples, Tally, tally
 from contact.scheme.leap import rim_leap
 from contact.scheme.modal_run import ModalRun, RimRun
@@ -39,10 +40,14 @@ def modal_stepper(
     if system.table is None:
         loop = _point_loop(system, parts, averaged, damped)
     else:
-        rows, leap = rim_rows(system, mu), rim_leap(system, parts, skip=skip)
+        normal, tangent = system.sums()
+        rows, leap = rim_rows(system, mu, normal, tangent), rim_leap(system, parts, normal, skip=skip)
         wide = widened(state)
         state = narrowed(wide, q.size)
-        rim = RimRun(state=state, wide=wide, rows=rows, leap=leap, averaged=averaged, damped=damped)
+        rim = RimRun(
+            state=state, wide=wide, rows=rows, normal=normal, tangent=tangent, leap=leap, averaged=averaged,
+            damped=damped,
+        )  # fmt: skip
         loop = _rim_loop(rim, parts.h, tracks)
 
     def advance(sums: Tally, out: Samples, first: int, steps: int) -> int:
@@ -139,21 +144,18 @@ def padded(modes: int) -> int:
     return -(-(modes + 3) // 8) * 8
 
 
-def rim_rows(system: ModalSystem, mu: float) -> RimRows:
-    """What the compiled loops need of a rim: rows, polynomials of the angle, work space."""
+def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms) -> RimRows:
+    """What the compiled loops need of a rim: its `sums()` in blocks, its speeds, work space."""
     from contact.scheme.loop.rim import RimRows
     from contact.scheme.loop.rows import RowBlocks
 
-    table, m = system.table, system.omega.size
-    assert table is not None
-    top = max(int(table.harmonic.max(initial=0)), system.clearance.degree, system.S_nn.degree, system.S_nt.degree)
-    count = -(-(top + 1) // 8) * 8
-    normal, tangent = np.zeros((2, padded(m), 2 * count))
-    normal[:m] = table.terms(table.q_cos, table.q_sin).full(2 * count)
-    tangent[:m] = table.terms(table.t_cos, table.t_sin).full(2 * count)
-    normal[m : m + 3] = system.series.full(2 * count)
+    m = system.omega.size
+    count = -(-(max(int(part.wave.max(initial=0)) for part in (normal, tangent)) // 2 + 1) // 8) * 8
+    blocks = np.zeros((2, padded(m), 2 * count))
+    for block, part in zip(blocks, (normal, tangent), strict=True):
+        block[: part.sums] = part.full(2 * count)
     return RimRows(
-        normal=RowBlocks(*row_blocks(normal)), tangent=RowBlocks(*row_blocks(tangent)), modes=m,
+        normal=RowBlocks(*row_blocks(blocks[0])), tangent=RowBlocks(*row_blocks(blocks[1])), modes=m,
         S_turns=max(system.S_nn.degree, system.S_nt.degree) > 0, angle=system.angle, speed=system.speed,
         surface=system.radius * system.speed, mu=mu, waves=aligned(2, count), waves_next=aligned(2, count),
     )  # fmt: skip

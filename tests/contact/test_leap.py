@@ -72,7 +72,7 @@ def test_no_angle_and_no_time_sees_more_than_the_largest_share(imperfect):
     system = rim_system(scene)
     parts = propagator(system.omega, system.zeta, system.load, DT)
     rng = np.random.default_rng(11)
-    leap = rim_leap(system, parts, skip=True)
+    leap = rim_leap(system, parts, system.sums()[0], skip=True)
     q, d = rng.standard_normal((2, system.omega.size)) * 1e-4
     d *= system.omega * DT
     bound = largest_share(leap, q, d)

@@ -7,9 +7,10 @@ from synthetic_rim import blade, ring
 import contact as ct
 from contact.compiled import jit_entry
 from contact.model.modal_system import NOISE, rim_system
-from contact.scheme.lanes import GROUP, WIDTH, Layout
+from contact.model.waves import Terms
+from contact.scheme.lanes import WIDTH, Layout
 from contact.scheme.loop.circle import cosine, half_turns, sign_of, sine, within
-from contact.scheme.loop.lanes import add_terms
+from contact.scheme.loop.lanes import fill_lanes
 from contact.scheme.loop.rows import fill, rotate
 from contact.scheme.modal_stepper import rim_rows
 from contact.vector import load, put
@@ -48,7 +49,7 @@ def turn_and_fill(rows, waves, phi, found):
 @jit_entry
 def sum_lanes(terms, waves, found):
     """Rows of eight runs."""
-    add_terms(terms, waves, found)
+    fill_lanes(terms, waves, found)
 
 
 @pytest.mark.parametrize("largest", [1.0, 1e3, 1e6])
@@ -63,7 +64,7 @@ def test_eight_cosines_and_sines_to_round_off(largest):
 @pytest.mark.parametrize("imperfect", [0.0, 0.05])
 def test_blocks_of_a_rim_are_its_rows_its_clearance_and_its_compliance(imperfect):
     one = system(imperfect)
-    rows, m = rim_rows(one, 0.2), one.omega.size
+    rows, m = rim_rows(one, 0.2, *one.sums()), one.omega.size
     found = np.zeros(8 * (rows.normal.start.size - 1))
     for phi in (0.0, 1.234, -7.5):
         turn_and_fill(rows.normal, rows.waves, phi, found)
@@ -74,36 +75,55 @@ def test_blocks_of_a_rim_are_its_rows_its_clearance_and_its_compliance(imperfect
         assert not found[m:].any()
 
 
-def test_lanes_of_unlike_runs_hold_the_rows_of_each():
-    systems = [system(0.0), system(0.05), system(0.05, cos=1e-4)]
-    parts = [one.table.terms(one.table.q_cos, one.table.q_sin) for one in systems]
-    layout = Layout.of(parts, 2)
-    lanes, m, phi = layout.empty(parts[0]), systems[0].omega.size, 0.77
-    assert not layout.alike
-    assert lanes.wave.size == GROUP * lanes.row.size
-    for k, part in enumerate(parts):
-        layout.load(lanes, part, k)
+def in_lanes(layout, lanes, sums, phi):
+    """Rows (sums + 1, 8) at one angle; the last is that of no sum."""
     n = np.arange(layout.top // 2 + 1)
     waves = np.repeat(np.stack([np.cos(n * phi), np.sin(n * phi)], axis=1)[:, :, None], WIDTH, axis=2)
-    found = np.zeros((m + 2, WIDTH))
+    found = np.full((sums + 1, WIDTH), np.nan)
     sum_lanes(lanes, np.ascontiguousarray(waves), found)
+    return found
+
+
+def test_lanes_of_unlike_runs_hold_the_rows_of_each():
+    systems = [system(0.0), system(0.05), system(0.05, cos=1e-4)]
+    parts = [one.sums()[0] for one in systems]
+    layout = Layout.of(parts)
+    lanes, m, phi = layout.empty(parts[0]), systems[0].omega.size, 0.77
+    assert not layout.alike
+    assert lanes.row.size == lanes.start.size - 1 == m + 3
+    for k, part in enumerate(parts):
+        layout.load(lanes, part, k)
+    found = in_lanes(layout, lanes, m + 3, phi)
     for k, one in enumerate(systems):
-        assert np.allclose(found[2:, k], one.table.rows(phi)[0], rtol=0.0, atol=1e-14)
-    assert not found[:2].any()
-    assert not found[:, 3:].any()
+        assert np.allclose(found[: m + 3, k], rows_at(one, phi), rtol=0.0, atol=1e-14)
+    assert not found[: m + 3, 3:].any()
 
 
 def test_like_runs_share_their_coefficients():
-    parts = [one.table.terms(one.table.q_cos, one.table.q_sin) for one in (system(0.05), system(0.05, cos=1e-4))]
-    layout = Layout.of(parts, 0)
-    lanes = layout.empty(parts[0])
+    """In blocks of four rows, the last filled up with none."""
+    systems = [system(0.05), system(0.05, cos=1e-4)]
+    parts = [one.table.normal for one in systems]
+    layout = Layout.of(parts)
+    lanes, m, phi = layout.empty(parts[0]), systems[0].omega.size, 0.77
     assert layout.alike
     assert np.array_equal(np.sort(lanes.alike[lanes.alike != 0.0]), np.sort(parts[0].value))
+    assert lanes.row.size == 4 * (lanes.start.size - 1) >= m
+    found = in_lanes(layout, lanes, m, phi)
+    assert np.allclose(found[:m], systems[0].table.rows(phi)[0][:, None], rtol=0.0, atol=1e-14)
+    assert not found[m].any() or m % 4 == 0
+
+
+def test_rows_with_the_same_waves_stand_together():
+    """Sums 0, 3, 4 and 6 have wave 2, the others wave 5; sum 1 both."""
+    start, wave = np.array([0, 1, 3, 4, 5, 6, 7, 8]), np.array([2, 2, 5, 5, 2, 2, 5, 2])
+    layout = Layout.of([Terms(start=start, wave=wave, value=np.ones(8))])
+    assert layout.row.tolist() == [8 * row for row in (0, 3, 4, 6, 1, 2, 5, 7)]
+    assert (layout.start.tolist(), layout.wave.tolist()) == ([0, 1, 3], [16, 16, 40])
+    assert layout.place.tolist() == [0, 4, 8, 9, 1, 2, 10, 3]
 
 
 def test_cosines_and_sines_below_the_noise_are_left_out():
     one = system(0.0)
-    table = one.table
-    found = table.terms(table.q_cos, table.q_sin)
+    found = one.table.normal
     assert np.abs(found.value).min() > NOISE * np.abs(found.value).max()
     assert found.value.size == one.omega.size  # a mode of a perfect ring has one wave, a blade's mode too

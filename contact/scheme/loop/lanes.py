@@ -19,16 +19,17 @@ from contact.vector import WIDTH, below_zero, entry, larger, load, put, same
 
 
 class LaneTerms(NamedTuple):
-    """Sums of waves, coefficients by lane: group g adds terms 4 g .. 4 g + 3 to the row at row[g].
+    """Sums of waves: block b of rows has those at wave[start[b]] .. wave[start[b + 1] - 1]; all count single numbers.
 
-    Groups of one row are far apart, so that they do not wait for each other. `row` and `wave` count single numbers.
-    `alike` (terms,) are the coefficients where all lanes have the same: an eighth of the memory; else it is empty.
+    Where all lanes have the same coefficients a block is four rows with most of their waves in common, so that a wave
+    is read once for them, and coefficient 4 j + r is that of wave j in row[4 b + r]; else it is one row.
     """
 
     row: Indices
+    start: Indices
     wave: Indices
     value: Array  # (terms, 8)
-    alike: Array
+    alike: Array  # (terms,), empty where lanes differ: an eighth of the memory
 
 
 class LaneLeaps(NamedTuple):
@@ -70,9 +71,8 @@ class Lanes(NamedTuple):
     be: Array
     c: Array
     weight: Array
-    normal: LaneTerms
+    normal: LaneTerms  # rows of the modes, then clearance, S_nn, S_nt
     tangent: LaneTerms
-    series: LaneTerms  # clearance, S_nn, S_nt: rows m, m + 1, m + 2
     angle: Array
     speed: Array
     surface: Array
@@ -87,9 +87,9 @@ class Lanes(NamedTuple):
     retry: Indices
     failed: Indices
     memory: Array  # (5, 8), as `ModalState.memory`
-    Q: Array  # (m + 3, 8)
+    Q: Array  # (m + 4, 8): the rows of `normal`, then one that nothing reads
     Q_next: Array
-    T: Array  # (m, 8)
+    T: Array  # (m + 1, 8)
     waves: Array  # (harmonics, 2, 8): cos n phi, sin n phi
     waves_next: Array
     work: Array  # (15, 8)
@@ -134,37 +134,33 @@ def turn_on(waves: Array, begin: int, end: int, by: int, c: float, s1: float) ->
 
 
 @jit_inside
-def fill_lanes(s: Lanes, waves: Array, Q: Array) -> None:
-    """Rows of the modes, clearance and S in every lane."""
-    clear(Q)
-    add_terms(s.normal, waves, Q)
-    add_terms(s.series, waves, Q)
-
-
-@jit_inside
-def clear(rows: Array) -> None:
-    """Zero in every lane."""
-    for i in range(rows.shape[0]):
-        put(rows, i * WIDTH, same(0.0))
-
-
-@jit_inside
-def add_terms(terms: LaneTerms, waves: Array, rows: Array) -> None:
-    """Add sums of waves. Terms of a row are added one by one: those of other lanes, zero here, change no bit."""
+def fill_lanes(terms: LaneTerms, waves: Array, rows: Array) -> None:
+    """Rows in every lane. Terms of a row are added one by one: zeros, of other rows or lanes, change no bit."""
     if terms.alike.size > 0:
-        for g in range(terms.row.size):
-            at = entry(terms.row, g)
-            part = load(rows, at)
-            for j in range(4 * g, 4 * g + 4):
-                part = part + same(entry(terms.alike, j)) * load(waves, entry(terms.wave, j))
-            put(rows, at, part)
+        fill_fours(terms, waves, rows)
         return
-    for g in range(terms.row.size):
-        at = entry(terms.row, g)
-        part = load(rows, at)
-        for j in range(4 * g, 4 * g + 4):
+    for b in range(terms.row.size):
+        part = same(0.0)
+        for j in range(entry(terms.start, b), entry(terms.start, b + 1)):
             part = part + load(terms.value, j * WIDTH) * load(waves, entry(terms.wave, j))
-        put(rows, at, part)
+        put(rows, entry(terms.row, b), part)
+
+
+@jit_inside
+def fill_fours(terms: LaneTerms, waves: Array, rows: Array) -> None:
+    """Four rows at once, of coefficients that all lanes share."""
+    for b in range(terms.start.size - 1):
+        one, two, three, four = same(0.0), same(0.0), same(0.0), same(0.0)
+        for j in range(entry(terms.start, b), entry(terms.start, b + 1)):
+            wave = load(waves, entry(terms.wave, j))
+            one = one + same(entry(terms.alike, 4 * j)) * wave
+            two = two + same(entry(terms.alike, 4 * j + 1)) * wave
+            three = three + same(entry(terms.alike, 4 * j + 2)) * wave
+            four = four + same(entry(terms.alike, 4 * j + 3)) * wave
+        put(rows, entry(terms.row, 4 * b), one)
+        put(rows, entry(terms.row, 4 * b + 1), two)
+        put(rows, entry(terms.row, 4 * b + 2), three)
+        put(rows, entry(terms.row, 4 * b + 3), four)
 
 
 @jit
@@ -178,7 +174,7 @@ def land(s: Lanes, waves: Array, Q: Array, k: int, step: int, back: float, d: Ar
     for n in range(waves.shape[0]):
         waves[n, 0, k], waves[n, 1, k] = a, b
         a, b = c * a - s1 * b, s1 * a + c * b
-    fill_lanes(s, waves, Q)
+    fill_lanes(s.normal, waves, Q)
     m = s.q.shape[0]
     gap = Q[m, k]
     for i in range(m):
@@ -209,7 +205,7 @@ def leap_lane(s: Lanes, leaps: LaneLeaps, sums: Tally, Q: Array, waves: Array, d
 @jit_inside
 def fly(s: Lanes, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
     """Free motion over a step into `new`, the rows ahead, and the gaps; whether one would close."""
-    fill_lanes(s, ahead, Q_next)
+    fill_lanes(s.normal, ahead, Q_next)
     free = load(Q_next, s.q.shape[0] * WIDTH)
     for i in range(s.q.shape[0]):
         at = i * WIDTH
@@ -231,8 +227,7 @@ def touch(s: Lanes, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: boo
     """Slip, Delassus numbers and forces of the lanes whose gap would close."""
     H, H_t, slide, m = same(0.0), same(0.0), same(0.0), s.q.shape[0]
     if rubs:
-        clear(s.T)
-        add_terms(s.tangent, waves, s.T)
+        fill_lanes(s.tangent, waves, s.T)
     for i in range(s.q.shape[0]):
         at = i * WIDTH
         stiff = load(Q_next, at) * load(s.c, at)
