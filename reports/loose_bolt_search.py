@@ -242,7 +242,7 @@ def main(out: Path, quick: bool = False, short: bool = False) -> list[Row]:
     checked = reduced_against_full(truth, mesh, 1 if quick else 3)
     show("The reduced truth against full solutions", checked)
     write(out / "loose_bolts_reduced.csv", checked)
-    draws = 2 if quick else 30 if short else 100
+    draws = 1 if quick else 30 if short else 100
     cases = [(1e-4, True)] if quick else [(3e-4, True), (1e-4, True), (1e-3, True), (3e-4, False)]
     rows: list[Row] = []
     for noise, baseline in cases:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 import casingfem as cf
 import contact as ct
@@ -53,13 +53,19 @@ def casing_target(casing: Modes, n: int) -> float:
 def tuned(blade: cf.Shell, target: float) -> cf.Shell:
     """The blade with the thickness that puts its first mode at `target` [Hz]."""
 
-    def error(thickness: float) -> float:
-        return float(cf.modes(replace(blade, thickness=thickness), 1).freq[0]) - target
+    def error(scale: float) -> float:
+        """Frequencies grow nearly as the thickness: of their logarithms a secant meets the root in a few steps."""
+        return float(np.log(cf.modes(replace(blade, thickness=scaled(scale)), 1).freq[0] / target))
 
-    low, high = 0.3 * blade.thickness, 3.0 * blade.thickness
-    if error(low) > 0.0 or error(high) < 0.0:
+    def scaled(scale: float) -> float:
+        return float(blade.thickness * np.exp(np.clip(scale, -wide, wide)))
+
+    wide = np.log(3.0)
+    found = root_scalar(error, x0=0.0, x1=-error(0.0), method="secant", xtol=1e-11, maxiter=20)
+    if not found.converged or abs(found.root) >= wide:
+        low, high = scaled(-wide), scaled(wide)
         raise ValueError(f"no thickness from {low:.3g} to {high:.3g} m puts the blade's first mode at {target:.2f} Hz")
-    return replace(blade, thickness=float(brentq(error, low, high, rtol=1e-10)))
+    return replace(blade, thickness=scaled(found.root))
 
 
 def out_of_roundness(casing: cf.Shell, n_max: int) -> list[dict[str, float]]:

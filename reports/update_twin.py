@@ -117,7 +117,8 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     """Print the noise-free fit and the draws, a row for each parameter."""
     table = measured()
     fit = cf.update(begun(), table, VARY)
-    draws = [drawn(fit, noisy(table, 7000 + k), k < FAR) for k in range(6 if quick else 200)]
+    far, count = (1, 8) if quick else (FAR, 200)
+    draws = [drawn(fit, noisy(table, 7000 + k), k < far) for k in range(count)]
     true = np.array([p.to_internal(TRUTH[p.name]) for p in VARY])
     x, sigma = np.array([draw.x for draw in draws]), np.array([draw.sigma for draw in draws])
     covered = np.abs(x - true) <= 1.96 * sigma
@@ -135,7 +136,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         for k, p in enumerate(VARY)
     ]
     show(f"{len(draws)} draws of {ROWS} rows with {NOISE:.1%} noise (relative; decades for the embedding)", rows)
-    steps = [draw.evaluations for draw in draws[:FAR]]
+    steps = [draw.evaluations for draw in draws[:far]]
     misfits = np.array([draw.misfit for draw in draws])
     print(
         f"from {OFF:.0%} off: {len(fit.history)} evaluations without noise, at most {max(steps)} with; "

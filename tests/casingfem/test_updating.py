@@ -86,40 +86,26 @@ def test_without_noise_every_parameter_is_recovered_to_1e_5(frustum, exact_fit):
 
 @pytest.mark.slow
 def test_without_noise_on_the_default_mesh(frustum):
-    """A parameter of the wall, of the edge and of the radius."""
+    """A parameter of the edge and one of the radius."""
     known = truth(frustum, mesh=None)
-    names = ("material.E", "support.base.k_face.p4.cos", "radius.p8.sin")
-    vary = [p for p in VARY if p.name in names]
+    vary = [p for p in VARY if p.name in ("support.base.k_face.p4.cos", "radius.p8.sin")]
     start = known
     for p in vary:
         start = with_value(start, p.name, get_value(casing(frustum), p.name))
-    fit = update(start, table_of(modes(known, 12), rows=10), vary)
+    fit = update(start, table_of(modes(known, 8), rows=6), vary)
     np.testing.assert_allclose(fit.value, [get_value(known, p.name) for p in vary], rtol=1e-5)
-
-
-def deviations(frustum, measured, seed, start=truth):
-    """Errors of a noisy fit over its own sigma."""
-    noise = np.random.default_rng(seed).standard_normal(ROWS)
-    fit = update(start(frustum), table_of(measured, noise), VARY)
-    internal = [
-        [p.to_internal(v) for p, v in zip(VARY, values, strict=True)] for values in (fit.value, true_values(frustum))
-    ]
-    return (np.array(internal[0]) - np.array(internal[1])) / fit.sigma, fit
 
 
 @pytest.mark.slow
 def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured):
-    deviation, fit = deviations(frustum, measured, 101, start=casing)
-    assert np.abs(deviation).max() < 3.0
+    noise = np.random.default_rng(101).standard_normal(ROWS)
+    fit = update(casing(frustum), table_of(measured, noise), VARY)
+    found, true = (
+        np.array([p.to_internal(value) for p, value in zip(VARY, values, strict=True)])
+        for values in (fit.value, true_values(frustum))
+    )
+    assert np.abs((found - true) / fit.sigma).max() < 3.0
     assert 0.3 < fit.misfit < 2.0
-
-
-@pytest.mark.slow
-def test_covariance_tells_the_scatter_of_many_fits(frustum, measured):
-    """Twelve draws: 84 deviations with unit variance. The fits start at the truth, which is nearer than the guess."""
-    z = np.array([deviations(frustum, measured, seed)[0] for seed in range(401, 413)])
-    assert 0.6 < np.sqrt(np.mean(z**2)) < 1.5
-    assert np.count_nonzero(np.abs(z) > 3.0) <= 2
 
 
 @pytest.mark.slow
@@ -148,7 +134,8 @@ def test_a_perfect_start_finds_the_harmonics_of_the_splits(frustum):
 
 @pytest.mark.slow
 def test_two_updates_agree_bit_by_bit(frustum, measured):
-    fits = [update(casing(frustum), table_of(measured), VARY[:2], max_iterations=2) for _ in range(2)]
+    start = with_value(truth(frustum), "material.E", 207e9)
+    fits = [update(start, table_of(measured), [VARY[0], VARY[3]]) for _ in range(2)]
     assert fits[0].value == fits[1].value
     assert fits[0].covariance.tobytes() == fits[1].covariance.tobytes()
 
@@ -173,6 +160,20 @@ def test_an_open_shell_updates_by_order(frustum):
     assert fit.value[0] == pytest.approx(200e9, rel=1e-8)
     # f^2 ~ E: five rows of .1 % give sigma_E = 2 E 1e-3/sqrt(5)
     assert fit.sigma[0] == pytest.approx(2 * 200e9 * 1e-3 / np.sqrt(5), rel=1e-6)
+
+
+def test_covariance_tells_the_scatter_of_many_fits():
+    """Thirty draws: 60 deviations with unit variance. Those of doublets are in the twin's report."""
+    f, random = modes(blade(200e9, 3.02e-3), 6).freq, np.random.default_rng(401)
+    vary = [Parameter(name="material.E", lower=150e9, upper=250e9), Parameter(name="material.nu", lower=0.2, upper=0.4)]
+    z = []
+    for _ in range(30):
+        noise = random.standard_normal(f.size)
+        table = FrequencyTable.from_arrays(freq_hz=np.sort(f * (1.0 + 1e-3 * noise)), sigma_hz=1e-3 * f)
+        fit = update(blade(t=3.02e-3), table, vary)
+        z.append((np.array(fit.value) - [200e9, 0.3]) / fit.sigma)
+    assert 0.7 < np.sqrt(np.mean(np.square(z))) < 1.3  # chi^2 with 60: .999 of all lie within
+    assert np.abs(z).max() < 3.5
 
 
 def test_a_bound_in_the_way_is_met_and_told():

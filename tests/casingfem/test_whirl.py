@@ -67,11 +67,6 @@ def test_ring_waves_reach_the_closed_form_with_the_speed_squared():
     assert gaps[1] / gaps[0] == pytest.approx(16.0, rel=0.35)
 
 
-@pytest.mark.slow
-def test_rows_of_rotation_pass():
-    assert {row["verdict"] for row in verify_rotation.rows(quick=True)} == {"pass"}
-
-
 def test_a_missed_mode_is_noticed(casing, monkeypatch):
     monkeypatch.setattr(
         whirl, "gap_after", lambda values, count: (count - 1, 0.5 * (values[count - 1] + values[count]))

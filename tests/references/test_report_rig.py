@@ -4,11 +4,7 @@ import pandas as pd
 import pytest
 
 import casingfem as cf
-from reports import rig_measure, verify_rig
-
-
-def test_rows_of_the_rig_pass():
-    assert {row["verdict"] for row in verify_rig.rows(quick=True)} == {"pass"}
+from reports import rig_measure
 
 
 @pytest.mark.slow

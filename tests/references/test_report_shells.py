@@ -12,8 +12,6 @@ from reports import (
     splitting,
     steel_ring,
     twisted_plate,
-    verify_fields,
-    verify_rings,
 )
 
 
@@ -61,14 +59,3 @@ def test_a_ring_as_strip_and_as_beam_agree(tmp_path):
     assert max(gaps) < 1.0
     assert max(abs(row["strip Hz"] / row["no ring Hz"] - 1.0) for row in rows) > 0.08  # the ring matters more
     assert len(pd.read_csv(tmp_path / "steel_ring_bolts.csv")) == 6
-
-
-def test_rows_of_rings_pass_or_say_why():
-    verdicts = [row["verdict"] for row in verify_rings.rows(quick=True)]
-    assert len(verdicts) == 18
-    assert "FAIL" not in verdicts
-    assert verdicts.count("pass") == 16
-
-
-def test_fields_quick_rows_pass():
-    assert {row["verdict"] for row in verify_fields.rows(quick=True)} == {"pass"}

@@ -20,7 +20,7 @@ def test_speed_gives_ratios_and_steps(tmp_path):
 
 @pytest.mark.slow
 def test_speed_tables_are_whole_and_leaps_change_nothing(tmp_path, monkeypatch):
-    monkeypatch.setattr(sweep_speed, "RUNS", 16)
+    monkeypatch.setattr(sweep_speed, "RUNS", 8)
     rows = sweep_speed.main(tmp_path, quick=True)
     names = ("us/step alone", "tips", "speed-up alone", "cores")
     speeds, several, leaps, swept = ([row for row in rows if name in row] for name in names)

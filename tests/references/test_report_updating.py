@@ -29,7 +29,7 @@ def test_differences_are_extrapolated_and_tell_what_they_are_sure_to():
 def test_derivatives_cost_and_the_blade(tmp_path):
     rows = update_checks.main(tmp_path, quick=True)
     exact = [row for row in rows if "simple modes" in row]
-    assert len(exact) >= 5
+    assert len(exact) == 3
     assert all(row["simple modes"] < 1e-7 and row["mean and split"] < 1e-6 for row in exact)
     assert all(row["differences"] <= ENOUGH for row in exact)
     blade = [row for row in rows if "left out %" in row]
@@ -40,4 +40,5 @@ def test_derivatives_cost_and_the_blade(tmp_path):
 def test_a_twin_of_its_own_family(tmp_path):
     rows = update_twin.main(tmp_path, quick=True)
     assert all(row["noise-free error"] < 1e-5 for row in rows)
-    assert all(row["over the bound"] < 2.2 for row in rows)  # six draws: chi^2 bounds of their scatter, 99.9 %
+    # the scatter of eight draws, by chi^2, 99.9 %
+    assert all(0.29 < row["over the bound"] < 1.87 for row in rows)

@@ -11,7 +11,8 @@ def test_verification_passes_or_says_why_not(tmp_path, capsys):
     rows = verification.main(tmp_path, quick=True)
     verdicts = [row["verdict"] for row in rows]
     assert "FAIL" not in verdicts
-    assert verdicts.count("pass") >= 65
+    assert len(verdicts) == 234  # those of every verify_ module among them, which have no test of their own
+    assert verdicts.count("pass") >= 190
     assert all(verdicts)
     names = [str(row["case"]) for row in rows]
     assert [sum(name.startswith(head) for name in names) for head in ("A0", "A1", "A2", "A3", "A4")] == [
