@@ -17,10 +17,11 @@ help:    ## show what each target does
 
 setup: $(READY) ## make .venv from the project's own files (pinned by constraints.txt)
 
+# --no-compile: of the many modules of the libraries few are ever imported, and those are compiled then
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; assert sys.version_info >= (3, 11), "casingfem needs Python 3.11 or newer, found " + sys.version; sys.exit(0)'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[dev]'
 	@touch $(READY)
 
 study: $(READY) ## measured frequencies -> updated shells -> reduced bases -> rub -> reports/out/report.html

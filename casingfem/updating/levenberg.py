@@ -32,6 +32,7 @@ def levenberg_marquardt(
     upper: FloatArray,
     max_evaluations: int,
     damping: float = DAMPING,
+    enough: float = 0.0,
 ) -> tuple[FloatArray, str]:
     """The minimum of |fun(x)|^2 within bounds, and why it stopped there.
 
@@ -47,6 +48,8 @@ def levenberg_marquardt(
         Of `fun`, that of the start not counted.
     damping
         mu to begin with.
+    enough
+        A sum of squares that is small enough: the descent ends there.
 
     >>> bowl = np.diag([1.0, 10.0])
     >>> x, _ = levenberg_marquardt(lambda x: bowl @ (x - 3.0), lambda x: bowl, np.zeros(2), np.zeros(2),
@@ -58,10 +61,12 @@ def levenberg_marquardt(
     scale = np.linalg.norm(J, axis=0)
     growth = 2.0
     for _ in range(max_evaluations):
+        squares = float(r @ r)
+        if squares < enough:
+            return x, f"converged: chi^2 is below {enough:g}"
         scale = np.maximum(scale, np.linalg.norm(J, axis=0))
         unit = np.where(scale > 0.0, scale, 1.0)
         step = bounded_step(r, J / unit, damping, (lower - x) * unit, (upper - x) * unit) / unit
-        squares = float(r @ r)
         promised = squares - float(np.sum((r + J @ step) ** 2))
         if promised <= PROMISE * squares + FLOOR:
             return x, "converged: no step promises to lower chi^2"

@@ -188,7 +188,8 @@ def descend(
 ) -> tuple[FloatArray, str]:
     """Descend with the rows that pair at the start; again from the end where they pair better there.
 
-    With shapes the frequencies go first, if there are enough: shapes that mix on the way are a maze from far away.
+    With shapes the frequencies go first, if there are enough, until they agree to their noise: shapes that mix on the
+    way are a maze from far away, frequencies within their noise are one where shapes know more.
 
     The modes at the end are counted. Should one have been missed on the way, the update is done once more with every
     point from nothing.
@@ -197,8 +198,11 @@ def descend(
     problem.repaired(x)
     if problem.shapes is not None and begin is None:
         problem.shapes_wait = True
-        if len(problem.repaired(x).values) >= len(x):
-            x, _ = levenberg_marquardt(problem.fun, problem.jac, x, lower, upper, max_iterations, damping)
+        rows = len(problem.repaired(x).values)
+        if rows >= len(x):
+            x, _ = levenberg_marquardt(
+                problem.fun, problem.jac, x, lower, upper, max_iterations, damping, enough=float(rows)
+            )
         problem.shapes_wait = False
         problem.repaired(x)
     for _ in range(4):

@@ -64,6 +64,19 @@ def test_a_direction_without_data_is_left_alone():
     np.testing.assert_allclose(x, [3.0, 2.0], atol=1e-6)
 
 
+def test_a_sum_of_squares_that_is_enough_ends_the_descent():
+    seen = []
+
+    def fun(x):
+        seen.append(float(np.sum((10.0 * x) ** 2)))
+        return 10.0 * x
+
+    x, why = levenberg_marquardt(fun, lambda x: 10.0 * np.eye(2), np.ones(2), -WIDE, WIDE, 20, enough=50.0)
+    assert seen[-1] < 50.0 <= min(seen[:-1])
+    assert np.abs(x).max() > 1e-3
+    assert "below 50" in why
+
+
 def test_running_out_of_evaluations_is_told():
     _, why = levenberg_marquardt(rosenbrock, slope, np.array([-1.2, 1.0]), -WIDE, WIDE, 3)
     assert why == "not converged after 3 evaluations"
