@@ -18,7 +18,7 @@ from casingfem.study.tasks import run_update
 from reports import rig_blade, rig_page, rig_rub
 from reports.tables import DATA, command_line
 
-COARSE = cf.ShellMesh(order=6, rows=1, around=23)
+COARSE, SMALL = cf.ShellMesh(order=6, rows=1, around=23), cf.ShellMesh(order=8, rows=1, around=1)
 CHAIN = DATA / "studies" / "rig.toml"
 
 
@@ -39,6 +39,10 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
     if quick:
         plan = rig_page.shortened(plan)
         casing = replace(casing, start=replace(casing.start, mesh=COARSE))
+        studies |= {
+            name: replace(one, shell=replace(one.shell, mesh=SMALL), start=replace(one.start, mesh=SMALL))
+            for name, one in studies.items() if "blade" in name
+        }  # fmt: skip
 
     blade_fit = clock(
         "measured blade: update and leave-one-out", lambda: rig_blade.run(studies["measured_blade"], quick=quick)

@@ -20,6 +20,7 @@ import numpy as np
 from contact.compiled import jit_allocating, jit_entry_allocating
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import Array
+from contact.solver.dense import assign
 from contact.solver.faceted import GOLDEN, faceted
 from contact.solver.friction_newton import TOLERANCE, newton
 
@@ -100,13 +101,14 @@ def friction_forces(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tu
         for closer in range(ROUNDS if dim == 3 else 1):
             if not faceted(scaled, short, mu, dim, turn, SPREAD * CLOSER**closer, draw, near):
                 break
-            trial[:] = near
+            assign(trial, near)
             spent, _ = newton(scaled, short, mu, dim, trial)
             trial *= unit
             more, found = newton(W, b, mu, dim, trial)
             iterations += spent + more
             if found < residual:
-                force[:], residual = trial, found
+                assign(force, trial)
+                residual = found
             if residual <= TOLERANCE:
                 return iterations, residual
             against_slip(scaled, short, near, dim, turn)

@@ -10,6 +10,13 @@ from contact.model.arrays import Array
 
 
 @jit
+def assign(out: Array, x: Array) -> None:
+    """Fill out = x; an assignment to a slice brings the words of its refusal, which take seconds to compile."""
+    for i in range(out.size):
+        out[i] = x[i]
+
+
+@jit
 def affine(A: Array, x: Array, b: Array, out: Array) -> None:
     """Fill out = A x + b."""
     for i in range(out.size):

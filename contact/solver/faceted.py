@@ -18,6 +18,7 @@ import numpy as np
 
 from contact.compiled import jit_allocating, jit_entry_allocating
 from contact.model.arrays import Array, Indices
+from contact.solver.dense import assign
 
 ZERO = 1e-12  # of a column's largest entry: no pivot
 TIE = 1e-13  # of the largest value: the covering variable is zero
@@ -59,15 +60,18 @@ def faceted(
                 G[i * dim + 1 + a, k + i * m + j] = D[j, a]
     M, q = np.zeros((n, n)), np.zeros(n)
     inner = k * (m + 1)
-    M[:inner, :inner] = np.dot(np.ascontiguousarray(G.T), np.dot(W, G))
-    q[:inner] = np.dot(b, G)
+    among, short = np.dot(np.ascontiguousarray(G.T), np.dot(W, G)), np.dot(b, G)
+    for i in range(inner):
+        q[i] = short[i]
+        for j in range(inner):
+            M[i, j] = among[i, j]
     for i in range(k):
         M[inner + i, i] = mu[i]
         for j in range(k + i * m, k + (i + 1) * m):
             M[j, inner + i], M[inner + i, j] = 1.0, -1.0
     z = np.zeros(n)
     found = lemke(M, q, covering(n, draw), z)
-    force[:] = np.dot(G, z[:inner])
+    assign(force, np.dot(G, z[:inner]))
     return found
 
 
@@ -99,7 +103,8 @@ def lemke(M: Array, q: Array, d: Array, z: Array) -> bool:
         entering = leaving + n if leaving < n else leaving - n
         fill_basis(M, d, basis, B)
         column_of(M, d, entering, right)
-        right[:, 0] = q
+        for i in range(n):
+            right[i, 0] = q[i]
         solved = np.linalg.solve(B, right)  # B x = q + column t
         value, column = solved[:, 0], solved[:, 1]
         top = np.abs(column).max()
@@ -116,7 +121,8 @@ def lemke(M: Array, q: Array, d: Array, z: Array) -> bool:
         basis[row] = entering
         if leaving == 2 * n:
             fill_basis(M, d, basis, B)
-            right[:, 0], right[:, 1] = q, q
+            for i in range(n):
+                right[i, 0], right[i, 1] = q[i], q[i]
             value = np.linalg.solve(B, right)[:, 0]
             for i in range(n):
                 if basis[i] >= n:

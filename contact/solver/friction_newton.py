@@ -18,7 +18,7 @@ import numpy as np
 
 from contact.compiled import jit, jit_allocating
 from contact.model.arrays import Array, Indices
-from contact.solver.dense import affine, solve_in_place
+from contact.solver.dense import affine, assign, solve_in_place
 from contact.solver.friction_sweeps import sweep
 
 TOLERANCE = 1e-12  # of the largest force
@@ -54,7 +54,7 @@ def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, 
             release(rho, dim, u, force)
             return iteration, found / scale if scale > 0.0 else found
         if leaps == 0:
-            base[:] = force
+            assign(base, force)
         n = law_slope(W, mu, rho, dim, force, u, J, closed)
         newton_step(J, closed, n, miss, space, step)
         part = 1.0
@@ -66,13 +66,15 @@ def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, 
                 break
             part *= 0.5
         if leaps > 1 or reached < found * (1.0 - 1e-4 * part):
-            force[:], miss[:], found = trial, trial_miss, reached
+            assign(force, trial)
+            assign(miss, trial_miss)
+            found = reached
             leaps = max(leaps - 1, 0)
             continue
-        force[:] = base
+        assign(force, base)
         for _ in range(sweeps):
             sweep(W, b, mu, rho, dim, force)
-        base[:] = force
+        assign(base, force)
         found = law_residual(W, b, mu, rho, dim, force, u, miss)
         leaps, sweeps = LEAPS, 2 * sweeps
     return MOST_ITERATIONS, found

@@ -14,7 +14,7 @@ import numpy as np
 
 from contact.compiled import jit, jit_allocating, jit_entry_allocating
 from contact.model.arrays import Array, Indices
-from contact.solver.dense import affine, solve_in_place
+from contact.solver.dense import affine, assign, solve_in_place
 
 ROUNDS = 8
 LED, NEAR = 9, 0.3  # rounds of `lead`; the angle [rad] to the slip's direction from where Newton's method goes on
@@ -44,7 +44,7 @@ def glide(W: Array, b: Array, mu: Array, dim: int, force: Array) -> None:
             break
         if not slide(W, mu, dim, d, gap, closed, x, trial, A):
             return
-    force[:] = trial
+    assign(force, trial)
 
 
 @jit_allocating
@@ -76,7 +76,7 @@ def lead(W: Array, b: Array, mu: Array, gap: Array, closed: Indices, force: Arra
     A, x, u, own = np.zeros((count, count)), np.zeros(count), np.zeros(b.size), np.zeros(b.size)
     d, phi, last = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
     factor, worst = 1.0, math.pi
-    trial[:] = force
+    assign(trial, force)
     for turn in range(LED):
         affine(W, trial, b, u)
         dragged(W, trial, own)

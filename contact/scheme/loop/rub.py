@@ -15,6 +15,7 @@ from contact.scheme.loop.rub_solve import drawn_in, gather, push, relax, soften,
 from contact.scheme.loop.rub_state import RubState, work_space
 from contact.scheme.loop.tally import due, store, store_state
 from contact.solver.abradable_tips import Coats
+from contact.solver.dense import assign
 
 
 @jit_entry_allocating
@@ -52,9 +53,12 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             book(s, rows, w, count, dim, omega * h, sums)
             s.counts[2] += 1.0
         if closing > 0 or pressed:
-            s.strain[:] = w.strain
+            assign(s.strain, w.strain)
         pressed = closing > 0
-        s.seen[: s.q.size], s.seen[s.q.size :] = s.q, s.lam
+        for i in range(s.q.size):
+            s.seen[i] = s.q[i]
+        for i in range(s.lam.size):
+            s.seen[s.q.size + i] = s.lam[i]
         store_state(sums, out, step, t, s.seen)
         settle(s, sums)
         note(s, rows, w, dim, sums, out, h, t)
