@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.model.arrays import Indices, aligned
+from contact.model.arrays import Array, Indices, aligned
 from contact.model.waves import Terms
 from contact.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal_run import ModalRun, RimRun
 
 if TYPE_CHECKING:
     from contact.scheme.loop.lanes import LaneLeaps, Lanes, LaneSamples, LaneTerms
+    from contact.scheme.loop.modal import ModalState
 
 WIDTH = 8
 BUDGET = 20_000  # steps a call takes at most: room for the events of so many
@@ -28,7 +29,8 @@ SUMS = (
     "impulse", "work", "rotation", "friction", "damping", "peak", "penetration", "residual", "closed",
     "contact_steps", "reversals",
 )  # fmt: skip
-OF_MODES = ("q", "d", "al", "be", "c", "weight")
+SHARED = ("al", "be", "c", "weight")
+OF_MODES = ("q", "d", *SHARED)
 STEPS = ("live", "step", "end", "retry", "failed")
 NUMBERS = ("angle", "speed", "surface", "mu", "h", "averaged", "turns")
 TERMS = ("normal", "tangent")
@@ -193,6 +195,7 @@ def batch(jobs: Sequence[Job]) -> Batch:
     layouts = {name: Layout.of([getattr(job.rim, name) for job in jobs]) for name in TERMS}
     arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0].rim, name)) for name, layout in layouts.items()}
     arrays |= {name: aligned(m, WIDTH) for name in (*OF_MODES, "old")}
+    arrays["alike"] = _alike([job.rim.state for job in jobs])
     arrays |= {"Q": aligned(m + 4, WIDTH), "Q_next": aligned(m + 4, WIDTH), "T": aligned(m + 1, WIDTH)}
     arrays |= {name: aligned(WIDTH) for name in NUMBERS}
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
@@ -206,6 +209,14 @@ def batch(jobs: Sequence[Job]) -> Batch:
         events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs, m),
         rubs=any(job.rim.rows.mu > 0.0 for job in jobs),
     )  # fmt: skip
+
+
+def _alike(states: Sequence[ModalState]) -> Array:
+    """Coefficients of the modes (4, m) that all runs share; none where they differ."""
+    parts = [[getattr(state, name) for name in SHARED] for state in states]
+    if all(np.array_equal(a, b) for part in parts[1:] for a, b in zip(part, parts[0], strict=True)):
+        return np.array(parts[0])
+    return np.zeros((len(SHARED), 0))
 
 
 def _leaps(jobs: Sequence[Job], m: int) -> LaneLeaps:

@@ -71,6 +71,7 @@ class Lanes(NamedTuple):
     be: Array
     c: Array
     weight: Array
+    alike: Array  # (4, m): al, be, c, weight where all runs have the same, else empty
     normal: LaneTerms  # rows of the modes, then clearance, S_nn, S_nt
     tangent: LaneTerms
     angle: Array
@@ -203,14 +204,22 @@ def leap_lane(s: Lanes, leaps: LaneLeaps, sums: Tally, Q: Array, waves: Array, d
 
 
 @jit_inside
+def coefficient(s: Lanes, alike: bool, k: int, values: Array, i: int) -> float:
+    """One of al, be, c, weight (k = 0 .. 3) of mode i, in every lane."""
+    found: float = same(entry(s.alike, k * s.q.shape[0] + i)) if alike else load(values, i * WIDTH)
+    return found
+
+
+@jit_inside
 def fly(s: Lanes, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
     """Free motion over a step into `new`, the rows ahead, and the gaps; whether one would close."""
     fill_lanes(s.normal, ahead, Q_next)
+    alike = s.alike.size > 0
     free = load(Q_next, s.q.shape[0] * WIDTH)
     for i in range(s.q.shape[0]):
         at = i * WIDTH
         row, q = load(Q_next, at), load(s.q, at)
-        step = load(s.al, at) * load(old, at) - load(s.be, at) * q
+        step = coefficient(s, alike, 0, s.al, i) * load(old, at) - coefficient(s, alike, 1, s.be, i) * q
         put(new, at, step)
         free = free + row * (q + step)
     now, last, share = load(s.memory, 0), load(s.memory, WIDTH), load(s.averaged, 0)
@@ -226,11 +235,12 @@ def fly(s: Lanes, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
 def touch(s: Lanes, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: bool) -> None:
     """Slip, Delassus numbers and forces of the lanes whose gap would close."""
     H, H_t, slide, m = same(0.0), same(0.0), same(0.0), s.q.shape[0]
+    alike = s.alike.size > 0
     if rubs:
         fill_lanes(s.tangent, waves, s.T)
     for i in range(s.q.shape[0]):
         at = i * WIDTH
-        stiff = load(Q_next, at) * load(s.c, at)
+        stiff = load(Q_next, at) * coefficient(s, alike, 2, s.c, i)
         H = H + stiff * load(Q, at)
         if rubs:
             row = load(s.T, at)
@@ -260,12 +270,13 @@ def touch(s: Lanes, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: boo
 def move_lanes(s: Lanes, Q: Array, old: Array, new: Array, touching: bool, rubs: bool) -> None:
     """Add the forces to D and D to q; what forces and damping do along D_n + D_{n+1}."""
     normal, tangent, damping = same(0.0), same(0.0), same(0.0)
+    alike = s.alike.size > 0
     force, drag = load(s.work, FORCE * WIDTH), load(s.work, DRAG * WIDTH)
     for i in range(s.q.shape[0]):
         at = i * WIDTH
         step, before = load(new, at), load(old, at)
         if touching:
-            row, c = load(Q, at), load(s.c, at)
+            row, c = load(Q, at), coefficient(s, alike, 2, s.c, i)
             step = step + c * row * force
             if rubs:
                 along = load(s.T, at)
@@ -273,7 +284,7 @@ def move_lanes(s: Lanes, Q: Array, old: Array, new: Array, touching: bool, rubs:
                 tangent = tangent + along * (before + step)
             normal = normal + row * (before + step)
             put(new, at, step)
-        damping = damping + load(s.weight, at) * before * (before + step)
+        damping = damping + coefficient(s, alike, 3, s.weight, i) * before * (before + step)
         put(s.q, at, load(s.q, at) + step)
     put(s.work, NORMAL * WIDTH, normal)
     put(s.work, TANGENT * WIDTH, tangent)
