@@ -107,7 +107,8 @@ class Layout:
 
 def _blocks(has: NDArray[np.bool_], many: int) -> list[Indices]:
     """Rows, `many` at a time, that add the fewest waves to the first; `has` (rows, waves) tells which a row has."""
-    left, blocks, size = list(range(has.shape[0])), [], has.sum(axis=1)
+    blocks, size = [], has.sum(axis=1)
+    left = np.argsort(-size, kind="stable").tolist()  # those with most waves first: others fit in
     while left:
         block = [left.pop(0)]
         while left and len(block) < many:

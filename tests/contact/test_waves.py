@@ -114,12 +114,12 @@ def test_like_runs_share_their_coefficients():
 
 
 def test_rows_with_the_same_waves_stand_together():
-    """Sums 0, 3, 4 and 6 have wave 2, the others wave 5; sum 1 both."""
-    start, wave = np.array([0, 1, 3, 4, 5, 6, 7, 8]), np.array([2, 2, 5, 5, 2, 2, 5, 2])
-    layout = Layout.of([Terms(start=start, wave=wave, value=np.ones(8))])
+    """Sums 0, 3, 4 and 6 have wave 2, the others wave 5."""
+    wave = np.array([2, 5, 5, 2, 2, 5, 2])
+    layout = Layout.of([Terms(start=np.arange(8), wave=wave, value=np.ones(7))])
     assert layout.row.tolist() == [8 * row for row in (0, 3, 4, 6, 1, 2, 5, 7)]
-    assert (layout.start.tolist(), layout.wave.tolist()) == ([0, 1, 3], [16, 16, 40])
-    assert layout.place.tolist() == [0, 4, 8, 9, 1, 2, 10, 3]
+    assert (layout.start.tolist(), layout.wave.tolist()) == ([0, 1, 2], [16, 40])
+    assert layout.place.tolist() == [0, 4, 5, 1, 2, 6, 3]
 
 
 def test_cosines_and_sines_below_the_noise_are_left_out():
