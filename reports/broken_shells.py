@@ -263,11 +263,11 @@ def requests() -> list[Broken]:
     rim = cf.Rim("top", n_max=6)
 
     def reduced(interface: object, modes: int = 4, **parts: Any) -> object:
-        return cf.reduce(frustum(mesh=COARSE, **parts), interface, modes=modes)  # type: ignore[arg-type]
+        return cf.reduce(frustum(mesh=COARSE, **parts), interface, modes=modes)
 
     return [
         Broken("order 1", lambda: mesh(order=1), "mesh-order"),
-        Broken("order 7.5", lambda: mesh(order=7.5), "mesh-order"),  # type: ignore[arg-type]
+        Broken("order 7.5", lambda: mesh(order=7.5), "mesh-order"),
         Broken("no elements around", lambda: mesh(around=0), "mesh-around"),
         Broken("rows not increasing", lambda: mesh(rows=(0.0, 0.6, 0.5, 1.0)), "mesh-rows"),
         Broken("rows in metres", lambda: mesh(rows=(0.0, 0.1, 0.25)), "mesh-rows"),

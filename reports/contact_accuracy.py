@@ -194,7 +194,7 @@ def _bar_drop_modal(law: str, modes: int, steps: int) -> Iterator[Row]:
 
 
 def _runner(bodies: list[ct.Rod | ct.PointMass | ct.Wall], **options: object) -> Callable[[], ct.Result]:
-    return lambda: ct.run(bodies, **options)  # type: ignore[arg-type]
+    return lambda: ct.run(bodies, **options)
 
 
 def _method(label: str) -> str:

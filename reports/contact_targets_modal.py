@@ -20,7 +20,7 @@ def rows(quick: bool) -> list[Row]:
 
 
 def _dropped(law: str, modes: int, dt: float, t_end: float, record: ct.Record) -> ct.Result:
-    scheme = ct.ExactModal(law=law, modes=modes, omega_h_limit=3.05)  # type: ignore[arg-type]
+    scheme = ct.ExactModal(law=law, modes=modes, omega_h_limit=3.05)
     return ct.run([ct.Rod(**BAR), ct.Wall()], t_end=t_end, dt=dt, gravity=10.0, scheme=scheme, record=record)
 
 

@@ -65,7 +65,7 @@ def _forward(elements: int) -> list[Row]:
 def _line(case: Case, result: ct.Result) -> dict[str, float]:
     exact = errors(case, result)
     begin, end = result.intervals[0][0][0], result.intervals[0][-1][1]
-    asked = np.ptp(np.asarray(case.force.intervals)[0])  # type: ignore[attr-defined]
+    asked = np.ptp(np.asarray(case.force.intervals)[0])
     total, start = sum(motion.momentum for motion in result.motions), ct.Rod(**CARPENTER).mass * 202.2
     return {
         "force L1": float(str(exact["force L1"])), "impulse": abs(float(str(exact["impulse"]))),

@@ -46,7 +46,7 @@ def bolted(bolts: Bolts, mesh: ShellMesh | None) -> Shell:
     """The casing on bolts; what a mesh that does not follow them does is the table's own subject."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ModelWarning)
-        return replace(reference_frustum(), supports={"base": bolts}, mesh=mesh)  # type: ignore[arg-type]
+        return replace(reference_frustum(), supports={"base": bolts}, mesh=mesh)
 
 
 def side_by_side(tight: Modes, loose: Modes) -> list[Row]:

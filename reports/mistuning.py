@@ -36,7 +36,7 @@ def casing(quick: bool) -> Shell:
     """The reference frustum with a random radius, on its default mesh or a coarse one."""
     field = RandomField.laboratory(thickness=3e-3, radius=0.475, seed=7, p_max=16 if quick else 32)
     mesh = COARSE if quick else None
-    return replace(reference_frustum(), radius_defect=field, mesh=mesh)  # type: ignore[arg-type]
+    return replace(reference_frustum(), radius_defect=field, mesh=mesh)
 
 
 def subspace(shell: Shell, known: Modes, count: int, steps: int) -> FloatArray:

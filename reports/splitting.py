@@ -87,7 +87,7 @@ MIXED = {"radius_defect": FourierField.of({2: 0.002, 3: (0.001, 0.0005), 4: 0.00
 def turned(name: str, parts: dict[str, FourierField], mesh: ShellMesh | None) -> Row:
     """Largest change of a frequency when the imperfections are turned, on a mesh or on the default one."""
     shells = [
-        replace(reference_frustum(), mesh=mesh, **{key: field.rotated(angle) for key, field in parts.items()})  # type: ignore[arg-type]
+        replace(reference_frustum(), mesh=mesh, **{key: field.rotated(angle) for key, field in parts.items()})
         for angle in (0.0, 0.4567, 2.0)
     ]
     still, *others = (modes(shell, COUNT).freq for shell in shells)
@@ -102,7 +102,7 @@ def ring(n: int, kind: str, relative: float = 1e-3) -> Row:
         thickness=0.01,
         material=STEEL,
         mesh=RING,
-        **{f"{kind}_defect": FourierField.of({2 * n: relative})},  # type: ignore[arg-type]
+        **{f"{kind}_defect": FourierField.of({2 * n: relative})},
     )
     cosine, sine = in_plane(modes(shell, 4 * n + 6), n)
     slope = (cosine - sine) / (0.5 * (cosine + sine))

@@ -65,7 +65,7 @@ def tried(scene: Scene, method: Method) -> tuple[str, ct.Result | None]:
     """Run and judge: a word, and the result if there is one."""
     bodies, options = scene
     try:
-        result = ct.run(bodies, law=method.law, scheme=method.scheme, record=ct.Record(every=100), **options)  # type: ignore[arg-type]
+        result = ct.run(bodies, law=method.law, scheme=method.scheme, record=ct.Record(every=100), **options)
     except ct.InputError:
         return "refused", None
     except ct.NumericsError as error:

@@ -25,7 +25,7 @@ def costs(quick: bool) -> list[Row]:
     """Seconds of one step near the solution, and of a whole update, by part."""
     mesh = ShellMesh(order=6, rows=1, around=13) if quick else None
     count = 20 if quick else 36
-    shell = replace(twin(TRUTH), mesh=mesh)  # type: ignore[arg-type]
+    shell = replace(twin(TRUTH), mesh=mesh)
     found = cf.modes(shell, count)
     table = cf.FrequencyTable.from_arrays(
         freq_hz=found.freq, sigma_hz=1e-3 * found.freq, n=found.nodal_diameters, angle_deg=found.angle_deg
@@ -76,7 +76,7 @@ def blade(quick: bool) -> list[Row]:
         material=cf.Material(E=206.85e9, nu=0.3, rho=7857.2),
         supports={"root": cf.ElasticEdge(k_face=1e14)},
         taper=cf.Taper(along=(1.0, 1.0), across=(1.0, 1.0, 1.0)),
-        mesh=ShellMesh(order=8, rows=1, around=1) if quick else None,  # type: ignore[arg-type]
+        mesh=ShellMesh(order=8, rows=1, around=1) if quick else None,
     )
     rows: list[Row] = []
     for names, clamp, prior in FAMILIES[:2] if quick else FAMILIES:

@@ -90,17 +90,19 @@ class Layout:
         )  # fmt: skip
 
     def empty(self, one: Terms) -> LaneTerms:
-        """Terms without values as yet, but those that all runs have in common."""
+        """Terms with the values that all runs have in common, or without any as yet."""
         from contact.scheme.loop.lanes import LaneTerms
 
-        size = (FOUR if self.alike else 1) * self.wave.size
-        lanes = LaneTerms(self.row, self.start, self.wave, aligned(size, WIDTH), np.zeros(size * self.alike))
-        if self.alike:
-            lanes.alike[self.place] = one.value
-        return lanes
+        if not self.alike:
+            return LaneTerms(self.row, self.start, self.wave, aligned(self.wave.size, WIDTH), np.zeros(0))
+        alike = np.zeros(FOUR * self.wave.size)
+        alike[self.place] = one.value
+        return LaneTerms(self.row, self.start, self.wave, aligned(0, WIDTH), alike)
 
     def load(self, lanes: LaneTerms, own: Terms, k: int) -> None:
-        """Put one run's coefficients into lane k."""
+        """Put one run's coefficients into lane k, where lanes differ."""
+        if self.alike:
+            return
         lanes.value[:, k] = 0.0
         lanes.value[self.place[np.searchsorted(self.keys, own.owner * self.top + own.wave)], k] = own.value
 

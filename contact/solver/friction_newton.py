@@ -73,7 +73,7 @@ def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, 
             continue
         assign(force, base)
         for _ in range(sweeps):
-            sweep(W, b, mu, rho, dim, force)
+            sweep(W, b, mu, dim, force)
         assign(base, force)
         found = law_residual(W, b, mu, rho, dim, force, u, miss)
         leaps, sweeps = LEAPS, 2 * sweeps

@@ -13,7 +13,7 @@ ROUGHLY = 1e-3  # how closely each contact is solved: a start is wanted
 
 
 @jit_allocating
-def sweep(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Array) -> None:
+def sweep(W: Array, b: Array, mu: Array, dim: int, force: Array) -> None:
     """One nonlinear Gauss-Seidel sweep: each contact solved with the others' forces held."""
     size = force.size
     q = np.zeros(3)
