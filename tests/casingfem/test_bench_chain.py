@@ -66,6 +66,7 @@ def test_from_the_bench_to_the_updated_model(bench):
     fit = run("update", model, "--out", out, "--json")
     assert max(map(abs, off(fit).values())) < 3.0, off(fit)
     assert fit["rms_after"] < 0.05 * fit["rms_before"]
+    assert fit["iterations"] <= 20  # frequencies alone wander for thirty once they agree to their noise
     planes = [row["plane_after"] for row in fit["shapes"]["rows"]]
     assert len(planes) == len(modes)
     assert min(planes) > 0.999
