@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import types
 from numba.core.registry import CPUDispatcher
 
-from contact.sealing import SealedPipeline
+from contact.bundle import bundled
+from contact.sealing import PartPipeline, SealedPipeline
 
 config: Any = numba.config
 unliteral: Any = types.unliteral
@@ -24,6 +26,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 ROOT = Path(__file__).parent
 SOURCES = (
     Path(__file__),
+    ROOT / "bundle.py",
     ROOT / "sealing.py",
     ROOT / "record.py",
     ROOT / "vector.py",
@@ -43,10 +46,11 @@ def cache_directory() -> Path:
 CACHE = str(cache_directory())
 # no reference counts: loops are given all their arrays, and counting the views they take cost more than the steps
 OPTIONS: Any = {
-    "cache": True, "_nrt": False, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"},
+    "cache": True, "_nrt": False, "error_model": "numpy", "no_cfunc_wrapper": True,
+    "fastmath": {"reassoc", "contract", "nsz"},
 }  # fmt: skip
-# no way in from Python or C: unpacking a state's many arrays took a third of the time to compile
-PART: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# no way in from Python, which is compiled for each; no cache: there is no code
+PART: Any = {"no_cpython_wrapper": True, "cache": False}
 
 
 def jit_entry(function: Function) -> Function:
@@ -58,24 +62,14 @@ def jit_entry(function: Function) -> Function:
     return compiled(function, OPTIONS)
 
 
-def jit_entry_allocating(function: Function) -> Function:
-    """Compile a function that Python calls, else as `jit_allocating`."""
-    return compiled(function, {**OPTIONS, "_nrt": True})
-
-
 def jit(function: Function) -> Function:
-    """Compile what only compiled functions call, else as `jit_entry`; raises TypeError when Python calls it."""
+    """Compile what compiled functions call, else as `jit_entry`; a call from Python compiles it once more."""
     return part(function, OPTIONS)
 
 
 def jit_inside(function: Function) -> Function:
     """Compile a part of a step loop into its caller, else as `jit`: passing a state's many arrays costs more."""
     return part(function, {**OPTIONS, "forceinline": True})
-
-
-def jit_allocating(function: Function) -> Function:
-    """Compile a function that needs work arrays of its own (dense factors, lists of active contacts), else as `jit`."""
-    return part(function, {**OPTIONS, "_nrt": True})
 
 
 class Loop(CPUDispatcher):
@@ -92,12 +86,27 @@ class Loop(CPUDispatcher):
         )
 
 
-class Part(Loop):
-    """A compiled function without a way in from Python: a call from there would end the process."""
+class Entry(Loop):
+    """A compiled function that Python calls; NamedTuples are passed as bundles."""
 
-    def __call__(self, *_: object, **__: object) -> NoReturn:
-        """Refuse."""
-        raise TypeError(f"{self.py_func.__name__} is a part of compiled loops; found a call from Python")
+    def __call__(self, *args: Any) -> Any:
+        """Run it."""
+        run: Any = super().__call__
+        return run(*[bundled(value) for value in args])
+
+
+class Part(Loop):
+    """A compiled function that has no way in from Python and no machine code: it becomes part of its callers."""
+
+    def __call__(self, *args: Any, **kws: Any) -> Any:
+        """Compile it as an entry too, for a test or a single call; it must not return arrays."""
+        return entry(self.py_func)(*args, **kws)
+
+
+@cache
+def entry(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The entry of a part, made when Python first calls it."""
+    return compiled(function, OPTIONS)
 
 
 def part(function: Function, options: dict[str, Any]) -> Function:
@@ -105,12 +114,12 @@ def part(function: Function, options: dict[str, Any]) -> Function:
     return compiled(function, {**options, **PART}, Part)
 
 
-def compiled(function: Function, options: dict[str, Any], kind: type[Loop] = Loop) -> Function:
+def compiled(function: Function, options: dict[str, Any], kind: type[Loop] = Entry) -> Function:
     """Compile with numba, the cache in a directory named after the sources."""
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE
     try:
-        made: Any = numba.njit(pipeline_class=SealedPipeline, **options)(function)
+        made: Any = numba.njit(pipeline_class=PartPipeline if kind is Part else SealedPipeline, **options)(function)
     finally:
         config.CACHE_DIR = before
     if isinstance(made, CPUDispatcher):

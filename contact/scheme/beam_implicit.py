@@ -20,7 +20,7 @@ from contact.scheme.beam_run import BeamRun
 from contact.scheme.protocol import Motion
 
 if TYPE_CHECKING:
-    from contact.scheme.loop.beam_implicit import ImplicitBeam
+    from contact.scheme.loop.beam_implicit import ImplicitBeam, ImplicitWork
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -28,12 +28,13 @@ class ImplicitBeamStepper(BeamRun):
     """State of an implicit beam run."""
 
     state: ImplicitBeam
+    work: ImplicitWork
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
         from contact.scheme.loop.beam_implicit import advance_implicit
 
-        return advance_implicit(self.state, self.sums, out, self.dt, first, steps)
+        return advance_implicit(self.state, self.work, self.sums, out, self.dt, first, steps)
 
     def why(self) -> str:
         """Explain a failed step."""
@@ -61,7 +62,7 @@ class ImplicitBeamStepper(BeamRun):
 
 def prepare_beam_newmark(problem: BeamInCircle, beta: float, gamma: float, dt: float | None) -> ImplicitBeamStepper:
     """Stepper at t = 0; raises InputError for a flexible ring or a missing dt."""
-    from contact.scheme.loop.beam_implicit import ImplicitBeam
+    from contact.scheme.loop.beam_implicit import ImplicitBeam, implicit_work
 
     if problem.ring is not None:
         raise InputError("ring: found a flexible ring with Newmark, expected CentralDifference or a rigid circle")
@@ -84,6 +85,6 @@ def prepare_beam_newmark(problem: BeamInCircle, beta: float, gamma: float, dt: f
     )  # fmt: skip
     label = f"Newmark({beta:g}, {gamma:g}) + Lagrange, dt omega_max = {dt * beam.omega_max():.3g} (no limit)"
     return ImplicitBeamStepper(
-        problem=problem, state=state, sums=tally(n - 1), dt=dt, window=max(2.0 * np.pi / beam.omega_max(), dt),
-        label=label,
+        problem=problem, state=state, work=implicit_work(n), sums=tally(n - 1), dt=dt, label=label,
+        window=max(2.0 * np.pi / beam.omega_max(), dt),
     )  # fmt: skip

@@ -23,7 +23,7 @@ from contact.scheme.propagator import Propagator, propagator
 from contact.scheme.protocol import Motion
 
 if TYPE_CHECKING:
-    from contact.scheme.loop.beam import BeamState
+    from contact.scheme.loop.beam import BeamState, BeamWork
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -31,13 +31,14 @@ class BeamStepper(BeamRun):
     """State of an explicit beam run."""
 
     state: BeamState
+    work: BeamWork
     ring: Propagator
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
         from contact.scheme.loop.beam import advance_beam
 
-        return advance_beam(self.state, self.sums, out, self.dt, first, steps)
+        return advance_beam(self.state, self.work, self.sums, out, self.dt, first, steps)
 
     def why(self) -> str:
         """Explain a failed step."""
@@ -97,7 +98,7 @@ def beam_step(problem: BeamInCircle, dt: float | None, courant: float | None) ->
 
 def prepare_beam(problem: BeamInCircle, dt: float | None, courant: float | None) -> BeamStepper:
     """Stepper at t = 0."""
-    from contact.scheme.loop.beam import BeamState
+    from contact.scheme.loop.beam import BeamState, beam_work
 
     beam, h = problem.beam, beam_step(problem, dt, courant)
     x, mass = beam.nodes(), beam.lumped()
@@ -122,6 +123,6 @@ def prepare_beam(problem: BeamInCircle, dt: float | None, courant: float | None)
     product = h * beam.omega_max()
     label = f"central difference + forward Lagrange, dt omega_max = {product:.3g} (limit 2)"
     return BeamStepper(
-        problem=problem, state=state, ring=ring, sums=tally(n - 1), dt=h, label=label,
+        problem=problem, state=state, work=beam_work(state), ring=ring, sums=tally(n - 1), dt=h, label=label,
         window=max(2.0 * math.pi / beam.omega_max(), h),
     )  # fmt: skip

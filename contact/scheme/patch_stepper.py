@@ -20,7 +20,7 @@ from contact.scheme.propagator import Propagator
 from contact.scheme.protocol import Block, Motion
 
 if TYPE_CHECKING:
-    from contact.scheme.loop.patch import PatchState
+    from contact.scheme.loop.patch import PatchState, PatchWork
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -30,6 +30,7 @@ class PatchStepper:
     problem: Patch
     parts: Propagator
     state: PatchState
+    work: PatchWork
     rough: bool
     sums: Tally
     label: str
@@ -59,7 +60,7 @@ class PatchStepper:
         """Advance by whole steps; -1, or the step that failed."""
         from contact.scheme.loop.patch import advance_patch
 
-        return advance_patch(self.state, self.rough, self.sums, out, self.dt, first, steps)
+        return advance_patch(self.state, self.work, self.rough, self.sums, out, self.dt, first, steps)
 
     def why(self) -> str:
         """Explain a failed step."""
@@ -85,7 +86,7 @@ class PatchStepper:
 
 def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> PatchStepper:
     """Stepper at t = 0; without friction only the normal rows take part."""
-    from contact.scheme.loop.patch import PatchState
+    from contact.scheme.loop.patch import PatchState, patch_work
     from contact.scheme.loop.stick import Sticking
 
     rough = mu > 0.0 and problem.dimensions > 1
@@ -111,7 +112,10 @@ def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> P
         place=clearance + rows[::dim] @ q, force=np.zeros(k), gap=np.zeros(k),
         past=Sticking(np.zeros((2, len(rows))), np.zeros(k), np.zeros(k), np.zeros(k)), counts=np.zeros(4),
     )  # fmt: skip
-    return PatchStepper(problem=problem, parts=parts, state=state, rough=rough, sums=tally(k), label=label)
+    return PatchStepper(
+        problem=problem, parts=parts, state=state, work=patch_work(state, rough), rough=rough, sums=tally(k),
+        label=label,
+    )  # fmt: skip
 
 
 def _delassus(rows: Array, c: Array, S: Array) -> Array:

@@ -25,7 +25,7 @@ from contact.wear import Wear
 
 if TYPE_CHECKING:
     from contact.scheme.loop.rub_rows import RubLaws, RubRows
-    from contact.scheme.loop.rub_state import RubState
+    from contact.scheme.loop.rub_state import RubState, Work
     from contact.solver.abradable_tips import Coats
 
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
@@ -43,6 +43,7 @@ class RubStepper:
     state: RubState
     laws: RubLaws
     rows: RubRows
+    work: Work
     dimensions: int
     averaged: bool
     sums: Tally
@@ -86,8 +87,8 @@ class RubStepper:
         from contact.scheme.loop.rub import advance_rub
 
         return advance_rub(
-            self.state, self.laws, self.rows, coats, self.dimensions, self.averaged, self.sums, out, self.dt, first,
-            steps,
+            self.state, self.laws, self.rows, coats, self.work, self.dimensions, self.averaged, self.sums, out, self.dt,
+            first, steps,
         )  # fmt: skip
 
     def wear(self) -> tuple[Wear, ...]:
@@ -123,10 +124,12 @@ class RubStepper:
 def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, dimensions: int, averaged: bool,
                 label: str, law: Abradable | None = None) -> RubStepper:  # fmt: skip
     """Stepper at t = 0; without friction only the normal rows take part; `law` a coating. Raises as `rub_tracks`."""
-    K = system.contacts
+    from contact.scheme.loop.rub_state import work_space
+
+    state, rows = _state(rub, system, parts, mu, dimensions), _rows(rub, system, parts, dimensions)
     return RubStepper(
-        rub=rub, system=system, parts=parts, state=_state(rub, system, parts, mu, dimensions), laws=_laws(rub, system),
-        rows=_rows(rub, system, parts, dimensions), dimensions=dimensions, averaged=averaged, sums=tally(K),
+        rub=rub, system=system, parts=parts, state=state, laws=_laws(rub, system), rows=rows,
+        work=work_space(state, rows), dimensions=dimensions, averaged=averaged, sums=tally(system.contacts),
         label=label, steps=[0], worn=None if law is None else rub_tracks(rub, law),
     )  # fmt: skip
 

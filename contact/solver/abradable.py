@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from contact.compiled import jit, jit_entry
+from contact.compiled import jit
 from contact.model.arrays import Array
 from contact.solver.scalar import JAMMED
 
@@ -36,20 +36,20 @@ class Coating(NamedTuple):
     memory: Array
 
 
-@jit_entry
+@jit
 def first_bar(c: Coating, turns: float) -> int:
     """Number of the first bar under a tip in the middle of `turns`, an angle in turns."""
     cells = c.worn.size
     return math.floor((turns - math.floor(turns)) * cells - 0.5 * (c.under - 1)) % cells
 
 
-@jit_entry
+@jit
 def machined(c: Coating, clearance: float) -> float:
     """Depth of the cut [m] where the rim at rest is `clearance` away: up to the circle, where it was narrower."""
     return max(c.round - (clearance - c.mean), 0.0)
 
 
-@jit_entry
+@jit
 def surface(c: Coating, first: int, cut: float) -> float:
     """Depth of the shallowest bar under the tip [m]: where it touches first."""
     low: float = c.worn[first]
@@ -66,7 +66,7 @@ def worn_by(c: Coating, i: int, cut: float, depth: float) -> float:
     return most
 
 
-@jit_entry
+@jit
 def borne(c: Coating, first: int, cut: float, depth: float) -> tuple[float, float]:
     """Force of the bars under a tip that presses to `depth`, and its slope; nothing flows yet."""
     force, slope = 0.0, 0.0
@@ -100,7 +100,7 @@ def settled(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
     return depth
 
 
-@jit_entry
+@jit
 def crush(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
     """Force of the tip on the bars under it, which flow; JAMMED where D <= 0."""
     if not D > 0.0:

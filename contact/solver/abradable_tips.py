@@ -13,13 +13,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from contact.compiled import jit, jit_entry_allocating
+from contact.compiled import jit
 from contact.model.arrays import Array, Indices
 from contact.solver.abradable import Coating, borne, settled, surface
 from contact.solver.coulomb import friction_forces
-from contact.solver.dense import affine
+from contact.solver.dense import affine, assign
 from contact.solver.friction_newton import TOLERANCE
 from contact.solver.gliding import glide
+from contact.solver.room import BEHIND, GUESS, MOTION, SOFT, Room
 
 MOST = 200  # Newton steps: piecewise linear, so a few do
 NEAR = 1e-11  # of the largest depth or gap: what the depths may miss
@@ -49,7 +50,7 @@ class Coats(NamedTuple):
     cut: Array
 
 
-@jit_entry_allocating
+@jit
 def coating_of(c: Coats, j: int) -> Coating:
     """The bars that tip j wears, and its own memory."""
     k = c.track[j]
@@ -59,18 +60,24 @@ def coating_of(c: Coats, j: int) -> Coating:
     )  # fmt: skip
 
 
-@jit_entry_allocating
-def crush_tips(c: Coats, tips: Indices, W: Array, b: Array, mu: Array, dim: int, force: Array, depth: Array) -> bool:
-    """Improve `force` (d n,) of n tips and find `depth` (n,) so that both laws hold; False where they do not.
+@jit
+def crush_tips(c: Coats, tips: Indices, W: Array, b: Array, mu: Array, dim: int, count: int, force: Array,
+               depth: Array, room: Room) -> bool:  # fmt: skip
+    """Improve `force` (d n,) of n = `count` tips and find `depth` (n,) so that both laws hold; False where they do not.
 
     Nothing flows yet.
     """
-    soft, short, trial, u = W.copy(), b.copy(), force.copy(), b.copy()
-    affine(W, force, b, u)
+    size = count * dim
+    soft, short, trial, u = room.matrices[SOFT], room.vectors[BEHIND], room.vectors[GUESS], room.vectors[MOTION]
+    for i in range(size):
+        assign(soft[i], W[i], size)
+    assign(short, b, size)
+    assign(trial, force, size)
+    affine(W, force, b, u, size)
     part, last = 1.0, math.inf
     for step in range(MOST):
-        miss, size = 0.0, 0.0
-        for a in range(mu.size):
+        miss, scale = 0.0, 0.0
+        for a in range(count):
             i = a * dim
             tip, first, cut = coating_of(c, tips[a]), c.first[tips[a]], c.cut[tips[a]]
             D, low = own_compliance(W, i, dim, force), surface(tip, first, cut)
@@ -81,22 +88,22 @@ def crush_tips(c: Coats, tips: Indices, W: Array, b: Array, mu: Array, dim: int,
             soft[i, i] = W[i, i] + 1.0 / slope
             short[i] = b[i] + depth[a] - bears / slope
             miss = max(miss, abs(bears - force[i]) / (slope + 1.0 / D))
-            size = max(size, abs(b[i]), depth[a])
-        if step > 0 and part == 1.0 and miss <= NEAR * size:
+            scale = max(scale, abs(b[i]), depth[a])
+        if step > 0 and part == 1.0 and miss <= NEAR * scale:
             return True
-        if miss > CLOSER * last and miss > NEAR * size:
+        if miss > CLOSER * last and miss > NEAR * scale:
             part = max(0.5 * part, SHORTEST)
         else:
             part = min(LONGER * part, 1.0)
         last = miss
-        if dim > 1 and mu.size > 1:
-            glide(soft, short, mu, dim, trial)
-        _, left = friction_forces(soft, short, mu, dim, trial)
+        if dim > 1 and count > 1:
+            glide(soft, short, mu, dim, count, trial, room)
+        _, left = friction_forces(soft, short, mu, dim, count, trial, room)
         if not left <= TOLERANCE:
             return False
-        for i in range(force.size):
+        for i in range(size):
             force[i] = trial[i] if part == 1.0 else force[i] + part * (trial[i] - force[i])
-        affine(W, force, b, u)
+        affine(W, force, b, u, size)
     return False
 
 

@@ -10,13 +10,15 @@ coordinates many times: redundant rows are recognised by their dependence, cost 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit_allocating, jit_entry_allocating
+from contact.compiled import jit
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import Array, Indices
+from contact.solver.dense import dot
 
 DEPENDENT = 1e-11  # of a row's length: what is left of it beside the active rows
 VIOLATED = 4e-15  # of the terms of a gap: less is round-off
@@ -57,8 +59,9 @@ def unilateral(A: Array, b: Array) -> Contacts:
         raise InputError(f"A, b: found shapes {A.shape} and {b.shape}, expected (contacts, coordinates), (contacts,)")
     if not (np.isfinite(A).all() and np.isfinite(b).all()):
         raise InputError("A, b: found values that are not finite, expected numbers")
-    force, y = np.zeros(len(b)), np.zeros(A.shape[1])
-    status, iterations = project(A, b, force, y)
+    force, space = np.zeros(len(b)), active_space(len(b), A.shape[1])
+    status, iterations = project(A, b, len(b), A.shape[1], force, space)
+    y = space.y
     if status == NO_MOTION:
         raise NumericsError("no motion opens all gaps at once: contacts press against each other without compliance")
     if status == TOO_LONG:
@@ -78,45 +81,65 @@ def delassus_rows(W: Array) -> Array:
     return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
 
 
-@jit_entry_allocating
-def project(A: Array, b: Array, force: Array, y: Array) -> tuple[int, int]:
-    """Fill `force` and `y` (both zero on entry); returns (SOLVED | NO_MOTION | TOO_LONG, changes)."""
-    contacts, size = A.shape
-    J, R = np.eye(size), np.zeros((size, size))  # rows of J: orthonormal; active rows^T = J^T R
-    active, lam = np.zeros(size, dtype=np.int64), np.zeros(size)
-    d, r, lengths = np.zeros(size), np.zeros(size), np.zeros(contacts)
-    settled = np.zeros(contacts, dtype=np.int64)
-    for i in range(contacts):
-        lengths[i] = np.sqrt(np.dot(A[i], A[i]))
+class ActiveSpace(NamedTuple):
+    """Work space for up to n contacts in m coordinates; `y` the motion that `project` finds."""
+
+    J: Array  # (m, m), rows orthonormal; active rows^T = J^T R
+    R: Array  # (m, m)
+    active: Indices  # (m,)
+    lam: Array  # (m,), forces of the active contacts
+    d: Array  # (m,)
+    r: Array  # (m,)
+    y: Array  # (m,)
+    lengths: Array  # (n,)
+    settled: Indices  # (n,)
+
+
+def active_space(contacts: int, size: int) -> ActiveSpace:
+    """Work space for problems of up to this size."""
+    return ActiveSpace(
+        J=np.zeros((size, size)), R=np.zeros((size, size)), active=np.zeros(size, dtype=np.int64), lam=np.zeros(size),
+        d=np.zeros(size), r=np.zeros(size), y=np.zeros(size), lengths=np.zeros(contacts),
+        settled=np.zeros(contacts, dtype=np.int64),
+    )  # fmt: skip
+
+
+@jit
+def project(A: Array, b: Array, contacts: int, size: int, force: Array, w: ActiveSpace) -> tuple[int, int]:
+    """Fill `force` and the motion `w.y`; returns (SOLVED | NO_MOTION | TOO_LONG, changes).
+
+    Rows and columns of A and entries of b and `force` beyond `contacts` and `size` are left alone.
+    """
+    J, R, active, lam, d, r, y = w.J, w.R, w.active, w.lam, w.d, w.r, w.y
+    begin(A, contacts, size, force, w)
     count, limit = 0, 50 * (size + 10)
     for change in range(limit):
-        p = most_violated(A, b, y, lengths, settled)
+        p = most_violated(A, b, contacts, size, w)
         if p < 0:
-            polish(A, b, active, count, J, R, lam, y)
+            polish(A, b, count, size, w)
             for k in range(count):
                 force[active[k]] += lam[k]
             return SOLVED, change
-        pushed = 0.0
+        pushed, row, length = 0.0, A[p], w.lengths[p]
         while True:  # take p in; contacts whose force reaches zero leave first
-            row = A[p]
             for i in range(size):
-                d[i] = np.dot(J[i], row)
+                d[i] = dot(J[i], row, size)
             back_substitute(R, count, d, r)
             free = 0.0
             for i in range(count, size):
                 free += d[i] * d[i]
-            blocked, reach = -1, np.inf
+            blocked, reach = -1, math.inf
             for k in range(count):
                 if r[k] > 0.0 and lam[k] < reach * r[k]:
                     blocked, reach = k, lam[k] / r[k]
-            independent = np.sqrt(free) > DEPENDENT * lengths[p]
-            gap = np.dot(row, y) + b[p]
+            independent = math.sqrt(free) > DEPENDENT * length
+            gap = dot(row, y, size) + b[p]
             if not independent and blocked < 0:
-                if pushed > 0.0 or gap < -UNOPENED * (lengths[p] * np.sqrt(np.dot(y, y)) + abs(b[p])):
+                if pushed > 0.0 or gap < -UNOPENED * (length * math.sqrt(dot(y, y, size)) + abs(b[p])):
                     return NO_MOTION, change
-                settled[p] = 1
+                w.settled[p] = 1
                 break
-            full = -gap / free if independent else np.inf
+            full = -gap / free if independent else math.inf
             step = min(full, reach)
             if independent:
                 for i in range(count, size):
@@ -126,31 +149,44 @@ def project(A: Array, b: Array, force: Array, y: Array) -> tuple[int, int]:
                 lam[k] -= step * r[k]
             pushed += step
             if full <= reach:
-                enter(J, R, count, d)
+                enter(J, R, count, size, d)
                 active[count], lam[count] = p, pushed
                 count += 1
                 break
-            leave(J, R, count, blocked)
+            leave(J, R, count, blocked, size)
             for k in range(blocked, count - 1):
                 active[k], lam[k] = active[k + 1], lam[k + 1]
             count -= 1
     return TOO_LONG, limit
 
 
-@jit_allocating
-def most_violated(A: Array, b: Array, y: Array, lengths: Array, settled: Indices) -> int:
+@jit
+def begin(A: Array, contacts: int, size: int, force: Array, w: ActiveSpace) -> None:
+    """No contact active, nothing moved."""
+    for i in range(size):
+        w.y[i] = 0.0
+        for j in range(size):
+            w.J[i, j] = 1.0 if i == j else 0.0
+            w.R[i, j] = 0.0
+    for i in range(contacts):
+        w.lengths[i] = math.sqrt(dot(A[i], A[i], size))
+        w.settled[i] = 0
+        force[i] = 0.0
+
+
+@jit
+def most_violated(A: Array, b: Array, contacts: int, size: int, w: ActiveSpace) -> int:
     """The contact, not settled, with the most negative gap beyond round-off per length of its row; -1 if none."""
-    size = np.sqrt(np.dot(y, y))
+    moved = math.sqrt(dot(w.y, w.y, size))
     worst, found = 0.0, -1
-    gaps = np.dot(A, y)
-    for i in range(b.size):
-        gap = gaps[i] + b[i]
-        if settled[i] == 0 and gap < -VIOLATED * (lengths[i] * size + abs(b[i])) and gap < worst * lengths[i]:
-            worst, found = gap / lengths[i] if lengths[i] > 0.0 else -np.inf, i
+    for i in range(contacts):
+        gap, length = dot(A[i], w.y, size) + b[i], w.lengths[i]
+        if w.settled[i] == 0 and gap < -VIOLATED * (length * moved + abs(b[i])) and gap < worst * length:
+            worst, found = gap / length if length > 0.0 else -math.inf, i
     return found
 
 
-@jit_allocating
+@jit
 def back_substitute(R: Array, count: int, d: Array, r: Array) -> None:
     """R r = d for the first `count` entries."""
     for k in range(count - 1, -1, -1):
@@ -160,59 +196,59 @@ def back_substitute(R: Array, count: int, d: Array, r: Array) -> None:
         r[k] = total / R[k, k]
 
 
-@jit_allocating
-def rotate(J: Array, i: int, k: int, c: float, s: float) -> None:
+@jit
+def rotate(J: Array, i: int, k: int, c: float, s: float, size: int) -> None:
     """Rows i, k of J <- (c i + s k, c k - s i)."""
-    for j in range(J.shape[1]):
+    for j in range(size):
         a, b = J[i, j], J[k, j]
         J[i, j], J[k, j] = c * a + s * b, c * b - s * a
 
 
-@jit_allocating
-def enter(J: Array, R: Array, count: int, d: Array) -> None:
+@jit
+def enter(J: Array, R: Array, count: int, size: int, d: Array) -> None:
     """Take a row with components d = J row into the factors: turn d[count:] into one number."""
-    for i in range(d.size - 1, count, -1):
-        length = np.hypot(d[i - 1], d[i])
+    for i in range(size - 1, count, -1):
+        length = math.hypot(d[i - 1], d[i])
         if d[i] == 0.0:
             continue
-        rotate(J, i - 1, i, d[i - 1] / length, d[i] / length)
+        rotate(J, i - 1, i, d[i - 1] / length, d[i] / length, size)
         d[i - 1] = length
     for i in range(count + 1):
         R[i, count] = d[i]
 
 
-@jit_allocating
-def leave(J: Array, R: Array, count: int, gone: int) -> None:
+@jit
+def leave(J: Array, R: Array, count: int, gone: int, size: int) -> None:
     """Take column `gone` out of R and make it triangular again."""
     for k in range(gone, count - 1):
         for i in range(k + 2):
             R[i, k] = R[i, k + 1]
     for k in range(gone, count - 1):
-        length = np.hypot(R[k, k], R[k + 1, k])
+        length = math.hypot(R[k, k], R[k + 1, k])
         c, s = R[k, k] / length, R[k + 1, k] / length
         for j in range(k, count - 1):
             a, b = R[k, j], R[k + 1, j]
             R[k, j], R[k + 1, j] = c * a + s * b, c * b - s * a
-        rotate(J, k, k + 1, c, s)
+        rotate(J, k, k + 1, c, s, size)
 
 
-@jit_allocating
-def polish(A: Array, b: Array, active: Indices, count: int, J: Array, R: Array, lam: Array, y: Array) -> None:
+@jit
+def polish(A: Array, b: Array, count: int, size: int, w: ActiveSpace) -> None:
     """One correction of y and the forces: the active gaps back to zero, then forces from y anew."""
-    size = y.size
-    w = np.zeros(size)
-    for k in range(count):  # R^T w = -gaps: the correction in the span of the active rows
-        total = -(np.dot(A[active[k]], y) + b[active[k]])
+    J, R, active, lam, right, y = w.J, w.R, w.active, w.lam, w.d, w.y
+    for k in range(count):  # R^T right = -gaps: the correction in the span of the active rows
+        total = -(dot(A[active[k]], y, size) + b[active[k]])
         for j in range(k):
-            total -= R[j, k] * w[j]
-        w[k] = total / R[k, k]
+            total -= R[j, k] * right[j]
+        right[k] = total / R[k, k]
     for k in range(count):
         for j in range(size):
-            y[j] += w[k] * J[k, j]
+            y[j] += right[k] * J[k, j]
     for i in range(count):
-        w[i] = np.dot(J[i], y)
-    back_substitute(R, count, w, lam)
-    y[:] = 0.0
+        right[i] = dot(J[i], y, size)
+    back_substitute(R, count, right, lam)
+    for j in range(size):
+        y[j] = 0.0
     for k in range(count):
         lam[k] = max(lam[k], 0.0)
         for j in range(size):

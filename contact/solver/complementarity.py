@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from contact.compiled import jit, jit_entry
+from contact.compiled import jit
 from contact.model.arrays import Array
 
 BLOCK = 8  # corrections of the whole set before the least-index rule
@@ -123,7 +123,7 @@ def settle(W: Array, soft: float, g: Array, lam: Array, closed: Array, A: Array,
     return False
 
 
-@jit_entry
+@jit
 def contact_forces(W: Array, law: LawNumbers, g: Array, lam: Array, closed: Array, A: Array, shifted: Array) -> bool:
     """Forces of the law for free gaps g; `lam` holds the last forces on entry. False when the problem has no answer.
 

@@ -17,12 +17,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit_allocating, jit_entry_allocating
+from contact.compiled import jit
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import Array
 from contact.solver.dense import assign
 from contact.solver.faceted import GOLDEN, faceted
-from contact.solver.friction_newton import TOLERANCE, newton
+from contact.solver.friction_newton import MOST_ITERATIONS, TOLERANCE, newton
+from contact.solver.room import INNER, MISS, STEP, TRIAL, Room, friction_room
 
 DRAWS, ROUNDS = 24, 8  # covering vectors, and closer facets with each
 MOST_CONTACTS = 144  # contacts times covering vectors: pivoting grows with the cube
@@ -73,56 +74,63 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
     if W.diagonal().min(initial=1.0) <= 0.0:
         raise InputError(f"W: found a diagonal entry {W.diagonal().min():g}, expected compliances > 0")
     force = np.zeros(b.size) if start is None else np.array(start, dtype=float).ravel()
-    iterations, residual = friction_forces(W, b.ravel(), friction, b.shape[1], force)
+    room = friction_room(len(b), b.shape[1])
+    iterations, residual = friction_forces(W, b.ravel(), friction, b.shape[1], len(b), force, room)
     if not residual <= TOLERANCE:
         raise NumericsError(f"friction: residual {residual:.2e} after {iterations} iterations, wanted {TOLERANCE:.0e}")
     motion = (W @ force + b.ravel()).reshape(b.shape)
     return Friction(force=force.reshape(b.shape), motion=motion, iterations=iterations, residual=residual)
 
 
-@jit_entry_allocating
-def friction_forces(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, float]:
-    """Improve `force` until it obeys the law to TOLERANCE of the largest force; returns (iterations, residual).
+@jit
+def friction_forces(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> tuple[int, float]:
+    """Improve `force` until it obeys the law to TOLERANCE of the largest force; returns (iterations, residual)."""
+    iterations, residual = newton(W, b, mu, dim, count, force, room)
+    if residual <= TOLERANCE:
+        return iterations, residual
+    hard, size = room.matrices[INNER], count * dim
+    for i in range(size):
+        assign(hard[i], W[i], size)
+    assign(room.vectors[MISS], b, size)
+    assign(room.vectors[STEP], mu, count)
+    assign(room.vectors[TRIAL], force, size)
+    residual = room.otherwise(count, dim)
+    assign(force, room.vectors[TRIAL], size)
+    return iterations + MOST_ITERATIONS, residual
+
+
+def pivoted(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[Array, float]:
+    """Forces by pivoting and Newton's method from there, and their residual; `force` where none are better.
 
     Facets take the problem scaled to unit normal compliance in every contact.
     """
-    iterations, residual = newton(W, b, mu, dim, force)
-    if residual <= TOLERANCE or not np.isfinite(b).all():
-        return iterations, residual
-    k = mu.size
-    unit, near = np.zeros(b.size), np.zeros(b.size)
-    for i in range(b.size):
-        unit[i] = 1.0 / math.sqrt(W[i - i % dim, i - i % dim])
-    scaled, short = W * unit * unit.reshape(-1, 1), b * unit
-    turn, trial = np.zeros(k), np.zeros(b.size)
+    k, space = mu.size, friction_room(mu.size, dim)
+    if not np.isfinite(b).all():
+        return force, math.nan
+    unit = np.repeat(1.0 / np.sqrt(W.diagonal()[::dim]), dim)
+    scaled, short = W * unit * unit[:, None], b * unit
+    residual = math.inf
     for draw in range(min(DRAWS, max(1, MOST_CONTACTS // k))):
-        for i in range(k):
-            turn[i] = 2.0 * math.pi * GOLDEN * draw * (i + 1)
+        turn: Array = 2.0 * math.pi * GOLDEN * draw * np.arange(1.0, k + 1.0)
         for closer in range(ROUNDS if dim == 3 else 1):
-            if not faceted(scaled, short, mu, dim, turn, SPREAD * CLOSER**closer, draw, near):
+            near = faceted(scaled, short, mu, dim, turn, SPREAD * CLOSER**closer, draw)
+            if near is None:
                 break
-            assign(trial, near)
-            spent, _ = newton(scaled, short, mu, dim, trial)
+            trial = near.copy()
+            newton(scaled, short, mu, dim, k, trial, space)
             trial *= unit
-            more, found = newton(W, b, mu, dim, trial)
-            iterations += spent + more
+            _, found = newton(W, b, mu, dim, k, trial, space)
             if found < residual:
-                assign(force, trial)
-                residual = found
+                force, residual = trial, found
             if residual <= TOLERANCE:
-                return iterations, residual
-            against_slip(scaled, short, near, dim, turn)
-    return iterations, residual
+                return force, residual
+            turn = against_slip(scaled @ near + short, dim, turn)
+    return force, residual
 
 
-@jit_allocating
-def against_slip(W: Array, b: Array, force: Array, dim: int, turn: Array) -> None:
-    """Turn the facets of each contact that slips against its slip."""
+def against_slip(u: Array, dim: int, turn: Array) -> Array:
+    """Turn the facets of each contact that slips against its slip u_T."""
     if dim != 3:
-        return
-    u = np.dot(W, force) + b
-    least = SLIPS * np.abs(u).max()
-    for k in range(turn.size):
-        across, along = u[3 * k + 1], u[3 * k + 2]
-        if math.hypot(across, along) > least:
-            turn[k] = math.atan2(-along, -across)
+        return turn
+    across, along = u[1::3], u[2::3]
+    return np.asarray(np.where(np.hypot(across, along) > SLIPS * np.abs(u).max(), np.arctan2(-along, -across), turn))

@@ -1,35 +1,43 @@
-"""Small dense systems inside compiled loops: no allocation, rows in the order they lie in memory.
+"""Small dense systems inside compiled loops: the first n rows and columns of arrays that are large enough.
 
-Up to some thirty unknowns, as contacts of one step have, LAPACK called from a loop takes longer.
+Sizes are passed, not slices: a slice is another array to make in every call and to compile. Up to some thirty
+unknowns, as contacts of one step have, LAPACK called from a loop takes longer.
 """
 
 from __future__ import annotations
+
+import math
 
 from contact.compiled import jit
 from contact.model.arrays import Array
 
 
 @jit
-def assign(out: Array, x: Array) -> None:
-    """Fill out = x; an assignment to a slice brings the words of its refusal, which take seconds to compile."""
-    for i in range(out.size):
+def assign(out: Array, x: Array, n: int) -> None:
+    """Fill out = x."""
+    for i in range(n):
         out[i] = x[i]
 
 
 @jit
-def affine(A: Array, x: Array, b: Array, out: Array) -> None:
-    """Fill out = A x + b."""
-    for i in range(out.size):
-        total = 0.0
-        for k in range(x.size):
-            total += A[i, k] * x[k]
-        out[i] = total + b[i]
+def dot(a: Array, b: Array, n: int) -> float:
+    """Sum of products."""
+    total = 0.0
+    for i in range(n):
+        total += a[i] * b[i]
+    return total
 
 
 @jit
-def solve_in_place(A: Array, x: Array) -> bool:
+def affine(A: Array, x: Array, b: Array, out: Array, n: int) -> None:
+    """Fill out = A x + b."""
+    for i in range(n):
+        out[i] = dot(A[i], x, n) + b[i]
+
+
+@jit
+def solve_in_place(A: Array, x: Array, n: int) -> bool:
     """Replace x by A^-1 x and A by its factors, rows exchanged for the largest pivot; False where a pivot is zero."""
-    n = x.size
     for p in range(n):
         top, largest = p, abs(A[p, p])
         for i in range(p + 1, n):
@@ -53,3 +61,14 @@ def solve_in_place(A: Array, x: Array) -> bool:
             total -= A[i, k] * x[k]
         x[i] = total / A[i, i]
     return True
+
+
+@jit
+def cholesky(W: Array, A: Array, n: int) -> None:
+    """Lower triangle A with A A^T = W, zeros above; NaN where W is not positive definite."""
+    for i in range(n):
+        for k in range(i + 1):
+            left = W[i, k] - dot(A[i], A[k], k)
+            A[i, k] = math.sqrt(left) if i == k else left / A[k, k]
+        for k in range(i + 1, n):
+            A[i, k] = 0.0

@@ -14,12 +14,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from contact.compiled import jit, jit_allocating
+from contact.compiled import jit
 from contact.model.arrays import Array, Indices
-from contact.solver.dense import affine, assign, solve_in_place
+from contact.solver.dense import affine, assign, dot, solve_in_place
 from contact.solver.friction_sweeps import sweep
+from contact.solver.room import BASE, CLOSED, INNER, JACOBIAN, MISS, RIGHT, STEP, TRIAL, TRIAL_MISS, Room, U
 
 TOLERANCE = 1e-12  # of the largest force
 MOST_ITERATIONS = 50  # Newton steps and bursts of sweeps together
@@ -29,61 +28,56 @@ HALVINGS = 8
 LEAPS = 8
 
 
-@jit_allocating
-def newton(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[int, float]:
+@jit
+def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> tuple[int, float]:
     """Improve `force` until F is below TOLERANCE of the largest force; returns (iterations, residual).
 
     Steps that reduce |F| while there are such; then bursts of sweeps, each followed by LEAPS undamped steps, because
-    beyond a kink |F| may have to rise before it falls.
+    beyond a kink |F| may have to rise before it falls. `count` contacts, the first of the arrays.
     """
-    size = b.size
-    rho, miss, u = np.zeros((mu.size, 2)), np.zeros(size), np.zeros(size)
-    steps_in(W, dim, rho)
-    found = law_residual(W, b, mu, rho, dim, force, u, miss)
-    scale = force_scale(b, rho, dim, force)
-    if found <= TOLERANCE * scale:
-        release(rho, dim, u, force)
-        return 0, found / scale if scale > 0.0 else found
-    J, step = np.zeros((size, size)), np.zeros(size)
-    closed, space = np.zeros(size, dtype=np.int64), np.zeros(size * (size + 1))
-    trial, trial_miss, base = np.zeros(size), np.zeros(size), np.zeros(size)
-    leaps, sweeps = 0, SWEEPS
+    size = count * dim
+    rho, u, miss, step = room.pairs, room.vectors[U], room.vectors[MISS], room.vectors[STEP]
+    trial, trial_miss, base = room.vectors[TRIAL], room.vectors[TRIAL_MISS], room.vectors[BASE]
+    J, inside, closed = room.matrices[JACOBIAN], room.matrices[INNER], room.whole[CLOSED]
+    steps_in(W, dim, count, rho)
+    found = law_residual(W, b, mu, rho, dim, count, force, u, miss)
+    leaps, sweeps, reached, part = 0, SWEEPS, found, 1.0
     for iteration in range(MOST_ITERATIONS + 1):
-        scale = force_scale(b, rho, dim, force)
+        scale = force_scale(b, rho, dim, count, force)
         if found <= TOLERANCE * scale or iteration == MOST_ITERATIONS:
-            release(rho, dim, u, force)
+            release(rho, dim, count, u, force)
             return iteration, found / scale if scale > 0.0 else found
         if leaps == 0:
-            assign(base, force)
-        n = law_slope(W, mu, rho, dim, force, u, J, closed)
-        newton_step(J, closed, n, miss, space, step)
+            assign(base, force, size)
+        n = law_slope(W, mu, rho, dim, count, force, u, J, closed)
+        newton_step(J, closed, n, miss, inside, room.vectors[RIGHT], step, size)
         part = 1.0
         for _ in range(1 if leaps > 0 else HALVINGS):
             for i in range(size):
                 trial[i] = force[i] - part * step[i]
-            reached = law_residual(W, b, mu, rho, dim, trial, u, trial_miss)
+            reached = law_residual(W, b, mu, rho, dim, count, trial, u, trial_miss)
             if reached < found * (1.0 - 1e-4 * part) or leaps > 0:
                 break
             part *= 0.5
         if leaps > 1 or reached < found * (1.0 - 1e-4 * part):
-            assign(force, trial)
-            assign(miss, trial_miss)
+            assign(force, trial, size)
+            assign(miss, trial_miss, size)
             found = reached
             leaps = max(leaps - 1, 0)
             continue
-        assign(force, base)
+        assign(force, base, size)
         for _ in range(sweeps):
-            sweep(W, b, mu, dim, force)
-        assign(base, force)
-        found = law_residual(W, b, mu, rho, dim, force, u, miss)
+            sweep(W, b, mu, dim, count, force)
+        assign(base, force, size)
+        found = law_residual(W, b, mu, rho, dim, count, force, u, miss)
         leaps, sweeps = LEAPS, 2 * sweeps
     return MOST_ITERATIONS, found
 
 
 @jit
-def release(rho: Array, dim: int, u: Array, force: Array) -> None:
+def release(rho: Array, dim: int, count: int, u: Array, force: Array) -> None:
     """Set what is left of the forces in open contacts to zero."""
-    for k in range(rho.shape[0]):
+    for k in range(count):
         i = k * dim
         if force[i] <= rho[k, 0] * u[i]:
             for j in range(i, i + dim):
@@ -91,11 +85,11 @@ def release(rho: Array, dim: int, u: Array, force: Array) -> None:
 
 
 @jit
-def steps_in(W: Array, dim: int, rho: Array) -> None:
+def steps_in(W: Array, dim: int, count: int, rho: Array) -> None:
     """Step lengths of each contact: 1/W_NN, 1/(largest eigenvalue of the tangential block)."""
-    for k in range(rho.shape[0]):
+    for k in range(count):
         i = k * dim
-        rho[k, 0] = 1.0 / W[i, i]
+        rho[k, 0], rho[k, 1] = 1.0 / W[i, i], 0.0
         if dim == 1:
             continue
         top = W[i + 1, i + 1]
@@ -106,13 +100,13 @@ def steps_in(W: Array, dim: int, rho: Array) -> None:
 
 
 @jit
-def force_scale(b: Array, rho: Array, dim: int, force: Array) -> float:
+def force_scale(b: Array, rho: Array, dim: int, count: int, force: Array) -> float:
     """The largest force there is, or that a free step's gap alone would ask for; friction follows the latter.
 
     A rim that turns in front of a blade slips by far more in a step than any tangential force could hold back.
     """
     scale = 0.0
-    for k in range(rho.shape[0]):
+    for k in range(count):
         scale = max(scale, abs(b[k * dim]) * rho[k, 0])
         for i in range(k * dim, (k + 1) * dim):
             scale = max(scale, abs(force[i]))
@@ -120,11 +114,12 @@ def force_scale(b: Array, rho: Array, dim: int, force: Array) -> float:
 
 
 @jit
-def law_residual(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array, miss: Array) -> float:
+def law_residual(W: Array, b: Array, mu: Array, rho: Array, dim: int, count: int, force: Array, u: Array,
+                 miss: Array) -> float:  # fmt: skip
     """Fill u = W force + b and `miss` = F; returns |F|."""
-    affine(W, force, b, u)
+    affine(W, force, b, u, count * dim)
     total = 0.0
-    for k in range(mu.size):
+    for k in range(count):
         i = k * dim
         normal = max(force[i] - rho[k, 0] * u[i], 0.0)
         miss[i] = force[i] - normal
@@ -143,20 +138,21 @@ def law_residual(W: Array, b: Array, mu: Array, rho: Array, dim: int, force: Arr
 
 
 @jit
-def law_slope(W: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array, J: Array, closed: Indices) -> int:
+def law_slope(W: Array, mu: Array, rho: Array, dim: int, count: int, force: Array, u: Array, J: Array,
+              closed: Indices) -> int:  # fmt: skip
     """Rows of dF/dforce (a member of the generalised derivative) for what presses, one below the other, into J.
 
     Returns how many; `closed` says which. The others' rows are those of the unit matrix.
     """
-    n = 0
-    for k in range(mu.size):
+    n, size = 0, count * dim
+    for k in range(count):
         i = k * dim
         normal = force[i] - rho[k, 0] * u[i]
         if normal <= 0.0:
             continue
         for j in range(i, i + dim):
             closed[n + j - i] = j
-        for m in range(force.size):
+        for m in range(size):
             J[n, m] = rho[k, 0] * W[i, m]
         first = n
         n += dim
@@ -168,19 +164,19 @@ def law_slope(W: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array,
         length = math.hypot(t1, t2)
         if length <= mu[k] * normal:
             for j in range(1, dim):
-                for m in range(force.size):
+                for m in range(size):
                     J[first + j, m] = rho[k, 1] * W[i + j, m]
             continue
         part, t1, t2 = mu[k] * normal / length, t1 / length, t2 / length
         for j in range(1, dim):  # d s_N = e_N - rho_N W_N, (1 - t t^T) part (d force_T - rho_T W_T)
             t = t1 if j == 1 else t2
             a1, a2 = part * ((1.0 if j == 1 else 0.0) - t * t1), part * ((1.0 if j == 2 else 0.0) - t * t2)
-            for m in range(force.size):
+            for m in range(size):
                 J[first + j, m] = mu[k] * t * rho[k, 0] * W[i, m] + a1 * rho[k, 1] * W[i + 1, m]
             J[first + j, i] -= mu[k] * t
             J[first + j, i + 1] -= a1
             if dim > 2:
-                for m in range(force.size):
+                for m in range(size):
                     J[first + j, m] += a2 * rho[k, 1] * W[i + 2, m]
                 J[first + j, i + 2] -= a2
             J[first + j, i + j] += 1.0
@@ -188,20 +184,17 @@ def law_slope(W: Array, mu: Array, rho: Array, dim: int, force: Array, u: Array,
 
 
 @jit
-def newton_step(J: Array, closed: Indices, n: int, miss: Array, space: Array, step: Array) -> None:
+def newton_step(J: Array, closed: Indices, n: int, miss: Array, inside: Array, right: Array, step: Array,
+                size: int) -> None:  # fmt: skip
     """Solve J step = miss, what does not press first; NaN where J is singular."""
-    inside, short = space[: n * n].reshape(n, n), space[n * n : n * n + n]
-    for m in range(step.size):
-        step[m] = miss[m]
+    assign(step, miss, size)
     for a in range(n):
         step[closed[a]] = 0.0
     for a in range(n):
-        short[a] = miss[closed[a]]
-        for m in range(step.size):
-            short[a] -= J[a, m] * step[m]
+        right[a] = miss[closed[a]] - dot(J[a], step, size)
         for b in range(n):
             inside[a, b] = J[a, closed[b]]
         inside[a, a] += HAIR
-    solved = solve_in_place(inside, short)
+    solved = solve_in_place(inside, right, n)
     for a in range(n):
-        step[closed[a]] = short[a] if solved else math.nan  # no step: sweeps follow
+        step[closed[a]] = right[a] if solved else math.nan  # no step: sweeps follow

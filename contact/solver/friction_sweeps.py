@@ -4,59 +4,63 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from contact.compiled import jit, jit_allocating
+from contact.compiled import jit
 from contact.model.arrays import Array
+from contact.solver.dense import dot
 
 ROUGHLY = 1e-3  # how closely each contact is solved: a start is wanted
 
 
-@jit_allocating
-def sweep(W: Array, b: Array, mu: Array, dim: int, force: Array) -> None:
+@jit
+def sweep(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array) -> None:
     """One nonlinear Gauss-Seidel sweep: each contact solved with the others' forces held."""
-    size = force.size
-    q = np.zeros(3)
-    for k in range(mu.size):
+    size = count * dim
+    for k in range(count):
         i = k * dim
-        for j in range(dim):
-            q[j] = b[i + j]
-            for m in range(size):
-                q[j] += W[i + j, m] * force[m]
-            for m in range(i, i + dim):
-                q[j] -= W[i + j, m] * force[m]
-        if dim == 2:
-            q[2] = 0.0
-        one_contact(W, i, dim, q, mu[k], force)
+        q0, q1, q2 = without(W, b, i, i, dim, force, size), 0.0, 0.0
+        if dim > 1:
+            q1 = without(W, b, i + 1, i, dim, force, size)
+        if dim > 2:
+            q2 = without(W, b, i + 2, i, dim, force, size)
+        one_contact(W, i, dim, q0, q1, q2, mu[k], force)
 
 
 @jit
-def one_contact(W: Array, i: int, dim: int, q: Array, mu: float, force: Array) -> None:
-    """Force of one contact with free gap and slip q: open, sticking, or slipping (to `ROUGHLY`).
+def without(W: Array, b: Array, row: int, i: int, dim: int, force: Array, size: int) -> float:
+    """Motion of one direction without the contact's own force, which begins at i."""
+    q = b[row] + dot(W[row], force, size)
+    for m in range(i, i + dim):
+        q -= W[row, m] * force[m]
+    return float(q)
+
+
+@jit
+def one_contact(W: Array, i: int, dim: int, q0: float, q1: float, q2: float, mu: float, force: Array) -> None:
+    """Force of one contact with free gap and slip q0, q1, q2: open, sticking, or slipping (to `ROUGHLY`).
 
     Slipping, force_T = -(W_TT + alpha)^-1 (q_T + W_TN force_N) with alpha >= 0 the ratio of slip to tangential force:
     force_N follows, and |force_T| - mu force_N changes sign between alpha = 0 (too much) and infinity (too little).
     """
-    if q[0] >= 0.0:
+    if q0 >= 0.0:
         for j in range(i, i + dim):
             force[j] = 0.0
         return
     if dim == 1:
-        force[i] = -q[0] / W[i, i]
+        force[i] = -q0 / W[i, i]
         return
     low, high = 0.0, 1.0
-    if slip_excess(W, i, dim, q, mu, 0.0, force) <= 0.0:
+    if slip_excess(W, i, dim, q0, q1, q2, mu, 0.0, force) <= 0.0:
         return
     base = W[i + 1, i + 1] + W[i + dim - 1, i + dim - 1]
-    while slip_excess(W, i, dim, q, mu, high * base, force) > 0.0 and high < 1e18:
+    while slip_excess(W, i, dim, q0, q1, q2, mu, high * base, force) > 0.0 and high < 1e18:
         low, high = high, 16.0 * high
     if low == 0.0:
         low = high
-        while slip_excess(W, i, dim, q, mu, low * base, force) < 0.0 and low > 1e-18:
+        while slip_excess(W, i, dim, q0, q1, q2, mu, low * base, force) < 0.0 and low > 1e-18:
             high, low = low, low / 16.0
     for _ in range(60):
         middle = math.sqrt(low * high)
-        if slip_excess(W, i, dim, q, mu, middle * base, force) > 0.0:
+        if slip_excess(W, i, dim, q0, q1, q2, mu, middle * base, force) > 0.0:
             low = middle
         else:
             high = middle
@@ -65,7 +69,8 @@ def one_contact(W: Array, i: int, dim: int, q: Array, mu: float, force: Array) -
 
 
 @jit
-def slip_excess(W: Array, i: int, dim: int, q: Array, mu: float, alpha: float, force: Array) -> float:
+def slip_excess(W: Array, i: int, dim: int, q0: float, q1: float, q2: float, mu: float, alpha: float,
+                force: Array) -> float:  # fmt: skip
     """Set the force of a contact that slips by alpha times its tangential force; returns |force_T| - mu force_N."""
     a, c, m = W[i + 1, i + 1] + alpha, 1.0, 0.0
     w2, v2, mt = 0.0, 0.0, 0.0
@@ -74,9 +79,9 @@ def slip_excess(W: Array, i: int, dim: int, q: Array, mu: float, alpha: float, f
         w2, v2 = W[i + 2, i], W[i, i + 2]
     w1, v1 = W[i + 1, i], W[i, i + 1]
     det = a * c - m * mt
-    f1, f2 = (c * q[1] - m * q[2]) / det, (a * q[2] - mt * q[1]) / det  # (W_TT + alpha)^-1 q_T
+    f1, f2 = (c * q1 - m * q2) / det, (a * q2 - mt * q1) / det  # (W_TT + alpha)^-1 q_T
     g1, g2 = (c * w1 - m * w2) / det, (a * w2 - mt * w1) / det
-    normal = (-q[0] + v1 * f1 + v2 * f2) / (W[i, i] - v1 * g1 - v2 * g2)
+    normal = (-q0 + v1 * f1 + v2 * f2) / (W[i, i] - v1 * g1 - v2 * g2)
     t1, t2 = -f1 - g1 * normal, -f2 - g2 * normal
     force[i], force[i + 1] = normal, t1
     if dim == 3:

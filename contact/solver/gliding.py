@@ -10,120 +10,121 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from contact.compiled import jit, jit_allocating, jit_entry_allocating
-from contact.model.arrays import Array, Indices
+from contact.compiled import jit
+from contact.model.arrays import Array
 from contact.solver.dense import affine, assign, solve_in_place
+from contact.solver.room import AT, CLOSED, GAP, INNER, JACOBIAN, LAST, LEFT, NORMAL, OWN, PHI, SHORT, TRIAL, Room, U
 
 ROUNDS = 8
 LED, NEAR = 9, 0.3  # rounds of `lead`; the angle [rad] to the slip's direction from where Newton's method goes on
-SHORT, LONG = 0.1, 2.0  # bounds of Aitken's factor
+SHORT_STEP, LONG_STEP = 0.1, 2.0  # bounds of Aitken's factor
 STILL = 1e-13  # change of direction at which the rounds end
 MOST_CHANGES = 20  # of the set of closed contacts
 
 
-@jit_entry_allocating
-def glide(W: Array, b: Array, mu: Array, dim: int, force: Array) -> None:
+@jit
+def glide(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> None:
     """Improve `force` for contacts that all slide; leaves it as it was where one does not, or no set settles."""
-    count = mu.size
-    trial, u, x, gap = force.copy(), np.zeros(b.size), np.zeros(count), np.zeros(count)
-    A, d = np.zeros((count, count)), np.zeros((count, dim - 1))
-    closed = np.zeros(count, dtype=np.int64)
+    size = count * dim
+    trial, u, gap, closed, d = room.vectors[TRIAL], room.vectors[U], room.vectors[GAP], room.whole[CLOSED], room.pairs
+    assign(trial, force, size)
     for k in range(count):
         gap[k] = b[k * dim]
         closed[k] = 1 if force[k * dim] > 0.0 or gap[k] < 0.0 else 0
     for turn in range(ROUNDS):
-        affine(W, trial, b, u)
-        moved = follow(u, dim, d, turn == 0)
+        affine(W, trial, b, u, size)
+        moved = follow(u, dim, count, d, turn == 0)
         if moved > 1.0:
-            if dim == 3 and lead(W, b, mu, gap, closed, force, trial):
+            if dim == 3 and lead(W, b, mu, count, force, room):
                 break
             return
         if moved <= STILL:
             break
-        if not slide(W, mu, dim, d, gap, closed, x, trial, A):
+        if not slide(W, mu, dim, count, room):
             return
-    assign(force, trial)
+    assign(force, trial, size)
 
 
-@jit_allocating
-def slide(W: Array, mu: Array, dim: int, d: Array, gap: Array, closed: Indices, x: Array, trial: Array,
-          A: Array) -> bool:  # fmt: skip
-    """Forces `trial` of contacts that slide along d; False where no set of closed ones settles."""
-    for i in range(gap.size):
-        for k in range(gap.size):
+@jit
+def slide(W: Array, mu: Array, dim: int, count: int, room: Room) -> bool:
+    """Forces TRIAL of contacts that slide along d = `pairs`; False where no set of closed ones settles."""
+    trial, x, A, d = room.vectors[TRIAL], room.vectors[NORMAL], room.matrices[JACOBIAN], room.pairs
+    for i in range(count):
+        for k in range(count):
             A[i, k] = W[i * dim, k * dim]
             for j in range(dim - 1):
                 A[i, k] -= W[i * dim, k * dim + 1 + j] * mu[k] * d[k, j]
-    if not press(A, gap, closed, x):
+    if not press(A, count, room):
         return False
-    for k in range(gap.size):
+    for k in range(count):
         trial[k * dim] = x[k]
         for j in range(dim - 1):
             trial[k * dim + 1 + j] = -mu[k] * x[k] * d[k, j]
     return True
 
 
-@jit_allocating
-def lead(W: Array, b: Array, mu: Array, gap: Array, closed: Indices, force: Array, trial: Array) -> bool:
+@jit
+def lead(W: Array, b: Array, mu: Array, count: int, force: Array, room: Room) -> bool:
     """Directions in a plane where following the slip would turn them round; whether the last ones are near it.
 
     d aims at u_T + g d, g = -d . W_TT force_T what friction itself takes away of the slip: tips that move together and
     yield alike in all directions are there in one round. Aitken's factor from the last two errors shortens the steps.
     """
-    count = gap.size
-    A, x, u, own = np.zeros((count, count)), np.zeros(count), np.zeros(b.size), np.zeros(b.size)
-    d, phi, last = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
+    size = 3 * count
+    trial, u, own, d = room.vectors[TRIAL], room.vectors[U], room.vectors[OWN], room.pairs
+    phi, last = room.vectors[PHI], room.vectors[LAST]
     factor, worst = 1.0, math.pi
-    assign(trial, force)
+    assign(trial, force, size)
+    for k in range(count):
+        last[k] = 0.0
     for turn in range(LED):
-        affine(W, trial, b, u)
-        dragged(W, trial, own)
+        affine(W, trial, b, u, size)
+        dragged(W, trial, size, own)
         worst, product, square = 0.0, 0.0, 0.0
         for k in range(count):
             u1, u2, v1, v2 = u[3 * k + 1], u[3 * k + 2], own[3 * k + 1], own[3 * k + 2]
             if turn == 0:
                 phi[k] = math.atan2(u2 - v2, u1 - v1)
                 continue
-            g = max(-d[k, 0] * v1 - d[k, 1] * v2, 0.0)
-            error = between(u1 + g * d[k, 0], u2 + g * d[k, 1], d[k])
-            worst = max(worst, abs(between(u1, u2, d[k])))
+            d1, d2 = d[k, 0], d[k, 1]
+            g = max(-d1 * v1 - d2 * v2, 0.0)
+            error = between(u1 + g * d1, u2 + g * d2, d1, d2)
+            worst = max(worst, abs(between(u1, u2, d1, d2)))
             change = error - last[k]
             product, square, last[k] = product + last[k] * change, square + change * change, error
         if turn > 0 and worst <= STILL:
             return True
         if turn > 1 and square > 0.0:
-            factor = min(max(-factor * product / square, SHORT), LONG)
+            factor = min(max(-factor * product / square, SHORT_STEP), LONG_STEP)
         for k in range(count):
             phi[k] += factor * last[k]
             d[k, 0], d[k, 1] = math.cos(phi[k]), math.sin(phi[k])
-        if not slide(W, mu, 3, d, gap, closed, x, trial, A):
+        if not slide(W, mu, 3, count, room):
             return False
     return worst < NEAR
 
 
 @jit
-def dragged(W: Array, force: Array, out: Array) -> None:
+def dragged(W: Array, force: Array, size: int, out: Array) -> None:
     """Motion that the tangential forces alone make."""
-    for i in range(force.size):
+    for i in range(size):
         total = 0.0
-        for k in range(0, force.size, 3):
+        for k in range(0, size, 3):
             total += W[i, k + 1] * force[k + 1] + W[i, k + 2] * force[k + 2]
         out[i] = total
 
 
 @jit
-def between(a: float, c: float, d: Array) -> float:
+def between(a: float, c: float, d1: float, d2: float) -> float:
     """Angle from the unit vector d to (a, c)."""
-    return math.atan2(d[0] * c - d[1] * a, d[0] * a + d[1] * c)
+    return math.atan2(d1 * c - d2 * a, d1 * a + d2 * c)
 
 
 @jit
-def follow(u: Array, dim: int, d: Array, first: bool) -> float:
+def follow(u: Array, dim: int, count: int, d: Array, first: bool) -> float:
     """Directions of slip into `d`; returns how far the worst turned, 2 where one stands still or turns round."""
     worst = 1.0 if first else 0.0
-    for k in range(d.shape[0]):
+    for k in range(count):
         length, along, change = 0.0, 0.0, 0.0
         for j in range(dim - 1):
             length += u[k * dim + 1 + j] ** 2
@@ -142,26 +143,25 @@ def follow(u: Array, dim: int, d: Array, first: bool) -> float:
     return min(worst, 1.0)
 
 
-@jit_allocating
-def press(A: Array, gap: Array, closed: Indices, x: Array) -> bool:
-    """0 <= x, 0 <= A x + gap, complementary, by exchanging whole sets; False where no set settles."""
-    n = gap.size
-    at, left, short, space = np.zeros(n, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n * n)
+@jit
+def press(A: Array, n: int, room: Room) -> bool:
+    """0 <= NORMAL, 0 <= A NORMAL + GAP, complementary, by exchanging whole sets; False where no set settles."""
+    x, gap, left, short = room.vectors[NORMAL], room.vectors[GAP], room.vectors[LEFT], room.vectors[SHORT]
+    closed, at, part = room.whole[CLOSED], room.whole[AT], room.matrices[INNER]
     for _ in range(MOST_CHANGES):
         size = 0
         for i in range(n):
             x[i] = 0.0
             if closed[i] == 1:
                 at[size], short[size], size = i, -gap[i], size + 1
-        part = space[: size * size].reshape(size, size)
         for i in range(size):
             for k in range(size):
                 part[i, k] = A[at[i], at[k]]
-        if not solve_in_place(part, short[:size]):
+        if not solve_in_place(part, short, size):
             return False
         for i in range(size):
             x[at[i]] = short[i]
-        affine(A, x, gap, left)
+        affine(A, x, gap, left, n)
         same = True
         for k in range(n):
             now = (1 if x[k] > 0.0 else 0) if closed[k] == 1 else (1 if left[k] < 0.0 else 0)

@@ -91,10 +91,9 @@ def test_the_run_that_compiles_and_the_next_one_agree_to_the_last_bit(tmp_path: 
     assert first.stdout == second.stdout
 
 
-def test_a_part_of_a_loop_refuses_python() -> None:
-    """Without its guard the call would end the process."""
-    with pytest.raises(TypeError, match="scalar_force is a part of compiled loops"):
-        scalar_force(1.0, 1.0)
+def test_a_part_of_a_loop_is_compiled_as_an_entry_when_python_calls_it() -> None:
+    """It has no way in of its own: without that the call would end the process."""
+    assert scalar_force(2.0, -1.0) == 0.5
 
 
 @jit

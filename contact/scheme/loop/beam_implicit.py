@@ -11,11 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit_allocating, jit_entry_allocating
+from contact.compiled import jit, jit_entry
 from contact.model.arrays import Array, Indices
 from contact.record import Samples, Tally
 from contact.scheme.loop.beam import strain_energy_and_forces
 from contact.scheme.loop.tally import note_contact, store, store_state
+from contact.solver.dense import solve_in_place
 
 MOST_NEWTON, MOST_CHANGES = 30, 40
 SMALL = 1e-11  # of the element length: the Newton correction that ends a step
@@ -43,11 +44,34 @@ class ImplicitBeam(NamedTuple):
     ledger: Array  # numerical work, moment impulse, Newton iterations
 
 
-@jit_allocating
-def add_tangent(x: Array, rest: float, EA: float, EI: float, K: Array) -> None:
+class ImplicitWork(NamedTuple):
+    """Work space: the step that is sought, Newton's system, one element's strains."""
+
+    x: Array  # (n, 3)
+    a: Array  # (n, 3)
+    start: Array  # (n, 3)
+    inner: Array  # (n, 3)
+    seen: Array  # (3 n,) what is stored of a step
+    active: Indices  # (n,)
+    A: Array  # (4 n, 4 n)
+    r: Array  # (4 n,)
+    B: Array  # (3, 6)
+    z: Array  # (6,)
+
+
+def implicit_work(n: int) -> ImplicitWork:
+    """Work space for n nodes."""
+    x, a, start, inner = np.zeros((4, n, 3))
+    return ImplicitWork(
+        x=x, a=a, start=start, inner=inner, seen=np.zeros(3 * n), active=np.zeros(n, dtype=np.int64),
+        A=np.zeros((4 * n, 4 * n)), r=np.zeros(4 * n), B=np.zeros((3, 6)), z=np.zeros(6),
+    )  # fmt: skip
+
+
+@jit
+def add_tangent(x: Array, rest: float, EA: float, EI: float, B: Array, z: Array, K: Array) -> None:
     """Add the tangent stiffness of co-rotational elements to K (3n, 3n)."""
-    B, z = np.zeros((3, 6)), np.zeros(6)
-    D = np.array([[EA, 0.0, 0.0], [0.0, 4.0 * EI, 2.0 * EI], [0.0, 2.0 * EI, 4.0 * EI]]) / rest
+    stretching, bending = EA / rest, EI / rest
     for e in range(x.shape[0] - 1):
         dx, dy = x[e + 1, 0] - x[e, 0], x[e + 1, 1] - x[e, 1]
         length = math.hypot(dx, dy)
@@ -56,37 +80,42 @@ def add_tangent(x: Array, rest: float, EA: float, EI: float, K: Array) -> None:
         r1 = math.atan2(c * math.sin(x[e, 2]) - s * math.cos(x[e, 2]), c * math.cos(x[e, 2]) + s * math.sin(x[e, 2]))
         r2 = r1 + x[e + 1, 2] - x[e, 2]
         N, M = EA * stretch / rest, EI / rest * 6.0 * (r1 + r2)
+        for i in range(6):
+            B[0, i], z[i] = 0.0, 0.0
         B[0, 0], B[0, 1], B[0, 3], B[0, 4] = -c, -s, c, s
         z[0], z[1], z[3], z[4] = s, -c, -s, c
         for k in range(1, 3):
             for i in range(6):
                 B[k, i] = -z[i] / length
             B[k, 3 * k - 1] += 1.0
-        one = np.dot(B.T, np.dot(D, B))
         for i in range(6):
+            along, left, right = stretching * B[0, i], 4.0 * B[1, i] + 2.0 * B[2, i], 2.0 * B[1, i] + 4.0 * B[2, i]
             for j in range(6):
-                K[3 * e + i, 3 * e + j] += (
-                    one[i, j] + N / length * z[i] * z[j] + M / length**2 * (B[0, i] * z[j] + z[i] * B[0, j])
-                )
+                elastic = along * B[0, j] + bending * (left * B[1, j] + right * B[2, j])
+                turned = N / length * z[i] * z[j] + M / (length * length) * (B[0, i] * z[j] + z[i] * B[0, j])
+                K[3 * e + i, 3 * e + j] += elastic + turned
 
 
-@jit_allocating
-def newton(s: ImplicitBeam, x: Array, a: Array, start: Array, active: Indices, h: float) -> bool:
+@jit
+def newton(s: ImplicitBeam, w: ImplicitWork, h: float) -> bool:
     """Solve one step for x, a and the forces of the active contacts, from the guess in x; False if it fails."""
+    x, a, active, A, r = w.x, w.a, w.active, w.A, w.r
     n = x.shape[0]
-    count = int(active.sum())
-    size = 3 * n + count
+    size = 3 * n
+    for i in range(n):
+        size += active[i]
     factor = 1.0 / (s.beta * h * h)
-    inner = np.zeros((n, 3))
     for _ in range(MOST_NEWTON):
         s.ledger[2] += 1.0
-        strain_energy_and_forces(x, s.rest, s.EA, s.EI, inner)
-        A, r = np.zeros((size, size)), np.zeros(size)
-        add_tangent(x, s.rest, s.EA, s.EI, A)
+        strain_energy_and_forces(x, s.rest, s.EA, s.EI, w.inner)
+        for i in range(size):
+            for j in range(size):
+                A[i, j] = 0.0
+        add_tangent(x, s.rest, s.EA, s.EI, w.B, w.z, A)
         for i in range(n):
             for j in range(3):
-                a[i, j] = factor * (x[i, j] - start[i, j])
-                r[3 * i + j] = s.load[i, j] - inner[i, j] - s.mass[i, j] * a[i, j]
+                a[i, j] = factor * (x[i, j] - w.start[i, j])
+                r[3 * i + j] = s.load[i, j] - w.inner[i, j] - s.mass[i, j] * a[i, j]
                 A[3 * i + j, 3 * i + j] += factor * s.mass[i, j]
         row = 3 * n
         for i in range(1, n):
@@ -106,19 +135,20 @@ def newton(s: ImplicitBeam, x: Array, a: Array, start: Array, active: Indices, h
             A[3 * i + 1, 3 * i] -= lam / length * ex * ey
             row += 1
         for j in range(2):  # the hinge stays
-            A[j, :] = 0.0
-            A[:, j] = 0.0
+            for i in range(size):
+                A[i, j], A[j, i] = 0.0, 0.0
             A[j, j], r[j] = 1.0, 0.0
-        step = np.linalg.solve(A, r)
+        if not solve_in_place(A, r, size):
+            return False
         largest = 0.0
         for i in range(n):
             for j in range(3):
-                x[i, j] += step[3 * i + j]
-                largest = max(largest, abs(step[3 * i + j]) * (s.rest if j == 2 else 1.0))
+                x[i, j] += r[3 * i + j]
+                largest = max(largest, abs(r[3 * i + j]) * (s.rest if j == 2 else 1.0))
         row = 3 * n
         for i in range(1, n):
             if active[i] == 1:
-                s.force[i - 1] += step[row]
+                s.force[i - 1] += r[row]
                 row += 1
         if not math.isfinite(largest):
             return False
@@ -127,15 +157,16 @@ def newton(s: ImplicitBeam, x: Array, a: Array, start: Array, active: Indices, h
     return False
 
 
-@jit_allocating
-def solve_step(s: ImplicitBeam, x: Array, a: Array, start: Array, active: Indices, h: float) -> bool:
+@jit
+def solve_step(s: ImplicitBeam, w: ImplicitWork, h: float) -> bool:
     """Newton for a set of active contacts, changed until gaps and forces have the right signs."""
+    x, active = w.x, w.active
     n = x.shape[0]
     for _ in range(MOST_CHANGES):
         for i in range(1, n):
             if active[i] == 0:
                 s.force[i - 1] = 0.0
-        if not newton(s, x, a, start, active, h):
+        if not newton(s, w, h):
             return False
         changed = False
         for i in range(1, n):
@@ -151,13 +182,12 @@ def solve_step(s: ImplicitBeam, x: Array, a: Array, start: Array, active: Indice
     return False
 
 
-@jit_allocating
-def numerical_work(s: ImplicitBeam, x: Array, a: Array, h: float) -> float:
+@jit
+def numerical_work(s: ImplicitBeam, w: ImplicitWork, h: float) -> float:
     """What Newmark adds or takes in one step: the exact remainder of its energy identity, and of the trapezoid rule."""
     half, shift = s.gamma - 0.5, s.beta - 0.5 * s.gamma
-    inner = np.zeros_like(x)
+    x, a, inner, inner_old = w.x, w.a, w.inner, w.start
     energy = strain_energy_and_forces(x, s.rest, s.EA, s.EI, inner)
-    inner_old = np.zeros_like(x)
     energy -= strain_energy_and_forces(s.x, s.rest, s.EA, s.EI, inner_old)
     total = 0.0
     for i in range(x.shape[0]):
@@ -169,7 +199,7 @@ def numerical_work(s: ImplicitBeam, x: Array, a: Array, h: float) -> float:
     return total + energy
 
 
-@jit_allocating
+@jit
 def contact_work(s: ImplicitBeam, sums: Tally, x: Array, h: float) -> None:
     """Trapezoid work of the contact forces over a step, and the impulse of their moment about the hinge."""
     for i in range(1, x.shape[0]):
@@ -183,33 +213,33 @@ def contact_work(s: ImplicitBeam, sums: Tally, x: Array, h: float) -> None:
                 s.ledger[1] += 0.5 * h * force * (at[i, 1] * ex - at[i, 0] * ey) / r
 
 
-@jit_entry_allocating
-def advance_implicit(s: ImplicitBeam, sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:
+@jit_entry
+def advance_implicit(
+    s: ImplicitBeam, w: ImplicitWork, sums: Tally, out: Samples, h: float, first: int, steps: int
+) -> int:
     """Newmark steps; samples hold the state and forces at the end of each step."""
-    n = s.x.shape[0]
-    x, a, start = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
-    active = np.zeros(n, dtype=np.int64)
+    n, x, a, active = s.x.shape[0], w.x, w.a, w.active
     for step in range(first, first + steps):
         time = (step + 1) * h
         for i in range(n):
             for j in range(3):
                 x[i, j] = s.x[i, j] + h * s.v[i, j]
-                start[i, j] = s.x[i, j] + h * s.v[i, j] + h * h * (0.5 - s.beta) * s.a[i, j]
+                w.start[i, j] = s.x[i, j] + h * s.v[i, j] + h * h * (0.5 - s.beta) * s.a[i, j]
         for i in range(1, n):
             active[i] = 1 if s.force[i - 1] > 0.0 else 0
             s.last[i - 1] = s.force[i - 1]
-        if not solve_step(s, x, a, start, active, h):
+        if not solve_step(s, w, h):
             return step
-        s.ledger[0] += numerical_work(s, x, a, h)
+        s.ledger[0] += numerical_work(s, w, h)
         contact_work(s, sums, x, h)
         for i in range(n):
             for j in range(3):
                 s.v[i, j] += h * ((1.0 - s.gamma) * s.a[i, j] + s.gamma * a[i, j])
-                s.x[i, j], s.a[i, j] = x[i, j], a[i, j]
+                s.x[i, j], s.a[i, j], w.seen[3 * i + j] = x[i, j], a[i, j], x[i, j]
         for k in range(n - 1):
             scale = s.beta * h * h / s.mass[k + 1, 0]
             note_contact(sums, out, k, h, time, s.force[k], s.gap[k], scale, s.before[k], s.gap[k])
             s.before[k] = s.gap[k]
         store(sums, out, step, time, s.force, s.gap)
-        store_state(sums, out, step, time, s.x.ravel())
+        store_state(sums, out, step, time, w.seen)
     return -1

@@ -5,24 +5,23 @@ Two loops come of it: with `coats` None tips meet a rigid surface, else they pre
 
 from __future__ import annotations
 
-from contact.compiled import jit_entry_allocating
+from contact.compiled import jit_entry
 from contact.record import Samples, Tally
 from contact.scheme.loop.rub_book import book, note, settle, strains
 from contact.scheme.loop.rub_coated import flow, stand
 from contact.scheme.loop.rub_look import look, propagate
 from contact.scheme.loop.rub_rows import RubLaws, RubRows, turned
 from contact.scheme.loop.rub_solve import drawn_in, gather, push, relax, soften, solve
-from contact.scheme.loop.rub_state import RubState, work_space
+from contact.scheme.loop.rub_state import RubState, Work
 from contact.scheme.loop.tally import due, store, store_state
 from contact.solver.abradable_tips import Coats
 from contact.solver.dense import assign
 
 
-@jit_entry_allocating
-def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, dim: int, averaged: bool, sums: Tally,
-                out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
+@jit_entry
+def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, w: Work, dim: int, averaged: bool,
+                sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
     """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step."""
-    w = work_space(s, rows)
     share, pressed = 0.25 if averaged else 1.0, True
     before, _ = turned(laws.speed, (first - 1) * h)
     angle, omega = turned(laws.speed, first * h)
@@ -34,7 +33,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         closing = look(s, laws, rows, w, dim, share, every, t, h, before, angle, ahead)
         if coats is not None:
             closing -= stand(s, laws, rows, coats, dim, angle)
-        s.contact[:] = 0.0
+        for i in range(s.contact.size):
+            s.contact[i] = 0.0
         count = 0
         while closing > 0:
             count = gather(s, rows, w, dim, share, angle)
@@ -53,10 +53,9 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             book(s, rows, w, count, dim, omega * h, sums)
             s.counts[2] += 1.0
         if closing > 0 or pressed:
-            assign(s.strain, w.strain)
+            assign(s.strain, w.strain, w.strain.size)
         pressed = closing > 0
-        for i in range(s.q.size):
-            s.seen[i] = s.q[i]
+        assign(s.seen, s.q, s.q.size)
         for i in range(s.lam.size):
             s.seen[s.q.size + i] = s.lam[i]
         store_state(sums, out, step, t, s.seen)

@@ -6,10 +6,11 @@ import math
 
 from contact.compiled import jit
 from contact.record import Samples, Tally
-from contact.scheme.loop.rub_rows import RubRows, blade_dot, dot
+from contact.scheme.loop.rub_rows import RubRows, blade_dot
 from contact.scheme.loop.rub_state import RubState, Work
 from contact.scheme.loop.stick import INSIDE
 from contact.scheme.loop.tally import note_contact, note_stick
+from contact.solver.dense import dot
 
 
 @jit
@@ -20,7 +21,7 @@ def book(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float,
     back; what S stores because the point moves is the turning point's.
     """
     for a in range(w.slots[0] * dim):
-        w.along[a] = dot(w.rows[a], s.old) + dot(w.rows[a], s.d)
+        w.along[a] = dot(w.rows[a], s.old, w.spare.size) + dot(w.rows[a], s.d, w.spare.size)
     for n in range(count):
         j = w.chosen[n]
         for i in range(dim):
@@ -50,14 +51,16 @@ def strain_before(s: RubState, rows: RubRows, w: Work, row: int) -> float:
         return float(w.strain[row])
     total = 0.0
     for p in range(rows.S_harmonic.size):
-        total += w.waves_old[0, p] * dot(rows.S_cos[p, row], s.lam) + w.waves_old[1, p] * dot(rows.S_sin[p, row], s.lam)
+        cos, sin = dot(rows.S_cos[p, row], s.lam, s.lam.size), dot(rows.S_sin[p, row], s.lam, s.lam.size)
+        total += w.waves_old[0, p] * cos + w.waves_old[1, p] * sin
     return total
 
 
 @jit
 def strains(s: RubState, w: Work, size: int) -> None:
     """S lam in every direction of every tip; S is symmetric."""
-    w.strain[:] = 0.0
+    for k in range(w.strain.size):
+        w.strain[k] = 0.0
     for a in range(size):
         r = w.row[a]
         for k in range(w.strain.size):
@@ -90,7 +93,7 @@ def note(s: RubState, rows: RubRows, w: Work, dim: int, sums: Tally, out: Sample
             before, predicted = s.now[j] + s.skin[j], s.test[j]
             s.last[j], s.now[j], s.known[j] = s.now[j], s.free[j], 1
         if s.inside[j] == 2:
-            s.peaks[0] = max(s.peaks[0], abs(dot(w.ahead[rows.place[j]], s.q)))
+            s.peaks[0] = max(s.peaks[0], abs(dot(w.ahead[rows.place[j]], s.q, w.spare.size)))
             if dim > 1:
                 s.peaks[1] = max(s.peaks[1], abs(blade_dot(rows, R + 1, j, s.q)))
         note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from contact.compiled import jit_allocating
+from contact.compiled import jit
 from contact.scheme.loop.rub_rows import RubLaws, RubRows, hermite, polynomial, turn
 from contact.scheme.loop.rub_state import RubState, Work
 from contact.solver.abradable import first_bar, machined, surface, wear
 from contact.solver.abradable_tips import Coats, coating_of
 
 
-@jit_allocating
+@jit
 def stand(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats, dim: int, angle: float) -> int:
     """Bars under the tips that are near; their gaps become those of the surface. How many no longer close."""
     apart = 0
@@ -33,7 +33,7 @@ def stand(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats, dim: int, ang
     return apart
 
 
-@jit_allocating
+@jit
 def flow(s: RubState, w: Work, coats: Coats, count: int, dim: int) -> None:
     """Let the bars under the chosen tips flow, each to the depth that was found."""
     for a in range(count):

@@ -8,7 +8,6 @@ from contact.scheme.loop.rub_rows import (
     RubLaws,
     RubRows,
     blade_dot,
-    dot,
     fill_block,
     gap_of,
     least_gap,
@@ -16,6 +15,7 @@ from contact.scheme.loop.rub_rows import (
     straight,
 )
 from contact.scheme.loop.rub_state import RubState, Work
+from contact.solver.dense import dot
 
 
 @jit
@@ -50,7 +50,8 @@ def look(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, share: fl
         for i in range(m):
             bound += rows.reach[line, i] * abs(s.q[i] + s.d[i])
         s.peaks[2 + line] = bound
-    w.fresh[:] = 0
+    for p in range(w.fresh.size):
+        w.fresh[p] = 0
     for j in range(s.mu.size):
         R = j * dim
         blade = blade_dot(rows, R, j, s.q) + blade_dot(rows, R, j, s.d)
@@ -62,12 +63,12 @@ def look(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, share: fl
         if s.known[j] == 0:
             s.now[j] = gap_of(laws, rows, j, t, angle, dim, s.q, w.spare)
             s.last[j] = gap_of(laws, rows, j, t - h, before, dim, s.q, w.spare)
-            s.last[j] -= dot(w.spare, s.old) + blade_dot(rows, R, j, s.old)
+            s.last[j] -= dot(w.spare, s.old, m) + blade_dot(rows, R, j, s.old)
         p = rows.place[j]
         if w.fresh[p] == 0:
             w.fresh[p], w.rigid[p] = 1, rigid_gap(laws, rows, j, t + h, ahead)
             fill_block(rows, rows.line[j] * rows.directions, w.ahead[p])
-            w.moved[p] = dot(w.ahead[p], s.q) + dot(w.ahead[p], s.d)
+            w.moved[p] = dot(w.ahead[p], s.q, m) + dot(w.ahead[p], s.d, m)
         s.free[j] = rows.clearance[j] + w.rigid[p] + blade + w.moved[p]
         s.test[j] = s.free[j] if share == 1.0 else 0.25 * (s.free[j] + 2.0 * s.now[j] + s.last[j])
         s.inside[j], s.motion[R] = 1, s.test[j]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from contact.compiled import jit
 from contact.model.arrays import Array, Indices
 from contact.scheme.loop.rub_pull import Pulls
+from contact.solver.dense import dot
 
 
 class Terms(NamedTuple):
@@ -35,15 +36,6 @@ def polynomial(terms: Terms, waves: Array) -> float:
     for j in range(terms.harmonic.size):
         n = terms.harmonic[j]
         total += terms.cos[j] * waves[0, n] + terms.sin[j] * waves[1, n]
-    return total
-
-
-@jit
-def dot(a: Array, b: Array) -> float:
-    """Sum of products."""
-    total = 0.0
-    for i in range(a.size):
-        total += a[i] * b[i]
     return total
 
 
@@ -139,7 +131,8 @@ def hermite(table: Array, phi: float) -> float:
 def fill_block(rows: RubRows, block: int, row: Array) -> None:
     """One row of the casing at the angle of `waves`."""
     if rows.cos_table.shape[0] > 0:
-        row[:] = 0.0
+        for i in range(row.size):
+            row[i] = 0.0
         for n in range(rows.cos_table.shape[1]):
             c, s = rows.waves[0, n], rows.waves[1, n]
             cos, sin = rows.cos_table[block, n], rows.sin_table[block, n]
@@ -193,4 +186,4 @@ def gap_of(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float, dim: in
     """Gap of tip j for the modal coordinates q, without residual compliance; leaves its casing row in `row`."""
     rigid = rows.clearance[j] + rigid_gap(laws, rows, j, t, angle)
     fill_block(rows, rows.line[j] * rows.directions, row)
-    return float(rigid + dot(row, q) + blade_dot(rows, j * dim, j, q))
+    return float(rigid + dot(row, q, row.size) + blade_dot(rows, j * dim, j, q))

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from contact.compiled import jit, jit_allocating
+from contact.compiled import jit
 from contact.model.arrays import Array
 from contact.scheme.loop.patch import ROUGH
-from contact.scheme.loop.rub_rows import RubRows, blade_dot, dot, fill_block, turn
+from contact.scheme.loop.rub_rows import RubRows, blade_dot, fill_block, turn
 from contact.scheme.loop.rub_state import RubState, Work
 from contact.solver.abradable_tips import Coats, crush_tips
 from contact.solver.coulomb import friction_forces
-from contact.solver.dense import affine
+from contact.solver.dense import affine, dot
 from contact.solver.friction_newton import TOLERANCE
 from contact.solver.gliding import glide
 
@@ -22,7 +20,8 @@ from contact.solver.gliding import glide
 def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float, angle: float) -> int:
     """Rows at t_n where tips are to be solved, and the rows of the law times c; returns how many tips."""
     count, w.slots[0] = 0, 0
-    w.slot[:] = -1
+    for p in range(w.slot.size):
+        w.slot[p] = -1
     for j in range(s.mu.size):
         if s.inside[j] != 2:
             for i in range(j * dim, (j + 1) * dim):
@@ -47,7 +46,7 @@ def fill_slot(s: RubState, rows: RubRows, w: Work, j: int, dim: int, share: floa
     for i in range(dim):
         a = slot * dim + i
         fill_block(rows, rows.line[j] * rows.directions + i, w.rows[a])
-        w.along[a] = dot(w.rows[a], s.d)
+        w.along[a] = dot(w.rows[a], s.d, w.pushed.size)
         for k in range(w.pushed.size):
             w.tests[a, k] = s.c[k] * (share * w.ahead[p, k] if i == 0 else w.rows[a, k])
 
@@ -68,26 +67,25 @@ def soften(rows: RubRows, w: Work, size: int, before: float, angle: float) -> No
                 w.S[r, k] = last + c * rows.S_cos[p, r, k] + s * rows.S_sin[p, r, k]
 
 
-@jit_allocating
+@jit
 def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, dim: int, share: float,
           slid: float) -> bool:  # fmt: skip
     """Forces of the chosen tips into `lam`, gaps (from the pressed surface) and slips into `motion`."""
     size = count * dim
     assemble(s, rows, w, count, dim, share, slid)
-    W, b, lam, mu = w.W[: size * size].reshape(size, size), w.b[:size], w.lam[:size], w.mu[:count]
     if coats is None:
         if dim > 1 and count > 1:
-            glide(W, b, mu, dim, lam)
-        iterations, miss = friction_forces(W, b, mu, dim, lam)
+            glide(w.W, w.b, w.mu, dim, count, w.lam, w.room)
+        iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
         s.counts[0] = max(s.counts[0], float(iterations))
         s.counts[1] += float(iterations)
         solved = miss <= TOLERANCE
     else:
-        solved = crush_tips(coats, w.chosen[:count], W, b, mu, dim, lam, w.depth[:count])
+        solved = crush_tips(coats, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.room)
     if not solved:
         s.counts[3] = ROUGH
         return False
-    affine(W, lam, b, w.motion[:size])
+    affine(w.W, w.lam, w.b, w.motion, size)
     if coats is not None:
         for a in range(count):
             coats.memory[w.chosen[a], 2] = w.depth[a]
@@ -96,12 +94,13 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, 
     return True
 
 
-@jit_allocating
+@jit
 def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float, slid: float) -> None:
     """Fill W, b, mu and the last forces of the chosen tips; `slid` = Omega h."""
     size, used = count * dim, w.slots[0] * dim
-    casing = np.dot(w.tests[:used], w.rows[:used].T)
-    W = w.W[: size * size].reshape(size, size)
+    for a in range(used):
+        for k in range(used):
+            w.casing[a, k] = dot(w.tests[a], w.rows[k], w.pushed.size)
     for n in range(count):
         j = w.chosen[n]
         w.mu[n] = s.mu[j]
@@ -109,10 +108,10 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
             a, row, part = n * dim + i, j * dim + i, share if i == 0 else 1.0
             for k in range(size):
                 other = w.row[k]
-                W[a, k] = casing[w.column[a], w.column[k]] + part * rows.fixed[row, other] + w.S[row, other]
+                w.W[a, k] = w.casing[w.column[a], w.column[k]] + part * rows.fixed[row, other] + w.S[row, other]
             w.lam[a] = s.lam[row]
             if i == 0:
-                w.b[a], s.scale[j] = s.test[j] - s.skin[j], W[a, a]
+                w.b[a], s.scale[j] = s.test[j] - s.skin[j], w.W[a, a]
             else:
                 w.b[a] = w.along[w.column[a]] + blade_dot(rows, row, j, s.d) - s.strain[row]
             if i == 1:
@@ -128,7 +127,8 @@ def hand_over(s: RubState, w: Work, size: int, dim: int) -> None:
     for a in range(size):
         s.lam[w.row[a]], s.motion[w.row[a]] = w.lam[a], w.motion[a]
         w.pull[w.column[a]] += w.lam[a]
-    w.pushed[:] = 0.0
+    for k in range(w.pushed.size):
+        w.pushed[k] = 0.0
     for a in range(used):
         for k in range(w.pushed.size):
             w.pushed[k] += w.pull[a] * w.rows[a, k]
@@ -142,7 +142,7 @@ def drawn_in(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: fl
         if s.inside[j] != 1:
             continue
         R = j * dim
-        gap = s.test[j] + share * (dot_c(w.ahead[rows.place[j]], s.c, w.pushed) + dot(rows.fixed[R], s.lam))
+        gap = s.test[j] + share * (dot_c(w.ahead[rows.place[j]], s.c, w.pushed) + dot(rows.fixed[R], s.lam, s.lam.size))
         for a in range(size):
             gap += w.S[w.row[a], R] * w.lam[a]
         s.motion[R] = gap
@@ -174,7 +174,7 @@ def relax(s: RubState, rows: RubRows, w: Work, dim: int) -> None:
             w.moved[p] = dot_c(w.ahead[p], s.c, w.pushed)
     for j in range(s.mu.size):
         if s.inside[j] > 0:
-            s.free[j] += w.moved[rows.place[j]] + dot(rows.fixed[j * dim], s.lam)
+            s.free[j] += w.moved[rows.place[j]] + dot(rows.fixed[j * dim], s.lam, s.lam.size)
 
 
 @jit

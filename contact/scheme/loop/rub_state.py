@@ -1,4 +1,4 @@
-"""State of a rub in its compiled loop, and the buffers of one call."""
+"""State of a rub in its compiled loop, and its work space."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.compiled import jit_allocating
 from contact.model.arrays import Array, Indices
 from contact.scheme.loop.rub_rows import RubRows
+from contact.solver.room import Room, friction_room
 
 
 class RubState(NamedTuple):
@@ -49,7 +49,7 @@ class RubState(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Buffers of one call, K tips at P places: rows at t_{n+1} and t_n, the problem of one step, what forces push.
+    """Work space, K tips at P places: rows at t_{n+1} and t_n, the problem of one step, what forces push.
 
     The tips that are solved for are `chosen`, their directions stand in rows `row` of `lam`; the places where they are
     have a slot each, row `column` of `rows`.
@@ -69,7 +69,8 @@ class Work(NamedTuple):
     chosen: Indices  # (K,)
     row: Indices  # (K d,)
     column: Indices  # (K d,)
-    W: Array  # (K d K d,) Delassus matrix of the chosen, one row after the other
+    casing: Array  # (P d, P d) what the casing yields between slots
+    W: Array  # (K d, K d) Delassus matrix of the chosen
     b: Array  # (K d,) free gaps and slips of the chosen
     lam: Array
     motion: Array
@@ -79,18 +80,25 @@ class Work(NamedTuple):
     S: Array  # (K d, K d) residual compliance at phi_n; rows of tips that are not solved for may be stale
     strain: Array  # (K d,) S lam
     waves_old: Array  # (2, harmonics of S) at phi_{n-1}
+    room: Room  # of the friction solver
 
 
-@jit_allocating
 def work_space(s: RubState, rows: RubRows) -> Work:
     """Buffers; a residual compliance that does not turn is put there for good."""
     K, R, m = s.mu.size, s.lam.size, rows.start.size - 1
-    P = rows.place.max() + 1
+    P = int(rows.place.max()) + 1
     D = P * (R // K)
+
+    def none(*shape: int) -> Array:
+        return np.zeros(shape)
+
+    def whole(size: int) -> Indices:
+        return np.zeros(size, dtype=np.int64)
+
     return Work(
-        np.zeros((P, m)), np.zeros(P, dtype=np.int64), np.zeros(P), np.zeros(P), np.zeros(m),
-        np.zeros(P, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros((D, m)), np.zeros((D, m)), np.zeros(D),
-        np.zeros(D), np.zeros(K, dtype=np.int64), np.zeros(R, dtype=np.int64), np.zeros(R, dtype=np.int64),
-        np.zeros(R * R), np.zeros(R), np.zeros(R), np.zeros(R), np.zeros(K), np.zeros(K), np.zeros(m),
-        rows.S_cos[0].copy(), np.zeros(R), np.zeros((2, rows.S_harmonic.size)),
+        ahead=none(P, m), fresh=whole(P), rigid=none(P), moved=none(P), spare=none(m), slot=whole(P), slots=whole(1),
+        rows=none(D, m), tests=none(D, m), along=none(D), pull=none(D), chosen=whole(K), row=whole(R), column=whole(R),
+        casing=none(D, D), W=none(R, R), b=none(R), lam=none(R), motion=none(R), mu=none(K), depth=none(K),
+        pushed=none(m), S=np.array(rows.S_cos[0]), strain=none(R), waves_old=none(2, rows.S_harmonic.size),
+        room=friction_room(K, R // K),
     )  # fmt: skip

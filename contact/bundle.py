@@ -1,0 +1,151 @@
+"""Many arrays as one argument of a compiled loop: a table of where they are.
+
+Numba passes a NamedTuple by value: of each array seven numbers, through every call of every part, thousands of words
+that are compiled each time. A bundle is one address. Reading a field loads the array from the table; the loads are
+marked as never changing, so that the compiler moves them out of loops. Fields are read as those of the NamedTuple.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.typing.templates import AttributeTemplate
+from numba.np import arrayobj
+
+WORD = ir.IntType(64)
+FUNCTION: Any = types.WrapperAddressProtocol
+# numba's extension points are not typed
+extending: Any = numba.extending
+typeof: Any = numba.typeof
+Type: Any = types.Type
+Attributes: Any = AttributeTemplate
+Primitive: Any = extending.models.PrimitiveModel
+make_array: Any = arrayobj.make_array
+populate_array: Any = arrayobj.populate_array
+struct: Any = cgutils.create_struct_proxy
+Words = list[int]
+
+
+class Bundle:
+    """A NamedTuple as compiled loops take it; holds what the table points to."""
+
+    __slots__ = ("address", "held", "kind", "table")
+
+    def __init__(self, values: Any) -> None:
+        parts = [_packed(value) for value in values]
+        self.kind = BundleType(type(values).__name__, tuple(zip(values._fields, (k for k, _, _ in parts), strict=True)))
+        self.table = np.array([word for _, words, _ in parts for word in words], dtype=np.int64)
+        self.held = (values, [held for _, _, held in parts])
+        self.address = self.table.ctypes.data
+
+
+class BundleType(Type):  # type: ignore[misc]
+    """Type of a bundle: names and types of its fields, and the word of the table where each begins."""
+
+    def __init__(self, name: str, fields: tuple[tuple[str, Any], ...]) -> None:
+        self.fields = dict(fields)
+        self.begin: dict[str, int] = {}
+        at = 0
+        for field, kind in fields:
+            self.begin[field] = at
+            at += _size(kind)
+        super().__init__(name=f"{name}({', '.join(f'{field}: {kind}' for field, kind in fields)})")
+
+
+def bundled(value: Any) -> Any:
+    """Return a NamedTuple as a bundle, anything else as it is."""
+    return Bundle(value) if isinstance(value, tuple) and hasattr(value, "_fields") else value
+
+
+def _size(kind: Any) -> int:
+    """Words of a field: items, address, shape and strides of an array; one for what else there is."""
+    return 2 + 2 * kind.ndim if isinstance(kind, types.Array) else 1
+
+
+def _packed(value: Any) -> tuple[Any, Words, Any]:
+    """Type and words of a field, and what must live as long as they are used."""
+    if isinstance(value, np.ndarray):
+        return typeof(value), [value.size, value.__array_interface__["data"][0], *value.shape, *value.strides], value
+    if isinstance(value, tuple):
+        inner = Bundle(value)
+        return inner.kind, [inner.address], inner
+    if isinstance(value, FUNCTION):
+        return typeof(value), [value.__wrapper_address__()], value
+    if isinstance(value, float):
+        return types.float64, np.array([value]).view(np.int64).tolist(), None
+    return (types.boolean if isinstance(value, (bool, np.bool_)) else types.int64), [int(value)], None
+
+
+def _typeof(value: Bundle, _: Any) -> Any:
+    return value.kind
+
+
+@extending.register_model(BundleType)
+class BundleModel(Primitive):  # type: ignore[misc]
+    """The address of the table."""
+
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, WORD.as_pointer())
+
+
+def _unboxed(_: Any, value: Any, c: Any) -> Any:
+    number = c.pyapi.object_getattr_string(value, "address")
+    address = c.pyapi.long_as_voidptr(number)
+    c.pyapi.decref(number)
+    return extending.NativeValue(c.builder.bitcast(address, WORD.as_pointer()))
+
+
+@extending.infer_getattr
+class BundleAttributes(Attributes):  # type: ignore[misc]
+    """Types of the fields."""
+
+    key = BundleType
+
+    def generic_resolve(self, kind: Any, field: str) -> Any:
+        """Type of one field, None where there is no such field."""
+        return kind.fields.get(field)
+
+
+def _field(context: Any, builder: Any, kind: Any, table: Any, field: str) -> Any:
+    begin, wanted = kind.begin[field], kind.fields[field]
+
+    def word(offset: int) -> Any:
+        place = builder.gep(table, [ir.Constant(WORD, begin + offset)], inbounds=True)
+        found = builder.load(place)
+        found.set_metadata("invariant.load", builder.module.add_metadata([]))
+        return found
+
+    if isinstance(wanted, types.Array):
+        return _array(context, builder, wanted, word)
+    if isinstance(wanted, BundleType):
+        return builder.inttoptr(word(0), WORD.as_pointer())
+    if isinstance(wanted, types.FunctionType):
+        return _function(context, builder, wanted, word(0))
+    if wanted == types.boolean:
+        return builder.trunc(word(0), ir.IntType(1))
+    return builder.bitcast(word(0), ir.DoubleType()) if wanted == types.float64 else word(0)
+
+
+def _array(context: Any, builder: Any, kind: Any, word: Any) -> Any:
+    array = make_array(kind)(context, builder)
+    shape, strides = ([word(2 + part * kind.ndim + i) for i in range(kind.ndim)] for part in range(2))
+    data = builder.inttoptr(word(1), context.get_value_type(kind.dtype).as_pointer())
+    item = ir.Constant(WORD, context.get_abi_sizeof(context.get_value_type(kind.dtype)))
+    populate_array(array, data=data, shape=shape, strides=strides, itemsize=item, meminfo=None)
+    return array._getvalue()
+
+
+def _function(context: Any, builder: Any, kind: Any, address: Any) -> Any:
+    function = struct(kind.get_precise())(context, builder)
+    function.c_addr = builder.inttoptr(address, ir.IntType(8).as_pointer())
+    return function._getvalue()
+
+
+extending.typeof_impl.register(Bundle)(_typeof)
+extending.unbox(BundleType)(_unboxed)
+extending.lower_getattr_generic(BundleType)(_field)

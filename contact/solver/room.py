@@ -1,0 +1,70 @@
+"""Work space of the friction solvers, made once for a run: nothing is allocated inside a step."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any, NamedTuple
+
+import numba
+import numba.experimental.function_type  # so that numba knows the type of `Otherwise`
+import numpy as np
+
+from contact.model.arrays import Array, Indices
+
+protocol: Any = numba.types.WrapperAddressProtocol
+
+# rows of `vectors`; methods that follow one another share them
+U, MISS, STEP, TRIAL, TRIAL_MISS, BASE, RIGHT = 0, 1, 2, 3, 4, 5, 6  # Newton's method
+OWN, NORMAL, GAP, PHI, LAST, LEFT, SHORT = 1, 2, 4, 5, 6, 7, 8  # contacts that slide; these use U and TRIAL too
+BEHIND, GUESS, MOTION = 9, 10, 11  # coatings, around both
+JACOBIAN, INNER, SOFT = 0, 1, 2  # matrices: Newton's and the part of it that presses; W behind a coating
+CLOSED, AT = 0, 1  # rows of `whole`
+
+
+class Otherwise(protocol):  # type: ignore[misc]
+    """What compiled loops call where Newton's method fails: pivoting, in Python, because it hardly ever does.
+
+    The problem stands in W, b, mu and force, which is improved; returns its residual. A compiled copy of pivoting in
+    every loop with friction took half of the time to compile it.
+    """
+
+    kind = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_int64, ctypes.c_int64)
+
+    def __init__(self, W: Array, b: Array, mu: Array, force: Array) -> None:
+        def improve(count: int, dim: int) -> float:
+            from contact.solver.coulomb import pivoted
+
+            n = count * dim
+            found, residual = pivoted(W[:n, :n].copy(), b[:n].copy(), mu[:count].copy(), dim, force[:n].copy())
+            force[:n] = found
+            return residual
+
+        self.call = self.kind(improve)
+
+    def __wrapper_address__(self) -> int | None:
+        """Where the function is."""
+        return ctypes.cast(self.call, ctypes.c_void_p).value
+
+    def signature(self) -> Any:
+        """Residual of (contacts, dimensions)."""
+        return numba.float64(numba.int64, numba.int64)
+
+
+class Room(NamedTuple):
+    """Arrays for problems of up to N unknowns in K contacts, and what to call where Newton's method fails."""
+
+    vectors: Array  # (12, N)
+    matrices: Array  # (3, N, N)
+    pairs: Array  # (K, 2)
+    whole: Indices  # (2, N)
+    otherwise: Otherwise
+
+
+def friction_room(contacts: int, dim: int) -> Room:
+    """Room for problems of up to this many contacts in `dim` directions."""
+    size = contacts * dim
+    vectors, matrices = np.zeros((12, size)), np.zeros((3, size, size))
+    return Room(
+        vectors=vectors, matrices=matrices, pairs=np.zeros((contacts, 2)), whole=np.zeros((2, size), dtype=np.int64),
+        otherwise=Otherwise(matrices[INNER], vectors[MISS], vectors[STEP], vectors[TRIAL]),
+    )  # fmt: skip
