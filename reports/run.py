@@ -13,9 +13,9 @@ REPORTS = (
     "frustum_convergence", "cylinder", "contact_accuracy", "rods", "rod_wall", "work_precision", "stability",
     "sparse_body", "contact_targets", "contact_physics", "interaction", "interaction_map", "rotating_beam", "hertz",
     "section_44", "wear", "bladed_disk", "rub_convergence", "rub_checks", "bases", "identification", "rig_measure",
-    "speed", "sweep_speed", "sweep_kills", "loose_bolts", "steel_ring", "loose_bolt_search", "pairing", "mistuning",
-    "verification", "imported", "sturm", "locking", "modal_speed", "solid_solvers", "broken_models", "uff_mutations",
-    "model_updating", "update_checks", "update_twin", "rig",
+    "start_up", "speed", "sweep_speed", "sweep_kills", "loose_bolts", "steel_ring", "loose_bolt_search", "pairing",
+    "mistuning", "verification", "imported", "sturm", "locking", "modal_speed", "solid_solvers", "broken_models",
+    "uff_mutations", "model_updating", "update_checks", "update_twin", "rig",
 )  # fmt: skip
 
 

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
 from casingfem.cli.running import Working, deliver, options
 from casingfem.cli.study import STUDY
@@ -58,6 +57,8 @@ def waves_unit(test: "RigTest") -> str:
 
 def words(test: "RigTest") -> str:
     """What was made, in lines."""
+    import numpy as np
+
     parts = ["SYNTHETIC: nobody measured this", repr(test.rig), repr(test.truth)]
     parts += [] if test.frfs is None else [repr(test.frfs)]
     if test.coherence is not None:

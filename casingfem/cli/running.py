@@ -10,10 +10,8 @@ from types import TracebackType
 from typing import Any, NoReturn, ParamSpec, TypeVar
 
 import click
-import numpy as np
 
 from casingfem.cli.warned import noted, noting
-from casingfem.modal.eigen import EigenError
 from casingfem.outfiles import Content, json_text, write_files
 
 BAD_INPUT, NUMERICS_FAILED = 2, 3
@@ -40,20 +38,18 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
         try:
             with noting():
                 return command(*args, **kwargs)
-        except ValueError as error:
+        except (ValueError, RuntimeError) as error:
             if not known(error):
                 raise
+            if isinstance(error, RuntimeError) or singular(error):
+                where = click.get_current_context().info_name
+                fail(f"{where} {kwargs.get('file', '')}: the numerics failed: {error}", NUMERICS_FAILED)
             text, paths = str(error), [str(value) for value in kwargs.values() if isinstance(value, Path)]
             fail(text if any(path in text for path in paths) else f"{kwargs.get('file', '')}: {text}", BAD_INPUT)
         except OSError as error:
             if isinstance(error, BrokenPipeError):
                 raise
             fail(f"{error.filename}: {error.strerror}", BAD_INPUT)
-        except (EigenError, np.linalg.LinAlgError, RuntimeError) as error:
-            if not known(error):
-                raise
-            where = click.get_current_context().info_name
-            fail(f"{where} {kwargs.get('file', '')}: the numerics failed: {error}", NUMERICS_FAILED)
 
     return run
 
@@ -61,7 +57,14 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
 def known(error: Exception) -> bool:
     """Whether an error is one of the two packages' own, meant for the user."""
     modules = {base.__module__.partition(".")[0] for base in type(error).__mro__}
-    return bool(modules & {"casingfem", "contact"}) or isinstance(error, np.linalg.LinAlgError)
+    return bool(modules & {"casingfem", "contact"}) or singular(error)
+
+
+def singular(error: Exception) -> bool:
+    """Whether it is numpy's LinAlgError: a ValueError, and yet not of the input."""
+    from numpy.linalg import LinAlgError
+
+    return isinstance(error, LinAlgError)
 
 
 def fail(message: str, code: int) -> NoReturn:

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
 from casingfem.cli.contact import SCENE
 from casingfem.cli.running import NUMERICS_FAILED, Working, deliver, fail, options
@@ -90,6 +89,8 @@ def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Co
     plan = found.plan
     numbers = [k for k in range(len(plan.keys)) if all(isinstance(run.values[k], int | float) for run in plan.runs)][:2]
     if numbers and len(plan.runs) > 1:
+        import numpy as np
+
         from casingfem.plot.style import png
         from casingfem.plot.sweep import figure_sweep
 

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.signal.windows import hann
 
 from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.circle.lines import ScanError
@@ -70,7 +69,7 @@ def columns(record: ScanRecord, omega: FloatArray, order: FloatArray) -> Iterato
 
 def white_level(residual: FloatArray) -> FloatArray:
     """Power spectrum (Hann) that is the variance for white noise, (count/2 + 1,)."""
-    window = hann(len(residual), sym=False)
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(len(residual)) / len(residual))
     return np.asarray(np.abs(np.fft.rfft(residual * window)) ** 2 / np.sum(window**2))
 
 

@@ -1,0 +1,56 @@
+"""What starts quickly stays so: which modules are loaded, not how long that takes."""
+
+import ast
+import importlib
+from pathlib import Path
+
+import pytest
+
+import casingfem
+import contact
+from reports.start_up import HEAVY, HELP, loaded, main
+
+
+@pytest.mark.parametrize("code", [HELP, "import casingfem", "import contact"], ids=["help", "casingfem", "contact"])
+def test_starting_loads_no_heavy_package(code):
+    modules = loaded(code)
+    assert [package for package in HEAVY if package in modules] == []
+    assert "importlib.metadata" not in modules
+    assert len(modules & {"casingfem", "contact"}) == 1
+
+
+def test_a_name_is_loaded_when_it_is_used_and_what_it_does_not_need_stays_away():
+    modules = loaded("import contact; contact.Rod")
+    assert "contact.model.body" in modules
+    assert not modules & {"contact.result", "contact.model.rub", "scipy", "numba", "pydantic"}
+
+
+@pytest.mark.parametrize("package", [casingfem, contact])
+def test_every_name_of_the_stub_is_there_and_comes_from_its_module(package):
+    stub = Path(package.__file__).with_suffix(".pyi")
+    parts = ast.parse(stub.read_text(encoding="utf-8")).body
+    home = {alias.name: part.module for part in parts if isinstance(part, ast.ImportFrom) for alias in part.names}
+    stated = ast.literal_eval(parts[-1].value)
+    assert sorted(stated) == sorted(home) == sorted(package.__all__) == sorted(dir(package))
+    for name, module in home.items():
+        assert getattr(package, name) is getattr(importlib.import_module(f"{package.__name__}.{module}"), name)
+
+
+def test_a_module_loaded_first_does_not_take_the_place_of_a_function_of_its_name():
+    loaded("import contact.run, contact.stability, contact.run_many\n"
+           "from contact import run, run_many, stability\n"
+           "assert callable(run) and callable(run_many) and callable(stability) and callable(contact.run)")  # fmt: skip
+
+
+def test_a_name_that_is_not_there_is_refused_by_its_name():
+    with pytest.raises(AttributeError, match="casingfem attribute modess"):
+        _ = casingfem.modess
+
+
+@pytest.mark.slow
+def test_the_report_has_a_row_for_each_command(tmp_path):
+    rows = {row["command"]: row for row in main(tmp_path, quick=True)}
+    assert rows["import numpy"]["of them heavy"] == "numpy"
+    assert rows["import contact"]["of them heavy"] is None
+    assert rows["casingfem.modes"]["modules"] > rows["casingfem.Shell"]["modules"] > rows["import casingfem"]["modules"]
+    assert all(0.0 < row["least [s]"] <= row["median [s]"] for row in rows.values())
