@@ -3,13 +3,13 @@
 import os
 import platform
 import time
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import click
 
 from casingfem.cli.running import deliver, options
+from casingfem.extras import EXTRAS, remedy
 from casingfem.outfiles import json_text
 
 PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem", "numba", "pydantic", "pandas", "matplotlib", "jinja2")
@@ -19,8 +19,8 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 @click.command()
 @options
 def doctor(as_json: bool, out: Path | None) -> None:
-    """Versions, cores, BLAS and its threads, and whether numba compiles."""
-    document: dict[str, object] = {
+    """Versions, cores, BLAS and its threads, whether numba compiles, and which extras are there."""
+    document: dict[str, Any] = {
         "python": platform.python_version(),
         "platform": platform.platform(),
         "versions": {name: installed(name) for name in PACKAGES},
@@ -28,12 +28,15 @@ def doctor(as_json: bool, out: Path | None) -> None:
         "blas": blas(),
         "threads": {name: os.environ.get(name) for name in THREADS},
         "numba": numba_compiles(),
+        "extras": extras(),
     }
     deliver(document, text(document), as_json=as_json, out=out, files={"doctor.json": json_text(document)})
 
 
 def installed(name: str) -> str | None:
     """Version of a package, None if it is not there."""
+    from importlib.metadata import PackageNotFoundError, version
+
     try:
         return version(name)
     except PackageNotFoundError:
@@ -73,11 +76,30 @@ def numba_compiles() -> dict[str, object]:
     return {"compiles": right, "seconds": time.perf_counter() - started}
 
 
-def text(document: dict[str, object]) -> str:
+def extras() -> dict[str, dict[str, object]]:
+    """Each extra: what it is for, which of its packages are not there, and what installs them."""
+    found: dict[str, dict[str, object]] = {}
+    for name, extra in EXTRAS.items():
+        missing = [package for package in extra.packages if installed(package) is None]
+        install = remedy(name) if missing else None
+        found[name] = {"for": extra.purpose, "installed": not missing, "missing": missing, "install": install}
+    return found
+
+
+def extra_lines(name: str, found: dict[str, Any]) -> list[str]:
+    """An extra in words, and how to install it where it is not."""
+    state = "installed" if found["installed"] else f"not installed ({', '.join(found['missing'])})"
+    lines = [f"{'extra ' + name:<30} {state}: {found['for']}"]
+    return lines if found["installed"] else [*lines, f"{'':<30} {found['install']}"]
+
+
+def text(document: dict[str, Any]) -> str:
     """The findings, one a line."""
     lines = []
     for key, value in document.items():
-        if isinstance(value, dict):
+        if key == "extras":
+            lines += [line for name, found in value.items() for line in extra_lines(name, found)]
+        elif isinstance(value, dict):
             lines += [f"{key + '.' + str(name):<30} {'-' if v is None else v}" for name, v in value.items()]
         else:
             lines.append(f"{key:<30} {value}")

@@ -16,6 +16,7 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from casingfem.arrays import FloatArray
 from casingfem.errors import ModelError
+from casingfem.extras import remedy
 
 Direct: TypeAlias = Literal["superlu", "pardiso"]
 
@@ -73,7 +74,7 @@ def pardiso(A: csc_array) -> Factor:
     try:
         factor: Factor = PardisoFactor(A)
     except ImportError as error:
-        raise EigenError('direct = "pardiso" needs the package pypardiso: pip install "casingfem[direct]"') from error
+        raise EigenError(f'direct = "pardiso" needs the package pypardiso: {remedy("direct")}') from error
     return factor
 
 

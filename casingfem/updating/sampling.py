@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import FloatArray
+from casingfem.extras import remedy
 from casingfem.updating.posterior import Parabolas, evaluated, parabolas, varied_names
 from casingfem.updating.problem import UpdateError
 from casingfem.updating.result import UpdateResult
@@ -105,7 +106,7 @@ def sampled(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, checks: int
     try:
         import emcee
     except ImportError as error:
-        raise UpdateError('posterior = "emcee" needs the package emcee: pip install "casingfem[sampling]"') from error
+        raise UpdateError(f'posterior = "emcee" needs the package emcee: {remedy("sampling")}') from error
     near = parabolas(fit)
     random = np.random.default_rng(seed)
     walkers = 4 * len(fit.x) + 8

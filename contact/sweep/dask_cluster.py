@@ -21,7 +21,7 @@ def on_cluster(todo: Sequence[T], work: Callable[[T], R], address: str, tries: i
     try:
         dask: Any = importlib.import_module("distributed")
     except ImportError as error:
-        raise InputError("scheduler: found no package distributed, install casingfem[cluster]") from error
+        raise InputError("scheduler: found no package distributed, expected it: pip install distributed") from error
     try:
         client = dask.Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:

@@ -14,6 +14,7 @@ from casingfem.experiment.rig.noise import noisy
 from casingfem.experiment.rig.rig import Probe, Rig
 from casingfem.experiment.uff.nodes import Nodes
 from casingfem.experiment.uff.write import write_uff
+from casingfem.extras import remedy
 from casingfem.plot.identify import figure_responses, figure_stabilisation
 
 THETA = np.radians(np.arange(12) * 30.0 + 5.0)
@@ -110,7 +111,7 @@ def test_a_missing_extra_is_named(frfs, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "sdypy.EMA", None)
     result = invoke(frfs.save(tmp_path / "frfs.npz"))
     assert result.exit_code == 2
-    assert "casingfem[test-data]" in result.stderr
+    assert remedy("test-data") in result.stderr
 
 
 def test_pictures_mark_every_mode_and_keep_stable_poles_apart(frfs):

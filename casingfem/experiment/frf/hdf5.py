@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from casingfem.experiment.frf.frf_set import PLACES, FrfError, FrfSet
+from casingfem.extras import remedy
 from casingfem.outfiles import write_atomic
 
 ARRAYS = ("x", "responses", *PLACES)
@@ -65,6 +66,6 @@ def _h5py(path: str | os.PathLike[str]) -> Any:
     try:
         import h5py
     except ImportError as error:
-        expected = "the package h5py: pip install 'casingfem[test-data]'"
+        expected = f"the package h5py: {remedy('test-data')}"
         raise FrfError(str(path), found="an HDF5 file", expected=expected) from error
     return h5py

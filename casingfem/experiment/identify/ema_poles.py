@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from casingfem.arrays import Array, FloatArray
+from casingfem.extras import remedy
 
 
 class MissingExtraError(ValueError):
@@ -64,6 +65,6 @@ def _ema() -> Any:
     try:
         import sdypy.EMA
     except ImportError as error:
-        message = "modes are identified with sdypy-EMA, which is not installed: pip install 'casingfem[test-data]'"
+        message = f"modes are identified with sdypy-EMA, which is not installed: {remedy('test-data')}"
         raise MissingExtraError(message) from error
     return sdypy.EMA

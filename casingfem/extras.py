@@ -1,0 +1,45 @@
+"""Optional packages: what each extra of the installation is for, what it holds, how it is installed."""
+
+import shlex
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+ROOT = Path(__file__).parents[1]  # of a checkout, else the folder of all installed packages
+
+
+class Extra(NamedTuple):
+    """What an extra is for, and the packages it brings."""
+
+    purpose: str
+    packages: tuple[str, ...]
+
+
+EXTRAS: Mapping[str, Extra] = MappingProxyType(
+    {
+        "test-data": Extra("modes in measured responses (identify), responses in HDF5 files", ("sdypy-EMA", "h5py")),
+        "sampling": Extra("a sampled posterior of an update (update --posterior emcee)", ("emcee",)),
+        "cluster": Extra("sweeps on a Dask cluster (sweep --scheduler)", ("distributed",)),
+        "direct": Extra("MKL's factorisation for modes of large structures (direct = pardiso)", ("pypardiso",)),
+        "dev": Extra(
+            "tests, checks and types of the project itself, with the first three",
+            (
+                "sdypy-EMA", "h5py", "emcee", "distributed", "pytest", "pytest-xdist", "hypothesis", "mypy", "ruff",
+                "import-linter", "pandas-stubs", "pyuff", "daqp",
+            ),
+        ),
+    }
+)  # fmt: skip
+
+
+def remedy(extra: str) -> str:
+    """Return the command that installs an extra for the Python that runs, of a checkout or of an installed package.
+
+    >>> remedy("sampling").partition(" -m ")[2].startswith("pip install ")
+    True
+    """
+    checkout = (ROOT / "pyproject.toml").is_file()
+    where = ["-e", f"{ROOT}[{extra}]"] if checkout else [f"casingfem[{extra}]"]
+    return shlex.join([sys.executable, "-m", "pip", "install", *where])
