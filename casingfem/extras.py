@@ -28,6 +28,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
             (
                 "sdypy-EMA", "h5py", "emcee", "distributed", "pytest", "pytest-xdist", "hypothesis", "mypy", "ruff",
                 "import-linter", "pandas-stubs", "pyuff", "daqp",
+                "setuptools",
             ),
         ),
     }

@@ -5,6 +5,7 @@ import click
 from casingfem.cli.contact import contact, rub, stability
 from casingfem.cli.correlate import correlate
 from casingfem.cli.doctor import doctor
+from casingfem.cli.example import example
 from casingfem.cli.explain import explain
 from casingfem.cli.identify import identify
 from casingfem.cli.locate import locate
@@ -44,6 +45,7 @@ for command in (
     sweep,
     report,
     schema,
+    example,
     explain,
     doctor,
 ):

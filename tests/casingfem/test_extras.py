@@ -45,7 +45,9 @@ def test_in_a_checkout_the_folder_is_installed_and_elsewhere_the_package(monkeyp
 
 
 def test_doctor_says_which_are_there_and_what_installs_the_others(monkeypatch):
-    monkeypatch.setattr("casingfem.cli.doctor.installed", lambda name: None if name == "emcee" else "1.0")
+    monkeypatch.setattr(
+        sys.modules["casingfem.cli.doctor"], "installed", lambda name: None if name == "emcee" else "1.0"
+    )
     found = json.loads(CliRunner().invoke(main, ["doctor", "--json"]).stdout)["extras"]
     assert list(found) == list(EXTRAS)
     assert {name for name, extra in found.items() if not extra["installed"]} == {"sampling", "dev"}

@@ -1,0 +1,129 @@
+"""The examples that come with the program: the studies and scenes of data/, and what each needs to run.
+
+They stand in data/ of a checkout, which an installation has as casingfem/data. What an example needs is read from its
+file: the tables it names, and the studies whose reduction makes the bases it names.
+"""
+
+import shlex
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from casingfem.extras import ROOT
+
+INSTALLED = Path(__file__).parent / "data"
+DATA = INSTALLED if INSTALLED.is_dir() else ROOT / "data"
+VERBS = {"pair": "stability", "rim": "rub", "rub": "rub", "disk": "rub"}  # by the kind of a scene; else contact
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """A study or a scene: its name, its file below the folder of the examples, and its tables as written."""
+
+    name: str
+    file: Path
+    tables: dict[str, Any]
+
+    @property
+    def about(self) -> str:
+        """The first sentence of the file's comment."""
+        return first_sentence((DATA / self.file).read_text(encoding="utf-8"))
+
+    @property
+    def verb(self) -> str:
+        """The command that runs it."""
+        if "scene" in self.tables:
+            return "sweep" if "sweep" in self.tables else VERBS.get(self.tables["scene"]["kind"], "contact")
+        random = any("random" in part for part in self.tables.get("imperfection", ()))
+        return next((verb for verb in ("rig", "update") if verb in self.tables), "mistune" if random else "modes")
+
+    @property
+    def makers(self) -> tuple[Path, ...]:
+        """The studies that make the bases it names: beside it, else among the studies."""
+        wanted = dict.fromkeys(value for key, value in strings(self.tables) if key == "basis")
+        return tuple(maker(name, self.file.parent) for name in wanted if not (DATA / self.file.parent / name).exists())
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All that it needs, below the folder of the examples; its own file first."""
+        found = [self.file]
+        for file in (self.file, *self.makers):
+            named = [file.parent / value for _, value in strings(read(file))]
+            found += [file, *(below(path) for path in named if path.suffix and (DATA / path).is_file())]
+        return tuple(dict.fromkeys(found))
+
+    def commands(self, folder: Path) -> tuple[str, ...]:
+        """What to type to run it from `folder`: its bases first."""
+        bases = [["reduce", str(folder / path), "--out", str(folder / self.file.parent)] for path in self.makers]
+        return tuple(shlex.join(["casingfem", *words]) for words in (*bases, [self.verb, str(folder / self.file)]))
+
+
+def examples() -> dict[str, Example]:
+    """All by name: studies by their file's name, scenes by their path below data/scenes.
+
+    >>> examples()["two_rods"].commands(Path("data"))
+    ('casingfem contact data/scenes/two_rods.toml',)
+    """
+    found = {}
+    for kind, mark in (("studies", "material"), ("scenes", "scene")):
+        for path in sorted((DATA / kind).rglob("*.toml")):
+            file = path.relative_to(DATA)
+            tables = read(file)
+            if mark in tables:
+                name = file.relative_to(kind).with_suffix("").as_posix()
+                found[name] = Example(name, file, tables)
+    return found
+
+
+def maker(basis: str, folder: Path) -> Path:
+    """The study whose key reduce.out is `basis`, beside a scene or among the studies."""
+    for path in (*sorted((DATA / folder).glob("*.toml")), *sorted((DATA / "studies").glob("*.toml"))):
+        file = path.relative_to(DATA)
+        if read(file).get("reduce", {}).get("out") == basis:
+            return file
+    raise FileNotFoundError(2, "no study makes this basis", str(folder / basis))
+
+
+def read(file: Path) -> dict[str, Any]:
+    """The tables of a file below the folder of the examples."""
+    return tomllib.loads((DATA / file).read_text(encoding="utf-8"))
+
+
+def below(path: Path) -> Path:
+    """A path below the folder of the examples without `..`."""
+    return (DATA / path).resolve().relative_to(DATA.resolve())
+
+
+def strings(tables: Any, key: str = "") -> Iterator[tuple[str, str]]:
+    """Every string of nested tables, and its key.
+
+    >>> list(strings({"casing": {"basis": "casing.npz"}, "speed": [1.0, {"of": "hz"}]}))
+    [('basis', 'casing.npz'), ('of', 'hz')]
+    """
+    if isinstance(tables, str):
+        yield key, tables
+    elif isinstance(tables, dict):
+        for name, value in tables.items():
+            yield from strings(value, name)
+    elif isinstance(tables, list):
+        for value in tables:
+            yield from strings(value, key)
+
+
+def first_sentence(text: str) -> str:
+    r"""The first sentence of a file's comment.
+
+    >>> first_sentence("# A casing on the bench,\n# by day. What it is for.\n[material]")
+    'A casing on the bench, by day.'
+    """
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith("# "):
+            break
+        lines.append(line[2:])
+        if line.endswith((".", ":")):
+            break
+    words, _, more = " ".join(lines).partition(". ")
+    return f"{words}." if more else words
