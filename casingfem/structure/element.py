@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 from numpy.polynomial import legendre
+from scipy.special import roots_jacobi
 from skfem.element import ElementH1
 from skfem.refdom import RefQuad
 
@@ -27,7 +28,7 @@ def lobatto(order: int) -> tuple[FloatArray, FloatArray]:
     if order < 1:
         raise ValueError(f"the order must be at least 1, found {order}")
     coefficients = np.eye(order + 1)[order]
-    inner = legendre.legroots(legendre.legder(coefficients)) if order > 1 else np.array([])
+    inner = roots_jacobi(order - 1, 1.0, 1.0)[0] if order > 1 else np.array([])  # P_p' ~ P_(p-1)^(1,1)
     x = np.concatenate([[-1.0], inner, [1.0]])
     x = 0.5 * (x - x[::-1])  # exactly symmetric
     w = 2.0 / (order * (order + 1) * legendre.legval(x, coefficients) ** 2)

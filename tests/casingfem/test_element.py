@@ -67,3 +67,18 @@ def test_tabulation_equals_the_basis_functions_point_by_point(order):
 def test_refuses_order_zero():
     with pytest.raises(ValueError, match="at least 1"):
         lobatto(0)
+
+
+@pytest.mark.parametrize("order", (1, *ORDERS))
+def test_points_and_weights_are_real_numbers(order):
+    """Roots of polynomials are complex from numpy 2.5 on; scikit-fem then loses the element without a word."""
+    assert [part.dtype for part in lobatto(order)] == [np.float64, np.float64]
+    assert ElementQuadLobatto(order).doflocs.dtype == np.float64
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_inner_points_are_where_the_polynomial_is_level(order):
+    t = 2.0 * lobatto(order)[0][1:-1] - 1.0
+    slope, bend = (np.polynomial.legendre.legder(np.eye(order + 1)[order], m) for m in (1, 2))
+    step = np.polynomial.legendre.legval(t, slope) / np.polynomial.legendre.legval(t, bend)
+    assert np.abs(step).max() < 1e-15
