@@ -20,15 +20,16 @@ def models() -> list[Broken]:
 
 
 def outcome(model: Broken) -> tuple[str, list[str]]:
-    """What becomes of a model, refused, warned or silent, and the messages."""
+    """What becomes of a model, refused, warned or silent, and the messages: warnings, then the refusal's."""
+    happened, refusal = "", list[str]()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             model.make()
         except (ValueError, cf.EigenError) as error:
-            return "refused", str(error).splitlines()
+            happened, refusal = "refused", str(error).splitlines()
     said = [str(entry.message) for entry in caught if isinstance(entry.message, ModelWarning)]
-    return ("warned" if said else "silent"), said
+    return happened or ("warned" if said else "silent"), said + refusal
 
 
 def row(model: Broken) -> Row:

@@ -83,6 +83,11 @@ RESULTS = {
         "on a mesh this coarse a thin free body bends before it turns as a whole: the rotations are not resolved",
         "leave the mesh out, or raise mesh.order or mesh.around",
     ),
+    "modes-round-off": Fault(
+        "round-off of the stiffness outweighs what parts these eigenvalues: no count tells whether a mode is missing, "
+        "and the frequencies may be wrong",
+        "check units and proportions; a rod or a wire needs a beam; end the count or the band in a wider gap",
+    ),
     "output-direction": Fault(
         "an output asks for a direction or component that there is none of",
         "x, y, z, normal, radial, tangential for a displacement; 11, 22, 12 and a side of -1 to 1 for a strain",

@@ -8,6 +8,7 @@ from scipy.sparse import csc_array
 
 from casingfem.arrays import FloatArray, IntArray
 from casingfem.errors import sentence
+from casingfem.modal.certificate import doubt_count, round_off, stands_clear
 from casingfem.modal.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
 from casingfem.modal.pencil import Mass, Pencil, make_pencil
 from casingfem.modal.slicing import CLEAR, CLEARER, slices
@@ -40,8 +41,9 @@ class EigenResult:
     """Eigenvalues [rad^2/s^2] ascending, mass-normalised vectors (free, modes), and the certificate.
 
     `sturm_count` is the number of eigenvalues below the last one returned (its double included), for a band the
-    number inside it, counted by the inertia of factorisations, None where that was too large; `residuals` are
-    |A x - omega^2 x|/omega^2 of the mass-scaled problem; `products` counts the vectors that the factors solved for.
+    number inside it, counted by the inertia of factorisations, None where that was too large or round-off outweighs
+    what is counted; `residuals` are |A x - omega^2 x|/omega^2 of the mass-scaled problem; `products` counts the vectors
+    that the factors solved for.
     """
 
     eigenvalues: FloatArray
@@ -81,11 +83,18 @@ def gaps(eigenvalues: FloatArray, count: int, floor: float, clear: float) -> Int
     return np.flatnonzero(np.diff(eigenvalues)[count - 1 :] > clear * np.maximum(eigenvalues[count:], floor))
 
 
-def gap_after(eigenvalues: FloatArray, count: int, floor: float = 0.0, clear: float = CLEAR) -> tuple[int, float]:
-    """The first clear gap at or after `count` eigenvalues: how many lie below it, and a shift inside it."""
+def gap_after(
+    eigenvalues: FloatArray, count: int, floor: float = 0.0, clear: float = CLEAR, noise: float = 0.0
+) -> tuple[int, float]:
+    """The first clear gap at or after `count` eigenvalues: how many lie below it, and a shift inside it.
+
+    Gaps whose middle is farther than `noise` from both sides come before others.
+    """
     found = gaps(eigenvalues, count, floor, clear)
     if not len(found):
         raise EigenError(f"no gap among eigenvalues {count} to {len(eigenvalues)}: ask for more modes")
+    wide = found[np.diff(eigenvalues)[count - 1 :][found] > 2.0 * noise]
+    found = wide if len(wide) else found
     below = count + int(found[0])
     return below, float(0.5 * (eigenvalues[below - 1] + eigenvalues[below]))
 
@@ -113,7 +122,12 @@ def solve_modes(
     CountError
         If more modes are asked for than there are.
     EigenError
-        If the solver fails, or the count cannot be certified.
+        If the solver fails, or the count shows that modes are missing.
+
+    Warns
+    -----
+    ModelWarning
+        `modes-round-off` where no count can tell.
     """
     size = K.shape[0]
     if count < 1 or count + extra >= size:
@@ -142,12 +156,16 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
         if not gaps(values, count, abs(shift), clear).size and wanted < pencil.size:
             wanted += 2 * extra  # a cluster goes on
             continue
-        below, sigma = gap_after(values, count, abs(shift), clear)
-        certified = pencil.count_below(sigma, direct)
+        noise = round_off(pencil.A, vectors)
+        below, sigma = gap_after(values, count, abs(shift), clear, noise[count - 1 :].max())
+        certified = pencil.count_below(sigma, direct) if stands_clear(sigma, values, noise) else None
         if certified == below:
             return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
-        wanted += 2 * max(certified - below, 1) + extra
-        tries.pop(0)  # a missed mode shows in the count: look again, with more vectors at once
+        wanted += 2 * max((certified or 0) - below, 1) + extra
+        tries.pop(0)  # a missed mode shows in the count: look again, with more vectors at once, in a wider gap
+    if certified is None:
+        doubt_count(sigma, values, noise)
+        return result(pencil, values[:below], vectors[:, :below], None, products, abs(shift))
     raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
 
 
@@ -170,6 +188,11 @@ def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direc
     ------
     EigenError
         If a slice does not show as many modes as its ends count.
+
+    Warns
+    -----
+    ModelWarning
+        `modes-round-off` where no count can tell.
     """
     low, high = band
     if not 0.0 <= low < high < np.inf:
@@ -179,7 +202,8 @@ def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direc
     values = np.concatenate([part.values for part in parts])
     vectors = np.hstack([part.vectors for part in parts])
     products = sum(part.products for part in parts)
-    return result(pencil, values, vectors, len(values), products, abs(shift))
+    counted = len(values) if all(part.counted for part in parts) else None
+    return result(pencil, values, vectors, counted, products, abs(shift))
 
 
 def result(

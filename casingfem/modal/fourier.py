@@ -2,12 +2,13 @@
 
 import time
 from dataclasses import replace
-from typing import TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
 
 from casingfem.arrays import FloatArray, IntArray
+from casingfem.modal.certificate import doubt_count, round_off, stands_clear
 from casingfem.modal.eigen import EigenError, gap_after
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
 from casingfem.modal.slicing import CLEAR
@@ -18,9 +19,18 @@ from casingfem.structure.ring import Ring
 from casingfem.structure.ring_form import outward, ties
 from casingfem.structure.shell import Shell, sampled_geometry
 
-Found: TypeAlias = tuple[float, int, bool, FloatArray, FloatArray]  # omega^2, n, sine, meridian shape, rings' turns
-
 SHIFT = 0.5  # shift-invert about minus the square of this part of `frequency_scale`
+
+
+class Found(NamedTuple):
+    """One mode: omega^2, nodal diameters, which member, meridian shape, the rings' turns, round-off of omega^2."""
+
+    value: float
+    n: int
+    sine: bool
+    shape: FloatArray
+    turns: FloatArray
+    noise: float
 
 
 def fourier_modes(shell: Shell, count: int) -> Modes:
@@ -33,6 +43,11 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
     ------
     EigenError
         If the inertia disagrees with what was found.
+
+    Warns
+    -----
+    ModelWarning
+        `modes-round-off` where no inertia can tell.
     """
     started = time.perf_counter()
     shift = (SHIFT * frequency_scale(shell)) ** 2
@@ -47,8 +62,13 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
         found += members(meridian, values, vectors)
         found.sort(key=lambda item: item[:3])
         found = found[: count + 4]
-        limit = found[min(count, len(found)) - 1][0]
-    below, sigma = gap_after(np.array([mode[0] for mode in found]), min(count, len(found) - 1))
+        limit = found[min(count, len(found)) - 1].value
+    values, noise = np.array([(mode.value, mode.noise) for mode in found]).T
+    last = min(count, len(found) - 1)
+    below, sigma = gap_after(values, last, noise=noise[last - 1 :].max())
+    if not stands_clear(sigma, values, noise):
+        doubt_count(sigma, values, noise)
+        return revolved(shell, meridians, found[:below], count, None, started)
     counted = sum((1 + (m.n > 0)) * inertia_below(m, sigma) for m in meridians)
     if counted != below:
         raise EigenError(f"{counted} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
@@ -62,6 +82,11 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
     ------
     EigenError
         If a harmonic does not show as many modes as its inertia counts.
+
+    Warns
+    -----
+    ModelWarning
+        `modes-round-off` where no inertia can tell.
     """
     started = time.perf_counter()
     shift = (SHIFT * frequency_scale(shell)) ** 2
@@ -69,41 +94,49 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
     low = low if band[0] > 0.0 else -shift
     meridians: list[Meridian] = []
     found: list[Found] = []
+    counted = True
     while harmonic_floor(shell, len(meridians)) <= high:
         n = len(meridians)
         meridian = harmonic_matrices(shell, n)
         meridians.append(meridian)
         start, end = (inertia_below(meridian, sigma) for sigma in (low, high))
-        if end == start:
-            continue
-        values, vectors = lowest(meridian, end, shift)
+        values, vectors = lowest(meridian, end + 1, shift)  # the next above the band too: it may reach the end
         inside = (values > low) & (values < high)
-        if np.count_nonzero(inside) != end - start:
+        noise = round_off(meridian.K, vectors)
+        reached = [place for place in (low, high) if place > 0.0 and not stands_clear(place, values, noise)]
+        if reached and counted:
+            doubt_count(reached[-1], values, noise)
+        counted = counted and not reached
+        if not reached and np.count_nonzero(inside) != end - start:
             raise EigenError(f"n = {n}: {end - start} modes lie in the band, {inside.sum()} were found")
         found += members(meridian, values[inside], vectors[:, inside])
     found.sort(key=lambda item: item[:3])
-    return revolved(shell, meridians, found, len(found), len(found), started)
+    return revolved(shell, meridians, found, len(found), len(found) if counted else None, started)
 
 
 def members(meridian: Meridian, values: FloatArray, vectors: FloatArray) -> list[Found]:
     """The modes of one harmonic, cosine and sine where n > 0."""
     n, both = meridian.n, (False, True) if meridian.n else (False,)
-    shapes, own = meridian.expand(vectors), meridian.expand_own(vectors)
-    return [(float(v), n, sine, shapes[:, :, k], own[:, k]) for k, v in enumerate(values) for sine in both]
+    shapes, own, noise = meridian.expand(vectors), meridian.expand_own(vectors), round_off(meridian.K, vectors)
+    return [
+        Found(float(value), n, sine, shapes[:, :, k], own[:, k], float(noise[k]))
+        for k, value in enumerate(values)
+        for sine in both
+    ]
 
 
 def revolved(
-    shell: Shell, meridians: list[Meridian], found: list[Found], count: int, counted: int, started: float
+    shell: Shell, meridians: list[Meridian], found: list[Found], count: int, counted: int | None, started: float
 ) -> Modes:
     """Spread meridian shapes around and label them."""
-    shell = resolving(shell, max((mode[1] for mode in found), default=0))
+    shell = resolving(shell, max((mode.n for mode in found), default=0))
     grid = make_grid(shell.chart, shell.mesh)
-    freq = np.sqrt(np.maximum([mode[0] for mode in found], 0.0)) / (2.0 * np.pi)
+    freq = np.sqrt(np.maximum([mode.value for mode in found], 0.0)) / (2.0 * np.pi)
     fields = np.empty((grid.nodes.shape[1], DOFS, len(found)))
     own = np.empty((ring_nodes(shell, grid).size, len(found)))
-    for k, (_, n, sine, shape, turns) in enumerate(found):
-        fields[:, :, k] = revolve_shape(grid, shape, n, sine=sine)
-        own[:, k] = revolve_own(grid, shell, shape, turns, n, sine=sine)
+    for k, mode in enumerate(found):
+        fields[:, :, k] = revolve_shape(grid, mode.shape, mode.n, sine=mode.sine)
+        own[:, k] = revolve_own(grid, shell, mode.shape, mode.turns, mode.n, sine=mode.sine)
     dofs = sum(len(m.free) for m in meridians)
     seconds = {"solve": time.perf_counter() - started}
     return labelled(shell, grid, freq, fields, count=count, sturm=counted, dofs=dofs, seconds=seconds, own=own)

@@ -40,7 +40,7 @@ class ModeSet:
         Number of rigid motions, which come first: modes that move as the supports let the body move.
     sturm_count
         Modes up to the last one returned, or in the band, by inertia: equal to len(modes) unless the cut splits a
-        pair. None for solids too large to count (`mesh_modes`).
+        pair. None for solids too large to count (`mesh_modes`), and where round-off outweighs what is counted.
     dofs
         Unknowns of the eigenproblem (over all harmonics for a perfect casing).
     rings

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.arrays import FloatArray
+from casingfem.modal.certificate import doubt_count, round_off, stands_clear
 from casingfem.modal.krylov import BLOCKS, ConvergenceError, RitzPairs, nearest
 from casingfem.modal.pencil import Pencil
 from casingfem.structure.factor import Direct, EigenError, factorise
@@ -23,13 +24,19 @@ PLACES = (0.5, 0.47, 0.53, 0.44)  # where in a slice the shift may stand
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Slice:
-    """All eigenvalues between two counted ends, ascending (k,), and their B-orthonormal vectors (n, k)."""
+    """All eigenvalues between two ends, ascending (k,), and their B-orthonormal vectors (n, k).
+
+    `below` counts those below the upper end; `counted` is false where round-off of the eigenvalues reaches an end, so
+    that no count there holds.
+    """
 
     low: float
     high: float
     values: FloatArray
     vectors: FloatArray
     products: int
+    below: int
+    counted: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +108,7 @@ def slices(pencil: Pencil, low: float, high: float, shift: float, direct: Direct
             continue
         found = solve_slice(counter, start, ends.pop())
         yield found
-        start = End(found.high, start.below + len(found.values), settled=True)
+        start = End(found.high, found.below, settled=True)
 
 
 def solve_slice(counter: Counter, start: End, end: End) -> Slice:
@@ -114,8 +121,15 @@ def solve_slice(counter: Counter, start: End, end: End) -> Slice:
         values, vectors = found.values[order], found.vectors[:, order]
         low, high = counter.moved(start, -values[::-1], -1.0, clear), counter.moved(end, values, 1.0, clear)
         between = (values > low.place) & (values < high.place)
-        if np.count_nonzero(between) == high.below - low.below:
-            return Slice(low.place, high.place, values[between], vectors[:, between], products)
+        noise = round_off(counter.pencil.A, vectors)
+        # nothing is counted at an end below all modes
+        reached = [end.place for end in (low, high) if end.place > 0.0 and not stands_clear(end.place, values, noise)]
+        part = Slice(low.place, high.place, values[between], vectors[:, between], products, high.below, not reached)
+        if part.counted and np.count_nonzero(between) == high.below - low.below:
+            return part
+    if reached:
+        doubt_count(reached[-1], values, noise)
+        return part
     ends = [f"{np.sqrt(max(place, 0.0)) / 2 / np.pi:.6g}" for place in (low.place, high.place)]
     raise EigenError(f"{high.below - low.below} modes lie in {ends[0]} to {ends[1]} Hz, {between.sum()} were found")
 

@@ -90,9 +90,10 @@ def waves_of(pattern: object) -> str:
 
 def modes_section(found: Modes, reference: Modes | None) -> Section:
     """Frequencies by n, shapes, rims, and the table."""
+    counted = "could not be taken" if found.sturm_count is None else f"is {found.sturm_count}"
     paragraphs = [
         f"{len(found)} modes of {found.dofs} unknowns. The Sturm count, the number of modes up to the last one by "
-        f"inertia, is {found.sturm_count}."
+        f"inertia, {counted}."
     ]
     wide = [k for k in range(len(found.doublets)) if found.splits[k] > 1e-4]
     if wide:

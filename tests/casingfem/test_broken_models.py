@@ -2,6 +2,9 @@
 
 import importlib.util
 import json
+import os
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 
@@ -30,6 +33,35 @@ def test_no_broken_model_computes_in_silence(model):
     assert model.code in said
     if not model.code.startswith(("study-", "survey-")) and not model.name.startswith("study"):
         assert CATALOGUE[model.code].remedy in said[model.code]
+
+
+def test_a_refusal_keeps_the_doubts_that_came_before_it():
+    def make():
+        doubt("shell-thin", "a foil")
+        raise ModelError("shell-thickness", "no wall")
+
+    happened, messages = broken_models.outcome(broken_models.Broken("foil", make, "shell-thin"))
+    assert (happened, [code_of(message) for message in messages]) == ("refused", ["shell-thin", "shell-thickness"])
+
+
+TUBE = """
+from reports import broken_models
+from casingfem.errors import code_of
+model, = (m for m in broken_models.models() if m.name == "height 2000 radii")
+happened, messages = broken_models.outcome(model)
+print(happened, *map(code_of, messages))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kernels", ["Nehalem", "Haswell", "Zen"])
+def test_a_tube_of_2000_radii_is_doubted_on_every_processor(kernels):
+    """Round-off outweighs its lowest eigenvalues: 1, 2 or 4 of them are below zero, as the kernels of BLAS sum."""
+    environment = os.environ | {"OPENBLAS_CORETYPE": kernels}
+    done = subprocess.run(
+        [sys.executable, "-c", TUBE], env=environment, cwd=DOCS.parent, capture_output=True, text=True
+    )
+    assert done.stdout.split() == ["warned", "chart-aspect", "shell-thin"], done.stderr
 
 
 def test_there_are_at_least_sixty_by_name():
