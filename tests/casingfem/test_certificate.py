@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import csc_array, diags_array
+from scipy.sparse import csc_array
 
 import casingfem as cf
 from casingfem.errors import ModelWarning

@@ -69,7 +69,7 @@ def test_refuses_order_zero():
         lobatto(0)
 
 
-@pytest.mark.parametrize("order", (1, *ORDERS))
+@pytest.mark.parametrize("order", [1, *ORDERS])
 def test_points_and_weights_are_real_numbers(order):
     """Roots of polynomials are complex from numpy 2.5 on; scikit-fem then loses the element without a word."""
     assert [part.dtype for part in lobatto(order)] == [np.float64, np.float64]
