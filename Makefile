@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 CORES := -n logical
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study test fast check lint types doctests bench report clean
+.PHONY: help setup study test variants fast check lint types doctests bench report clean
 
 help:    ## show what each target does
 	@grep -hE '^[a-z]+: .*##|^[a-z]+:  +##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -29,6 +29,9 @@ study: $(READY) ## measured frequencies -> updated shells -> reduced bases -> ru
 
 test: $(READY) ## every test
 	$(BIN)/python -m pytest $(CORES)
+
+variants: ## every test on other Pythons, versions, processors and orders: a table; hours (.ci/variants --list)
+	.ci/variants
 
 fast: $(READY) ## the tests that take seconds
 	$(BIN)/python -m pytest $(CORES) -m 'not slow'
