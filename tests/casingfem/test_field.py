@@ -1,7 +1,5 @@
 """Fields: exact derivatives, rotation, complex coefficients, sums."""
 
-import time
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -167,12 +165,11 @@ def test_nonsense_is_refused_by_name(arguments, message):
         FourierField(**(good | arguments))
 
 
-def test_thirty_harmonics_on_a_mesh_take_milliseconds():
+def test_thirty_harmonics_on_a_mesh_are_those_of_each_point():
     field = random_field(1, harmonics=29, degrees=1)
-    z, theta = np.random.default_rng(9).uniform(size=(2, 21, 100))
-    seconds = []
-    for _ in range(5):
-        start = time.perf_counter()
-        field.derivatives(z, theta)
-        seconds.append(time.perf_counter() - start)
-    assert min(seconds) < 0.05
+    z, theta = np.random.default_rng(9).uniform(size=(2, 4, 7))
+    together = field.derivatives(z, theta)
+    for place in np.ndindex(z.shape):
+        alone = field.derivatives(z[place], theta[place])
+        for all_of, one in zip(together, alone, strict=True):
+            np.testing.assert_allclose(all_of[place], one, rtol=1e-12, atol=1e-12)
