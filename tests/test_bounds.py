@@ -7,7 +7,7 @@ from pathlib import Path
 from packaging.version import Version
 
 ROOT = Path(__file__).parents[1]
-TRANSITIVE = {"pyparsing"}  # matplotlib 3.9 and 3.10 meet deprecations of newer ones
+TRANSITIVE = {"pyparsing"}  # newer ones warn of what matplotlib 3.9 calls
 EXTRA = {"pypardiso"}  # in no environment of the suite
 
 
