@@ -30,6 +30,19 @@ def test_characteristics_give_the_closed_forms():
     assert np.abs(history.force - rod_on_wall(shot, gap=5.0, velocity=10.0)(middle)).max() <= 1e-9
 
 
+@pytest.mark.parametrize(("length", "x"), [(10.0, 20.0), (0.1, 300.0)])
+def test_a_bar_touches_its_wall_within_a_thousand_millionth_of_the_lengths(length, x):
+    """So that round-off of the gap, after any number of steps, neither delays a contact nor makes one."""
+    bar = {"length": length, "area": 1.0, "E": 900.0, "rho": 1.0}
+    for gap, touches in ((0.9e-9, True), (1.1e-9, False)):
+        slow = ct.Rod(**bar, x=gap * length, velocity=-1e-12)
+        history = bar_by_characteristics(slow, gravity=0.0, t_end=length / 30.0, cells=1)
+        assert (history.force[0] > 0.0) == touches
+    fast = ct.Rod(**bar, x=x, velocity=-30.0)  # as fast as its waves: the gap shrinks by whole cells
+    history = bar_by_characteristics(fast, gravity=0.0, t_end=1.1 * x / 30.0, cells=7)
+    assert history.time[np.flatnonzero(history.force)[0]] == pytest.approx(x / 30.0, rel=1e-9)
+
+
 def test_st_venant_by_characteristics():
     """B5: force 2.135335 after one round trip, contact ends at 3.067668 L/c, rebound -.687619 V; second order."""
     rod = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="right")

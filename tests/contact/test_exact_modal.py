@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from synthetic_rim import N_MAX, SIZE, flap_blade, ring
 
 import contact as ct
 from contact.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall
+from contact.model.modal_system import rim_system
+from contact.scheme.exact_modal import delassus
 from contact.scheme.propagator import propagator
 
 BAR = {"length": 10.0, "area": 1.0, "E": 900.0, "rho": 1.0, "x": 5.0}
@@ -55,6 +58,23 @@ def test_propagator_velocity_inverts_the_start():
     p = propagator(np.array([0.0, 5.0, 40.0]), np.array([0.0, 0.1, 0.02]), np.array([1.0, 2.0, 3.0]), 0.05)
     q, v = np.array([0.3, -0.2, 0.1]), np.array([1.0, 2.0, -3.0])
     assert np.allclose(p.velocity(q, p.backward(q, v), p.load), v, rtol=1e-12)
+
+
+def test_rho_is_the_size_of_the_modes_share_whatever_its_sign():
+    """A digging blade's H_d = c psi^2 sin a (sin a - mu cos a) is negative; S_nn of rim and blade remains."""
+    a, mu, h, S = np.radians(20.0), 0.5, 1e-4, 1e-5
+    still = ct.ModalBody(
+        omega=[1e3], zeta=[0.0], channels=ring().channels, rows=np.zeros((2 * SIZE, 1)), S=np.zeros((2 * SIZE,) * 2),
+        kind="rim", n_max=N_MAX, radius=0.45,
+    )  # fmt: skip
+    system = rim_system(ct.RotatingRim(still, flap_blade(S=S), clearance=0.0, speed_hz=5.0, lean_deg=20.0))
+    parts = propagator(system.omega, system.zeta, np.zeros(2), h)
+    H, compliance, rho = delassus(system, parts, mu)
+    own = parts.c[1] * np.sin(a) * (np.sin(a) - mu * np.cos(a))
+    assert H == pytest.approx(own, rel=1e-12)
+    assert H < 0.0
+    assert compliance == pytest.approx(S, rel=1e-12)  # S_nt of a round S is zero
+    assert rho == pytest.approx(-own / S, rel=1e-12)
 
 
 @pytest.mark.parametrize("fixed", ["none", "right"])

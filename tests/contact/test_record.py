@@ -67,6 +67,35 @@ def test_instants_and_channels_are_what_a_full_record_holds_there(kind, monkeypa
     assert some.intervals == whole.intervals
 
 
+@pytest.mark.parametrize("kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind in COLD)) for kind in KINDS])
+def test_the_figures_of_a_result_are_those_of_its_record(kind):
+    result = KINDS[kind](record=ct.Record(state_every=1))
+    force, closed = result.force, result.force > 0.0
+    history = np.cumsum(force, axis=0) * result.dt
+    assert result.peak_force.max() > 0.0
+    assert np.array_equal(result.peak_force, force.max(axis=0))
+    assert np.array_equal(result.max_penetration, np.maximum(-result.gap, 0.0).max(axis=0))
+    assert np.array_equal(result.contact_steps, closed.sum(axis=0))
+    np.testing.assert_allclose(result.impulse_history, history, rtol=1e-12, atol=1e-14 * history.max())
+    assert np.array_equal(result.impulse, result.impulse_history[-1])
+    turns = np.diff(np.vstack([np.zeros(closed.shape[1]), closed]), axis=0)
+    for k, pairs in enumerate(result.intervals):
+        first, after = (np.flatnonzero(turns[:, k] == sign) for sign in (1.0, -1.0))
+        begin, end = np.array(pairs).T
+        assert len(begin) == len(first)
+        assert np.abs(begin - result.time[first]).max() <= (1.0 + 1e-9) * result.dt
+        assert np.abs(end[: len(after)] - result.time[after]).max(initial=0.0) <= (1.0 + 1e-9) * result.dt
+    assert np.array_equal(result.lam, -force)
+
+
+@pytest.mark.parametrize("method", [m for m in methods(50.0) if isinstance(m.law, ct.Penalty)], ids=lambda m: m.name)
+def test_a_contact_spring_pushes_by_its_stiffness_and_its_law_is_violated_by_the_penetration(method):
+    result = rods(method)()
+    assert result.max_penetration[0] > 1.0
+    np.testing.assert_allclose(result.force, 50.0 * np.maximum(-result.gap, 0.0), rtol=1e-12, atol=1e-14)
+    assert np.array_equal(result.residual, result.max_penetration)
+
+
 def test_channels_beside_a_regular_record():
     whole, part = (tree(record=ct.Record(state_every=50, channels=c)) for c in (None, [[0.0, 0.0, 1.0, 0.0]]))
     assert part.time.size == whole.time.size

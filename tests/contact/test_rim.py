@@ -195,6 +195,40 @@ def test_the_stored_gap_is_the_gap_of_the_bodies(mu):
     assert result.contact_steps[0] > 100
 
 
+@pytest.mark.parametrize(("speed_hz", "velocity"), [(5.0, 0.0), (-5.0, 0.0), (0.1, 1.0)])
+def test_energies_and_reversals_are_those_of_the_recorded_motion(speed_hz, velocity):
+    """Works by the trapezoidal rule along the motion, energies from its differences, signs included; S = 0."""
+    scene = ct.RotatingRim(
+        ring(S=0.0, imperfect=0.05, zeta=0.01), blade(S=0.0, zeta=0.01), clearance=-1e-5, speed_hz=speed_hz,
+        lean_deg=25.0, out_of_roundness=ROUND, blade_velocity=[velocity, 0.0],
+    )  # fmt: skip
+    mu, h, steps = 0.2, 1e-5, 2000
+    energy = ct.run(scene, law=law(mu), t_end=steps * h, dt=h).energy
+    longer = ct.run(scene, law=law(mu), t_end=(steps + 2) * h, dt=h, record=ct.Record(state_every=1))
+    system, q, force = rim_system(scene), longer.state, longer.force[:steps, 0]
+    phi = -scene.speed * h * np.arange(steps + 1)
+    Q, T = (np.array(rows) for rows in zip(*(dense_rows(scene, x)[:2] for x in phi), strict=True))
+    gap = np.array([system.clearance(x) for x in phi]) + np.sum(Q * q[: steps + 1], axis=1)
+    before = np.vstack([2.0 * q[0] - q[1], q[:steps]])[:-1]  # at t = -h, and so on; no force at t = 0 moved it
+    mean = 0.5 * (q[1 : steps + 1] - before)
+    slip = scene.casing.radius * scene.speed * h + np.sum(T[:-1] * (q[:steps] - before), axis=1)
+    drag = -mu * np.sign(slip) * force
+    contact = np.sum(0.5 * force[1:] * (gap[2:] - gap[:-2])) + 0.5 * force[0] * (gap[1] - gap[0])
+    assert energy.contact == pytest.approx(contact, rel=1e-9)
+    friction = np.sum(drag * np.sum(T[:-1] * mean, axis=1))
+    assert energy.friction == pytest.approx(friction, rel=1e-9)
+    rotation = np.sum(force * np.sum(Q[:-1] * mean, axis=1)) - contact
+    assert energy.rotation == pytest.approx(rotation, rel=1e-9)
+    rates = mean / h
+    assert energy.damping == pytest.approx(-np.sum(2.0 * system.zeta * system.omega * rates**2) * h, rel=2e-2)
+    reversed_ = np.count_nonzero((force > 0.0) & (slip * scene.speed < 0.0))
+    assert longer.reversals[0] >= reversed_ >= longer.reversals[0] - 2  # two steps more
+    assert (reversed_ > 100) == (speed_hz == 0.1)
+    v = (q[steps + 1] - q[steps - 1]) / (2.0 * h)
+    assert energy.end.kinetic == pytest.approx(0.5 * v @ v, rel=1e-3)
+    assert energy.end.strain == pytest.approx(0.5 * np.sum((system.omega * q[steps]) ** 2), rel=1e-9)
+
+
 @pytest.mark.parametrize("mu", [0.0, 0.2])
 def test_recovered_surfaces_touch_where_the_contact_is_closed(mu):
     """clearance + u_r(phi) - n.u_tip = 0 with the residual term."""

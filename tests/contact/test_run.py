@@ -103,13 +103,18 @@ def test_signs_and_windows():
     total = np.sum(result.windowed_force()[:, 0]) * result.dt
     assert total == pytest.approx(result.impulse[0], rel=1e-3)
     assert np.allclose(result.windowed_force(result.dt), result.force, atol=1e-9 * 300.0)
+    means = np.convolve(result.force[:, 0], np.full(5, 0.2), mode="same")
+    assert np.allclose(result.windowed_force(5.0 * result.dt)[2:-2, 0], means[2:-2], atol=1e-9 * 300.0)
+    assert result.windowed_force()[:, 0] == pytest.approx(result.windowed_force(result.window)[:, 0])
 
 
 def test_intervals_can_be_joined():
     result = rub()
-    many, few = result.merged_intervals(0.0)[0], result.merged_intervals(0.02)[0]
-    assert len(few) < len(many) == len(result.intervals[0])
-    assert few[0][0] == many[0][0]
+    assert result.merged_intervals(0.0) == result.intervals
+    apart = replace(result, intervals=(((0.0, 1.0), (1.5, 2.0), (2.25, 3.0), (4.0, 5.0)), ((7.0, 8.0),)), window=0.5)
+    assert apart.merged_intervals(0.75) == (((0.0, 3.0), (4.0, 5.0)), ((7.0, 8.0),))
+    assert apart.merged_intervals(0.25) == apart.intervals  # an opening as long as the pause stays one
+    assert apart.merged_intervals() == (((0.0, 1.0), (1.5, 3.0), (4.0, 5.0)), ((7.0, 8.0),))
 
 
 def test_a_failed_run_keeps_what_it_recorded(monkeypatch):

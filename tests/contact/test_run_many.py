@@ -31,6 +31,7 @@ def different():
         scene(speed_hz=30.0, clearance=1e-4, t_end=0.05), scene(mu=0.1, clearance=-1e-5, imperfect=0.05, lean_deg=10.0),
         scene(speed_hz=5.0, mu=0.1, clearance=1e-4, dt=1e-5, t_end=0.03), scene(skip=False),
         scene(mu=0.2, clearance=1.7e-4, lean_deg=-10.0), scene(speed_hz=-18.0, mu=0.2), scene(speed_hz=19.0),
+        scene(speed_hz=0.1, mu=0.2, clearance=-1e-4, blade_velocity=[1.0, 0.0], t_end=0.03),
     ]  # fmt: skip
 
 
@@ -51,9 +52,15 @@ def test_each_run_is_as_if_alone():
             value = getattr(one.energy, name)
             assert getattr(many.energy, name) == pytest.approx(value, rel=1e-9, abs=1e-13 * one.energy.scale)
         assert abs(many.energy.unaccounted) <= 1e-11 * max(one.energy.scale, 1e-300)
+        for name in ("impulse", "peak_force"):
+            assert getattr(many, name) == pytest.approx(getattr(one, name), rel=1e-11)
+        assert many.max_penetration == pytest.approx(one.max_penetration, abs=1e-17)
         assert many.residual[0] == pytest.approx(one.residual[0], abs=1e-17)
+        assert np.array_equal(many.reversals, one.reversals)
         assert (many.steps, many.scheme, many.every) == (one.steps, one.scheme, one.every)
-    assert sum(one.contact_steps[0] > 0 for one in map(ct.run, scenes)) == 8
+    alone = [ct.run(scene) for scene in scenes]
+    assert sum(one.contact_steps[0] > 0 for one in alone) == 9
+    assert max(one.reversals[0] for one in alone) > 10
 
 
 def test_neighbours_and_order_change_no_bit():

@@ -1,5 +1,6 @@
 """Every scheme on linear problems: its ledger, order, limit and impact law; laws, coupled contacts, bad input."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -11,6 +12,7 @@ import contact as ct
 from contact.exact import force_error, two_rods
 from contact.model.chain import assemble
 from contact.model.chain_linear import linear
+from contact.record import samples
 
 CARPENTER = {"length": 10.0, "area": 1.0, "E": 30e6, "rho": 7.34e-4}
 LEAPFROG = [ct.CentralDifference(), ct.CDLagrange(), ct.PaoliSchatzman(restitution=0.3), ct.MasslessBoundary()]
@@ -97,6 +99,41 @@ def test_order_in_smooth_motion(scheme):
     assert slopes == pytest.approx(1.0 if first else 2.0, abs=0.2)
 
 
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
+def test_energies_and_works_are_those_of_the_motion(scheme):
+    """Each entry of the ledger, with its sign, by differences and the trapezoidal rule; its sum is checked above."""
+    dt, body = 1e-3, frame(gap0=np.array([50.0, 50.0]))
+    energy = ct.run(body, scheme=scheme, t_end=1.0, dt=dt).energy
+    result = ct.run(body, scheme=scheme, t_end=1.0 + 2.0 * dt, dt=dt, record=ct.Record(state_every=1))
+    n = round(1.0 / dt)
+    u, t = result.state, result.state_time
+    assert result.impulse.max() == 0.0
+    v = (u[n + 1] - u[n - 1]) / (2.0 * dt)
+    moved, rate = np.diff(u[: n + 1], axis=0), np.diff(u[: n + 1], axis=0) / dt
+    drive = np.sin(4.0 * (t[:n] + 0.5 * dt))
+    if not isinstance(scheme, ct.MasslessBoundary):  # it moves the masses
+        assert energy.end.kinetic == pytest.approx(0.5 * v @ (body.M.diagonal() * v), rel=1e-2)
+        assert energy.start.kinetic == pytest.approx(0.5 * (1.0 + 0.5 * 4.0), rel=1e-2)
+        assert energy.damping == pytest.approx(-dt * np.sum(rate**2 @ body.C.diagonal()), rel=1e-2)
+    assert energy.end.strain == pytest.approx(0.5 * u[n] @ body.K @ u[n], rel=1e-2)
+    assert energy.end.potential == pytest.approx(-body.load @ u[n], rel=1e-2)
+    assert energy.external == pytest.approx(3.0 * drive @ moved[:, 1], rel=1e-2)
+
+
+def test_a_mass_on_a_contact_spring_bounces_as_half_an_oscillation():
+    """Contact for pi sqrt(m/k), peak v sqrt(k m) pushing out, impulse 2 m v."""
+    ball = [ct.PointMass(mass=2.0, x=0.1, velocity=-3.0), ct.Wall(x=0.0)]
+    for scheme in (ct.PenaltyDifference(), ct.HHT(alpha=0.0)):
+        result = ct.run(ball, scheme=scheme, law=ct.Penalty(stiffness=5e3), t_end=0.2, dt=1e-4)
+        (begin, end), = result.intervals[0]
+        assert begin == pytest.approx(0.1 / 3.0, abs=1e-4)
+        assert end - begin == pytest.approx(np.pi * np.sqrt(2.0 / 5e3), abs=2e-4)
+        assert result.peak_force[0] == pytest.approx(3.0 * np.sqrt(2.0 * 5e3), rel=1e-4)
+        assert result.impulse[0] == pytest.approx(12.0, rel=1e-3)
+        assert result.motions[0].mean_velocity == pytest.approx(3.0, rel=1e-3)
+        assert result.motions[0].momentum == pytest.approx(6.0, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     "scheme",
     [ct.Newmark(), ct.MoreauJean(), ct.StabilisedNewmark(), ct.NonsmoothAlpha(rho_inf=1.0),
@@ -142,6 +179,16 @@ def test_projecting_positions_leaves_no_penetration():
     )
     assert deep.min() > 1e-4
     assert shallow.max() <= 1e-15
+
+
+def test_a_massless_boundary_whose_contact_has_no_answer_stops_at_that_step():
+    stepper = ct.MasslessBoundary().prepare(linear(assemble(pair(10))), ct.Unilateral(), dt=2e-6, courant=None)
+    law, static = stepper.method
+    bad = replace(stepper, method=(law, static._replace(S=-static.S)))  # a contact that its own force draws in
+    result = ct.run(pair(10), scheme=ct.MasslessBoundary(), t_end=2e-4, dt=2e-6)
+    closes = round(result.time[result.force[:, 0] > 0.0][0] / result.dt)
+    out = samples(ct.Record(), 100, 1, bad.size)
+    assert bad.advance(out, 0, 100) == closes - 1  # the step that would end with it closed
 
 
 @pytest.mark.parametrize("courant", [0.05, 0.1, 0.2, 0.5, 0.7, 0.9])
