@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.model.trig import harmonics
 from contact.record import Record, samples
 from contact.scheme.beam_implicit import prepare_beam_newmark
 from contact.scheme.beam_stepper import prepare_beam
@@ -155,6 +156,31 @@ def test_modal_and_finite_element_rings_give_one_impulse():
     t_end = 1.15 * CIRCLE.first_contact_time
     modal = impulse(ct.ring_modes(RING, 20), t_end)
     assert impulse(ct.ring_elements(RING, 60, 20), t_end) == pytest.approx(modal, rel=1e-2)
+
+
+@pytest.mark.slow
+def test_residual_compliance_of_the_ring_yields_with_its_modes():
+    """Every node that presses lies on the rim, moved by its modes and by S times all forces."""
+    modes = ct.ring_modes(RING, 4)
+    mixing = np.random.default_rng(3).standard_normal((18, 18))
+    ring = replace(modes, S=1e-9 * mixing @ mixing.T)
+    beam = replace(BEAM, elements=10, angle_deg=108.0, spin=30.0)
+    stepper = prepare_beam(ct.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
+    pressed = 0
+    for step in range(4000):
+        out = samples(Record(), 1, stepper.sums.closed.size, stepper.size)
+        stepper.sums.filled[:] = 0
+        assert stepper.advance(out, step, 1) == -1
+        x, force = stepper.state.x[1:], out.force[0]
+        on = force > 0.0
+        if on.any():
+            off = x[:, 0] - CIRCLE.offset
+            waves = np.array([harmonics(4, angle) for angle in np.arctan2(x[:, 1], off)])
+            rim = waves @ (ring.rows[:9] @ stepper.state.q + ring.S[:9, :9] @ (waves.T @ force))
+            gap = 0.502 + rim - np.hypot(off, x[:, 1])
+            assert np.abs(gap[on]).max() <= 1e-12
+            pressed += 1
+    assert pressed > 10
 
 
 @pytest.mark.slow

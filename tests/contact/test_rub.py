@@ -47,8 +47,48 @@ def test_one_sliding_tip_is_the_rotating_rim(S, imperfect, mu):
     assert np.abs(rub.state[:, : -rub.state_of("tips").shape[1]] - rim.state).max() <= 1e-12 * np.abs(rim.state).max()
     assert np.abs(rub.gap - rim.gap).max() <= 1e-16
     assert len(rub.intervals[0]) == len(rim.intervals[0])
+    # a rub's friction bends S too, which is then the contact's loss
+    for names in (("contact", "friction", "rotation") if mu == 0.0 or S == 0.0 else (), ("damping",)):
+        for name in names:
+            value = getattr(rim.energy, name)
+            assert getattr(rub.energy, name) == pytest.approx(value, rel=1e-9, abs=1e-12 * rim.energy.scale), name
+    work, other = (e.contact + e.friction + e.rotation for e in (rub.energy, rim.energy))
+    assert work == pytest.approx(other, rel=1e-9)
     assert rub.energy.rotation == pytest.approx(rim.energy.rotation, rel=2e-2)
+    for name in ("impulse", "peak_force", "contact_steps"):
+        assert getattr(rub, name) == pytest.approx(getattr(rim, name), rel=1e-9)
     assert abs(rub.energy.unaccounted) <= 1e-11 * rub.energy.scale
+
+
+def rows_at(rub, t, dim):
+    """Rows and compliances of all tips in `dim` directions, from their definitions."""
+    first = np.cumsum([0, *(b.omega.size for b in rub.bodies)])
+    rows, at_rim, at_blades = [], [], []
+    for tip in rub.tips:
+        wave = harmonics(rub.casing.n_max, np.radians(tip.angle_deg) - rub.speed.angle(t))
+        weights, blade = tip.directions(rub.blades[tip.blade]), rub.blades[tip.blade]
+        for i in range(dim):
+            row, on_rim = np.zeros(first[-1]), np.zeros(len(rub.casing.channels))
+            begin = (tip.line * rub.casing.directions + i) * wave.size
+            on_rim[begin : begin + wave.size] = wave
+            row[: first[1]] = on_rim @ rub.casing.rows
+            row[first[tip.blade + 1] : first[tip.blade + 2]] = -weights[i] @ blade.rows
+            rows.append(row)
+            at_rim.append(on_rim)
+            at_blades.append((tip.blade, weights[i]))
+    S = np.array(at_rim) @ rub.casing.S @ np.array(at_rim).T
+    for a, (blade, left) in enumerate(at_blades):
+        for b, (other, right) in enumerate(at_blades):
+            if blade == other:
+                S[a, b] += left @ rub.blades[blade].S @ right
+    return np.array(rows), S
+
+
+def gaps_at(rub, t, q):
+    """Gaps of all tips at modal coordinates q, from their definitions."""
+    phi = [np.radians(tip.angle_deg) - rub.speed.angle(t) for tip in rub.tips]
+    rigid = [rub.clearance + tip.clearance + rub.profile(p) for tip, p in zip(rub.tips, phi, strict=True)]
+    return np.array(rigid) - rub.closing.at(t) + rows_at(rub, t, 1)[0] @ q
 
 
 def dense_step(rub, q, d, lam, n, h, mu, averaged):
@@ -57,43 +97,14 @@ def dense_step(rub, q, d, lam, n, h, mu, averaged):
     dim = rub.dimensions if mu else 1
     omega = np.concatenate([b.omega for b in bodies])
     parts = propagator(omega, np.concatenate([b.zeta for b in bodies]), np.zeros(omega.size), h)
-    first = np.cumsum([0, *(b.omega.size for b in bodies)])
-
-    def rows_at(t):
-        rows, at_rim, at_blades = [], [], []
-        for tip in rub.tips:
-            wave = harmonics(rub.casing.n_max, np.radians(tip.angle_deg) - rub.speed.angle(t))
-            weights, blade = tip.directions(rub.blades[tip.blade]), rub.blades[tip.blade]
-            for i in range(dim):
-                row, on_rim = np.zeros(omega.size), np.zeros(len(rub.casing.channels))
-                begin = (tip.line * rub.casing.directions + i) * wave.size
-                on_rim[begin : begin + wave.size] = wave
-                row[: first[1]] = on_rim @ rub.casing.rows
-                row[first[tip.blade + 1] : first[tip.blade + 2]] = -weights[i] @ blade.rows
-                rows.append(row)
-                at_rim.append(on_rim)
-                at_blades.append((tip.blade, weights[i]))
-        S = np.array(at_rim) @ rub.casing.S @ np.array(at_rim).T
-        for a, (blade, left) in enumerate(at_blades):
-            for b, (other, right) in enumerate(at_blades):
-                if blade == other:
-                    S[a, b] += left @ rub.blades[blade].S @ right
-        return np.array(rows), S
-
-    now, S = rows_at(t)
+    now, S = rows_at(rub, t, dim)
     tests = now.copy()
-    tests[::dim] = rows_at(t + h)[0][::dim]
+    tests[::dim] = rows_at(rub, t + h, 1)[0]
     free = parts.al * d - parts.be * q
-    b = tests @ free - (rows_at(t - h)[1] if n else 0.0 * S) @ lam
-
-    def gaps(t, q):
-        phi = [np.radians(tip.angle_deg) - rub.speed.angle(t) for tip in rub.tips]
-        rigid = [rub.clearance + tip.clearance + rub.profile(p) for tip, p in zip(rub.tips, phi, strict=True)]
-        return np.array(rigid) - rub.closing.at(t) + rows_at(t)[0][::dim] @ q
-
-    b[::dim] = gaps(t + h, q + free)
+    b = tests @ free - (rows_at(rub, t - h, dim)[1] if n else 0.0 * S) @ lam
+    b[::dim] = gaps_at(rub, t + h, q + free)
     if averaged:
-        b[::dim] = 0.25 * (b[::dim] + 2.0 * gaps(t, q) + gaps(t - h, q - d))
+        b[::dim] = 0.25 * (b[::dim] + 2.0 * gaps_at(rub, t, q) + gaps_at(rub, t - h, q - d))
         tests[::dim] *= 0.25
     if dim > 1:
         b[1::dim] += rub.casing.radius * rub.speed.omega(t) * h
@@ -183,6 +194,46 @@ def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
     assert start <= 2.0 * h
     assert end == pytest.approx(slips, rel=2e-2)
     assert result.notes.heat[0] == pytest.approx(mu * N * drag * (2.0 * slips - end), rel=2e-2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("speed_hz", [5.0, -5.0])
+def test_works_heat_and_drive_are_those_of_the_recorded_motion(speed_hz):
+    """Each entry of the ledger and every tip's heat and drive, signed, from rows by their definitions; S = 0."""
+    rub = ct.Rub(
+        rim3(S=0.0), [nodes(2, S=0.0)], tips(2), clearance=5e-5, closing=ct.Closing([0.0, 0.01], [0.0, 4e-4]),
+        speed=ct.Speed.constant(speed_hz), profile=ct.Profile.fourier(WAVES),
+    )  # fmt: skip
+    mu, h, steps = 0.2, 2e-5, 400
+    result = ct.run(rub, law=law(mu), t_end=steps * h, dt=h)
+    longer = ct.run(rub, law=law(mu), t_end=(steps + 2) * h, dt=h, record=ct.Record(state_every=1))
+    q, forces = longer.state[:, :-6], longer.state_of("tips")[:steps]
+    contact, normal, friction, damping, heat, drive = 0.0, 0.0, 0.0, 0.0, np.zeros(2), np.zeros(2)
+    omega, zeta = (np.concatenate([getattr(b, name) for b in rub.bodies]) for name in ("omega", "zeta"))
+    slid = rub.casing.radius * rub.speed.omega(0.0) * h
+    for n in range(1, steps):
+        work = forces[n] * (rows_at(rub, n * h, 3)[0] @ (0.5 * (q[n + 1] - q[n - 1])))
+        widened = gaps_at(rub, (n + 1) * h, q[n + 1]) - gaps_at(rub, (n - 1) * h, q[n - 1])
+        contact += 0.5 * forces[n, ::3] @ widened
+        normal, friction = normal + work[::3].sum(), friction + work[1::3].sum() + work[2::3].sum()
+        damping -= np.sum(2.0 * zeta * omega * (0.5 * (q[n + 1] - q[n - 1])) ** 2) / h
+        slip = (rows_at(rub, n * h, 3)[0] @ (q[n + 1] - q[n])).reshape(2, 3)
+        slip[:, 1] += slid
+        pull = forces[n].reshape(2, 3)
+        heat -= np.sum(pull[:, 1:] * slip[:, 1:], axis=1)
+        drive -= pull[:, 1] * slid
+    energy, notes = result.energy, result.notes
+    assert energy.contact == pytest.approx(contact, rel=1e-9)
+    assert energy.rotation == pytest.approx(normal - contact, rel=1e-9)
+    assert energy.friction == pytest.approx(friction, rel=1e-9)
+    assert energy.damping == pytest.approx(damping, rel=2e-2)
+    assert notes.heat == pytest.approx(heat, rel=1e-9)
+    assert notes.drive == pytest.approx(drive, rel=1e-9)
+    assert min(heat) > 0.0
+    assert min(drive) > 0.0
+    assert np.array_equal(result.peak_force, result.force.max(axis=0))
+    assert np.array_equal(result.contact_steps, np.count_nonzero(result.force > 0.0, axis=0))
+    assert result.impulse == pytest.approx(result.force.sum(axis=0) * h, rel=1e-12)
 
 
 @pytest.mark.slow
