@@ -53,15 +53,17 @@ def test_the_uncertainty_is_the_scatter_of_repeated_tests():
 @pytest.mark.parametrize("noise", [1e-5, 0.02])
 def test_intervals_hold_beside_other_n_of_many_sizes(noise):
     """150 shapes with all other n, of sizes 1 to 1/25: at 95 % fewer than 133 hold in 1 of 1000 runs."""
-    rng, circle, hits = np.random.default_rng(58), Circle.of(UNEVEN), 0
+    rng, circle, hits, off = np.random.default_rng(58), Circle.of(UNEVEN), 0, []
     for _ in range(150):
         n, at = int(rng.integers(3, 12)), rng.uniform(0, np.pi)
         shape = np.cos(n * (UNEVEN - at)) + noise * rng.standard_normal(24)
         for k, m in enumerate(rng.permutation([m for m in range(26) if m != n]), start=1):
             shape += 0.1 / k * rng.standard_normal(2) @ [np.cos(m * UNEVEN), np.sin(m * UNEVEN)]
         found = circle.label(shape, noise**2 * np.eye(24))
-        hits += abs(np.arcsin(np.sin(n * (found.angle - at)))) / n < 1.96 * found.sigma
+        off.append(np.arcsin(np.sin(n * (found.angle - at))) / n / found.sigma)
+        hits += abs(off[-1]) < 1.96
     assert 133 <= hits < 150
+    assert 0.5 < np.sqrt(np.mean(np.square(off))) < 1.5
 
 
 def test_what_no_n_explains_has_no_label():

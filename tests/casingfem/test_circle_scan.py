@@ -6,7 +6,7 @@ import pytest
 from casingfem.experiment.circle.lines import ScanError, clear_rate, line_frequencies
 from casingfem.experiment.circle.pair import split_pair
 from casingfem.experiment.circle.record import ScanRecord, from_tacho, turning
-from casingfem.experiment.circle.scan import demodulate
+from casingfem.experiment.circle.scan import CircleScan, demodulate
 from casingfem.experiment.rig.rig import Probe, Rig, RigError
 from casingfem.experiment.rig.scan import Tone, Turning, scan
 from casingfem.experiment.rig.truth import truth
@@ -234,6 +234,34 @@ def test_a_close_pair_both_excited_is_told_apart(split):
     np.testing.assert_allclose(pair.zeta, [0.002, 0.0025], rtol=0.05)
     assert pair.split == pytest.approx(split, abs=4.0 * pair.split_sigma)
     assert 0.6 < pair.misfit < 1.6
+
+
+def test_uncertainties_of_a_pair_are_the_scatter_of_repeated_scans():
+    """40 draws of noise on exact waves: deviations over sigma have unit rms, misfit^2 a mean of 1 (14 of 24 equations).
+
+    Tolerances are 3.5 standard deviations of 40 draws.
+    """
+    tones, orders, draws = np.linspace(368.1, 371.9, 6), np.array([-8, 8]), 40
+    freq, zeta, angle = np.array([369.25, 370.75]), np.array([0.002, 0.0025]), np.array([0.13, 0.13 + np.pi / 16])
+    omega, own = 2.0 * np.pi * tones[:, None], 2.0 * np.pi * freq
+    h = 1j * omega / (own**2 - omega**2 + 2j * zeta * own * omega)
+    cosine, sine = (h * part(8 * angle) @ [1.0, 0.8] + 1e-8j * omega[:, 0] for part in (np.cos, np.sin))
+    V = 0.5 * np.column_stack([cosine + 1j * sine, cosine - 1j * sine])
+    sigma = np.full(V.shape, 0.003 * np.abs(V).max())
+    rng, off, misfits = np.random.default_rng(SEED), [], []
+    for _ in range(draws):
+        noise = sigma * (rng.standard_normal(V.shape) + 1j * rng.standard_normal(V.shape))
+        seen = CircleScan(tones=tones, n=orders, V=V + noise, sigma=sigma, floor=sigma, rate=2.0, left=1.0)
+        pair = split_pair(seen, 8)
+        turned = (pair.angle_deg - np.degrees(angle) + 90.0 / 8) % (180.0 / 8) - 90.0 / 8
+        parts = (
+            (pair.freq - freq) / pair.freq_sigma, (pair.zeta - zeta) / pair.zeta_sigma,
+            turned / pair.angle_sigma_deg, (pair.split - np.ptp(freq)) / pair.split_sigma,
+        )  # fmt: skip
+        off.append(max(pair.misfit, 1.0) * np.hstack(parts))  # by which a fit that misfits raises its sigma
+        misfits.append(pair.misfit**2)
+    assert np.sqrt(np.mean(np.square(off), axis=0)) == pytest.approx(np.ones(7), abs=3.5 / np.sqrt(2.0 * draws))
+    assert np.mean(misfits) == pytest.approx(1.0, abs=3.5 * np.sqrt(2.0 / 14 / draws))
 
 
 def test_lines_that_fall_together_are_named_and_a_better_rate_works():

@@ -110,6 +110,25 @@ def test_guyan_mass_is_exact_in_statics_and_serep_for_its_modes(casing, system, 
         guyan_mass(system, twice)
 
 
+def test_the_mass_of_orthogonality_is_the_one_that_is_asked_for(casing, system, found):
+    points, out = placed(casing)
+    values = sensors_of(found, points, out).shapes(found.fields)
+    test = MeasuredShapes.from_arrays(freq_hz=found.freq, values=values, points=points, directions=out)
+    sensors = sensors_of(found, points, out)
+    for mass, options, M in (
+        ("Guyan", {"system": system}, guyan_mass(system, sensors)), ("SEREP", {"system": system}, None),
+    ):  # fmt: skip
+        result = correlate(found, test, mass=mass, **options)
+        M = serep_mass(values[:, result.expansion.modes]) if M is None else M
+        size = np.sqrt(np.einsum("ik,ij,jk->k", values, M, values))
+        inner = (values.T @ M @ values / np.multiply.outer(size, size)) ** 2
+        assert result.mass_by == mass
+        np.testing.assert_allclose(result.nco, inner, atol=1e-9)
+    for mass, options in (("Guyan", {}), ("guyan", {"system": system}), ("IRS", {})):
+        with pytest.raises(ValueError, match='mass must be "SEREP", or "Guyan" with the assembled system'):
+            correlate(found, test, mass=mass, **options)
+
+
 def test_loads_are_the_sensors_own(system, found):
     """Work of a unit force at a channel is the motion there: P^T x = S x."""
     points, out = placed(found.shell, count=5)
@@ -143,6 +162,20 @@ def test_expansion_refuses_what_the_sensors_do_not_tell():
         expand(shapes[:, :1], shapes, np.arange(6), modes=[0, 1])
     with pytest.raises(ModelError, match="4 modes on 3 channels"):
         expand(np.ones((3, 1)), np.ones((3, 4)), np.arange(3), modes=[0, 1, 2, 3])
+
+
+@pytest.mark.parametrize(("channels", "most"), [(1, 1), (2, 1), (3, 2), (9, 6), (10, 6)])
+def test_expansion_takes_at_most_two_modes_for_three_channels(channels, most):
+    assert well_conditioned(np.eye(channels)) == list(range(most))
+
+
+def test_expansion_leaves_out_what_makes_the_shapes_ill_conditioned():
+    """Two unit shapes at an angle a have the condition 1/tan(a/2)."""
+    for condition, taken in ((9.9, [0, 1]), (10.1, [0])):
+        a = 2.0 * np.arctan(1.0 / condition)
+        assert well_conditioned(np.array([[1.0, np.cos(a)], [0.0, np.sin(a)], [0.0, 0.0]]), worst=10.0) == taken
+    zero = np.column_stack([np.zeros(6), np.eye(6)[0], np.eye(6)[1]])
+    assert well_conditioned(zero) == [1, 2]
 
 
 def test_sensors_are_put_on_the_wall_and_refused_when_far(casing, found):

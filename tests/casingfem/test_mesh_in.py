@@ -219,7 +219,8 @@ BROKEN = {
     "real.bdf": (BDF.replace("20.-1", "20.-x"), "expected a real number"),
     "middle.bdf": (BDF.replace("3       4\n", "3       4       1\n"), "has 5 nodes"),
     "nothing.bdf": ("BEGIN BULK\nENDDATA\n", "mesh-no-cells"),
-    "pieces.vtu": ("<VTKFile></VTKFile>", "0 pieces"),
+    "pieces.vtu": ("<VTKFile></VTKFile>", "0 pieces, expected one"),
+    "two.vtu": ("<VTKFile><Piece></Piece><Piece></Piece></VTKFile>", "2 pieces, expected one"),
 }
 
 
@@ -264,11 +265,18 @@ def test_mixed_cells_and_loose_facets_are_named(tmp_path):
         read_mesh(write(tmp_path / "b.inp", INP + loose))
 
 
-@pytest.mark.parametrize(("name", "text"), [("a.inp", INP + "*TIE, NAME=t\n a, b\n"), ("a.bdf", "RBE2,9,1,123,2")])
-def test_constraints_that_are_not_taken_over_are_doubted(name, text, tmp_path):
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        ("a.inp", INP + "*TIE, NAME=t\n a, b\n", r"\*TIE \(line 24\)"),
+        ("a.bdf", "RBE2,9,1,123,2", "1 RBE2"),
+        ("b.bdf", "RBE2,9,1,123,2\nMPC,3,1,1,1.,2,1,-1.\nRBE2,10,1,123,3\nRBE2,11,1,123,4", "3 RBE2, 1 MPC"),
+    ],
+)
+def test_constraints_that_are_not_taken_over_are_doubted(name, text, told, tmp_path):
     if name.endswith("bdf"):
         text = BDF.replace("GRID,4,0,0.,\n,2.+0\n", "GRID,4,,0.,0.,2.\n").replace("MAT1", text + "\nMAT1")
-    with pytest.warns(ModelWarning, match="mesh-left-out"):
+    with pytest.warns(ModelWarning, match=f"{name}: {told}: .*mesh-left-out"):
         read_mesh(write(tmp_path / name, text))
 
 

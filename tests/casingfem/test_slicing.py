@@ -9,7 +9,6 @@ from scipy.sparse import csc_array
 from casingfem.modal import slicing
 from casingfem.modal.eigen import EigenError, solve_band, solve_modes
 from casingfem.modal.krylov import nearest
-from casingfem.modal.pencil import make_pencil
 from casingfem.structure.factor import factorise
 
 
@@ -94,16 +93,6 @@ def test_a_cluster_larger_than_the_block_is_found_whole():
     K, M = with_spectrum(values)
     found = solve_modes(K, M, 23, shift=-0.01)
     np.testing.assert_allclose(found.eigenvalues, np.sort(values)[:23], rtol=1e-10)
-
-
-def test_pardiso_agrees_with_superlu():
-    pytest.importorskip("pypardiso")
-    K, M = with_spectrum(np.arange(1.0, 200.0), sparse_mass=True)
-    a, b = (solve_modes(K, M, 30, shift=-0.1, direct=direct) for direct in ("superlu", "pardiso"))
-    np.testing.assert_allclose(a.eigenvalues, b.eigenvalues, rtol=1e-9)
-    pencil = make_pencil(K, M)
-    for sigma in (0.5, 17.5, 100.5, 300.0):
-        assert pencil.count_below(sigma, "pardiso") == pencil.count_below(sigma, "superlu") == min(int(sigma), 199)
 
 
 def test_refuses_a_factorisation_it_does_not_know():

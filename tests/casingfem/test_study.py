@@ -98,6 +98,25 @@ def test_an_elastic_edge_whose_springs_vary_each_in_its_way(tmp_path):
     assert support.pattern("k_z").coefficients(2) == (0.0, 0.1)
 
 
+@pytest.mark.parametrize(
+    ("around", "words"),
+    [
+        ("around = [{p = 0, cos = 0.3}]", r"around: found harmonics \[0\], expected each p >= 1 once"),
+        ("around = [{p = 4, cos = 0.3}, {p = 4, sin = 0.1}]", r"around: found harmonics \[4, 4\], expected each p >= 1"),
+        ("around.k_r = [{p = 0, cos = 0.3}]", r"around.k_r: found harmonics \[0\], expected each p >= 1 once"),
+    ],
+)
+def test_patterns_of_springs_have_waves_each_once(tmp_path, around, words):
+    spring = f'kind = "elastic"\nk_face = 1e13\nk_r = 2e8\n{around}'
+    with pytest.raises(StudyError, match=words):
+        load_study(written(tmp_path, FRUSTUM.replace('kind = "clamped"', spring)))
+
+
+def test_an_empty_pattern_is_none(tmp_path):
+    spring = 'kind = "elastic"\nk_face = 1e13\naround = []'
+    assert load_study(written(tmp_path, FRUSTUM.replace('kind = "clamped"', spring))).shell.axisymmetric
+
+
 def test_random_imperfections_of_one_seed_are_not_one_field(tmp_path):
     more = '[[imperfection]]\nof = "radius"\nrandom = "laboratory"\nseed = 7\nscale = 0.5\n'
     more += '[[imperfection]]\nof = "thickness"\nrandom = [{p = 2, median = 0.01}, {p = 5, median = 0.002}]\nseed = 7\n'

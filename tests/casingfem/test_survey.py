@@ -10,6 +10,7 @@ from casingfem.modal.modes import modes
 from casingfem.structure.field import Field, FieldValues, FourierField
 from casingfem.structure.strict_csv import CsvError, parse
 from casingfem.structure.survey import SampledField, SurveyError
+from casingfem.structure.survey_robust import robust_weights
 
 DEFECT = FourierField(
     p=np.array([2, 8, 20]),
@@ -168,6 +169,18 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     assert off[0] > 4 * off[1]
     assert robust.residual_rms < 1.2 * clean.residual_rms < plain.residual_rms / 2
     assert "points set aside (theta" in repr(robust)
+
+
+def test_robust_weights_are_those_of_tukeys_bisquare():
+    """Residuals that no weight moves: (1 - (u/4.685)^2)^2 of u = |r|/(1.4826 med |r| sqrt(n/(n - p))), 0 beyond."""
+    r = np.linspace(-8.0, 8.0, 41)
+    u = r / (1.4826 * np.median(np.abs(r)) * np.sqrt(41 / 36))
+    r = r * np.r_[np.ones(40), 5.0]  # one far out, which the median does not see
+    u[-1] *= 5.0
+    expected = np.where(np.abs(u) < 4.685, (1.0 - (u / 4.685) ** 2) ** 2, 0.0)
+    np.testing.assert_allclose(robust_weights(lambda _: r, 41, 5), expected, rtol=1e-12)
+    assert expected[-1] == 0.0
+    assert 0.0 < expected[-2] < 0.9
 
 
 def test_a_robust_fit_of_clean_points_is_the_plain_one():

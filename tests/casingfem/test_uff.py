@@ -9,6 +9,7 @@ import pytest
 from casingfem.errors import ModelWarning
 from casingfem.experiment.uff.nodes import Nodes, Units
 from casingfem.experiment.uff.read import parse_uff, read_uff
+from casingfem.experiment.uff.set_58 import Axes, Axis
 from casingfem.experiment.uff.split import UffError
 from casingfem.experiment.uff.write import write_uff
 from reports import uff_mutations
@@ -61,6 +62,16 @@ def test_functions_keep_the_digits_of_their_format(even, is_complex, double, tmp
         )  # fmt: skip
         assert found.text == given.text
     assert np.array_equal(text.x, given.x if even else rounded(given.x, 6))
+
+
+def test_an_axis_of_which_nothing_is_said_is_unknown(tmp_path):
+    """Kind 0, exponents 0 and NONE are the format's words for it."""
+    given = function(even=True, is_complex=False, double=True)
+    bare = replace(given, axes=Axes(abscissa=given.axes.abscissa, ordinate=Axis()))
+    (line,) = (text for text in written(tmp_path, functions=[bare]).decode().splitlines()[10:11])
+    assert line.split() == ["0", "0", "0", "0", "NONE", "NONE"]
+    (found,) = read_uff(tmp_path / "file.uff").functions
+    assert found.axes.denominator == found.axes.z == found.axes.ordinate == Axis(0, (0, 0, 0), "NONE", "NONE")
 
 
 def test_geometry_and_shapes_come_back(tmp_path):

@@ -117,6 +117,13 @@ def test_gravity_and_whirl_of_the_file_are_those_of_the_rub(write, tmp_path):
         ("line = 1", "line = 4", "tips[4].line: found 4, expected 0 .. 1"),
         ("hz = [3.0, 5.0]", "hz = 3.0", "one hz and 2 time found"),
         ("time_constant = 0.01", "time = [0.0]", "expected one by with time_constant"),
+        ("time_constant = 0.01", "", "expected one by with time_constant"),
+        ("time_constant = 0.01", "time_constant = 0.01\ntime = [0.0]", "expected one by with time_constant"),
+        ("by = 1e-5", "by = [0.0, 1e-5]", "expected one by with time_constant"),
+        ("by = 1e-5", "by = [0.0, 1e-5]\ntime = [0.0, 0.1]", "expected one by with time_constant"),
+        ("by = 1e-5\ntime_constant = 0.01", "by = [0.0, 1e-5]", "expected one by with time_constant"),
+        ("time = [0.0, 0.1]\n", "", "2 hz and 0 time found"),
+        ("hz = [3.0, 5.0]", "hz = [3.0, 5.0, 6.0]", "3 hz and 2 time found"),
         ("time = [0.0, 0.1]", "time = [0.1, 0.1]", "speed: found 0.1 after 0.1, expected ascending values"),
         ('axial = "node1.chord"', "", "expected all or none"),
         ("lean_deg = 10.0", "lean_deg = 10.0\nstiffening = true", "found a basis without K_omega"),
@@ -149,6 +156,13 @@ def test_broken_rub_scenes(write, old, new, words):
 def test_broken_profiles(write, table, words):
     with pytest.raises(ct.SceneError, match=words):
         ct.load_scene(write(table=table))
+
+
+def test_a_speed_and_a_closing_may_be_one_number_or_a_table(write):
+    text = RUB.replace("time = [0.0, 0.1]\nhz = [3.0, 5.0]", "hz = 4.0")
+    rub = ct.load_scene(write(text.replace("by = 1e-5\ntime_constant = 0.01", "by = [0.0, 1e-5]\ntime = [0.0, 0.2]"))).what
+    assert rub.speed.omega(0.3) == pytest.approx(8.0 * np.pi)
+    assert [rub.closing.at(t) for t in (0.0, 0.1, 0.2)] == pytest.approx([0.0, 5e-6, 1e-5])
 
 
 def test_a_missing_profile_is_named_once(write, tmp_path):
