@@ -1,4 +1,4 @@
-"""The adapter of MKL Pardiso: what it hands over and reads back, against a stand-in everywhere, against MKL where it is.
+"""The adapter of MKL Pardiso, what it hands over and reads back: against a stand-in, and against MKL where it is.
 
 MKL takes .3 GB to download, too much for the development extra; with `pip install -e '.[direct]'` both are run.
 """

@@ -160,7 +160,9 @@ def test_broken_profiles(write, table, words):
 
 def test_a_speed_and_a_closing_may_be_one_number_or_a_table(write):
     text = RUB.replace("time = [0.0, 0.1]\nhz = [3.0, 5.0]", "hz = 4.0")
-    rub = ct.load_scene(write(text.replace("by = 1e-5\ntime_constant = 0.01", "by = [0.0, 1e-5]\ntime = [0.0, 0.2]"))).what
+    rub = ct.load_scene(
+        write(text.replace("by = 1e-5\ntime_constant = 0.01", "by = [0.0, 1e-5]\ntime = [0.0, 0.2]"))
+    ).what
     assert rub.speed.omega(0.3) == pytest.approx(8.0 * np.pi)
     assert [rub.closing.at(t) for t in (0.0, 0.1, 0.2)] == pytest.approx([0.0, 5e-6, 1e-5])
 

@@ -125,7 +125,7 @@ def test_a_mass_on_a_contact_spring_bounces_as_half_an_oscillation():
     ball = [ct.PointMass(mass=2.0, x=0.1, velocity=-3.0), ct.Wall(x=0.0)]
     for scheme in (ct.PenaltyDifference(), ct.HHT(alpha=0.0)):
         result = ct.run(ball, scheme=scheme, law=ct.Penalty(stiffness=5e3), t_end=0.2, dt=1e-4)
-        (begin, end), = result.intervals[0]
+        ((begin, end),) = result.intervals[0]
         assert begin == pytest.approx(0.1 / 3.0, abs=1e-4)
         assert end - begin == pytest.approx(np.pi * np.sqrt(2.0 / 5e3), abs=2e-4)
         assert result.peak_force[0] == pytest.approx(3.0 * np.sqrt(2.0 * 5e3), rel=1e-4)
