@@ -243,8 +243,13 @@ def test_uncertainties_of_a_pair_are_the_scatter_of_repeated_scans():
     """
     tones, orders, draws = np.linspace(368.1, 371.9, 6), np.array([-8, 8]), 40
     freq, zeta, angle = np.array([369.25, 370.75]), np.array([0.002, 0.0025]), np.array([0.13, 0.13 + np.pi / 16])
-    omega, own = 2.0 * np.pi * tones[:, None], 2.0 * np.pi * freq
-    h = 1j * omega / (own**2 - omega**2 + 2j * zeta * own * omega)
+    omega = 2.0 * np.pi * tones[:, None]
+
+    def resonances(freq, zeta):
+        own = 2.0 * np.pi * freq
+        return 1j * omega / (own**2 - omega**2 + 2j * zeta * own * omega)
+
+    h = resonances(freq, zeta)
     cosine, sine = (h * part(8 * angle) @ [1.0, 0.8] + 1e-8j * omega[:, 0] for part in (np.cos, np.sin))
     V = 0.5 * np.column_stack([cosine + 1j * sine, cosine - 1j * sine])
     sigma = np.full(V.shape, 0.003 * np.abs(V).max())
@@ -253,6 +258,10 @@ def test_uncertainties_of_a_pair_are_the_scatter_of_repeated_scans():
         noise = sigma * (rng.standard_normal(V.shape) + 1j * rng.standard_normal(V.shape))
         seen = CircleScan(tones=tones, n=orders, V=V + noise, sigma=sigma, floor=sigma, rate=2.0, left=1.0)
         pair = split_pair(seen, 8)
+        A = np.hstack([resonances(pair.freq, pair.zeta), 1e-6j * omega])
+        data = np.column_stack([seen.V.sum(axis=1), 1j * (seen.V[:, 1] - seen.V[:, 0])])
+        left = np.linalg.lstsq(np.vstack([A.real, A.imag]), np.vstack([data.real, data.imag]), rcond=None)[1]
+        assert pair.misfit == pytest.approx(np.sqrt(left.sum() / 2.0 / (24 - 10)) / sigma[0, 0], rel=1e-6)
         turned = (pair.angle_deg - np.degrees(angle) + 90.0 / 8) % (180.0 / 8) - 90.0 / 8
         parts = (
             (pair.freq - freq) / pair.freq_sigma, (pair.zeta - zeta) / pair.zeta_sigma,

@@ -148,6 +148,13 @@ def test_expansion_gives_the_whole_shape_and_the_left_out_error_of_a_refit(casin
     np.testing.assert_allclose(exact.fields(found.fields), found.fields[:, :, :3], atol=1e-8 * abs(found.fields).max())
     assert exact.outside.max() < 1e-9
     assert 0.01 < whole.outside.max() < 0.3
+    basis = at[:, whole.modes]
+    best = np.linalg.lstsq(basis, noisy, rcond=None)[0]
+    np.testing.assert_allclose(whole.coordinates, best, atol=1e-9 * np.abs(best).max())
+    np.testing.assert_allclose(whole.smoothed, basis @ best, atol=1e-9 * np.abs(noisy).max())
+    left = np.linalg.norm(noisy - basis @ best, axis=0)
+    np.testing.assert_allclose(whole.outside, left / np.linalg.norm(noisy, axis=0), rtol=1e-9)
+    assert whole.condition == pytest.approx(np.linalg.cond(basis), rel=1e-9)
     kept = np.arange(len(at)) != 7
     refit = at[kept][:, whole.modes]
     predicted = at[7][whole.modes] @ np.linalg.lstsq(refit, noisy[kept], rcond=None)[0]

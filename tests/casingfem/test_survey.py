@@ -82,6 +82,9 @@ def test_residual_is_the_noise_that_was_put_in():
     survey = SampledField.from_points(theta, z, casing(theta, z) + noise, n_max=30, degree=1)
     free = 1 - 122 / z.size
     assert survey.residual_rms_m == pytest.approx(2e-5 * np.sqrt(free), rel=0.1)
+    left = (casing(theta, z) + noise) / survey.mean_radius(z) - 1.0 - survey.derivatives(z, theta).value
+    assert survey.residual_rms == pytest.approx(np.sqrt(np.mean(left**2)), rel=1e-9)
+    assert survey.residual_max == pytest.approx(np.abs(left).max(), rel=1e-9)
     assert survey.fit.amplitude(8) == pytest.approx(4e-3, abs=2e-5)
 
 

@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.sparse import csr_array
 
@@ -118,6 +119,25 @@ def test_energies_and_works_are_those_of_the_motion(scheme):
     assert energy.end.strain == pytest.approx(0.5 * u[n] @ body.K @ u[n], rel=1e-2)
     assert energy.end.potential == pytest.approx(-body.load @ u[n], rel=1e-2)
     assert energy.external == pytest.approx(3.0 * drive @ moved[:, 1], rel=1e-2)
+
+
+def test_a_driven_oscillator_follows_its_equation():
+    """m x'' + c x' + k (x - anchor) = F cos(2 pi f t + phase), out of reach of the wall: every input with its sign."""
+    mass = ct.PointMass(
+        mass=2.0, x=1.0, velocity=-0.7, stiffness=80.0, anchor=1.1, damping=3.0, force=5.0, force_hz=1.3, force_deg=40.0
+    )
+
+    def rate(t, y):
+        force = 5.0 * np.cos(2.0 * np.pi * 1.3 * t + np.radians(40.0))
+        return [y[1], (force - 3.0 * y[1] - 80.0 * (y[0] - 1.1)) / 2.0]
+
+    exact = solve_ivp(rate, (0.0, 2.0), [1.0, -0.7], rtol=1e-10, atol=1e-12, dense_output=True).sol
+    record = ct.Record(every=10, state_every=10)
+    for scheme in (ct.CentralDifference(), ct.Newmark()):
+        result = ct.run([mass, ct.Wall(x=-9.0)], scheme=scheme, t_end=2.0, dt=1e-3, record=record)
+        moved = result.state[:, -1] - result.state[0, -1]
+        assert moved == pytest.approx(exact(result.state_time)[0] - 1.0, abs=1e-4)
+        assert result.motions[0].mean_velocity == pytest.approx(exact(2.0)[1], abs=5e-3)
 
 
 def test_a_mass_on_a_contact_spring_bounces_as_half_an_oscillation():

@@ -108,6 +108,8 @@ def test_friction_beyond_the_lean_moves_the_growth_from_sum_to_difference():
         met = {c.branch: c for c in coincidences(pair.contact()) if c.speed_hz > 0.0}
         grows = {name for name, c in met.items() if c.growth > 0.0}
         assert grows == {branch}
+        for name, c in met.items():  # f_b = n f - f_c or f_c - n f, of the bodies without contact
+            assert c.free_hz == pytest.approx((300.0 + (120.0 if name == "sum" else -120.0)) / 8.0, rel=1e-9)
         speeds = {name: np.linspace(c.speed_hz - c.half_hz, c.speed_hz + c.half_hz, 41) for name, c in met.items()}
         peaks = {name: growth(pair.contact(), at).max() for name, at in speeds.items()}
         assert peaks[branch] == pytest.approx(met[branch].growth, rel=0.05)
