@@ -1,7 +1,7 @@
 """Restarts from the mean casing's modes against solutions from nothing: what accuracy costs.
 
-`python -m reports.mistuning [--quick] [--out DIR]`. The reference frustum with radius defects as of the laboratory
-cylinders (their spectrum, 31 harmonics), 40 modes. Each row is one way to the modes of a draw: block steps k, and
+`python -m reports.mistuning [--quick] [--out DIR]`. The reference frustum with radius defects by the example
+spectrum (31 harmonics), 40 modes. Each row is one way to the modes of a draw: block steps k, and
 what is kept of them: the whole Krylov space, or its last block (subspace iteration). Errors are the worst over modes
 and draws, against shift-invert from nothing; seconds are of the processor, assembly and the Sturm count included.
 """
@@ -34,7 +34,7 @@ COARSE = ShellMesh(order=6, rows=1, around=17)
 
 def casing(quick: bool) -> Shell:
     """The reference frustum with a random radius, on its default mesh or a coarse one."""
-    field = RandomField.laboratory(thickness=3e-3, radius=0.475, seed=7, p_max=16 if quick else 32)
+    field = RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=16 if quick else 32)
     mesh = COARSE if quick else None
     return replace(reference_frustum(), radius_defect=field, mesh=mesh)
 

@@ -3,7 +3,7 @@
 There is no public frequency table of the original rig. This script makes one from a model that the updater does
 not have: a finer mesh; radius harmonics that change along the axis and go beyond the survey's fit; a wall whose
 thickness varies around; an embedding with harmonics outside the updated family; noise on both records. The
-spectrum of the radius follows the medians measured on 59 laboratory cylinders (data/reference, amplitude over
+spectrum of the radius follows the medians of the example spectrum (`casingfem.structure.random_field`, amplitude over
 wall thickness), scaled to a machined casing.
 
     python -m reports.rig_synthetic          writes data/surveys/rig_casing.csv and data/experiments/rig_casing.csv
@@ -15,14 +15,14 @@ from pathlib import Path
 import numpy as np
 
 import casingfem as cf
-from casingfem.structure.random_field import LABORATORY
+from casingfem.structure.random_field import EXAMPLE
 
 SEED = 20261
 DATA = Path(__file__).parent.parent / "data"
 
 HEIGHT, THICKNESS = 0.25, 3e-3  # m, of the drawing
 CHART = cf.Frustum(r_base=0.50, r_top=0.45, height=HEIGHT)
-MACHINED = 0.35  # amplitudes of a machined casing over those of the laboratory cylinders
+MACHINED = 0.35  # amplitudes of a machined casing over those of the example
 HIGHEST = 32  # harmonics of the true surface; those above 12 continue as p^-2
 SURVEY_SIGMA = 8e-6  # m
 FREQ_SIGMA = 4e-4  # relative standard uncertainty of a measured frequency
@@ -32,10 +32,10 @@ HIGHEST_FREQ = 640.0  # Hz
 def true_radius(rng: np.random.Generator) -> cf.FourierField:
     """The casing's radius defect: all harmonics 2 to 32, each with its own phase and trend along the axis."""
     p = np.arange(2, HIGHEST + 1)
-    measured = np.array([LABORATORY.get(int(k), np.nan) for k in p])
+    measured = np.array([EXAMPLE.get(int(k), np.nan) for k in p])
     known = np.isfinite(measured)
     level = np.exp(np.interp(np.log(p), np.log(p[known]), np.log(measured[known])))
-    level[p > 12] = LABORATORY[12] * (12.0 / p[p > 12]) ** 2
+    level[p > 12] = EXAMPLE[12] * (12.0 / p[p > 12]) ** 2
     amplitude = MACHINED * level * THICKNESS / 0.475
     phase = rng.uniform(0.0, 2.0 * np.pi, len(p))
     trend = rng.normal(0.0, 0.3, (len(p), 2))

@@ -163,7 +163,7 @@ def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[in
     Examples
     --------
     >>> from casingfem import Clamped, Cylinder, Material, RandomField, Shell, ShellMesh
-    >>> lab = RandomField.laboratory(thickness=0.01, radius=0.5, seed=7, scale=0.1, p_max=8)
+    >>> lab = RandomField.example(thickness=0.01, radius=0.5, seed=7, scale=0.1, p_max=8)
     >>> tube = Shell(chart=Cylinder(radius=0.5, height=0.3), thickness=0.01, supports={"base": Clamped()},
     ...              material=Material(E=210e9, nu=0.3, rho=7800.0), radius_defect=lab,
     ...              mesh=ShellMesh(order=5, rows=1, around=9))

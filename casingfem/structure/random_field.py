@@ -13,8 +13,8 @@ from casingfem.arrays import FloatArray, IntArray, frozen
 from casingfem.errors import ModelError
 from casingfem.structure.field import Field, FourierField, SeriesBehind, SumField
 
-LABORATORY = {2: 0.24, 3: 0.168, 4: 0.169, 5: 0.138, 6: 0.147, 7: 0.062, 8: 0.057, 10: 0.031, 12: 0.019}
-LABORATORY_HIGH = {2: 0.83, 4: 0.44, 8: 0.19}
+EXAMPLE = {2: 0.24, 3: 0.168, 4: 0.169, 5: 0.138, 6: 0.147, 7: 0.062, 8: 0.057, 10: 0.031, 12: 0.019}
+EXAMPLE_HIGH = {2: 0.83, 4: 0.44, 8: 0.19}
 NINETY = float(ndtri(0.9))  # standard deviations between the median and the 90th percentile
 RAYLEIGH = math.sqrt(math.log(10.0) / math.log(2.0))  # 90th percentile over median of a Rayleigh amplitude
 
@@ -24,7 +24,7 @@ class Spectrum:
     """How large the harmonics of a random field are: the median amplitude of each, and the 90th percentile.
 
     Amplitudes are lognormal, independent, with uniform phases. A Rayleigh amplitude (two equal Gaussian coefficients)
-    would tie the 90th percentile to 1.82 medians; the laboratory cylinders have 2.6 to 3.5, which the lognormal
+    would tie the 90th percentile to 1.82 medians; the example spectrum has 2.6 to 3.5, which the lognormal
     meets with s = ln(high/median)/1.2816.
 
     Parameters
@@ -110,7 +110,7 @@ class RandomField(SeriesBehind):
 
     Examples
     --------
-    >>> one, same = (RandomField.laboratory(thickness=3e-3, radius=0.475, seed=7) for _ in range(2))
+    >>> one, same = (RandomField.example(thickness=3e-3, radius=0.475, seed=7) for _ in range(2))
     >>> one.max_harmonic, one.amplitude(2) == same.amplitude(2), one.amplitude(2) == one.redrawn(1).amplitude(2)
     (32, True, False)
     """
@@ -133,16 +133,16 @@ class RandomField(SeriesBehind):
         object.__setattr__(self, "fit", FourierField(p=self.spectrum.p, cos=cos[:, None], sin=sin[:, None]))
 
     @classmethod
-    def laboratory(
+    def example(
         cls, *, thickness: float, radius: float, seed: int, scale: float = 1.0, p_max: int = 32, stream: int = 0
     ) -> RandomField:
-        """Radius defects as of 59 laboratory cylinders: medians .24 t at n = 2 to .019 t at n = 12.
+        """Radius defects by an example of a spectrum: medians 0.24 t at n = 2 to 0.019 t at n = 12, t the wall.
 
-        The medians at nine harmonics from 2 to 12 and 90th percentiles at 2, 4 and 8 are given in walls t; between
-        them amplitudes are interpolated, beyond 12 the power law of the last two (-2.7) goes on, which is an
-        assumption. That the data's unit is the wall is the usual one of such banks, not verified.
+        The values at nine harmonics and the 90th percentiles at 2, 4 and 8 have no source that can be named: take
+        them as an example of how amplitudes fall with n, and a survey's own spectrum where there is one. Between them
+        amplitudes are interpolated; beyond 12 the power law of the last two (-2.7) goes on, which is an assumption.
         """
-        spectrum = Spectrum.between(LABORATORY, LABORATORY_HIGH, p_max=p_max).scaled(scale * thickness / radius)
+        spectrum = Spectrum.between(EXAMPLE, EXAMPLE_HIGH, p_max=p_max).scaled(scale * thickness / radius)
         return cls(spectrum=spectrum, seed=seed, stream=stream)
 
     def redrawn(self, draw: int) -> RandomField:

@@ -154,7 +154,7 @@ class Wave(Table):
 
 
 Random = Annotated[
-    Annotated[Literal["laboratory"], Tag("name")] | Annotated[list[Wave], Tag("spectrum"), Field(min_length=1)],
+    Annotated[Literal["example"], Tag("name")] | Annotated[list[Wave], Tag("spectrum"), Field(min_length=1)],
     Discriminator(lambda value: "spectrum" if isinstance(value, list) else "name"),
 ]
 
@@ -168,7 +168,7 @@ class ImperfectionTable(Table):
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic fitted to the survey")
     degree: int | None = Field(default=None, ge=0, le=20, description="degree of the fit along z")
     robust: bool | None = Field(default=None, description="set stray points of the survey aside, and say which")
-    random: Random | None = Field(default=None, description='"laboratory" (radius), or [{p, median, high}], relative')
+    random: Random | None = Field(default=None, description='"example" (radius), or [{p, median, high}], relative')
     seed: int | None = Field(default=None, ge=0, description="of the random field: same seed, same field")
     scale: Positive | None = Field(default=None, description="factor on the random field's spectrum")
     p_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of the random field")
@@ -186,9 +186,9 @@ class ImperfectionTable(Table):
                 raise ValueError(f"found {', '.join(astray)} beside {given[0]}, expected with {name} only")
         if self.random is not None and self.seed is None:
             raise ValueError("found random without seed, expected a whole number: the same seed gives the same field")
-        if self.random == "laboratory" and self.of != "radius":
+        if self.random == "example" and self.of != "radius":
             raise ValueError(
-                f'found random = "laboratory" of {self.of}, expected a spectrum of your own: [{{p, median}}]'
+                f'found random = "example" of {self.of}, expected a spectrum of your own: [{{p, median}}]'
             )
         return self
 

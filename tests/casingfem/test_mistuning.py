@@ -39,7 +39,7 @@ thickness = 0.01
 kind = "clamped"
 [[imperfection]]
 of = "radius"
-random = "laboratory"
+random = "example"
 seed = 7
 scale = 0.2
 p_max = 12
@@ -55,7 +55,7 @@ around = 9
 
 @pytest.fixture(scope="module")
 def casing(frustum, coarse):
-    random = RandomField.laboratory(thickness=3e-3, radius=0.475, seed=7, p_max=12)
+    random = RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
     spectrum = Spectrum.between({2: 0.01, 8: 0.003}, {2: 0.02, 8: 0.006})
     return frustum(
         mesh=coarse,
@@ -125,7 +125,7 @@ def test_what_is_not_random_stays(casing):
 
 
 def test_mesh_is_chosen_for_the_spectrum_not_for_the_draw(frustum):
-    random = RandomField.laboratory(thickness=3e-3, radius=0.475, seed=7)
+    random = RandomField.example(thickness=3e-3, radius=0.475, seed=7)
     meshes = {frustum(radius_defect=random.redrawn(k)).mesh for k in range(12)}
     assert len(meshes) == 1
 
@@ -167,7 +167,7 @@ def tables(out):
 
 
 def test_a_study_without_random_fields_is_refused(study):
-    study.write_text(STUDY.replace('random = "laboratory"\nseed = 7\nscale = 0.2\np_max = 12', "harmonics = [{p = 3}]"))
+    study.write_text(STUDY.replace('random = "example"\nseed = 7\nscale = 0.2\np_max = 12', "harmonics = [{p = 3}]"))
     result = CliRunner().invoke(main, ["mistune", str(study), "--draws", "2"])
     assert result.exit_code == 2
     assert "study.toml: imperfection: nothing of this shell is random" in result.stderr

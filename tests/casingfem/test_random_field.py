@@ -5,8 +5,8 @@ import pytest
 
 from casingfem.structure.field import Field, FourierField, SumField
 from casingfem.structure.random_field import (
-    LABORATORY,
-    LABORATORY_HIGH,
+    EXAMPLE,
+    EXAMPLE_HIGH,
     RandomField,
     Spectrum,
     is_random,
@@ -18,16 +18,16 @@ CASING = {"thickness": 3e-3, "radius": 0.475}
 
 def test_draws_have_the_published_median_and_90th_percentile():
     """2,500 draws: the median of a lognormal of s = .97 scatters by 1.25 s/sqrt(2500) = 2.4 %."""
-    field = RandomField.laboratory(**CASING, seed=71, p_max=12)
+    field = RandomField.example(**CASING, seed=71, p_max=12)
     series = [field.redrawn(k).fit for k in range(2500)]
-    draws = np.array([np.hypot(fit.cos, fit.sin)[np.array([*LABORATORY]) - 2, 0] for fit in series]) * 0.475 / 3e-3
-    np.testing.assert_allclose(np.median(draws, axis=0), list(LABORATORY.values()), rtol=0.06)
-    columns = [list(LABORATORY).index(p) for p in LABORATORY_HIGH]
-    np.testing.assert_allclose(np.quantile(draws[:, columns], 0.9, axis=0), list(LABORATORY_HIGH.values()), rtol=0.08)
+    draws = np.array([np.hypot(fit.cos, fit.sin)[np.array([*EXAMPLE]) - 2, 0] for fit in series]) * 0.475 / 3e-3
+    np.testing.assert_allclose(np.median(draws, axis=0), list(EXAMPLE.values()), rtol=0.06)
+    columns = [list(EXAMPLE).index(p) for p in EXAMPLE_HIGH]
+    np.testing.assert_allclose(np.quantile(draws[:, columns], 0.9, axis=0), list(EXAMPLE_HIGH.values()), rtol=0.08)
 
 
 def test_phases_are_uniform():
-    field = RandomField.laboratory(**CASING, seed=5)
+    field = RandomField.example(**CASING, seed=5)
     waves = [complex(*field.redrawn(k).fit.coefficients(3)) for k in range(800)]
     turned = np.array([w / abs(w) for w in waves])
     for k in (1, 2, 3):  # the mean of 800 unit vectors of random angle is .035 long
@@ -35,11 +35,11 @@ def test_phases_are_uniform():
 
 
 def test_the_spectrum_is_met_where_given_and_goes_on_as_it_ended():
-    spectrum = Spectrum.between(LABORATORY, LABORATORY_HIGH, p_max=24)
+    spectrum = Spectrum.between(EXAMPLE, EXAMPLE_HIGH, p_max=24)
     at = dict(zip(spectrum.p.tolist(), zip(spectrum.median, spectrum.high, strict=True), strict=True))
-    for p, median in LABORATORY.items():
+    for p, median in EXAMPLE.items():
         assert at[p][0] == pytest.approx(median, rel=1e-12)
-    for p, high in LABORATORY_HIGH.items():
+    for p, high in EXAMPLE_HIGH.items():
         assert at[p][1] == pytest.approx(high, rel=1e-12)
     assert at[9][0] == pytest.approx(np.exp(np.interp(np.log(9), np.log([8, 10]), np.log([0.057, 0.031]))))
     assert at[24][0] / at[12][0] == pytest.approx((0.019 / 0.031) ** (np.log(2) / np.log(1.2)), rel=1e-12)
@@ -47,26 +47,26 @@ def test_the_spectrum_is_met_where_given_and_goes_on_as_it_ended():
 
 
 def test_same_seed_same_bits_whatever_came_before():
-    one = RandomField.laboratory(**CASING, seed=7)
-    later = RandomField.laboratory(**CASING, seed=7).redrawn(12).redrawn(3)
+    one = RandomField.example(**CASING, seed=7)
+    later = RandomField.example(**CASING, seed=7).redrawn(12).redrawn(3)
     assert one.redrawn(3).fit.cos.tobytes() == later.fit.cos.tobytes()
     others = [
         one,
         one.redrawn(1),
-        RandomField.laboratory(**CASING, seed=8),
-        RandomField.laboratory(**CASING, seed=7, stream=1),
+        RandomField.example(**CASING, seed=8),
+        RandomField.example(**CASING, seed=7, stream=1),
     ]
     assert len({other.fit.cos.tobytes() for other in others}) == 4
 
 
 def test_more_harmonics_leave_the_first_ones_alone():
-    short, long = (RandomField.laboratory(**CASING, seed=7, p_max=p) for p in (12, 30))
+    short, long = (RandomField.example(**CASING, seed=7, p_max=p) for p in (12, 30))
     np.testing.assert_array_equal(long.fit.sin[:11], short.fit.sin)
     assert (short.max_harmonic, long.max_harmonic) == (12, 30)
 
 
 def test_only_the_random_part_of_a_sum_is_drawn_anew():
-    random, given = RandomField.laboratory(**CASING, seed=3), FourierField.of({4: 0.001})
+    random, given = RandomField.example(**CASING, seed=3), FourierField.of({4: 0.001})
     for total in (given + random, random + given):
         assert isinstance(total, SumField)
         assert is_random(total)
@@ -97,4 +97,4 @@ def test_a_spectrum_that_is_none_is_refused(arguments, message):
 
 def test_a_negative_seed_is_refused():
     with pytest.raises(ValueError, match="found seed -1"):
-        RandomField.laboratory(**CASING, seed=-1)
+        RandomField.example(**CASING, seed=-1)

@@ -119,7 +119,7 @@ def test_an_empty_pattern_is_none(tmp_path):
 
 
 def test_random_imperfections_of_one_seed_are_not_one_field(tmp_path):
-    more = '[[imperfection]]\nof = "radius"\nrandom = "laboratory"\nseed = 7\nscale = 0.5\n'
+    more = '[[imperfection]]\nof = "radius"\nrandom = "example"\nseed = 7\nscale = 0.5\n'
     more += '[[imperfection]]\nof = "thickness"\nrandom = [{p = 2, median = 0.01}, {p = 5, median = 0.002}]\nseed = 7\n'
     shell = load_study(written(tmp_path, FRUSTUM + more)).shell
     random = shell.radius_defect.fields[1]
