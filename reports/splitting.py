@@ -107,7 +107,7 @@ def ring(n: int, kind: str, relative: float = 1e-3) -> Row:
     cosine, sine = in_plane(modes(shell, 4 * n + 6), n)
     slope = (cosine - sine) / (0.5 * (cosine + sine))
     case = f"ring, n = {n}, cos {2 * n} in the {kind}: slope"
-    return check(case, "thin ring, first order", SLOPES[kind](n), slope / relative, 0.5)
+    return check(case, "thin ring, first order", SLOPES[kind](n), slope / relative, 0.3)
 
 
 def in_plane(found: Modes, n: int) -> tuple[float, float]:

@@ -2,12 +2,18 @@
 
 import argparse
 import csv
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 Row = dict[str, object]
 OUT = Path(__file__).parent / "out"
 DATA = Path(__file__).parent.parent / "data"
+MARGIN = 1.6  # a bound over what is seen
+ROUNDING = 1e-6  # per cent
+STATISTICAL = ("Cramer-Rao bound", "Widrow & Kollar 2008")  # bounds of draws: a few standard errors
+BAD_VERDICTS = ("FAIL", "MISSED", "NOT", "expected")
+BAD_COUNTS = ("faults", "failed", "SILENT", "BAD MESSAGE", "SLOW")
 
 
 def text(value: object) -> str:
@@ -39,7 +45,8 @@ def check(
     """A row of a verification: error and allowed error in per cent, and the verdict.
 
     "pass" within `allowed`; the `reason` why not up to `gap`, a bound of its own, so that a known gap cannot grow
-    unseen; else "FAIL". Where the reference is zero, the error is the computed value in per cent.
+    unseen; else "FAIL". Where the reference is zero, the error is the computed value in per cent. "bound %" is what
+    decides, the larger of the two where there is a reason: `loose` holds it against what is seen.
     """
     error = 100.0 * (computed / reference - 1.0 if reference else computed)
     verdict = "pass" if abs(error) <= allowed else reason if reason and abs(error) <= gap else "FAIL"
@@ -50,8 +57,41 @@ def check(
         "computed": float(computed),
         "error %": float(error),
         "allowed %": float(allowed),
+        "bound %": float(gap if reason and abs(error) > allowed else allowed),
         "verdict": verdict,
     }
+
+
+def loose(rows: Sequence[Row], most: float = MARGIN) -> list[str]:
+    """Bounds larger than `most` times what is seen: of each row with a reason, of rows alike by the largest of them.
+
+    Rows are alike that share source and bound. Bounds that are at rounding level, 1e-6 % and less, are left alone.
+    """
+    seen: dict[tuple[str, float], float] = {}
+    found = []
+    for row in rows:
+        error, bound = abs(float(str(row["error %"]))), float(str(row["bound %"]))
+        if row["verdict"] == "pass":
+            key = (str(row["source"]), bound)
+            seen[key] = max(seen.get(key, 0.0), error)
+        elif bound > most * error:
+            found.append(f"{row['case']}: {bound:g} % bound, {error:.3g} % seen")
+    return found + [
+        f"{source}: {bound:g} % allowed, {error:.3g} % seen at most"
+        for (source, bound), error in seen.items()
+        if bound > max(most * error, ROUNDING) and source not in STATISTICAL
+    ]
+
+
+def failures(rows: object) -> int:
+    """How many rows of a report say that something is wrong: by their verdict, or by a count of faults."""
+    if not isinstance(rows, Sequence):
+        return 0
+    tables = [row for row in rows if isinstance(row, dict)]
+    return sum(
+        str(row.get("verdict", "")).startswith(BAD_VERDICTS) or any(row.get(name) for name in BAD_COUNTS)
+        for row in tables
+    )
 
 
 def write(path: Path, rows: Sequence[Row]) -> None:
@@ -64,11 +104,17 @@ def write(path: Path, rows: Sequence[Row]) -> None:
 
 
 def command_line(description: str | None, main: Callable[..., object], **flags: str) -> None:
-    """Run a report's `main(out, quick)` with --out, --quick and flags of its own, name -> help."""
+    """Run a report's `main(out, quick)` with --out, --quick and flags of its own, name -> help.
+
+    The exit code is 1 where rows that it returns say that something is wrong.
+    """
     parser = argparse.ArgumentParser(description=(description or "").partition("\n")[0])
     parser.add_argument("--quick", action="store_true", help="leave out what takes long")
     for name, words in flags.items():
         parser.add_argument(f"--{name}", action="store_true", help=words)
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
     arguments = parser.parse_args()
-    main(arguments.out, arguments.quick, **{name: getattr(arguments, name) for name in flags})
+    rows = main(arguments.out, arguments.quick, **{name: getattr(arguments, name) for name in flags})
+    wrong = failures(rows)
+    if wrong:
+        sys.exit(f"{wrong} rows say that something is wrong")

@@ -23,6 +23,7 @@ from casingfem.structure.support import Clamped, ShearDiaphragm
 from reports import (
     cone,
     cylinder,
+    cylinder_exact,
     splitting,
     twisted_plate,
     verify_blades,
@@ -38,12 +39,32 @@ from reports import (
     verify_strips,
 )
 from reports.frustum_convergence import reference_frustum
-from reports.tables import DATA, Row, check, command_line, show, write
+from reports.tables import DATA, Row, check, command_line, loose, show, write
 
 NAFEMS = Material(E=200e9, nu=0.3, rho=8000.0)
 SQUARE = Plate(length=10.0, width=10.0)
 ONE = ShellMesh(order=12, rows=1, around=1)
 FINE = ShellMesh(order=10, rows=3, around=3)
+LOVE = {
+    15: {"C-C": 0.4, "C-F": 0.42, "F-C": 0.45, "F-F": 0.4, "S3-S3": 0.35},
+    30: {"C-C": 0.86, "C-F": 0.66, "F-C": 0.74, "F-F": 0.75, "S3-S3": 0.46},
+    45: {"C-C": 1.7, "C-F": 1.1, "F-C": 1.2, "F-F": 1.1, "S3-S3": 0.83},
+    60: {"C-C": 2.6, "C-F": 1.5, "F-C": 1.7, "F-F": 1.3, "S3-S3": 1.2},
+}  # per cent by half angle and ends: a fifth more than is seen of the gap between the shell and Love's theory
+TWISTED = {
+    (1, 5, 0): 0.95,
+    (1, 5, 15): 1.3,
+    (1, 5, 30): 3.2,
+    (1, 5, 45): 5.5,
+    (1, 5, 60): 7.7,
+    (3, 5, 30): 0.8,
+    (3, 5, 45): 1.1,
+    (3, 5, 60): 1.4,
+    (1, 20, 30): 0.72,
+    (1, 20, 45): 1.05,
+    (1, 20, 60): 1.35,
+}  # per cent by a/b, b/h and twist: a fifth more than is seen
+THICK_TUBE = {"3": 0.25, "6": 0.63}  # per cent by mode of FV41: the same
 EDGES = ShellMesh(order=12, rows=(0.0, 0.02, 0.5, 0.98, 1.0), around=4)
 
 
@@ -65,18 +86,19 @@ def frustum() -> list[Row]:
     for low, _ in found.doublets:
         n, m = int(found.nodal_diameters[low]), int(found.meridional[low])
         exact = float(table.loc[n, f"f{m}_3d"])
-        rows.append(check(f"A0 frustum, n = {n}, m = {m}", "3-D elasticity", exact, float(found.freq[low]), 0.1))
+        rows.append(check(f"A0 frustum, n = {n}, m = {m}", "3-D elasticity", exact, float(found.freq[low]), 0.018))
     return rows
 
 
 def cylinders(quick: bool) -> list[Row]:
-    """A1: the worst row of each h/R and L/R; beyond h/R = .02 shell theory itself ends."""
+    """A1: the worst row of each h/R and L/R, beside the gap of the shell's theory solved exactly."""
     table = reference("cyl_shear_diaphragm_exact.csv")
     found = cylinder.errors(table[table.n % 4 == 0] if quick else table)
-    gaps = {0.02: 0.19, 0.05: 1.2, 0.1: 4.5}
     rows = []
     for (h, length), part in found.groupby(["h_over_R", "L_over_R"]):
         row = worst(part)
+        theory, kept = cylinder_exact.gaps(h, length, int(row.n), int(row.m))
+        cause = "the wall's metric, left out" if abs(kept) < 0.5 * abs(theory) else "first-order shear"
         rows.append(
             check(
                 f"A1 cylinder, h/R {h:g}, L/R {length:g}, worst of {len(part)}: n = {row.n:.0f}, m = {row.m:.0f}",
@@ -84,8 +106,8 @@ def cylinders(quick: bool) -> list[Row]:
                 row.omega_3d,
                 row.omega,
                 0.1,
-                gap=gaps.get(h, 0.0),
-                reason=f"first-order shear theory, short waves in a thick wall; Fluegge {100 * row.fluegge:.2g} %",
+                gap=abs(theory) + 0.02,
+                reason=f"{cause}: the theory solved exactly {theory:.3f} %, with the metric {kept:.3f} %",
             )
         )
     return rows
@@ -105,14 +127,14 @@ def cones(quick: bool) -> list[Row]:
                 row["lambda"],
                 row.found,
                 0.3,
-                gap=2.2 if thin <= 0.1 else 0.0,
+                gap=LOVE[alpha][f"{small}-{large}"] if thin <= 0.1 else 0.0,
                 reason=f"Love's gap: without shear and rotary inertia {thin:.2f} %",
             )
         )
     row = found.loc[found.thin.abs().idxmax()]
     computed = float(row["lambda"] * (1.0 + row.thin))
     case = f"A2 all {len(found)} rows without shear and rotary inertia, the worst"
-    return [*rows, check(case, "Love, Ritz", row["lambda"], computed, 0.3)]
+    return [*rows, check(case, "Love, Ritz", row["lambda"], computed, 0.09)]
 
 
 def blade(quick: bool) -> list[Row]:
@@ -146,20 +168,32 @@ def blade(quick: bool) -> list[Row]:
 
 
 def twisted(quick: bool) -> list[Row]:
-    """A4: the worst mode of each pretwisted plate."""
+    """A4: the worst mode of each pretwisted plate; solids computed here say what a gap is made of.
+
+    The reference's sections are turned, their faces plane; a shell's faces follow its normal. A solid of the first
+    kind is a control of the reference, one of the second of the shell.
+    """
     table = reference("twisted_plate_3d.csv")
     if quick:
         table = table[(table.b_over_h == 20) & (table.a_over_b == 1)]
-    reasons = {
-        20: "the solid's faces are plane, the shell's follow its normal: about half of it (reports.twisted_plate)",
-        5: "thick: the gap of a first-order shear shell, that of faces along its normal included",
-    }
     rows = []
     for (a, h, twist), part in twisted_plate.errors(table).groupby(twisted_plate.CASE):
         row = worst(part)
-        case = f"A4 twisted plate, a/b {a}, b/h {h}, {twist} deg, worst of {len(part)}: mode {row['mode']:.0f}"
-        gap = 1.15 if h == 20 else 6.5
-        rows.append(check(case, "3-D elasticity", row["lambda"], row.found, 0.5, gap=gap, reason=reasons[h]))
+        place = int(row["mode"]) - 1
+        case = f"A4 twisted plate, a/b {a}, b/h {h}, {twist} deg, worst of {len(part)}: mode {place + 1}"
+        gap, reason = TWISTED.get((a, h, twist), 0.0), "faces along the normal and first-order shear"
+        if gap and not quick:
+            orders = (13, 13, 3) if h == 20 else (10, 10, 4)
+            turned, normal = (twisted_plate.solid(a, h, twist, section=s, orders=orders) for s in (True, False))
+            exact = part["lambda"].to_numpy()
+            k = int(np.abs(turned[part["mode"] - 1] / exact - 1.0).argmax())
+            control = (
+                f"A4 solid of one spectral brick, a/b {a}, b/h {h}, {twist} deg, worst of {len(part)}: mode {k + 1}"
+            )
+            rows.append(check(control, "3-D, spectral", exact[k], float(turned[part["mode"].iloc[k] - 1]), 0.25))
+            faces, theory = normal[place] / turned[place] - 1.0, row.found / normal[place] - 1.0
+            reason = f"faces along the normal {100 * faces:.2f} % (two solids), first-order shear {100 * theory:.2f} %"
+        rows.append(check(case, "3-D elasticity", row["lambda"], row.found, 0.5, gap=gap, reason=reason))
     return rows
 
 
@@ -186,14 +220,14 @@ def nafems() -> list[Row]:
         elastic = found.freq[found.rigid :]
         for label, exact in table.loc[case, ["mode", "check_hz"]].itertuples(index=False):
             place = int(str(label).partition("-")[0]) - (4 if case == "FV12" else 1)
-            rows.append(check(f"A5 {case} plate, mode {label}", "Kirchhoff, Ritz", exact, elastic[place], 0.2))
+            rows.append(check(f"A5 {case} plate, mode {label}", "Kirchhoff, Ritz", exact, elastic[place], 0.11))
     hard = {edge: ShearDiaphragm() for edge in SQUARE.edges}
     thick = Shell(chart=SQUARE, thickness=1.0, material=NAFEMS, supports=hard, mesh=ONE)
     found = modes(thick, 8)
     for m, n in ((1, 1), (1, 2), (2, 2)):
         exact = mindlin(m, n, thick, 10.0)
         near = found.freq[np.abs(found.freq - exact).argmin()]
-        rows.append(check(f"A5 FV52 thick plate, hard support, ({m}, {n})", "Mindlin, Navier", exact, near, 0.2))
+        rows.append(check(f"A5 FV52 thick plate, hard support, ({m}, {n})", "Mindlin, Navier", exact, near, 1e-6))
     pipe = Shell(chart=Cylinder(radius=2.0, height=10.0), thickness=0.4, material=NAFEMS,
                  mesh=ShellMesh(order=10, rows=3, around=1))  # fmt: skip
     meridian = harmonic_matrices(pipe, 0)
@@ -201,10 +235,28 @@ def nafems() -> list[Row]:
     size = np.abs(meridian.expand(vectors)[:, :3]).max(axis=0)
     freq = np.sqrt(np.maximum(values, 0.0))[size[1] < np.maximum(size[0], size[2])] / (2.0 * np.pi)
     for label, exact in table.loc["FV41", ["mode", "check_hz"]].itertuples(index=False):
-        reason = "R/t = 5: the gap of first-order shell theory"
+        reason = "R/t = 5, first-order shear: bricks of 27 nodes meet it (their rows)"
         case = f"A5 FV41 thick cylinder, mode {label}"
-        rows.append(check(case, "3-D elasticity", exact, freq[int(label) - 1], 0.2, gap=0.6, reason=reason))
+        rows.append(
+            check(
+                case, "3-D elasticity", exact, freq[int(label) - 1], 0.18, gap=THICK_TUBE.get(label, 0.0), reason=reason
+            )
+        )
     return rows
+
+
+def summary(rows: list[Row]) -> Row:
+    """Counts of verdicts; the largest split that symmetry forbids, the largest change by turning a field."""
+    verdicts = [row["verdict"] for row in rows]
+
+    def largest(words: str) -> float:
+        return max((float(str(row["computed"])) for row in rows if words in str(row["case"])), default=0.0)
+
+    counts = {"rows": len(rows), "pass": verdicts.count("pass"), "fail": verdicts.count("FAIL")}
+    return {
+        **counts, "reason": counts["rows"] - counts["pass"] - counts["fail"],
+        "forbidden splits": largest("forbidden splits"), "turned": largest("turned by"),
+    }  # fmt: skip
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:
@@ -225,7 +277,10 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     show("Verification", rows)
     passed, failed = (sum(row["verdict"] == word for row in rows) for word in ("pass", "FAIL"))
     print(f"{len(rows)} rows: {passed} pass, {len(rows) - passed - failed} have a reason, {failed} fail")
+    if not quick:
+        print("bounds wider than what is seen asks for:", "; ".join(loose(rows)) or "none")
     write(out / "verification.csv", rows)
+    write(out / "verification_summary.csv", [summary(rows)])
     return rows
 
 

@@ -101,11 +101,14 @@ def fv22(quick: bool) -> list[Row]:
     """The clamped thick rhombus: the default mesh against the same theory, the print, and the solid."""
     found = modes(rhombus(), 6).freq
     exact = skew_mindlin(rhombus(), 12 if quick else 16)
-    rows = [check(f"A5 FV22 thick rhombus, mode {k + 1}", "Mindlin, Ritz", exact[k], found[k], 0.2) for k in range(5)]
+    rows = [
+        check(f"A5 FV22 thick rhombus, mode {k + 1}", "Mindlin, Ritz", exact[k], found[k], 0.0045) for k in range(5)
+    ]
     for k, printed in enumerate(reference("FV22").frequency_hz):
-        reason = f"the print: the same theory by Ritz is {100 * (exact[k] / printed - 1):.2f} % off it"
+        gap = 100.0 * (exact[k] / printed - 1.0)
+        reason = f"the print: the same theory by Ritz is {gap:.2f} % off it"
         case = f"A5 FV22 thick rhombus, mode {k + 1}"
-        rows.append(check(case, "NAFEMS, printed", printed, found[k], 0.2, gap=1.1, reason=reason))
+        rows.append(check(case, "NAFEMS, printed", printed, found[k], 0.2, gap=abs(gap) + 0.01, reason=reason))
     if not quick:
         solid = rhombic_solid((12, 12, 4), 1)[0]
         reason = "t/side = .1: first-order shear theory, its clamped edge lets the faces warp"
@@ -134,8 +137,8 @@ def fv32() -> list[Row]:
     rows = []
     for k, row in enumerate(reference("FV32").itertuples()):
         case = f"A5 FV32 tapered membrane, mode {k + 1}"
-        rows.append(check(case, "2-D, converged", row.check_hz, found[k], 0.2))
-        rows.append(check(case, "NAFEMS, printed", row.frequency_hz, found[k], 0.2))
+        rows.append(check(case, "2-D, converged", row.check_hz, found[k], 0.0022))
+        rows.append(check(case, "NAFEMS, printed", row.frequency_hz, found[k], 0.075))
     return rows
 
 
@@ -163,9 +166,9 @@ def beams(quick: bool) -> list[Row]:
         omega = modes(slender(chord, thick), 8).omega / scale
         for k, factor in enumerate(cantilever(c * t**3, c * t, 1 if quick else 3)):
             near = float(omega[np.abs(omega / factor - 1.0).argmin()])
-            rows.append(check(f"blade as a beam, {name}, flap {k + 1}", "Euler-Bernoulli", factor, near, 0.1))
+            rows.append(check(f"blade as a beam, {name}, flap {k + 1}", "Euler-Bernoulli", factor, near, 0.015))
     exact, found = wedge(0.2, 1)[0], float(str(rows[0]["computed"]))
-    return [*rows, check("blade as a beam, wedge, tip .2, flap 1", "Kirchhoff, Bessel", exact, found, 0.1)]
+    return [*rows, check("blade as a beam, wedge, tip .2, flap 1", "Kirchhoff, Bessel", exact, found, 3.8e-4)]
 
 
 def limits() -> list[Row]:
@@ -222,7 +225,7 @@ def against_solid(quick: bool) -> list[Row]:
     shell, count = fan_blade(), 8
     found, solid = modes(shell, count).freq, as_solid(shell, (10, 10, 2) if quick else (14, 14, 3), count)
     return [
-        check(f"blade of every law against a solid, mode {k + 1}", "3-D elasticity", solid[k], found[k], 0.5)
+        check(f"blade of every law against a solid, mode {k + 1}", "3-D elasticity", solid[k], found[k], 0.6 if quick else 0.28)
         for k in range(count)
     ]
 

@@ -42,25 +42,27 @@ def rows(quick: bool) -> list[Row]:
     six = "6-state eigenvalues"
     low, high = found.bands_hz[0]
     lines = [
-        check("B6 pair n = 8, peak growth [1/s]", six, 3.7883, found.peak_growth, 0.01),
-        check("B6 pair n = 8, speed of the peak [Hz]", six, 52.844, found.peak_speed_hz, 0.002),
-        check("B6 pair n = 8, unstable from [Hz]", six, 52.693, low, 0.002),
-        check("B6 pair n = 8, unstable to [Hz]", six, 52.994, high, 0.002),
-        check("B6 pair n = 8, formula's growth [1/s]", "closed form", 3.7868, loaded(B6).growth, 0.01),
+        check("B6 pair n = 8, peak growth [1/s]", six, 3.7883, found.peak_growth, 0.001),
+        check("B6 pair n = 8, speed of the peak [Hz]", six, 52.844, found.peak_speed_hz, 0.0014),
+        check("B6 pair n = 8, unstable from [Hz]", six, 52.693, low, 0.0014),
+        check("B6 pair n = 8, unstable to [Hz]", six, 52.994, high, 0.0014),
+        check("B6 pair n = 8, formula's growth [1/s]", "closed form", 3.7868, loaded(B6).growth, 5e-4),
         check("B6 pair n = 8, growth at 22.5 Hz, the difference [1/s]", six, 0.0,
               float(growth(B6.contact(), np.array([22.5]))[0]), 1e-4),
     ]  # fmt: skip
     for name, pair in OTHERS.items():
         peak, formula = around(pair), loaded(pair)
-        lines.append(check(f"B6 pair {name}, peak growth [1/s]", "closed form", formula.growth, peak.peak_growth, 1.0))
-        lines.append(check(f"B6 pair {name}, speed [Hz]", "closed form", formula.speed_hz, peak.peak_speed_hz, 0.05))
+        lines.append(
+            check(f"B6 pair {name}, peak growth [1/s]", "closed form", formula.growth, peak.peak_growth, 0.085)
+        )
+        lines.append(check(f"B6 pair {name}, speed [Hz]", "closed form", formula.speed_hz, peak.peak_speed_hz, 5e-4))
     disk = disk_contact(
         ct.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0), ct.ModalPair(n=5, freq_hz=120.0, modal_mass=1.0),
         stiffness=1e3, blades=22,
     )  # fmt: skip
     peak = ct.stability(disk, np.linspace(80.0, 88.0, 401))
     lines.append(
-        check("Legrand disk in casing, n = 5, unstable speed [Hz]", "f_c + f_b = n f", 84.0, peak.peak_speed_hz, 1.0)
+        check("Legrand disk in casing, n = 5, unstable speed [Hz]", "f_c + f_b = n f", 84.0, peak.peak_speed_hz, 0.5)
     )
     return lines
 

@@ -80,11 +80,11 @@ def beam_rows(quick: bool) -> list[Row]:
             exact = np.sqrt(np.square(FACTORS[eta]) - softened * eta**2)
             k = int(np.abs(row / exact - 1.0).argmax())
             case = f"A8 rotating beam, {name}, eta {eta}, worst of 3: mode {k + 1}"
-            rows.append(check(case, "Wright et al., Hodges & Rutkowski", exact[k], row[k], 0.02))
+            rows.append(check(case, "Wright et al., Hodges & Rutkowski", exact[k], row[k], 0.004))
     found, exact = strip_factors(strip(np.pi / 2.0, hub=1.5), [6.0], 3)[0], rotating_beam(6.0, hub=1.5)
     k = int(np.abs(found / exact - 1.0).argmax())
     case = f"A8 rotating beam, flap, eta 6, hub radius 1.5 L, worst of 3: mode {k + 1}"
-    return [*rows, check(case, "beam theory, Ritz", exact[k], found[k], 0.02)]
+    return [*rows, check(case, "beam theory, Ritz", exact[k], found[k], 0.0014)]
 
 
 def ring_waves(n: int, omega: float, *, still: float, springs: float) -> tuple[float, float]:
@@ -129,7 +129,7 @@ def ring_rows() -> list[Row]:
         waves = ring_waves(n, omega, still=still, springs=k)
         for name, sense, exact in (("forward", 1, waves[0]), ("backward", -1, waves[1])):
             case = f"A8 rotating ring, {name} wave, n = {n}"
-            rows.append(check(case, "ring theory, closed form", exact, in_plane(found, n, sense), 0.05))
+            rows.append(check(case, "ring theory, closed form", exact, in_plane(found, n, sense), 0.025))
     return rows
 
 
@@ -146,7 +146,7 @@ def precession_rows() -> list[Row]:
     for name, sense, exact in (("forward", 1, np.sqrt(p**2 + q) - p), ("backward", -1, np.sqrt(p**2 + q) + p)):
         waves = np.flatnonzero((found.nodal_diameters == 1) & (found.sense == sense))
         near = min((2.0 * np.pi * float(found.freq[k]) for k in waves), key=lambda value: abs(value - exact))
-        rows.append(check(f"A8 rigid drum that tilts, {name}", "Euler's equations", exact, near, 0.02))
+        rows.append(check(f"A8 rigid drum that tilts, {name}", "Euler's equations", exact, near, 6e-4))
     return rows
 
 
