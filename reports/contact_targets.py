@@ -29,6 +29,15 @@ LINES: tuple[Callable[[bool], list[Row]], ...] = (
 )
 
 
+def summary(verdicts: list[str]) -> Row:
+    """How many targets are met, statements of the study counted, how many are known misses, how many times."""
+    return {
+        "targets": len(verdicts),
+        "met": sum(word in ("pass", contact_targets_study.CONFIRMED) for word in verdicts),
+        "known": sum(word.startswith("known") for word in verdicts),
+    }
+
+
 def main(out: Path, quick: bool = False) -> list[Row]:
     """Print the table and the count of verdicts, and write it."""
     rows = [row for lines in LINES for row in lines(quick)]
@@ -36,6 +45,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     verdicts = [row["verdict"] for row in rows]
     print(f"\n{len(rows)} targets: " + ", ".join(f"{verdicts.count(word)} {word}" for word in dict.fromkeys(verdicts)))
     write(out / "contact_targets.csv", rows)
+    write(out / "contact_targets_summary.csv", [summary([str(verdict) for verdict in verdicts])])
     return rows
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import contact as ct
 from contact.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall
 from reports.contact_cases import BAR, PERIOD
-from reports.contact_targets_rods import target
+from reports.contact_targets_rods import A_TIME, target
 from reports.tables import Row
 
 SPACING = np.pi * 30.0 / 10.0  # rad/s between the bar's modes
@@ -79,4 +79,4 @@ def _speed() -> list[Row]:
     dt = 0.8 / (49 * SPACING)
     results = [_dropped("forward", 50, dt, 2e5 * dt, ct.Record(every=1000)) for _ in range(5)]
     best = max(result.steps / result.seconds for result in results)
-    return [target("50 modes, one contact: steps per second", 5e5, best, at_least=True)]
+    return [target("50 modes, one contact: steps per second", 5e5, best, at_least=True, missed=A_TIME)]

@@ -25,6 +25,7 @@ from reports.tables import Row
 
 COURANTS = (0.9, 0.5, 0.1)
 FORWARD, MASSLESS = methods(1.0)[:2]
+A_TIME = "slow: a time, which needs a machine to itself"
 
 
 def target(name: str, asked: float, reached: float, *, at_least: bool = False, missed: str = "MISSED") -> Row:
@@ -153,7 +154,7 @@ def _speed() -> list[Row]:
         record = ct.Record(every=1000)
         results = [ct.run(bodies, scheme=method.scheme, t_end=span, courant=0.5, record=record) for _ in range(15)]
         best = min(1e6 * result.seconds / result.steps for result in results)
-        rows.append(target(f"two rods, 100 elements, {method.name}: us/step", 1.0, best))
+        rows.append(target(f"two rods, 100 elements, {method.name}: us/step", 1.0, best, missed=A_TIME))
     return rows
 
 

@@ -193,7 +193,9 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         rows.append(set_row(found, judged, len(spurious)))
         everything += judged
     show(f"Sets: 24 sensors, signal over noise {SNR_DB:g} dB; clear: split of half a bandwidth or more", rows)
-    show("By split", by_split(everything))
+    splits = by_split(everything)
+    show("By split", splits)
+    write(out / "identification_splits.csv", splits)
     held = intervals(everything)
     show("95 % intervals that hold the truth", held)
     write(out / "identification_intervals.csv", held)
@@ -201,6 +203,9 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     if bad:
         show(f"Missed, or off by more than {FREQ_PERCENT:g} % or {ANGLE_DEG:g} deg", bad)
     write(out / "identification.csv", rows)
+    words = ("modes", "clear", "clear found", "spurious")
+    total: Row = {"sets": len(rows)} | {word: sum(int(str(row[word])) for row in rows) for word in words}
+    write(out / "identification_summary.csv", [total])
     return rows
 
 

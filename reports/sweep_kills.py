@@ -228,6 +228,8 @@ def main(out: Path, quick: bool = False) -> Sequence[Row]:
         "s undisturbed, 2 processes": alone, "s with kills, 2 Dask workers": seconds,
     }  # fmt: skip
     row |= compared(plan, undisturbed, cluster.store)
+    whole = row["table identical"] and row["identical from a new index"] and not row["unreadable files"]
+    row["verdict"] = "pass" if whole else "FAIL"
     show("A sweep under kill -9", [{"what": name, "value": value} for name, value in row.items()])
     write(out / "sweep_kills.csv", [row])
     return [row]

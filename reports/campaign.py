@@ -1,0 +1,125 @@
+"""Every report in full, each in a process of its own, with a record of when each was last run.
+
+`python -m reports.campaign [NAME ...]` runs the named ones, or all; it goes on after a failure and ends with 1 if one
+failed. Of each it writes command, commit, date, verdict and seconds to reports/campaigns.csv, and the figures that
+pages quote to docs/figures.csv and into the pages. A "+" behind a commit: what it tested was not committed as it was.
+`--last` runs nothing: it prints the last run of each, and how many commits have changed its subject since.
+"""
+
+import argparse
+import csv
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from reports.campaign_list import CAMPAIGNS, Campaign
+from reports.figures import ROOT, adopt
+from reports.quoted import figures
+from reports.tables import OUT, Row, show, write
+
+RECORD = Path("reports", "campaigns.csv")
+COLUMNS = ("name", "command", "commit", "date", "verdict", "seconds")
+LIMIT = 6 * 3600.0  # seconds: what takes longer hangs
+PASS = "pass"
+
+
+def git(*words: str) -> str:
+    """What git prints; nothing where it fails, as it does outside a repository or of a commit it does not know."""
+    done = subprocess.run(("git", *words), cwd=ROOT, capture_output=True, text=True, check=False)
+    return done.stdout.strip() if done.returncode == 0 else ""
+
+
+def commit_of(subject: Sequence[str]) -> str:
+    """The commit at hand, "+" behind it if a path of the subject differs from it."""
+    changed = git("status", "--porcelain", "--", *subject, "reports/*.py")
+    return git("rev-parse", "--short=10", "HEAD") + ("+" if changed else "")
+
+
+def since(commit: str, subject: Sequence[str]) -> str:
+    """How many commits after it changed the subject, in words for the table."""
+    known = commit.rstrip("+")
+    count = git("rev-list", "--count", f"{known}..HEAD", "--", *subject) if known else ""
+    return count or ("commit unknown here" if known else "never run")
+
+
+def run(campaign: Campaign, out: Path) -> Row:
+    """One report in its process; its figures, if it ended well, go to the pages."""
+    folder = out / "campaign" / campaign.name
+    shutil.rmtree(folder, ignore_errors=True)
+    print(f"\n=== {campaign.command}", flush=True)
+    commit, started = commit_of(campaign.subject), time.perf_counter()
+    words = [sys.executable, "-m", f"reports.{campaign.name}", *campaign.flags, "--out", str(folder)]
+    try:
+        code = subprocess.run(words, cwd=ROOT, timeout=LIMIT, check=False).returncode
+        verdict = PASS if code == 0 else f"FAIL: exit code {code}"
+    except subprocess.TimeoutExpired:
+        verdict = f"FAIL: not done in {LIMIT:.0f} s"
+    seconds = time.perf_counter() - started
+    if verdict == PASS:
+        try:
+            quoted = figures(campaign.name, folder)
+            if quoted:
+                print("pages changed:", ", ".join(adopt(campaign.name, quoted)) or "none")
+        except (KeyError, OSError, ValueError) as error:
+            verdict = f"FAIL: figures of pages: {error}"
+    return {
+        "name": campaign.name, "command": campaign.command, "commit": commit,
+        "date": datetime.now(UTC).date().isoformat(), "verdict": verdict, "seconds": f"{seconds:.0f}",
+    }  # fmt: skip
+
+
+def read_record(root: Path = ROOT) -> dict[str, Row]:
+    """The last run of each campaign that has one."""
+    if not (root / RECORD).is_file():
+        return {}
+    with (root / RECORD).open(newline="", encoding="utf-8") as stream:
+        return {line["name"]: dict(line) for line in csv.DictReader(stream)}
+
+
+def keep(row: Row, root: Path = ROOT) -> None:
+    """Put a run into the record, which is kept in the order of the list."""
+    record = read_record(root) | {str(row["name"]): row}
+    write(root / RECORD, [record[campaign.name] for campaign in CAMPAIGNS if campaign.name in record])
+
+
+def last() -> list[Row]:
+    """The last run of every campaign, and how many commits ago its subject was what it tested."""
+    record = read_record()
+    never: Row = dict.fromkeys(COLUMNS, "")
+    return [
+        {"campaign": campaign.name, "proves": campaign.proves}
+        | {name: record.get(campaign.name, never)[name] for name in COLUMNS[2:]}
+        | {"changes since": since(str(record.get(campaign.name, never)["commit"]), campaign.subject)}
+        for campaign in CAMPAIGNS
+    ]
+
+
+def main(names: Sequence[str], out: Path = OUT) -> list[Row]:
+    """Run the named campaigns, or all; returns a row of each."""
+    chosen = [campaign for campaign in CAMPAIGNS if not names or campaign.name in names]
+    rows = []
+    for campaign in chosen:
+        rows.append(run(campaign, out))
+        keep(rows[-1])
+    show("Campaigns", rows)
+    return rows
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    known = [campaign.name for campaign in CAMPAIGNS]
+    parser.add_argument("names", nargs="*", metavar="NAME", help="reports to run; all if none is named")
+    parser.add_argument("--last", action="store_true", help="run nothing, print when each was last run")
+    parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
+    arguments = parser.parse_args()
+    strange = sorted(set(arguments.names) - set(known))
+    if strange:
+        parser.error(f"found {', '.join(strange)}, expected names of {', '.join(known)}")
+    if arguments.last:
+        show("Campaigns: the last run of each", last())
+    else:
+        sys.exit(any(row["verdict"] != PASS for row in main(arguments.names, arguments.out)))
