@@ -91,26 +91,30 @@ def frustum() -> list[Row]:
 
 
 def cylinders(quick: bool) -> list[Row]:
-    """A1: the worst row of each h/R and L/R, beside the gap of the shell's theory solved exactly."""
+    """A1: the worst row of each h/R and L/R, and the long waves n = m = 2 of the longest cylinders."""
     table = reference("cyl_shear_diaphragm_exact.csv")
     found = cylinder.errors(table[table.n % 4 == 0] if quick else table)
     rows = []
-    for (h, length), part in found.groupby(["h_over_R", "L_over_R"]):
-        row = worst(part)
-        theory, kept = cylinder_exact.gaps(h, length, int(row.n), int(row.m))
-        cause = "the wall's metric, left out" if abs(kept) < 0.5 * abs(theory) else "first-order shear"
-        rows.append(
-            check(
-                f"A1 cylinder, h/R {h:g}, L/R {length:g}, worst of {len(part)}: n = {row.n:.0f}, m = {row.m:.0f}",
-                "3-D elasticity",
-                row.omega_3d,
-                row.omega,
-                0.1,
-                gap=abs(theory) + 0.02,
-                reason=f"{cause}: the theory solved exactly {theory:.3f} %, with the metric {kept:.3f} %",
-            )
-        )
+    for (_, length), part in found.groupby(["h_over_R", "L_over_R"]):
+        rows.append(beside_theory(worst(part), f"worst of {len(part)}"))
+        if length == found.L_over_R.max():
+            rows += [beside_theory(row, "long waves") for _, row in part[(part.n == 2) & (part.m == 2)].iterrows()]
     return rows
+
+
+def beside_theory(row: pd.Series, words: str) -> Row:
+    """A cylinder's row beside the gap of the shell's own theory, solved exactly: the mesh may add 0.02 %."""
+    theory, kept = cylinder_exact.gaps(row.h_over_R, row.L_over_R, int(row.n), int(row.m))
+    cause = "the wall's metric, left out" if abs(kept) < 0.7 * abs(theory) else "first-order kinematics"
+    return check(
+        f"A1 cylinder, h/R {row.h_over_R:g}, L/R {row.L_over_R:g}, {words}: n = {row.n:.0f}, m = {row.m:.0f}",
+        "3-D elasticity",
+        row.omega_3d,
+        row.omega,
+        0.1,
+        gap=abs(theory) + 0.02,
+        reason=f"{cause}: the theory solved exactly {theory:.3f} %, with the metric {kept:.3f} %",
+    )
 
 
 def cones(quick: bool) -> list[Row]:

@@ -225,7 +225,13 @@ def against_solid(quick: bool) -> list[Row]:
     shell, count = fan_blade(), 8
     found, solid = modes(shell, count).freq, as_solid(shell, (10, 10, 2) if quick else (14, 14, 3), count)
     return [
-        check(f"blade of every law against a solid, mode {k + 1}", "3-D elasticity", solid[k], found[k], 0.6 if quick else 0.28)
+        check(
+            f"blade of every law against a solid, mode {k + 1}",
+            "3-D elasticity",
+            solid[k],
+            found[k],
+            0.6 if quick else 0.28,
+        )
         for k in range(count)
     ]
 

@@ -48,7 +48,7 @@ def rows(quick: bool) -> list[Row]:
         check("B6 pair n = 8, unstable to [Hz]", six, 52.994, high, 0.0014),
         check("B6 pair n = 8, formula's growth [1/s]", "closed form", 3.7868, loaded(B6).growth, 5e-4),
         check("B6 pair n = 8, growth at 22.5 Hz, the difference [1/s]", six, 0.0,
-              float(growth(B6.contact(), np.array([22.5]))[0]), 1e-4),
+              float(growth(B6.contact(), np.array([22.5]))[0]), 1e-6),
     ]  # fmt: skip
     for name, pair in OTHERS.items():
         peak, formula = around(pair), loaded(pair)
