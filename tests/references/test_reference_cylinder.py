@@ -7,6 +7,7 @@ from casingfem.modal.eigen import solve_modes
 from casingfem.structure.assembly import assemble
 from casingfem.structure.mesh import ShellMesh
 from reports.cylinder import FIXED, cylinder, errors
+from reports.cylinder_exact import anew, elasticity, gaps, shear_shell
 
 
 @pytest.fixture(scope="module")
@@ -56,3 +57,25 @@ def test_two_dimensional_shell_meets_sampled_rows(reference, h, length, n):
     near = np.sort(np.abs(found / row.omega_3d - 1))
     assert near[1] < 1e-3  # both members of the pair
     assert FIXED.order == 8
+
+
+def test_the_table_is_computed_anew(reference):
+    table = reference("cyl_shear_diaphragm_exact.csv").iloc[::13]
+    np.testing.assert_allclose(anew(table), table.omega_3d, rtol=2e-5)
+    assert elasticity(0.1, 0.5, 12, 2, degree=12) == pytest.approx(elasticity(0.1, 0.5, 12, 2), rel=2e-7)
+
+
+@pytest.mark.parametrize(("h", "length", "n"), [(0.1, 20.0, 4), (0.1, 0.5, 12), (0.02, 0.5, 0), (0.05, 2.0, 8)])
+def test_the_mesh_solves_the_shell_s_own_theory(reference, h, length, n):
+    """Two waves each, of which the lower at h/R .1, L/R 20, n = 4 has a neighbour nearer to 3-D than itself."""
+    table = reference("cyl_shear_diaphragm_exact.csv")
+    rows = table[(table.h_over_R == h) & (table.L_over_R == length) & (table.n == n)]
+    found = errors(rows).omega
+    np.testing.assert_allclose(found, [shear_shell(h, length, n, m, metric=False) for m in rows.m], rtol=3e-5)
+
+
+def test_the_metric_through_the_wall_is_what_long_waves_miss():
+    for h in (0.02, 0.05, 0.1):
+        without, kept = gaps(h, 20.0, 2, 1)
+        assert abs(kept) < 0.8 * abs(without)
+    assert abs(gaps(0.1, 0.5, 12, 2)[1]) > 0.7 * abs(gaps(0.1, 0.5, 12, 2)[0])  # short waves: it is the shear

@@ -11,8 +11,8 @@ def test_verification_passes_or_says_why_not(tmp_path, capsys):
     rows = verification.main(tmp_path, quick=True)
     verdicts = [row["verdict"] for row in rows]
     assert "FAIL" not in verdicts
-    assert len(verdicts) == 234  # those of every verify_ module among them, which have no test of their own
-    assert verdicts.count("pass") >= 190
+    assert len(verdicts) == 227  # those of every verify_ module among them, which have no test of their own
+    assert verdicts.count("pass") >= 180
     for row in rows:
         error = 100.0 * (row["computed"] / row["reference"] - 1.0 if row["reference"] else row["computed"])
         assert row["error %"] == pytest.approx(error), row
