@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 CORES := -n logical
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study test variants fast check lint types doctests bench report clean
+.PHONY: help setup study test variants fast check lint types doctests bench campaign mutants clean
 
 help:    ## show what each target does
 	@grep -hE '^[a-z]+: .*##|^[a-z]+:  +##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -52,8 +52,8 @@ doctests: $(READY)
 bench: $(READY) ## speed tables
 	$(BIN)/python -m reports.speed
 
-report: $(READY) ## every table and figure of reports/
-	$(BIN)/python -m reports.run
+campaign: $(READY) ## every report in full, hours; which were last run at which commit: NAMES=--last
+	$(BIN)/python -m reports.campaign $(NAMES)
 
 clean:   ## remove what is generated
 	rm -rf reports/out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

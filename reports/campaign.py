@@ -25,6 +25,7 @@ RECORD = Path("reports", "campaigns.csv")
 COLUMNS = ("name", "command", "commit", "date", "verdict", "seconds")
 LIMIT = 6 * 3600.0  # seconds: what takes longer hangs
 PASS = "pass"
+KEPT = {"verification": ("verification.csv",)}  # tables that docs keep whole
 
 
 def git(*words: str) -> str:
@@ -62,6 +63,8 @@ def run(campaign: Campaign, out: Path) -> Row:
     if verdict == PASS:
         try:
             quoted = figures(campaign.name, folder)
+            for name in KEPT.get(campaign.name, ()):
+                keep_table(folder / name)
             if quoted:
                 print("pages changed:", ", ".join(adopt(campaign.name, quoted)) or "none")
         except (KeyError, OSError, ValueError) as error:
@@ -70,6 +73,20 @@ def run(campaign: Campaign, out: Path) -> Row:
         "name": campaign.name, "command": campaign.command, "commit": commit,
         "date": datetime.now(UTC).date().isoformat(), "verdict": verdict, "seconds": f"{seconds:.0f}",
     }  # fmt: skip
+
+
+def keep_table(file: Path, folder: Path = ROOT / "docs") -> None:
+    """A table of a run, its numbers at six digits, for the pages."""
+    with file.open(newline="", encoding="utf-8") as stream:
+        rows = [{name: _short(cell) for name, cell in line.items()} for line in csv.DictReader(stream)]
+    write(folder / file.name, rows)
+
+
+def _short(cell: str) -> str:
+    try:
+        return f"{float(cell):.6g}"
+    except ValueError:
+        return cell
 
 
 def read_record(root: Path = ROOT) -> dict[str, Row]:
@@ -83,7 +100,8 @@ def read_record(root: Path = ROOT) -> dict[str, Row]:
 def keep(row: Row, root: Path = ROOT) -> None:
     """Put a run into the record, which is kept in the order of the list."""
     record = read_record(root) | {str(row["name"]): row}
-    write(root / RECORD, [record[campaign.name] for campaign in CAMPAIGNS if campaign.name in record])
+    places = {campaign.name: place for place, campaign in enumerate(CAMPAIGNS)}
+    write(root / RECORD, [record[name] for name in sorted(record, key=lambda name: places.get(name, len(places)))])
 
 
 def last() -> list[Row]:
@@ -98,13 +116,12 @@ def last() -> list[Row]:
     ]
 
 
-def main(names: Sequence[str], out: Path = OUT) -> list[Row]:
-    """Run the named campaigns, or all; returns a row of each."""
-    chosen = [campaign for campaign in CAMPAIGNS if not names or campaign.name in names]
+def main(chosen: Sequence[Campaign], out: Path = OUT, root: Path = ROOT) -> list[Row]:
+    """Run campaigns one after another, whatever becomes of each; returns a row of each."""
     rows = []
     for campaign in chosen:
         rows.append(run(campaign, out))
-        keep(rows[-1])
+        keep(rows[-1], root)
     show("Campaigns", rows)
     return rows
 
@@ -122,4 +139,5 @@ if __name__ == "__main__":
     if arguments.last:
         show("Campaigns: the last run of each", last())
     else:
-        sys.exit(any(row["verdict"] != PASS for row in main(arguments.names, arguments.out)))
+        chosen = [campaign for campaign in CAMPAIGNS if not arguments.names or campaign.name in arguments.names]
+        sys.exit(any(row["verdict"] != PASS for row in main(chosen, arguments.out)))

@@ -51,7 +51,9 @@ class Number:
         if self.below:
             return abs(figure) < self.value
         unit = 10.0 ** (int(self.text.partition("e")[2] or 0) - self.decimals)
-        return abs(self.value - figure) <= 0.5 * unit * (1.0 + 1e-6)
+        off = abs(self.value - figure)
+        whole = self.text.lstrip("+-").isdigit()  # 1 is no way to print .6, nor 0 one to print 1e-4
+        return off <= 0.5 * unit * (1.0 + 1e-6) and (not whole or off <= 0.1 * abs(figure) or abs(figure) < 1e-9)
 
     def saying(self, figure: float) -> str:
         """Another figure in the same form."""

@@ -16,19 +16,23 @@ PERCENT = 100.0
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Cells of one CSV: `columns` with the factor that makes the page's unit of them, rows whose cells are `only`."""
+    """Cells of one CSV: `columns` with the factor that makes the page's unit of them, rows whose cells are `only`.
+
+    `title` goes before the name of each row.
+    """
 
     file: str
     keys: tuple[str, ...]
     columns: Mapping[str, float]
     only: Mapping[str, str] = field(default_factory=dict)
+    title: str = ""
 
     def figures(self, out: Path) -> Figures:
         """Its rows by name; an empty cell is left out."""
         with (out / self.file).open(newline="", encoding="utf-8") as stream:
             lines = [line for line in csv.DictReader(stream) if all(line[k] == v for k, v in self.only.items())]
         return {
-            " ".join(line[key] for key in self.keys) or "all": {
+            " ".join(filter(None, (self.title, *(line[key] for key in self.keys)))) or "all": {
                 name + (" %" if factor == PERCENT and "%" not in name else ""): factor * float(line[name])
                 for name, factor in self.columns.items()
                 if line[name] not in ("", "-")
@@ -61,9 +65,13 @@ QUOTED: dict[str, tuple[Table, ...]] = {
             plain("rows", "within .1 %", "worst %", "Fluegge within", "Fluegge worst %"),
         ),
     ),
+    "cylinder_exact": (
+        Table("cylinder_exact.csv", ("h/R", "L/R", "n", "m"), plain("without metric %", "with metric %")),
+    ),
     "locking": (Table("locking.csv", ("mesh", "R/t"), plain("2-D shell")),),
     "verification": (
         Table("verification_summary.csv", (), plain("rows", "pass", "reason", "fail", "forbidden splits", "turned")),
+        Table("verification.csv", ("case",), plain("error %"), only={"source": "3-D, spectral"}),
     ),
     "verify_static": (Table("verify_static.csv", ("case",), plain("error %")),),
     "loose_bolts": (Table("loose_bolts_mesh.csv", ("order", "rows", "around"), plain("unknowns", "worst", "rms")),),
@@ -78,7 +86,13 @@ QUOTED: dict[str, tuple[Table, ...]] = {
             plain("sets", "clear found", "clear", "spurious"),
         ),
     ),
-    "update_twin": (Table("update_twin.csv", ("parameter",), plain("covered %")),),
+    "rig_measure": (
+        Table(
+            "rig_measure_summary.csv", ("model",),
+            plain("used", "unseen", "before sigma rms", "before % rms", "after sigma rms", "after % rms"),
+        ),
+    ),
+    "update_twin": (Table("update_twin_summary.csv", (), plain("least covered %", "most covered %")),),
     "contact_accuracy": (
         Table(
             "contact_accuracy.csv", ("case", "method", "size", "step"),
@@ -92,9 +106,9 @@ QUOTED: dict[str, tuple[Table, ...]] = {
             only={"scene": "two rods", "elements": "200"},
         ),
     ),
-    "contact_targets": (Table("contact_targets_summary.csv", (), plain("targets", "met", "known")),),
+    "contact_targets": (Table("contact_targets_summary.csv", (), plain("met", "targets", "known")),),
     "section_44": (Table("section_44.csv", ("rub", "blade"), plain("over next [dB]", "dt/2 [dB]", "328 modes [dB]")),),
-    "wear": (Table("wear.csv", ("coating",), plain("last turn [%]") | {"worn [mm^3]": 1e-3}),),
+    "wear": (Table("wear.csv", ("coating",), plain("last turn [%]", "worn [cm^3]")),),
     "bladed_disk": (
         Table(
             "bladed_disk.csv", ("n",),
@@ -103,10 +117,13 @@ QUOTED: dict[str, tuple[Table, ...]] = {
         Table("bladed_disk_summary.csv", (), plain("off [%]", "off poles [%]")),
     ),
     "rub_convergence": (
-        Table("rub_convergence/modes.csv", ("modes",), plain("modes", IMPULSE)),
-        Table("rub_convergence/steps.csv", ("dt [us]",), plain("dt [us]", IMPULSE)),
-        Table("rub_convergence/pieces.csv", ("pieces",), plain("pieces", IMPULSE)),
-        Table("rub_convergence/surface.csv", ("points",), plain("points", f"cubic: {IMPULSE}", f"straight: {IMPULSE}")),
+        Table("rub_convergence/modes.csv", ("modes",), plain("modes", IMPULSE), title="modes"),
+        Table("rub_convergence/steps.csv", ("dt [us]",), plain("dt [us]", IMPULSE), title="dt [us]"),
+        Table("rub_convergence/pieces.csv", ("pieces",), plain("pieces", IMPULSE), title="pieces"),
+        Table(
+            "rub_convergence/surface.csv", ("points",),
+            plain("points", f"cubic: {IMPULSE}", f"straight: {IMPULSE}"), title="points",
+        ),
     ),
     "bases": (Table("bases.csv", ("basis",), plain("modes", IMPULSE, "tip error")),),
     "rub_checks": (

@@ -212,7 +212,9 @@ def main(out: Path, quick: bool = False) -> dict[str, Row]:
         rows, summaries["blade test"], summaries["blade"] = blade_chain()
         predicted += rows
     show("Frequencies that were not used, in sigma of the test (.04 %)", predicted)
-    show("The same in one line each", [row for row in summaries.values() if "unseen" in row])
+    short = [row for row in summaries.values() if "unseen" in row]
+    show("The same in one line each", short)
+    write(out / "rig_measure_summary.csv", marked(short))
     write(out / "rig_measure.csv", marked(predicted))
     print(f"\n{time.perf_counter() - started:.0f} s")
     return summaries

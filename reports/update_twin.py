@@ -143,6 +143,10 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         f"misfit {misfits.mean():.3f} +- {misfits.std():.3f} sigma"
     )
     write(out / "update_twin.csv", rows)
+    held = 100.0 * covered.mean(axis=0)
+    write(
+        out / "update_twin_summary.csv", [{"least covered %": float(held.min()), "most covered %": float(held.max())}]
+    )
     return rows
 
 

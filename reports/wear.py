@@ -57,7 +57,7 @@ def told(body: ct.ModalBody, scene: ct.Scene, result: ct.Result) -> Row:
         "past touch [um]": 1e6 * past_touch(scene, wear, end), "least force [N]": float(force.min()),
         "largest [N]": float(force.max()), "out of round [um]": 1e6 * float(np.ptp(wear.after)),
         f"n = {N}, highest [m]": float(levels[:, N].max()), "at the end [m]": float(levels[-1, N]),
-        "worn [mm^3]": 1e9 * wear.volume, "deepest [um]": 1e6 * float(wear.worn.max()),
+        "worn [cm^3]": 1e6 * wear.volume, "deepest [um]": 1e6 * float(wear.worn.max()),
         "dissipated [J]": wear.dissipated, "against profile": wear.residual,
         "ledger": abs(result.energy.unaccounted) / result.energy.scale,
     }  # fmt: skip

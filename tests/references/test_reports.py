@@ -1,18 +1,11 @@
-"""What reports share: the command line, tables, verdicts, and running them in turn."""
+"""What reports share: the command line, tables, verdicts."""
 
 import sys
 
 import numpy as np
 import pytest
 
-from reports import run, tables
-
-
-def test_run_takes_the_reports_in_turn(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(run, "REPORTS", ("cylinder",))
-    assert list(run.main(tmp_path, quick=True)) == ["cylinder"]
-    assert (tmp_path / "cylinder_summary.csv").exists()
-    assert "=== reports.cylinder" in capsys.readouterr().out
+from reports import tables
 
 
 def test_command_line_hands_on_folder_and_haste(tmp_path, monkeypatch):
@@ -20,6 +13,12 @@ def test_command_line_hands_on_folder_and_haste(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["report", "--quick", "--out", str(tmp_path)])
     tables.command_line("A report.", lambda out, quick: seen.append((out, quick)))
     assert seen == [(tmp_path, True)]
+
+
+def test_command_line_ends_with_an_error_where_rows_say_fail(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["report", "--out", str(tmp_path)])
+    with pytest.raises(SystemExit, match="1 rows say that something is wrong"):
+        tables.command_line("A report.", lambda out, quick: [{"verdict": "pass"}, {"verdict": "FAIL"}])
 
 
 def test_table_lines_up_and_shows_gaps(capsys):
