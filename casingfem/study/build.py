@@ -291,6 +291,4 @@ def build_random(table: ImperfectionTable, stream: int, tables: StudyFile) -> Ra
     if tables.chart is None or tables.shell is None:
         return None
     radius, thickness, p_max = mean_radius(build_chart(tables.chart)), tables.shell.thickness, table.p_max or 32
-    return RandomField.example(
-        thickness=thickness, radius=radius, seed=seed, scale=scale, p_max=p_max, stream=stream
-    )
+    return RandomField.example(thickness=thickness, radius=radius, seed=seed, scale=scale, p_max=p_max, stream=stream)

@@ -187,9 +187,7 @@ class ImperfectionTable(Table):
         if self.random is not None and self.seed is None:
             raise ValueError("found random without seed, expected a whole number: the same seed gives the same field")
         if self.random == "example" and self.of != "radius":
-            raise ValueError(
-                f'found random = "example" of {self.of}, expected a spectrum of your own: [{{p, median}}]'
-            )
+            raise ValueError(f'found random = "example" of {self.of}, expected a spectrum of your own: [{{p, median}}]')
         return self
 
 
