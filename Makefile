@@ -55,5 +55,8 @@ bench: $(READY) ## speed tables
 campaign: $(READY) ## every report in full, hours; which were last run at which commit: NAMES=--last
 	$(BIN)/python -m reports.campaign $(NAMES)
 
+mutants: $(READY) ## share of 120 small faults, one at a time, that the tests see; an hour or more, a rerun continues
+	$(BIN)/python -m reports.mutants --seed 20261 --count 120
+
 clean:   ## remove what is generated
 	rm -rf reports/out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -1,0 +1,152 @@
+"""Which tests are near a function: how many references lie between them, read from the sources.
+
+References are names: what a function, class or constant at the top of a file uses, and the fixtures that a test takes.
+Nothing is run for it, so compiled loops and what other processes run are found like the rest.
+"""
+
+import ast
+import hashlib
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+Unit = tuple[str, str]  # a file and a name at its top; "": its other statements
+SLOW = "mark.slow"
+FAR = 1000.0
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A parsed file: what its imports call by which name, and its units."""
+
+    file: str
+    imports: dict[str, Unit]
+    units: dict[str, list[ast.stmt]]
+    slow: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """Who refers to a unit, and the names of attributes that a unit uses."""
+
+    users: Mapping[Unit, frozenset[Unit]]
+    attributes: Mapping[Unit, frozenset[str]]
+    tests: Mapping[Unit, bool]  # whether it is slow
+
+    def distances(self, unit: Unit) -> dict[Unit, int]:
+        """References between a unit and each test that reaches it."""
+        found, edge, steps = {unit: 0}, {unit}, 0
+        while edge:
+            steps += 1
+            edge = {user for there in edge for user in self.users.get(there, frozenset())} - found.keys()
+            found |= dict.fromkeys(edge, steps)
+        return {there: found[there] for there in self.tests if there in found}
+
+    def nearest(self, file: str, function: str, seed: int) -> list[str]:
+        """Tests in the order in which they are likely to see a change, those of one file together.
+
+        Nearer ones first; tests in a file named like the changed one, and tests that use the changed method by its
+        name, count as nearer, slow ones as farther; files that are equally near come at random.
+        """
+        top, _, method = function.rpartition(".")
+        near = self.distances((file, function.partition(".")[0]))
+        words = set(Path(file).stem.split("_"))
+
+        def rank(test: Unit) -> float:
+            own = set(Path(test[0]).stem.split("_")) & words
+            named = bool(top) and method in self.attributes[test]
+            return near.get(test, FAR) + 0.5 * self.tests[test] - named - 2.0 * len(own) / len(words)
+
+        ranks = {test: rank(test) for test in self.tests}
+        files: dict[str, float] = {}
+        for test, value in ranks.items():
+            files[test[0]] = min(files.get(test[0], 2.0 * FAR), value)
+        order = sorted(self.tests, key=lambda test: (files[test[0]], shuffled(test[0], seed), test[0], ranks[test]))
+        return [f"{test}::{name}" for test, name in order]
+
+
+def shuffled(file: str, seed: int) -> str:
+    """An order by chance that is the same in every process."""
+    return hashlib.sha256(f"{seed} {file}".encode()).hexdigest()
+
+
+def parse(root: Path, path: Path) -> Source:
+    """Read one file."""
+    file, text = path.relative_to(root).as_posix(), path.read_text("utf-8")
+    tree = ast.parse(text)
+    imports: dict[str, Unit] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            imports |= {name.asname or name.name: (node.module, name.name) for name in node.names}
+        elif isinstance(node, ast.Import):
+            imports |= {name.asname: (name.name, "") for name in node.names if name.asname}
+    units: dict[str, list[ast.stmt]] = {}
+    for statement in tree.body:
+        if not isinstance(statement, ast.Import | ast.ImportFrom):
+            for name in defined(statement):
+                units.setdefault(name, []).append(statement)
+    slow = any(SLOW in ast.unparse(there) for there in units.get("pytestmark", []))
+    return Source(file, imports, units, slow)
+
+
+def defined(statement: ast.stmt) -> list[str]:
+    """Names that a statement defines, or "" for none."""
+    if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+        return [statement.name]
+    stored = [n.id for n in ast.walk(statement) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
+    return stored if stored and isinstance(statement, ast.Assign | ast.AnnAssign) else [""]
+
+
+def names(statements: Iterable[ast.stmt]) -> Iterator[str]:
+    """Names that statements use, with what they take from modules as "module.name"; arguments may be fixtures."""
+    for statement in statements:
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Name):
+                yield node.id
+            elif isinstance(node, ast.arg):
+                yield node.arg
+            elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+                yield f"{node.value.id}.{node.attr}"
+
+
+def read_reach(root: Path, folders: Iterable[str]) -> Reach:
+    """The references of all files in folders below a root; tests are those of the folder `tests`."""
+    paths = sorted(path for folder in folders for path in (root / folder).rglob("*.py"))
+    paths = [path for path in paths if "out" not in path.relative_to(root).parts]  # results hold copies
+    sources = {source.file: source for source in (parse(root, path) for path in paths)}
+    modules = {file.removesuffix(".py").removesuffix("/__init__").replace("/", "."): file for file in sources}
+    # tests import what stands beside them by its bare name
+    modules |= {Path(file).stem: file for file in sources if file.startswith("tests/")}
+    fixtures = next((file for file in sources if file.endswith("tests/conftest.py")), "")
+
+    def meant(file: str, name: str) -> Unit | None:
+        """The unit behind a name in a file, through all that only pass it on."""
+        source = sources.get(file)
+        if source is None or name in source.units:
+            return None if source is None else (file, name)
+        first, _, rest = name.partition(".")
+        if first not in source.imports:
+            return (fixtures, first) if fixtures and first in sources[fixtures].units and "tests/" in file else None
+        module, there = source.imports[first]
+        inner = f"{module}.{there}" if there else module
+        if inner in modules:
+            return meant(modules[inner], rest) if rest else None
+        return meant(modules.get(module, ""), there)
+
+    users: defaultdict[Unit, set[Unit]] = defaultdict(set)
+    attributes: dict[Unit, frozenset[str]] = {}
+    for file, source in sources.items():
+        for name, statements in source.units.items():
+            used = set(names(statements))
+            for target in {meant(file, word) for word in used} | {(file, "")}:
+                if target not in (None, (file, name)):
+                    users[target].add((file, name))
+            attributes[file, name] = frozenset(word.partition(".")[2] for word in used)
+    tests = {
+        (file, name): source.slow or any(SLOW in ast.unparse(d) for s in body for d in getattr(s, "decorator_list", []))
+        for file, source in sources.items()
+        for name, body in source.units.items()
+        if name.startswith(("test_", "Test")) and Path(file).name.startswith("test_")
+    }
+    return Reach({unit: frozenset(found) for unit, found in users.items()}, attributes, tests)

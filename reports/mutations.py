@@ -1,0 +1,218 @@
+"""Where small faults can be put into a Python source.
+
+A site is a piece of one line with texts that may stand there instead. Left alone: docstrings, messages, annotations,
+decorators, imports and what prints.
+"""
+
+import ast
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+OPERATORS = {
+    "<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "is": "is not", "is not": "is", "in": "not in",
+    "not in": "in", "+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=", "and": "or",
+    "or": "and",
+}  # fmt: skip
+WORDS = {
+    ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=", ast.Is: "is",
+    ast.IsNot: "is not", ast.In: "in", ast.NotIn: "not in", ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/",
+    ast.And: "and", ast.Or: "or",
+}  # fmt: skip
+# "" drops the function and leaves what it is called with
+FUNCTIONS = {
+    "abs": "", "max": "min", "min": "max", "maximum": "minimum", "minimum": "maximum", "any": "all", "all": "any",
+    "argmax": "argmin", "argmin": "argmax", "sin": "cos", "cos": "sin", "floor": "ceil", "ceil": "floor",
+}  # fmt: skip
+TOLD = {"echo", "print", "warn", "say", "progress"}
+SETTINGS = {"strict", "stacklevel", "indent", "encoding", "err", "nl"}
+RETURNED = {"float": "2.0 * ({})", "int": "({}) + 1", "bool": "not ({})", "Array": "-({})", "FloatArray": "-({})"}
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """A piece of a line, numbered from 1, between two columns, and what may stand there instead."""
+
+    line: int
+    start: int
+    end: int
+    choices: tuple[str, ...]
+    function: str
+
+
+@dataclass(slots=True)
+class Finder(ast.NodeVisitor):
+    """Walks a syntax tree and collects the sites of a source."""
+
+    rows: list[str]
+    found: list[Site] = field(default_factory=list)
+    scope: tuple[str, ...] = ()
+    returns: str = ""
+
+    def add(self, line: int, start: int, end: int, *choices: str) -> None:
+        """A site between two columns."""
+        self.found.append(Site(line, start, end, choices, ".".join(self.scope)))
+
+    def column(self, line: int, offset: int) -> int:
+        """Characters before an offset, which the syntax tree has in bytes."""
+        return len(self.rows[line - 1].encode()[:offset].decode())
+
+    def replace(self, node: ast.expr | ast.stmt, *choices: str) -> None:
+        """A whole node that stands in one line; {} is its text."""
+        if node.lineno == node.end_lineno and node.end_col_offset is not None:
+            start, end = self.column(node.lineno, node.col_offset), self.column(node.lineno, node.end_col_offset)
+            text = self.rows[node.lineno - 1][start:end]
+            self.add(node.lineno, start, end, *(choice.replace("{}", text) for choice in choices))
+
+    def swap(self, left: ast.expr, right: ast.expr, word: str) -> None:
+        """An operator between two operands in one line."""
+        if left.end_lineno == right.lineno and left.end_col_offset is not None:
+            start, end = self.column(right.lineno, left.end_col_offset), self.column(right.lineno, right.col_offset)
+            piece = r"\s+".join(map(re.escape, word.split()))
+            match = re.search(piece, self.rows[right.lineno - 1][start:end])
+            if match:
+                self.add(right.lineno, start + match.start(), start + match.end(), OPERATORS[word])
+
+    def visit_all(self, nodes: Iterable[ast.AST | None]) -> None:
+        """Look into several nodes."""
+        for node in nodes:
+            if node is not None:
+                self.visit(node)
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
+        """Defaults and body."""
+        before, self.scope, self.returns = (self.scope, self.returns), (*self.scope, node.name), ""
+        if isinstance(node.returns, ast.Name):
+            self.returns = RETURNED.get(node.returns.id, "")
+        self.visit_all([*node.args.defaults, *node.args.kw_defaults, *node.body])
+        self.scope, self.returns = before
+
+    def visit_ClassDef(self, node: ast.ClassDef) -> None:
+        """The body."""
+        before, self.scope = self.scope, (*self.scope, node.name)
+        self.visit_all(node.body)
+        self.scope = before
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
+        """The value."""
+        self.visit_all([node.value])
+
+    def visit_Assign(self, node: ast.Assign) -> None:
+        """What is stored in a place may be left out; a name would only be missing."""
+        if "__all__" in {getattr(target, "id", "") for target in node.targets}:
+            return
+        if self.scope and all(isinstance(target, ast.Subscript | ast.Attribute) for target in node.targets):
+            self.replace(node, "pass")
+        self.generic_visit(node)
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> None:
+        """The other operator, or nothing."""
+        word = WORDS.get(type(node.op), "") + "="
+        if word in OPERATORS:
+            self.swap(node.target, node.value, word)
+        self.replace(node, "pass")
+        self.generic_visit(node)
+
+    def visit_Expr(self, node: ast.Expr) -> None:
+        """A call may be left out; docstrings stay."""
+        if isinstance(node.value, ast.Call) and self.scope and name_of(node.value.func) not in TOLD:
+            self.replace(node, "pass")
+        if not isinstance(node.value, ast.Constant):
+            self.generic_visit(node)
+
+    def visit_If(self, node: ast.If) -> None:
+        """A condition is never met, or always where it guards more than an error."""
+        if name_of(node.test) == "TYPE_CHECKING" or not self.scope:
+            return
+        guard = all(isinstance(statement, ast.Raise) for statement in node.body)
+        self.replace(node.test, *(["False"] if guard else ["False", "True"]))
+        self.generic_visit(node)
+
+    def visit_IfExp(self, node: ast.IfExp) -> None:
+        """One of both values, always."""
+        self.replace(node.test, "False", "True")
+        self.generic_visit(node)
+
+    def visit_Raise(self, node: ast.Raise) -> None:
+        """No error; its message is left alone."""
+        self.replace(node, "pass")
+
+    def visit_Return(self, node: ast.Return) -> None:
+        """A changed value, by the type that is promised."""
+        if node.value is not None and self.returns:
+            self.replace(node.value, self.returns)
+        self.generic_visit(node)
+
+    def visit_Compare(self, node: ast.Compare) -> None:
+        """A bound in or out, a relation turned round."""
+        for left, right, operator in zip([node.left, *node.comparators], node.comparators, node.ops, strict=False):
+            self.swap(left, right, WORDS[type(operator)])
+        self.generic_visit(node)
+
+    def visit_BinOp(self, node: ast.BinOp) -> None:
+        """The opposite operation; text is not calculated with."""
+        word = WORDS.get(type(node.op))
+        texts = [side for side in (node.left, node.right) if isinstance(side, ast.JoinedStr) or is_text(side)]
+        if word and not texts:
+            self.swap(node.left, node.right, word)
+        self.generic_visit(node)
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> None:
+        """The other word, between each two."""
+        for left, right in zip(node.values[:-1], node.values[1:], strict=True):
+            self.swap(left, right, WORDS[type(node.op)])
+        self.generic_visit(node)
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> None:
+        """No minus, no `not`."""
+        if isinstance(node.op, ast.USub | ast.Not) and node.lineno == node.operand.lineno:
+            start = self.column(node.lineno, node.col_offset)
+            self.add(node.lineno, start, start + (1 if isinstance(node.op, ast.USub) else 4), "")
+        self.generic_visit(node)
+
+    def visit_Call(self, node: ast.Call) -> None:
+        """The opposite function; what is told stays."""
+        name = name_of(node.func)
+        if name in TOLD:
+            return
+        other = FUNCTIONS.get(name)
+        if other == "" and len(node.args) == 1:
+            self.replace(node.func, "")
+        elif other and node.func.end_lineno is not None and node.func.end_col_offset is not None:
+            end = self.column(node.func.end_lineno, node.func.end_col_offset)
+            self.add(node.func.end_lineno, end - len(name), end, other)
+        self.visit_all([node.func, *node.args, *(k.value for k in node.keywords if k.arg not in SETTINGS)])
+
+    def visit_Constant(self, node: ast.Constant) -> None:
+        """Another number."""
+        value = node.value
+        if isinstance(value, bool):
+            self.replace(node, str(not value))
+        elif isinstance(value, int):
+            self.replace(node, str(value + 1))
+        elif isinstance(value, float):
+            self.replace(node, repr(2.0 * value) if value else "1.0", repr(3.0 * value) if value else "1.0")
+
+    def visit_JoinedStr(self, node: ast.JoinedStr) -> None:
+        """Text stays."""
+
+
+def name_of(node: ast.expr) -> str:
+    """The last part of a dotted name."""
+    return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
+
+
+def is_text(node: ast.expr) -> bool:
+    """Whether a node is text as it stands."""
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
+
+
+def sites(text: str) -> list[Site]:
+    r"""Where a source can be changed, by line and column.
+
+    >>> [(s.line, s.choices) for s in sites("def f(x):\n    return abs(x) < 2.0\n")]
+    [(2, ('',)), (2, ('<=',)), (2, ('4.0', '6.0'))]
+    """
+    finder = Finder(text.splitlines())
+    finder.visit(ast.parse(text))
+    return sorted(finder.found, key=lambda site: (site.line, site.start, site.end))
