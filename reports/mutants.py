@@ -138,7 +138,8 @@ def main(campaign: Campaign) -> list[Row]:
     while True:
         judge(campaign, trees, folder, {m: [t for t in named if t not in broken] for m, named in tests.items()})
         verdicts = {mutant: read_verdict(folder, mutant) for mutant in tests}
-        kills = {m: v.by or tests[m][0] for m, v in verdicts.items() if v.killed}
+        # where not even the packages could be imported, any test shows that they can be without the mutant
+        kills = {mutant: found.by or tests[mutant][0] for mutant, found in verdicts.items() if found.killed}
         newly = set(never_passing(trees[0], kills.values(), campaign.limits)) - broken
         if not newly:
             break
@@ -149,50 +150,68 @@ def main(campaign: Campaign) -> list[Row]:
     return report(campaign, verdicts, broken)
 
 
+def row_of(mutant: Mutant, found: Verdict) -> Row:
+    """A mutant and its verdict, a row of the table."""
+    return {
+        "mutant": f"{mutant.file}:{mutant.line}", "function": mutant.function, "before": mutant.before,
+        "after": mutant.after, "killed": found.killed, "killed by": found.by, "how": found.how.partition("\n")[0],
+        "tests": len(found.ran), "left out": found.left_out,
+        "files": " ".join(dict.fromkeys(test.partition("::")[0] for test in found.ran)),
+    }  # fmt: skip
+
+
+def notes(path: Path) -> dict[tuple[str, str], str]:
+    """What was noted of survivors, by place and change."""
+    if not path.exists():
+        return {}
+    with path.open(newline="", encoding="utf-8") as stream:
+        return {(row["mutant"], row["after"]): row["note"] for row in csv.DictReader(stream)}
+
+
 def report(campaign: Campaign, verdicts: dict[Mutant, Verdict], broken: Iterable[str]) -> list[Row]:
     """Print and write the tables."""
+    rows = [row_of(mutant, found) for mutant, found in verdicts.items()]
+    write(campaign.out / "mutants.csv", rows)
     path = campaign.out / "mutants_survivors.csv"
-    notes: dict[tuple[str, str], str] = {}
-    if path.exists():
-        with path.open(newline="", encoding="utf-8") as stream:
-            notes = {(row["mutant"], row["after"]): row["note"] for row in csv.DictReader(stream)}
-    rows: list[Row] = [
-        {
-            "mutant": f"{m.file}:{m.line}", "function": m.function, "before": m.before, "after": m.after,
-            "tests": len(v.ran), "left out": v.left_out, "killed by": v.by, "how": v.how.partition("\n")[0],
-        }
-        for m, v in verdicts.items()
-    ]  # fmt: skip
-    alive = [m for m, v in verdicts.items() if not v.killed]
+    noted = notes(path)
     survivors: list[Row] = [
-        {
-            **{name: row[name] for name in ("mutant", "function", "before", "after", "tests", "left out")},
-            "files": " ".join(dict.fromkeys(test.partition("::")[0] for test in verdicts[m].ran)),
-            "note": notes.get((str(row["mutant"]), str(row["after"])), ""),
-        }
-        for m, row in zip(verdicts, rows, strict=True)
-        if m in alive
-    ]  # fmt: skip
-    if rows:
-        write(campaign.out / "mutants.csv", rows)
+        {name: row[name] for name in ("mutant", "before", "after", "tests", "left out", "files")}
+        | {"note": noted.get((str(row["mutant"]), str(row["after"])), "")}
+        for row in rows
+        if not row["killed"]
+    ]
+    path.unlink(missing_ok=True)
     if survivors:
-        show(
-            "Mutants that no test killed",
-            [{k: row[k] for k in ("mutant", "before", "after", "tests", "note")} for row in survivors],
-        )
         write(path, survivors)
+        shown = ("mutant", "before", "after", "tests", "note")
+        show("Mutants that no test killed", [{name: row[name] for name in shown} for row in survivors])
     for test in broken:
         print(f"left out, since it fails without a mutant: {test}")
-    killed = len(rows) - len(alive)
-    print(f"\nseed {campaign.seed}: {killed} of {len(rows)} mutants killed, {100.0 * killed / max(len(rows), 1):.1f} %")
+    killed = len(rows) - len(survivors)
+    print(f"\nseed {campaign.seed}: {killed} of {len(rows)} mutants killed, {100.0 * killed / len(rows):.1f} %")
     return rows
 
 
-if __name__ == "__main__":
+def positive(text: str) -> int:
+    """A number of the command line."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected a whole number of 1 or more")
+    return int(text)
+
+
+def command_line(arguments: Sequence[str] | None = None) -> Campaign:
+    """What a command line asks for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
-    parser.add_argument("--count", type=int, default=120, help="how many mutants")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="how many at a time")
-    parser.add_argument("--only", default="*", help="pattern of the files to change, as in contact/scheme/*")
+    parser.add_argument("--count", type=positive, default=120, help="how many mutants")
+    parser.add_argument("--jobs", type=positive, default=os.cpu_count() or 1, help="how many at a time")
+    parser.add_argument("--only", default="*", help="pattern of the files to change, such as 'contact/scheme/*'")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
-    main(Campaign(**vars(parser.parse_args())))
+    campaign = Campaign(**vars(parser.parse_args(arguments)))
+    if not campaign.mutants():
+        parser.error(f"--only: found {campaign.only!r}, expected a pattern of files below {' or '.join(PACKAGES)}")
+    return campaign
+
+
+if __name__ == "__main__":
+    main(command_line())

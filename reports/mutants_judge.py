@@ -86,7 +86,9 @@ class Tree:
             return job.lines(), process.returncode, output.read().decode("utf-8", errors="replace")
 
     def judge(self, mutant: Mutant, tests: Sequence[str], limits: Limits) -> Verdict:
-        """Whether tests kill a mutant."""
+        """Whether tests kill a mutant; no tests kill none."""
+        if not tests:
+            return verdict([], 0, "")
         changed = self.copy / mutant.file
         changed.write_text(mutant.source((self.root / mutant.file).read_text("utf-8")), encoding="utf-8")
         try:

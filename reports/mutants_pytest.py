@@ -16,8 +16,6 @@ from typing import Any
 
 import pytest
 
-from contact import compiled
-
 JOB = "MUTANTS_JOB"
 WORST_FIRST = ("failed", "left out", "skipped")
 Line = tuple[str, str]  # outcome and test
@@ -107,28 +105,27 @@ class Runner:
             journal.write(json.dumps([outcome, test]) + "\n")
 
 
-@functools.cache
-def sources_below(module: str) -> frozenset[Path]:
-    """The compiled sources that a module takes names from, directly or through others, and its own."""
-    path = compiled.ROOT.parent.joinpath(*module.split(".")).with_suffix(".py")
-    if path not in compiled.SOURCES:
-        return frozenset()
-    named = {line.split()[1] for line in path.read_text("utf-8").splitlines() if line.startswith("from contact.")}
-    return frozenset({path}).union(*(sources_below(name) for name in sorted(named)))
-
-
-def cache_of(module: str) -> str:
-    """Directory of the machine code of a module; that of sources it does not use may change."""
-    contents = b"\0".join(source.read_bytes() for source in sorted(sources_below(module) or compiled.SOURCES))
-    return str(Path(compiled.CACHE).parent / f"contact-{hashlib.sha256(contents).hexdigest()[:12]}")
-
-
 def keep_what_stays_compiled() -> None:
-    """Let a mutant in one loop leave the machine code of the others in the cache."""
-    original = compiled.compiled
+    """Let a mutant in one loop leave the machine code of the others in the cache: a directory for each module.
+
+    It is named after the compiled sources that the module takes names from, directly or through others, and its own.
+    """
+    from contact import compiled
+
+    @functools.cache
+    def below(module: str) -> frozenset[Path]:
+        path = compiled.ROOT.parent.joinpath(*module.split(".")).with_suffix(".py")
+        if path not in compiled.SOURCES:
+            return frozenset()
+        named = {line.split()[1] for line in path.read_text("utf-8").splitlines() if line.startswith("from contact.")}
+        return frozenset({path}).union(*(below(name) for name in sorted(named)))
+
+    everywhere, original = Path(compiled.CACHE).parent, compiled.compiled
 
     def cached(function: Any, *arguments: Any) -> Any:
-        compiled.CACHE = cache_of(function.__module__)
+        sources = sorted(below(function.__module__) or compiled.SOURCES)
+        digest = hashlib.sha256(b"\0".join(source.read_bytes() for source in sources)).hexdigest()
+        compiled.CACHE = str(everywhere / f"contact-{digest[:12]}")
         return original(function, *arguments)
 
     compiled.compiled = cached
@@ -137,4 +134,5 @@ def keep_what_stays_compiled() -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Take the job."""
     config.pluginmanager.register(Runner(Job.read(Path(os.environ[JOB]))))
-    keep_what_stays_compiled()
+    if (config.rootpath / "contact/compiled.py").exists():
+        keep_what_stays_compiled()
