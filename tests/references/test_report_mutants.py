@@ -42,11 +42,11 @@ def test_unseen():
 
 @pytest.fixture
 def given():
-    return seen
+    assert seen(0)
 
 
 def test_by_a_fixture(given):
-    assert given(0)
+    pass
 """
 ONE = """
 from tiny.module import unseen
@@ -90,6 +90,7 @@ def changes(line: str) -> set[str]:
         ("x = 1.5 + 2", {"x = 3.0 + 2", "x = 4.5 + 2", "x = 1.5 - 2", "x = 1.5 + 3"}),
         ("if a: raise ValueError(f'{b + 1}')", {"if False: raise ValueError(f'{b + 1}')", "if a: pass"}),
         ("x: Literal[1] = 'text' + a", set()),
+        ("x = f'{a + b}'", set()),
         ("print(a + b)", set()),
     ],
 )
