@@ -17,6 +17,7 @@ from numba.core import types
 from numba.core.registry import CPUDispatcher
 
 from contact.bundle import bundled
+from contact.compiling import Announcement, announce
 from contact.sealing import PartPipeline, SealedPipeline
 
 config: Any = numba.config
@@ -51,6 +52,8 @@ OPTIONS: Any = {
 }  # fmt: skip
 # no way in from Python, which is compiled for each; no cache: there is no code
 PART: Any = {"no_cpython_wrapper": True, "cache": False}
+
+announce(Announcement())
 
 
 def jit_entry(function: Function) -> Function:

@@ -12,11 +12,12 @@ from conftest import PLACE, Groups
 
 import contact
 from contact.compiled import SOURCES, jit, jit_entry
+from contact.compiling import WORDS, Announcement
 from contact.solver.scalar import scalar_force
 
 ROOT = Path(contact.__file__).parent
 # annotations and what is raised outside loops
-NOT_COMPILED = {"contact.compiled", "contact.errors", "contact.model.arrays"}
+NOT_COMPILED = {"contact.compiled", "contact.compiling", "contact.errors", "contact.model.arrays"}
 
 
 def imported(source: Path) -> set[str]:
@@ -86,7 +87,7 @@ def test_the_run_that_compiles_and_the_next_one_agree_to_the_last_bit(tmp_path: 
     there = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": paths}
     command = [sys.executable, "-c", "import sums"]
     first, second = (subprocess.run(command, env=there, capture_output=True, text=True, check=True) for _ in range(2))
-    assert len(list((tmp_path / "cache").rglob("*.nbc"))) == 2
+    assert len(list((tmp_path / "cache").rglob("*.nbc"))) == 1  # the part is in the machine code of its caller
     assert len(first.stdout) > 60
     assert first.stdout == second.stdout
 
@@ -94,6 +95,19 @@ def test_the_run_that_compiles_and_the_next_one_agree_to_the_last_bit(tmp_path: 
 def test_a_part_of_a_loop_is_compiled_as_an_entry_when_python_calls_it() -> None:
     """It has no way in of its own: without that the call would end the process."""
     assert scalar_force(2.0, -1.0) == 0.5
+
+
+def test_long_compiling_is_said_once_and_short_not_at_all() -> None:
+    said: list[str] = []
+    patient, hasty = (Announcement(after=after, say=said.append) for after in (60.0, 0.0))
+    for listening in (patient, hasty, hasty):
+        for nested in (listening.on_start, listening.on_start):
+            nested(None)
+        if listening is hasty and listening.timer is not None:
+            listening.timer.join()
+        for nested in (listening.on_end, listening.on_end):
+            nested(None)
+    assert said == [WORDS]
 
 
 @jit

@@ -1,0 +1,55 @@
+"""Say once that loops are being compiled, when it takes long: a first run waits for it, later ones do not."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from typing import Any
+
+from numba.core import event
+
+LONG = 2.0  # seconds until it is said
+WORDS = "compiling the loops of this run for this processor; kept on disk, so that the next run starts at once"
+
+listener: Any = event.Listener
+
+
+def to_terminal(words: str) -> None:
+    """Print on stderr where somebody reads it; nothing into files and pipes."""
+    if sys.stderr.isatty():
+        print(words, file=sys.stderr, flush=True)
+
+
+class Announcement(listener):  # type: ignore[misc]
+    """Calls `say` once when what is compiled, with all that it calls, takes longer than `after` seconds."""
+
+    def __init__(self, after: float = LONG, say: Any = to_terminal) -> None:
+        self.after, self.say = after, say
+        self.said = False
+        self.depth = 0
+        self.timer: threading.Timer | None = None
+
+    def on_start(self, _: Any) -> None:
+        """A function begins to be compiled."""
+        self.depth += 1
+        if self.depth == 1 and not self.said:
+            self.timer = threading.Timer(self.after, self._tell)
+            self.timer.daemon = True
+            self.timer.start()
+
+    def on_end(self, _: Any) -> None:
+        """It is compiled."""
+        self.depth -= 1
+        if self.depth == 0 and self.timer is not None:
+            self.timer.cancel()
+            self.timer = None
+
+    def _tell(self) -> None:
+        self.said = True
+        self.say(WORDS)
+
+
+def announce(listening: Announcement) -> None:
+    """Listen to numba from now on; it tells only what is compiled, not what is read from disk."""
+    register: Any = event.register
+    register("numba:compile", listening)
