@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import f
 
 from casingfem.errors import ModelError
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
@@ -78,7 +79,27 @@ def test_loose_bolts_are_recovered_without_noise(casing, model, loose):
 def test_a_tight_casing_has_no_loose_bolt(casing, model):
     found = locate(casing, table_of(casing), model=model)
     assert found.found == ()
+    np.testing.assert_allclose(found.angles_deg, 30.0 * np.arange(12), atol=1e-12)
     assert "no loose bolts found" in repr(found)
+
+
+def test_sigma_scale_and_smallest_are_what_chi_square_says(casing, model):
+    """Frequencies off by three times their sigma: chi^2 rises by scale^2 at one standard deviation, either way."""
+    clean = table_of(loosened(casing, {3: 0.5}))
+    noise = 3.0 * clean.sigma_hz * np.random.default_rng(27).standard_normal(len(clean))
+    found = locate(casing, replace(clean, freq_hz=clean.freq_hz + noise), model=model, most=1)
+    (one,) = found.found
+    assert found.scale == pytest.approx(np.sqrt(found.chi2 / (found.rows - 1)), rel=1e-12)
+    assert 1.5 < found.scale < 4.5
+    assert abs(one.value - 0.5) < 3.5 * one.sigma
+    at = np.eye(12)[one.place - 1]
+    best, step = one.value - 1.0, one.sigma
+    for way in (-1.0, 1.0):
+        risen = found.misfit.at((best + way * step) * at).chi2 - found.chi2
+        assert risen == pytest.approx(found.scale**2, rel=0.2)
+    start = found.misfit.at(np.zeros(12))
+    seen = np.sum((start.jacobian * found.smallest) ** 2, axis=0) / found.scale**2
+    np.testing.assert_allclose(seen, f.isf(0.01 / 12, 1, found.rows - 1), rtol=1e-9)
 
 
 def test_half_a_turn_is_the_same_table_and_is_said(casing, model):
