@@ -68,6 +68,12 @@ CAMPAIGNS = (
     Campaign("rub_convergence", "what a rub converges with", RUBS),
     Campaign("rub_checks", "rubs in three directions: bases, energy, time", RUBS),
     Campaign("bases", "what the basis of a casing costs", (*RUBS, "casingfem/modal")),
+    Campaign("start_up", "what starting costs, and what it loads", ("casingfem", "contact")),
+    Campaign("first_use", "first runs of every scene, with nothing compiled yet", ("contact",)),
+    Campaign(
+        "mutants", "the share of 120 small faults that the tests see", ("casingfem", "contact", "tests"),
+        ("--seed", "20261", "--count", "120"),
+    ),  # fmt: skip
     Campaign("speed", "times of the main calls", ("casingfem", "contact")),
     Campaign("sweep_speed", "times of sweeps", ("contact",)),
     Campaign("sweep_kills", "sweeps under kill -9 lose nothing", ("contact/sweep",)),

@@ -27,6 +27,7 @@ PACKAGES = ("casingfem", "contact")
 COMPILED = (
     "contact/scheme/loop/",
     "contact/solver/",
+    "contact/bundle.py",
     "contact/vector.py",
     "contact/record.py",
     "contact/model/band.py",
