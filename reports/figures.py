@@ -118,8 +118,9 @@ def renewed(page: str, report: str, old: Store, new: Store) -> str:
     changes: dict[int, tuple[int, str]] = {}
     for mark in marks(page):
         if mark.report == report and mark.row in old.get(report, {}):
-            places = placed(mark, mark.figures(old))
-            for place, figure in zip(places, mark.figures(new).values(), strict=True):
+            quoted = mark.figures(old)
+            for place, name in zip(placed(mark, quoted), quoted, strict=True):
+                figure = new[report][mark.row][name]
                 changes[mark.start + place.start] = (len(place.text), place.saying(figure))
     for start, (length, word) in sorted(changes.items(), reverse=True):
         page = page[:start] + word + page[start + length :]
@@ -150,12 +151,10 @@ def adopt(report: str, figures: Figures, root: Path = ROOT, pages: Sequence[str]
     """Take over what a report printed, into the store and the pages; the pages that changed."""
     old = read_store(root)
     new = old | {report: figures}
-    changed = []
-    for name in pages:
-        text = (root / name).read_text(encoding="utf-8")
-        again = renewed(text, report, old, new)
-        if again != text:
-            (root / name).write_text(again, encoding="utf-8")
-            changed.append(name)
+    texts = {name: (root / name).read_text(encoding="utf-8") for name in pages}
+    again = {name: renewed(text, report, old, new) for name, text in texts.items()}  # all of them, or none is written
+    changed = [name for name in pages if again[name] != texts[name]]
+    for name in changed:
+        (root / name).write_text(again[name], encoding="utf-8")
     write_store(new, root)
     return changed

@@ -51,6 +51,13 @@ def test_every_table_of_the_accuracy_page_has_its_marks():
     assert bare == []
 
 
+def test_times_say_when_they_were_measured():
+    solids = PAGE["docs/accuracy.md"].partition("**Large solids.**")[2].partition("\n\n")[0]
+    for text in (PAGE["docs/speed.md"], solids):
+        assert re.search(r"python -m reports\.\w+", text)
+        assert re.search(r"\d{1,2} [A-Z]\w+ 20\d\d", text)
+
+
 def test_what_is_kept_is_quoted_from_a_campaign_s_tables():
     assert set(STORE) <= set(quoted.QUOTED) <= {one.name for one in CAMPAIGNS}
     assert {mark.report for text in PAGE.values() for mark in marks(text)} == set(quoted.QUOTED)
@@ -115,10 +122,13 @@ def test_a_figure_that_is_not_in_its_row_is_named(folder):
         [placed(mark, mark.figures(read_store(folder))) for mark in marks(page)]
 
 
-def test_a_run_without_a_quoted_row_leaves_store_and_pages_alone(folder):
+@pytest.mark.parametrize("row", ["another", "a b"])
+def test_a_run_without_a_quoted_figure_leaves_store_and_every_page_alone(folder, row):
+    (folder / "first.md").write_text("x is 1.25 <!-- one: a b @ x -->\n", encoding="utf-8")
     with pytest.raises(KeyError):
-        adopt("one", {"another": {"x": 2.0}}, folder, ["page.md"])
+        adopt("one", {row: {"x": 2.0}}, folder, ["first.md", "page.md"])
     assert read_store(folder)["one"] == {"a b": {"x": 1.25, "y": 0.31}}
+    assert "1.25" in (folder / "first.md").read_text(encoding="utf-8")
 
 
 def test_cells_become_figures_in_the_page_s_unit(tmp_path):
