@@ -107,10 +107,10 @@ def folder(tmp_path):
 
 def test_a_run_renews_its_own_figures_where_they_are_marked_and_nothing_else(folder):
     before = (folder / "page.md").read_text(encoding="utf-8")
-    assert adopt("one", {"a b": {"x": 2.0, "y": 0.4}}, folder, ["page.md"]) == ["page.md"]
+    assert adopt("one", {"a b": {"x": 12.0, "y": 0.4}}, folder, ["page.md"]) == ["page.md"]
     after = (folder / "page.md").read_text(encoding="utf-8")
-    assert after == before.replace("| a | 1.2 | 0.31 ", "| a | 2.0 | 0.40 ").replace("1.25.", "2.00.")
-    assert adopt("one", {"a b": {"x": 2.0, "y": 0.4}}, folder, ["page.md"]) == []
+    assert after == before.replace("| a | 1.2 | 0.31 ", "| a | 12.0 | 0.40 ").replace("1.25.", "12.00.")
+    assert adopt("one", {"a b": {"x": 12.0, "y": 0.4}}, folder, ["page.md"]) == []
     assert adopt("one", {"a b": {"x": 1.25, "y": 0.31}}, folder, ["page.md"]) == ["page.md"]
     assert (folder / "page.md").read_text(encoding="utf-8") == before
     assert read_store(folder)["two"] == {"all": {"z": 7.0}}
