@@ -7,6 +7,7 @@ RUBS = ("contact/model", "contact/scheme", "contact/solver")
 UPDATING = ("casingfem/updating", "casingfem/modal", "casingfem/experiment/correlation")
 IDENTIFY = ("casingfem/experiment/identify", "casingfem/experiment/frf")
 RIG = (*IDENTIFY, "casingfem/experiment/rig", "casingfem/experiment/circle", "casingfem/updating")
+DRAWN = ("--seed", "20261", "--count", "120")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,10 +71,7 @@ CAMPAIGNS = (
     Campaign("bases", "what the basis of a casing costs", (*RUBS, "casingfem/modal")),
     Campaign("start_up", "what starting costs, and what it loads", ("casingfem", "contact")),
     Campaign("first_use", "first runs of every scene, with nothing compiled yet", ("contact",)),
-    Campaign(
-        "mutants", "the share of 120 small faults that the tests see", ("casingfem", "contact", "tests"),
-        ("--seed", "20261", "--count", "120"),
-    ),  # fmt: skip
+    Campaign("mutants", "which of 120 small faults the tests see", ("casingfem", "contact", "tests"), DRAWN),
     Campaign("speed", "times of the main calls", ("casingfem", "contact")),
     Campaign("sweep_speed", "times of sweeps", ("contact",)),
     Campaign("sweep_kills", "sweeps under kill -9 lose nothing", ("contact/sweep",)),
