@@ -7,6 +7,7 @@ marked as never changing, so that the compiler moves them out of loops. Fields a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numba
@@ -18,6 +19,7 @@ from numba.core.typing.templates import AttributeTemplate
 from numba.np import arrayobj
 
 WORD = ir.IntType(64)
+BYTES = ir.IntType(8).as_pointer()
 FUNCTION: Any = types.WrapperAddressProtocol
 # numba's extension points are not typed
 extending: Any = numba.extending
@@ -29,6 +31,7 @@ make_array: Any = arrayobj.make_array
 populate_array: Any = arrayobj.populate_array
 struct: Any = cgutils.create_struct_proxy
 Words = list[int]
+TYPES: dict[tuple[Any, ...], Any] = {}  # by what decides them; they live as long as the program
 
 
 class Bundle:
@@ -37,11 +40,15 @@ class Bundle:
     __slots__ = ("address", "held", "kind", "table")
 
     def __init__(self, values: Any) -> None:
-        parts = [_packed(value) for value in values]
-        self.kind = BundleType(type(values).__name__, tuple(zip(values._fields, (k for k, _, _ in parts), strict=True)))
-        self.table = np.array([word for _, words, _ in parts for word in words], dtype=np.int64)
-        self.held = (values, [held for _, _, held in parts])
-        self.address = self.table.ctypes.data
+        kinds: list[Any] = []
+        words: Words = []
+        held: list[Any] = [values]
+        for value in values:
+            _pack(value, kinds, words, held)
+        self.kind = bundle_type(type(values), kinds)
+        self.table = np.array(words, dtype=np.int64)
+        self.held = held
+        self.address = address_of(self.table)
 
 
 class BundleType(Type):  # type: ignore[misc]
@@ -67,18 +74,57 @@ def _size(kind: Any) -> int:
     return 2 + 2 * kind.ndim if isinstance(kind, types.Array) else 1
 
 
-def _packed(value: Any) -> tuple[Any, Words, Any]:
-    """Type and words of a field, and what must live as long as they are used."""
+def bundle_type(of: type[Any], kinds: Sequence[Any]) -> BundleType:
+    """The type of the bundles of a NamedTuple's class whose fields are of these types; made once."""
+    key = (of, *map(id, kinds))
+    found = TYPES.get(key)
+    if found is None:
+        found = TYPES[key] = BundleType(of.__name__, tuple(zip(of._fields, kinds, strict=True)))
+    return found
+
+
+def array_type(array: Any) -> Any:
+    """Numba's type of an array; looking it up took most of the time to make a bundle."""
+    key = (array.dtype.char, array.ndim, array.flags.num)
+    found = TYPES.get(key)
+    if found is None:
+        found = TYPES[key] = typeof(array)
+    return found
+
+
+def address_of(array: Any) -> int:
+    """Where the first entry of an array is."""
+    address: int = array.__array_interface__["data"][0]
+    return address
+
+
+def _pack(value: Any, kinds: list[Any], words: Words, held: list[Any]) -> None:
+    """Add the type and the words of a field, and what must live as long as they are used."""
     if isinstance(value, np.ndarray):
-        return typeof(value), [value.size, value.__array_interface__["data"][0], *value.shape, *value.strides], value
-    if isinstance(value, tuple):
+        kinds.append(array_type(value))
+        words += (value.size, address_of(value), *value.shape, *value.strides)
+    elif isinstance(value, tuple):
         inner = Bundle(value)
-        return inner.kind, [inner.address], inner
-    if isinstance(value, FUNCTION):
-        return typeof(value), [value.__wrapper_address__()], value
-    if isinstance(value, float):
-        return types.float64, np.array([value]).view(np.int64).tolist(), None
-    return (types.boolean if isinstance(value, (bool, np.bool_)) else types.int64), [int(value)], None
+        kinds.append(inner.kind)
+        words.append(inner.address)
+        held.append(inner)
+    elif isinstance(value, FUNCTION):
+        kinds.append(function_type(type(value), value))
+        words.append(value.__wrapper_address__())
+    elif isinstance(value, float):
+        kinds.append(types.float64)
+        words += np.array([value]).view(np.int64).tolist()
+    else:
+        kinds.append(types.boolean if isinstance(value, (bool, np.bool_)) else types.int64)
+        words.append(int(value))
+
+
+def function_type(of: type[Any], value: Any) -> Any:
+    """Numba's type of a function that is called by its address; the same for all of a class."""
+    found = TYPES.get((of,))
+    if found is None:
+        found = TYPES[(of,)] = typeof(value)
+    return found
 
 
 def _typeof(value: Bundle, _: Any) -> Any:
@@ -114,27 +160,27 @@ class BundleAttributes(Attributes):  # type: ignore[misc]
 def _field(context: Any, builder: Any, kind: Any, table: Any, field: str) -> Any:
     begin, wanted = kind.begin[field], kind.fields[field]
 
-    def word(offset: int) -> Any:
+    def word(offset: int, into: Any = WORD) -> Any:
         place = builder.gep(table, [ir.Constant(WORD, begin + offset)], inbounds=True)
-        found = builder.load(place)
+        found = builder.load(builder.bitcast(place, into.as_pointer()))
         found.set_metadata("invariant.load", builder.module.add_metadata([]))
         return found
 
     if isinstance(wanted, types.Array):
         return _array(context, builder, wanted, word)
     if isinstance(wanted, BundleType):
-        return builder.inttoptr(word(0), WORD.as_pointer())
+        return word(0, WORD.as_pointer())
     if isinstance(wanted, types.FunctionType):
-        return _function(context, builder, wanted, word(0))
+        return _function(context, builder, wanted, word(0, BYTES))
     if wanted == types.boolean:
         return builder.trunc(word(0), ir.IntType(1))
-    return builder.bitcast(word(0), ir.DoubleType()) if wanted == types.float64 else word(0)
+    return word(0, ir.DoubleType() if wanted == types.float64 else WORD)
 
 
 def _array(context: Any, builder: Any, kind: Any, word: Any) -> Any:
     array = make_array(kind)(context, builder)
     shape, strides = ([word(2 + part * kind.ndim + i) for i in range(kind.ndim)] for part in range(2))
-    data = builder.inttoptr(word(1), context.get_value_type(kind.dtype).as_pointer())
+    data = word(1, context.get_value_type(kind.dtype).as_pointer())
     item = ir.Constant(WORD, context.get_abi_sizeof(context.get_value_type(kind.dtype)))
     populate_array(array, data=data, shape=shape, strides=strides, itemsize=item, meminfo=None)
     return array._getvalue()
@@ -142,7 +188,7 @@ def _array(context: Any, builder: Any, kind: Any, word: Any) -> Any:
 
 def _function(context: Any, builder: Any, kind: Any, address: Any) -> Any:
     function = struct(kind.get_precise())(context, builder)
-    function.c_addr = builder.inttoptr(address, ir.IntType(8).as_pointer())
+    function.c_addr = address
     return function._getvalue()
 
 
