@@ -12,8 +12,8 @@ import hashlib
 import json
 import os
 import sqlite3
-from collections.abc import Iterable, Mapping
-from contextlib import closing
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -83,7 +83,7 @@ class Store:
     def rows(self, digests: Iterable[str]) -> dict[str, Row]:
         """Rows of those of the runs that are there, by hash."""
         wanted = set(digests)
-        with closing(self._connect()) as index:
+        with self._opened() as index:
             return {d: json.loads(row) for d, row in index.execute("SELECT hash, row FROM runs") if d in wanted}
 
     def note(self, rows: Mapping[str, Row]) -> None:
@@ -91,7 +91,7 @@ class Store:
         for digest, row in rows.items():
             if not run_path(self.folder, digest).exists():
                 write_run(self.folder, digest, row)
-        with closing(self._connect()) as index, index:
+        with self._opened() as index:
             pairs = [(digest, json.dumps(row, allow_nan=False)) for digest, row in rows.items()]
             index.executemany("INSERT OR REPLACE INTO runs VALUES (?, ?)", pairs)
 
@@ -112,7 +112,7 @@ class Store:
     def _match(self) -> None:
         """Add the files that the index does not know, forget what has no file."""
         files = {path.stem: path for path in self.files()}
-        with closing(self._connect()) as index, index:
+        with self._opened() as index:
             known = {digest for (digest,) in index.execute("SELECT hash FROM runs")}
             index.executemany("DELETE FROM runs WHERE hash = ?", [(gone,) for gone in known - files.keys()])
             for digest in sorted(files.keys() - known):
@@ -120,9 +120,11 @@ class Store:
                 if row is not None:
                     index.execute("INSERT INTO runs VALUES (?, ?)", (digest, json.dumps(row, allow_nan=False)))
 
-    def _connect(self) -> sqlite3.Connection:
-        index = sqlite3.connect(self.index, timeout=60.0)
-        index.execute("PRAGMA journal_mode=WAL")
-        index.execute("PRAGMA synchronous=NORMAL")
-        index.execute("CREATE TABLE IF NOT EXISTS runs (hash TEXT PRIMARY KEY, row TEXT NOT NULL)")
-        return index
+    @contextmanager
+    def _opened(self) -> Iterator[sqlite3.Connection]:
+        """The index, made where there is none: committed where all went well, closed also where it is broken."""
+        with closing(sqlite3.connect(self.index, timeout=60.0)) as index, index:
+            index.execute("PRAGMA journal_mode=WAL")
+            index.execute("PRAGMA synchronous=NORMAL")
+            index.execute("CREATE TABLE IF NOT EXISTS runs (hash TEXT PRIMARY KEY, row TEXT NOT NULL)")
+            yield index

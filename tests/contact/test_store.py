@@ -49,6 +49,23 @@ def test_a_broken_index_is_made_again(tmp_path, damage):
     assert Store.open(tmp_path).rows(ROWS) == ROWS
 
 
+def test_an_index_that_is_none_is_closed_before_it_is_made_again(tmp_path, monkeypatch):
+    """From Python 3.13 on a connection left open is a warning, raised in whatever runs when it is collected."""
+    store, opened, connect = filled(tmp_path), [], sqlite3.connect
+    store.index.write_bytes(b"garbage" * 1000)
+
+    def watched(*arguments, **named):
+        opened.append(connect(*arguments, **named))
+        return opened[-1]
+
+    monkeypatch.setattr(sqlite3, "connect", watched)
+    Store.open(tmp_path)
+    assert len(opened) == 2
+    for index in opened:
+        with pytest.raises(sqlite3.ProgrammingError, match="closed"):
+            index.execute("SELECT 1")
+
+
 def test_torn_or_changed_files_are_seen(tmp_path):
     store = filled(tmp_path)
     first, second, third, fourth = store.files()[:4]
