@@ -226,7 +226,8 @@ def solve(A: Factor, right: Array) -> Array:
         from scipy.sparse.linalg import spsolve_triangular
 
         size = A.inverse.size
-        half = csr_array((A.sparse.value, A.sparse.column, A.sparse.start), shape=(size, size)) + eye_array(size)
+        column, start = A.sparse.column.astype(np.intc), A.sparse.start.astype(np.intc)  # what scipy 1.14 solves with
+        half = csr_array((A.sparse.value, column, start), shape=(size, size)) + eye_array(size)
         below = spsolve_triangular(csr_array(half.T), right, lower=True, unit_diagonal=True)
         return np.asarray(spsolve_triangular(half.tocsr(), below * A.inverse[:, None], lower=False, unit_diagonal=True))
     n, width = A.low.shape
