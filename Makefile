@@ -27,14 +27,14 @@ $(READY): pyproject.toml constraints.txt
 study: $(READY) ## measured frequencies -> updated shells -> reduced bases -> rub -> reports/out/report.html
 	$(BIN)/python -m reports.rig
 
-test: $(READY) ## every test
-	$(BIN)/python -m pytest $(CORES)
+test: $(READY) ## every test but those of campaigns
+	$(BIN)/python -m pytest $(CORES) -m 'not campaign'
 
 variants: ## every test on other Pythons, versions, processors and orders: a table; hours (.ci/variants --list)
 	.ci/variants
 
 fast: $(READY) ## the tests that take seconds
-	$(BIN)/python -m pytest $(CORES) -m 'not slow'
+	$(BIN)/python -m pytest $(CORES) -m 'not slow and not campaign'
 
 check: types lint doctests ## lint, format, types, layers, doctests; with -j2 two at a time
 
@@ -52,7 +52,8 @@ doctests: $(READY)
 bench: $(READY) ## speed tables
 	$(BIN)/python -m reports.speed
 
-campaign: $(READY) ## every report in full, hours; which were last run at which commit: NAMES=--last
+campaign: $(READY) ## quick reports that no test repeats, then every report in full: hours
+	$(BIN)/python -m pytest $(CORES) -m campaign
 	$(BIN)/python -m reports.campaign $(NAMES)
 
 mutants: $(READY) ## share of 120 small faults, one at a time, that the tests see; an hour or more, a rerun continues

@@ -120,5 +120,5 @@ def test_its_own_errors_are_told_and_its_memory_is_given_back(monkeypatch):
 
 def test_without_the_package_its_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "pypardiso", None)
-    with pytest.raises(EigenError, match=r'pip install "casingfem\[direct\]"'):
+    with pytest.raises(EigenError, match=r"pip install .*direct"):
         factorise(csc_array(np.eye(2)), "pardiso")

@@ -14,7 +14,7 @@ def test_rotated_doublets_are_paired_by_planes_not_by_shapes(tmp_path):
     assert len(pd.read_csv(tmp_path / "pairing.csv")) == len(rows)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_loose_bolts_are_searched_on_another_mesh(tmp_path):
     rows = loose_bolt_search.main(tmp_path, quick=True)
     assert rows[0]["pair found %"] == 100.0

@@ -7,7 +7,7 @@ import pytest
 from reports import loose_bolts, mistuning
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_two_loose_bolts_settle_and_lead_the_lowest_mode(tmp_path):
     rows = loose_bolts.main(tmp_path, quick=True)
     assert [row["worst"] for row in rows] == sorted((row["worst"] for row in rows), reverse=True)
@@ -19,7 +19,7 @@ def test_two_loose_bolts_settle_and_lead_the_lowest_mode(tmp_path):
     assert np.all((ratio > 0.1) & (ratio < 10.0))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_mistuning_restarts_gain_digits_with_each_step(tmp_path):
     rows = mistuning.main(tmp_path, quick=True)
     krylov, subspace = (

@@ -124,7 +124,7 @@ def test_tests_are_found_through_fixtures_and_nearest_first(campaign: Campaign) 
     assert reach.nearest("tiny/module.py", "unseen", 1)[0] == f"{file}::test_unseen"
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_seen_mutants_are_killed_others_survive_and_a_rerun_continues(
     campaign: Campaign, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -150,7 +150,7 @@ def test_seen_mutants_are_killed_others_survive_and_a_rerun_continues(
     assert (campaign.root / "tiny/module.py").read_text("utf-8") == SOURCE
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_test_that_fails_without_a_mutant_kills_none(campaign: Campaign, capsys: pytest.CaptureFixture[str]) -> None:
     (campaign.root / "tiny/module.py").write_text("def unseen(x):\n    return x + x\n", encoding="utf-8")
     (campaign.root / "tests/test_module.py").write_text(ONE, encoding="utf-8")
@@ -158,7 +158,7 @@ def test_a_test_that_fails_without_a_mutant_kills_none(campaign: Campaign, capsy
     assert "fails without a mutant: tests/test_module.py::test_unseen" in capsys.readouterr().out
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_mutant_that_never_ends_is_killed(campaign: Campaign) -> None:
     endless = "def unseen(x):\n    while not x:\n        x = bool(x)\n    return SEVEN\n\n\nSEVEN = int('7')\n"
     (campaign.root / "tiny/module.py").write_text(endless, encoding="utf-8")

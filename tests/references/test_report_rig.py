@@ -7,7 +7,7 @@ import casingfem as cf
 from reports import rig_measure
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_chain_from_records_to_predictions(tmp_path, capsys):
     pytest.importorskip("sdypy.EMA")
     found = rig_measure.main(tmp_path, quick=True)

@@ -7,7 +7,7 @@ import pytest
 from reports import speed, sweep_speed
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_speed_gives_ratios_and_steps(tmp_path):
     rows = speed.main(tmp_path, quick=True)
     steps = pd.read_csv(tmp_path / "speed.csv").set_index("step")
@@ -19,7 +19,7 @@ def test_speed_gives_ratios_and_steps(tmp_path):
     assert len(rows) == len(steps) + len(runs)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_speed_tables_are_whole_and_leaps_change_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(sweep_speed, "RUNS", 8)
     rows = sweep_speed.main(tmp_path, quick=True)

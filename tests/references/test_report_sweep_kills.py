@@ -5,7 +5,7 @@ import pytest
 from reports import sweep_kills
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_sweep_under_kill_9_loses_nothing(tmp_path):
     pytest.importorskip("distributed")
     (row,) = sweep_kills.main(tmp_path, quick=True)

@@ -7,7 +7,7 @@ from reports import model_updating, update_checks, update_twin
 from reports.update_derivatives import ENOUGH, extrapolated
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_script_to_copy_runs(tmp_path, capsys):
     row = model_updating.main(tmp_path, quick=True)[0]
     assert row["RMS before"] > 0.03 > 0.02 > row["RMS after"]
@@ -25,7 +25,7 @@ def test_differences_are_extrapolated_and_tell_what_they_are_sure_to():
     assert 1e-5 < abs(found[0] - 1.0) < 10.0 * doubt
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_derivatives_cost_and_the_blade(tmp_path):
     rows = update_checks.main(tmp_path, quick=True)
     exact = [row for row in rows if "simple modes" in row]
@@ -36,7 +36,7 @@ def test_derivatives_cost_and_the_blade(tmp_path):
     assert all(1.5 < row["own error %"] < 2.5 for row in blade)  # a uniform blade is 2 % off, whichever number varies
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_twin_of_its_own_family(tmp_path):
     rows = update_twin.main(tmp_path, quick=True)
     assert all(row["noise-free error"] < 1e-5 for row in rows)

@@ -6,7 +6,7 @@ import pytest
 from reports import wear
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_machined_closed_and_worn_free(tmp_path, capsys):
     rows = {row["coating"]: row for row in wear.main(tmp_path, quick=True)}
     closed = {name: row["last turn [%]"] for name, row in rows.items()}
