@@ -84,7 +84,7 @@ def test_without_noise_every_parameter_is_recovered_to_1e_5(frustum, exact_fit):
     assert fit.rms_after < 1e-7 < 1e-2 < fit.rms_before
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_without_noise_on_the_default_mesh(frustum):
     known, p = truth(frustum, mesh=None), VARY[4]
     fit = update(with_value(known, p.name, -0.00015), table_of(modes(known, 8), rows=6), [p])
@@ -110,7 +110,7 @@ def test_start_does_not_matter(frustum, measured, exact_fit):
     np.testing.assert_allclose(fit.value, exact_fit[0].value, rtol=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_far_start_reaches_the_same_point(frustum, measured, exact_fit):
     """On the way n = 4 and n = 12 mix half and half and a label flips; the mode is followed all the same."""
     other = casing(frustum, E=190e9, t=3.2e-3, k=2e13, c8=0.001, s8=0.0, c16=0.0001, k4=0.1)

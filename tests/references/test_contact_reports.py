@@ -89,7 +89,7 @@ def test_entries_give_what_bands_give(tmp_path, capsys):
     assert len(pd.read_csv(tmp_path / "sparse_body.csv")) == 6
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_physics_left_out_costs_nothing(tmp_path, capsys):
     rows = contact_physics.main(tmp_path, quick=True)
     assert all(row["explicit, steps/s"] > 2e4 for row in rows)

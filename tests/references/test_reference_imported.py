@@ -8,7 +8,7 @@ from reports import imported, verify_imported
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # locking is what it shows
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_report_on_imported_meshes(tmp_path, capsys):
     imported.main(tmp_path, quick=True)
     formats = pd.read_csv(tmp_path / "imported_formats.csv")
@@ -26,7 +26,7 @@ def test_report_on_imported_meshes(tmp_path, capsys):
     assert "One part in five formats" in capsys.readouterr().out
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_all_rows_pass_or_say_why_not():
     verdicts = [row["verdict"] for row in verify_imported.slow_rows()]
     assert len(verdicts) == 6

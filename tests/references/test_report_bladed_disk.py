@@ -18,7 +18,7 @@ def test_the_unstable_speed_is_where_the_condition_says(tmp_path, capsys):
     assert (tmp_path / "bladed_disk.png").stat().st_size > 5_000
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_errors_of_a_rub_fall_with_each_refinement(tmp_path, capsys):
     tables = rub_convergence.main(tmp_path, quick=True)
     modes, steps, surface = (tables[name] for name in ("modes", "steps", "surface"))

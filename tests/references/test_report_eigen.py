@@ -14,7 +14,7 @@ from reports.cylinder import REFERENCE, cylinder
 LOW = ShellMesh(order=3, rows=2, around=1)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_every_random_structure_shows_as_many_modes_as_are_counted(tmp_path, capsys):
     rows = sturm.main(tmp_path, quick=True)
     assert sum(row["drawn"] for row in rows) == 30
@@ -63,7 +63,7 @@ def test_a_child_that_is_stopped_shows_what_it_reached():
     assert outcome.peak > 10.0
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_modal_speed_names_its_parts_and_the_harmonics_are_right(tmp_path):
     rows = modal_speed.main(tmp_path, quick=True)
     assert [row["sturm"] for row in rows] == [40, 40, None]

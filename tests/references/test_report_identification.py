@@ -5,7 +5,7 @@ import pytest
 from reports import identification
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_every_pair_half_a_bandwidth_apart_is_found_and_nothing_else(tmp_path, capsys):
     rows = identification.main(tmp_path, quick=True)
     for row in rows:

@@ -6,7 +6,7 @@ import pytest
 from reports import rub_checks
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_small_basis_with_its_residual_is_enough_and_the_energy_closes(tmp_path, capsys):
     rows = rub_checks.main(tmp_path, quick=True)
     bases = pd.read_csv(tmp_path / "rub_bases.csv").set_index("basis")

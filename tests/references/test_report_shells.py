@@ -15,7 +15,7 @@ from reports import (
 )
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_frustum_convergence_marks_the_default_mesh_and_finds_it_good(tmp_path, capsys):
     rows = frustum_convergence.main(tmp_path, quick=True)
     table = pd.read_csv(tmp_path / "frustum_convergence.csv")
@@ -35,7 +35,7 @@ def test_cylinder_counts_rows_within_a_thousandth(tmp_path, capsys):
     assert "118 of 120 rows within .1 %" in capsys.readouterr().out
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_quick_tables_of_cones_and_twisted_plates(tmp_path, capsys):
     assert len(cone.main(tmp_path, quick=True)) == 20
     assert len(pd.read_csv(tmp_path / "cone.csv")) == 240
