@@ -100,7 +100,8 @@ def test_every_command_line_is_understood(words):
 @pytest.mark.parametrize("words", sorted(spoken(r"`casingfem ([^`]+)`")))
 def test_every_command_and_option_in_the_text_exists(words):
     name, *rest = shlex.split(words)
-    options = {option for parameter in main.commands[name].params for option in parameter.opts}
+    command, rest = (main, [name]) if name.startswith("-") else (main.commands[name], rest)
+    options = {option for parameter in command.params for option in parameter.opts} | {"--help"}
     assert {word for word in rest if word.startswith("-")} <= options
 
 
