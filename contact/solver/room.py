@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from typing import Any, NamedTuple
 
 import numba
@@ -35,7 +36,10 @@ class Otherwise(protocol):  # type: ignore[misc]
             from contact.solver.coulomb import pivoted
 
             n = count * dim
-            found, residual = pivoted(W[:n, :n].copy(), b[:n].copy(), mu[:count].copy(), dim, force[:n].copy())
+            try:
+                found, residual = pivoted(W[:n, :n].copy(), b[:n].copy(), mu[:count].copy(), dim, force[:n].copy())
+            except BaseException:  # none can pass through compiled code: it would read 0, a problem solved
+                return math.nan
             force[:n] = found
             return residual
 

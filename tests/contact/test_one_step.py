@@ -243,3 +243,13 @@ def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
         led, alone = (coulomb(W, b, 0.2, one.reshape(6, 3)) for one in (force, start))
         assert led.iterations <= 3 < alone.iterations
         assert np.abs(led.force - alone.force).max() <= 1e-9 * alone.force.max()
+
+
+def test_a_fault_inside_pivoting_is_no_solution(monkeypatch):
+    """Compiled loops call it by its address, where an exception would come back as a residual of zero."""
+
+    def fails(*_):
+        raise np.linalg.LinAlgError
+
+    monkeypatch.setattr("contact.solver.coulomb.pivoted", fails)
+    assert np.isnan(friction_room(1, 2).otherwise.call(1, 2))
