@@ -7,12 +7,14 @@ therefore named after the contents of every compiled source, so that no change c
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+import numba.experimental.function_type  # so that numba knows the types of functions called by address
 from numba.core import types
 from numba.core.registry import CPUDispatcher
 
@@ -22,6 +24,7 @@ from contact.sealing import PartPipeline, SealedPipeline
 
 config: Any = numba.config
 unliteral: Any = types.unliteral
+protocol: Any = types.WrapperAddressProtocol
 Function = TypeVar("Function", bound=Callable[..., object])
 
 ROOT = Path(__file__).parent
@@ -46,10 +49,8 @@ def cache_directory() -> Path:
 
 CACHE = str(cache_directory())
 # no reference counts: loops are given all their arrays, and counting the views they take cost more than the steps
-OPTIONS: Any = {
-    "cache": True, "_nrt": False, "error_model": "numpy", "no_cfunc_wrapper": True,
-    "fastmath": {"reassoc", "contract", "nsz"},
-}  # fmt: skip
+BY_ADDRESS: Any = {"cache": True, "_nrt": False, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
+OPTIONS: Any = {**BY_ADDRESS, "no_cfunc_wrapper": True}
 # no way in from Python, which is compiled for each; no cache: there is no code
 PART: Any = {"no_cpython_wrapper": True, "cache": False}
 
@@ -117,14 +118,50 @@ def part(function: Function, options: dict[str, Any]) -> Function:
     return compiled(function, {**options, **PART}, Part)
 
 
-def compiled(function: Function, options: dict[str, Any], kind: type[Loop] = Entry) -> Function:
-    """Compile with numba, the cache in a directory named after the sources."""
+class ByAddress(protocol):  # type: ignore[misc]
+    """A compiled function that loops call by its address: compiled once for all of them, and only where `used`.
+
+    A subclass names the `function`, as Python has it, and its signature `kind`.
+    """
+
+    kind: Any
+    function: Callable[..., Any]
+
+    def __init__(self, *, used: bool) -> None:
+        self.used = used
+
+    def __wrapper_address__(self) -> int:
+        """Where the function is; 0 where the run never calls it."""
+        return address_of(self.function, self.kind) if self.used else 0
+
+    def signature(self) -> Any:
+        """What it takes and returns."""
+        return self.kind
+
+
+@cache
+def address_of(function: Callable[..., Any], kind: Any) -> int:
+    """Compile a function that is called by its address."""
+    with cached_here():
+        made: Any = numba.cfunc(kind, pipeline_class=SealedPipeline, **BY_ADDRESS)(function)
+    return int(made.address)
+
+
+@contextmanager
+def cached_here() -> Iterator[None]:
+    """Machine code goes into the directory named after the sources."""
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE
     try:
-        made: Any = numba.njit(pipeline_class=PartPipeline if kind is Part else SealedPipeline, **options)(function)
+        yield
     finally:
         config.CACHE_DIR = before
+
+
+def compiled(function: Function, options: dict[str, Any], kind: type[Loop] = Entry) -> Function:
+    """Compile with numba, the cache in a directory named after the sources."""
+    with cached_here():
+        made: Any = numba.njit(pipeline_class=PartPipeline if kind is Part else SealedPipeline, **options)(function)
     if isinstance(made, CPUDispatcher):
         made.__class__ = kind
     return cast(Function, made)

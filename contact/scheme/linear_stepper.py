@@ -136,18 +136,19 @@ def require_linear(problem: Problem, scheme: str) -> LinearSystem:
     return linear_system(problem)
 
 
-def require_law(law: Law, scheme: str, *allowed: type) -> LawNumbers:
+def require_law(law: Law, scheme: str, contacts: int, *allowed: type) -> LawNumbers:
     """Numbers of the law for the compiled solver; raises InputError for a law the scheme does not have."""
-    from contact.solver.complementarity import LawNumbers
+    from contact.solver.complementarity import LawNumbers, Several
 
     if not isinstance(law, allowed):
         names = " or ".join(kind.__name__ for kind in allowed)
         raise InputError(f"law: found {law!r}, expected {names} with {scheme}")
+    several = Several(used=contacts > 1)
     if isinstance(law, Penalty):
-        return LawNumbers(law.stiffness, 0, 0.0)
+        return LawNumbers(law.stiffness, 0, 0.0, several)
     if isinstance(law, AugmentedLagrangian):
-        return LawNumbers(law.stiffness, law.updates, law.tolerance)
-    return LawNumbers(0.0, 0, 0.0)
+        return LawNumbers(law.stiffness, law.updates, law.tolerance, several)
+    return LawNumbers(0.0, 0, 0.0, several)
 
 
 def require_restitution(e: float) -> None:
@@ -224,7 +225,8 @@ def setup(
     name: str, problem: Problem, law: Law, allowed: tuple[type, ...], dt: float | None, courant: float | None
 ) -> Setup:
     """Pack the problem and check law and step; raises InputError."""
-    system, numbers = require_linear(problem, name), require_law(law, name, *allowed)
+    system = require_linear(problem, name)
+    numbers = require_law(law, name, system.gap0.size, *allowed)
     h = linear_step(problem, dt, courant)
     return Setup(name=name, system=system, law=numbers, h=h, omega=omega_max(system))
 

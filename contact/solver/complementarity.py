@@ -9,10 +9,15 @@ contact is a division.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from contact.compiled import jit
+from numba import types
+
+from contact.compiled import ByAddress, jit
 from contact.model.arrays import Array
+
+VECTOR: Any = types.Array(types.float64, 1, "C")
+MATRIX: Any = types.Array(types.float64, 2, "C")
 
 BLOCK = 8  # corrections of the whole set before the least-index rule
 PIVOTS = 2000  # corrections before the step is given up
@@ -20,14 +25,6 @@ SMALL = 1e-12  # of the largest gap or force: below, a sign is round-off
 SINGULAR = 1e-13  # of a diagonal entry: a smaller pivot is a repeated row
 LEFT_OPEN = 1e-11  # of the largest gap: more penetration means that the wrong one of repeated rows was left out
 HAIR = 1e-12  # of the largest diagonal entry, added to it where rows repeat
-
-
-class LawNumbers(NamedTuple):
-    """Rigid: stiffness 0. Penalty: stiffness [N/m]. Augmented: also updates > 0 and a tolerance [m]."""
-
-    stiffness: float
-    updates: int
-    tolerance: float
 
 
 @jit
@@ -56,15 +53,9 @@ def closed_forces(W: Array, soft: float, g: Array, closed: Array, A: Array, lam:
         lam[i] /= A[i, i]
 
 
-@jit
 def unilateral_forces(W: Array, soft: float, g: Array, lam: Array, closed: Array, A: Array) -> bool:
     """Lam >= 0 with (W + soft I) lam + g >= 0, complementary; False when the contacts cycle."""
     n = g.size
-    if n == 1:
-        lam[0] = 0.0
-        if not g[0] >= 0.0:
-            lam[0] = -g[0] / (W[0, 0] + soft)
-        return bool(lam[0] >= 0.0)
     size, open_all = 0.0, True
     for i in range(n):
         if g[i] != g[i]:
@@ -123,21 +114,50 @@ def settle(W: Array, soft: float, g: Array, lam: Array, closed: Array, A: Array,
     return False
 
 
+SEVERAL: Any = types.boolean(MATRIX, types.float64, VECTOR, VECTOR, VECTOR, MATRIX)
+
+
+class Several(ByAddress):
+    """`unilateral_forces` as loops call it, which need not contain it: most runs have one contact, a division."""
+
+    kind = SEVERAL
+    function = staticmethod(unilateral_forces)
+
+
+class LawNumbers(NamedTuple):
+    """Rigid: stiffness 0. Penalty: stiffness [N/m]. Augmented: also updates > 0 and a tolerance [m]."""
+
+    stiffness: float
+    updates: int
+    tolerance: float
+    several: Several
+
+
+@jit
+def forces(W: Array, law: LawNumbers, soft: float, g: Array, lam: Array, closed: Array, A: Array) -> bool:
+    """Lam >= 0 with (W + soft I) lam + g >= 0, complementary; False when there are none."""
+    if g.size > 1:
+        return bool(law.several(W, soft, g, lam, closed, A))
+    if g.size == 1:
+        lam[0] = 0.0 if g[0] >= 0.0 else -g[0] / (W[0, 0] + soft)
+    return g.size == 0 or bool(lam[0] >= 0.0)
+
+
 @jit
 def contact_forces(W: Array, law: LawNumbers, g: Array, lam: Array, closed: Array, A: Array, shifted: Array) -> bool:
     """Forces of the law for free gaps g; `lam` holds the last forces on entry. False when the problem has no answer.
 
     Augmented Lagrangian: lam <- <lam - r (g + W lam)> solved for the new lam, until no gap is below -tolerance.
     """
-    if law.stiffness == 0.0:
-        return unilateral_forces(W, 0.0, g, lam, closed, A)
-    soft, n = 1.0 / law.stiffness, g.size
+    soft, n = 0.0, g.size
+    if law.stiffness > 0.0:
+        soft = 1.0 / law.stiffness
     if law.updates == 0:
-        return unilateral_forces(W, soft, g, lam, closed, A)
+        return forces(W, law, soft, g, lam, closed, A)
     for _ in range(law.updates):
         for i in range(n):
             shifted[i] = g[i] - soft * lam[i]
-        if not unilateral_forces(W, soft, shifted, lam, closed, A):
+        if not forces(W, law, soft, shifted, lam, closed, A):
             return False
         worst = 0.0
         for i in range(n):

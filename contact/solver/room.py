@@ -7,7 +7,6 @@ import math
 from typing import Any, NamedTuple
 
 import numba
-import numba.experimental.function_type  # so that numba knows the type of `Otherwise`
 import numpy as np
 
 from contact.model.arrays import Array, Indices

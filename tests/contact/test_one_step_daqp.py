@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from contact.solver.active_set import delassus_rows, unilateral
-from contact.solver.complementarity import LawNumbers, contact_forces
+from contact.solver.complementarity import LawNumbers, Several, contact_forces
 from contact.solver.coulomb import coulomb
 
 
@@ -55,7 +55,9 @@ def test_pivoting_finds_it_too(kind):
     for _ in range(200):
         A, b = problem(rng, 6, 8, kind)
         W, lam = A @ A.T, np.zeros(6)
-        assert contact_forces(W, LawNumbers(0.0, 0, 0.0), b, lam, np.zeros(6), np.zeros((6, 6)), np.zeros(6))
+        assert contact_forces(
+            W, LawNumbers(0.0, 0, 0.0, Several(used=True)), b, lam, np.zeros(6), np.zeros((6, 6)), np.zeros(6)
+        )
         np.testing.assert_allclose(A.T @ lam, motion(A, b), atol=1e-8)
 
 
@@ -64,7 +66,9 @@ def test_penalty_springs_are_a_programme_in_the_forces():
     for _ in range(100):
         A, b = problem(rng, 5, 3, "random")
         W, lam = A @ A.T, np.zeros(5)
-        assert contact_forces(W, LawNumbers(4.0, 0, 0.0), b, lam, np.zeros(5), np.zeros((5, 5)), np.zeros(5))
+        assert contact_forces(
+            W, LawNumbers(4.0, 0, 0.0, Several(used=True)), b, lam, np.zeros(5), np.zeros((5, 5)), np.zeros(5)
+        )
         force, _, flag, _ = daqp.solve(W + 0.25 * np.eye(5), b.copy(), np.zeros((0, 5)), np.full(5, 1e30), np.zeros(5))
         assert flag == 1
         np.testing.assert_allclose(lam, force, atol=1e-9 * max(force.max(), 1.0))

@@ -253,11 +253,13 @@ def brute(W, g):
 
 
 def solved(W, g):
-    from contact.solver.complementarity import LawNumbers, contact_forces
+    from contact.solver.complementarity import LawNumbers, Several, contact_forces
 
     n = g.size
     lam = np.zeros(n)
-    assert contact_forces(W, LawNumbers(0.0, 0, 0.0), g, lam, np.zeros(n), np.zeros((n, n)), np.zeros(n))
+    assert contact_forces(
+        W, LawNumbers(0.0, 0, 0.0, Several(used=True)), g, lam, np.zeros(n), np.zeros((n, n)), np.zeros(n)
+    )
     return lam
 
 
