@@ -45,6 +45,7 @@ def test_the_pages_have_an_example_for_each_use():
     assert sum(len(PRINTS.findall(code)) for code in EXAMPLES) == 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "rig", "parts", "rotation"])
 def test_examples_run_and_print_what_they_say(code, folder, capsys):
     names: dict[str, object] = {"__name__": "example"}
@@ -57,6 +58,7 @@ def test_examples_run_and_print_what_they_say(code, folder, capsys):
     assert [line for line in printed if line in claims] == claims
 
 
+@pytest.mark.slow
 def test_files_that_examples_write_are_there_afterwards(folder):
     plots = next(code for code in EXAMPLES if "savefig" in code)
     exec(compile(plots, "README.md", "exec"), {})

@@ -31,6 +31,7 @@ def model(casing):
     return affine_model(system, bolt_changes(system, "base"), 60)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loose", [{3: 0.3}, {2: 0.3, 7: 0.5}])
 def test_loose_bolts_are_as_in_full_solutions(casing, model, loose):
     x = np.zeros(8)
@@ -54,6 +55,7 @@ def test_the_unchanged_casing_is_exact_and_its_pairs_are_cosine_and_sine(model):
     assert abs(second.real) < 1e-6 * abs(second)
 
 
+@pytest.mark.slow
 def test_bolts_under_a_ring(frustum):
     ring = Ring(section=Section.rectangle(width=0.03, depth=0.03), support=BOLTS)
     shell = frustum(supports={"base": ring}, mesh=COARSE)

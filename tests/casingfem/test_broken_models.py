@@ -107,6 +107,7 @@ def test_sound_models_meet_no_doubt(name):
         assert np.all(cf.modes(sound()[name], 4).freq > 0.0)
 
 
+@pytest.mark.slow
 def test_the_finest_share_tells_a_coarse_mesh_from_a_good_one(frustum, perfect_modes):
     coarse = cf.modes(frustum(mesh=cf.ShellMesh(order=5, around=9)), 12, method="shell")
     assert finest_shares(perfect_modes).max() < 0.2 * FINEST

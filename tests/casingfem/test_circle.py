@@ -39,6 +39,7 @@ def test_another_n_beside_it_does_not_turn_the_antinode():
     assert found.angle == pytest.approx(0.2, abs=2e-4)
 
 
+@pytest.mark.slow
 def test_the_uncertainty_is_the_scatter_of_repeated_tests():
     rng = np.random.default_rng(9)
     circle, sigma = Circle.of(UNEVEN), 0.02
@@ -50,6 +51,7 @@ def test_the_uncertainty_is_the_scatter_of_repeated_tests():
     assert scatter == pytest.approx(float(np.mean([label.sigma for label in found])), rel=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [1e-5, 0.02])
 def test_intervals_hold_beside_other_n_of_many_sizes(noise):
     """150 shapes with all other n, of sizes 1 to 1/25: at 95 % fewer than 133 hold in 1 of 1000 runs."""

@@ -230,6 +230,7 @@ def test_contact_is_one_document_with_bodies_and_energy(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["contact.json", "contact.npz"]
 
 
+@pytest.mark.slow
 def test_sweep_writes_table_picture_and_store_and_goes_on(tmp_path):
     file = tmp_path / "rods.toml"
     vary = '[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nvalues = [1.0, 2.0]\n'
@@ -493,6 +494,7 @@ def run(*arguments: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 def test_the_program_itself_prints_one_document_and_loads_only_what_it_needs(study):
     script = (
         "import sys; from casingfem.cli import main\n"
@@ -506,6 +508,7 @@ def test_the_program_itself_prints_one_document_and_loads_only_what_it_needs(stu
     assert len(json.loads(done.stdout)["modes"]) == 6
 
 
+@pytest.mark.slow
 def test_the_program_itself_refuses_and_helps(tmp_path):
     bad = run("modes", tmp_path / "no.toml", "--json")
     assert (bad.returncode, bad.stdout) == (2, "")

@@ -67,6 +67,7 @@ def invoke(*arguments):
     return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
+@pytest.mark.slow
 def test_correlate_writes_pictures_and_a_document(folder, tmp_path):
     result = invoke("correlate", folder / "casing.toml", folder / "shapes.uff", "--json", "--out", tmp_path)
     assert result.exit_code == 0, result.output

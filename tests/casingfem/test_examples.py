@@ -102,6 +102,7 @@ def test_a_calculation_of_a_second_runs_as_is_said(here):
         assert json.loads(invoke(*line.split()[1:], "--json").stdout)["peak"]["growth"] > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hz", [423, 418, 384])
 def test_the_blades_of_the_rubs_are_those_of_their_report(here, hz):
     assert invoke("example", f"rub_blade_{hz}").exit_code == 0

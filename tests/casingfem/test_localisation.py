@@ -76,6 +76,7 @@ def test_loose_bolts_are_recovered_without_noise(casing, model, loose):
     assert found.chi2 < 1e-4 * found.chi2_start
 
 
+@pytest.mark.slow
 def test_a_tight_casing_has_no_loose_bolt(casing, model):
     found = locate(casing, table_of(casing), model=model)
     assert found.found == ()
@@ -83,6 +84,7 @@ def test_a_tight_casing_has_no_loose_bolt(casing, model):
     assert "no loose bolts found" in repr(found)
 
 
+@pytest.mark.slow
 def test_sigma_scale_and_smallest_are_what_chi_square_says(casing, model):
     """Frequencies off by three times their sigma: chi^2 rises by scale^2 at one standard deviation, either way."""
     clean = table_of(loosened(casing, {3: 0.5}))
@@ -102,6 +104,7 @@ def test_sigma_scale_and_smallest_are_what_chi_square_says(casing, model):
     np.testing.assert_allclose(seen, f.isf(0.01 / 12, 1, found.rows - 1), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_half_a_turn_is_the_same_table_and_is_said(casing, model):
     here, there = (table_of(loosened(casing, {bolt: 0.3})) for bolt in (3, 9))
     np.testing.assert_allclose(here.freq_hz, there.freq_hz, rtol=1e-9)
@@ -123,6 +126,7 @@ def test_a_baseline_takes_manufacture_out(casing, model):
     assert known.scale < locate(casing, now, model=model, model_error=1e-4).scale
 
 
+@pytest.mark.slow
 def test_a_calibrated_model_has_its_baseline(casing, model):
     made = replace(casing, thickness_defect=FourierField.of({14: 0.01, 10: 0.008}))
     before = measured(modes(made, 20), 470.0)
@@ -178,6 +182,7 @@ def test_fox_ring_gives_its_masses_back(steel):
     assert [one.value for one in said[25, 80].found] == pytest.approx(masses, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "code"),
     [

@@ -292,6 +292,7 @@ def test_negative_physical_numbers_are_not_lost(tmp_path):
     assert mesh.groups["floor"].nodes.tolist() == [0, 1, 2]
 
 
+@pytest.mark.slow
 def test_a_shell_without_meshes_does_not_load_meshio():
     code = "import sys; from casingfem import *; assert 'meshio' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -31,6 +31,7 @@ def splits(found):
 # --- what is split, what is not -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_cos_8_theta_in_the_radius_splits_4_and_8_and_leaves_odd_n_double(split_modes):
     n, split = splits(split_modes)
     assert np.all(split[np.isin(n, [4, 8])] > 5e-3)
@@ -97,6 +98,7 @@ def test_a_thickness_field_splits_by_the_same_rule(frustum):
 # --- labels and orientation -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_lower_member_of_a_split_pair_has_its_antinode_where_it_says(split_modes):
     """Against a plain FFT of the radial displacement at 256 equal angles of the rim."""
     grid = split_modes.grid
@@ -116,6 +118,7 @@ def test_lower_member_of_a_split_pair_has_its_antinode_where_it_says(split_modes
     assert checked >= 8
 
 
+@pytest.mark.slow
 def test_members_of_a_split_pair_stand_a_quarter_wave_apart(split_modes):
     for low, high in split_modes.doublets:
         n = split_modes.nodal_diameters[low]
@@ -124,6 +127,7 @@ def test_members_of_a_split_pair_stand_a_quarter_wave_apart(split_modes):
             assert np.mod(off, 180 / n) == pytest.approx(90 / n, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_perfect_pair_has_no_orientation_and_stands_as_cosine_and_sine(perfect_modes):
     assert np.all(np.isnan(perfect_modes.angle_deg))
     grid = perfect_modes.grid
@@ -133,6 +137,7 @@ def test_a_perfect_pair_has_no_orientation_and_stands_as_cosine_and_sine(perfect
     assert np.abs(radial[sine]).max() < 1e-6 * np.abs(radial[cosine]).min()
 
 
+@pytest.mark.slow
 def test_shapes_are_mass_normalised_and_orthogonal(split_modes):
     system = assemble(split_modes.shell)
     phi = system.restrict(split_modes.fields)
@@ -141,6 +146,7 @@ def test_shapes_are_mass_normalised_and_orthogonal(split_modes):
     np.testing.assert_allclose(phi.T @ (system.K @ phi) / lam[-1], np.diag(lam) / lam[-1], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_fourier_shapes_are_the_shells_own(frustum):
     """The fast path's nodal fields are mass-normalised modes of the assembled matrices."""
     mesh = ShellMesh(order=8, rows=1, around=17)
@@ -152,6 +158,7 @@ def test_fourier_shapes_are_the_shells_own(frustum):
     np.testing.assert_allclose(np.abs(phi.T @ (system.mass[:, None] * slow)), np.eye(8), atol=1e-5)
 
 
+@pytest.mark.slow
 def test_meridional_rank_counts_a_doublet_once(perfect_modes):
     for n in (8, 9, 10):
         own = perfect_modes.meridional[perfect_modes.nodal_diameters == n]
@@ -260,12 +267,14 @@ def test_two_calls_agree_bit_by_bit(frustum, coarse):
     assert a.fields.tobytes() == b.fields.tobytes()
 
 
+@pytest.mark.slow
 def test_arrays_are_read_only(perfect_modes):
     for array in (perfect_modes.freq, perfect_modes.fields, perfect_modes.nodal_diameters):
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0
 
 
+@pytest.mark.slow
 def test_records_are_plain_json(split_modes):
     records = json.loads(json.dumps(split_modes.records()))
     assert len(records) == 40

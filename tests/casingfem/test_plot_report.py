@@ -86,6 +86,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
     return Page((folder / "out" / "report.html").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_the_page_is_well_formed_and_stands_alone(page):
     assert page.open == []
     outside = [link for link in page.links if not link.startswith(("data:image/", "#"))]
@@ -93,6 +94,7 @@ def test_the_page_is_well_formed_and_stands_alone(page):
     assert not {"script", "link", "iframe"} & set(page.tags)
 
 
+@pytest.mark.slow
 def test_every_figure_is_there_and_has_words_for_those_who_cannot_see_it(page):
     assert len(page.images) == 7  # frequencies, shapes moving and still, rims, comparison, errors, correlation
     for image in page.images:
@@ -102,11 +104,13 @@ def test_every_figure_is_there_and_has_words_for_those_who_cannot_see_it(page):
         assert raw.startswith(b"\x89PNG" if kind == "png" else b"<?xml")
 
 
+@pytest.mark.slow
 def test_a_synthetic_table_is_called_so_above_all_else(page):
     assert page.text.index("SYNTHETIC") < page.text.index("Inputs")
     assert "nobody measured it" in page.text
 
 
+@pytest.mark.slow
 def test_the_page_has_the_parts_of_the_study(page):
     for words in (
         "Inputs", "Modes", "Update", "Reduction", "Provenance", "sha256", "numpy", "Run times",

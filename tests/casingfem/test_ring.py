@@ -79,6 +79,7 @@ def test_a_slender_ring_has_the_classical_frequencies(steel, n):
     np.testing.assert_allclose(found, exact, rtol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", [{}, {"offset": (0.02, -0.05), "foot": (-0.01, -0.03)}])
 def test_the_shell_with_a_ring_is_its_harmonics(frustum, values):
     """Eccentric ring on springs: the two-dimensional shell against one small problem for each n."""
@@ -193,6 +194,7 @@ def heavy(frustum):
     return casing, modes(casing, 6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["material.E", "material.rho", "shell.thickness", "chart.r_base", "support.base.k_z"])
 def test_derivatives_with_a_ring_and_a_mass(heavy, name):
     """Against central differences of single modes; the ring's steel is the casing's."""

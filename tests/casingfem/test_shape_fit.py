@@ -59,6 +59,7 @@ def test_macs_rise_and_the_lying_sensor_is_named(fit):
     assert found.worst_sensors(1)[0][0] == 101 + LOOSE
 
 
+@pytest.mark.slow
 def test_what_is_left_over_is_listed_on_both_sides(fit):
     document = json.loads(json.dumps(shape_fit(fit).to_json()))
     assert document["unused_hz"] == [pytest.approx(fit.problem.shapes.unused_hz[0])]
@@ -70,6 +71,7 @@ def test_what_is_left_over_is_listed_on_both_sides(fit):
     assert "shapes of 7 of 8 rows" in repr(shape_fit(fit))
 
 
+@pytest.mark.slow
 def test_pictures_frame_every_pair(fit):
     figure = figure_shape_mac(shape_fit(fit))
     axes = [axes for axes in figure.axes if axes.get_xlabel() == "computed mode"]

@@ -52,6 +52,7 @@ def test_beam_under_its_own_weight():
     assert cf.solve_static(strip(), [cf.Gravity()]).at(1.0, 0.0)[2] == pytest.approx(-exact, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_tube_under_pressure():
     """Closed by diaphragms that let it lengthen, thin, far from its ends: u_r = p R^2/(E t)."""
     tube = cf.Shell(

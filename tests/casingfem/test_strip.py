@@ -110,6 +110,7 @@ def uneven(frustum):
     return casing, cf.modes(casing, 6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["strip.1.thickness", "strip.2.thickness", "strip.2.material.E", "strip.2.material.rho", "material.E"]
 )

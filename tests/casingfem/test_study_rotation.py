@@ -19,6 +19,7 @@ def loaded(tmp_path, text):
     return load_study(written(tmp_path, text))
 
 
+@pytest.mark.slow
 def test_the_blade_of_the_data_turns(tmp_path):
     study = load_study(STUDY)
     assert study.shell.rotation.omega == pytest.approx(200.0 * np.pi)

@@ -76,6 +76,7 @@ def middle(casing):
     return solved(casing, COUNT), modes(other, 12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["material.E", "shell.thickness", "radius.p8.cos", "radius.p8.sin", "radius.p16.cos", "thickness.p8.sin"],

@@ -37,6 +37,7 @@ def test_thickness_field_equals_the_complex_step_and_the_normals_lean():
         field.rotated(0.1)
 
 
+@pytest.mark.slow
 def test_without_twist_it_is_a_plate(steel):
     flat, plate = cf.TwistedPlate(length=0.3, width=0.1, twist=0.0), cf.Plate(length=0.3, width=0.1)
     for found, expected in zip(flat.surface(A, B, None), plate.surface(A, B, None), strict=True):

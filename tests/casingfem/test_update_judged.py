@@ -132,6 +132,7 @@ def test_regularising_nothing_is_refused():
         cf.Regularisation(rule="guess")
 
 
+@pytest.mark.slow
 def test_left_out_rows_are_predicted_as_well_as_their_sigma_says(fit):
     left = cf.leave_one_out(fit)
     assert [row.mode for row in left.rows] == list(range(1, 9))
@@ -185,6 +186,7 @@ def test_laplace_sees_what_gauss_and_newton_leave_out(fit):
                                atol=2e-3)  # fmt: skip
 
 
+@pytest.mark.slow
 def test_samples_agree_with_the_gaussian_where_there_is_one(fit):
     pytest.importorskip("emcee")
     drawn = cf.sampled(fit, steps=2000, checks=2)

@@ -52,6 +52,7 @@ def test_its_own_shapes_leave_nothing_however_turned(frustum, turn):
     assert np.abs(values).max() < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["radius.p8.cos", "support.base.around.p3.cos", "shell.thickness"])
 def test_derivatives_equal_central_differences(frustum, name):
     table, shapes = measured(casing(frustum, c8=0.003, k=3e11), turn=0.3)

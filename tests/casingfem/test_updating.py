@@ -118,6 +118,7 @@ def test_a_far_start_reaches_the_same_point(frustum, measured, exact_fit):
     np.testing.assert_allclose(fit.value, exact_fit[0].value, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_perfect_start_finds_the_harmonics_of_the_splits(frustum):
     """At zero split f1 and f2 have a cone; mean and split vector do not."""
     mesh = ShellMesh(order=6, rows=1, around=17)
@@ -157,6 +158,7 @@ def test_an_open_shell_updates_by_order(frustum):
     assert fit.sigma[0] == pytest.approx(2 * 200e9 * 1e-3 / np.sqrt(5), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_covariance_tells_the_scatter_of_many_fits():
     """Thirty draws: 60 deviations with unit variance. Those of doublets are in the twin's report."""
     f, random = modes(blade(200e9, 3.02e-3), 6).freq, np.random.default_rng(401)
@@ -220,6 +222,7 @@ def test_covariance_is_the_inverse_normal_matrix_whatever_the_units():
 # --- what a result tells --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_result_tells_before_after_and_how(exact_fit):
     fit, seen = exact_fit
     assert [k for k, _ in seen] == list(range(1, len(fit.history) + 1))
@@ -248,6 +251,7 @@ def test_rows_that_pair_with_nothing_are_named(frustum, measured):
     assert fit.to_json()["unpaired"] == [7]
 
 
+@pytest.mark.slow
 def test_rows_that_begin_to_pair_do_not_stop_the_solver(frustum, measured):
     """The start lies so far off that some rows are out of reach; they come within it on the way."""
     labels = measured.nodal_diameters[:6]

@@ -22,12 +22,14 @@ def casing():
                     rotation=cf.Rotation(omega=200.0))  # fmt: skip
 
 
+@pytest.mark.slow
 def test_hardly_turning_the_modes_are_those_at_rest(casing):
     slow = replace(casing, rotation=cf.Rotation(omega=1e-3))
     found = cf.whirl_modes(slow, 6)
     np.testing.assert_allclose(found.freq, cf.modes(replace(casing, rotation=None), 6, method="shell").freq, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_pairs_split_by_their_gyroscopic_coupling(casing):
     """First order: omega -+ Omega |phi_c^T G phi_s|/2 about the pair at speed; forward waves are the lower ones."""
     found, pairs = cf.whirl_modes(casing, 6), cf.modes(casing, 6)
@@ -42,6 +44,7 @@ def test_pairs_split_by_their_gyroscopic_coupling(casing):
         assert np.sqrt(forward * backward) == pytest.approx(pairs.freq[low], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_turning_the_other_way_is_the_same_seen_in_a_mirror(casing):
     one, other = (cf.whirl_modes(replace(casing, rotation=cf.Rotation(omega=omega)), 4) for omega in (200.0, -200.0))
     np.testing.assert_allclose(one.freq, other.freq, rtol=1e-9)

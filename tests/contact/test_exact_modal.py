@@ -37,6 +37,7 @@ def drop(modes, product, t_end, law="averaged", **options):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("zeta", [0.0, 0.02, 0.4])
 def test_free_motion_is_exact_for_any_step(zeta):
     omega, h, steps = np.array([0.0, 3.0, 70.0]), 0.02, 57

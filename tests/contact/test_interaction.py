@@ -9,6 +9,8 @@ from contact.model.modal_body import rim_channels
 N = 8
 CASING, BLADE, STIFFNESS = (300.0, 1.5), (120.0, 0.4), 1e4  # (Hz, kg), N/m
 
+pytestmark = pytest.mark.slow  # they compile loops for seconds
+
 
 def pair(speed_hz):
     """n = 8 pair and one radial blade mode, joined by S = 1/k and pressed together by 1 mm."""

@@ -13,6 +13,8 @@ from contact.solver.gliding import glide
 from contact.solver.room import friction_room
 from tests.contact.lemke import lemke
 
+pytestmark = pytest.mark.slow  # they compile loops for seconds
+
 
 def random_rows(rng, contacts, size, digits=4.0):
     """Rows whose Delassus matrix is conditioned up to 10^(2 digits), half of them repeated half of the time."""

@@ -14,6 +14,8 @@ from contact.solver.active_set import delassus_rows, unilateral
 from contact.solver.complementarity import LawNumbers, Several, contact_forces
 from contact.solver.coulomb import coulomb
 
+pytestmark = pytest.mark.slow  # they compile loops for seconds
+
 
 def motion(A, b):
     """Argument y of the least |y| with A y + b >= 0."""

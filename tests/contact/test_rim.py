@@ -12,6 +12,8 @@ from contact.model.trig import harmonics
 
 ROUND = [{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]
 
+pytestmark = pytest.mark.slow  # they compile loops for seconds
+
 
 def rim(*, imperfect=0.0, S=1e-8, zeta=0.002, clearance=-1e-5, speed_hz=5.0, lean_deg=25.0, waves=ROUND, **more):
     return ct.RotatingRim(

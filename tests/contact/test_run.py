@@ -160,6 +160,7 @@ def test_the_alarm_recommends_another_law_than_the_one_in_use(scheme, advice):
     assert ("forward" in alarm) == ("averaged" in scheme or "penalty" in scheme)
 
 
+@pytest.mark.slow
 def test_a_long_run_stores_a_million_samples_at_most():
     options = {"gravity": 9.81, "t_end": 2.5, "dt": 1e-6}
     thinned, whole = ct.run(RESTING, **options), ct.run(RESTING, record=ct.Record(every=1), **options)

@@ -10,6 +10,8 @@ import contact as ct
 
 RECORD = ct.Record(every=50, state_every=100)
 
+pytestmark = pytest.mark.slow  # they compile loops for seconds
+
 
 def scene(
     *, speed_hz=20.0, mu=0.0, clearance=2e-4, imperfect=0.0, t_end=0.1, dt=2e-5, skip=True, record=RECORD, **more

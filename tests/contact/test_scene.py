@@ -70,6 +70,7 @@ def problems(tmp_path, text):
     return caught.value.problems
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "file", [pytest.param(file, marks=[pytest.mark.slow] * (file.name in COLD), id=file.name) for file in RUNS]
 )
@@ -148,6 +149,7 @@ KEYS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KEYS)
 def test_every_scheme_has_its_kind_and_keys(tmp_path, kind):
     (tmp_path / "scene.toml").write_text(RODS.replace('"forward-lagrange"', f'"{kind}"\n{KEYS[kind]}'))

@@ -99,6 +99,7 @@ def read(text):
     return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
 
 
+@pytest.mark.slow
 def test_a_grid_is_every_combination_and_the_table_says_what_each_did(scene):
     plan = load_sweep(scene(GRID))
     assert [run.values for run in plan.runs][:4] == [(15.0, 0.0), (15.0, 0.1), (15.0, 100.0), (20.0, 0.0)]
@@ -180,6 +181,7 @@ def drawn(scene, draws, table=DRAWS, **more):
     return load_sweep(scene(text, **more))
 
 
+@pytest.mark.slow
 def test_imperfection_draws_depend_on_seed_and_number_alone(scene):
     """In any order, among any others, in the file or varied: the numbers are those of casingfem's RandomField."""
     from casingfem.structure.random_field import RandomField, Spectrum
@@ -236,6 +238,7 @@ def test_broken_random_roundness_is_refused(scene, old, new, words):
     assert words in str(error.value)
 
 
+@pytest.mark.slow
 def test_whole_numbers_stay_whole_and_files_of_lists_are_hashed(tmp_path):
     rim3().save(tmp_path / "casing.npz")
     nodes(1).save(tmp_path / "blade.npz")
@@ -411,6 +414,7 @@ def test_wear_and_flags_of_a_row():
     assert "beyond a tenth of the radius" in row_of(scene, far)["flags"]
 
 
+@pytest.mark.slow
 def test_without_a_scheduler_and_without_the_package(scene, monkeypatch):
     plan = load_sweep(scene(GRID))
     monkeypatch.setattr(sweep_dask, "PATIENCE", "1s")

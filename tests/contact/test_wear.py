@@ -11,6 +11,8 @@ from contact.solver.abradable import Coating, crush, first_bar, machined, surfac
 TERMS = [{"p": 2, "cos": 4e-5}]
 SOFT = {"E": 1e9, "yield_stress": 2e4, "hardening": 1e6, "thickness": 1e-3, "width": 0.02, "tip": 6e-3}
 
+pytestmark = pytest.mark.slow  # they compile loops for seconds
+
 
 def coating(**changes):
     return ct.Abradable(**{**SOFT, "bars": 2, **changes})

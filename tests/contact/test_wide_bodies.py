@@ -29,6 +29,7 @@ def kept(monkeypatch, empty, body, method, **more):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", methods(5.0), ids=lambda method: method.name)
 def test_every_scheme_runs_on_entries_as_on_bands(method, monkeypatch):
     lumped = {"C": np.full(49, 0.02), "M": np.ones(49)} if isinstance(method.scheme, ct.MasslessBoundary) else {}

@@ -16,6 +16,8 @@ from reports import (
     work_precision,
 )
 
+pytestmark = pytest.mark.slow  # they compile loops for seconds
+
 
 def test_two_rods_by_lagrange_and_penalty(tmp_path, capsys):
     rows = {row["method"]: row for row in rods.main(tmp_path, quick=True)}
@@ -41,7 +43,6 @@ def test_work_precision_measures_every_scheme(tmp_path, capsys):
     assert (tmp_path / "work_precision.png").exists()
 
 
-@pytest.mark.slow
 def test_nothing_ends_in_nan_and_what_is_recommended_survives(tmp_path, capsys):
     rows = stability.main(tmp_path, quick=True)
     found = {word for row in rows for name, word in row.items() if name != "scene"}
@@ -57,7 +58,6 @@ def test_nothing_ends_in_nan_and_what_is_recommended_survives(tmp_path, capsys):
     assert beyond["forward Lagrange"] == "refused"
 
 
-@pytest.mark.slow
 def test_contact_targets_quick(tmp_path, capsys):
     rows = contact_targets.main(tmp_path, quick=True)
     verdicts = [row["verdict"] for row in rows]

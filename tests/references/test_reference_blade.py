@@ -37,6 +37,7 @@ def test_model_as_it_comes_is_within_03_percent_of_the_seven_converged_values(ta
     assert np.all(error < 0.0)
 
 
+@pytest.mark.slow
 def test_kirchhoff_limit_meets_all_twelve_thin_shell_values(table):
     """Transverse shear made stiff: within .09 % on order 10, 3 x 3 elements, on every mode."""
     thin = modes(blade(shear_correction=100.0, mesh=ShellMesh(order=10, rows=3, around=3)), 12)

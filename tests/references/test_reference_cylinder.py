@@ -30,12 +30,14 @@ def test_one_mesh_serves_the_table(thin):
     assert set(beyond.m) == {2}
 
 
+@pytest.mark.slow
 def test_thinner_is_closer(thin):
     worst = thin.error.abs().groupby(thin.h_over_R).max()
     assert worst[0.005] < 3e-4
     assert worst[0.005] < worst[0.01] < worst[0.02]
 
 
+@pytest.mark.slow
 def test_shear_deformable_theory_is_closer_than_fluegge_where_waves_are_short(thin):
     short = thin[(thin.h_over_R == 0.02) & (thin.L_over_R == 0.5) & (thin.m == 2)]
     assert np.all(short.error.abs() < 0.3 * short.fluegge.abs())
@@ -48,6 +50,7 @@ def test_refining_the_mesh_changes_nothing(reference):
     np.testing.assert_allclose(errors(rows, fine).error, errors(rows).error, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("h", "length", "n"), [(0.01, 0.5, 5), (0.005, 1.0, 6), (0.02, 2.0, 3), (0.02, 5.0, 2)])
 def test_two_dimensional_shell_meets_sampled_rows(reference, h, length, n):
     table = reference("cyl_shear_diaphragm_exact.csv")

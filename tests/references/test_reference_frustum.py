@@ -35,6 +35,7 @@ def forty(request, perfect_modes, fourier_modes):
     return perfect_modes if request.param == "shell" else fourier_modes
 
 
+@pytest.mark.slow
 def test_first_40_modes_are_within_a_thousandth_of_3d_elasticity(forty, table):
     """All at the place the table gives them: worst 1.1e-4 on the default mesh."""
     columns = [f"f{m}_3d" for m in BRANCHES]
@@ -44,18 +45,21 @@ def test_first_40_modes_are_within_a_thousandth_of_3d_elasticity(forty, table):
     np.testing.assert_allclose(forty.freq, own, rtol=2e-4)
 
 
+@pytest.mark.slow
 def test_the_40_modes_are_20_doublets_equal_to_1e_10(forty):
     assert len(forty.doublets) == 20
     assert forty.splits.max() < 1e-10
     assert forty.purity.min() > 1 - 1e-6
 
 
+@pytest.mark.slow
 def test_sturm_count_certifies_that_no_mode_was_missed(forty, perfect_modes):
     assert forty.sturm_count == 40
     assert len(forty) == 40
     assert count_below(perfect_modes.shell, 980.75) == 40
 
 
+@pytest.mark.slow
 def test_shell_equals_fourier(perfect_modes, fourier_modes):
     """Same meridian; around, 147 nodes carry n = 16 to 5e-5 (9 nodes a wave), n = 8 to 1e-8."""
     np.testing.assert_allclose(perfect_modes.freq, fourier_modes.freq, rtol=1e-4)
@@ -65,6 +69,7 @@ def test_shell_equals_fourier(perfect_modes, fourier_modes):
     np.testing.assert_allclose(perfect_modes.freq[low], fourier_modes.freq[low], rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_shell_approaches_fourier_spectrally_around_the_circle(frustum):
     """n = 7, 8, 9 on order 8: the difference falls by a decade and more for each step 9, 13, 17 elements."""
     meridian = {"order": 8, "rows": 1}
@@ -104,6 +109,7 @@ def test_kirchhoff_love_limit(frustum, table):
     assert worst_3d > 4e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("thickness", "harmonics"), [(5e-4, range(8, 15, 2)), (5e-5, range(14, 36, 7))])
 def test_thin_walls_do_not_lock(frustum, thickness, harmonics):
     """R/t = 1000 and 10,000 on order 8, 4 rows, against a graded mesh of order 12, 12 rows: within 2e-4.

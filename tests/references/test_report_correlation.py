@@ -6,6 +6,7 @@ import pytest
 from reports import loose_bolt_search, pairing
 
 
+@pytest.mark.slow
 def test_rotated_doublets_are_paired_by_planes_not_by_shapes(tmp_path):
     rows = pairing.main(tmp_path, quick=True)
     assert rows[0]["draws right %"] == 100.0

@@ -5,6 +5,7 @@ import pytest
 from reports import interaction, interaction_map
 
 
+@pytest.mark.slow
 def test_signs_agree_and_pictures_are_written(tmp_path, capsys):
     rows = interaction.main(tmp_path, quick=True)
     assert len(rows) == 14

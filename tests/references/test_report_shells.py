@@ -27,6 +27,7 @@ def test_frustum_convergence_marks_the_default_mesh_and_finds_it_good(tmp_path, 
     assert frustum_convergence.exact_frequencies()[[0, -1]].tolist() == [367.9087, 980.6034]
 
 
+@pytest.mark.slow
 def test_cylinder_counts_rows_within_a_thousandth(tmp_path, capsys):
     rows = cylinder.main(tmp_path, quick=True)
     assert [row["within .1 %"] for row in rows[:3]] == [40, 40, 38]
@@ -45,6 +46,7 @@ def test_quick_tables_of_cones_and_twisted_plates(tmp_path, capsys):
     assert "75 of 80 rows within .5 %" in printed
 
 
+@pytest.mark.slow
 def test_a_split_that_the_rule_forbids_is_seen():
     """The same frustum, judged by a wrong p: what must part does."""
     name, parts = next(iter(splitting.fields().items()))
@@ -53,6 +55,7 @@ def test_a_split_that_the_rule_forbids_is_seen():
     assert row["verdict"] == "FAIL"
 
 
+@pytest.mark.slow
 def test_a_ring_as_strip_and_as_beam_agree(tmp_path):
     rows = steel_ring.main(tmp_path, quick=True)
     gaps = [abs(row["beam/strip - 1 %"]) for row in rows]
