@@ -182,7 +182,6 @@ def test_fox_ring_gives_its_masses_back(steel):
     assert [one.value for one in said[25, 80].found] == pytest.approx(masses, rel=0.02)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "code"),
     [

@@ -292,6 +292,7 @@ def test_records_are_plain_json(split_modes):
     }
 
 
+@pytest.mark.slow
 def test_repr_is_the_table(split_modes):
     lines = repr(split_modes).splitlines()
     assert len(lines) == 42

@@ -11,7 +11,7 @@ import pytest
 from conftest import PLACE, Groups
 
 import contact
-from contact.compiled import OPTIONS, SOURCES, compiled, jit, jit_entry
+from contact.compiled import OPTIONS, SOURCES, compiled, jit
 from contact.compiling import WORDS, Announcement
 from contact.solver.scalar import scalar_force
 

@@ -85,6 +85,7 @@ def test_shipped_scenes_run(file):
     assert len(result.source["sha256"]) == 64
 
 
+@pytest.mark.slow
 def test_rim_scene(tmp_path):
     ring().save(tmp_path / "casing.npz")
     blade().save(tmp_path / "blade.npz")

@@ -32,6 +32,8 @@ GOOD = [
     ct.Newmark(beta=0.5, gamma=0.55),
 ]  # fmt: skip
 
+pytestmark = pytest.mark.slow  # they compile every loop of rods, for seconds
+
 
 def pair(elements=40):
     left = ct.Rod(**CARPENTER, elements=elements, x=-10.01, velocity=202.2)
@@ -50,7 +52,6 @@ def frame(**options):
     return ct.LinearBody(**(given | options))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 def test_the_ledger_closes_with_damping_loads_and_impacts(scheme):
     result = ct.run(frame(), scheme=scheme, t_end=20.0, dt=0.01)
@@ -62,7 +63,6 @@ def test_the_ledger_closes_with_damping_loads_and_impacts(scheme):
     assert result.residual.max() <= 1e-12
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("scheme", GOOD, ids=str)
 def test_two_rods_by_every_good_scheme(scheme):
     result = ct.run(pair(100), scheme=scheme, t_end=2.5e-4, courant=0.5)

@@ -270,6 +270,7 @@ def test_the_hash_follows_all_that_defines_a_run(scene, tmp_path):
     assert not set(first) & {run.digest for run in load_sweep(file).runs}
 
 
+@pytest.mark.slow
 def test_order_processes_and_resuming_change_no_bit(scene, tmp_path):
     plan = load_sweep(scene(GRID))
     plain = sweep.table(sweep.run_sweep(plan))
