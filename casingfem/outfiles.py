@@ -3,6 +3,7 @@
 import json
 import os
 from collections.abc import Callable, Mapping
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -55,10 +56,10 @@ def json_text(document: Any, *, indent: int | None = None) -> str:
 
 def finite(value: Any) -> Any:
     """The same plain data with nan and inf replaced by None."""
-    if isinstance(value, Mapping):
-        return {key: finite(entry) for key, entry in value.items()}
+    if isinstance(value, float):  # nearly all entries are, and there may be millions
+        return value if isfinite(value) else None
     if isinstance(value, list | tuple):
         return [finite(entry) for entry in value]
-    if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
-        return None
+    if isinstance(value, Mapping):
+        return {key: finite(entry) for key, entry in value.items()}
     return value

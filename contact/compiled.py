@@ -25,6 +25,8 @@ from contact.sealing import PartPipeline, SealedPipeline
 config: Any = numba.config
 unliteral: Any = types.unliteral
 protocol: Any = types.WrapperAddressProtocol
+VECTOR: Any = types.Array(types.float64, 1, "C")
+MATRIX: Any = types.Array(types.float64, 2, "C")
 Function = TypeVar("Function", bound=Callable[..., object])
 
 ROOT = Path(__file__).parent

@@ -59,9 +59,11 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
     with Working(f"{command} {file.name}: starting; a first run compiles its loop") as working:
         result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
     document = result.to_dict()
-    files: dict[str, Content] = {f"{command}.npz": result.save, f"{command}.json": json_text(document)}
-    if out is not None and result.tracks and len(result.tracks[0].map_time) > 1:
-        files |= pictures(result.tracks)
+    files: dict[str, Content] = {}
+    if out is not None:
+        files = {f"{command}.npz": result.save, f"{command}.json": json_text(document)}
+        if result.tracks and len(result.tracks[0].map_time) > 1:
+            files |= pictures(result.tracks)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -50,6 +50,7 @@ class RubStepper:
     label: str
     steps: list[int]
     worn: tuple[Tracks, Coats] | None = None
+    given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once: a coating's runs are short
 
     @property
     def dt(self) -> float:
@@ -84,11 +85,14 @@ class RubStepper:
         return failed
 
     def _some(self, coats: Coats | None, out: Samples, first: int, steps: int) -> int:
+        from contact.bundle import bundled
         from contact.scheme.loop.rub import advance_rub
 
+        if not self.given:
+            self.given.extend(map(bundled, (self.state, self.laws, self.rows, coats, self.work, self.sums)))
+        state, laws, rows, coating, work, sums = self.given
         return advance_rub(
-            self.state, self.laws, self.rows, coats, self.work, self.dimensions, self.averaged, self.sums, out, self.dt,
-            first, steps,
+            state, laws, rows, coating, work, self.dimensions, self.averaged, sums, out, self.dt, first, steps
         )  # fmt: skip
 
     def wear(self) -> tuple[Wear, ...]:

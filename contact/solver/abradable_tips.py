@@ -19,7 +19,7 @@ from contact.solver.abradable import Coating, borne, settled, surface
 from contact.solver.coulomb import friction_forces
 from contact.solver.dense import affine, assign
 from contact.solver.friction_newton import TOLERANCE
-from contact.solver.gliding import glide
+from contact.solver.gliding import Glide
 from contact.solver.room import BEHIND, GUESS, MOTION, SOFT, Room
 
 MOST = 200  # Newton steps: piecewise linear, so a few do
@@ -62,7 +62,7 @@ def coating_of(c: Coats, j: int) -> Coating:
 
 @jit
 def crush_tips(c: Coats, tips: Indices, W: Array, b: Array, mu: Array, dim: int, count: int, force: Array,
-               depth: Array, room: Room) -> bool:  # fmt: skip
+               depth: Array, glide: Glide, room: Room) -> bool:  # fmt: skip
     """Improve `force` (d n,) of n = `count` tips and find `depth` (n,) so that both laws hold; False where they do not.
 
     Nothing flows yet.

@@ -13,11 +13,8 @@ from typing import Any, NamedTuple
 
 from numba import types
 
-from contact.compiled import ByAddress, jit
+from contact.compiled import MATRIX, VECTOR, ByAddress, jit
 from contact.model.arrays import Array
-
-VECTOR: Any = types.Array(types.float64, 1, "C")
-MATRIX: Any = types.Array(types.float64, 2, "C")
 
 BLOCK = 8  # corrections of the whole set before the least-index rule
 PIVOTS = 2000  # corrections before the step is given up

@@ -20,10 +20,9 @@ import numpy as np
 from contact.compiled import jit
 from contact.errors import InputError, NumericsError
 from contact.model.arrays import Array
-from contact.solver.dense import assign
 from contact.solver.faceted import GOLDEN, faceted
-from contact.solver.friction_newton import MOST_ITERATIONS, TOLERANCE, newton
-from contact.solver.room import INNER, MISS, STEP, TRIAL, Room, friction_room
+from contact.solver.friction_newton import MOST_ITERATIONS, TOLERANCE, newton, otherwise
+from contact.solver.room import Room, friction_room
 
 DRAWS, ROUNDS = 24, 8  # covering vectors, and closer facets with each
 MOST_CONTACTS = 144  # contacts times covering vectors: pivoting grows with the cube
@@ -88,15 +87,7 @@ def friction_forces(W: Array, b: Array, mu: Array, dim: int, count: int, force: 
     iterations, residual = newton(W, b, mu, dim, count, force, room)
     if residual <= TOLERANCE:
         return iterations, residual
-    hard, size = room.matrices[INNER], count * dim
-    for i in range(size):
-        assign(hard[i], W[i], size)
-    assign(room.vectors[MISS], b, size)
-    assign(room.vectors[STEP], mu, count)
-    assign(room.vectors[TRIAL], force, size)
-    residual = room.otherwise(count, dim)
-    assign(force, room.vectors[TRIAL], size)
-    return iterations + MOST_ITERATIONS, residual
+    return iterations + MOST_ITERATIONS, otherwise(W, b, mu, dim, count, force, room, 0)
 
 
 def pivoted(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[Array, float]:

@@ -17,7 +17,6 @@ import math
 from contact.compiled import jit
 from contact.model.arrays import Array, Indices
 from contact.solver.dense import affine, assign, dot, solve_in_place
-from contact.solver.friction_sweeps import sweep
 from contact.solver.room import BASE, CLOSED, INNER, JACOBIAN, MISS, RIGHT, STEP, TRIAL, TRIAL_MISS, Room, U
 
 TOLERANCE = 1e-12  # of the largest force
@@ -66,12 +65,25 @@ def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
             leaps = max(leaps - 1, 0)
             continue
         assign(force, base, size)
-        for _ in range(sweeps):
-            sweep(W, b, mu, dim, count, force)
+        otherwise(W, b, mu, dim, count, force, room, sweeps)
         assign(base, force, size)
         found = law_residual(W, b, mu, rho, dim, count, force, u, miss)
         leaps, sweeps = LEAPS, 2 * sweeps
     return MOST_ITERATIONS, found
+
+
+@jit
+def otherwise(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room, sweeps: int) -> float:
+    """Improve `force` by so many sweeps, or by pivoting where there are none; returns the residual after pivoting."""
+    hard, size = room.matrices[INNER], count * dim
+    for i in range(size):
+        assign(hard[i], W[i], size)
+    assign(room.vectors[MISS], b, size)
+    assign(room.vectors[STEP], mu, count)
+    assign(room.vectors[TRIAL], force, size)
+    residual = room.otherwise(count, dim, sweeps)
+    assign(force, room.vectors[TRIAL], size)
+    return float(residual)
 
 
 @jit

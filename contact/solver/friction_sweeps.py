@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 
-from contact.compiled import jit
+from contact.compiled import jit, jit_entry
 from contact.model.arrays import Array
 from contact.solver.dense import dot
 
 ROUGHLY = 1e-3  # how closely each contact is solved: a start is wanted
 
 
-@jit
-def sweep(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array) -> None:
-    """One nonlinear Gauss-Seidel sweep: each contact solved with the others' forces held."""
+@jit_entry
+def sweep(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, sweeps: int) -> None:
+    """Nonlinear Gauss-Seidel sweeps: each contact solved with the others' forces held."""
     size = count * dim
-    for k in range(count):
+    for visit in range(sweeps * count):
+        k = visit % count
         i = k * dim
         q0, q1, q2 = without(W, b, i, i, dim, force, size), 0.0, 0.0
         if dim > 1:

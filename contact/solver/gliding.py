@@ -9,11 +9,31 @@ turn them round, d is led along instead: `lead`. Where something sticks, the sta
 from __future__ import annotations
 
 import math
+from typing import Any
 
-from contact.compiled import jit
+from numba import types
+
+from contact.bundle import Bundle
+from contact.compiled import MATRIX, VECTOR, ByAddress, jit
 from contact.model.arrays import Array
 from contact.solver.dense import affine, assign, solve_in_place
-from contact.solver.room import AT, CLOSED, GAP, INNER, JACOBIAN, LAST, LEFT, NORMAL, OWN, PHI, SHORT, TRIAL, Room, U
+from contact.solver.room import (
+    AT,
+    CLOSED,
+    GAP,
+    INNER,
+    JACOBIAN,
+    LAST,
+    LEFT,
+    NORMAL,
+    OWN,
+    PHI,
+    SHORT,
+    TRIAL,
+    Room,
+    U,
+    friction_room,
+)
 
 ROUNDS = 8
 LED, NEAR = 9, 0.3  # rounds of `lead`; the angle [rad] to the slip's direction from where Newton's method goes on
@@ -22,9 +42,8 @@ STILL = 1e-13  # change of direction at which the rounds end
 MOST_CHANGES = 20  # of the set of closed contacts
 
 
-@jit
-def glide(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> None:
-    """Improve `force` for contacts that all slide; leaves it as it was where one does not, or no set settles."""
+def glide(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> bool:
+    """Improve `force` for contacts that all slide; False, `force` as it was, where one does not or no set settles."""
     size = count * dim
     trial, u, gap, closed, d = room.vectors[TRIAL], room.vectors[U], room.vectors[GAP], room.whole[CLOSED], room.pairs
     assign(trial, force, size)
@@ -37,12 +56,22 @@ def glide(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, roo
         if moved > 1.0:
             if dim == 3 and lead(W, b, mu, count, force, room):
                 break
-            return
+            return False
         if moved <= STILL:
             break
         if not slide(W, mu, dim, count, room):
-            return
+            return False
     assign(force, trial, size)
+    return True
+
+
+class Glide(ByAddress):
+    """`glide` as loops call it: a start for several tips, which loops of one tip need not contain."""
+
+    kind: Any = types.boolean(
+        MATRIX, VECTOR, VECTOR, types.int64, types.int64, VECTOR, Bundle(friction_room(1, 1)).kind
+    )  # fmt: skip
+    function = staticmethod(glide)
 
 
 @jit

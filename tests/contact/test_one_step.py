@@ -10,7 +10,7 @@ from contact.solver.faceted import covering, faceted
 from contact.solver.faceted import lemke as pivoting
 from contact.solver.friction_newton import MOST_ITERATIONS
 from contact.solver.gliding import glide
-from contact.solver.room import friction_room
+from contact.solver.room import INNER, MISS, STEP, TRIAL, friction_room
 from tests.contact.lemke import lemke
 
 pytestmark = pytest.mark.slow  # they compile loops for seconds
@@ -254,4 +254,15 @@ def test_a_fault_inside_pivoting_is_no_solution(monkeypatch):
         raise np.linalg.LinAlgError
 
     monkeypatch.setattr("contact.solver.coulomb.pivoted", fails)
-    assert np.isnan(friction_room(1, 2).otherwise.call(1, 2))
+    assert np.isnan(friction_room(1, 2).otherwise.call(1, 2, 0))
+
+
+def test_a_sweep_solves_contacts_that_do_not_feel_each_other():
+    """One pressed and sticking, one slipping at its cone, one open; sweeps are called back through Python too."""
+    room = friction_room(3, 2)
+    room.matrices[INNER] = np.diag([2.0, 1.0, 2.0, 1.0, 2.0, 1.0])
+    room.vectors[MISS] = [-2.0, 0.1, -2.0, 3.0, 1.0, 5.0]
+    room.vectors[STEP, :3] = 0.5
+    room.vectors[TRIAL] = 7.0
+    assert room.otherwise.call(3, 2, 1) == 0.0
+    np.testing.assert_allclose(room.vectors[TRIAL], [1.0, -0.1, 1.0, -0.5, 0.0, 0.0], rtol=1e-3)

@@ -10,8 +10,10 @@ from contact.model.rub_system import rub_system
 from contact.scheme.rub_tracks import track_tips
 from contact.solver.abradable import borne
 from contact.solver.abradable_tips import Coats, coating_of, crush_tips
+from contact.solver.gliding import Glide
 from contact.solver.room import friction_room
 
+GLIDE = Glide(used=True)
 WAVES = [{"p": 2, "cos": 4e-5}]
 SOFT = {"E": 1e9, "yield_stress": 2e4, "hardening": 1e6, "thickness": 1e-3, "width": 0.02, "tip": 6e-3, "bars": 2}
 
@@ -79,7 +81,7 @@ def test_forces_and_depths_of_coupled_tips_obey_both_laws():
         coats, W, b, mu, dim = coupled(rng)
         K, force = mu.size, np.zeros(b.size)
         depth = np.zeros(K)
-        assert crush_tips(coats, np.arange(K), W, b, mu, dim, K, force, depth, friction_room(K, dim))
+        assert crush_tips(coats, np.arange(K), W, b, mu, dim, K, force, depth, GLIDE, friction_room(K, dim))
         u, lam = (W @ force + b).reshape(K, dim), force.reshape(K, dim)
         near = 1e-9 * np.abs(b[::dim]).max()
         for a in range(K):

@@ -13,7 +13,6 @@ from contact.solver.abradable_tips import Coats, crush_tips
 from contact.solver.coulomb import friction_forces
 from contact.solver.dense import affine, dot
 from contact.solver.friction_newton import TOLERANCE
-from contact.solver.gliding import glide
 
 
 @jit
@@ -75,13 +74,13 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, 
     assemble(s, rows, w, count, dim, share, slid)
     if coats is None:
         if dim > 1 and count > 1:
-            glide(w.W, w.b, w.mu, dim, count, w.lam, w.room)
+            w.glide(w.W, w.b, w.mu, dim, count, w.lam, w.room)
         iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
         s.counts[0] = max(s.counts[0], float(iterations))
         s.counts[1] += float(iterations)
         solved = miss <= TOLERANCE
     else:
-        solved = crush_tips(coats, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.room)
+        solved = crush_tips(coats, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.glide, w.room)
     if not solved:
         s.counts[3] = ROUGH
         return False

@@ -8,6 +8,7 @@ import numpy as np
 
 from contact.model.arrays import Array, Indices
 from contact.scheme.loop.rub_rows import RubRows
+from contact.solver.gliding import Glide
 from contact.solver.room import Room, friction_room
 
 
@@ -80,6 +81,7 @@ class Work(NamedTuple):
     S: Array  # (K d, K d) residual compliance at phi_n; rows of tips that are not solved for may be stale
     strain: Array  # (K d,) S lam
     waves_old: Array  # (2, harmonics of S) at phi_{n-1}
+    glide: Glide
     room: Room  # of the friction solver
 
 
@@ -100,5 +102,5 @@ def work_space(s: RubState, rows: RubRows) -> Work:
         rows=none(D, m), tests=none(D, m), along=none(D), pull=none(D), chosen=whole(K), row=whole(R), column=whole(R),
         casing=none(D, D), W=none(R, R), b=none(R), lam=none(R), motion=none(R), mu=none(K), depth=none(K),
         pushed=none(m), S=np.array(rows.S_cos[0]), strain=none(R), waves_old=none(2, rows.S_harmonic.size),
-        room=friction_room(K, R // K),
+        glide=Glide(used=R > K > 1), room=friction_room(K, R // K),
     )  # fmt: skip
