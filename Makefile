@@ -32,7 +32,7 @@ study: $(READY) ## measured frequencies -> updated shells -> reduced bases -> ru
 test: $(READY) ## every test but those of campaigns
 	$(BIN)/python -m pytest $(CORES) -m 'not campaign'
 
-variants: ## every test on other Pythons, versions, processors and orders: a table; hours (.ci/variants --list)
+variants: ## every test on other Pythons, versions, processors and orders: a table; an hour (.ci/variants --list)
 	.ci/variants
 
 fast: $(READY) ## the tests that take seconds

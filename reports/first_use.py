@@ -20,6 +20,7 @@ from reports.tables import Row, command_line, show, write
 QUICK = ("two_rods",)
 LIKE_OTHERS = ("section_44/", "abradable/", "interaction_map/", "two_rods_sweep")  # many runs, or the same loops
 OF_THEM = ("section_44/half_hz", "abradable/wear_in", "abradable/as_made")
+LOADED = "import casingfem.cli, contact.compiled, pandas, scipy.sparse.linalg"  # once, so that their bytecode is there
 # processor seconds that a first run may take
 WANTED = {"two_rods": 5.0} | dict.fromkeys(
     ("coulomb_oscillator", "bladed_disk", "rub/five_nodes", "abradable/wear_in"), 15.0
@@ -43,7 +44,9 @@ def scenes(quick: bool) -> list[Example]:
 def seconds(command: str, folder: Path, cache: Path) -> float:
     """User and system seconds of a command of casingfem and its children, run in `folder`."""
     words = [sys.executable, "-m", *shlex.split(command)]
-    there = {**os.environ, "NUMBA_CACHE_DIR": str(cache), "OPENBLAS_NUM_THREADS": "1"}
+    there = {
+        **os.environ, "NUMBA_CACHE_DIR": str(cache), "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "",
+    }  # fmt: skip
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(words, cwd=folder, env=there, capture_output=True, text=True, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -73,6 +76,7 @@ def row_of(scene: Example, folder: Path) -> Row:
 def main(out: Path, quick: bool = False) -> list[Row]:
     """Print and write the table; returns its rows."""
     rows = []
+    subprocess.run([sys.executable, "-c", LOADED], check=True, env={**os.environ, "PYTHONDONTWRITEBYTECODE": ""})
     with tempfile.TemporaryDirectory() as folder:
         for scene in scenes(quick):
             place = Path(folder) / scene.name.replace("/", "-")

@@ -80,7 +80,7 @@ def beam_rows(quick: bool) -> list[Row]:
             exact = np.sqrt(np.square(FACTORS[eta]) - softened * eta**2)
             k = int(np.abs(row / exact - 1.0).argmax())
             case = f"A8 rotating beam, {name}, eta {eta}, worst of 3: mode {k + 1}"
-            rows.append(check(case, "Wright et al., Hodges & Rutkowski", exact[k], row[k], 0.004))
+            rows.append(check(case, "Wright et al., Hodges & Rutkowski", exact[k], row[k], 0.0038))
     found, exact = strip_factors(strip(np.pi / 2.0, hub=1.5), [6.0], 3)[0], rotating_beam(6.0, hub=1.5)
     k = int(np.abs(found / exact - 1.0).argmax())
     case = f"A8 rotating beam, flap, eta 6, hub radius 1.5 L, worst of 3: mode {k + 1}"
