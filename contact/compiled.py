@@ -19,7 +19,7 @@ from numba.core import types
 from numba.core.registry import CPUDispatcher
 
 from contact.bundle import bundled
-from contact.compiling import Announcement, announce
+from contact.compiling import Announcement, Uncollected, announce
 from contact.sealing import PartPipeline, SealedPipeline
 
 config: Any = numba.config
@@ -56,7 +56,7 @@ OPTIONS: Any = {**BY_ADDRESS, "no_cfunc_wrapper": True}
 # no way in from Python, which is compiled for each; no cache: there is no code
 PART: Any = {"no_cpython_wrapper": True, "cache": False}
 
-announce(Announcement())
+announce(Announcement(), Uncollected())
 
 
 def jit_entry(function: Function) -> Function:

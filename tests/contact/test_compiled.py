@@ -1,6 +1,7 @@
 """The cache of machine code is named after everything that ends up in it, and reading it changes no result."""
 
 import ast
+import gc
 import os
 import subprocess
 import sys
@@ -12,7 +13,7 @@ from conftest import PLACE, Groups
 
 import contact
 from contact.compiled import OPTIONS, SOURCES, compiled, jit
-from contact.compiling import WORDS, Announcement
+from contact.compiling import WORDS, Announcement, Uncollected
 from contact.solver.scalar import scalar_force
 
 ROOT = Path(contact.__file__).parent
@@ -108,6 +109,30 @@ def test_long_compiling_is_said_once_and_short_not_at_all() -> None:
         for nested in (listening.on_end, listening.on_end):
             nested(None)
     assert said == [WORDS]
+
+
+def test_garbage_is_collected_again_after_compiling() -> None:
+    running = []
+
+    class Seen(Uncollected):
+        def on_end(self, _: Any) -> None:
+            running.append(gc.isenabled())
+            super().on_end(_)
+            running.append(gc.isenabled())
+
+    listening = Seen()
+    listening.on_start(None)
+    listening.on_start(None)
+    listening.on_end(None)
+    listening.on_end(None)
+    assert running == [False, False, False, True]
+    gc.disable()
+    try:  # who has switched it off keeps it off
+        listening.on_start(None)
+        listening.on_end(None)
+        assert running[-2:] == [False, False]
+    finally:
+        gc.enable()
 
 
 @jit
