@@ -1,9 +1,9 @@
 """How long the first run of each shipped scene takes, with nothing compiled yet, and how long the next one does.
 
 `python -m reports.first_use [--quick] [--out DIR]`. User and system seconds of the whole command as a reader types it,
-with an empty cache of machine code and then with the full one; their difference is what compiling costs once. Where a limit
-is set the lesser of two, since others use the machine. Bases that a scene needs are made before, and not counted. Scenes that differ in numbers alone share their loops: one of
-section_44 and of abradable stands for its like.
+with an empty cache of machine code and then with the full one; their difference is what compiling costs once. Where a
+limit is set the lesser of two, since others use the machine. Bases that a scene needs are made before, and not counted.
+Scenes that differ in numbers alone share their loops: one of section_44 and of abradable stands for its like.
 """
 
 import math
