@@ -1,0 +1,51 @@
+"""The figures of the structure, on a small one of two packages."""
+
+from pathlib import Path
+
+from reports.structure import Structure, circles, duplicates, exported, measures
+
+FILES = {
+    "casingfem/__init__.py": "from casingfem.a.shell import Shell\nfrom casingfem.b import modes as modes, _hidden\n",
+    "casingfem/a/__init__.py": "",
+    "casingfem/a/shell.py": "from casingfem.a import mesh\n\nclass Shell:\n    pass\n",
+    "casingfem/a/mesh.py": "def later():\n    from casingfem.a.shell import Shell\n    import casingfem.b\n",
+    "casingfem/b.py": "import math\nfrom casingfem.a.mesh import later\n",
+    "contact/__init__.py": "x = isinstance(1, int)\n\n\ny = isinstance(x, str)\n",
+}
+
+
+def built(folder: Path) -> Structure:
+    for name, text in FILES.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    return Structure(folder)
+
+
+def test_figures_of_a_small_house(tmp_path):
+    found = measures(built(tmp_path))
+    assert found == {
+        "modules": "6", "lines": "12", "median module": "2", "largest module": "3 casingfem.a.mesh",
+        "largest folder": "3 casingfem/a", "folders over 25 modules": "0", "names of casingfem": "2",
+        "names of contact": "0", "isinstance in contact": "2", "modules with one importer": "0", "duplicates": "0",
+        "circles of modules": "1: 3 modules", "pairs of folders that import each other": "1",
+        "largest circle of folders": "2",
+    }  # fmt: skip
+
+
+def test_imports_inside_functions_count_and_names_stand_for_their_module(tmp_path):
+    structure = built(tmp_path)
+    assert structure.imports["casingfem.a.shell"] == {"casingfem.a.mesh"}
+    assert structure.imports["casingfem.a.mesh"] == {"casingfem.a.shell", "casingfem.b"}
+    assert exported(structure, "casingfem") == 2
+
+
+def test_circles_are_the_sets_that_reach_each_other():
+    graph = {"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": {"e"}, "e": {"d"}, "f": {"a"}}
+    assert circles({name: frozenset(targets) for name, targets in graph.items()}) == [["a", "b", "c"], ["d", "e"]]
+
+
+def test_a_duplicate_is_six_lines_that_stand_twice():
+    body = [f"x{k} = {k}" for k in range(6)]
+    assert duplicates({"a": body, "b": ["y = 1", *body, "z = 1"]}) == 1
+    assert duplicates({"a": body[:5], "b": body[:5]}) == 0
+    assert duplicates({"a": [*body, *body]}) == 1
