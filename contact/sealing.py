@@ -45,7 +45,7 @@ class PartLibrary(JITCodeLibrary):
         engine = library._codegen._engine
         names = [v.name for v in library._final_module.global_variables if v.name.startswith(ENVIRONMENT)]
         # numba sets the environment of every function it compiles: without a place for it the process would end
-        places = [f'@"{name}" = common global ptr null' for name in names if not engine.is_symbol_defined(name)]
+        places = [f'@"{name}" = common global i64 0' for name in names if not engine.is_symbol_defined(name)]
         library._codegen._add_module(binding.parse_assembly("\n".join(places)))
         library._finalize_specific()
         library._finalized = True
