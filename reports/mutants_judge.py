@@ -68,6 +68,8 @@ class Tree:
         settings = {
             JOB: str(self.beside("job.json")), "PYTHONPATH": os.pathsep.join([str(self.copy), str(HERE)]),
             "NUMBA_CACHE_DIR": str(self.beside("compiled")), "MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1",
+            # bytecode is known by the second and the size of its source: a mutant may have both of the one before
+            "PYTHONDONTWRITEBYTECODE": "1",
         }  # fmt: skip
         options = ["-p", "reports.mutants_pytest", "-p", "no:cacheprovider", "-q", "--tb=short", "--hypothesis-seed=0"]
         options += [f"--basetemp={self.beside('temporary')}", *(["-x"] if first_failure else [])]

@@ -60,7 +60,7 @@ def spent() -> float:
     return now.user + now.system + now.children_user + now.children_system
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Runner:
     """The plugin."""
 
