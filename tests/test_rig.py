@@ -1,5 +1,7 @@
 """The whole chain, small; and the generator of its synthetic records."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -20,6 +22,7 @@ def test_the_chain_ends_in_a_report_that_stands_alone(chain):
     out, _ = chain
     page = (out / "report.html").read_text(encoding="utf-8")
     assert "SYNTHETIC" in page
+    page = re.sub(r"base64,[A-Za-z0-9+/=]+", "", page)  # pictures, in which any word may stand
     assert "http" not in page.replace("http://www.w3.org", "").replace("https://www.w3.org", "").replace(
         "http://purl.org", ""
     ).replace("http://creativecommons.org", "")

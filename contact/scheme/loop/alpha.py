@@ -101,8 +101,8 @@ def take_step(
         s.a[i] += a[i]
     internal_force(p, s.u, s.v, load, dnet, s.work)
     for i in range(du.size):
-        dnet[i] -= net[i]
-        net[i] += dnet[i]
+        force = dnet[i]
+        dnet[i], net[i] = force - net[i], force  # not net + dnet, which is rounded: runs may be split anywhere
     return own_gain(p, s, w, du, dv, a, dnet, dforce, h, spare)
 
 

@@ -82,8 +82,8 @@ def advance_moreau(
         if theta != 0.5:  # the scheme's own gain: s = h (theta - 1/2) dv, delta = (theta - 1/2) dnet
             internal_force(p, s.u, s.v, next_load, dnet, s.work)
             for i in range(n):
-                dnet[i] -= net[i]
-                net[i] += dnet[i]
+                force = dnet[i]
+                dnet[i], net[i] = force - net[i], force
             spare[:] = 0.0
             add_product(p.M, 1.0, dv, spare, s.work)
             sums.algorithmic[0] += (theta - 0.5) * (dot(du, dnet) - dot(dv, spare))
