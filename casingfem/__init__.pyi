@@ -14,9 +14,11 @@ from .experiment.rig.rig import Probe, Rig, RigError
 from .experiment.rig.structure import Place, rig_of
 from .experiment.uff.read import UniversalFile, read_uff
 from .experiment.uff.split import UffError
+from .linalg.eigen import EigenError
+from .locate.localisation import locate
+from .locate.located import Localisation
 from .modal.basis import BasisError, ModalBasis
 from .modal.campbell import Campbell, campbell
-from .modal.eigen import EigenError
 from .modal.interaction import BladedDisk, Interactions, interactions
 from .modal.interface import Rim, Tip, TipNodes
 from .modal.mistuning import Mistuning, mistune
@@ -24,35 +26,33 @@ from .modal.modes import MeshModes, Modes, modes
 from .modal.output import Displacement, Strain
 from .modal.reduction import reduce
 from .modal.whirl import WhirlModes, whirl_modes
-from .structure.assembly import System, assemble
-from .structure.blade import Blade
-from .structure.bolts import Bolts
-from .structure.chart import Chart, Cylinder, Frustum, Panel, Plate
-from .structure.field import Field, FourierField, SumField
-from .structure.load import EdgeLoad, Gravity, PointLoad, Pressure, SurfaceLoad
+from .structure.edge.bolts import Bolts
+from .structure.edge.point_mass import PointMass
+from .structure.edge.ring import Ring
+from .structure.edge.section import Section
+from .structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
+from .structure.field.fourier import Field, FourierField, SumField
+from .structure.field.random import RandomField, Spectrum
+from .structure.field.spline import Spline
+from .structure.field.survey.survey import SampledField, SurveyError
+from .structure.geometry.blade import Blade
+from .structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate
+from .structure.geometry.revolved import Arc, Profile, Revolved, RevolvedPanel
+from .structure.geometry.rotation import Rotation
+from .structure.geometry.strip import Strip
+from .structure.geometry.taper import Taper
+from .structure.geometry.twisted import TwistedPlate
+from .structure.imported.mesh_data import MeshData
+from .structure.imported.read import read_mesh
+from .structure.imported.shell import MeshShell
+from .structure.imported.solid import Solid
+from .structure.imported.support import Fixed
 from .structure.material import Material
-from .structure.mesh import ShellMesh
-from .structure.mesh_data import MeshData
-from .structure.mesh_in import read_mesh
-from .structure.mesh_shell import MeshShell
-from .structure.mesh_support import Fixed
-from .structure.point_mass import PointMass
-from .structure.random_field import RandomField, Spectrum
-from .structure.revolved import Arc, Profile, Revolved, RevolvedPanel
-from .structure.ring import Ring
-from .structure.rotation import Rotation
-from .structure.section import Section
-from .structure.shell import Shell
-from .structure.solid import Solid
-from .structure.spline import Spline
-from .structure.static import Deflection, solve_static
-from .structure.strip import Strip
-from .structure.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
-from .structure.survey import SampledField, SurveyError
-from .structure.taper import Taper
-from .structure.twisted import TwistedPlate
-from .updating.localisation import locate
-from .updating.located import Localisation
+from .structure.mesh.shell_mesh import ShellMesh
+from .structure.shell.assembly import System, assemble
+from .structure.shell.load import EdgeLoad, Gravity, PointLoad, Pressure, SurfaceLoad
+from .structure.shell.shell import Shell
+from .structure.shell.static import Deflection, solve_static
 from .updating.parameters import Parameter, ParameterError
 from .updating.posterior import Laplace, laplace
 from .updating.prediction import LeftOut, leave_one_out

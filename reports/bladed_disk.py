@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
-from casingfem.arrays import FloatArray, IntArray
-from casingfem.outfiles import write_atomic
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.outfiles import write_atomic
 from casingfem.plot.interaction import figure_growth
 from casingfem.plot.style import png
 from contact.model.bladed_disk import two_dimensional

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import casingfem as cf
-from casingfem.structure.mesh_grid import grid_mesh
+from casingfem.structure.imported.grid import grid_mesh
 from casingfem.study import load_study
 from reports.broken_shells import Broken, steel
 

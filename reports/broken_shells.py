@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 import casingfem as cf
-from casingfem.structure.chart import Bounds, Surface
-from casingfem.structure.field import FieldValues
+from casingfem.structure.field.fourier import FieldValues
+from casingfem.structure.geometry.chart import Bounds, Surface
 
 Make = Callable[[], object]
 NAN, INF = float("nan"), float("inf")

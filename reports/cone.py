@@ -13,15 +13,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.fourier import lowest
-from casingfem.structure.axisymmetric import Meridian, harmonic_matrices
-from casingfem.structure.chart import Frustum
-from casingfem.structure.kinematics import DOFS
+from casingfem.structure.edge.support import Clamped, ShearDiaphragm, Support
+from casingfem.structure.geometry.chart import Frustum
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ShearDiaphragm, Support
+from casingfem.structure.mesh.kinematics import DOFS
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.axisymmetric import Meridian, harmonic_matrices
+from casingfem.structure.shell.shell import Shell
 from reports.tables import DATA, Row, command_line, show, write
 
 REFERENCE = DATA / "reference" / "cone_love_ritz_irie_set.csv"

@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 import contact as ct
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from contact.record import samples
 from contact.scheme.patch_stepper import PatchStepper
 from contact.solver.active_set import unilateral

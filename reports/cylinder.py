@@ -12,12 +12,12 @@ import numpy as np
 import pandas as pd
 
 from casingfem.modal.fourier import lowest
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.chart import Cylinder
+from casingfem.structure.edge.support import ShearDiaphragm
+from casingfem.structure.geometry.chart import Cylinder
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import ShearDiaphragm
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.shell import Shell
 from reports.cylinder_exact import shear_shell
 from reports.tables import Row, command_line, show, write
 

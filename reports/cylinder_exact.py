@@ -21,7 +21,7 @@ import pandas as pd
 from numpy.polynomial import legendre
 from scipy.linalg import eigh
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from reports.tables import DATA, Row, command_line, show, write
 
 NU = 0.3

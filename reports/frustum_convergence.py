@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import Modes, modes
-from casingfem.structure.chart import Frustum
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.chart import Frustum
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 from reports.tables import Row, command_line, show, write
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference" / "reference_frustum.csv"

@@ -20,8 +20,8 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from skfem.models.poisson import mass
 
 import contact as ct
-from casingfem.arrays import FloatArray
-from casingfem.outfiles import write_atomic
+from casingfem.io.arrays import FloatArray
+from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import AFTER, BEFORE, new_figure, png, styled
 from reports.tables import Row, command_line, show, write
 

@@ -18,9 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.identify.identification import identify
 from casingfem.experiment.identify.identified import Identified
+from casingfem.io.arrays import FloatArray
 from reports.identification_sets import SNR_DB, TestSet, make_set
 from reports.tables import Row, command_line, show, write
 

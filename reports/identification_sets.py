@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.noise import noisy
 from casingfem.experiment.rig.structure import Place, rig_of
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import Modes, modes
-from casingfem.structure.assembly import assemble
-from casingfem.structure.field import FourierField
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.shell.assembly import assemble
 from reports.frustum_convergence import reference_frustum
 
 SENSORS, JITTER_DEG = 24, 4.0

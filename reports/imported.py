@@ -12,18 +12,18 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.mesh_modes import MeshModes, mesh_modes
 from casingfem.modal.modes import modes
-from casingfem.structure.chart import Frustum
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.chart import Frustum
+from casingfem.structure.imported.grid import Placing, grid_mesh, revolved
+from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.shell import MeshShell
+from casingfem.structure.imported.solid import Solid
+from casingfem.structure.imported.support import Fixed
 from casingfem.structure.material import Material
-from casingfem.structure.mesh_data import Group, MeshData
-from casingfem.structure.mesh_grid import Placing, grid_mesh, revolved
-from casingfem.structure.mesh_shell import MeshShell
-from casingfem.structure.mesh_support import Fixed
-from casingfem.structure.shell import Shell
-from casingfem.structure.solid import Solid
-from casingfem.structure.support import Clamped
+from casingfem.structure.shell.shell import Shell
 from casingfem.study import load_any
 from reports.frustum_convergence import exact_frequencies
 from reports.mesh_files import WRITERS, group_name

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
+from casingfem.io.outfiles import write_atomic
 from casingfem.modal.interaction import interactions
-from casingfem.outfiles import write_atomic
 from contact.coincidence import coincidences, loaded
 from contact.model.bladed_disk import pair_rim
 from contact.stability import growth

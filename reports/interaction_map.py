@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
 import contact as ct
-from casingfem.outfiles import write_atomic
+from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import DIVERGING, new_figure, styled
 from casingfem.study import load_study
 from casingfem.study.tasks import run_reduce

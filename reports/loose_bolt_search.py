@@ -21,23 +21,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray
+from casingfem.locate.localisation import factors_of, groups_alike, locate, loosening, search_model
+from casingfem.locate.located import Explanation, Localisation
+from casingfem.locate.misfit import Misfit
+from casingfem.locate.sparse_fit import fitted
 from casingfem.modal.affine import AffineModel, affine_model, bolt_changes
 from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
-from casingfem.structure.assembly import assemble
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.field import FourierField
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.point_mass import PointMass
-from casingfem.structure.ring import Ring
-from casingfem.structure.shell import Shell
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
 from casingfem.study import load_study
-from casingfem.updating.localisation import factors_of, groups_alike, locate, loosening, search_model
-from casingfem.updating.located import Explanation, Localisation
-from casingfem.updating.misfit import Misfit
-from casingfem.updating.sparse_fit import fitted
 from reports.tables import DATA, Row, command_line, show, text, write
 
 SEARCHED = ShellMesh(order=6, rows=(0.0, 0.03, 1.0), around=24)

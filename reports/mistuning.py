@@ -13,18 +13,18 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import eigh, qr
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.factor import factorise
+from casingfem.linalg.pencil import make_pencil
 from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mistuning import mean_modes, redrawn_shell
 from casingfem.modal.mode_set import Modes, frequency_scale
 from casingfem.modal.modes import modes
-from casingfem.modal.pencil import make_pencil
 from casingfem.modal.warm_start import restarted_modes
-from casingfem.structure.assembly import assemble
-from casingfem.structure.factor import factorise
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.random_field import RandomField
-from casingfem.structure.shell import Shell
+from casingfem.structure.field.random import RandomField
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
 from reports.frustum_convergence import reference_frustum
 from reports.tables import Row, command_line, show, write
 

@@ -15,18 +15,18 @@ import numpy as np
 import pandas as pd
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.factor import factorise
+from casingfem.linalg.krylov import BLOCKS, START_SEED, nearest
+from casingfem.linalg.pencil import make_pencil
 from casingfem.modal.fourier import SHIFT, lowest
-from casingfem.modal.krylov import BLOCKS, START_SEED, nearest
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.modal.modes import modes
-from casingfem.modal.pencil import make_pencil
-from casingfem.structure.assembly import assemble, element_matrices
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.factor import factorise
-from casingfem.structure.field import FourierField
-from casingfem.structure.mesh import ShellMesh, make_grid
-from casingfem.structure.shell import Shell
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.shell.assembly import assemble, element_matrices
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.shell import Shell
 from reports.core_limits import best
 from reports.frustum_convergence import COUNT, GRADED, REFERENCE, exact_frequencies, reference_frustum
 from reports.tables import Row, command_line, show, write

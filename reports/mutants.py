@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from queue import SimpleQueue
 
-from casingfem.outfiles import json_text, write_atomic
+from casingfem.io.outfiles import json_text, write_atomic
 from reports.mutants_draw import Mutant, draw, read_sources
 from reports.mutants_judge import Limits, Tree, Verdict
 from reports.mutants_reach import read_reach

@@ -12,14 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.correlate import seen_mac
 from casingfem.experiment.correlation.correlation import pair
 from casingfem.experiment.correlation.mac import mac, subspace_mac
 from casingfem.experiment.correlation.sensors import sensors_of
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import Modes, modes
-from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.mesh.shell_mesh import ShellMesh
 from reports.frustum_convergence import reference_frustum
 from reports.tables import Row, command_line, show, write
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import casingfem as cf
-from casingfem.outfiles import write_atomic
+from casingfem.io.outfiles import write_atomic
 from casingfem.plot.page import render_page
 from casingfem.plot.report import SYNTHETIC, Clock
 from casingfem.study import Study, load_study, perfect

@@ -12,7 +12,7 @@ import numpy as np
 import casingfem as cf
 from casingfem.experiment.circle.lines import clear_rate
 from casingfem.experiment.circle.pair import Pair, split_pair
-from casingfem.experiment.frf.estimate import estimate
+from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import Impact
 from casingfem.experiment.rig.record import measured, record
 from casingfem.experiment.rig.scan import Scan, Tone, Turning, scan

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import casingfem as cf
-from casingfem.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.strict_csv import CsvError, read
 from casingfem.plot.fit import update_section
 from casingfem.plot.page import Section, Table
-from casingfem.structure.strict_csv import CsvError, read
 from casingfem.study import Study
 from casingfem.study.tasks import run_update
 from reports.tables import DATA

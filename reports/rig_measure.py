@@ -11,7 +11,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.experiment.rig.files import rig_angles, write_rig_uff
-from casingfem.outfiles import write_atomic
+from casingfem.io.outfiles import write_atomic
 from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
 from casingfem.plot.style import png
 from casingfem.study.rig import RigTest

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import casingfem as cf
-from casingfem.arrays import BoolArray
+from casingfem.io.arrays import BoolArray
 from casingfem.study import load_study
 from reports.tables import DATA, Row
 

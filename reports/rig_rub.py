@@ -8,9 +8,9 @@ from scipy.optimize import root_scalar
 
 import casingfem as cf
 import contact as ct
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
+from casingfem.io.outfiles import write_atomic
 from casingfem.modal.modes import Modes
-from casingfem.outfiles import write_atomic
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
 from contact.coincidence import coincidences

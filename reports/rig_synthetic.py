@@ -3,7 +3,7 @@
 There is no public frequency table of the original rig. This script makes one from a model that the updater does
 not have: a finer mesh; radius harmonics that change along the axis and go beyond the survey's fit; a wall whose
 thickness varies around; an embedding with harmonics outside the updated family; noise on both records. The
-spectrum of the radius follows the medians of the example spectrum (`casingfem.structure.random_field`, amplitude over
+spectrum of the radius follows the medians of the example spectrum (`casingfem.structure.field.random`, amplitude over
 wall thickness), scaled to a machined casing.
 
     python -m reports.rig_synthetic          writes data/surveys/rig_casing.csv and data/experiments/rig_casing.csv
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import casingfem as cf
-from casingfem.structure.random_field import EXAMPLE
+from casingfem.structure.field.random import EXAMPLE
 
 SEED = 20261
 DATA = Path(__file__).parent.parent / "data"

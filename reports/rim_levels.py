@@ -3,7 +3,7 @@
 import numpy as np
 
 import contact as ct
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 
 
 def radial_power(casing: ct.ModalBody, q: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 import contact as ct
-from casingfem.outfiles import write_atomic
+from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import png
 from reports.contact_cases import Case, Method, errors, run, two_rods_case
 from reports.tables import Row, command_line, show, write

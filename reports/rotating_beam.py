@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 import contact as ct
-from casingfem.arrays import FloatArray
-from casingfem.outfiles import write_atomic
+from casingfem.io.arrays import FloatArray
+from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import AFTER, BEFORE, GREEN, new_figure, png, styled
 from contact.record import samples
 from contact.scheme.beam_implicit import ImplicitBeamStepper

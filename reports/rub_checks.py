@@ -13,7 +13,7 @@ import numpy as np
 
 import casingfem as cf
 import contact as ct
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.harmonic_basis import harmonic_basis
 from contact import recovery
 from reports.bases import ADVANCE, ROUGH, SPEED, casing

@@ -13,7 +13,7 @@ import numpy as np
 
 import casingfem as cf
 import contact as ct
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.harmonic_basis import harmonic_basis
 from reports.bases import ADVANCE, DT, RIM, ROUGH, SPEED, T_END, blade, casing, steel_strip
 from reports.tables import Row, command_line, show, write

@@ -12,8 +12,8 @@ import numpy as np
 
 import casingfem as cf
 import contact as ct
+from casingfem.io.outfiles import write_atomic
 from casingfem.modal.harmonic_basis import harmonic_basis
-from casingfem.outfiles import write_atomic
 from casingfem.plot.contact import figure_levels
 from casingfem.plot.style import png
 from contact.stability import growth

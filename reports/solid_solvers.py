@@ -16,18 +16,18 @@ from pathlib import Path
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
-from casingfem.modal.eigen import gap_after
-from casingfem.modal.krylov import BLOCKS, ConvergenceError, nearest
-from casingfem.modal.multigrid import iterate, make_levels
-from casingfem.modal.pencil import Pencil, make_pencil
-from casingfem.structure.factor import SuperLUFactor, factorise
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.eigen import gap_after
+from casingfem.linalg.factor import SuperLUFactor, factorise
+from casingfem.linalg.krylov import BLOCKS, ConvergenceError, nearest
+from casingfem.linalg.multigrid import iterate, make_levels
+from casingfem.linalg.pencil import Pencil, make_pencil
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.rigid_body import rigid_motions
+from casingfem.structure.imported.assembly import MeshSystem
+from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.solid import Solid, assemble_solid
 from casingfem.structure.material import Material
-from casingfem.structure.mesh_assembly import MeshSystem
-from casingfem.structure.mesh_grid import grid_mesh
-from casingfem.structure.rigid_body import rigid_motions
-from casingfem.structure.solid import Solid, assemble_solid
-from casingfem.structure.support import Clamped
 from reports.child import Limits, Numbers, in_child
 from reports.tables import Row, command_line, show, write
 

@@ -6,9 +6,9 @@ The element's nodes are the points of its Lobatto rule, so the mass is diagonal;
 import numpy as np
 from scipy.linalg import eigh
 
-from casingfem.arrays import FloatArray
-from casingfem.structure.element import lagrange, lobatto
+from casingfem.io.arrays import FloatArray
 from casingfem.structure.material import Material
+from casingfem.structure.mesh.element import lagrange, lobatto
 
 Orders = tuple[int, int, int]
 

@@ -14,17 +14,17 @@ from time import perf_counter
 import numpy as np
 
 import contact as ct
-from casingfem.modal.eigen import factorise, solve_modes, sturm_count
+from casingfem.linalg.eigen import factorise, solve_modes, sturm_count
 from casingfem.modal.harmonics import ring_content
 from casingfem.modal.interface import Rim, Tip
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
-from casingfem.structure.assembly import assemble
-from casingfem.structure.chart import Plate
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.chart import Plate
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import make_grid
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped
+from casingfem.structure.mesh.shell_mesh import make_grid
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports.core_limits import best

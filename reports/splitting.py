@@ -16,12 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from casingfem.modal.modes import Modes, modes
-from casingfem.structure.chart import Cylinder
-from casingfem.structure.field import FourierField
+from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Cylinder
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import ElasticEdge
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 from reports.frustum_convergence import reference_frustum
 from reports.tables import Row, check, command_line, show, write
 

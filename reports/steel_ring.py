@@ -17,16 +17,16 @@ import numpy as np
 
 from casingfem.modal.fourier import lowest
 from casingfem.modal.modes import modes
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.chart import Frustum
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.section import Section
+from casingfem.structure.edge.support import ElasticEdge, Support
+from casingfem.structure.geometry.chart import Frustum
+from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.ring import Ring
-from casingfem.structure.section import Section
-from casingfem.structure.shell import Shell
-from casingfem.structure.strip import Strip
-from casingfem.structure.support import ElasticEdge, Support
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.shell import Shell
 from reports.tables import Row, command_line, show, write
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)

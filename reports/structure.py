@@ -70,10 +70,13 @@ class Structure:
     @cached_property
     def folders(self) -> Graph:
         """Folders that each imports from, files of one folder left out."""
-        of = {name: path.parent.relative_to(self.root).as_posix() for name, path in self.files.items()}
+        of = {
+            name: path.parent.relative_to(self.root).as_posix() for name, path in self.files.items()
+            if path.name != "__main__.py"  # the way in, which stands at the top and opens the command line
+        }  # fmt: skip
         found: dict[str, set[str]] = {folder: set() for folder in of.values()}
-        for name, targets in self.imports.items():
-            found[of[name]] |= {of[target] for target in targets} - {of[name]}
+        for name, folder in of.items():
+            found[folder] |= {of[target] for target in self.imports[name]} - {folder}
         return {folder: frozenset(targets) for folder, targets in found.items()}
 
 

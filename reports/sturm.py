@@ -14,20 +14,20 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import eigvalsh
 
-from casingfem.arrays import FloatArray
 from casingfem.errors import ModelWarning
-from casingfem.modal.eigen import EigenError
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.eigen import EigenError
+from casingfem.linalg.pencil import make_pencil
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.modal.modes import modes
-from casingfem.modal.pencil import make_pencil
-from casingfem.structure.assembly import System, assemble
-from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
-from casingfem.structure.field import FourierField
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Support
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate
+from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support
-from casingfem.structure.twisted import TwistedPlate
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import System, assemble
+from casingfem.structure.shell.shell import Shell
 from reports.tables import Row, command_line, show, write
 
 SEED = 2207

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import iv, jv, kv, yv
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 
 Factor = Callable[[float], float]
 

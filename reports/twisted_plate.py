@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import modes
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped
-from casingfem.structure.twisted import TwistedPlate
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 from reports.spectral_solid import solid_modes, unit_cube
 from reports.tables import DATA, Row, command_line, show, write
 

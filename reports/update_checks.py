@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import casingfem as cf
-from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.updating.problem import Problem
 from reports.tables import DATA, Row, command_line, show, write
 from reports.update_derivatives import sensitivities

@@ -13,11 +13,11 @@ from dataclasses import replace
 import numpy as np
 
 import casingfem as cf
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.pairing import Match, Pairing
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.neighbour import Solution, solved
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.section import Section
+from casingfem.structure.edge.section import Section
+from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.updating.following import followed
 from casingfem.updating.parameters import get_value, with_value
 from casingfem.updating.targets import jacobian, rates, values

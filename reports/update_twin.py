@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 import casingfem as cf
-from casingfem.arrays import FloatArray
-from casingfem.experiment.correlation.grouping import Doublet
-from casingfem.structure.mesh import ShellMesh
+from casingfem.experiment.grouping import Doublet
+from casingfem.io.arrays import FloatArray
+from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.updating.problem import Problem
 from casingfem.updating.targets import split_vector
 from casingfem.updating.updating import covariance, solve

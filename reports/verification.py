@@ -14,12 +14,12 @@ import pandas as pd
 
 from casingfem.modal.fourier import lowest
 from casingfem.modal.modes import modes
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.chart import Cylinder, Panel, Plate
+from casingfem.structure.edge.support import Clamped, ShearDiaphragm
+from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ShearDiaphragm
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.shell import Shell
 from reports import (
     cone,
     cylinder,

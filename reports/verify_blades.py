@@ -14,21 +14,21 @@ import pandas as pd
 from numpy.polynomial import legendre
 from scipy.linalg import eigh
 
-from casingfem.arrays import FloatArray
-from casingfem.modal.eigen import solve_modes
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.eigen import solve_modes
 from casingfem.modal.modes import modes
-from casingfem.structure.assembly import assemble
-from casingfem.structure.blade import Blade
-from casingfem.structure.chart import Chart, Panel
-from casingfem.structure.element import gauss
-from casingfem.structure.kinematics import frame
-from casingfem.structure.law import Law, coefficients
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.blade import Blade
+from casingfem.structure.geometry.chart import Chart, Panel
+from casingfem.structure.geometry.stations import Law, coefficients
+from casingfem.structure.geometry.taper import Taper
+from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped
-from casingfem.structure.taper import Taper
-from casingfem.structure.twisted import TwistedPlate
+from casingfem.structure.mesh.element import gauss
+from casingfem.structure.mesh.kinematics import frame
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
 from reports.spectral_solid import Orders, solid_modes, unit_cube
 from reports.tables import DATA, Row, check, command_line, show, write
 from reports.tapered_beam import cantilever, wedge

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from casingfem.modal.modes import modes
-from casingfem.structure.field import FourierField
+from casingfem.structure.field.fourier import FourierField
 from reports.frustum_convergence import reference_frustum
 from reports.splitting import DOUBLE, ODD
 from reports.tables import Row, check

@@ -17,11 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.fourier import lowest
 from casingfem.modal.modes import modes
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from reports.cylinder import FIXED, MATERIAL, cylinder
 from reports.tables import Row, check, command_line, show, write
 

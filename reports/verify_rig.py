@@ -4,7 +4,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.experiment.circle.record import turning
-from casingfem.experiment.frf.estimate import estimate
+from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom
 from casingfem.experiment.rig.mass import loaded
 from casingfem.experiment.rig.noise import Converter

@@ -10,16 +10,16 @@ import numpy as np
 import pandas as pd
 from scipy.linalg import eigh
 
-from casingfem.arrays import IntArray
+from casingfem.io.arrays import IntArray
 from casingfem.modal.modes import Modes, modes
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.chart import Cylinder
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.section import Section
+from casingfem.structure.geometry.chart import Cylinder
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.point_mass import PointMass
-from casingfem.structure.ring import Ring
-from casingfem.structure.section import Section
-from casingfem.structure.shell import Shell
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 from reports.frustum_convergence import reference_frustum
 from reports.tables import DATA, Row, check
 

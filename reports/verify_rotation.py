@@ -12,15 +12,15 @@ from pathlib import Path
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell, campbell
 from casingfem.modal.whirl import WhirlModes, whirl_modes
-from casingfem.structure.chart import Cylinder, Plate
+from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.geometry.chart import Cylinder, Plate
+from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.rotation import Rotation
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 from reports.tables import Row, check, command_line, show, write
 
 STRIP = ShellMesh(order=8, rows=4, around=1)

@@ -11,15 +11,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from casingfem.structure.chart import Panel
-from casingfem.structure.load import EdgeLoad, PointLoad, SurfaceLoad
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
+from casingfem.structure.geometry.chart import Panel
+from casingfem.structure.geometry.revolved import Arc, RevolvedPanel
+from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.revolved import Arc, RevolvedPanel
-from casingfem.structure.shell import Shell
-from casingfem.structure.static import solve_static
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
-from casingfem.structure.twisted import TwistedPlate
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.load import EdgeLoad, PointLoad, SurfaceLoad
+from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.static import solve_static
 from reports.tables import DATA, Row, check, command_line, show, write
 
 REFERENCE = DATA / "reference" / "macneal_harder_static.csv"

@@ -17,15 +17,15 @@ import numpy as np
 from scipy.linalg import eigvalsh, expm
 from scipy.optimize import brentq
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.fourier import lowest
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.chart import Cylinder
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.chart import Cylinder
+from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.strip import Strip
-from casingfem.structure.support import Clamped
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.shell import Shell
 from reports.tables import Row, check, command_line, show, write
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
-from casingfem.outfiles import write_atomic
+from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import png
 from casingfem.plot.wear import figure_wear
 from contact.wear import Wear

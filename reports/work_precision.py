@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import contact as ct
-from casingfem.outfiles import write_atomic
+from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import png
 from reports.contact_cases import Case, cases, errors, methods, run, spring
 from reports.tables import Row, command_line, show, write

@@ -9,12 +9,12 @@ from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
 from casingfem.modal.modes import Modes, modes
-from casingfem.structure.chart import Frustum
-from casingfem.structure.field import FourierField
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Frustum
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 
 # On an empty cache a loop takes longer to compile than its tests to run. Files that compile the same loops go to one
 # process and go first, so that no two processes compile the same thing; what comes later finds the loops compiled.

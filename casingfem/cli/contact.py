@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.running import Working, deliver, options
-from casingfem.outfiles import Content, json_text
+from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from contact.wear import Wear

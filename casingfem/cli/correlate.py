@@ -8,7 +8,7 @@ import click
 from casingfem.cli.running import Working, deliver, options
 from casingfem.cli.study import STUDY
 from casingfem.cli.warned import noted
-from casingfem.outfiles import Content, json_text
+from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from casingfem.experiment.correlation.correlate import Correlation
@@ -33,7 +33,7 @@ def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, 
     from casingfem.experiment.correlation.correlate import correlate as compare
     from casingfem.experiment.correlation.shape_files import read_shapes
     from casingfem.modal.modes import modes
-    from casingfem.structure.assembly import assemble
+    from casingfem.structure.shell.assembly import assemble
     from casingfem.study import load_study
 
     study = load_study(file)

@@ -7,7 +7,7 @@ import click
 from casingfem.cli.running import Working, deliver, options
 from casingfem.cli.study import STUDY
 from casingfem.cli.warned import noted
-from casingfem.outfiles import Content, json_text
+from casingfem.io.outfiles import Content, json_text
 
 
 @click.command()
@@ -39,12 +39,12 @@ def locate(
     """Find loose bolts or added masses of STUDY from a frequency TABLE with nodal diameters and orientations."""
     from casingfem.experiment.correlation.shape_files import read_shapes
     from casingfem.experiment.measurement import FrequencyTable
+    from casingfem.locate.localisation import locate as find
+    from casingfem.locate.localisation import search_model
+    from casingfem.locate.shape_check import judged_by_shapes
     from casingfem.plot.locate import figure_located
     from casingfem.plot.style import png
     from casingfem.study import load_study
-    from casingfem.updating.localisation import locate as find
-    from casingfem.updating.localisation import search_model
-    from casingfem.updating.shape_check import judged_by_shapes
 
     study = load_study(file)
     now = FrequencyTable.from_csv(table)

@@ -7,7 +7,7 @@ import click
 
 from casingfem.cli.running import Working, deliver, options
 from casingfem.cli.study import STUDY
-from casingfem.outfiles import Content, json_text
+from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from casingfem.modal.mistuning import Mistuning

@@ -7,7 +7,7 @@ import click
 
 from casingfem.cli.running import Working, deliver, options
 from casingfem.cli.warned import noted
-from casingfem.outfiles import Content, json_text
+from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from casingfem.modal.mode_set import Modes, ModeSet
@@ -81,7 +81,7 @@ def modes(
 
 def shapes(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, bytes]:
     """The files of --vtu by name."""
-    from casingfem.mesh_out import mode_files
+    from casingfem.export.meshes import mode_files
 
     which = indices(found, shown)
     return {f"vtu/{name}": content for name, content in mode_files(found, which).items()}
@@ -89,7 +89,7 @@ def shapes(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, bytes]:
 
 def universal(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, Content]:
     """The file of --uff."""
-    from casingfem.modes_uff import write_modes_uff
+    from casingfem.export.modes_uff import write_modes_uff
 
     which = indices(found, shown)
     return {"modes.uff": lambda path: write_modes_uff(found, path, which)}

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import Array, FloatArray, IntArray
-from casingfem.experiment.correlation.grouping import Doublet, Group, grouped
-from casingfem.structure.strict_csv import CsvError, StrictCsv, read
+from casingfem.experiment.grouping import Doublet, Group, grouped
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.strict_csv import CsvError, StrictCsv, read
 
 COLUMNS = ("mode", "n", "freq_hz", "sigma_hz", "angle_deg", "zeta")
 COMPUTED = ("n_purity", "m", "doublet", "split_rel", "rigid")

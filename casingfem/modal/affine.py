@@ -16,20 +16,20 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse import csc_array, diags_array
 
-from casingfem.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.linalg.factor import factorise
 from casingfem.modal.fourier import SHIFT
 from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, ranks
 from casingfem.modal.modes import modes
-from casingfem.structure.assembly import System, on_free
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.edge_form import EdgeForm, spring_form
-from casingfem.structure.edges import edge_line, mass_forms, own_dofs
-from casingfem.structure.factor import factorise
-from casingfem.structure.point_mass import PointMass
-from casingfem.structure.ring import Ring
-from casingfem.structure.ring_form import foothold_form
-from casingfem.structure.variation import grips
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.mesh.edge_form import EdgeForm, spring_form
+from casingfem.structure.shell.assembly import System, on_free
+from casingfem.structure.shell.edges import edge_line, mass_forms, own_dofs
+from casingfem.structure.shell.ring_form import foothold_form
+from casingfem.structure.shell.variation import grips
 
 ANSWERS, FEWEST = 120, 5  # static answers kept for all changes together, and for each
 BEYOND = 3  # nodal diameters past those of the nominal modes that labels know

@@ -16,7 +16,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from casingfem.arrays import FloatArray, frozen
+from casingfem.io.arrays import FloatArray, frozen
 
 FORMAT = "casingfem-modal-basis-1"
 

@@ -7,11 +7,11 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csc_array
 
-from casingfem.arrays import FloatArray, frozen
 from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, frozen
 from casingfem.modal.modes import modes
-from casingfem.structure.assembly import assemble, spin
-from casingfem.structure.shell import Shell
+from casingfem.structure.shell.assembly import assemble, spin
+from casingfem.structure.shell.shell import Shell
 
 SPARE = 6  # modes computed beyond those followed, so that one may leave the range and another come in
 

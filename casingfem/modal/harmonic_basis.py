@@ -8,15 +8,15 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.fourier import SHIFT, lowest
 from casingfem.modal.interface import Rim
 from casingfem.modal.mode_set import frequency_scale
-from casingfem.structure.axisymmetric import Meridian, harmonic_matrices
-from casingfem.structure.kinematics import DOFS
-from casingfem.structure.shell import Shell
+from casingfem.structure.mesh.kinematics import DOFS
+from casingfem.structure.shell.axisymmetric import Meridian, harmonic_matrices
+from casingfem.structure.shell.shell import Shell
 
 
 def harmonic_basis(

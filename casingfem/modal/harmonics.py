@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray, IntArray
-from casingfem.structure.chart import Chart
-from casingfem.structure.element import lobatto
-from casingfem.structure.mesh import Grid, rim_values
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.structure.geometry.chart import Chart
+from casingfem.structure.mesh.element import lobatto
+from casingfem.structure.mesh.shell_mesh import Grid, rim_values
 
 DOUBLE = 1e-7  # a pair closer than this, relative, has no orientation of its own
 

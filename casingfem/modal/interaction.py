@@ -14,8 +14,8 @@ from typing import Literal
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell, zero_crossings
 from casingfem.modal.mode_set import ModeSet
 

@@ -5,12 +5,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.harmonics import ring_transform
-from casingfem.structure.assembly import System
-from casingfem.structure.kinematics import DOFS, frame
-from casingfem.structure.place import interpolation
+from casingfem.structure.mesh.kinematics import DOFS, frame
+from casingfem.structure.mesh.place import interpolation
+from casingfem.structure.shell.assembly import System
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,18 +5,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.errors import doubt
-from casingfem.modal.eigen import Band, EigenResult, solve
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.linalg.eigen import Band, EigenResult, solve
+from casingfem.linalg.factor import Direct
+from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
-from casingfem.modal.multigrid import multigrid_modes
-from casingfem.structure.factor import Direct
-from casingfem.structure.mesh_assembly import MeshSystem, mapped
-from casingfem.structure.mesh_shell import MeshShell, assemble_mesh_shell
-from casingfem.structure.revolution import elements_around, round_about_z
-from casingfem.structure.rigid_body import rigid_motions
-from casingfem.structure.solid import Solid, assemble_solid
+from casingfem.structure.geometry.rigid_body import rigid_motions
+from casingfem.structure.imported.assembly import MeshSystem, mapped
+from casingfem.structure.imported.revolution import elements_around, round_about_z
+from casingfem.structure.imported.shell import MeshShell, assemble_mesh_shell
+from casingfem.structure.imported.solid import Solid, assemble_solid
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of the system's `frequency_scale`
 IMPORTED = (Solid, MeshShell)
@@ -54,8 +54,8 @@ def mesh_modes(
     Examples
     --------
     >>> from casingfem.structure.material import Material
-    >>> from casingfem.structure.mesh_grid import grid_mesh, revolved
-    >>> from casingfem.structure.support import Clamped
+    >>> from casingfem.structure.imported.grid import grid_mesh, revolved
+    >>> from casingfem.structure.edge.support import Clamped
     >>> ring = grid_mesh("hexahedron20", (1, 24, 2), revolved((0.5, 0.45), (0.0, 0.25), 0.04), wrap=1,
     ...                  groups={"base": (2, 0.0)})
     >>> found = mesh_modes(Solid(mesh=ring, material=Material(E=210e9, nu=0.3, rho=7800.0),

@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import FloatArray, IntArray, frozen
-from casingfem.modal.eigen import EigenError
+from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.linalg.eigen import EigenError
 from casingfem.modal.mode_set import Modes
 from casingfem.modal.modes import modes
 from casingfem.modal.warm_start import guarded, restarted_modes
-from casingfem.structure.random_field import drop_random, is_random, redrawn
-from casingfem.structure.shell import Shell
+from casingfem.structure.field.random import drop_random, is_random, redrawn
+from casingfem.structure.shell.shell import Shell
 
 LEVELS = (0.5, 0.9, 0.99)
 

@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import FloatArray, IntArray, frozen
+from casingfem.io.arrays import FloatArray, IntArray, frozen
 from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
-from casingfem.structure.mesh import Grid
-from casingfem.structure.rigid import rigid_modes
-from casingfem.structure.shell import Shell, sampled_geometry
+from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.shell.rigid import rigid_modes
+from casingfem.structure.shell.shell import Shell, sampled_geometry
 
 RIGID = 0.05  # below this part of `frequency_scale` nothing elastic moves
 

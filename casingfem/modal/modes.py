@@ -6,19 +6,19 @@ from typing import overload
 import numpy as np
 
 from casingfem.errors import ModelError, doubt
-from casingfem.modal.eigen import Band, solve, sturm_count
+from casingfem.linalg.eigen import Band, solve, sturm_count
+from casingfem.linalg.factor import Direct
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
 from casingfem.modal.mesh_modes import IMPORTED, MeshModes, mesh_modes
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
 from casingfem.modal.resolution import judged
 from casingfem.modal.ritz import RitzModes, ritz_modes
-from casingfem.structure.assembly import System, assemble
-from casingfem.structure.factor import Direct
-from casingfem.structure.mesh_assembly import MeshSystem
-from casingfem.structure.mesh_shell import MeshShell
-from casingfem.structure.plausible import warn_of
-from casingfem.structure.shell import Shell
-from casingfem.structure.solid import Solid
+from casingfem.structure.imported.assembly import MeshSystem
+from casingfem.structure.imported.shell import MeshShell
+from casingfem.structure.imported.solid import Solid
+from casingfem.structure.shell.assembly import System, assemble
+from casingfem.structure.shell.plausible import warn_of
+from casingfem.structure.shell.shell import Shell
 
 __all__ = ["MeshModes", "ModeSet", "Modes", "count_below", "modes"]
 
@@ -87,9 +87,9 @@ def modes(
 
     Examples
     --------
-    >>> from casingfem.structure.chart import Frustum
+    >>> from casingfem.structure.geometry.chart import Frustum
     >>> from casingfem.structure.material import Material
-    >>> from casingfem.structure.support import Clamped
+    >>> from casingfem.structure.edge.support import Clamped
     >>> casing = Shell(chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=3e-3,
     ...                material=Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": Clamped()})
     >>> low = modes(casing, 4)

@@ -17,16 +17,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import eigh, qr
 
-from casingfem.arrays import FloatArray
-from casingfem.modal.eigen import gap_after
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.eigen import gap_after
+from casingfem.linalg.factor import Factor, factorise
+from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
 from casingfem.modal.modes import modes
-from casingfem.modal.pencil import Pencil, make_pencil
 from casingfem.modal.ritz import RitzModes, ritz_modes
-from casingfem.structure.assembly import System, assemble
-from casingfem.structure.factor import Factor, factorise
-from casingfem.structure.shell import Shell
+from casingfem.structure.shell.assembly import System, assemble
+from casingfem.structure.shell.shell import Shell
 
 TOL = 1e-7  # of an eigenvalue, still to fall before the last block is taken in
 FAR = 1e-5  # more than this to fall, an old factor takes more blocks than a new one is worth

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.errors import ModelError
-from casingfem.structure.assembly import System
-from casingfem.structure.kinematics import DOFS, frame, strain_slots
-from casingfem.structure.place import place_jets
+from casingfem.io.arrays import FloatArray
+from casingfem.structure.mesh.kinematics import DOFS, frame, strain_slots
+from casingfem.structure.mesh.place import place_jets
+from casingfem.structure.shell.assembly import System
 
 DIRECTIONS = ("x", "y", "z", "normal", "radial", "tangential")
 STRAINS = {"11": 0, "22": 1, "12": 2}

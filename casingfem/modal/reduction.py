@@ -16,19 +16,19 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.linalg.eigen import START_SEED
+from casingfem.linalg.factor import Factor, factorise
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.eigen import START_SEED
 from casingfem.modal.interface import Rim, Tip, TipNodes, interface_rows, rim_lines, tip_directions
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.modal.output import Output, output_rows
-from casingfem.structure.assembly import System, assemble, spin
-from casingfem.structure.factor import Factor, factorise
-from casingfem.structure.kinematics import DOFS
-from casingfem.structure.plausible import warn_of
-from casingfem.structure.rigid import free_motions
-from casingfem.structure.shell import Shell
+from casingfem.structure.mesh.kinematics import DOFS
+from casingfem.structure.shell.assembly import System, assemble, spin
+from casingfem.structure.shell.plausible import warn_of
+from casingfem.structure.shell.rigid import free_motions
+from casingfem.structure.shell.shell import Shell
 
 METHODS = ("free", "craig-bampton")
 

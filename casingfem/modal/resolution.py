@@ -7,11 +7,11 @@ cylinders and plates from order 2 to 8, every mesh whose frequencies were more t
 import numpy as np
 from numpy.polynomial import legendre
 
-from casingfem.arrays import FloatArray
 from casingfem.errors import doubt
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.element import ElementQuadLobatto, lobatto
-from casingfem.structure.variation import grips
+from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
+from casingfem.structure.shell.variation import grips
 
 FINEST = 0.015
 

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import eigh
 
-from casingfem.arrays import FloatArray
-from casingfem.structure.assembly import System
-from casingfem.structure.energies import modal_products, point_fields
+from casingfem.io.arrays import FloatArray
+from casingfem.structure.shell.assembly import System
+from casingfem.structure.shell.energies import modal_products, point_fields
 
 
 class RitzModes(NamedTuple):

@@ -11,15 +11,15 @@ import time
 import numpy as np
 from scipy.linalg import eigh, qr
 
-from casingfem.arrays import FloatArray
-from casingfem.modal.eigen import EigenError, gap_after
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.eigen import EigenError, gap_after
+from casingfem.linalg.factor import factorise
+from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
-from casingfem.modal.pencil import Pencil, make_pencil
 from casingfem.modal.ritz import ritz_modes
-from casingfem.structure.assembly import assemble
-from casingfem.structure.factor import factorise
-from casingfem.structure.shell import Shell
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
 
 STEPS = 3  # block steps: worst frequency right to 1e-7, with two to 1e-5 for a tenth less (reports.mistuning)
 EXTRA = 4  # Ritz values beyond `count`, so that the count ends in a gap

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 from matplotlib.figure import Figure
 
-from casingfem.arrays import Array
+from casingfem.io.arrays import Array
 from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
 
 POINTS = 6000  # drawn per curve: extremes of each bin beyond that

@@ -5,8 +5,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.identify.identified import Identified
+from casingfem.io.arrays import Array, FloatArray
 from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, new_figure, styled
 
 MODES_A_ROW, MOST_ROWS = 14, 4

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell
 from casingfem.modal.interaction import BladedDisk, Interactions, blade_over_speed
 from casingfem.plot.style import AFTER, BEFORE, MEASURED, PERFECT, SKY, new_figure, styled

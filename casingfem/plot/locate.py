@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from casingfem.locate.located import Localisation
 from casingfem.plot.style import AFTER, PERFECT, SKY, new_figure, styled
-from casingfem.updating.located import Localisation
 
 
 @styled

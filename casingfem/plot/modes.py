@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from casingfem.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.mode_set import Modes
 from casingfem.plot.style import AFTER, BEFORE, PERFECT, new_figure, styled
-from casingfem.structure.mesh import rim_values
+from casingfem.structure.mesh.shell_mesh import rim_values
 
 PURE = 0.7  # below this share of its main order a mode is drawn hollow: a mixture
 

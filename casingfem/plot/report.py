@@ -9,8 +9,8 @@ from casingfem.plot.fit import update_section
 from casingfem.plot.fit_shapes import shapes_section
 from casingfem.plot.page import render_page
 from casingfem.plot.sections import inputs_section, modes_section, provenance_section, reduction_section
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import ElasticEdge
+from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.shell.shell import Shell
 from casingfem.study import Study, perfect
 from casingfem.study.tasks import run_reduce, run_update
 from casingfem.updating.shape_fit import shape_fit

@@ -9,9 +9,9 @@ from casingfem.modal.mode_set import Modes
 from casingfem.plot.modes import figure_frequencies, figure_rim, groups
 from casingfem.plot.page import Cell, Picture, Section, Table
 from casingfem.plot.shapes import moving_shapes
-from casingfem.structure.field import FourierField
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import ElasticEdge
+from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.shell.shell import Shell
 from casingfem.study import Study
 
 UNITS = {

@@ -11,7 +11,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from PIL import Image
 
-from casingfem.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.mode_set import Modes
 from casingfem.plot.modes import lattice, radial, title
 from casingfem.plot.page import Picture

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.plot.style import AFTER, BEFORE, DIVERGING, new_figure, styled
 
 PANELS = (

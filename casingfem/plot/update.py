@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.correlation import Pairing
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
 from casingfem.plot.style import AFTER, BEFORE, DIVERGING, MEASURED, PERFECT, new_figure, styled
 from casingfem.updating.result import UpdateResult

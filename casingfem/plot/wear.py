@@ -5,7 +5,7 @@ from typing import Any, Protocol
 import numpy as np
 from matplotlib.figure import Figure
 
-from casingfem.arrays import Array
+from casingfem.io.arrays import Array
 from casingfem.plot.style import AFTER, BEFORE, PERFECT, new_figure, styled
 
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import Array
 from casingfem.errors import ModelError
+from casingfem.io.arrays import Array
 
 NAMES = {"E": "modulus", "rho": "density"}
 

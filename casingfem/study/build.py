@@ -5,24 +5,24 @@ from dataclasses import replace
 import numpy as np
 
 from casingfem.errors import doubt
-from casingfem.structure.blade import Blade
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate
-from casingfem.structure.field import Field, FourierField
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.section import Section
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
+from casingfem.structure.field.fourier import Field, FourierField
+from casingfem.structure.field.random import RAYLEIGH, RandomField, Spectrum
+from casingfem.structure.field.survey.check import check_survey, mean_radius
+from casingfem.structure.field.survey.survey import SampledField
+from casingfem.structure.geometry.blade import Blade
+from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate
+from casingfem.structure.geometry.revolved import Arc, Revolved
+from casingfem.structure.geometry.strip import Strip, check_strips
+from casingfem.structure.geometry.taper import Taper
+from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.point_mass import PointMass
-from casingfem.structure.random_field import RAYLEIGH, RandomField, Spectrum
-from casingfem.structure.revolved import Arc, Revolved
-from casingfem.structure.ring import Ring
-from casingfem.structure.section import Section
-from casingfem.structure.shell import Shell
-from casingfem.structure.strip import Strip, check_strips
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
-from casingfem.structure.survey import SampledField
-from casingfem.structure.survey_check import check_survey, mean_radius
-from casingfem.structure.taper import Taper
-from casingfem.structure.twisted import TwistedPlate
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 from casingfem.study.problems import Problems
 from casingfem.study.rotation import build_rotation
 from casingfem.study.schema import (

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.shell import MeshShell
+from casingfem.structure.imported.solid import Solid
+from casingfem.structure.imported.support import Fixed, MeshSupport
 from casingfem.structure.material import Material
-from casingfem.structure.mesh_data import MeshData
-from casingfem.structure.mesh_in import read_mesh
-from casingfem.structure.mesh_shell import MeshShell
-from casingfem.structure.mesh_support import Fixed, MeshSupport
-from casingfem.structure.solid import Solid
-from casingfem.structure.support import Clamped, ElasticEdge
 from casingfem.study.problems import Problems, StudyError
 from casingfem.study.schema import ElasticTable, FixedTable, ImportTable, StudyFile, SupportTable
 

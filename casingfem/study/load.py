@@ -14,10 +14,10 @@ from pydantic import ValidationError
 from casingfem.errors import coded
 from casingfem.experiment.correlation.shape_files import read_shapes
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.modal.eigen import START_SEED
+from casingfem.linalg.eigen import START_SEED
 from casingfem.modal.interface import Rim, Tip, TipNodes
-from casingfem.structure.chart import Chart
-from casingfem.structure.shell import Shell
+from casingfem.structure.geometry.chart import Chart
+from casingfem.structure.shell.shell import Shell
 from casingfem.study.build import build_shell, try_chart
 from casingfem.study.imported import MeshStudy, build_imported, is_imported
 from casingfem.study.problems import Problems, StudyError

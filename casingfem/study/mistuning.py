@@ -18,6 +18,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
+from casingfem.io.outfiles import json_text, write_atomic
 from casingfem.modal.mistuning import (
     Mistuning,
     Pair,
@@ -29,7 +30,6 @@ from casingfem.modal.mistuning import (
     restart_error,
 )
 from casingfem.modal.mode_set import Modes
-from casingfem.outfiles import json_text, write_atomic
 from casingfem.study.load import Study, load_study
 from casingfem.study.problems import StudyError
 

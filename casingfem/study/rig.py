@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.experiment.circle.scan import CircleScan, demodulate
-from casingfem.experiment.frf.estimate import estimate
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Excitation, Impact, Random
 from casingfem.experiment.rig.files import origin
 from casingfem.experiment.rig.noise import noisy

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from casingfem.structure.chart import Chart
-from casingfem.structure.rotation import Rotation
+from casingfem.structure.geometry.chart import Chart
+from casingfem.structure.geometry.rotation import Rotation
 from casingfem.study.problems import Problems
 from casingfem.study.schema import RotationTable
 

@@ -9,10 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.ring import Ring
-from casingfem.structure.shell import DEFECTS, Shell
-from casingfem.structure.support import ElasticEdge, Support, grip
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.support import ElasticEdge, Support, grip
+from casingfem.structure.shell.shell import DEFECTS, Shell
 from casingfem.study.load import Study
 from casingfem.updating.parameters import get_value
 

@@ -13,9 +13,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.correlation import Match, pair
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.affine import AffineModel, AffineModes
 from casingfem.updating.targets import HERTZ2, lower_angle
 

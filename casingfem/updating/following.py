@@ -15,11 +15,11 @@ from itertools import chain
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.pairing import Match, Pairing
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.assembly import nodal_mass
+from casingfem.structure.shell.assembly import nodal_mass
 
 LOST = 1.0 / 3.0
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.updating.parameters import Parameter
 
 SEEN = 1.0  # singular value above which the data say more than was known

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 
 DAMPING = 0.1
 PROMISE = 1e-7  # of the sum of squares: less is the modes' own round-off

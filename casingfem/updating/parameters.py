@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.field import Field, FourierField
-from casingfem.structure.ring import Ring
-from casingfem.structure.shell import DEFECTS, Shell
-from casingfem.structure.support import ElasticEdge, grip
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.support import ElasticEdge, grip
+from casingfem.structure.field.fourier import Field, FourierField
+from casingfem.structure.shell.shell import DEFECTS, Shell
 
 HARMONIC = re.compile(r"p(\d+)$")
 NUMBERS = (int, float, complex, np.number, tuple)  # what may be varied; a law has one a station
@@ -246,7 +246,7 @@ def get_value(shell: Shell, name: str) -> Any:
 def with_value(shell: Shell, name: str, value: Any) -> Shell:
     """The same shell with one named number replaced; its mesh is kept.
 
-    >>> from casingfem.structure.chart import Plate
+    >>> from casingfem.structure.geometry.chart import Plate
     >>> from casingfem.structure.material import Material
     >>> plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01,
     ...               material=Material(E=210e9, nu=0.3, rho=7800.0))

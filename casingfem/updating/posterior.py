@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.updating.problem import Problem, UpdateError
 from casingfem.updating.result import UpdateResult
 

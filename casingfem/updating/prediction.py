@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.pairing import Match
+from casingfem.io.arrays import FloatArray
 from casingfem.updating.following import followed
 from casingfem.updating.problem import Problem, State
 from casingfem.updating.result import UpdateResult

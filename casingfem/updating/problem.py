@@ -7,12 +7,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.correlation import Pairing, pair
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import Modes, modes
 from casingfem.modal.neighbour import Solution, counted, solved, solved_near
-from casingfem.structure.shell import Shell
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.following import LostModeError, followed, paired_rows
 from casingfem.updating.parameters import Parameter, get_value, with_value
 from casingfem.updating.shapes import SensorShapes, shape_jacobian, shape_values

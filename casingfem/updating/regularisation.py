@@ -16,7 +16,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.updating.identifiability import widths
 from casingfem.updating.parameters import HARMONIC, Parameter, ParameterError
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import brentq
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.correlation import Pairing
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.shell import Shell
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.identifiability import Identifiability, identifiability
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.problem import Problem

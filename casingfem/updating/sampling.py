@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.extras import remedy
+from casingfem.io.arrays import FloatArray
 from casingfem.updating.posterior import Parabolas, evaluated, parabolas, varied_names
 from casingfem.updating.problem import UpdateError
 from casingfem.updating.result import UpdateResult

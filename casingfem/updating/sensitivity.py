@@ -14,10 +14,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.energies import point_fields, product_rates
+from casingfem.structure.shell.energies import point_fields, product_rates
 from casingfem.updating.parameters import Parameter, get_value, with_value
 
 STEP = 1e-30

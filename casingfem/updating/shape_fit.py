@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import FloatArray, IntArray
 from casingfem.experiment.correlation.comac import comac
 from casingfem.experiment.correlation.correlate import alike, partners, seen_mac
 from casingfem.experiment.correlation.pairing import Match, Pairing
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.shapes import SensorShapes

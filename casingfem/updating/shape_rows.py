@@ -9,9 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from casingfem.arrays import FloatArray, IntArray
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray, IntArray
 
 REACH = 1e-3
 SURE = 2.0  # times as far must any other choice be

@@ -16,18 +16,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import FloatArray, IntArray, frozen
 from casingfem.experiment.correlation.correlate import seen_mac
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.pairing import Match
 from casingfem.experiment.correlation.sensors import on_wall
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray, IntArray, frozen
 from casingfem.modal.adjoint import adjoint_space
 from casingfem.modal.mode_set import Modes
 from casingfem.modal.neighbour import Solution
-from casingfem.structure.mesh import Grid
-from casingfem.structure.place import interpolation
-from casingfem.structure.shell import Shell
+from casingfem.structure.mesh.place import interpolation
+from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import product_derivatives
 from casingfem.updating.shape_rows import REACH, columns, rows_of_shapes

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.pairing import Match
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.adjoint import adjoint_space
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.modal.neighbour import Solution

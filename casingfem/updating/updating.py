@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import count_below
-from casingfem.structure.shell import Shell
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.following import paired_rows
 from casingfem.updating.levenberg import levenberg_marquardt
 from casingfem.updating.parameters import Parameter, ParameterError, check_parameters

@@ -7,14 +7,14 @@ import pytest
 
 from casingfem.modal.affine import affine_model, bolt_changes, mass_changes
 from casingfem.modal.modes import modes
-from casingfem.structure.assembly import assemble
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.chart import Plate
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.point_mass import PointMass
-from casingfem.structure.ring import Ring
-from casingfem.structure.section import Section
-from casingfem.structure.shell import Shell
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.section import Section
+from casingfem.structure.geometry.chart import Plate
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
 
 BOLTS = Bolts(count=8, k=1e8, k_rot=1e3)
 COARSE = ShellMesh(order=6, rows=(0.0, 0.05, 1.0), around=8)

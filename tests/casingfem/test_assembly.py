@@ -6,15 +6,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import dblquad
 
-from casingfem.modal.eigen import factorise, sturm_count
-from casingfem.structure.assembly import assemble, element_matrices
-from casingfem.structure.chart import Cylinder, Panel, Plate
-from casingfem.structure.field import FourierField
-from casingfem.structure.kinematics import frame
+from casingfem.linalg.eigen import factorise, sturm_count
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh, make_grid
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.mesh.kinematics import frame
+from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.shell.assembly import assemble, element_matrices
+from casingfem.structure.shell.shell import Shell
 
 UNEVEN = ShellMesh(order=3, rows=(0.0, 0.2, 0.7, 1.0), around=2)
 
@@ -215,5 +215,5 @@ def test_element_matrices_do_not_depend_on_how_they_are_chunked(frustum, coarse,
     shell = imperfect(frustum, coarse)
     grid = make_grid(shell.chart, shell.mesh)
     whole = element_matrices(shell, grid)
-    monkeypatch.setattr("casingfem.structure.assembly.CHUNK", 1)
+    monkeypatch.setattr("casingfem.structure.shell.assembly.CHUNK", 1)
     np.testing.assert_allclose(element_matrices(shell, grid), whole, rtol=1e-12, atol=1e-12 * np.abs(whole).max())

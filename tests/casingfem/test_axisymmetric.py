@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from casingfem.modal.fourier import lowest
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.chart import Cylinder
-from casingfem.structure.field import FourierField
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Cylinder
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.shell import Shell
 
 LINE = ShellMesh(order=8, rows=2, around=1)
 

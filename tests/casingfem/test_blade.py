@@ -8,11 +8,11 @@ from complex_step import STEP, assert_exact
 
 import casingfem as cf
 from casingfem.errors import ModelError
-from casingfem.structure.assembly import nodal_mass
-from casingfem.structure.chart import Chart
-from casingfem.structure.jet import SMALL, jets, sinc
-from casingfem.structure.law import along, coefficients
-from casingfem.structure.mesh import ShellMesh, make_grid
+from casingfem.structure.geometry.chart import Chart
+from casingfem.structure.geometry.jet import SMALL, jets, sinc
+from casingfem.structure.geometry.stations import along, coefficients
+from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.shell.assembly import nodal_mass
 from casingfem.updating.parameters import Parameter, ParameterError, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports import verify_blades

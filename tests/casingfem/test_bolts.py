@@ -8,12 +8,12 @@ import pytest
 
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.modes import modes
-from casingfem.structure.assembly import assemble
-from casingfem.structure.bolt_mesh import following, springs_per_wave, spurious_split
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.chart import Cylinder, Panel
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
+from casingfem.structure.edge.bolt_mesh import following, springs_per_wave, spurious_split
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.geometry.chart import Cylinder, Panel
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 
@@ -69,7 +69,7 @@ def test_turning_the_bolts_turns_the_modes(frustum):
 
 def test_many_bolts_act_as_an_elastic_edge(frustum):
     """Forty bolts whose patches touch: k per length is count k/(2 pi R), the patches' ripple acts on n >= 20 only."""
-    from casingfem.structure.support import ElasticEdge
+    from casingfem.structure.edge.support import ElasticEdge
 
     many = Bolts(count=40, k=1e6, width=2 * np.pi / 40)
     line = 40e6 / (2 * np.pi * 0.5)

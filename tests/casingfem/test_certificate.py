@@ -6,10 +6,10 @@ from scipy.sparse import csc_array
 
 import casingfem as cf
 from casingfem.errors import ModelWarning
+from casingfem.linalg.certificate import UNIT, round_off, stands_clear
+from casingfem.linalg.eigen import EigenError, gap_after, solve_band, solve_modes
+from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal import fourier
-from casingfem.modal.certificate import UNIT, round_off, stands_clear
-from casingfem.modal.eigen import EigenError, gap_after, solve_band, solve_modes
-from casingfem.modal.pencil import Pencil, make_pencil
 
 SOFT = np.arange(1.0, 21.0)
 DROWNED = "round-off moves the next by .*modes-round-off"

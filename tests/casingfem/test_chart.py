@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from complex_step import assert_exact
 
-from casingfem.modal.eigen import solve_modes
-from casingfem.structure.assembly import assemble
-from casingfem.structure.chart import Chart, Cylinder, Frustum, Panel, Plate, Surface
-from casingfem.structure.field import FieldValues, FourierField
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.revolved import Arc, Revolved, RevolvedPanel
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ShearDiaphragm
+from casingfem.linalg.eigen import solve_modes
+from casingfem.structure.edge.support import Clamped, ShearDiaphragm
+from casingfem.structure.field.fourier import FieldValues, FourierField
+from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate, Surface
+from casingfem.structure.geometry.revolved import Arc, Revolved, RevolvedPanel
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
 
 CHARTS = {
     "frustum": Frustum(r_base=0.5, r_top=0.45, height=0.25),

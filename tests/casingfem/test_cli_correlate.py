@@ -13,9 +13,9 @@ from casingfem.cli import main
 from casingfem.experiment.correlation.correlate import correlate
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.export.modes_uff import write_modes_uff
 from casingfem.modal.modes import modes
-from casingfem.modes_uff import write_modes_uff
-from casingfem.structure.bolts import Bolts
+from casingfem.structure.edge.bolts import Bolts
 from casingfem.study import load_study
 
 STUDY = (

@@ -11,13 +11,13 @@ from casingfem.experiment.correlation.expansion import expand, well_conditioned
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
 from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.correlation.sensors import nearest, sensors_of, sensors_on
+from casingfem.export.modes_uff import write_modes_uff
 from casingfem.modal.modes import modes
-from casingfem.modes_uff import write_modes_uff
-from casingfem.structure.assembly import assemble
-from casingfem.structure.chart import Plate
-from casingfem.structure.field import FourierField
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Plate
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
 
 HEIGHTS = (0.12, 0.25)
 

@@ -10,11 +10,11 @@ import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.arrays import FloatArray, IntArray
 from casingfem.experiment.correlation.alignment import align
 from casingfem.experiment.correlation.correlation import ModeSet, mac, pair, subspace_mac
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.structure.strict_csv import CsvError, read
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.strict_csv import CsvError, read
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 

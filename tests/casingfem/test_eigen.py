@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 from scipy.sparse import csc_array, diags_array
 
-from casingfem.modal import eigen
-from casingfem.modal.eigen import EigenError, factorise, gap_after, solve_modes, sturm_count
-from casingfem.modal.krylov import RitzPairs, nearest
-from casingfem.modal.pencil import make_pencil
-from casingfem.structure.assembly import assemble
+from casingfem.linalg import eigen
+from casingfem.linalg.eigen import EigenError, factorise, gap_after, solve_modes, sturm_count
+from casingfem.linalg.krylov import RitzPairs, nearest
+from casingfem.linalg.pencil import make_pencil
+from casingfem.structure.shell.assembly import assemble
 
 
 def chain(size, ends=1.0):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.element import ElementQuadLobatto, gauss, lagrange, lobatto
+from casingfem.structure.mesh.element import ElementQuadLobatto, gauss, lagrange, lobatto
 
 ORDERS = range(2, 13)
 

@@ -15,7 +15,7 @@ from scipy.sparse import csc_array
 from casingfem import extras
 from casingfem.cli import main
 from casingfem.extras import EXTRAS, remedy
-from casingfem.structure.factor import EigenError, pardiso
+from casingfem.linalg.factor import EigenError, pardiso
 
 ROOT = Path(__file__).parents[2]
 

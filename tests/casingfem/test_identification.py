@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.frf.estimate import estimate
+from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import Random
 from casingfem.experiment.rig.noise import noisy
 from casingfem.experiment.rig.record import measured as with_noise

@@ -8,10 +8,10 @@ from click.testing import CliRunner
 
 from casingfem.cli import main
 from casingfem.modal.mesh_modes import mesh_modes
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material
-from casingfem.structure.mesh_grid import grid_mesh, revolved
-from casingfem.structure.solid import Solid
-from casingfem.structure.support import Clamped
 from casingfem.study import MeshStudy, StudyError, load_any, load_study
 from reports.mesh_files import WRITERS, group_name
 

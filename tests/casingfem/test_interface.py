@@ -13,11 +13,11 @@ from casingfem.modal.interface import (
     tip_directions,
     tip_rows,
 )
-from casingfem.structure.assembly import assemble
-from casingfem.structure.chart import Panel, Plate
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.chart import Panel, Plate
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
 
 
 @pytest.fixture(scope="module")

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.chart import Cylinder, Frustum, Panel, Plate
-from casingfem.structure.field import FieldValues
-from casingfem.structure.kinematics import frame, strain_slots
+from casingfem.structure.field.fourier import FieldValues
+from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate
+from casingfem.structure.mesh.kinematics import frame, strain_slots
 
 STEP = 1e-30
 A, B = (grid.ravel() for grid in np.meshgrid(np.linspace(0.01, 0.24, 5), np.linspace(-0.2, 0.2, 6)))

@@ -10,18 +10,18 @@ from casingfem.errors import ModelError
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
 from casingfem.experiment.correlation.sensors import sensors_of
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.locate.localisation import locate, search_model
+from casingfem.locate.shape_check import judged_by_shapes
 from casingfem.modal.modes import modes
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.chart import Cylinder
-from casingfem.structure.field import FourierField
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.point_mass import PointMass
-from casingfem.structure.ring import Ring
-from casingfem.structure.section import Section
-from casingfem.structure.shell import Shell
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.section import Section
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Cylinder
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.calibration import calibrated
-from casingfem.updating.localisation import locate, search_model
-from casingfem.updating.shape_check import judged_by_shapes
 
 BOLTS = Bolts(count=12, k=2e8, k_rot=1e5)
 COARSE = ShellMesh(order=5, rows=(0.0, 0.05, 1.0), around=12)

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.experiment.correlation.grouping import Doublet, Single
+from casingfem.experiment.grouping import Doublet, Single
 from casingfem.experiment.measurement import COLUMNS, FrequencyTable, TableError
-from casingfem.structure.strict_csv import CsvError, read
+from casingfem.io.strict_csv import CsvError, read
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.structure.chart import Cylinder, Frustum, Plate
-from casingfem.structure.element import ElementQuadLobatto
-from casingfem.structure.mesh import ShellMesh, make_grid, rim_values
+from casingfem.structure.geometry.chart import Cylinder, Frustum, Plate
+from casingfem.structure.mesh.element import ElementQuadLobatto
+from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid, rim_values
 
 CASING, PLATE = Frustum(r_base=0.5, r_top=0.45, height=0.25), Plate(length=2.0, width=1.0)
 GRADED = (0.0, 0.03, 0.5, 0.9, 1.0)

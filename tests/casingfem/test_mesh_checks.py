@@ -7,12 +7,12 @@ import pytest
 
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.mesh_modes import mesh_modes
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.imported.checks import check_mesh
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material
-from casingfem.structure.mesh_checks import check_mesh
-from casingfem.structure.mesh_data import Group, MeshData
-from casingfem.structure.mesh_grid import grid_mesh, revolved
-from casingfem.structure.solid import Solid
-from casingfem.structure.support import Clamped
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 SOUND = grid_mesh("hexahedron20", (4, 2, 1), lambda u: u * [0.2, 0.1, 0.03], groups={"root": (0, 0.0)})

@@ -9,12 +9,12 @@ import pytest
 
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.mesh_modes import mesh_modes
-from casingfem.structure.cell_kind import KINDS, SHELLS, SOLIDS
-from casingfem.structure.mesh_draft import Block, Draft, build, joined
-from casingfem.structure.mesh_grid import grid_mesh, revolved
-from casingfem.structure.mesh_in import read_mesh
-from casingfem.structure.solid import Solid
-from casingfem.structure.support import Clamped
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.imported.cell_kind import KINDS, SHELLS, SOLIDS
+from casingfem.structure.imported.draft import Block, Draft, build, joined
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.solid import Solid
 from reports.mesh_files import BRICK20, GMSH_ORDER, WRITERS, group_name, writable
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other

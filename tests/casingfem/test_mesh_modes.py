@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelWarning
+from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.modal import mesh_modes as mesh_module
 from casingfem.modal.mesh_modes import mesh_modes, projected
 from casingfem.modal.modes import modes
-from casingfem.modal.multigrid import multigrid_modes
-from casingfem.structure.chart import Frustum
-from casingfem.structure.mesh_data import MeshData
-from casingfem.structure.mesh_grid import grid_mesh, revolved
-from casingfem.structure.revolution import elements_around, round_about_z
-from casingfem.structure.shell import Shell
-from casingfem.structure.solid import Solid
-from casingfem.structure.support import Clamped
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.chart import Frustum
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.revolution import elements_around, round_about_z
+from casingfem.structure.imported.solid import Solid
+from casingfem.structure.shell.shell import Shell
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
 

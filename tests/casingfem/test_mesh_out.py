@@ -12,8 +12,8 @@ from study_texts import PLATE, written
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.mesh_out import drawn_surface, mode_files
-from casingfem.outfiles import write_files
+from casingfem.export.meshes import drawn_surface, mode_files
+from casingfem.io.outfiles import write_files
 
 
 @pytest.fixture(scope="module")

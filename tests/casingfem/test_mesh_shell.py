@@ -6,12 +6,12 @@ import pytest
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.modal.modes import modes
-from casingfem.structure.chart import Frustum, Plate
-from casingfem.structure.mesh_grid import grid_mesh, revolved
-from casingfem.structure.mesh_shell import MeshShell, assemble_mesh_shell, directors, tangent_frames
-from casingfem.structure.mesh_support import Fixed
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge
+from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.geometry.chart import Frustum, Plate
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.shell import MeshShell, assemble_mesh_shell, directors, tangent_frames
+from casingfem.structure.imported.support import Fixed
+from casingfem.structure.shell.shell import Shell
 
 WALL = revolved((0.5, 0.45), (0.0, 0.25), 3e-3)
 QUADRATIC = ("quad8", "quad9")

@@ -14,13 +14,13 @@ from click.testing import CliRunner
 from study_texts import STEEL
 
 from casingfem.cli import main
+from casingfem.linalg.eigen import EigenError
 from casingfem.modal import mistuning
-from casingfem.modal.eigen import EigenError
 from casingfem.modal.mistuning import Mistuning, Pair, drawn_modes, mean_modes, mean_shell, mistune, redrawn_shell
 from casingfem.modal.modes import modes
 from casingfem.modal.warm_start import restarted_modes
-from casingfem.structure.field import FourierField
-from casingfem.structure.random_field import RandomField, Spectrum
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.field.random import RandomField, Spectrum
 from casingfem.study import load_study
 from casingfem.study.mistuning import run_mistune
 from casingfem.study.problems import StudyError

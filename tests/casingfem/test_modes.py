@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelWarning
-from casingfem.modal.eigen import EigenError
+from casingfem.linalg.eigen import EigenError
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.modes import count_below, modes
-from casingfem.structure.assembly import assemble
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.chart import Cylinder, Frustum, Plate
-from casingfem.structure.energies import modal_products, point_fields
-from casingfem.structure.field import FourierField
-from casingfem.structure.mesh import ShellMesh, rim_values
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge
+from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Cylinder, Frustum, Plate
+from casingfem.structure.mesh.shell_mesh import ShellMesh, rim_values
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.energies import modal_products, point_fields
+from casingfem.structure.shell.shell import Shell
 
 MEDIUM = ShellMesh(order=6, rows=1, around=17)
 EIGHT = ShellMesh(order=6, rows=1, around=16)  # as symmetric as an imperfection of period 45 degrees

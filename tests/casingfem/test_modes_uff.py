@@ -7,8 +7,8 @@ from study_texts import PLATE, written
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.mesh_out import drawn_surface
-from casingfem.modes_uff import write_modes_uff
+from casingfem.export.meshes import drawn_surface
+from casingfem.export.modes_uff import write_modes_uff
 
 pyuff = pytest.importorskip("pyuff")
 

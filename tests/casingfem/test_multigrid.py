@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelWarning
-from casingfem.modal import multigrid, multigrid_cycle
-from casingfem.modal.eigen import solve_modes
-from casingfem.modal.multigrid import multigrid_modes
-from casingfem.modal.pencil import make_pencil
-from casingfem.structure.mesh_grid import grid_mesh
-from casingfem.structure.rigid_body import rigid_motions
-from casingfem.structure.solid import Solid, assemble_solid
-from casingfem.structure.support import Clamped
+from casingfem.linalg import multigrid, multigrid_cycle
+from casingfem.linalg.eigen import solve_modes
+from casingfem.linalg.multigrid import multigrid_modes
+from casingfem.linalg.pencil import make_pencil
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.rigid_body import rigid_motions
+from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.solid import Solid, assemble_solid
 
 
 def block(steel, counts, size, *, free=False):

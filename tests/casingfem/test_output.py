@@ -8,8 +8,8 @@ import pytest
 import casingfem as cf
 from casingfem.modal.campbell import campbell
 from casingfem.modal.harmonic_basis import harmonic_basis
-from casingfem.structure.load import EdgeLoad
-from casingfem.structure.static import solve_static
+from casingfem.structure.shell.load import EdgeLoad
+from casingfem.structure.shell.static import solve_static
 
 LENGTH, WIDTH, THICKNESS = 0.11, 0.04, 5e-3
 

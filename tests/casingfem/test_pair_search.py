@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.measurement import FrequencyTable
-from casingfem.updating.misfit import Point
-from casingfem.updating.pair_search import best_pair
-from casingfem.updating.sparse_fit import Bounds, fitted
-from casingfem.updating.sparse_search import best_addition, search
-from casingfem.updating.unknown_coupling import half_split, mixing
+from casingfem.locate.misfit import Point
+from casingfem.locate.pair_search import best_pair
+from casingfem.locate.sparse_fit import Bounds, fitted
+from casingfem.locate.sparse_search import best_addition, search
+from casingfem.locate.unknown_coupling import half_split, mixing
 
 BOUNDS = Bounds(lower=-np.ones(6), upper=np.zeros(6))
 

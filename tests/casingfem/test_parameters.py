@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from casingfem.structure.field import FieldValues, FourierField
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.revolved import Arc, Revolved
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge
-from casingfem.structure.survey import SampledField
+from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.field.fourier import FieldValues, FourierField
+from casingfem.structure.field.survey.survey import SampledField
+from casingfem.structure.geometry.revolved import Arc, Revolved
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
 
 PATHS = {

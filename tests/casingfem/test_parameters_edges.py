@@ -7,7 +7,7 @@ import pytest
 from study_texts import THIN, written
 
 import casingfem as cf
-from casingfem.structure.section import Section
+from casingfem.structure.edge.section import Section
 from casingfem.study import load_study
 from casingfem.study.updated import updated_toml
 from casingfem.updating.parameters import get_value, with_value

@@ -12,9 +12,9 @@ import pytest
 from scipy.sparse import csc_array, triu
 from test_slicing import with_spectrum
 
-from casingfem.modal.eigen import EigenError, solve_modes
-from casingfem.modal.pencil import make_pencil
-from casingfem.structure.factor import factorise
+from casingfem.linalg.eigen import EigenError, solve_modes
+from casingfem.linalg.factor import factorise
+from casingfem.linalg.pencil import make_pencil
 
 
 class PyPardisoError(Exception):

@@ -14,7 +14,7 @@ from study_texts import THICK
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.outfiles import json_text, write_atomic, write_files
+from casingfem.io.outfiles import json_text, write_atomic, write_files
 from casingfem.plot.contact import figure_contact
 from casingfem.plot.page import Section, Table, render_page
 from casingfem.plot.style import embed, new_figure

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.field import Field, FourierField, SumField
-from casingfem.structure.random_field import (
+from casingfem.structure.field.fourier import Field, FourierField, SumField
+from casingfem.structure.field.random import (
     EXAMPLE,
     EXAMPLE_HIGH,
     RandomField,

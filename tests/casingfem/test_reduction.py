@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from casingfem.linalg.eigen import factorise
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.eigen import factorise
 from casingfem.modal.interface import Rim, Tip, rim_rows, tip_directions, tip_rows
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import free_vectors, load_columns, reduce
-from casingfem.structure.assembly import assemble
-from casingfem.structure.chart import Cylinder, Panel, Plate
-from casingfem.structure.field import FourierField
-from casingfem.structure.load import Gravity
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.load import Gravity
+from casingfem.structure.shell.shell import Shell
 
 RIM = Rim("top", n_max=8)
 

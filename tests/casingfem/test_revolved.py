@@ -5,8 +5,8 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import ModelError
-from casingfem.structure.assembly import nodal_mass
-from casingfem.structure.mesh import make_grid
+from casingfem.structure.mesh.shell_mesh import make_grid
+from casingfem.structure.shell.assembly import nodal_mass
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 

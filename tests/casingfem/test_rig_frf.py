@@ -7,9 +7,9 @@ import casingfem as cf
 from casingfem.experiment.rig.noise import Converter, noise, noisy
 from casingfem.experiment.rig.rig import SYNTHETIC, Rig, RigError
 from casingfem.experiment.rig.structure import Place, circle, damping_spread, rig_of
-from casingfem.structure.assembly import assemble
-from casingfem.structure.load import PointLoad
-from casingfem.structure.static import solve_static
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.load import PointLoad
+from casingfem.structure.shell.static import solve_static
 
 SEED = 20611
 

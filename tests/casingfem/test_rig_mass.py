@@ -7,7 +7,7 @@ import casingfem as cf
 from casingfem.experiment.rig.mass import loaded
 from casingfem.experiment.rig.rig import Rig, RigError
 from casingfem.experiment.rig.structure import Place, circle, rig_of
-from casingfem.structure.assembly import assemble
+from casingfem.structure.shell.assembly import assemble
 
 ANGLES = (0.2, 1.9)
 MASS = 0.012

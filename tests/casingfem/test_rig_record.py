@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from casingfem.experiment.frf.estimate import estimate
+from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
 from casingfem.experiment.rig.record import BAND, FINER, measured, record, respond, sharpened
 from casingfem.experiment.rig.rig import Rig, RigError

@@ -7,27 +7,27 @@ import pytest
 from scipy.linalg import eigh
 
 from casingfem.errors import ModelError
+from casingfem.linalg.diagonal_mass import diagonalised
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.modal.interface import Rim
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
-from casingfem.structure.assembly import assemble, nodal_mass
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.bolts import Bolts
-from casingfem.structure.chart import Cylinder, Panel
-from casingfem.structure.diagonal_mass import diagonalised
-from casingfem.structure.edge_form import PointSprings, single_place
-from casingfem.structure.edges import edge_forms, line_frame
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.section import Section
+from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.geometry.chart import Cylinder, Panel
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh, make_grid
-from casingfem.structure.point_mass import PointMass
-from casingfem.structure.rigid import free_motions, rigid_fields, ring_turns
-from casingfem.structure.ring import Ring
-from casingfem.structure.ring_form import foot_stiffness, harmonic_ring
-from casingfem.structure.section import Section
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge
+from casingfem.structure.mesh.edge_form import PointSprings, single_place
+from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.shell.assembly import assemble, nodal_mass
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.edges import edge_forms, line_frame
+from casingfem.structure.shell.rigid import free_motions, rigid_fields, ring_turns
+from casingfem.structure.shell.ring_form import foot_stiffness, harmonic_ring
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.parameters import Parameter, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 

@@ -7,14 +7,14 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.structure.assembly import assemble, nodal_mass, spin
-from casingfem.structure.chart import Surface
-from casingfem.structure.kinematics import frame, strain_slots, tangent_rates
-from casingfem.structure.prestress import centrifugal, gradients, gyroscopic, quadratic_strains, softening
-from casingfem.structure.ring import Ring
-from casingfem.structure.scatter import scatter_blocks
-from casingfem.structure.section import Section
-from casingfem.structure.strains import constitutive, point_jets
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.section import Section
+from casingfem.structure.geometry.chart import Surface
+from casingfem.structure.mesh.kinematics import frame, strain_slots, tangent_rates
+from casingfem.structure.mesh.scatter import scatter_blocks
+from casingfem.structure.shell.assembly import assemble, nodal_mass, spin
+from casingfem.structure.shell.prestress import centrifugal, gradients, gyroscopic, quadratic_strains, softening
+from casingfem.structure.shell.strains import constitutive, point_jets
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports.verify_rotation import FACTORS, rotating_beam, strip, strip_factors
 

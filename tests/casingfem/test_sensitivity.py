@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from casingfem.modal.modes import modes
-from casingfem.structure.chart import Panel
-from casingfem.structure.energies import modal_products, point_fields
-from casingfem.structure.field import FourierField
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Panel
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.energies import modal_products, point_fields
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.parameters import Parameter, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from casingfem.modal.modes import modes
-from casingfem.structure.chart import Cylinder, Panel, Plate
-from casingfem.structure.field import FieldValues, FourierField
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge
-from casingfem.structure.variation import finest_harmonic
+from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.field.fourier import FieldValues, FourierField
+from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.variation import finest_harmonic
 
 PATTERN = FourierField.of({4: (0.2, 0.0)})
 

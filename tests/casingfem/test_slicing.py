@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csc_array
 
-from casingfem.modal import slicing
-from casingfem.modal.eigen import EigenError, solve_band, solve_modes
-from casingfem.modal.krylov import nearest
-from casingfem.structure.factor import factorise
+from casingfem.linalg import slicing
+from casingfem.linalg.eigen import EigenError, solve_band, solve_modes
+from casingfem.linalg.factor import factorise
+from casingfem.linalg.krylov import nearest
 
 
 def with_spectrum(values, seed=3, sparse_mass=False):

@@ -5,13 +5,13 @@ import pytest
 from scipy.sparse.linalg import eigsh
 
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.structure.cell_kind import SOLIDS
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.imported.cell_kind import SOLIDS
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.solid import Solid, assemble_solid
+from casingfem.structure.imported.support import Fixed
 from casingfem.structure.material import Material
-from casingfem.structure.mesh_data import Group, MeshData
-from casingfem.structure.mesh_grid import grid_mesh, revolved
-from casingfem.structure.mesh_support import Fixed
-from casingfem.structure.solid import Solid, assemble_solid
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
 

@@ -6,8 +6,8 @@ from scipy.interpolate import CubicSpline
 
 from casingfem.errors import ModelError
 from casingfem.modal.modes import modes
-from casingfem.structure.field import FourierField, SumField
-from casingfem.structure.spline import Spline
+from casingfem.structure.field.fourier import FourierField, SumField
+from casingfem.structure.field.spline import Spline
 from casingfem.updating.parameters import Parameter, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 

@@ -5,11 +5,11 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import ModelError
-from casingfem.structure.assembly import assemble
-from casingfem.structure.mesh import make_grid
-from casingfem.structure.place import interpolation
-from casingfem.structure.ring import Ring
-from casingfem.structure.section import Section
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.section import Section
+from casingfem.structure.mesh.place import interpolation
+from casingfem.structure.mesh.shell_mesh import make_grid
+from casingfem.structure.shell.assembly import assemble
 from reports import verify_static
 
 SOFT = cf.Material(E=210e9, nu=0.0, rho=7800.0)

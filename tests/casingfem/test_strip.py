@@ -10,10 +10,10 @@ import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.mode_set import frequency_scale
-from casingfem.structure.assembly import nodal_mass
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.edges import holding_forms
-from casingfem.structure.mesh import ShellMesh, make_grid
+from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.shell.assembly import nodal_mass
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.edges import holding_forms
 from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports import verify_strips

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modes_uff import write_modes_uff
+from casingfem.export.modes_uff import write_modes_uff
 from casingfem.study import StudyError, load_study, updated_toml
 from casingfem.updating.shape_rows import rows_of_shapes
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
-from casingfem.modal.eigen import solve_modes
-from casingfem.structure.assembly import assemble, held_dofs
-from casingfem.structure.chart import Cylinder, Plate
-from casingfem.structure.field import FieldValues, FourierField
-from casingfem.structure.mesh import ShellMesh, make_grid
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.linalg.eigen import solve_modes
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.field.fourier import FieldValues, FourierField
+from casingfem.structure.geometry.chart import Cylinder, Plate
+from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.shell.assembly import assemble, held_dofs
+from casingfem.structure.shell.shell import Shell
 
 
 def frequencies(shell, count=8):

@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from casingfem.errors import ModelWarning
+from casingfem.io.strict_csv import CsvError, parse
 from casingfem.modal.modes import modes
-from casingfem.structure.field import Field, FieldValues, FourierField
-from casingfem.structure.strict_csv import CsvError, parse
-from casingfem.structure.survey import SampledField, SurveyError
-from casingfem.structure.survey_robust import robust_weights
+from casingfem.structure.field.fourier import Field, FieldValues, FourierField
+from casingfem.structure.field.survey.robust import robust_weights
+from casingfem.structure.field.survey.survey import SampledField, SurveyError
 
 DEFECT = FourierField(
     p=np.array([2, 8, 20]),

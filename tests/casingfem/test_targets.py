@@ -9,11 +9,11 @@ from casingfem.experiment.correlation.correlation import pair
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.modes import modes
 from casingfem.modal.neighbour import solved
-from casingfem.structure.chart import Plate
-from casingfem.structure.field import FourierField
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Plate
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.parameters import Parameter, get_value, with_value
 from casingfem.updating.targets import jacobian, lower_angle, pair_state, rates, split_vector, values
 

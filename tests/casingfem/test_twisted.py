@@ -5,8 +5,8 @@ import pytest
 from complex_step import STEP, assert_exact
 
 import casingfem as cf
-from casingfem.structure.chart import Chart
-from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.geometry.chart import Chart
+from casingfem.structure.mesh.shell_mesh import ShellMesh
 from reports.twisted_plate import anatomy, errors
 
 BLADE = cf.TwistedPlate(length=0.3, width=0.1, twist=1.1)

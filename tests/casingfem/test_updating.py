@@ -7,12 +7,12 @@ import pytest
 
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.modal.modes import modes
-from casingfem.structure.chart import Panel
-from casingfem.structure.field import FourierField
+from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Panel
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped, ElasticEdge
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.parameters import Parameter, ParameterError, get_value, with_value
 from casingfem.updating.problem import UpdateError
 from casingfem.updating.updating import covariance, update

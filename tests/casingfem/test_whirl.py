@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.linalg.eigen import EigenError
 from casingfem.modal import whirl
-from casingfem.modal.eigen import EigenError
-from casingfem.structure.assembly import assemble, spin
+from casingfem.structure.shell.assembly import assemble, spin
 from reports import verify_rotation
 from reports.verify_rotation import drum, in_plane, ring_waves
 

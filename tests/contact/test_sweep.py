@@ -184,7 +184,7 @@ def drawn(scene, draws, table=DRAWS, **more):
 @pytest.mark.slow
 def test_imperfection_draws_depend_on_seed_and_number_alone(scene):
     """In any order, among any others, in the file or varied: the numbers are those of casingfem's RandomField."""
-    from casingfem.structure.random_field import RandomField, Spectrum
+    from casingfem.structure.field.random import RandomField, Spectrum
 
     plan, other = drawn(scene, [0, 1, 2, 3]), drawn(scene, [7, 3, 1])
     assert other.runs[1] == plan.runs[3]

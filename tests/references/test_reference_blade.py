@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from casingfem.modal.modes import modes
-from casingfem.structure.chart import Panel
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.geometry.chart import Panel
 from casingfem.structure.material import Material
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
-from casingfem.structure.support import Clamped
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.shell import Shell
 
 
 def blade(**changes):

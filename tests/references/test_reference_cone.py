@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.mesh import ShellMesh
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from reports.cone import cone, elastic_factors, errors
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from casingfem.modal.eigen import solve_modes
-from casingfem.structure.assembly import assemble
-from casingfem.structure.mesh import ShellMesh
+from casingfem.linalg.eigen import solve_modes
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
 from reports.cylinder import FIXED, cylinder, errors
 from reports.cylinder_exact import anew, elasticity, gaps, shear_shell
 

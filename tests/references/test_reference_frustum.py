@@ -7,9 +7,9 @@ import pytest
 
 from casingfem.modal.fourier import lowest
 from casingfem.modal.modes import count_below, modes
-from casingfem.structure.axisymmetric import harmonic_matrices
-from casingfem.structure.mesh import ShellMesh
-from casingfem.structure.shell import Shell
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.shell import Shell
 
 BRANCHES = (1, 2, 3)
 

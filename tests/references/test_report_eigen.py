@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from casingfem.modal import eigen, krylov
-from casingfem.structure.mesh import ShellMesh
+from casingfem.linalg import eigen, krylov
+from casingfem.structure.mesh.shell_mesh import ShellMesh
 from reports import child, locking, modal_speed, solid_solvers, sturm, verify_locking
 from reports.cylinder import REFERENCE, cylinder
 

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.circle.lines import ScanError
 from casingfem.experiment.circle.record import ScanRecord
+from casingfem.io.arrays import Array, FloatArray
 
 BLOCK = 8192  # samples whose equations are made at once
 APART = 1e-4  # least eigenvalue of the lines' correlations: below it the record does not tell them apart

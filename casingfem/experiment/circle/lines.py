@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from casingfem.arrays import FloatArray, IntArray
+from casingfem.io.arrays import FloatArray, IntArray
 
 TURNS = 1.5  # of the spot in a record, at least
 RESOLVED = 1.0  # bins (1/T) between two lines, at least

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.stats import norm as normal
 from scipy.stats import t as student
 
-from casingfem.arrays import FloatArray, frozen
 from casingfem.experiment.circle.other_orders import reading, spread_of_others
+from casingfem.io.arrays import FloatArray, frozen
 
 ALIKE = 0.95  # cosine of the angle between the spaces of two n that cannot be told apart
 BEYOND = 8  # n above the largest label that still may add to a shape

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from casingfem.arrays import FloatArray, IntArray
+from casingfem.io.arrays import FloatArray, IntArray
 
 FREEDOM = 6.0  # nu, by trial on reports.identification_sets: less makes intervals narrow, more antinodes less sure
 ROUNDS = 150

@@ -17,9 +17,9 @@ from itertools import product
 import numpy as np
 from scipy.optimize import least_squares
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.circle.lines import ScanError
 from casingfem.experiment.circle.scan import CircleScan
+from casingfem.io.arrays import Array, FloatArray
 
 TONES = 6  # at least: ten unknowns, four equations a tone, and something left to judge by
 STARTS = 9  # frequencies tried for each member

@@ -10,9 +10,9 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import FloatArray, frozen
 from casingfem.experiment.circle.lines import ScanError
-from casingfem.outfiles import write_atomic
+from casingfem.io.arrays import FloatArray, frozen
+from casingfem.io.outfiles import write_atomic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -19,10 +19,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.experiment.circle.fit import fit_lines
 from casingfem.experiment.circle.lines import ScanError, require_clear
 from casingfem.experiment.circle.record import ScanRecord
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
 SEEN = 4.0  # standard deviations above which a line is there
 LEFT = 1.5  # times the noise that a fit may leave before the table says so

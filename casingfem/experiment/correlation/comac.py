@@ -10,7 +10,7 @@ doublet is no difference; of a single mode it is the mode itself, scaled.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import FloatArray
+from casingfem.io.arrays import FloatArray
 
 
 def nearest_in_plane(measured: ArrayLike, plane: ArrayLike) -> FloatArray:

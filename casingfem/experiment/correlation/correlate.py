@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.comac import comac, ecomac, nearest_in_plane
 from casingfem.experiment.correlation.correlation import pair
 from casingfem.experiment.correlation.expansion import Expansion, expand
@@ -17,8 +16,9 @@ from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, Sha
 from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.correlation.pairing import Match, Pairing
 from casingfem.experiment.correlation.sensors import Sensors, sensors_of
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.assembly import System
+from casingfem.structure.shell.assembly import System
 
 DIFFERENT = 0.9  # COMAC below this is worth a look
 SHOWN = 12  # sensors named on a line; the document has all
@@ -156,11 +156,11 @@ def correlate(
     Examples
     --------
     >>> from casingfem.modal.modes import modes
-    >>> from casingfem.structure.chart import Frustum
+    >>> from casingfem.structure.geometry.chart import Frustum
     >>> from casingfem.structure.material import Material
-    >>> from casingfem.structure.mesh import ShellMesh
-    >>> from casingfem.structure.shell import Shell
-    >>> from casingfem.structure.support import Clamped
+    >>> from casingfem.structure.mesh.shell_mesh import ShellMesh
+    >>> from casingfem.structure.shell.shell import Shell
+    >>> from casingfem.structure.edge.support import Clamped
     >>> shell = Shell(chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=3e-3, supports={"base": Clamped()},
     ...               material=Material(E=210e9, nu=0.3, rho=7800.0), mesh=ShellMesh(order=6, rows=1, around=9))
     >>> found = modes(shell, 6, method="shell")

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
-from casingfem.arrays import FloatArray, IntArray
 from casingfem.experiment.correlation.alignment import Indices, align
 from casingfem.experiment.correlation.mac import mac, subspace_mac
 from casingfem.experiment.correlation.pairing import Match, Pairing
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray, IntArray
 
 __all__ = ["Match", "ModeSet", "Pairing", "mac", "pair", "subspace_mac"]
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import FloatArray, IntArray, frozen
 from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray, frozen
 
 WORST = 100.0  # condition number above which modes are left out when nobody chose them
 

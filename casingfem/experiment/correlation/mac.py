@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import qr
 
-from casingfem.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray
 
 
 def mac(A: ArrayLike, B: ArrayLike, M: Any = None) -> FloatArray:

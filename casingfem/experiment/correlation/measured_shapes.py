@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.experiment.uff.read import UniversalFile, read_uff
 from casingfem.experiment.uff.set_55 import COMPLEX_MODE, COMPLEX_MODE_2, NORMAL_MODE, Shape
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
 SILENT = 1e-9  # of the largest value: a channel no shape ever exceeds was not measured
 AXES = np.eye(3)

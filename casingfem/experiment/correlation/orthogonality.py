@@ -10,12 +10,12 @@ for the modes kept. Normalised cross-orthogonality:
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from casingfem.arrays import FloatArray
 from casingfem.errors import ModelError
 from casingfem.experiment.correlation.mac import mac
 from casingfem.experiment.correlation.sensors import Sensors
-from casingfem.structure.assembly import System
-from casingfem.structure.factor import factorise
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.factor import factorise
+from casingfem.structure.shell.assembly import System
 
 CHANNELS = 1e-10  # least ratio of the static compliance's eigenvalues: channels that are no repetition of others
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.assembly import System
-from casingfem.structure.kinematics import DOFS, dot
-from casingfem.structure.mesh import Grid
-from casingfem.structure.place import interpolation
-from casingfem.structure.shell import Shell
+from casingfem.structure.mesh.kinematics import DOFS, dot
+from casingfem.structure.mesh.place import interpolation
+from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.shell.assembly import System
+from casingfem.structure.shell.shell import Shell
 
 FAR = 0.02  # of the shell's size: a sensor further from the surface is refused
 SAMPLES = 97  # places along each parameter among which the search for the nearest begins

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.correlation.measured_shapes import AXES, MeasuredShapes, ShapeError
 from casingfem.experiment.frf.files import UNIVERSAL
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified import Identified
+from casingfem.io.arrays import FloatArray
 
 IDENTIFIED = ".npz"
 

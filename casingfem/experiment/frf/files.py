@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.frf.frf_set import FrfError, FrfSet
 from casingfem.experiment.frf.hdf5 import read_hdf5
 from casingfem.experiment.uff.read import read_uff
-from casingfem.structure.strict_csv import read
+from casingfem.io.arrays import FloatArray
+from casingfem.io.strict_csv import read
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".ufb")
 HDF5 = (".h5", ".hdf5")

@@ -12,11 +12,11 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import Array, FloatArray, IntArray
 from casingfem.experiment.uff.read import read_uff
 from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
-from casingfem.outfiles import write_atomic
-from casingfem.structure.strict_csv import CsvError, StrictCsv, read
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.outfiles import write_atomic
+from casingfem.io.strict_csv import CsvError, StrictCsv, read
 
 Kind = Literal["frf", "time", "spectrum"]
 PLACES = ("response_point", "response_direction", "reference_point", "reference_direction")

@@ -10,7 +10,7 @@ import numpy as np
 
 from casingfem.experiment.frf.frf_set import PLACES, FrfError, FrfSet
 from casingfem.extras import remedy
-from casingfem.outfiles import write_atomic
+from casingfem.io.outfiles import write_atomic
 
 ARRAYS = ("x", "responses", *PLACES)
 

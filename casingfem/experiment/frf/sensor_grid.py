@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
 FORMS = {"receptance": 0, "mobility": 1, "accelerance": 2}
 _ACCELERATION, _VELOCITY, _LENGTH = r"m/s(\^?2|\*\*2|²)|m/sec(\^?2|²)|g", r"m/s(ec)?", r"m|mm|um|µm"

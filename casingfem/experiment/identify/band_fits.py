@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.identify.bands import Band
 from casingfem.experiment.identify.ema_poles import lscf_poles
 from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.experiment.identify.pole_selection import select_poles
 from casingfem.experiment.identify.pole_window import Window
 from casingfem.experiment.identify.stabilisation import Stabilisation, stabilise
+from casingfem.io.arrays import Array, FloatArray
 
 FLOOR = 3e-4  # of a window's rms: a model is not better than that
 ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most

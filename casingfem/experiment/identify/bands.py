@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.signal import find_peaks
 
-from casingfem.arrays import Array, FloatArray, IntArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 
 PROMINENCE_DB = 3.0
 ABOVE_NOISE = 6.0  # standard deviations

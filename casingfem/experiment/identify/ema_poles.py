@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.extras import remedy
+from casingfem.io.arrays import Array, FloatArray
 
 
 class MissingExtraError(ValueError):

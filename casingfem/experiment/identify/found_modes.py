@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.circle.orientation import Circle, Label
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.mode_shapes import mode_shape, residue_matrix
 from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.experiment.identify.pole_selection import hidden_split
+from casingfem.io.arrays import Array, FloatArray
 
 BALANCE = 0.2  # least `balance` of a shape that is two
 CHANCE = 25.0  # chi-squared, two degrees of freedom, below which two poles are not told apart

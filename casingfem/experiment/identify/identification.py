@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfError, FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid, form_of, radial_signs, sensor_grid
@@ -25,6 +24,7 @@ from casingfem.experiment.identify.found_modes import FoundMode, found_modes
 from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.identify.mode_pairs import notes_of, paired, settled
 from casingfem.experiment.identify.stabilisation import join
+from casingfem.io.arrays import Array, FloatArray
 
 LEAST_LINES = 30
 EVEN = 1e-6

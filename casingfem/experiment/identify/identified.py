@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified_file import read_fields, write_fields
 from casingfem.experiment.identify.stabilisation import Stabilisation
 from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -11,11 +11,11 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from casingfem.arrays import Array
 from casingfem.experiment.frf.frf_set import FrfError
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.stabilisation import Stabilisation
-from casingfem.outfiles import write_atomic
+from casingfem.io.arrays import Array
+from casingfem.io.outfiles import write_atomic
 
 WANTED = "what Identified.save or `casingfem identify --out` wrote"
 PARTS: dict[str, Any] = {"sensors": SensorGrid, "diagram": Stabilisation}

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.experiment.identify.pole_fit import PoleFit
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -22,8 +22,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray, frozen
 from casingfem.experiment.identify.pole_window import Window
+from casingfem.io.arrays import Array, FloatArray, frozen
 
 STEPS = 60
 TRUST = 2.0, 1.0  # largest step, in half-power half-widths and in ln zeta

@@ -13,10 +13,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
 from casingfem.experiment.identify.pole_window import Window
 from casingfem.experiment.identify.stabilisation import ZETA_MAX
+from casingfem.io.arrays import FloatArray
 
 GRID = 400  # frequencies tried for a further pole
 BEYOND = 0.03  # of the frequency

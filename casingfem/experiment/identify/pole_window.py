@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray, frozen
+from casingfem.io.arrays import Array, FloatArray, frozen
 
 TERMS = 4  # polynomials
 

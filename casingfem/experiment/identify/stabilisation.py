@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import Array, BoolArray, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
 
 SAME_FREQ, SAME_ZETA, SAME_SHAPE = 0.3, 0.3, 0.9  # of a half-power bandwidth; relative; MAC
 OFTEN = 0.4  # of the orders in the upper half

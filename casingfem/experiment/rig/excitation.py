@@ -10,8 +10,8 @@ from typing import Protocol
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.rig.rig import RigError
+from casingfem.io.arrays import FloatArray
 
 RAMP = 0.05  # part of a burst, or of a dwell's step, in which it rises and falls
 

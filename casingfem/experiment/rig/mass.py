@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.rig.rig import Rig, RigError
+from casingfem.io.arrays import FloatArray
 
 RANK = 1e-12  # of the largest residual compliance: below it there is none
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.rig import RigError
+from casingfem.io.arrays import Array, FloatArray
 
 BITS = (4, 32)
 

@@ -16,11 +16,11 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.signal import lfilter, resample_poly
 
-from casingfem.arrays import FloatArray, frozen
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.excitation import Excitation
 from casingfem.experiment.rig.noise import Converter, noise
 from casingfem.experiment.rig.rig import DERIVATIVES, SYNTHETIC, UNITS, Quantity, Rig, RigError
+from casingfem.io.arrays import FloatArray, frozen
 
 FINER = 8
 BAND = 2.56  # samples a second over the highest frequency, at least, as analysers have it

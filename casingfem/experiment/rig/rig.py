@@ -16,8 +16,8 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.arrays import Array, FloatArray, frozen
 from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.io.arrays import Array, FloatArray, frozen
 
 Quantity = Literal["receptance", "mobility", "accelerance"]
 UNITS: dict[Quantity, str] = {"receptance": "m/N", "mobility": "(m/s)/N", "accelerance": "(m/s^2)/N"}

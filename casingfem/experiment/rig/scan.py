@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray, IntArray
 from casingfem.experiment.circle.record import ScanRecord, turning
 from casingfem.experiment.rig.noise import noise
 from casingfem.experiment.rig.rig import SYNTHETIC, Rig, RigError, resonances
+from casingfem.io.arrays import Array, FloatArray, IntArray
 
 EVEN = 1e-9  # rad: how evenly a circle's probes stand
 

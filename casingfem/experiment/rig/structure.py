@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import FloatArray
 from casingfem.experiment.rig.mass import loaded
 from casingfem.experiment.rig.rig import Probe, Rig, RigError
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.factor import factorise
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.assembly import System, assemble
-from casingfem.structure.factor import factorise
-from casingfem.structure.kinematics import DOFS, frame
-from casingfem.structure.place import interpolation
+from casingfem.structure.mesh.kinematics import DOFS, frame
+from casingfem.structure.mesh.place import interpolation
+from casingfem.structure.shell.assembly import System, assemble
 
 CYLINDRICAL = ("radial", "hoop", "axial")
 CARTESIAN = ("x", "y", "z")

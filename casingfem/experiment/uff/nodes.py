@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import FloatArray, IntArray, frozen
 from casingfem.experiment.uff.numbers import Columns, check_end, check_lines, integers, reals, series
 from casingfem.experiment.uff.split import RawSet
+from casingfem.io.arrays import FloatArray, IntArray, frozen
 
 BEAMS = (11, 21, 22, 23, 24)  # descriptors of elements with a line about their orientation
 HEADER_LINES = 7

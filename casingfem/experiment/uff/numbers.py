@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray, IntArray
 from casingfem.experiment.uff.split import RawSet
+from casingfem.io.arrays import Array, FloatArray, IntArray
 
 INTEGER = re.compile(r" *[+-]?[0-9]+")
 REAL = re.compile(r" *([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[EeDd]?([+-][0-9]+)|[EeDd]([0-9]+))? *")

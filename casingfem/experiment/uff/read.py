@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import IntArray
 from casingfem.errors import doubt
 from casingfem.experiment.uff.nodes import (
     Elements,
@@ -31,6 +30,7 @@ from casingfem.experiment.uff.nodes import (
 from casingfem.experiment.uff.set_55 import Shape, read_shape
 from casingfem.experiment.uff.set_58 import Function, read_function
 from casingfem.experiment.uff.split import KINDS, RawSet, split
+from casingfem.io.arrays import IntArray
 
 SAME = 1e-5  # two sets name one node: coordinates equal to this part of the structure's size
 FEW = 4  # numbers left out are doubted where they are fewer than a quarter of those there

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.arrays import Array, IntArray, frozen
 from casingfem.experiment.uff.numbers import Columns, check_lines, integers, reals, series
 from casingfem.experiment.uff.split import RawSet
+from casingfem.io.arrays import Array, IntArray, frozen
 
 TEXTS = 5
 NORMAL_MODE, COMPLEX_MODE, RESPONSE, COMPLEX_MODE_2 = 2, 3, 5, 7

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from casingfem.arrays import Array, FloatArray, frozen
 from casingfem.experiment.uff.numbers import Columns, check_end, check_lines, integers, reals, series
 from casingfem.experiment.uff.split import RawSet
+from casingfem.io.arrays import Array, FloatArray, frozen
 
 KIND_WORDS = (
     "general", "time response", "auto spectrum", "cross spectrum", "frequency response", "transmissibility",

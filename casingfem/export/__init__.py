@@ -1,0 +1,1 @@
+"""What other programs read: meshes with mode shapes, universal files."""

@@ -1,0 +1,166 @@
+"""Mode shapes as files for ParaView: a VTU for each mode, and a PVD series of deformed surfaces that plays.
+
+Every spectral element of order p is drawn as p x p four-noded quadrilaterals on its own nodes, so nodal values are the
+model's own. The arrays are binary: base64 of a zlib stream, as VTK's XML formats have it.
+"""
+
+import base64
+import zlib
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.modal.mode_set import Modes
+from casingfem.structure.mesh.element import ElementQuadLobatto
+from casingfem.structure.mesh.kinematics import dot, frame
+
+QUAD = 9  # VTK's number of a four-noded quadrilateral
+EXAGGERATION = 0.05  # largest displacement drawn, as a part of the structure's diagonal
+PHASES = 16  # pictures in one period
+
+NAMES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "u1": "UInt8"}
+HEAD = '<?xml version="1.0"?>\n<VTKFile type="{}" version="1.0" byte_order="LittleEndian" header_type="UInt64"{}>\n'
+
+
+class DrawnSurface(NamedTuple):
+    """The nodes of a shell as a surface of quadrilaterals whose normals point outward.
+
+    `points` and `normals` are (nodes, 3), `thickness` is (nodes,), `quads` (cells, 4) holds node numbers.
+    """
+
+    points: FloatArray
+    quads: IntArray
+    normals: FloatArray
+    thickness: FloatArray
+
+
+def drawn_surface(modes: Modes) -> DrawnSurface:
+    """The undeformed mid-surface of a set of modes; outward is where the chart's first direction points."""
+    shell, grid = modes.shell, modes.grid
+    geometry = shell.geometry(*grid.nodes)
+    normals = frame(geometry.surface).normal
+    outward = dot(normals, shell.chart.directions(*grid.nodes)[0])
+    flip = float(outward.sum()) < 0.0
+    order = grid.mesh.order
+    place = np.empty((order + 1, order + 1), dtype=np.int64)  # function number at each lattice point of an element
+    place[tuple(ElementQuadLobatto(order).pairs.T)] = np.arange((order + 1) ** 2)
+    corners = np.stack([place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:]], axis=-1).reshape(-1, 4)
+    quads = grid.elements[:, corners[:, ::-1] if flip else corners].reshape(-1, 4)
+    return DrawnSurface(
+        points=np.real(geometry.surface.x.T),
+        quads=quads,
+        normals=np.real(-normals.T if flip else normals.T),
+        thickness=np.real(geometry.thickness),
+    )
+
+
+def mode_files(
+    modes: Modes,
+    which: Sequence[int] | None = None,
+    *,
+    phases: int = PHASES,
+    exaggeration: float = EXAGGERATION,
+) -> dict[str, bytes]:
+    """File name -> content: of each mode k a `mode_k.vtu`, and a `mode_k.pvd` that plays its deformed surfaces.
+
+    The VTU lies undeformed and carries, at its points, `displacement` (3 components, mass-normalised, kg^-1/2),
+    `normal_displacement` (outward positive), `thickness` [m], and freq_hz as field data. The series moves the points,
+
+        x(t) = X + a cos(2 pi t) u,   a max|u| = exaggeration * diagonal,   t = 0, 1/phases, ...
+
+    Parameters
+    ----------
+    which
+        Indices into the modes, all of them if left out.
+    phases
+        Pictures in a period, even: those of the second half are the first half's, backwards.
+    exaggeration
+        Largest displacement drawn, as a part of the structure's diagonal.
+
+    Raises
+    ------
+    ValueError
+        An odd or small number of phases, an exaggeration that is not positive, a mode that is not there.
+    """
+    if phases < 4 or phases % 2:
+        raise ValueError(f"phases must be an even number of at least 4, found {phases}")
+    if not (np.isfinite(exaggeration) and exaggeration > 0.0):
+        raise ValueError(f"exaggeration must be positive, found {exaggeration!r}")
+    chosen = range(len(modes)) if which is None else which
+    for mode in chosen:
+        if not 0 <= mode < len(modes):
+            raise ValueError(f"mode {mode + 1} is not among the {len(modes)} modes")
+    surface = drawn_surface(modes)
+    files: dict[str, bytes] = {}
+    for mode in chosen:
+        files |= one_mode(modes, mode, surface, phases, exaggeration)
+    return files
+
+
+def one_mode(modes: Modes, mode: int, surface: DrawnSurface, phases: int, exaggeration: float) -> dict[str, bytes]:
+    """The VTU of one mode, its series, and the files of the series."""
+    shape = modes.fields[:, :3, mode]
+    normal = np.einsum("ni,ni->n", surface.normals, shape)
+    facts = {"freq_hz": modes.freq[[mode]], "nodal_diameters": modes.nodal_diameters[[mode]].astype(np.int64)}
+    name = f"mode_{mode + 1:03d}"
+    data = {"displacement": shape, "normal_displacement": normal, "thickness": surface.thickness}
+    files = {f"{name}.vtu": vtu(surface.points, surface.quads, data, facts)}
+    diagonal = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
+    drawn = exaggeration * diagonal / float(np.linalg.norm(shape, axis=1).max())
+    for k in range(phases // 2 + 1):
+        part = np.cos(2.0 * np.pi * k / phases)
+        moved = (surface.points + drawn * part * shape).astype(np.float32)
+        data = {"displacement": part * shape, "normal_displacement": part * normal, "thickness": surface.thickness}
+        small = {key: values.astype(np.float32) for key, values in data.items()}
+        files[f"{name}_phase_{k:02d}.vtu"] = vtu(moved, surface.quads, small, facts)
+    there_and_back = [min(k, phases - k) for k in range(phases)]
+    series = [(k / phases, f"{name}_phase_{file:02d}.vtu") for k, file in enumerate(there_and_back)]
+    return files | {f"{name}.pvd": pvd(series)}
+
+
+def vtu(points: Array, quads: IntArray, point_data: Mapping[str, Array], field_data: Mapping[str, Array]) -> bytes:
+    """An unstructured grid of quadrilaterals with data at its points and data of the whole.
+
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> vtu(square, np.array([[0, 1, 2, 3]]), {"thickness": np.ones(4)}, {})[:21]
+    b'<?xml version="1.0"?>'
+    """
+    count = len(quads)
+    parts = [
+        HEAD.format("UnstructuredGrid", ' compressor="vtkZLibDataCompressor"') + "<UnstructuredGrid>\n<FieldData>\n",
+        *(array(name, values, f' NumberOfTuples="{len(values)}"') for name, values in field_data.items()),
+        f'</FieldData>\n<Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">\n<Points>\n',
+        array("Points", points),
+        "</Points>\n<Cells>\n",
+        array("connectivity", quads.ravel()),
+        array("offsets", 4 * np.arange(1, count + 1)),
+        array("types", np.full(count, QUAD, dtype=np.uint8)),
+        '</Cells>\n<PointData Vectors="displacement" Scalars="normal_displacement">\n',
+        *(array(name, values) for name, values in point_data.items()),
+        "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
+    ]
+    return "".join(parts).encode("ascii")
+
+
+def array(name: str, values: Array, more: str = "") -> str:
+    """One DataArray element: (n,) or (n, components), compressed."""
+    little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
+    raw = little.tobytes()
+    packed = zlib.compress(raw, 6)
+    sizes = np.array([1, len(raw), len(raw), len(packed)], dtype="<u8")  # blocks, block, last block, compressed
+    text = (base64.b64encode(sizes.tobytes()) + base64.b64encode(packed)).decode("ascii")
+    components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim > 1 else ""
+    kind = NAMES[little.dtype.str[1:]]
+    return f'<DataArray type="{kind}" Name="{name}"{components}{more} format="binary">{text}</DataArray>\n'
+
+
+def pvd(series: Sequence[tuple[float, str]]) -> bytes:
+    """A collection of files by time.
+
+    >>> b'timestep="0.5"' in pvd([(0.0, "a.vtu"), (0.5, "b.vtu")])
+    True
+    """
+    lines = [f'<DataSet timestep="{time:g}" part="0" file="{file}"/>\n' for time, file in series]
+    return (HEAD.format("Collection", "") + "<Collection>\n" + "".join(lines) + "</Collection>\n</VTKFile>\n").encode()

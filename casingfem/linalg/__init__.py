@@ -1,0 +1,1 @@
+"""Large symmetric matrices: factors, block Lanczos, spectrum slicing, multigrid."""

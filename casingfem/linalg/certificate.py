@@ -1,0 +1,39 @@
+"""What a Sturm count is worth: nothing where round-off outweighs what parts the eigenvalues on both sides of it.
+
+An inertia is exact for a matrix some units in the last place from K - sigma M. That moves an eigenvalue by up to
+u |x|^T |K| |x|, whatever the order of the sums: on slender or thin structures, whose K holds stretching beside a
+bending that is many orders softer, more than the lowest eigenvalues amount to. There the count changes with the
+processor, and so do the modes; equal or not, they prove nothing.
+"""
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from casingfem.errors import doubt
+from casingfem.io.arrays import FloatArray
+
+UNIT = float(np.finfo(float).eps)
+
+
+def round_off(K: csc_array | FloatArray, vectors: FloatArray) -> FloatArray:
+    """How far round-off in the entries of K moves the eigenvalues of mass-normalised vectors (n, k): (k,).
+
+    >>> float(round_off(np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[0.5], [0.5]]))[0]) / UNIT
+    1.0
+    """
+    size = np.abs(vectors)
+    return np.asarray(UNIT * np.einsum("ij,ij->j", size, abs(K) @ size))
+
+
+def stands_clear(place: float, values: FloatArray, noise: FloatArray) -> bool:
+    """Whether a place on the axis of eigenvalues is farther from each than round-off moves it."""
+    return bool(np.all(np.abs(values - place) > noise))
+
+
+def doubt_count(place: float, values: FloatArray, noise: FloatArray) -> None:
+    """Say that eigenvalues near a place [rad^2/s^2] cannot be counted, and how far round-off moves them."""
+    nearest = int(np.argmin(np.abs(values - place)))
+    base = max(place, 0.0)
+    freq, moves = np.sqrt(base) / 2 / np.pi, (np.sqrt(base + noise[nearest]) - np.sqrt(base)) / 2 / np.pi
+    found = f"those below {freq:.4g} Hz cannot be counted, round-off moves the next by {moves:.2g} Hz"
+    doubt("modes-round-off", f"modes: {found}", stacklevel=7)

@@ -1,0 +1,219 @@
+"""Modes of K phi = omega^2 M phi, lowest or in a band: shift-invert block Lanczos, certified by Sturm counts."""
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from casingfem.errors import sentence
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.linalg.certificate import doubt_count, round_off, stands_clear
+from casingfem.linalg.factor import Direct, EigenError, factorise
+from casingfem.linalg.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
+from casingfem.linalg.pencil import Mass, Pencil, make_pencil
+from casingfem.linalg.slicing import CLEAR, CLEARER, slices
+
+__all__ = [
+    "START_SEED",
+    "Band",
+    "CountError",
+    "EigenError",
+    "EigenResult",
+    "factorise",
+    "gap_after",
+    "solve",
+    "solve_band",
+    "solve_modes",
+    "sturm_count",
+]
+
+
+Band: TypeAlias = tuple[float, float]
+
+
+class CountError(EigenError, ValueError):
+    """More modes were asked for than the model has."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EigenResult:
+    """Eigenvalues [rad^2/s^2] ascending, mass-normalised vectors (free, modes), and the certificate.
+
+    `sturm_count` is the number of eigenvalues below the last one returned (its double included), for a band the
+    number inside it, counted by the inertia of factorisations, None where that was too large or round-off outweighs
+    what is counted; `residuals` are |A x - omega^2 x|/omega^2 of the mass-scaled problem; `products` counts the vectors
+    that the factors solved for.
+    """
+
+    eigenvalues: FloatArray
+    vectors: FloatArray
+    sturm_count: int | None
+    residuals: FloatArray
+    products: int = 0
+
+    @property
+    def freq(self) -> FloatArray:
+        """Frequencies [Hz]; what round-off leaves below zero is zero."""
+        return np.asarray(np.sqrt(np.maximum(self.eigenvalues, 0.0)) / (2.0 * np.pi))
+
+
+def sturm_count(K: csc_array, mass: Mass, sigma: float) -> int:
+    """Number of eigenvalues of K - omega^2 M below sigma [rad^2/s^2], by one factorisation and its inertia.
+
+    >>> sturm_count(csc_array(np.diag([1.0, 2.0, 3.0])), np.ones(3), 2.5)
+    2
+    """
+    return make_pencil(K, mass).count_below(sigma)
+
+
+def solve(K: csc_array, mass: Mass, wanted: int | Band, shift: float, direct: Direct = "superlu") -> EigenResult:
+    """So many modes (`solve_modes`), or those of a band [Hz] (`solve_band`)."""
+    if isinstance(wanted, int):
+        return solve_modes(K, mass, wanted, shift=shift, direct=direct)
+    low, high = ((2.0 * np.pi * end) ** 2 for end in wanted)
+    return solve_band(K, mass, (low, high), shift=shift, direct=direct)
+
+
+def gaps(eigenvalues: FloatArray, count: int, floor: float, clear: float) -> IntArray:
+    """Which eigenvalues from number `count` on are followed by a clear gap, counted from there.
+
+    Eigenvalues below `floor` are zero but for round-off: what parts them counts against the floor.
+    """
+    return np.flatnonzero(np.diff(eigenvalues)[count - 1 :] > clear * np.maximum(eigenvalues[count:], floor))
+
+
+def gap_after(
+    eigenvalues: FloatArray, count: int, floor: float = 0.0, clear: float = CLEAR, noise: float = 0.0
+) -> tuple[int, float]:
+    """The first clear gap at or after `count` eigenvalues: how many lie below it, and a shift inside it.
+
+    Gaps whose middle is farther than `noise` from both sides come before others.
+    """
+    found = gaps(eigenvalues, count, floor, clear)
+    if not len(found):
+        raise EigenError(f"no gap among eigenvalues {count} to {len(eigenvalues)}: ask for more modes")
+    wide = found[np.diff(eigenvalues)[count - 1 :][found] > 2.0 * noise]
+    found = wide if len(wide) else found
+    below = count + int(found[0])
+    return below, float(0.5 * (eigenvalues[below - 1] + eigenvalues[below]))
+
+
+def solve_modes(
+    K: csc_array, mass: Mass, count: int, shift: float, extra: int = 4, direct: Direct = "superlu"
+) -> EigenResult:
+    """Lowest `count` modes of K - omega^2 M, complete by a Sturm count.
+
+    Parameters
+    ----------
+    K, mass
+        Stiffness (free, free); the diagonal of M (free,), or M itself, sparse and positive definite.
+    count
+        Modes wanted.
+    shift
+        Negative shift [rad^2/s^2], small beside the first elastic eigenvalue; makes free bodies solvable.
+    extra
+        Modes computed beyond `count`, so that the count ends in a gap.
+    direct
+        Which factorisation, as in `factorise`.
+
+    Raises
+    ------
+    CountError
+        If more modes are asked for than there are.
+    EigenError
+        If the solver fails, or the count shows that modes are missing.
+
+    Warns
+    -----
+    ModelWarning
+        `modes-round-off` where no count can tell.
+    """
+    size = K.shape[0]
+    if count < 1 or count + extra >= size:
+        asked = f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}"
+        raise CountError(sentence("modes-count", asked))
+    pencil = make_pencil(K, mass)
+    for step in (1.0, 1e2, 1e4):  # a shift too close to rigid motions drowns the elastic modes in their round-off
+        try:
+            return solve_from(pencil, count, step * shift, extra, direct)
+        except ConvergenceError as error:
+            failed = error
+    raise failed
+
+
+def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Direct) -> EigenResult:
+    """`solve_modes` of a scaled pencil from one shift."""
+    factor = factorise(pencil.shifted(shift), direct)
+    wanted, products = count + extra, 0
+    tries = list(zip(BLOCKS, CLEARER, strict=True))
+    while tries:
+        block, clear = tries[0]
+        found = nearest(pencil, factor.solve, shift, min(wanted, pencil.size), block)
+        products += found.products
+        order = np.argsort(found.values)
+        values, vectors = found.values[order], found.vectors[:, order]
+        if not gaps(values, count, abs(shift), clear).size and wanted < pencil.size:
+            wanted += 2 * extra  # a cluster goes on
+            continue
+        noise = round_off(pencil.A, vectors)
+        below, sigma = gap_after(values, count, abs(shift), clear, noise[count - 1 :].max())
+        certified = pencil.count_below(sigma, direct) if stands_clear(sigma, values, noise) else None
+        if certified == below:
+            return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
+        wanted += 2 * max((certified or 0) - below, 1) + extra
+        tries.pop(0)  # a missed mode shows in the count: look again, with more vectors at once, in a wider gap
+    if certified is None:
+        doubt_count(sigma, values, noise)
+        return result(pencil, values[:below], vectors[:, :below], None, products, abs(shift))
+    raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
+
+
+def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direct = "superlu") -> EigenResult:
+    """Every mode with omega^2 in a band [rad^2/s^2], certified by Sturm counts at its ends.
+
+    A mode on an end of the band, to a relative 1e-7, belongs to it, and so does its double. A band that holds many
+    modes is cut into slices with a shift each.
+
+    Parameters
+    ----------
+    K, mass, direct
+        As in `solve_modes`.
+    band
+        Lower and upper end; a lower end of 0 includes the rigid motions.
+    shift
+        Negative shift that takes the place of a lower end of 0.
+
+    Raises
+    ------
+    EigenError
+        If a slice does not show as many modes as its ends count.
+
+    Warns
+    -----
+    ModelWarning
+        `modes-round-off` where no count can tell.
+    """
+    low, high = band
+    if not 0.0 <= low < high < np.inf:
+        raise EigenError(f"a band runs from 0 or above to a higher end, found {low:.6g} to {high:.6g}")
+    pencil = make_pencil(K, mass)
+    parts = list(slices(pencil, low, high, shift, direct))
+    values = np.concatenate([part.values for part in parts])
+    vectors = np.hstack([part.vectors for part in parts])
+    products = sum(part.products for part in parts)
+    counted = len(values) if all(part.counted for part in parts) else None
+    return result(pencil, values, vectors, counted, products, abs(shift))
+
+
+def result(
+    pencil: Pencil, values: FloatArray, vectors: FloatArray, certified: int | None, products: int, floor: float
+) -> EigenResult:
+    """Certified pairs of the scaled pencil as modes of K and M."""
+    return EigenResult(
+        eigenvalues=values,
+        vectors=vectors * pencil.scale[:, None],
+        sturm_count=certified,
+        residuals=pencil.residuals(values, vectors, floor),
+        products=products,
+    )

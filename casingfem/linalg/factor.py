@@ -1,0 +1,116 @@
+"""Factorisations of symmetric sparse matrices, and the inertia that their pivots show: statics, modes, reduction.
+
+The ordering decides the cost. "superlu" comes with scipy: minimum degree on A^T + A, symmetric mode and diagonal
+pivots are some 30 times faster here than its default. Because pivots stay on the diagonal, the signs of U's diagonal
+are the inertia of A (Sylvester). "pardiso" is MKL's LDL^T by nested dissection, if the extra `direct` is installed.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal, Protocol, TypeAlias
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import SuperLU, splu
+
+from casingfem.errors import ModelError
+from casingfem.extras import remedy
+from casingfem.io.arrays import FloatArray
+
+Direct: TypeAlias = Literal["superlu", "pardiso"]
+
+BALANCE = 1e-3  # relative error of u K u = u f beyond which K is singular; 1e-5 is round-off at t/L 3e-4
+
+
+class EigenError(RuntimeError):
+    """The matrix could not be factorised, or the eigenproblem not be solved or certified."""
+
+
+class Factor(Protocol):
+    """A factored symmetric matrix A."""
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """A^-1 rhs, for one vector (n,) or several columns (n, k)."""
+        ...
+
+    def negative(self) -> int:
+        """Number of negative eigenvalues of A; EigenError where the pivots do not tell."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SuperLUFactor:
+    """LU by SuperLU with pivots on the diagonal."""
+
+    lu: SuperLU
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """A^-1 rhs."""
+        return np.asarray(self.lu.solve(rhs))
+
+    def negative(self) -> int:
+        """Negative pivots, real for a Hermitian matrix too; EigenError if pivots left the diagonal."""
+        if not np.array_equal(self.lu.perm_r, self.lu.perm_c):
+            raise EigenError("pivots left the diagonal")
+        return int(np.count_nonzero(np.real(self.lu.U.diagonal()) < 0.0))
+
+
+def superlu(A: csc_array) -> Factor:
+    """Factorise by SuperLU."""
+    try:
+        lu = splu(csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise EigenError(
+            "the matrix is singular: the structure is not supported, or the shift is an eigenvalue"
+        ) from error
+    return SuperLUFactor(lu)
+
+
+def pardiso(A: csc_array) -> Factor:
+    """Factorise by pypardiso, an optional package."""
+    from casingfem.linalg.pardiso import PardisoFactor
+
+    try:
+        factor: Factor = PardisoFactor(A)
+    except ImportError as error:
+        raise EigenError(f'direct = "pardiso" needs the package pypardiso: {remedy("direct")}') from error
+    return factor
+
+
+SOLVERS: Mapping[str, Callable[[csc_array], Factor]] = MappingProxyType({"superlu": superlu, "pardiso": pardiso})
+
+
+def factorise(A: csc_array, direct: Direct = "superlu") -> Factor:
+    """Factor a symmetric sparse matrix, indefinite ones included.
+
+    Raises
+    ------
+    EigenError
+        If the matrix is singular, or the solver is not installed.
+
+    >>> factor = factorise(csc_array(np.diag([2.0, -4.0])))
+    >>> factor.solve(np.ones(2)).tolist(), factor.negative()
+    ([0.5, -0.25], 1)
+    """
+    if direct not in SOLVERS:
+        raise EigenError(f"direct must be one of {', '.join(SOLVERS)}, found {direct!r}")
+    return SOLVERS[direct](A)
+
+
+def solve_held(K: csc_array, f: FloatArray) -> FloatArray:
+    """K u = f (free,) for a structure that must be held.
+
+    Raises
+    ------
+    ModelError
+        `static-loose` if a rigid motion is not held: K is singular, or the energy u K u is not the work u f.
+    """
+    try:
+        u = np.asarray(factorise(K).solve(f))
+    except EigenError as error:
+        raise ModelError("static-loose", "static solution: found a singular stiffness") from error
+    work, strain = float(u @ f), float(u @ (K @ u))
+    if not abs(work - strain) <= BALANCE * abs(work):
+        raise ModelError("static-loose", f"static solution: found {strain:.3g} J of strain for {work:.3g} J of work")
+    return u

@@ -1,0 +1,156 @@
+"""Eigenvalues nearest a shift: block Lanczos on (A - sigma B)^-1 B, restarted thickly.
+
+A random block of vectors is multiplied again and again, every new block made B-orthogonal to all before it; one
+Rayleigh-Ritz on the small projected matrix gives theta = 1/(lambda - sigma). A block meets both members of a double
+mode at once, where a single vector finds the second by round-off alone, and multiplies its vectors in one pass over
+the factor. Where the basis would outgrow its room it restarts from its best Ritz vectors (Wu & Simon, SIAM J. Matrix
+Anal. Appl. 22, 2000, 602), converged ones included: nothing found is lost.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.linalg import eigh
+
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.linalg.factor import EigenError
+from casingfem.linalg.pencil import Pencil
+
+NOISE = 1e-13  # of a block's size: what is left after orthogonalisation below this is round-off
+BLOCKS = (8, 32, 128)  # vectors multiplied together: clusters up to this size are met whole; larger on a miss
+TOLERANCE = 1e-10  # residual of the inverted problem, relative to each theta
+ROUND_OFF = 1e-14  # the same, relative to the largest theta: what arithmetic can reach,
+LOOSEST = 1e-7  # but no looser than this, which leaves eigenvalues right to its square
+RESTARTS = 20
+START_SEED = 7391  # the first block is fixed: same input, same bits
+
+Solve = Callable[[FloatArray], FloatArray]
+
+
+class ConvergenceError(EigenError):
+    """The basis was restarted too often."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RitzPairs:
+    """Eigenvalues (k,), nearest the shift first, B-orthonormal vectors (n, k), and how many products they took."""
+
+    values: FloatArray
+    vectors: FloatArray
+    products: int
+
+
+@dataclass(slots=True, eq=False)
+class Basis:
+    """A B-orthonormal basis Q (n, count), the next block, and T = Q^T B (A - sigma B)^-1 B Q."""
+
+    pencil: Pencil
+    solve: Solve
+    Q: FloatArray
+    T: FloatArray
+    fresh: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    coupling: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    count: int = 0
+    products: int = 0
+
+    def grow(self) -> None:
+        """Take the next block into the basis and multiply it."""
+        old, self.count = self.count, self.count + self.fresh.shape[1]
+        self.Q[:, old : self.count] = self.fresh
+        Q = self.Q[:, : self.count]
+        image = self.solve(self.pencil.weigh(self.fresh))
+        self.products += self.fresh.shape[1]
+        H = np.zeros((self.count, self.fresh.shape[1]))
+        size = self.pencil.norm(image)
+        for _ in range(2):  # twice is enough for orthogonality to round-off
+            part = Q.T @ self.pencil.weigh(image)
+            image -= Q @ part
+            H += part
+        self.T[: self.count, old : self.count] = H
+        self.T[old : self.count, : self.count] = H.T
+        self.fresh, self.coupling = orthonormal(self.pencil, image, NOISE * size)
+
+    def begin(self, block: FloatArray) -> None:
+        """Take a block of new directions as the next one."""
+        Q = self.Q[:, : self.count]
+        for _ in range(2):
+            block = block - Q @ (Q.T @ self.pencil.weigh(block))
+        self.fresh, _ = orthonormal(self.pencil, block, NOISE * self.pencil.norm(block))
+        self.coupling = np.zeros((self.fresh.shape[1], self.coupling.shape[1]))
+
+    def ritz(self) -> tuple[FloatArray, FloatArray, Array]:
+        """Ritz values theta, largest first, their coefficients in Q, and which of them have converged."""
+        theta, S = eigh(self.T[: self.count, : self.count])
+        order = np.argsort(-np.abs(theta))
+        theta, S = theta[order], S[:, order]
+        residuals = np.linalg.norm(self.coupling @ S[self.count - self.coupling.shape[1] :], axis=0)
+        size = np.abs(theta)
+        return theta, S, residuals <= np.clip(ROUND_OFF * size[0], TOLERANCE * size, LOOSEST * size)
+
+    def restart(self, theta: FloatArray, S: FloatArray, kept: int) -> None:
+        """Keep the best Ritz vectors only; the next block stays."""
+        self.Q[:, :kept] = self.Q[:, : self.count] @ S[:, :kept]
+        self.T[:] = 0.0
+        self.T[np.arange(kept), np.arange(kept)] = theta[:kept]
+        self.count = kept
+
+
+def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int = BLOCKS[0]) -> RitzPairs:
+    """The `wanted` eigenpairs of A x = lambda B x nearest sigma.
+
+    Parameters
+    ----------
+    pencil
+        A and B.
+    solve
+        (A - sigma B)^-1 on several columns (n, k).
+    sigma
+        The shift; not an eigenvalue.
+    wanted
+        Pairs wanted, at most the size of the pencil.
+    block
+        Vectors multiplied together.
+
+    Raises
+    ------
+    ConvergenceError
+        If the pairs do not converge.
+
+    >>> from scipy.sparse import csc_array
+    >>> from casingfem.linalg.pencil import make_pencil
+    >>> pencil = make_pencil(csc_array(np.diag(np.arange(1.0, 61.0))), np.ones(60))
+    >>> found = nearest(pencil, lambda b: b / np.arange(-9.2, 50.0)[:, None], 10.2, 3)
+    >>> found.values.round(9).tolist()
+    [10.0, 11.0, 9.0]
+    """
+    size, rng = pencil.size, np.random.default_rng(START_SEED)
+    room = min(size, 3 * wanted + 4 * block) + block
+    Q, T = np.empty((size, room), order="F"), np.zeros((room, room))
+    basis = Basis(pencil=pencil, solve=solve, Q=Q, T=T)
+    basis.begin(solve(pencil.weigh(rng.standard_normal((size, min(block, size))))))
+    for _ in range(RESTARTS):
+        while basis.count + basis.fresh.shape[1] <= room:
+            basis.grow()
+            closed = not basis.fresh.shape[1]  # what the block can reach is found
+            if closed and basis.count < wanted:
+                basis.begin(rng.standard_normal((size, min(block, size - basis.count))))
+            elif closed or basis.count >= min(2 * wanted, room - 2 * block):
+                theta, S, done = basis.ritz()
+                if basis.count >= wanted and np.all(done[:wanted]):
+                    vectors = basis.Q[:, : basis.count] @ S[:, :wanted]
+                    return RitzPairs(values=sigma + 1.0 / theta[:wanted], vectors=vectors, products=basis.products)
+        basis.restart(theta, S, min(wanted + block, basis.count - block))
+    converged = int(np.count_nonzero(done[:wanted]))
+    raise ConvergenceError(f"{converged} of {wanted} modes near shift {sigma:.6g} converged in {RESTARTS} restarts")
+
+
+def orthonormal(pencil: Pencil, block: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
+    """B-orthonormal basis X of a block (n, k) and C with block = X C; directions shorter than `noise` are left out."""
+    X = block
+    for least in (noise**2, 0.0):
+        gram = X.T @ pencil.weigh(X)
+        squares, V = eigh(0.5 * (gram + gram.T))
+        good = squares > max(least, 1e-15 * squares.max(initial=0.0))
+        X = X @ (V[:, good] / np.sqrt(squares[good]))
+    return X, X.T @ pencil.weigh(block)

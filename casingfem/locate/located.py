@@ -1,0 +1,125 @@
+"""What a search for loose bolts or added masses found: places with uncertainty, and what else it may be."""
+
+from dataclasses import dataclass
+
+from casingfem.io.arrays import FloatArray
+from casingfem.locate.misfit import Misfit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """One place: its number among the candidates (bolts from 1), angle [deg], value and standard deviation.
+
+    The value is the factor of a bolt's stiffness that is left, or the mass [kg], which may lie between candidates.
+    """
+
+    place: int
+    angle_deg: float
+    value: float
+    sigma: float
+    angle_sigma_deg: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Explanation:
+    """Places that explain a table, and how far chi^2/s^2 is above that of the best explanation."""
+
+    found: tuple[Found, ...]
+    behind: float
+
+    @property
+    def places(self) -> frozenset[int]:
+        """The numbers of the places."""
+        return frozenset(one.place for one in self.found)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
+class Localisation:
+    """What explains a table with the fewest changes.
+
+    Attributes
+    ----------
+    among
+        "bolts" or "mass".
+    angles_deg
+        Where the candidates are, (candidates,).
+    best
+        The explanation with the least chi^2.
+    others
+        Explanations that the table does not rule out, turned ones among them.
+    chi2, chi2_start, rows
+        Sum of squared weighted residuals of the best and of no change at all; number of residuals.
+    scale
+        s = sqrt(max(1, chi^2/dof)): by how much the residuals exceed their stated sigma; standard deviations hold it.
+    smallest
+        (candidates,) What each place alone must change to be seen, in the value's unit.
+    alike
+        Groups of places that this table cannot tell apart.
+    calibrated
+        Whether a baseline was known.
+    misfit
+        What chi^2 was last judged by: the model as calibrated, the table with the uncertainty that was added to it.
+    """
+
+    among: str
+    angles_deg: FloatArray
+    best: Explanation
+    others: tuple[Explanation, ...]
+    chi2: float
+    chi2_start: float
+    rows: int
+    scale: float
+    smallest: FloatArray
+    alike: tuple[tuple[int, ...], ...]
+    calibrated: bool
+    misfit: Misfit
+
+    @property
+    def found(self) -> tuple[Found, ...]:
+        """The places of the best explanation."""
+        return self.best.found
+
+    def to_json(self) -> dict[str, object]:
+        """Plain lists and numbers."""
+        said = [
+            {"behind": e.behind, "found": [{k: getattr(f, k) for k in Found.__slots__} for f in e.found]}
+            for e in (self.best, *self.others)
+        ]
+        return {
+            "among": self.among,
+            "angles_deg": self.angles_deg.tolist(),
+            "found": said[0]["found"],
+            "explanations": said,
+            "chi2": self.chi2,
+            "chi2_start": self.chi2_start,
+            "residuals": self.rows,
+            "scale": self.scale,
+            "smallest": self.smallest.tolist(),
+            "alike": [list(group) for group in self.alike],
+            "baseline": self.calibrated,
+        }
+
+    def __repr__(self) -> str:
+        """What was found, what else it may be, and what cannot be told."""
+        what = {"bolts": "loose bolts", "mass": "added masses"}[self.among]
+        lines = [f"{len(self.found) or 'no'} {what} found ({'with' if self.calibrated else 'without'} a baseline)"]
+        lines += [f"  {said(self.among, one)}" for one in self.found]
+        lines.append(
+            f"chi^2 {self.chi2_start:.4g} -> {self.chi2:.4g} over {self.rows} residuals; "
+            f"they are {self.scale:.3g} times their stated sigma"
+        )
+        for other in self.others:
+            places = ", ".join(said(self.among, one) for one in other.found)
+            lines.append(f"as likely (chi^2 {other.behind:+.2g}): {places}")
+        if self.others:
+            lines.append("half a turn changes no frequency and no orientation: measured shapes decide")
+        unit = {"bolts": "of a bolt's stiffness", "mass": "kg"}[self.among]
+        lines.append(f"a single change is seen from {self.smallest.min():.2g} to {self.smallest.max():.2g} {unit}")
+        return "\n".join(lines)
+
+
+def said(among: str, one: Found) -> str:
+    """A place in words."""
+    if among == "bolts":
+        return f"bolt {one.place} at {one.angle_deg:.1f} deg: {one.value:.0%} +- {one.sigma:.1%} of its stiffness"
+    return f"{1e3 * one.value:.4g} +- {1e3 * one.sigma:.2g} g at {one.angle_deg:.2f} +- {one.angle_sigma_deg:.2g} deg"

@@ -1,0 +1,116 @@
+"""How far a changed casing is from a frequency table, with derivatives by every possible change.
+
+Residuals are those of an update (`targets.py`): means and split vectors. The uncertainty of a measured orientation
+widens the split vector across itself: its covariance is sigma^2 I + (2 n |d| sigma_psi)^2 t t^T, t across d.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.experiment.correlation.pairing import Match
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.io.arrays import FloatArray
+from casingfem.modal.affine import AffineModel, AffineModes
+from casingfem.updating.mixed_pairing import paired_by_shares
+from casingfem.updating.targets import (
+    Rates,
+    allowing,
+    has_angle,
+    is_doublet,
+    jacobian,
+    lower_angle,
+    pair_state,
+    split_vector,
+    values,
+)
+
+LOST = 0.1  # a row that pairs with nothing costs as much as one this far off, relative
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Point:
+    """One evaluated set of changes: weighted residuals (rows,), their derivatives (rows, changes), and chi^2.
+
+    Rows of the table that pair with nothing stand in chi^2 alone.
+    """
+
+    x: FloatArray
+    modes: AffineModes
+    values: FloatArray
+    jacobian: FloatArray
+    chi2: float
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Misfit:
+    """What a table says against a model.
+
+    Parameters
+    ----------
+    model, table
+        A casing with its changes, and what was measured.
+    count
+        Modes computed.
+    reach
+        Largest relative frequency error of a pair.
+    angle_sigma
+        Standard deviation of a measured orientation times n [rad]: of the phase n psi.
+    model_error
+        What the model itself may be off by, relative.
+    """
+
+    model: AffineModel
+    table: FrequencyTable
+    count: int
+    reach: float = 0.3
+    angle_sigma: float = 0.0
+    model_error: float = 0.0
+
+    def at(self, x: FloatArray) -> Point:
+        """Evaluate changes (changes,)."""
+        found = self.model.modes(x, self.count)
+        matches, lost = paired_by_shares(found, self.table, self.reach)
+        cost = float(np.sum((LOST * self.table.freq_hz[lost] / self.table.sigma_hz[lost]) ** 2))
+        if not matches:
+            return Point(x, found, np.zeros(0), np.zeros((0, len(x))), cost)
+        G = self.model.derivatives(found)
+        turned = [match for match in matches if has_angle(match, self.table)]
+        at = Rates(G=G, turning={match.modes: turning(found, match, G) for match in turned})
+        table = allowing(self.table, self.model_error)
+        residuals = values(found, table, matches)
+        slopes = jacobian(found, table, matches, at)
+        if self.angle_sigma:
+            W = self.whitening(table, matches, len(residuals))
+            residuals, slopes = W @ residuals, W @ slopes
+        return Point(x, found, residuals, slopes, cost + float(residuals @ residuals))
+
+    def whitening(self, table: FrequencyTable, matches: Sequence[Match], rows: int) -> FloatArray:
+        """What the uncertainty of orientations makes of the residuals, (rows, rows): less weight across the splits."""
+        W, row = np.eye(rows), 0
+        for match in matches:
+            if has_angle(match, table):
+                on = list(match.rows)
+                split = pair_state(*table.freq_hz[on])[1]
+                phase = 2.0 * match.n * np.radians(lower_angle(table.angle_deg[on], match.n))
+                across = split_vector(1.0, phase)[::-1] * [-1.0, 1.0]
+                wider = np.hypot(1.0, 2.0 * split * self.angle_sigma / float(np.hypot(*table.sigma_hz[on])))
+                W[row + 1 : row + 3, row + 1 : row + 3] += (1.0 / wider - 1.0) * np.outer(across, across)
+            row += 1 if not is_doublet(match) else 3 if has_angle(match, table) else 2
+        return W
+
+
+def turning(found: AffineModes, match: Match, G: FloatArray) -> FloatArray:
+    """How the phase 2 n psi of a doublet's lower member turns through all computed modes but its partner, (changes,).
+
+    Its shape changes by sum_j phi_j G_1j/(omega_1^2 - omega_j^2).
+    """
+    assert found.rings is not None
+    low, high = match.modes
+    others = np.delete(np.arange(len(found)), [low, high])
+    share = G[:, low, others] / (found.omega[low] ** 2 - found.omega[others] ** 2)
+    radial = found.rings.amplitudes[match.n, :, 0] * found.rings.weights[:, None]
+    own = found.rings.amplitudes[match.n, :, 0, low]
+    turns = -2.0 * np.imag(own @ radial[:, others] / (own @ radial[:, low]))
+    return np.asarray(share @ turns)

@@ -1,0 +1,73 @@
+"""Which of several explanations the measured shapes favour: what no frequency and no orientation can tell.
+
+Half a turn leaves a table as it is, but not the shapes: a loose bolt mixes other n into a mode, and of those an odd
+number of nodal diameters away the sign changes with the half turn.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.experiment.correlation.correlate import seen_mac
+from casingfem.experiment.correlation.correlation import pair
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.correlation.sensors import sensors_on
+from casingfem.io.arrays import FloatArray
+from casingfem.locate.localisation import factors_of
+from casingfem.locate.located import Explanation, Localisation
+from casingfem.modal.affine import AffineModel
+from casingfem.structure.mesh.kinematics import DOFS
+
+
+class Judged(NamedTuple):
+    """An explanation and the mean of 1 - MAC of its modes with the measured shapes."""
+
+    explanation: Explanation
+    unlike: float
+
+
+def judged_by_shapes(
+    model: AffineModel, found: Localisation, shapes: MeasuredShapes, *, reach: float = 0.05
+) -> list[Judged]:
+    """The explanations of loose bolts in the order in which they give the measured shapes.
+
+    Parameters
+    ----------
+    model
+        The first part of what `search_model` gave.
+    shapes
+        Measured with the bolts loose: every member of a split pair, at sensors around the casing.
+    reach
+        Largest relative frequency error of a pair.
+
+    Raises
+    ------
+    ModelError
+        sensor-far; locate-bolts for masses.
+    ShapeError
+        No shape pairs with a mode.
+    """
+    grid = model.system.grid
+    sensors = sensors_on(model.system.shell, grid, shapes.points, shapes.directions, shapes.labels)
+    nodes = grid.nodes.shape[1]
+    rows = sensors.shapes(model.motions[: nodes * DOFS].reshape(nodes, DOFS, -1))
+    judged = [Judged(e, unlike(model, e, rows, shapes, reach)) for e in (found.best, *found.others)]
+    return sorted(judged, key=lambda one: one.unlike)
+
+
+def unlike(
+    model: AffineModel, explanation: Explanation, rows: FloatArray, shapes: MeasuredShapes, reach: float
+) -> float:
+    """Mean of 1 - MAC over the shapes that pair; `rows` (channels, r) take the basis to the sensors."""
+    factors = factors_of(model)
+    x = np.zeros(len(factors))
+    for one in explanation.found:
+        x[one.place - 1] = one.value - factors[one.place - 1]
+    modes = model.modes(x, min(len(shapes) + 6, len(model.nominal)))
+    likeness = seen_mac(shapes.real, rows @ modes.coordinates)
+    matches = pair(modes, shapes.table(), reach=reach, shape_mac=likeness).matches
+    if not matches:
+        near = f"one within {reach:.2g} of a mode's frequency and like it"
+        raise ShapeError(shapes.path, found="no shape that pairs with a mode", expected=near)
+    macs = [likeness[row, mode] for match in matches for row, mode in zip(match.rows, match.modes, strict=True)]
+    return float(1.0 - np.mean(macs))

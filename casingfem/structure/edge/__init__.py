@@ -1,0 +1,1 @@
+"""What holds an edge: clamps, springs, bolts, rings, point masses."""

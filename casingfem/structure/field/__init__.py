@@ -1,0 +1,1 @@
+"""How radius, thickness and stiffness vary: Fourier series, random fields, surveys."""

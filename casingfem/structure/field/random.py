@@ -1,0 +1,194 @@
+"""Imperfections that nobody has measured: fields drawn from a spectrum of amplitudes. Same seed, same bits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import ndtri
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.structure.field.fourier import Field, FourierField, SeriesBehind, SumField
+
+EXAMPLE = {2: 0.24, 3: 0.168, 4: 0.169, 5: 0.138, 6: 0.147, 7: 0.062, 8: 0.057, 10: 0.031, 12: 0.019}
+EXAMPLE_HIGH = {2: 0.83, 4: 0.44, 8: 0.19}
+NINETY = float(ndtri(0.9))  # standard deviations between the median and the 90th percentile
+RAYLEIGH = math.sqrt(math.log(10.0) / math.log(2.0))  # 90th percentile over median of a Rayleigh amplitude
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Spectrum:
+    """How large the harmonics of a random field are: the median amplitude of each, and the 90th percentile.
+
+    Amplitudes are lognormal, independent, with uniform phases. A Rayleigh amplitude (two equal Gaussian coefficients)
+    would tie the 90th percentile to 1.82 medians; the example spectrum has 2.6 to 3.5, which the lognormal
+    meets with s = ln(high/median)/1.2816.
+
+    Parameters
+    ----------
+    p : (H,) harmonics >= 1, ascending
+    median, high : (H,) relative amplitudes, high >= median > 0
+
+    Raises
+    ------
+    ValueError
+        Harmonics out of order, amplitudes that are not positive, a 90th percentile below its median.
+
+    Examples
+    --------
+    >>> spectrum = Spectrum.between({2: 0.24, 8: 0.06}, {2: 0.72, 8: 0.18})
+    >>> spectrum.p.tolist(), spectrum.median[2].round(9).item()  # as a straight line on logarithmic scales
+    ([2, 3, 4, 5, 6, 7, 8], 0.12)
+    """
+
+    p: IntArray
+    median: FloatArray
+    high: FloatArray
+
+    def __post_init__(self) -> None:
+        p, median, high = np.array(self.p, dtype=np.int64), *(np.array(x, float) for x in (self.median, self.high))
+        if p.ndim != 1 or not p.shape == median.shape == high.shape or not p.size:
+            raise ModelError(
+                "field-spectrum", f"Spectrum: p {p.shape}, median {median.shape}, high {high.shape} must be lists alike"
+            )
+        if p[0] < 1 or np.any(np.diff(p) <= 0):
+            raise ModelError("field-spectrum", f"Spectrum: harmonics must ascend from 1 or more, found {p.tolist()}")
+        if not (np.all(np.isfinite(high)) and np.all(median > 0.0) and np.all(high >= median)):
+            raise ModelError("field-spectrum", "Spectrum: need 0 < median <= high < inf at every harmonic")
+        for name, array in (("p", p), ("median", median), ("high", high)):
+            object.__setattr__(self, name, frozen(array))
+
+    @classmethod
+    def between(cls, median: dict[int, float], high: dict[int, float], *, p_max: int | None = None) -> Spectrum:
+        """Interpolate given medians, and the ratios of given 90th percentiles to them, on logarithmic scales.
+
+        From the lowest p to p_max (by default the highest given); beyond the last median its power law goes on, the
+        ratio stays as it was at its last.
+        """
+        p = np.arange(min(median), (p_max or max(median)) + 1)
+        level = np.exp(_log_interpolated(p, median, slope=True))
+        ratio = np.exp(_log_interpolated(p, {k: high[k] / median[k] for k in high}, slope=False))
+        return cls(p=p, median=level, high=level * ratio)
+
+    def scaled(self, factor: float) -> Spectrum:
+        """The same spectrum, `factor` times as large."""
+        return replace(self, median=factor * self.median, high=factor * self.high)
+
+    def amplitudes(self, uniform: ArrayLike) -> FloatArray:
+        """Amplitudes (H,) at given probabilities (H,): the inverse of the distribution."""
+        return np.asarray(self.median * np.exp(np.log(self.high / self.median) * ndtri(uniform) / NINETY))
+
+
+def _log_interpolated(p: IntArray, given: dict[int, float], *, slope: bool) -> FloatArray:
+    """Ln of a quantity given at some p, linear in ln p; with `slope`, on beyond the last as between the last two."""
+    known = sorted(given)
+    x, y = np.log(known), np.log([given[k] for k in known])
+    values = np.interp(np.log(p), x, y)
+    if slope and len(known) > 1:
+        values += np.maximum(np.log(p) - x[-1], 0.0) * (y[-1] - y[-2]) / (x[-1] - x[-2])
+    return np.asarray(values)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class RandomField(SeriesBehind):
+    """One draw of a random field, constant along the axis: a Fourier series with random amplitudes and phases.
+
+    f(theta) = sum_p a_p cos(p theta - phi_p),  a_p lognormal by the spectrum, phi_p uniform
+
+    A Field itself. `redrawn` gives others of the same kind: `casingfem.mistune` computes the modes of many. The
+    draws depend on seed, stream and draw alone, not on how many there are or in which order they are made.
+
+    Parameters
+    ----------
+    spectrum : amplitudes of the harmonics, relative
+    seed : whole number >= 0
+    draw : which of the fields of this seed
+    stream : tells apart the fields of one shell (radius and thickness, say) drawn with one seed
+
+    Examples
+    --------
+    >>> one, same = (RandomField.example(thickness=3e-3, radius=0.475, seed=7) for _ in range(2))
+    >>> one.max_harmonic, one.amplitude(2) == same.amplitude(2), one.amplitude(2) == one.redrawn(1).amplitude(2)
+    (32, True, False)
+    """
+
+    spectrum: Spectrum
+    seed: int
+    draw: int = 0
+    stream: int = 0
+    fit: FourierField = field(init=False)
+
+    def __post_init__(self) -> None:
+        if min(self.seed, self.draw, self.stream) < 0:
+            raise ModelError(
+                "field-seed", f"RandomField: found seed {self.seed}, draw {self.draw}, stream {self.stream}"
+            )
+        rng = np.random.default_rng([self.seed, self.stream, self.draw])
+        size, turn = rng.random((self.spectrum.p.size, 2)).T  # row by row: more harmonics leave the first ones alone
+        amplitude, phase = self.spectrum.amplitudes(size), 2.0 * np.pi * turn
+        cos, sin = amplitude * np.cos(phase), amplitude * np.sin(phase)
+        object.__setattr__(self, "fit", FourierField(p=self.spectrum.p, cos=cos[:, None], sin=sin[:, None]))
+
+    @classmethod
+    def example(
+        cls, *, thickness: float, radius: float, seed: int, scale: float = 1.0, p_max: int = 32, stream: int = 0
+    ) -> RandomField:
+        """Radius defects by an example of a spectrum: medians 0.24 t at n = 2 to 0.019 t at n = 12, t the wall.
+
+        The values at nine harmonics and the 90th percentiles at 2, 4 and 8 have no source that can be named: take
+        them as an example of how amplitudes fall with n, and a survey's own spectrum where there is one. Between them
+        amplitudes are interpolated; beyond 12 the power law of the last two (-2.7) goes on, which is an assumption.
+        """
+        spectrum = Spectrum.between(EXAMPLE, EXAMPLE_HIGH, p_max=p_max).scaled(scale * thickness / radius)
+        return cls(spectrum=spectrum, seed=seed, stream=stream)
+
+    def redrawn(self, draw: int) -> RandomField:
+        """Another field of the same spectrum and seed."""
+        return RandomField(spectrum=self.spectrum, seed=self.seed, draw=draw, stream=self.stream)
+
+    def amplitude(self, p: int) -> float:
+        """Amplitude of harmonic p in this draw."""
+        return self.fit.amplitude(p)
+
+    def __add__(self, other: Field) -> SumField:
+        return SumField((self, other))
+
+    def __repr__(self) -> str:
+        p = self.spectrum.p
+        title = f"RandomField(harmonics {p[0]} to {p[-1]}, seed {self.seed}, draw {self.draw})"
+        return f"{title}\n{self.fit!r}"
+
+
+def redrawn(field: Field, draw: int) -> Field:
+    """The field with its random parts drawn anew; what is not random stays."""
+    if isinstance(field, RandomField):
+        return field.redrawn(draw)
+    if isinstance(field, SumField):
+        return SumField(tuple(redrawn(term, draw) for term in field.fields))
+    return field
+
+
+def drop_random(field: Field) -> Field | None:
+    """What of a field is not random; None if nothing is left."""
+    if not isinstance(field, SumField):
+        return None if isinstance(field, RandomField) else field
+    kept = tuple(term for term in field.fields if not isinstance(term, RandomField))
+    return kept[0] if len(kept) == 1 else SumField(kept) if kept else None
+
+
+def typical(field: Field) -> Field:
+    """The field with its random parts at the median amplitudes: what a mesh is chosen for, the same for all draws."""
+    if isinstance(field, RandomField):
+        median = field.spectrum.median[:, None]
+        return FourierField(p=field.spectrum.p, cos=median, sin=0.0 * median)
+    if isinstance(field, SumField):
+        return SumField(tuple(map(typical, field.fields)))
+    return field
+
+
+def is_random(field: Field) -> bool:
+    """Whether any part of a field is random."""
+    return isinstance(field, RandomField) or (isinstance(field, SumField) and any(map(is_random, field.fields)))

@@ -1,0 +1,1 @@
+"""From measured radii to a field: points, robust fit, checks."""

@@ -1,0 +1,158 @@
+"""The least-squares fit behind a survey: what the points carry, and the cone and defect they give."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.io.arrays import BoolArray, FloatArray
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.field.survey.points import SurveyError, SurveyPoints
+from casingfem.structure.field.survey.robust import robust_weights
+
+_MOST_HARMONICS = 40
+_MARGIN = 0.8  # of the Nyquist harmonic, and of the number of points: what a fit is asked by default
+_WORST_CONDITION = 100.0  # noise is amplified by no more than this
+_WIDEST_GAP_DEG = 90.0
+_LEAST_KEPT = 0.7  # of the points: what a robust fit must keep
+
+
+class SurveyFit(NamedTuple):
+    """The relative defect, the mean a + b z [m, -], and what is left of each point, relative to the mean."""
+
+    field: FourierField
+    mean: tuple[float, float]
+    residual: FloatArray
+    kept: BoolArray  # points that took part; a robust fit sets stray ones aside
+    gap_deg: float
+    heights: int
+
+
+def resolved_harmonic(gap_deg: float) -> int:
+    """Return the largest p with p < 180/gap: more than two points a wave.
+
+    Examples
+    --------
+    >>> resolved_harmonic(5.0)
+    35
+    """
+    return max(math.ceil(180.0 / gap_deg * (1 - 1e-9)) - 1, 0)
+
+
+def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robust: bool = False) -> SurveyFit:
+    """Choose the fit that the points carry, or check the one asked, and make it.
+
+    A robust fit weighs points down by their residual; those set aside altogether count neither for the gap in theta
+    nor for what the points carry.
+
+    Raises
+    ------
+    SurveyError
+        A gap in theta wider than 90 deg or than half a wave of n_max, too few or badly placed points.
+    ValueError
+        n_max or degree that are not whole numbers.
+    """
+    gap, heights = points.coverage()
+    _check_coverage(points, gap, n_max, degree)
+    nyquist = resolved_harmonic(gap)
+    n = min(int(_MARGIN * 180.0 / gap), nyquist, _MOST_HARMONICS) if n_max is None else n_max
+    d = (0 if heights == 1 else 1 if heights < 4 else 2) if degree is None else degree
+    while not (problem := _Problem(points, heights, n, d)).determined(margin=n_max is None):
+        if degree is None and d > 0:
+            d -= 1
+        elif n_max is None and n > 1:
+            n -= 1
+        else:
+            expected = f"more points, or less than n_max = {n}, degree = {d}"
+            raise SurveyError(points.path, found=problem.weakness(), expected=expected)
+    if not robust:
+        return SurveyFit(*problem.solved(), np.ones(len(points), bool), gap, heights)
+    weights = robust_weights(lambda w: problem.solved(w)[2], *problem.design(1.0).shape)
+    kept = weights > 0.0
+    if np.mean(kept) < _LEAST_KEPT:
+        found = f"{np.sum(~kept)} of {len(points)} points far off any smooth surface"
+        raise SurveyError(points.path, found=found, expected=f"at least {_LEAST_KEPT:.0%} of them on one")
+    remaining = points.at(kept)
+    if not _Problem(remaining, heights, n, d).determined(margin=False):
+        found = f"{np.sum(~kept)} points set aside, and too few left where they were"
+        raise SurveyError(points.path, found=found, expected=f"points enough for n_max = {n}, degree = {d}")
+    return SurveyFit(*problem.solved(weights), kept, remaining.coverage()[0], heights)
+
+
+def _check_coverage(points: SurveyPoints, gap: float, n_max: int | None, degree: int | None) -> None:
+    for name, value, least in (("n_max", n_max, 1), ("degree", degree, 0)):
+        if value is not None and (value != int(value) or value < least):
+            raise ValueError(f"{name} must be a whole number >= {least}, not {value!r}")
+    if gap > _WIDEST_GAP_DEG:
+        hint = " (are these radians?)" if gap > 350.0 else ""
+        found = f"a gap of {gap:.4g} deg in theta{hint}"
+        raise SurveyError(
+            points.path, found=found, expected=f"a survey around the circle, gaps <= {_WIDEST_GAP_DEG:g} deg"
+        )
+    if n_max is not None and gap > 360.0 / (2 * n_max) * (1 + 1e-9):
+        expected = f"at most {180.0 / n_max:.4g} deg for n_max = {n_max}"
+        expected += f" (these points resolve harmonic {resolved_harmonic(gap)})"
+        raise SurveyError(points.path, found=f"a gap of {gap:.4g} deg in theta", expected=expected)
+
+
+class _Problem:
+    """The least-squares problem of one (n, degree): mean columns and defect columns at the points."""
+
+    def __init__(self, points: SurveyPoints, heights: int, n: int, degree: int) -> None:
+        low, high = float(points.z.min()), float(points.z.max())
+        self.points, self.n, self.degree = points, n, degree
+        self.z_mid, self.z_half = (low + high) / 2, (high - low) / 2 if heights > 1 else 1.0
+        zeta = (points.z - self.z_mid) / self.z_half
+        angle = points.theta[:, None] * np.arange(1, n + 1)
+        around = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+        power = zeta[:, None] ** np.arange(degree + 1)
+        self.tapered = points.quantity == "thickness"  # a taper belongs to the field, not to the mean
+        trend = degree if self.tapered else int(heights > 1)
+        self.mean_columns = zeta[:, None] ** np.arange(trend + 1)
+        self.columns = (around[:, :, None] * power[:, None, :]).reshape(len(points), -1)
+
+    def design(self, mean: FloatArray | float) -> FloatArray:
+        """Columns for value = mean_columns alpha + mean (columns beta)."""
+        scale = np.broadcast_to(mean, len(self.points))[:, None]
+        return np.concatenate([self.mean_columns, scale * self.columns], axis=1)
+
+    def weakness(self) -> str:
+        """Say why the points cannot carry the fit."""
+        points, unknowns = self.design(1.0).shape
+        if points < unknowns:
+            return f"{points} points for {unknowns} unknowns"
+        return f"{points} points so placed that they do not tell {unknowns} unknowns apart"
+
+    def determined(self, margin: bool) -> bool:
+        """Whether the points are enough, and well enough placed: the condition of the normal matrix."""
+        design = self.design(1.0)
+        points, unknowns = design.shape
+        if unknowns > (_MARGIN if margin else 1.0) * points:
+            return False
+        spectrum = np.linalg.eigvalsh(design.T @ design)
+        return bool(spectrum[0] > spectrum[-1] / _WORST_CONDITION**2)
+
+    def solved(self, weights: FloatArray | None = None) -> tuple[FourierField, tuple[float, float], FloatArray]:
+        """Fit r = alpha + beta z + c(z) f, c being the cone itself: linear, repeated until c stands."""
+        value, trend = self.points.value, self.mean_columns.shape[1]
+        cone = np.full(len(self.points), np.median(value))
+        root = np.ones(len(value)) if weights is None else np.sqrt(weights)
+        for _ in range(20):
+            x = np.asarray(np.linalg.lstsq(root[:, None] * self.design(cone), root * value, rcond=None)[0], np.float64)
+            alpha, beta = x[:trend], x[trend:]
+            last, cone = cone, np.full_like(cone, alpha[0]) if self.tapered else self.mean_columns @ alpha
+            if np.max(np.abs(cone - last)) <= 1e-14 * alpha[0]:
+                break
+        residual = (value - self.design(cone) @ x) / cone
+        slope = 0.0 if self.tapered or trend == 1 else float(alpha[1]) / self.z_half
+        return self._field(alpha, beta), (float(alpha[0]) - slope * self.z_mid, slope), residual
+
+    def _field(self, alpha: FloatArray, beta: FloatArray) -> FourierField:
+        p = np.arange(1, self.n + 1)
+        cos, sin = beta.reshape(2, self.n, self.degree + 1)
+        if self.tapered and self.degree > 0:
+            taper = np.concatenate([[0.0], alpha[1:] / alpha[0]])[None, :]
+            p, cos, sin = np.append(0, p), np.concatenate([taper, cos]), np.concatenate([0 * taper, sin])
+        return FourierField(p=p, cos=cos, sin=sin, z_mid=self.z_mid, z_half=self.z_half)

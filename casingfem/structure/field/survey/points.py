@@ -1,0 +1,182 @@
+"""The points of a survey: read from CSV, units checked, and how well they cover the circle."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field, replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from casingfem.io.arrays import BoolArray, FloatArray, IntArray
+from casingfem.io.strict_csv import CsvError, StrictCsv, read
+
+Quantity: TypeAlias = Literal["radius", "thickness"]
+
+_THETA = {"theta_deg": np.pi / 180.0, "theta_rad": 1.0}
+_Z = {"z_m": 1.0, "z_mm": 1e-3}
+_RADIUS = {"radius_m": 1.0, "radius_mm": 1e-3}
+_THICKNESS = {"thickness_m": 1.0, "thickness_mm": 1e-3}
+_PLAUSIBLE: dict[Quantity, tuple[float, float]] = {"radius": (5e-3, 50.0), "thickness": (1e-5, 0.5)}
+_SAME_HEIGHT = 5e-4  # m: points this close in z were meant to be one ring
+_MOST_RINGS = 20  # more heights than that are a scan, not rings
+_RING_POINTS = 8
+
+
+class SurveyError(CsvError):
+    """A survey that cannot be used: names the file, the line and column where there is one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SurveyPoints:
+    """Where a surface was measured and what was found; arrays (points,) in rad and m.
+
+    Raises
+    ------
+    SurveyError
+        Values that are not finite or positive, arrays of different lengths.
+    """
+
+    theta: FloatArray
+    z: FloatArray
+    value: FloatArray
+    quantity: Quantity = "radius"
+    path: str = "survey"
+    card: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        arrays = {name: np.array(getattr(self, name), float) for name in ("theta", "z", "value")}
+        if len({array.shape for array in arrays.values()}) != 1 or arrays["z"].ndim != 1 or not len(self):
+            found = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+            raise SurveyError(self.path, found=found, expected="arrays of one common length >= 1")
+        for name, array in arrays.items():
+            bad = ~np.isfinite(array) | ((array <= 0.0) if name == "value" else False)
+            if np.any(bad):
+                found, expected = f"{name} = {array[bad][0]}", f"finite numbers, {self.quantity} > 0"
+                raise SurveyError(self.path, found=found, expected=expected)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    def __len__(self) -> int:
+        return int(np.size(self.z))
+
+    def at(self, kept: BoolArray) -> SurveyPoints:
+        """Some of the points, by a mask (points,)."""
+        return replace(self, theta=self.theta[kept], z=self.z[kept], value=self.value[kept])
+
+    def rings(self) -> IntArray:
+        """Number the heights from the lowest: points within half a millimetre share a ring; (points,)."""
+        order = np.argsort(self.z, kind="stable")
+        ring = np.zeros(len(self), np.int64)
+        count, start = 0, self.z[order[0]]
+        for point in order:
+            if self.z[point] - start > _SAME_HEIGHT:
+                count, start = count + 1, self.z[point]
+            ring[point] = count
+        return ring
+
+    def coverage(self) -> tuple[float, int]:
+        """Return the largest gap in theta [deg] and the number of heights.
+
+        A survey made of rings (at most 20 heights, nearly all with 8 points or more)
+        is as good as its worst ring; a scattered one is judged by all points together.
+        """
+        ring = self.rings()
+        counts = np.bincount(ring)
+        full = np.flatnonzero(counts >= _RING_POINTS)
+        if counts.size <= _MOST_RINGS and counts[full].sum() >= 0.9 * len(self):
+            return max(largest_gap_deg(self.theta[ring == k]) for k in full), int(full.size)
+        return largest_gap_deg(self.theta), int(counts.size)
+
+
+def largest_gap_deg(theta: FloatArray) -> float:
+    """Return the largest angle [deg] between neighbouring points around the circle.
+
+    Examples
+    --------
+    >>> round(largest_gap_deg(np.radians([0.0, 90.0, 100.0, 360.0])), 9)
+    260.0
+    """
+    around = np.sort(np.mod(theta, 2 * np.pi))
+    closed = np.append(around, around[0] + 2 * np.pi)
+    return float(np.degrees(np.diff(closed).max()))
+
+
+def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
+    """Read theta, z and radius (or thickness) from a survey CSV with units in the column names.
+
+    Raises
+    ------
+    SurveyError
+        Malformed tables (see strict_csv), missing, unknown or unit-less columns, values
+        that are not positive, values that look like another unit than the column's.
+    """
+    table = read(path, SurveyError)
+    theta_name, theta_scale = _column(table, _THETA)
+    z_name, z_scale = _column(table, _Z)
+    value_name, value_scale = _column(table, _RADIUS | _THICKNESS)
+    for name in table.header:
+        if name not in (theta_name, z_name, value_name):
+            expected = f"only {theta_name}, {z_name} and {value_name}"
+            raise SurveyError(
+                table.path, line=table.header_line, column=name, found="an unknown column", expected=expected
+            )
+    quantity: Quantity = "radius" if value_name in _RADIUS else "thickness"
+    theta, z = table.numbers(theta_name), table.numbers(z_name)
+    value = table.numbers(value_name)
+    for row in np.flatnonzero(value <= 0.0)[:1]:
+        raise table.refuse(row=row, column=value_name, found=f"{value[row]:g}", expected="a value > 0")
+    _check_angle_unit(table, theta_name, theta)
+    _check_length_unit(table, value_name, quantity, float(np.median(value)) * value_scale)
+    _check_height_unit(table, z_name, z * z_scale, float(np.median(value)) * value_scale, quantity)
+    return SurveyPoints(
+        theta=theta * theta_scale,
+        z=z * z_scale,
+        value=value * value_scale,
+        quantity=quantity,
+        path=table.path,
+        card=table.card,
+    )
+
+
+def _column(table: StrictCsv, choices: dict[str, float]) -> tuple[str, float]:
+    """Find the one column of a quantity, whose name states the unit."""
+    found = [name for name in table.header if name in choices]
+    wanted = " or ".join(choices)
+    if len(found) == 1:
+        return found[0], choices[found[0]]
+    stems = {name.rsplit("_", 1)[0] for name in choices}
+    near = [name for name in table.header if name.split("_")[0].split("[")[0].strip().lower() in stems]
+    if found:
+        what, column = f"both {' and '.join(found)}", None
+    elif near:
+        what, column = "a column without a known unit in its name", near[0]
+    else:
+        what, column = f"no such column among {','.join(table.header)}", None
+    raise SurveyError(table.path, line=table.header_line, column=column, found=what, expected=f"one column {wanted}")
+
+
+def _check_angle_unit(table: StrictCsv, name: str, theta: FloatArray) -> None:
+    if name != "theta_rad":
+        return
+    for row in np.flatnonzero(np.abs(theta) > 4 * np.pi)[:1]:
+        expected = "at most two turns (4 pi); degrees belong in a column theta_deg"
+        raise table.refuse(row=row, column=name, found=f"{theta[row]:g} rad", expected=expected)
+
+
+def _check_length_unit(table: StrictCsv, name: str, quantity: Quantity, median: float) -> None:
+    low, high = _PLAUSIBLE[quantity]
+    if not low <= median <= high:
+        other = name.removesuffix("_m") + "_mm" if name.endswith("_m") else name.removesuffix("_mm") + "_m"
+        expected = f"{low:g} to {high:g} m; does the column hold {other}?"
+        found = f"a median {quantity} of {median:.4g} m"
+        raise SurveyError(table.path, line=table.header_line, column=name, found=found, expected=expected)
+
+
+def _check_height_unit(table: StrictCsv, name: str, z: FloatArray, value: float, quantity: Quantity) -> None:
+    span, scale = float(np.ptp(z)), value if quantity == "radius" else 0.5
+    low, high = 1e-3 * scale, 50.0 * scale
+    if span > high or (name == "z_mm" and 0.0 < span < low):
+        expected = f"{low:.3g} to {high:.3g} m; does the column hold {'z_m' if name == 'z_mm' else 'z_mm'}?"
+        found = f"heights over {span:.4g} m"
+        raise SurveyError(table.path, line=table.header_line, column=name, found=found, expected=expected)

@@ -1,0 +1,189 @@
+"""A measured surface as a field: the survey of a casing's radius or thickness, fitted."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from casingfem.errors import doubt
+from casingfem.io.arrays import FloatArray
+from casingfem.structure.field.fourier import Field, FourierField, SeriesBehind
+from casingfem.structure.field.survey.fit import fit_points, resolved_harmonic
+from casingfem.structure.field.survey.points import Quantity, SurveyError, SurveyPoints, read_points
+from casingfem.structure.field.survey.robust import pure_error
+
+__all__ = ["SampledField", "SurveyError", "SurveyPoints"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SampledField(SeriesBehind):
+    """The relative defect of a measured surface, by least squares on scattered points.
+
+    r(z, theta) = (a + b z) (1 + f),  f = sum_{p >= 1} (cos_pd cos p theta + sin_pd sin p theta) zeta^d
+
+    A thickness is t = a (1 + f), where f may also hold p = 0, d >= 1 (a taper).
+
+    A Field itself: what a Shell takes as ``radius_defect`` or ``thickness_defect``.
+
+    Parameters
+    ----------
+    fit : the relative defect f, a FourierField
+    mean : (a [m], b [-]) of the mean cone; b = 0 for a thickness
+    quantity : "radius" or "thickness"
+    residual_rms, residual_max : relative, what the fit leaves of the measured points
+    coverage_deg : largest gap in theta between measured points
+    z_range : m, lowest and highest point
+    set_aside : points that a robust fit left out: (theta [deg], z [m], relative residual) of each
+    pure_error : standard deviation [m] of points measured again at one place, None without such repeats
+    repeats : how many there are
+
+    Examples
+    --------
+    >>> theta = np.radians(np.arange(0.0, 360.0, 5.0))
+    >>> survey = SampledField.from_points(theta, 0.0 * theta, 0.5 * (1 + 0.004 * np.cos(8 * theta)), n_max=12)
+    >>> round(survey.fit.amplitude(8), 9), round(float(survey.mean_radius(0.0)), 9), survey.n_resolved
+    (0.004, 0.5, 35)
+    """
+
+    fit: FourierField
+    mean: tuple[float, float]
+    quantity: Quantity
+    points: int
+    heights: int
+    residual_rms: float
+    residual_max: float
+    coverage_deg: float
+    z_range: tuple[float, float]
+    path: str
+    card: tuple[str, ...]
+    set_aside: tuple[tuple[float, float, float], ...] = ()
+    pure_error: float | None = None
+    repeats: int = 0
+
+    @classmethod
+    def from_csv(
+        cls, path: str | os.PathLike[str], n_max: int | None = None, degree: int | None = None, *, robust: bool = False
+    ) -> SampledField:
+        """Read and fit a survey CSV: theta_deg|theta_rad, z_m|z_mm, radius_m|radius_mm (or thickness).
+
+        Parameters
+        ----------
+        n_max : highest harmonic fitted; by default .8 of what the largest gap resolves, at most 40
+        degree : of the polynomial in z; by default 0 for one height, 1 below four, else 2,
+            lowered (then n_max) while the points cannot carry it
+        robust : weigh stray points down (Huber, then bisquare weights, scale by the median deviation), and say which
+            were set aside
+
+        Warns
+        -----
+        ModelWarning
+            `survey-outliers`: a robust fit set points aside.
+
+        Raises
+        ------
+        SurveyError
+            Malformed or implausible tables, a circle not covered for the n_max asked, too few points.
+        """
+        return cls.fitted(read_points(path), n_max=n_max, degree=degree, robust=robust)
+
+    @classmethod
+    def from_points(
+        cls,
+        theta: ArrayLike,
+        z: ArrayLike,
+        value: ArrayLike,
+        *,
+        quantity: Quantity = "radius",
+        n_max: int | None = None,
+        degree: int | None = None,
+        robust: bool = False,
+    ) -> SampledField:
+        """Fit points given as arrays (points,): theta [rad], z [m], radius or thickness [m]."""
+        theta, z, value = (np.asarray(array, float) for array in (theta, z, value))
+        points = SurveyPoints(theta=theta, z=z, value=value, quantity=quantity)
+        return cls.fitted(points, n_max=n_max, degree=degree, robust=robust)
+
+    @classmethod
+    def fitted(
+        cls, points: SurveyPoints, *, n_max: int | None = None, degree: int | None = None, robust: bool = False
+    ) -> SampledField:
+        """Fit points already read; n_max, degree and robust as in from_csv."""
+        fit = fit_points(points, n_max, degree, robust)
+        stray = ~fit.kept
+        places = zip(np.degrees(points.theta[stray]), points.z[stray], fit.residual[stray], strict=True)
+        set_aside = tuple((float(theta), float(z), float(r)) for theta, z, r in places)
+        if set_aside:
+            doubt("survey-outliers", f"{Path(points.path).name}: {stray_words(set_aside, len(points))}", stacklevel=4)
+        residual, (scatter, repeats) = fit.residual[fit.kept], pure_error(points.at(fit.kept))
+        return cls(
+            fit=fit.field,
+            mean=fit.mean,
+            quantity=points.quantity,
+            points=len(points),
+            heights=fit.heights,
+            residual_rms=float(np.sqrt(np.mean(residual**2))),
+            residual_max=float(np.max(np.abs(residual))),
+            coverage_deg=fit.gap_deg,
+            z_range=(float(points.z.min()), float(points.z.max())),
+            path=points.path,
+            card=points.card,
+            set_aside=set_aside,
+            pure_error=scatter,
+            repeats=repeats,
+        )
+
+    def mean_radius(self, z: ArrayLike) -> FloatArray:
+        """Return the mean cone's radius a + b z [m] at z [m]."""
+        if self.quantity != "radius":
+            raise ValueError("a thickness survey has no mean radius; see mean_thickness")
+        return np.asarray(self.mean[0] + self.mean[1] * np.asarray(z, float))
+
+    @property
+    def mean_thickness(self) -> float:
+        """Mean thickness [m] of a thickness survey."""
+        if self.quantity != "thickness":
+            raise ValueError("a radius survey has no mean thickness; see mean_radius")
+        return self.mean[0]
+
+    @property
+    def n_resolved(self) -> int:
+        """The highest harmonic that the largest gap in theta still resolves (Nyquist)."""
+        return resolved_harmonic(self.coverage_deg)
+
+    @property
+    def residual_rms_m(self) -> float:
+        """Root mean square of what the fit leaves, in m at mid height."""
+        return self.residual_rms * (self.mean[0] + self.mean[1] * sum(self.z_range) / 2)
+
+    def __add__(self, other: Field) -> Field:
+        return self.fit + other
+
+    def __repr__(self) -> str:
+        (a, b), (low, high) = self.mean, self.z_range
+        mean = f"{a:.6g} m" + (f" {b:+.6g} z" if b else "")
+        lines = [
+            f"SampledField({self.quantity}, {self.points} points, {self.heights} heights, {Path(self.path).name})",
+            f"  mean      {mean} for z from {low:g} to {high:g} m",
+            f"  fit       to harmonic {self.max_harmonic}, degree {self.fit.cos.shape[1] - 1} along z",
+            f"  coverage  largest gap {self.coverage_deg:.3g} deg, resolves harmonic {self.n_resolved}",
+            f"  residual  rms {self.residual_rms:.2e} ({self.residual_rms_m * 1e6:.3g} um),"
+            f" max {self.residual_max:.2e}",
+        ]
+        if self.pure_error is not None:
+            lines.append(f"  repeats   {self.repeats}, pure error {self.pure_error * 1e6:.3g} um")
+        if self.set_aside:
+            lines.append(f"  outliers  {stray_words(self.set_aside, self.points)}")
+        return "\n".join([*lines, repr(self.fit)])
+
+
+def stray_words(stray: Sequence[tuple[float, float, float]], points: int) -> str:
+    """How many points were set aside, and where the worst of them are."""
+    worst = sorted(stray, key=lambda point: -abs(point[2]))[:5]
+    places = "; ".join(f"theta {theta:.4g} deg, z {z:.4g} m: {r:+.2e}" for theta, z, r in worst)
+    more = f"; and {len(stray) - len(worst)} more" if len(stray) > len(worst) else ""
+    return f"{len(stray)} of {points} points set aside ({places}{more})"

@@ -1,0 +1,1 @@
+"""Where the mid-surface is: charts, meridians, twisted plates, blades, tapers, axes of rotation."""

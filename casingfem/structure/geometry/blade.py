@@ -1,0 +1,103 @@
+"""A blade: cambered sections of any chord, turned and shifted from root to tip."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import Array
+from casingfem.structure.field.fourier import FieldValues
+from casingfem.structure.geometry.chart import Bounds, Open, Surface, require_positive
+from casingfem.structure.geometry.jet import Jet, cos, jets, reciprocal, sin, sinc, surface
+from casingfem.structure.geometry.stations import Law, along, lowest, stations
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Blade(Open):
+    """Blade along x: its section x = constant is a circular arc over a chord, turned and shifted.
+
+    With eta = -1/2 to 1/2 along the arc, p along the chord and q across it,
+
+        p = c eta sinc(k eta)/sinc(k/2),   q = c k (sinc^2(k/4)/8 - eta^2 sinc^2(k eta/2)/2)/sinc(k/2),
+        X = (x, sweep + p cos phi - q sin phi, lean + p sin phi + q cos phi),
+
+    c the chord, k the camber (opening angle of the arc; 0 is a straight section), phi the twist. Each is a law: one
+    number all along, or values at equally spaced stations from root to tip, (root, tip) or more, with the polynomial
+    through them. Without camber, sweep, lean and taper it is a `TwistedPlate`; with a camber alone a `Panel` of radius
+    c/(2 sin(k/2)); with a sweep alone a skew plate; with a chord law alone a trapezoid.
+
+    Parameters
+    ----------
+    length
+        Span [m], x from 0 (root) to length (tip).
+    chord
+        c [m], straight from leading to trailing edge.
+    camber, twist
+        k and phi [rad]. A positive twist turns y towards z.
+    sweep, lean
+        Shift of the middle of the chord along y and z [m].
+
+    Edges: root, tip, left and right (eta = -+ 1/2). The second parameter is eta. Line springs take the section's own
+    directions: r = across the chord, theta = along it, z = x. There is no radius, so no radius defect.
+
+    Raises
+    ------
+    ModelError
+        `law-stations`: no such law; `blade-shape`: a chord that is not positive everywhere, a closed section.
+
+    Examples
+    --------
+    >>> trapezoid = Blade(length=10.0, chord=(5.0, 1.0))
+    >>> trapezoid.surface(np.array([10.0]), np.array([0.5]), None).x.ravel().tolist()
+    [10.0, 0.5, 0.0]
+    """
+
+    length: float
+    chord: Law
+    camber: Law = 0.0
+    twist: Law = 0.0
+    sweep: Law = 0.0
+    lean: Law = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive("chart", length=self.length)
+        for name in ("chord", "camber", "twist", "sweep", "lean"):
+            object.__setattr__(self, name, stations(f"chart.{name}", getattr(self, name)))
+        if not lowest(self.chord) > 0.0:
+            raise ModelError("blade-shape", f"chart.chord falls to {lowest(self.chord):.3g} m")
+        largest = float(np.abs(np.real(along(self.camber, np.linspace(0.0, 1.0, 129)))).max())
+        if largest >= 2.0 * np.pi:
+            raise ModelError("blade-shape", f"chart.camber reaches {largest:.3g} rad, a closed section")
+
+    @property
+    def bounds(self) -> Bounds:
+        """X from 0 to length, eta from -1/2 to 1/2."""
+        return (0.0, self.length), (-0.5, 0.5)
+
+    def section(self, xi: Jet, eta: Jet) -> tuple[Jet, Jet]:
+        """Camber line in the section's own axes: along the chord and across it [m]."""
+        chord, k = along(self.chord, xi), along(self.camber, xi)
+        scale = chord * reciprocal(sinc(k * 0.5))
+        rise, drop = sinc(k * 0.25), eta * sinc(k * eta * 0.5)
+        return scale * eta * sinc(k * eta), scale * k * (rise * rise * 0.125 - drop * drop * 0.5)
+
+    def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
+        """Position and derivatives at x = a, eta = b."""
+        if defect is not None:
+            raise ValueError("radius_defect: a blade has no radius to be defective; use a Panel")
+        x, eta = jets(a, b)
+        xi = x * (1.0 / self.length)
+        p, q = self.section(xi, eta)
+        turn = along(self.twist, xi)
+        c, s = cos(turn), sin(turn)
+        y = along(self.sweep, xi) + p * c - q * s
+        z = along(self.lean, xi) + p * s + q * c
+        return surface(x, y, z)
+
+    def directions(self, a: Array, b: Array) -> Array:
+        """Across the chord, along it, and x."""
+        a, _ = np.broadcast_arrays(a, b)
+        angle = along(self.twist, a / self.length)
+        c, s = np.cos(angle), np.sin(angle)
+        zero, one = np.zeros_like(c), np.ones_like(c)
+        return np.array([[zero, -s, c], [zero, c, s], [one, zero, zero]])

@@ -1,0 +1,84 @@
+"""What a chart must keep to, looked at on a few points: finite, smooth, not folded, closed where it says so.
+
+A user's own chart is code; a wrong derivative in it gives frequencies that look right. The derivatives are compared
+with differences of the surface itself.
+"""
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.structure.geometry.chart import Chart, Surface
+
+STEP = 1e-5  # of the differences, as a part of each parameter's range
+ALIKE = 1e-4  # differences and derivatives agree to this part of the largest derivative
+SLANT = 1e-6  # directions across an edge of symmetry agree to this [rad]
+FLAT = 1e-9  # tangents that span less than this part of the largest area do not span a plane
+
+
+def check_chart(chart: Chart) -> None:
+    """Refuse a chart that is not finite, folded, open at its seam, or whose derivatives are not its own."""
+    (a0, a1), (b0, b1) = bounds = np.real(np.array(chart.bounds, dtype=complex))
+    if not (np.all(np.isfinite(bounds)) and a0 < a1 and b0 < b1):
+        raise ModelError("chart-bounds", f"chart.bounds: found {chart.bounds}")
+    for name, edge in chart.edges.items():
+        if tuple(edge) not in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            raise ModelError("chart-edge", f"chart.edges: {name!r} is {edge!r}")
+    a, b = (part.ravel() for part in np.meshgrid(np.linspace(a0, a1, 9), np.linspace(b0, b1, 17), indexing="ij"))
+    surface = real(chart.surface(a, b, None))
+    if not all(np.all(np.isfinite(part)) for part in surface):
+        raise ModelError("chart-not-finite", "the chart's surface or its derivatives are not finite somewhere")
+    area = np.linalg.norm(np.cross(surface.x1, surface.x2, axis=0), axis=0)
+    if area.min() <= FLAT * max(float(area.max()), np.finfo(float).tiny):
+        where = int(area.argmin())
+        raise ModelError("chart-fold", f"the chart's tangents span no plane at ({a[where]:.4g}, {b[where]:.4g})")
+    check_derivatives(chart, surface, (a, b), np.array([a1 - a0, b1 - b0]))
+    if chart.periodic:
+        ends = [real(chart.surface(a, 0.0 * a + b, None)).x for b in (b0, b1)]
+        gap = float(np.linalg.norm(ends[1] - ends[0], axis=0).max())
+        if gap > FLAT * float(np.linalg.norm(np.ptp(surface.x, axis=1))):
+            raise ModelError("chart-open-seam", f"the chart is said to be periodic, its ends lie {gap:.3g} m apart")
+
+
+def check_derivatives(chart: Chart, surface: Surface, points: tuple[Array, Array], spans: FloatArray) -> None:
+    """Compare first and second derivatives with central differences inside the rectangle."""
+    names = (("x1", "x2"), ("x11", "x12"), ("x12", "x22"))
+    a, b = (
+        np.clip(p, p.min() + STEP * span, p.max() - STEP * span)[5:-5:7] for p, span in zip(points, spans, strict=True)
+    )
+    inner = real(chart.surface(a, b, None))
+    for k, (step, span) in enumerate(zip(STEP * spans, spans, strict=True)):
+        shift = (step * (k == 0), step * (k == 1))
+        up = real(chart.surface(a + shift[0], b + shift[1], None))
+        down = real(chart.surface(a - shift[0], b - shift[1], None))
+        for source, name in zip(("x", "x1", "x2"), (row[k] for row in names), strict=True):
+            difference = (getattr(up, source) - getattr(down, source)) / (2.0 * step)
+            scale = np.abs(getattr(surface, source)).max() / span + np.abs(getattr(surface, name)).max()
+            error = float(np.abs(difference - getattr(inner, name)).max() / scale)
+            if error > ALIKE:
+                raise ModelError(
+                    "chart-derivatives", f"the chart's {name} is not the derivative of its {source} ({error:.1%} off)"
+                )
+
+
+def real(surface: Surface) -> Surface:
+    """The surface without the imaginary parts of a complex step."""
+    return Surface(*(np.asarray(np.real(part), dtype=float) for part in surface))
+
+
+def check_symmetry(chart: Chart, edge: str) -> None:
+    """Refuse an edge as one of symmetry that the surface does not meet at a right angle to one plane.
+
+    Fields are left aside: a small one bends the surface by as little.
+    """
+    held, end = chart.edges[edge]
+    low, high = np.real(chart.bounds[1 - held])
+    along, fixed = np.linspace(low, high, 17), np.full(17, np.real(chart.bounds[held][end]))
+    a, b = (fixed, along) if held == 0 else (along, fixed)
+    surface = real(chart.surface(a, b, None))
+    normal = np.cross(surface.x1, surface.x2, axis=0)
+    across = np.cross(surface.x2 if held == 0 else surface.x1, normal, axis=0)
+    across = across / np.linalg.norm(across, axis=0)
+    lean = float(np.abs(across - across[:, :1]).max())
+    if lean > SLANT:
+        raise ModelError("symmetry-slanted", f"support.{edge}: directions across this edge differ by {lean:.2g} rad")

@@ -1,0 +1,94 @@
+"""Rotation about a fixed axis: speed, axis and where the axis lies."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray
+from casingfem.structure.geometry.chart import Chart, Surface
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rotation:
+    """Steady rotation of a shell and its supports.
+
+    Parameters
+    ----------
+    omega
+        Speed [rad/s].
+    axis
+        Direction of the axis in the chart's Cartesian axes, any length; z, the axis of every casing, if left out.
+    centre
+        A point on the axis [m].
+
+    Raises
+    ------
+    ModelError
+        `rotation-axis` for an axis without direction; `rotation-speed` for a speed that is not finite.
+
+    Examples
+    --------
+    >>> Rotation(omega=2 * np.pi * 50.0).direction.tolist()
+    [0.0, 0.0, 1.0]
+    """
+
+    omega: float
+    axis: Vector = (0.0, 0.0, 1.0)
+    centre: Vector = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.omega):
+            raise ModelError("rotation-speed", f"rotation.omega: found {self.omega!r}")
+        values = np.array([self.axis, self.centre], dtype=float)
+        if values.shape != (2, 3) or not np.all(np.isfinite(values)) or not np.any(values[0]):
+            raise ModelError("rotation-axis", f"rotation: found axis {self.axis!r} through {self.centre!r}")
+
+    @property
+    def direction(self) -> FloatArray:
+        """Unit vector along the axis, (3,)."""
+        return np.asarray(np.asarray(self.axis) / np.linalg.norm(self.axis))
+
+    @property
+    def plane(self) -> FloatArray:
+        """Projection onto the plane of rotation P = I - a a^T, (3, 3)."""
+        return np.asarray(np.eye(3) - np.outer(self.direction, self.direction))
+
+    def at(self, omega: float) -> "Rotation":
+        """The same axis at another speed [rad/s]."""
+        return replace(self, omega=omega)
+
+    @classmethod
+    def of_blade(cls, chart: Chart, *, omega: float, hub_radius: float, stagger: float = 0.0) -> "Rotation":
+        """Rotation of a blade that stands on a hub: its span is radial at the middle of its root.
+
+        The axis lies `hub_radius` [m] below the root and makes the angle `stagger` [rad] with the root's chord, towards
+        the surface normal: at 0 the chord is along the axis and the blade flaps in the plane of rotation, at pi/2 it
+        flaps out of it.
+
+        >>> from casingfem.structure.geometry.chart import Plate
+        >>> rotation = Rotation.of_blade(Plate(length=0.3, width=0.1), omega=100.0, hub_radius=0.2)
+        >>> rotation.axis, rotation.centre
+        ((0.0, 1.0, 0.0), (-0.2, 0.0, 0.0))
+        """
+        if chart.periodic:
+            raise ModelError("rotation-blade", "rotation: found a hub radius or a stagger on a closed casing")
+        if not (np.isfinite(hub_radius) and hub_radius >= 0.0 and np.isfinite(stagger)):
+            raise ModelError("rotation-blade", f"rotation: found hub_radius {hub_radius!r}, stagger {stagger!r}")
+        root, span, chord, normal = blade_frame(chart)
+        axis = np.cos(stagger) * chord + np.sin(stagger) * normal
+        x, y, z = (axis + 0.0).tolist()
+        a, b, c = (root - hub_radius * span + 0.0).tolist()
+        return cls(omega=omega, axis=(x, y, z), centre=(a, b, c))
+
+
+def blade_frame(chart: Chart) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Middle of the root, span, chord and surface normal there, (3,) each; span = chord x normal."""
+    (a, _), (b0, b1) = chart.bounds
+    surface = Surface(*(part[:, 0] for part in chart.surface(np.array([a]), np.array([0.5 * (b0 + b1)]), None)))
+    chord = surface.x2 / np.linalg.norm(surface.x2)
+    span = surface.x1 - chord * (chord @ surface.x1)
+    span = span / np.linalg.norm(span)
+    return surface.x, span, chord, np.cross(span, chord)

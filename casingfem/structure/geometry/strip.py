@@ -1,0 +1,97 @@
+"""Strips: bands along a shell's first parameter with a wall, or a material, of their own."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.structure.material import Material
+
+ON_LINE = 1e-9  # a mesh line this part of the shell's length away is the end of a strip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Strip:
+    """A band of other thickness or material: a flange, a stiffener, one of several casings in a row.
+
+    `start` and `end` [m] are values of the chart's first parameter: the axis of a casing, the span of a blade, the
+    meridian's arc of a dome, 0 where they begin. The strip lies symmetrically about the mid-surface: no offset. Fields
+    of thickness are relative and act on a strip as on the wall beside it.
+
+    Raises
+    ------
+    ModelError
+        `strip-extent`: start and end are not finite or not in order; `shell-thickness`: no positive thickness.
+
+    Examples
+    --------
+    >>> flange = Strip(start=0.24, end=0.25, thickness=12e-3)
+    >>> flange.covers(np.array([0.23, 0.245])).tolist()
+    [False, True]
+    """
+
+    start: float
+    end: float
+    thickness: float
+    material: Material | None = None
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.start) and np.isfinite(self.end) and self.start < self.end):
+            raise ModelError("strip-extent", f"strip: found start {self.start!r}, end {self.end!r}")
+        thickness = np.real(self.thickness)
+        if not (np.isfinite(thickness) and thickness > 0.0):
+            raise ModelError("shell-thickness", f"strip.thickness must be positive and finite, found {thickness!r}")
+
+    def covers(self, a: Array) -> Array:
+        """Whether points a of the first parameter lie in the strip, its ends included."""
+        slack = ON_LINE * (self.end - self.start)
+        inside = np.real(a)
+        return np.asarray((inside >= self.start - slack) & (inside <= self.end + slack))
+
+
+def spread(strips: Sequence[Strip], inside: Array, base: complex, values: Sequence[complex]) -> Array:
+    """One number at points: `base`, or where a strip lies its own value.
+
+    >>> spread([Strip(start=1.0, end=2.0, thickness=2e-3)], np.array([0.5, 1.5]), 1e-3, [2e-3]).tolist()
+    [0.001, 0.002]
+    """
+    numbers = np.full(np.shape(inside), base)
+    for strip, value in zip(strips, values, strict=True):
+        numbers = np.where(strip.covers(inside), value, numbers)
+    return numbers
+
+
+def check_strips(strips: Sequence[Strip], ends: tuple[float, float], lines: FloatArray | None) -> None:
+    """Refuse strips outside the shell or across each other, and ends that lie on none of the mesh lines.
+
+    `ends` bounds the first parameter; `lines` are the element lines along it, None before there is a mesh.
+    """
+    low, high = np.real(ends)
+    slack = ON_LINE * (high - low)
+    order = sorted(range(len(strips)), key=lambda k: strips[k].start)
+    for place, k in enumerate(order):
+        strip, name = strips[k], f"strip[{k + 1}] from {strips[k].start:g} to {strips[k].end:g} m"
+        if strip.start < low - slack or strip.end > high + slack:
+            raise ModelError("strip-outside", f"{name} leaves the shell, {low:g} to {high:g} m")
+        if place and strip.start < strips[order[place - 1]].end - slack:
+            raise ModelError("strip-overlap", f"{name} overlaps strip[{order[place - 1] + 1}]")
+        for end in (strip.start, strip.end):
+            if lines is not None and np.abs(np.real(lines) - end).min() > slack:
+                raise ModelError("strip-off-line", f"{name}: no element line at {end:g} m")
+
+
+def breaks_between(strips: Sequence[Strip], ends: tuple[float, float]) -> list[float]:
+    """The ends of the shell and of its strips as parts of the length, from 0 to 1.
+
+    >>> breaks_between([Strip(start=1.0, end=3.0, thickness=2e-3)], (0.0, 4.0))
+    [0.0, 0.25, 0.75, 1.0]
+    """
+    low, high = np.real(ends)
+    parts = sorted((end - low) / (high - low) for strip in strips for end in (strip.start, strip.end))
+    inner: list[float] = []
+    for part in parts:
+        if ON_LINE < part < 1.0 - ON_LINE and (not inner or part - inner[-1] > ON_LINE):
+            inner.append(float(part))
+    return [0.0, *inner, 1.0]

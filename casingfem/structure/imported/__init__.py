@@ -1,0 +1,1 @@
+"""Meshes from files: readers, checks, solids and shells made of them."""

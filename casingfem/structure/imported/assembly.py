@@ -1,0 +1,122 @@
+"""What imported solids and shells share: isoparametric integrals, sparse assembly, the assembled system.
+
+Dofs are numbered node by node, `dofs` of them on each: u_x, u_y, u_z, and on shells two rotations.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from scipy.sparse import coo_array, csc_array
+
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.structure.imported.cell_kind import KINDS, rule
+from casingfem.structure.imported.mesh_data import MeshData
+
+if TYPE_CHECKING:
+    from casingfem.structure.imported.shell import MeshShell
+    from casingfem.structure.imported.solid import Solid
+
+CHUNK = 4_000_000  # entries of a strain table held at a time
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshSystem:
+    """Matrices of an imported structure on its free dofs.
+
+    Attributes
+    ----------
+    structure
+        What was assembled.
+    K, M
+        Stiffness and consistent mass, (free, free), symmetric [SI].
+    free
+        Numbers of the free dofs among dofs * nodes.
+    dofs
+        Dofs of a node: 3 in solids, 5 in shells.
+    rigid
+        Rigid motions that the supports leave, 0 to 6.
+    frequency_scale
+        Bending frequency c t/size^2 [rad/s] of the body taken as flat: a floor for its elastic modes.
+    """
+
+    structure: "Solid | MeshShell"
+    K: csc_array
+    M: csc_array
+    free: IntArray
+    dofs: int
+    rigid: int
+    frequency_scale: float
+
+    @property
+    def size(self) -> int:
+        """Number of free dofs."""
+        return len(self.free)
+
+    @property
+    def points(self) -> FloatArray:
+        """Positions of the nodes, (nodes, 3)."""
+        return self.structure.mesh.points
+
+    def expand(self, vectors: Array) -> Array:
+        """Free dofs (free, columns) -> nodal fields (nodes, dofs, columns), zero where held."""
+        full = np.zeros((len(self.points) * self.dofs, vectors.shape[1]), dtype=vectors.dtype)
+        full[self.free] = vectors
+        return full.reshape(len(self.points), self.dofs, -1)
+
+    def restrict(self, forces: Array) -> Array:
+        """Nodal forces (nodes, dofs, columns) -> free dofs (free, columns)."""
+        return np.asarray(forces.reshape(len(self.points) * self.dofs, -1)[self.free])
+
+
+class Mapped(NamedTuple):
+    """Isoparametric cells at quadrature points: positions, tangents, shape functions, measure."""
+
+    x: FloatArray  # (cells, q, 3)
+    tangents: FloatArray  # dx/dr_i, (cells, q, dim, 3)
+    values: FloatArray  # shape functions, (nodes, q)
+    slopes: FloatArray  # their local derivatives, (dim, nodes, q)
+    measure: FloatArray  # signed volume, area or length with the weights, (cells, q)
+
+
+def mapped(kind: str, points: FloatArray, cells: IntArray, degree: int | None = None) -> Mapped:
+    """Map the reference cell's quadrature to cells whose nodes lie at points (nodes, 3)."""
+    _, weights, values, slopes = rule(kind, degree)
+    nodes = points[cells]
+    x = np.einsum("kq,ekc->eqc", values, nodes, optimize=True)
+    tangents = np.einsum("dkq,ekc->eqdc", slopes, nodes, optimize=True)
+    dim = KINDS[kind].dim
+    if dim == 3:
+        measure = np.linalg.det(tangents)
+    elif dim == 2:
+        measure = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=-1)
+    else:
+        measure = np.linalg.norm(tangents[:, :, 0], axis=-1)
+    return Mapped(x, tangents, values, slopes, measure * weights)
+
+
+def cell_dofs(cells: IntArray, dofs: int) -> IntArray:
+    """Dofs of each cell, node by node, (cells, dofs * nodes)."""
+    return np.asarray((cells[:, :, None] * dofs + np.arange(dofs)).reshape(len(cells), -1))
+
+
+def scatter(matrices: Array, rows: IntArray, size: int) -> csc_array:
+    """Sum cell matrices (cells, m, m) into a sparse one (size, size) at the dofs rows (cells, m)."""
+    i, j = np.broadcast_arrays(rows[:, :, None], rows[:, None, :])
+    return coo_array((matrices.ravel(), (i.ravel(), j.ravel())), shape=(size, size)).tocsc()
+
+
+def on_free(A: csc_array, free: IntArray) -> csc_array:
+    """Rows and columns of the free dofs, without stored zeros, exactly symmetric."""
+    A = csc_array(A[:, free][free])
+    A = csc_array(0.5 * (A + A.T))
+    A.eliminate_zeros()
+    return A
+
+
+def facet_shape_products(mesh: MeshData, facets: IntArray) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Integrals of N_i N_j over facets (m, k, k), their nodes (m, k), and the area or length of each (m,)."""
+    nodes = mesh.facet_nodes(facets)
+    on = mapped(mesh.cell_kind.facet, mesh.points, nodes)
+    products = np.einsum("iq,jq,mq->mij", on.values, on.values, on.measure, optimize=True)
+    return products, nodes, on.measure.sum(axis=1)

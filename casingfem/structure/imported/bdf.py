@@ -1,0 +1,213 @@
+"""Read the mesh of a Nastran bulk data file: GRID, solid and shell elements, single point constraints.
+
+A parser of our own, for small, large and free fields: it keeps the file's numbers and the constraint sets, and refuses
+what would move nodes behind the reader's back (coordinate systems, includes). Elements of property 7 are the group
+`PID 7`; the grids of SPC and SPC1 with set 3 on components 123 are `SPC 3 123`, and all of set 3 `SPC 3`.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from casingfem.errors import ModelError, doubt
+from casingfem.io.arrays import IntArray
+from casingfem.structure.imported.draft import Block, Draft, Lookup
+
+SOLIDS = {
+    ("CTETRA", 4): "tetra", ("CTETRA", 10): "tetra10", ("CHEXA", 8): "hexahedron", ("CHEXA", 20): "hexahedron20",
+    ("CPENTA", 6): "wedge", ("CPENTA", 15): "wedge15", ("CPYRAM", 5): "pyramid", ("CPYRAM", 13): "pyramid13",
+}  # fmt: skip
+SHELLS = {"CQUAD4": ("quad", 4), "CQUADR": ("quad", 4), "CQUAD8": ("quad8", 8), "CQUAD": ("quad9", 9),
+          "CTRIA3": ("triangle", 3), "CTRIAR": ("triangle", 3), "CTRIA6": ("triangle6", 6)}  # fmt: skip
+PLACES = {"CTETRA": 10, "CHEXA": 20, "CPENTA": 15, "CPYRAM": 13}
+BRICK20 = (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)  # upright edges come before the upper ones here
+CONSTRAINTS = ("RBE2", "RBE3", "RBAR", "MPC", "CELAS1", "CELAS2", "CBUSH", "CONM2", "CBAR", "CBEAM", "CROD")
+SHORT_EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
+
+
+@dataclass(slots=True)
+class Card:
+    """One card: its line, name and fields after the name."""
+
+    line: int
+    name: str
+    fields: list[str]
+
+
+def read_bdf(path: Path) -> Draft:
+    """The mesh of a bulk data file.
+
+    Raises
+    ------
+    ModelError
+        With the line, if the file is malformed or has what cannot be read.
+    """
+    return Parser(path.name).read(path.read_text(encoding="utf-8", errors="replace"))
+
+
+def split_line(line: str) -> tuple[str, list[str]]:
+    """Name and data fields of one line in free, large or small fields.
+
+    >>> split_line("GRID*   1                               0.5             0.25            *")
+    ('GRID*', ['1', '', '0.5', '0.25'])
+    >>> split_line("CTETRA,1,7,1,2,3,4")
+    ('CTETRA', ['1', '7', '1', '2', '3', '4'])
+    """
+    if "," in line:
+        head, *data = [part.strip() for part in line.split(",")]
+        return head, data[: 4 if "*" in head else 8]
+    line = line.expandtabs(8)
+    head, width = line[:8].strip(), 16 if "*" in line[:8] else 8
+    body = line[8:72].ljust(64)
+    data = [body[k : k + width].strip() for k in range(0, 64, width)]
+    while data and not data[-1]:
+        data.pop()
+    return head, data
+
+
+def cards(text: str) -> Iterator[Card]:
+    """Cards of the bulk data, continuations joined, comments left out."""
+    lines = text.splitlines()
+    begin = next((k + 1 for k, line in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), 0)
+    card: Card | None = None
+    full = 0
+    for number, raw in enumerate(lines[begin:], begin + 1):
+        line = raw.partition("$")[0].rstrip()
+        if not line.strip():
+            continue
+        head, data = split_line(line)
+        if head.upper().startswith("ENDDATA"):
+            break
+        if card is not None and (not head or head[0] in "+*"):
+            card.fields += [""] * (full - len(card.fields))
+            card.fields += data
+        else:
+            if card is not None:
+                yield card
+            card, full = Card(number, head.rstrip("*").upper(), data), 0
+        full += 4 if "*" in head else 8
+    if card is not None:
+        yield card
+
+
+class Parser:
+    """State of one reading."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.grids: list[tuple[int, float, float, float]] = []
+        self.elements: dict[str, list[tuple[int, int, list[int]]]] = {}  # kind -> number, property, nodes
+        self.constraints: dict[tuple[str, str], list[int]] = {}  # set, components -> grids
+        self.left_out: dict[str, int] = {}
+
+    def fault(self, card: Card, message: str) -> ModelError:
+        """A malformed file."""
+        return ModelError("mesh-file", f"{self.source}: line {card.line}: {card.name}: {message}")
+
+    def read(self, text: str) -> Draft:
+        """Take every card in turn."""
+        for card in cards(text):
+            if card.name == "GRID":
+                self.take_grid(card)
+            elif card.name in PLACES or card.name in SHELLS:
+                self.take_element(card)
+            elif card.name in ("SPC", "SPC1"):
+                self.take_constraint(card)
+            elif card.name.startswith("INCLUDE"):
+                raise self.fault(card, "refers to another file, expected a flat mesh")
+            elif card.name in CONSTRAINTS:
+                self.left_out[card.name] = self.left_out.get(card.name, 0) + 1
+        if self.left_out:
+            found = ", ".join(f"{count} {name}" for name, count in self.left_out.items())
+            doubt("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
+        return self.draft()
+
+    def integer(self, card: Card, text: str) -> int:
+        """A whole number."""
+        try:
+            return int(text)
+        except ValueError:
+            raise self.fault(card, f"found {text!r}, expected a whole number") from None
+
+    def real(self, card: Card, text: str) -> float:
+        """A real number in Nastran's ways: 1.5, 1.5-3, 1.5D-3; empty is zero."""
+        plain = SHORT_EXPONENT.sub(r"e\1", text.upper().replace("D", "E").lower()) if "e" not in text.lower() else text
+        try:
+            return float(plain or 0.0)
+        except ValueError:
+            raise self.fault(card, f"found {text!r}, expected a real number") from None
+
+    def take_grid(self, card: Card) -> None:
+        """GRID: number, coordinate system, x, y, z, ..."""
+        fields = [*card.fields, "", "", "", "", ""]
+        if fields[1] not in ("", "0"):
+            raise self.fault(card, f"grid {fields[0]} in coordinate system {fields[1]}, expected the basic one")
+        x, y, z = (self.real(card, text) for text in fields[2:5])
+        number = self.integer(card, fields[0])
+        self.grids.append((number, x, y, z))
+        if len(fields) > 11 and card.fields[6:7] not in ([], [""]):
+            self.constraints.setdefault(("PS", card.fields[6]), []).append(number)
+
+    def take_element(self, card: Card) -> None:
+        """An element: number, property, nodes."""
+        places = PLACES.get(card.name) or SHELLS[card.name][1]
+        number = self.integer(card, card.fields[0])
+        given = [text for text in card.fields[2 : 2 + places] if text]
+        kind = SOLIDS.get((card.name, len(given))) if card.name in PLACES else SHELLS[card.name][0]
+        if kind is None or (card.name in SHELLS and len(given) != places):
+            raise self.fault(card, f"element {number} has {len(given)} nodes, expected all or none of the middle ones")
+        nodes = [self.integer(card, text) for text in given]
+        owner = self.integer(card, card.fields[1] or str(number))
+        self.elements.setdefault(kind, []).append((number, owner, nodes))
+
+    def take_constraint(self, card: Card) -> None:
+        """SPC: set, grid, components, value, ...; SPC1: set, components, grids or first THRU last."""
+        fields = card.fields
+        if card.name == "SPC":
+            for k in range(1, len(fields) - 1, 3):
+                if fields[k]:
+                    grid = self.integer(card, fields[k])
+                    self.constraints.setdefault((fields[0], fields[k + 1]), []).append(grid)
+            return
+        grids = [text for text in fields[2:] if text]
+        if len(grids) == 3 and grids[1].upper() == "THRU":
+            first, last = self.integer(card, grids[0]), self.integer(card, grids[2])
+            known = {grid[0] for grid in self.grids}
+            members = [n for n in range(first, last + 1) if n in known]
+        else:
+            members = [self.integer(card, text) for text in grids]
+        self.constraints.setdefault((fields[0], fields[1]), []).extend(members)
+
+    def draft(self) -> Draft:
+        """Numbers to indices."""
+        if not self.grids or not self.elements:
+            found = f"{len(self.grids)} grids and no elements"
+            raise ModelError("mesh-no-cells", f"{self.source}: found {found}")
+        table = np.array(self.grids)
+        numbers = table[:, 0].astype(np.int64)
+        nodes = Lookup(numbers, self.source, "grid")
+        blocks: list[Block] = []
+        cell_sets: dict[str, list[tuple[int, IntArray]]] = {}
+        for kind, rows in self.elements.items():
+            cells = nodes(np.array([row[2] for row in rows]))
+            if kind == "hexahedron20":
+                cells = cells[:, BRICK20]
+            owners = np.array([row[1] for row in rows])
+            for owner in np.unique(owners):
+                cell_sets.setdefault(f"PID {owner}", []).append((len(blocks), np.flatnonzero(owners == owner)))
+            blocks.append(Block(kind, cells, np.array([row[0] for row in rows])))
+        Lookup(np.concatenate([b.numbers for b in blocks]), self.source, "element")
+        node_sets: dict[str, list[int]] = {}
+        for (load_set, components), members in self.constraints.items():
+            node_sets.setdefault(f"SPC {load_set} {components}", []).extend(members)
+            node_sets.setdefault(f"SPC {load_set}", []).extend(members)
+        return Draft(
+            points=table[:, 1:],
+            node_numbers=numbers,
+            blocks=blocks,
+            node_sets={name: nodes(np.array(members, dtype=np.int64)) for name, members in node_sets.items()},
+            cell_sets=cell_sets,
+        )

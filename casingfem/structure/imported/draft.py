@@ -1,0 +1,149 @@
+"""From what a mesh file holds to a `MeshData`: cells of one kind, everything else as groups."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from casingfem.errors import ModelError, doubt
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.cell_kind import KINDS
+from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
+
+DIMENSIONS = {"vertex": 0, "wedge": 3, "pyramid": 3, "polygon": 2} | {name: kind.dim for name, kind in KINDS.items()}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """Cells of one kind: node indices (cells, nodes) in VTK's order, and the numbers they have in the file."""
+
+    kind: str
+    cells: IntArray
+    numbers: IntArray
+
+    @property
+    def dim(self) -> int:
+        """Dimension of the cells; 3 for kinds that nobody here knows, so that they are refused and not passed over."""
+        return DIMENSIONS.get(self.kind, DIMENSIONS.get(self.kind.rstrip("0123456789"), 3))
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Draft:
+    """What a reader found.
+
+    `node_sets` are node indices; `cell_sets` pairs (block, rows); `facet_sets` corner node indices (m, corners).
+    """
+
+    points: FloatArray
+    node_numbers: IntArray
+    blocks: Sequence[Block]
+    node_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    cell_sets: Mapping[str, Sequence[tuple[int, IntArray]]] = field(default_factory=dict)
+    facet_sets: Mapping[str, IntArray] = field(default_factory=dict)
+
+
+class Lookup:
+    """Numbers of a file -> indices; unknown and repeated numbers are refused."""
+
+    def __init__(self, numbers: IntArray, source: str, what: str) -> None:
+        self.order = np.argsort(numbers, kind="stable")
+        self.sorted, self.source, self.what = numbers[self.order], source, what
+        twice = self.sorted[:-1][np.diff(self.sorted) == 0]
+        if len(twice):
+            raise ModelError("mesh-file", f"{source}: {what} {twice[0]} is given twice")
+
+    def __call__(self, wanted: IntArray) -> IntArray:
+        """Indices of numbers, of their shape."""
+        place = np.minimum(np.searchsorted(self.sorted, wanted), len(self.sorted) - 1)
+        missing = np.asarray(wanted)[self.sorted[place] != wanted]
+        if len(missing):
+            raise ModelError("mesh-file", f"{self.source}: {self.what} {missing[0]} is named but not given")
+        return np.asarray(self.order[place])
+
+
+def build(draft: Draft, source: str) -> MeshData:
+    """The mesh of a draft.
+
+    Raises
+    ------
+    ModelError
+        Without cells, with several kinds of the highest dimension, or with a kind that is not supported.
+    """
+    dims = [block.dim for block in draft.blocks]
+    top = max(dims, default=0)
+    kinds = Counter({b.kind: 0 for b in draft.blocks if b.dim == top})
+    for block in draft.blocks:
+        if block.dim == top:
+            kinds[block.kind] += len(block.cells)
+    found = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    if top < 2:
+        raise ModelError("mesh-no-cells", f"{source}: found {found or 'no cells'}")
+    if len(kinds) > 1:
+        raise ModelError("mesh-mixed-cells", f"{source}: found {found}")
+    kind = next(iter(kinds))
+    if kind not in KINDS or kind.startswith("triangle"):
+        raise ModelError("mesh-unsupported-cell", f"{source}: found {found}")
+    main = [k for k, dim in enumerate(dims) if dim == top]
+    start = dict(zip(main, np.cumsum([0, *(len(draft.blocks[k].cells) for k in main)]).tolist(), strict=False))
+    mesh = MeshData(
+        kind=kind,
+        points=draft.points,
+        cells=np.concatenate([draft.blocks[k].cells for k in main]),
+        cell_numbers=np.concatenate([draft.blocks[k].numbers for k in main]),
+        node_numbers=draft.node_numbers,
+        source=source,
+    )
+    names = dict.fromkeys([*draft.cell_sets, *draft.facet_sets, *draft.node_sets])
+    return replace(mesh, groups={name: make_group(name, draft, mesh, start) for name in names})
+
+
+def make_group(name: str, draft: Draft, mesh: MeshData, start: Mapping[int, int]) -> Group:
+    """One group from all that the file gives this name: nodes, cells of the mesh, facets, smaller cells."""
+    nodes = [np.asarray(draft.node_sets.get(name, []), dtype=np.int64)]
+    cells, corners = [np.zeros(0, dtype=np.int64)], []
+    below = mesh.cell_kind.dim - 1
+    for k, rows in draft.cell_sets.get(name, ()):
+        block = draft.blocks[k]
+        nodes.append(block.cells[rows].ravel())
+        if k in start:
+            cells.append(start[k] + np.asarray(rows, dtype=np.int64))
+        elif block.dim == below and len(rows):
+            corners.append(block.cells[rows][:, : len(KINDS[block.kind].corners)])
+    if name in draft.facet_sets:
+        corners.append(draft.facet_sets[name])
+    facets = [locate(name, part, mesh) for part in corners]
+    nodes += [mesh.facet_nodes(part).ravel() for part in facets]
+    return Group(
+        nodes=np.concatenate(nodes), cells=np.concatenate(cells), facets=np.concatenate(facets) if facets else None
+    )
+
+
+def locate(name: str, corners: IntArray, mesh: MeshData) -> IntArray:
+    """Facets given by corners as (cell, local facet); those of no cell are doubted and left out."""
+    facets = find_facets(mesh, corners) if corners.shape[1] == mesh.facets.shape[2] else np.full((len(corners), 2), -1)
+    lost = int(np.count_nonzero(facets[:, 0] < 0))
+    if lost:
+        found = f"{mesh.source}: group {name!r} has {lost} of {len(corners)} facets that belong to no cell"
+        doubt("mesh-loose-facets", found, stacklevel=6)
+    return facets[facets[:, 0] >= 0]
+
+
+def joined(mesh: MeshData, distance: float) -> MeshData:
+    """The mesh with nodes closer than a distance [m] made one."""
+    pairs = cKDTree(mesh.points).query_pairs(distance, output_type="ndarray")
+    count = len(mesh.points)
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, part = connected_components(graph, directed=False)
+    _, first, place = np.unique(part, return_index=True, return_inverse=True)
+    groups = {name: replace(group, nodes=place[group.nodes]) for name, group in mesh.groups.items()}
+    return replace(
+        mesh,
+        points=mesh.points[first],
+        cells=place[mesh.cells],
+        groups=groups,
+        node_numbers=mesh.node_numbers[first],
+    )

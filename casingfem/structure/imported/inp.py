@@ -1,0 +1,230 @@
+"""Read the mesh of an Abaqus or CalculiX input file: nodes, elements, node sets, element sets, element surfaces.
+
+A parser of our own: it keeps the file's numbers, every block of nodes, nested sets and surfaces, and it refuses what
+would move or merge nodes behind the reader's back (instances, coordinate systems, includes). What is not geometry
+(materials, steps) is passed over.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from casingfem.errors import ModelError, doubt
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.draft import Block, Draft, Lookup
+
+FAMILIES = {
+    "C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "hexahedron20", "C3D6": "wedge",
+    "C3D15": "wedge15", "S4": "quad", "S8": "quad8", "S9": "quad9", "S3": "triangle", "S6": "triangle6",
+    "STRI65": "triangle6", "CPS3": "triangle", "CPS4": "quad", "CPS6": "triangle6", "CPS8": "quad8",
+    "CPE3": "triangle", "CPE4": "quad", "CPE6": "triangle6", "CPE8": "quad8", "M3D3": "triangle", "M3D4": "quad",
+    "M3D6": "triangle6", "M3D8": "quad8", "M3D9": "quad9", "SFM3D3": "triangle", "SFM3D4": "quad",
+    "SFM3D6": "triangle6", "SFM3D8": "quad8", "T3D2": "line", "T3D3": "line3", "B31": "line", "B32": "line3",
+}  # fmt: skip
+NODES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15, "quad": 4,
+         "quad8": 8, "quad9": 9, "triangle": 3, "triangle6": 6, "line": 2, "line3": 3}  # fmt: skip
+TETRA_FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))  # S1 to S4
+CUBE_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))  # S1 to S6
+REFUSED = {"INCLUDE": "another file", "SYSTEM": "a local coordinate system"}
+CONSTRAINTS = ("TIE", "EQUATION", "MPC", "RIGID BODY", "COUPLING", "SHELL TO SOLID COUPLING")
+
+
+@dataclass(slots=True)
+class Card:
+    """One keyword: its line, parameters and data lines with their line numbers."""
+
+    line: int
+    keyword: str
+    parameters: dict[str, str]
+    data: list[tuple[int, str]] = field(default_factory=list)
+
+
+def read_inp(path: Path) -> Draft:
+    """The mesh of an input file.
+
+    Raises
+    ------
+    ModelError
+        With the line, if the file is malformed or has what cannot be read.
+    """
+    return Parser(path.name).read(path.read_text(encoding="utf-8", errors="replace"))
+
+
+def cards(text: str) -> Iterator[Card]:
+    """Keywords with their data; comments and empty lines are left out, continued keyword lines joined."""
+    card: Card | None = None
+    for number, raw in enumerate(text.splitlines(), 1):
+        line = raw.strip()
+        if not line or line.startswith("**"):
+            continue
+        if line.startswith("*"):
+            if card is not None:
+                yield card
+            head, *rest = [part.strip() for part in line[1:].split(",")]
+            pairs = (part.partition("=") for part in rest if part)
+            card = Card(number, " ".join(head.upper().split()), {k.strip().upper(): v.strip() for k, _, v in pairs})
+        elif card is not None:
+            card.data.append((number, line))
+    if card is not None:
+        yield card
+
+
+class Parser:
+    """State of one reading: numbers of nodes and elements, and the sets in the order of the file."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.points: list[FloatArray] = []
+        self.numbers: list[IntArray] = []
+        self.elements: list[tuple[str, IntArray, IntArray]] = []  # kind, numbers, node numbers
+        self.node_sets: dict[str, list[IntArray]] = {}
+        self.element_sets: dict[str, list[IntArray]] = {}
+        self.surfaces: dict[str, list[tuple[IntArray, str]]] = {}
+        self.spelling: dict[str, str] = {}
+
+    def fault(self, line: int, message: str) -> ModelError:
+        """A malformed file."""
+        return ModelError("mesh-file", f"{self.source}: line {line}: {message}")
+
+    def read(self, text: str) -> Draft:
+        """Take every card in turn."""
+        takers = {"NODE": self.take_nodes, "ELEMENT": self.take_elements, "NSET": self.take_set,
+                  "ELSET": self.take_set, "SURFACE": self.take_surface}  # fmt: skip
+        parts = 0
+        left_out: dict[str, int] = {}
+        for card in cards(text):
+            if card.keyword in REFUSED:
+                raise self.fault(card.line, f"*{card.keyword} refers to {REFUSED[card.keyword]}, expected a flat mesh")
+            parts += card.keyword == "PART"
+            if parts > 1 or (card.keyword == "INSTANCE" and card.data):
+                raise self.fault(card.line, f"*{card.keyword}: several parts or a moved instance, expected a flat mesh")
+            if card.keyword in CONSTRAINTS:
+                left_out[card.keyword] = card.line
+            if card.keyword in takers:
+                takers[card.keyword](card)
+        if left_out:
+            found = ", ".join(f"*{name} (line {line})" for name, line in left_out.items())
+            doubt("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
+        return self.draft()
+
+    def values(self, card: Card, kind: type) -> list[list[Any]]:
+        """The numbers on each data line."""
+        rows = []
+        for line, text in card.data:
+            try:
+                rows.append([kind(cell) for cell in text.rstrip(",").split(",")])
+            except ValueError:
+                raise self.fault(line, f"found {text!r}, expected numbers") from None
+        return rows
+
+    def take_nodes(self, card: Card) -> None:
+        """*NODE: number, x, y, z."""
+        rows = self.values(card, float)
+        for (line, text), row in zip(card.data, rows, strict=True):
+            if len(row) != 4:
+                raise self.fault(line, f"found {text!r}, expected a node number and x, y, z")
+        table = np.array(rows, dtype=float).reshape(-1, 4)
+        self.points.append(table[:, 1:])
+        self.numbers.append(table[:, 0].astype(np.int64))
+        if "NSET" in card.parameters:
+            self.add(self.node_sets, card.parameters["NSET"], self.numbers[-1])
+
+    def take_elements(self, card: Card) -> None:
+        """*ELEMENT: number and nodes, over as many lines as they need."""
+        name = card.parameters.get("TYPE", "").upper()
+        families = [family for family in FAMILIES if name.startswith(family) and not name[len(family) :][:1].isdigit()]
+        if not families:
+            raise ModelError("mesh-unsupported-cell", f"{self.source}: line {card.line}: *ELEMENT of type {name!r}")
+        kind = FAMILIES[max(families, key=len)]
+        flat = np.array([n for row in self.values(card, int) for n in row], dtype=np.int64)
+        if len(flat) % (NODES[kind] + 1):
+            raise self.fault(card.line, f"*ELEMENT {name}: {len(flat)} numbers, expected {NODES[kind] + 1} an element")
+        table = flat.reshape(-1, NODES[kind] + 1)
+        self.elements.append((kind, table[:, 0], table[:, 1:]))
+        if "ELSET" in card.parameters:
+            self.add(self.element_sets, card.parameters["ELSET"], table[:, 0])
+
+    def take_set(self, card: Card) -> None:
+        """*NSET and *ELSET: numbers, ranges, names of other sets."""
+        sets = self.node_sets if card.keyword == "NSET" else self.element_sets
+        name = card.parameters.get(card.keyword, "")
+        if not name:
+            raise self.fault(card.line, f"*{card.keyword} without a name")
+        found: list[IntArray] = []
+        for line, text in card.data:
+            cells = [cell.strip() for cell in text.rstrip(",").split(",")]
+            if "GENERATE" in card.parameters:
+                try:
+                    first, last, step = [*map(int, cells), 1][:3]
+                    found.append(np.arange(first, last + 1, step))
+                except ValueError:
+                    raise self.fault(line, f"found {text!r}, expected first, last, step") from None
+                continue
+            found += [self.numbers_of(sets, cell, line) for cell in cells if cell]
+        self.add(sets, name, np.concatenate([*found, np.zeros(0, dtype=np.int64)]))
+
+    def numbers_of(self, sets: dict[str, list[IntArray]], cell: str, line: int) -> IntArray:
+        """A number, or the members of a set named before."""
+        if cell.isdigit():
+            return np.array([int(cell)])
+        if cell.upper() not in sets:
+            raise self.fault(line, f"no set {cell!r} up to here")
+        return np.concatenate(sets[cell.upper()])
+
+    def take_surface(self, card: Card) -> None:
+        """*SURFACE of TYPE=ELEMENT: element or set, face S1, S2, ..."""
+        if card.parameters.get("TYPE", "ELEMENT").upper() != "ELEMENT":
+            return
+        name = card.parameters.get("NAME", "")
+        entries = self.surfaces.setdefault(name.upper(), [])
+        self.spelling.setdefault(name.upper(), name)
+        for line, text in card.data:
+            cells = [cell.strip() for cell in text.split(",")]
+            if len(cells) < 2 or not cells[1]:
+                raise self.fault(line, f"found {text!r}, expected an element or set and a face such as S1")
+            entries.append((self.numbers_of(self.element_sets, cells[0], line), cells[1].upper()))
+
+    def add(self, sets: dict[str, list[IntArray]], name: str, numbers: IntArray) -> None:
+        """Add numbers to a set; names do not know case."""
+        self.spelling.setdefault(name.upper(), name)
+        sets.setdefault(name.upper(), []).append(numbers.astype(np.int64))
+
+    def draft(self) -> Draft:
+        """Numbers to indices."""
+        if not self.points or not self.elements:
+            raise ModelError("mesh-no-cells", f"{self.source}: found {len(self.points)} node blocks and no elements")
+        numbers = np.concatenate(self.numbers)
+        nodes = Lookup(numbers, self.source, "node")
+        blocks = [Block(kind, nodes(cells), ids) for kind, ids, cells in self.elements]
+        elements = Lookup(np.concatenate([b.numbers for b in blocks]), self.source, "element")
+        owner = np.repeat(np.arange(len(blocks)), [len(b.cells) for b in blocks])
+        first = np.cumsum([0, *(len(b.cells) for b in blocks)])
+
+        def rows(ids: IntArray) -> list[tuple[int, IntArray]]:
+            place = elements(ids)
+            return [(int(k), place[owner[place] == k] - first[k]) for k in np.unique(owner[place])]
+
+        return Draft(
+            points=np.concatenate(self.points),
+            node_numbers=numbers,
+            blocks=blocks,
+            node_sets={self.spelling[n]: nodes(np.concatenate(parts)) for n, parts in self.node_sets.items()},
+            cell_sets={self.spelling[n]: rows(np.concatenate(parts)) for n, parts in self.element_sets.items()},
+            facet_sets={
+                self.spelling[name]: np.concatenate(
+                    [self.corners(blocks[k], part, face) for ids, face in entries for k, part in rows(ids)]
+                )
+                for name, entries in self.surfaces.items()
+                if entries
+            },
+        )
+
+    def corners(self, block: Block, rows: IntArray, face: str) -> IntArray:
+        """Corners of one face of elements."""
+        faces = {"tetra": TETRA_FACES, "hexahedron": CUBE_FACES}.get(block.kind.rstrip("0123456789"), ())
+        if not (face[:1] == "S" and face[1:].isdigit() and 1 <= int(face[1:]) <= len(faces)):
+            raise ModelError("mesh-file", f"{self.source}: a surface on face {face!r} of {block.kind} elements")
+        return block.cells[rows][:, list(faces[int(face[1:]) - 1])]

@@ -1,0 +1,147 @@
+"""A mesh as read from a file: points, cells of one kind, and named groups. A value; nothing is judged here."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+
+from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.structure.imported.cell_kind import KINDS, CellKind
+
+NONE: IntArray = frozen(np.zeros(0, dtype=np.int64))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Group:
+    """What a name stands for: nodes always; cells or facets where the file gives them.
+
+    `facets` are pairs (cell, local facet), (m, 2); None where the group holds nodes only.
+    """
+
+    nodes: IntArray
+    cells: IntArray = field(default_factory=lambda: NONE)
+    facets: IntArray | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", frozen(np.unique(np.asarray(self.nodes, dtype=np.int64))))
+        object.__setattr__(self, "cells", frozen(np.unique(np.asarray(self.cells, dtype=np.int64))))
+        if self.facets is not None:
+            object.__setattr__(self, "facets", frozen(np.asarray(self.facets, dtype=np.int64).reshape(-1, 2)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MeshData:
+    """A mesh of one kind of cell, solid or shell.
+
+    Attributes
+    ----------
+    kind
+        Name of the kind of cell, as in `KINDS`.
+    points
+        Positions [m], (nodes, 3).
+    cells
+        Nodes of each cell in VTK's order, (cells, nodes of the kind).
+    groups
+        Name -> Group: what supports and materials refer to.
+    cell_numbers, node_numbers
+        Numbers that cells and nodes have in the file; counted from 1 where the file has none.
+    source
+        Name of the file, for messages.
+
+    Examples
+    --------
+    >>> mesh = MeshData(kind="tetra", points=np.vstack([np.zeros(3), np.eye(3)]), cells=np.array([[0, 1, 2, 3]]))
+    >>> mesh.boundary.tolist()
+    [[0, 0], [0, 1], [0, 2], [0, 3]]
+    """
+
+    kind: str
+    points: FloatArray
+    cells: IntArray
+    groups: Mapping[str, Group] = field(default_factory=dict)
+    cell_numbers: IntArray = field(default_factory=lambda: NONE)
+    node_numbers: IntArray = field(default_factory=lambda: NONE)
+    source: str = "mesh"
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise ValueError(f"{self.source}: cells of kind {self.kind!r}, expected one of {', '.join(KINDS)}")
+        points, cells = np.asarray(self.points, dtype=float), np.asarray(self.cells, dtype=np.int64)
+        wanted = KINDS[self.kind].nodes
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise ValueError(f"{self.source}: points have shape {points.shape}, expected (nodes, 3)")
+        if cells.ndim != 2 or cells.shape[1] != wanted or not len(cells):
+            raise ValueError(f"{self.source}: cells have shape {cells.shape}, expected (at least 1, {wanted})")
+        if cells.min() < 0 or cells.max() >= len(points):
+            raise ValueError(f"{self.source}: cells name nodes outside 0 to {len(points) - 1}")
+        for name, values, count in (("cell_numbers", self.cell_numbers, len(cells)),
+                                    ("node_numbers", self.node_numbers, len(points))):  # fmt: skip
+            numbers = values if len(values) == count else np.arange(1, count + 1)
+            object.__setattr__(self, name, frozen(numbers))
+        object.__setattr__(self, "points", frozen(points))
+        object.__setattr__(self, "cells", frozen(cells))
+        object.__setattr__(self, "groups", MappingProxyType(dict(self.groups)))
+
+    @property
+    def cell_kind(self) -> CellKind:
+        """The kind of its cells."""
+        return KINDS[self.kind]
+
+    @property
+    def used(self) -> IntArray:
+        """Nodes that a cell has, ascending."""
+        return np.unique(self.cells)
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the nodes in use [m]."""
+        return float(np.linalg.norm(np.ptp(self.points[self.used], axis=0)))
+
+    @property
+    def facets(self) -> IntArray:
+        """Corners of every facet of every cell, (cells, facets, corners)."""
+        return self.cells[:, np.array(self.cell_kind.facets)]
+
+    @property
+    def boundary(self) -> IntArray:
+        """Facets that one cell alone has, as pairs (cell, local facet), (m, 2)."""
+        single = self.sharing == 1
+        return np.argwhere(single)
+
+    @property
+    def sharing(self) -> IntArray:
+        """How many cells have each facet, (cells, facets)."""
+        corners = np.sort(self.facets, axis=2)
+        _, inverse, counts = np.unique(corners.reshape(-1, corners.shape[2]), axis=0, return_inverse=True,
+                                       return_counts=True)  # fmt: skip
+        return np.asarray(counts[inverse.ravel()].reshape(corners.shape[:2]))
+
+    def facet_nodes(self, facets: IntArray) -> IntArray:
+        """Nodes of facets (m, 2) in the order of the facet's kind, (m, facet nodes)."""
+        local = self.cell_kind.facet_nodes[facets[:, 1]]
+        return np.take_along_axis(self.cells[facets[:, 0]], local, axis=1)
+
+    def group_facets(self, name: str) -> IntArray:
+        """Facets of a group; for a group of nodes, the boundary facets whose nodes all belong to it."""
+        group = self.groups[name]
+        if group.facets is not None:
+            return group.facets
+        inside = np.zeros(len(self.points), dtype=bool)
+        inside[group.nodes] = True
+        boundary = self.boundary
+        return boundary[inside[self.facet_nodes(boundary)].all(axis=1)]
+
+
+def find_facets(mesh: MeshData, corners: IntArray) -> IntArray:
+    """The (cell, local facet) of facets given by their corners (m, corners); -1 where no cell has them."""
+    own = np.sort(mesh.facets, axis=2).reshape(-1, corners.shape[1])
+    asked = np.sort(corners, axis=1)
+    both = np.concatenate([own, asked])
+    _, code = np.unique(both, axis=0, return_inverse=True)
+    code = code.ravel()
+    first = np.full(code.max() + 1, -1)
+    first[code[: len(own)][::-1]] = np.arange(len(own))[::-1]
+    place = first[code[len(own) :]]
+    count = len(mesh.cell_kind.facets)
+    return np.where(place[:, None] < 0, -1, np.stack([place // count, place % count], axis=1))

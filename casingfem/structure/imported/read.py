@@ -1,0 +1,159 @@
+"""Read a mesh from a file: Gmsh (msh 2.2, 4.1), VTU, Abaqus/CalculiX (inp), Nastran (bdf, nas, dat).
+
+Physical groups, sets and constraints become groups by name, for supports and materials. Gmsh and VTU files are read
+with meshio, whose silence is made good here: what it passes over or cuts short is counted against the file and refused.
+meshio is loaded when a mesh of these formats is read, not before.
+"""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.structure.imported.bdf import read_bdf
+from casingfem.structure.imported.draft import Block, Draft, build, joined
+from casingfem.structure.imported.inp import read_inp
+from casingfem.structure.imported.mesh_data import MeshData
+
+WORDS = ("point", "curve", "surface", "volume")
+
+
+def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0) -> MeshData:
+    """Read a mesh; its format is told by the ending.
+
+    Parameters
+    ----------
+    path
+        A .msh (Gmsh 2.2 or 4.1, text or binary), .vtu, .inp, .bdf, .nas or .dat file.
+    scale
+        What coordinates are multiplied by to be metres: 1e-3 for millimetres.
+    join
+        Nodes closer than this [m] become one; 0 leaves them.
+
+    Raises
+    ------
+    ModelError
+        For a file that is malformed, cut short, or has cells that are not supported.
+    OSError
+        If there is no such file.
+    """
+    file = Path(path)
+    if not (np.isfinite(scale) and scale > 0.0):
+        raise ModelError("mesh-scale", f"{file.name}: scale must be above 0, found {scale!r}")
+    if not (np.isfinite(join) and join >= 0.0):
+        raise ModelError("mesh-scale", f"{file.name}: join must be 0 or a distance, found {join!r}")
+    readers = {".msh": read_gmsh, ".vtu": read_vtu, ".inp": read_inp, ".bdf": read_bdf, ".nas": read_bdf,
+               ".dat": read_bdf}  # fmt: skip
+    reader = readers.get(file.suffix.lower())
+    if reader is None:
+        raise ModelError("mesh-format", f"{file.name}: found the ending {file.suffix!r}")
+    draft = reader(file)
+    mesh = build(draft, file.name)
+    mesh = MeshData(
+        kind=mesh.kind, points=scale * mesh.points, cells=mesh.cells, groups=mesh.groups,
+        cell_numbers=mesh.cell_numbers, node_numbers=mesh.node_numbers, source=mesh.source,
+    )  # fmt: skip
+    return joined(mesh, join) if join > 0.0 else mesh
+
+
+def from_meshio(file: Path, module: str) -> Any:
+    """Call one of meshio's readers; whatever it trips over is a malformed file."""
+    import meshio
+
+    read = {"gmsh": meshio.gmsh.read, "vtu": meshio.vtu.read}[module]
+    try:
+        return read(file)
+    except OSError:
+        raise
+    except Exception as error:
+        what = str(error) or type(error).__name__
+        raise ModelError("mesh-file", f"{file.name}: cannot be read ({what})") from None
+
+
+def blocks_of(mesh: Any, file: Path) -> list[Block]:
+    """Cells as blocks, numbered from 1 in the order of the file."""
+    blocks, start = [], 1
+    for block in mesh.cells:
+        cells = np.asarray(block.data, dtype=np.int64)
+        if cells.ndim != 2:
+            raise ModelError("mesh-unsupported-cell", f"{file.name}: found {block.type}")
+        if cells.size and (cells.min() < 0 or cells.max() >= len(mesh.points)):
+            bad = start + int(np.flatnonzero((cells < 0).any(axis=1) | (cells >= len(mesh.points)).any(axis=1))[0])
+            raise ModelError("mesh-file", f"{file.name}: cell {bad} names a node that is not given")
+        blocks.append(Block(block.type, cells, np.arange(start, start + len(cells))))
+        start += len(cells)
+    return blocks
+
+
+def read_gmsh(file: Path) -> Draft:
+    """Gmsh's msh format; groups are the physical names, or `surface 7` where a number has no name."""
+    content = file.read_bytes()
+    for section in (b"Nodes", b"Elements"):
+        if b"$" + section not in content or b"$End" + section not in content:
+            raise ModelError("mesh-file", f"{file.name}: ${section.decode()} is missing or not closed: cut short?")
+    mesh = from_meshio(file, "gmsh")
+    blocks = blocks_of(mesh, file)
+    names = {(int(dim), int(tag)): name for name, (tag, dim) in mesh.field_data.items()}
+    sets: dict[str, list[tuple[int, Any]]] = {name: [] for name in names.values()}
+    physical = mesh.cell_data.get("gmsh:physical", [])
+    for k, (block, tags) in enumerate(zip(blocks, physical, strict=False)):
+        for tag in np.unique(np.abs(tags)):
+            name = names.get((block.dim, int(tag)), f"{WORDS[block.dim]} {tag}")
+            if tag and name not in mesh.cell_sets:
+                sets.setdefault(name, []).append((k, np.flatnonzero(np.abs(tags) == tag)))
+    for name, parts in mesh.cell_sets.items():  # format 4.1: an entity may be in several groups
+        if name in sets:
+            sets[name] += [(k, rows) for k, rows in enumerate(parts) if rows is not None and len(rows)]
+    points, numbers = np.asarray(mesh.points, dtype=float), np.arange(1, len(mesh.points) + 1)
+    blocks, sets = without_copies(blocks, sets)
+    return Draft(points=points, node_numbers=numbers, blocks=blocks, cell_sets=sets)
+
+
+def without_copies(blocks: list[Block], sets: dict[str, Any]) -> tuple[list[Block], dict[str, Any]]:
+    """Format 2.2 writes a cell once for each of its groups: only the first of each stays, with all its groups."""
+    kept, places = [], []
+    for block in blocks:
+        _, first, place = np.unique(block.cells, axis=0, return_index=True, return_inverse=True)
+        order = np.argsort(first)
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        kept.append(Block(block.kind, block.cells[first[order]], block.numbers[first[order]]))
+        places.append(rank[place.ravel()])
+    moved = {name: [(k, np.unique(places[k][rows])) for k, rows in parts] for name, parts in sets.items()}
+    return kept, moved
+
+
+def read_vtu(file: Path) -> Draft:
+    """VTK's unstructured grid; groups are the integer arrays on cells or points that hold only 0 and 1."""
+    head = file.read_bytes()
+    pieces = re.findall(rb"<Piece\b[^>]*>", head)
+    if len(pieces) != 1:
+        raise ModelError("mesh-file", f"{file.name}: {len(pieces)} pieces, expected one")
+    said = {name.decode(): int(number) for name, number in re.findall(rb'NumberOf(Points|Cells)="(\d+)"', pieces[0])}
+    mesh = from_meshio(file, "vtu")
+    blocks = blocks_of(mesh, file)
+    for name, found in (("Points", len(mesh.points)), ("Cells", sum(len(b.cells) for b in blocks))):
+        if said.get(name) != found:
+            why = "some kinds cannot be read" if name == "Cells" else "cut short?"
+            raise ModelError("mesh-file", f"{file.name}: {found} of {said.get(name)} {name.lower()} were read: {why}")
+    flags = {name: values for name, values in mesh.point_data.items() if is_flag([values])}
+    sets = {
+        name: [(k, np.flatnonzero(rows)) for k, rows in enumerate(parts)]
+        for name, parts in mesh.cell_data.items()
+        if is_flag(parts)
+    }
+    return Draft(
+        points=np.asarray(mesh.points, dtype=float),
+        node_numbers=np.arange(len(mesh.points)),
+        blocks=[Block(b.kind, b.cells, b.numbers - 1) for b in blocks],  # VTK counts from 0
+        node_sets={name: np.flatnonzero(values) for name, values in flags.items()},
+        cell_sets=sets,
+    )
+
+
+def is_flag(parts: list[Any]) -> bool:
+    """Whether arrays hold whole numbers 0 and 1 only, one for each item."""
+    arrays = [np.asarray(part) for part in parts]
+    return all(a.ndim == 1 and a.dtype.kind in "iub" and np.isin(a, (0, 1)).all() for a in arrays)

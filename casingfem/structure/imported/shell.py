@@ -1,0 +1,241 @@
+"""Shells on imported quadrilateral meshes: the degenerated shell (Ahmad) with tied strains (MITC).
+
+The geometry is x + z n, with shape functions for the mid-surface x and the director n alike; displacements u + z w with
+w in the tangent plane of each node: five dofs a node. With covariant components along r and s,
+
+    eps_ab = sym(x,a . u,b),   chi_ab = sym(x,a . w,b + n,a . u,b),   gamma_a = x,a . w + n . u,a
+
+are those of the shell on a chart. Quadratic cells take them from tying points instead of the quadrature points (MITC9:
+Bucalem & Bathe, Int. J. Numer. Meth. Eng. 36, 1993, 3729), which frees thin shells from locking and, unlike reduced
+integration, leaves no hourglass modes. Cells of eight nodes get a ninth in their middle: same geometry, no locking.
+Linear cells tie the transverse shear alone (MITC4: Dvorkin & Bathe, Eng. Comput. 1, 1984, 77).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from casingfem.errors import ModelError, doubt
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.geometry.rigid_body import rigid_left, rigid_motions
+from casingfem.structure.imported.assembly import (
+    CHUNK,
+    MeshSystem,
+    cell_dofs,
+    facet_shape_products,
+    mapped,
+    on_free,
+    scatter,
+)
+from casingfem.structure.imported.cell_kind import SHELLS, shape_functions
+from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
+from casingfem.structure.imported.findings import cells_named
+from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.support import MeshSupport, check_support
+from casingfem.structure.imported.tying import tied_strains
+from casingfem.structure.material import Material
+
+DOFS = 5
+BENT, FOLDED = 10.0, 45.0  # degrees between neighbours: doubted, refused
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MeshShell:
+    """An elastic shell on an imported mesh of quadrilaterals.
+
+    Parameters
+    ----------
+    mesh
+        Cells of kind quad, quad8 or quad9 (`read_mesh`); quad8 is kept as quad9, the new nodes behind the others.
+    thickness
+        Wall thickness t [m], half of it on each side of the mesh.
+    material
+        Isotropic material.
+    supports
+        Group -> `Clamped`, `Fixed` (displacements), or `ElasticEdge(k_face=...)` on the group's edges: t k_face per
+        length on displacements, t^3/12 k_face on rotations.
+    shear_correction
+        Factor of the transverse shear stiffness.
+
+    Raises
+    ------
+    ModelError
+        For a mesh that is not in order or folded, a group it does not have, a support it cannot have.
+
+    Examples
+    --------
+    >>> from casingfem.structure.imported.grid import grid_mesh
+    >>> plate = grid_mesh("quad8", (4, 4), lambda u: np.insert(u, 2, 0.0, axis=1))
+    >>> shell = MeshShell(mesh=plate, thickness=0.01, material=Material(E=210e9, nu=0.3, rho=7800.0))
+    >>> shell.mesh.kind, assemble_mesh_shell(shell).rigid
+    ('quad9', 6)
+    """
+
+    mesh: MeshData
+    thickness: float
+    material: Material
+    supports: Mapping[str, MeshSupport] = field(default_factory=dict)
+    shear_correction: float = 5.0 / 6.0
+
+    def __post_init__(self) -> None:
+        if self.mesh.kind not in SHELLS:
+            raise ModelError("mesh-not-shell", f"{self.mesh.source}: cells of kind {self.mesh.kind}")
+        if not (np.isfinite(self.thickness) and self.thickness > 0.0):
+            raise ModelError("shell-thickness", f"shell.thickness must be above 0, found {self.thickness!r}")
+        check_groups(self.mesh, [*self.supports])
+        for name, support in self.supports.items():
+            check_support(self.mesh, name, support)
+        check_mesh(self.mesh)
+        check_units(self.mesh, self.material)
+        object.__setattr__(self, "mesh", with_centres(self.mesh))
+        object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
+        check_folds(self.mesh)
+
+    def density(self) -> FloatArray:
+        """Mass per area of each cell [kg/m^2], (cells,)."""
+        return np.full(len(self.mesh.cells), self.material.rho * self.thickness)
+
+
+def with_centres(mesh: MeshData) -> MeshData:
+    """Eight-noded cells with a ninth node where their shape functions put the middle; others as they are."""
+    if mesh.kind != "quad8":
+        return mesh
+    weights, _ = shape_functions("quad8", np.array([[0.5], [0.5]]))
+    centres = np.einsum("k,ekc->ec", weights[:, 0], mesh.points[mesh.cells])
+    numbers = len(mesh.points) + np.arange(len(centres))
+    return replace(
+        mesh,
+        kind="quad9",
+        points=np.vstack([mesh.points, centres]),
+        cells=np.column_stack([mesh.cells, numbers]),
+        node_numbers=np.concatenate([mesh.node_numbers, np.zeros(len(centres), dtype=np.int64)]),
+    )
+
+
+def cell_normals(mesh: MeshData) -> FloatArray:
+    """Unit normals of each cell at its nodes, (cells, nodes, 3)."""
+    _, slopes = shape_functions(mesh.kind, np.ascontiguousarray(mesh.cell_kind.places.T))
+    tangents = np.einsum("dkq,ekc->deqc", slopes, mesh.points[mesh.cells])
+    normals = np.cross(tangents[0], tangents[1])
+    return np.asarray(normals / np.linalg.norm(normals, axis=2, keepdims=True))
+
+
+def directors(mesh: MeshData) -> FloatArray:
+    """Unit normals at the nodes, the mean over their cells, (nodes, 3); z at nodes without a cell."""
+    total = np.zeros_like(mesh.points)
+    np.add.at(total, mesh.cells, cell_normals(mesh))
+    size = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.where(size > 0.0, total / np.maximum(size, np.finfo(float).tiny), [0.0, 0.0, 1.0])
+
+
+def tangent_frames(normals: FloatArray) -> FloatArray:
+    """Two tangents e1, e2 = n x e1 at each node, (nodes, 2, 3)."""
+    axis = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    e1 = np.cross(axis, normals)
+    e1 /= np.linalg.norm(e1, axis=1, keepdims=True)
+    return np.stack([e1, np.cross(normals, e1)], axis=1)
+
+
+def check_folds(mesh: MeshData) -> None:
+    """Doubt kinks between cells, refuse folds: one director a node cannot follow them."""
+    cosine = np.einsum("ekc,ekc->ek", cell_normals(mesh), directors(mesh)[mesh.cells]).min(axis=1)
+    angle = 2.0 * np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    if angle.max() > FOLDED:
+        found = f"{cells_named(mesh, np.flatnonzero(angle > FOLDED))} fold by up to {angle.max():.0f} degrees"
+        raise ModelError("mesh-fold", f"{mesh.source}: {found}")
+    if angle.max() > BENT:
+        found = f"{cells_named(mesh, np.flatnonzero(angle > BENT))} meet at up to {angle.max():.0f} degrees"
+        doubt("mesh-kink", f"{mesh.source}: {found}", stacklevel=4)
+
+
+def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
+    """Assemble stiffness and consistent mass of a shell on its free dofs."""
+    mesh = shell.mesh
+    size = DOFS * len(mesh.points)
+    normals = directors(mesh)
+    frames = tangent_frames(normals)
+    dofs = cell_dofs(mesh.cells, DOFS)
+    K = scatter(stiffness(shell, normals, frames), dofs, size)
+    M = scatter(consistent_mass(shell, frames), dofs, size)
+    springs = edge_springs(shell, frames)
+    held = held_dofs(shell)
+    loose = np.zeros(size, dtype=bool)
+    loose[cell_dofs(mesh.used[None], DOFS)] = True
+    loose[held] = False
+    free = np.flatnonzero(loose)
+    material = shell.material
+    return MeshSystem(
+        structure=shell,
+        K=on_free(csc_array(sum(springs, K)), free),
+        M=on_free(M, free),
+        free=free,
+        dofs=DOFS,
+        rigid=rigid_left(rigid_motions(mesh.points, normals, frames), held, springs),
+        frequency_scale=float(np.sqrt(material.E / material.rho) * shell.thickness / mesh.size**2),
+    )
+
+
+def stiffness(shell: MeshShell, normals: FloatArray, frames: FloatArray) -> FloatArray:
+    """Stiffness of each cell, (cells, 5 nodes, 5 nodes), dofs node by node."""
+    mesh, t = shell.mesh, shell.thickness
+    C = shell.material.plane_stress()
+    D = np.zeros((8, 8))
+    D[:3, :3], D[3:6, 3:6] = t * C, t**3 / 12.0 * C
+    D[6, 6] = D[7, 7] = shell.shear_correction * shell.material.shear_modulus * t
+    root = np.linalg.cholesky(D).T  # D = root^T root
+    size = DOFS * mesh.cell_kind.nodes
+    matrices = np.empty((len(mesh.cells), size, size))
+    step = max(1, CHUNK // (20 * 8 * size))
+    for start in range(0, len(mesh.cells), step):
+        cells = mesh.cells[start : start + step]
+        strains, measure = tied_strains(mesh.kind, mesh.points[cells], normals[cells], frames[cells])
+        weighted = (root @ strains) * np.sqrt(measure)[:, :, None, None]
+        flat = weighted.reshape(len(cells), -1, size)
+        np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[start : start + step])
+    return matrices
+
+
+def consistent_mass(shell: MeshShell, frames: FloatArray) -> FloatArray:
+    """Mass of each cell, (cells, 5 nodes, 5 nodes): rho t u.v + rho t^3/12 w.w."""
+    mesh = shell.mesh
+    on = mapped(mesh.kind, mesh.points, mesh.cells)
+    products = np.einsum("iq,jq,eq->eij", on.values, on.values, on.measure, optimize=True)
+    rho, t = shell.material.rho, shell.thickness
+    return five_dofs(rho * t * products, rho * t**3 / 12.0 * products, frames[mesh.cells])
+
+
+def five_dofs(moved: FloatArray, turned: FloatArray, frames: FloatArray) -> FloatArray:
+    """Matrices (cells, 5 k, 5 k) from scalar ones (cells, k, k) on u.v and on w.w, tangents (cells, k, 2, 3)."""
+    cells, k = moved.shape[:2]
+    matrices = np.zeros((cells, k, DOFS, k, DOFS))
+    for i in range(3):
+        matrices[:, :, i, :, i] = moved
+    along = np.einsum("eiac,ejbc->eiajb", frames, frames)
+    matrices[:, :, 3:, :, 3:] = turned[:, :, None, :, None] * along
+    return matrices.reshape(cells, DOFS * k, DOFS * k)
+
+
+def edge_springs(shell: MeshShell, frames: FloatArray) -> list[csc_array]:
+    """Springs of each elastic edge."""
+    size = DOFS * len(shell.mesh.points)
+    springs = []
+    for name, support in shell.supports.items():
+        if isinstance(support, ElasticEdge):
+            products, nodes, _ = facet_shape_products(shell.mesh, shell.mesh.group_facets(name))
+            k, t = support.k_face, shell.thickness
+            matrices = five_dofs(k * t * products, k * t**3 / 12.0 * products, frames[nodes])
+            springs.append(scatter(matrices, cell_dofs(nodes, DOFS), size))
+    return springs
+
+
+def held_dofs(shell: MeshShell) -> IntArray:
+    """Dofs held by clamps and fixed directions."""
+    parts = [
+        (shell.mesh.groups[name].nodes[:, None] * DOFS + list(support.held)).ravel()
+        for name, support in shell.supports.items()
+    ]
+    return np.unique(np.concatenate([*parts, np.zeros(0, dtype=np.int64)])).astype(np.int64)

@@ -1,0 +1,190 @@
+"""Solids on imported meshes: tetrahedra and hexahedra, linear and quadratic, isoparametric.
+
+    a(u, v) = int lambda div u div v + 2 mu eps(u):eps(v),   m(u, v) = int rho u.v
+
+Geometry and displacements have the same shape functions, so the curved faces of quadratic cells are kept. Cells are
+integrated in batches; the mass is consistent.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.geometry.rigid_body import rigid_left, rigid_motions
+from casingfem.structure.imported.assembly import (
+    CHUNK,
+    Mapped,
+    MeshSystem,
+    cell_dofs,
+    facet_shape_products,
+    mapped,
+    on_free,
+    scatter,
+)
+from casingfem.structure.imported.cell_kind import SOLIDS
+from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
+from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.support import MeshSupport, check_support
+from casingfem.structure.material import Material
+
+VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Solid:
+    """An elastic solid on an imported mesh.
+
+    Parameters
+    ----------
+    mesh
+        Cells of one kind: tetra, tetra10, hexahedron, hexahedron20 or hexahedron27 (`read_mesh`).
+    material
+        Of all cells that `materials` does not name.
+    materials
+        Group of cells -> material.
+    supports
+        Group -> `Clamped`, `Fixed`, or `ElasticEdge(k_face=...)`, a foundation [N/m^3] on the group's facets.
+
+    Raises
+    ------
+    ModelError
+        For a mesh that is not in order, a group it does not have, or a support that solids cannot have.
+
+    Examples
+    --------
+    >>> from casingfem.structure.imported.grid import grid_mesh
+    >>> cube = grid_mesh("tetra10", (1, 1, 1), lambda u: u)
+    >>> system = assemble_solid(Solid(mesh=cube, material=Material(E=210e9, nu=0.3, rho=7800.0)))
+    >>> system.size, system.rigid, round(float(system.M.sum()), 6)  # three times the mass
+    (81, 6, 23400.0)
+    """
+
+    mesh: MeshData
+    material: Material
+    materials: Mapping[str, Material] = field(default_factory=dict)
+    supports: Mapping[str, MeshSupport] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.mesh.kind not in SOLIDS:
+            raise ModelError("mesh-not-solid", f"{self.mesh.source}: cells of kind {self.mesh.kind}")
+        check_groups(self.mesh, [*self.materials, *self.supports])
+        for name, support in self.supports.items():
+            check_support(self.mesh, name, support)
+        check_mesh(self.mesh)
+        check_units(self.mesh, self.material)
+        object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
+        object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
+        self.constants()
+
+    def constants(self) -> FloatArray:
+        """E, nu, rho of each cell, (3, cells); a cell in two groups of `materials` is refused."""
+        values = np.tile(np.array([[self.material.E], [self.material.nu], [self.material.rho]]), len(self.mesh.cells))
+        owner = np.full(len(self.mesh.cells), "", dtype=object)
+        for name, material in self.materials.items():
+            cells = self.mesh.groups[name].cells
+            if not len(cells):
+                raise ModelError("mesh-group-no-cells", f"{self.mesh.source}: material of group {name!r}")
+            taken = cells[owner[cells] != ""]
+            if len(taken):
+                number = self.mesh.cell_numbers[taken[0]]
+                found = f"cell {number} has the materials of {owner[taken[0]]!r} and {name!r}"
+                raise ModelError("mesh-material-twice", f"{self.mesh.source}: {found}")
+            owner[cells] = name
+            values[:, cells] = [[material.E], [material.nu], [material.rho]]
+        return values
+
+    def density(self) -> FloatArray:
+        """Mass per volume of each cell [kg/m^3], (cells,)."""
+        return np.asarray(self.constants()[2])
+
+
+def assemble_solid(solid: Solid) -> MeshSystem:
+    """Assemble stiffness and consistent mass of a solid on its free dofs."""
+    mesh = solid.mesh
+    size = 3 * len(mesh.points)
+    dofs = cell_dofs(mesh.cells, 3)
+    on = mapped(mesh.kind, mesh.points, mesh.cells)
+    constants = solid.constants()
+    K = scatter(stiffness(on, constants), dofs, size)
+    M = scatter(consistent_mass(on, constants[2]), dofs, size)
+    springs = foundations(solid)
+    held = held_dofs(solid)
+    loose = np.zeros(size, dtype=bool)
+    loose[cell_dofs(mesh.used[None], 3)] = True
+    loose[held] = False
+    free = np.flatnonzero(loose)
+    area = facet_shape_products(mesh, mesh.boundary)[2].sum()
+    wall = 2.0 * on.measure.sum() / area
+    E, _, rho = constants
+    return MeshSystem(
+        structure=solid,
+        K=on_free(csc_array(sum(springs, K)), free),
+        M=on_free(M, free),
+        free=free,
+        dofs=3,
+        rigid=rigid_left(rigid_motions(mesh.points), held, springs),
+        frequency_scale=float(np.sqrt((E / rho).min()) * wall / mesh.size**2),
+    )
+
+
+def stiffness(on: Mapped, constants: FloatArray) -> FloatArray:
+    """Stiffness of each cell, (cells, 3 nodes, 3 nodes), dofs node by node."""
+    E, nu, _ = constants
+    mu, lam = E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    D = np.zeros((len(E), 6, 6))
+    D[:, :3, :3] = lam[:, None, None]
+    D[:, range(6), range(6)] += np.stack([2 * mu] * 3 + [mu] * 3, axis=1)
+    root = np.linalg.cholesky(D)  # D = root root^T
+    nodes, points = on.values.shape
+    matrices = np.empty((len(E), 3 * nodes, 3 * nodes))
+    step = max(1, CHUNK // (points * 6 * nodes * 3))
+    for start in range(0, len(E), step):
+        part = slice(start, start + step)
+        slopes = np.linalg.inv(on.tangents[part]) @ on.slopes.transpose(2, 0, 1)  # dN/dx, (cells, q, 3, nodes)
+        B = np.zeros((*slopes.shape[:2], 6, nodes, 3))
+        for row, (i, j) in enumerate(VOIGT):
+            B[:, :, row, :, i] += slopes[:, :, j]
+            if i != j:
+                B[:, :, row, :, j] += slopes[:, :, i]
+        B = B.reshape(*slopes.shape[:2], 6, 3 * nodes) * np.sqrt(on.measure[part])[:, :, None, None]
+        flat = (root[part].transpose(0, 2, 1)[:, None] @ B).reshape(len(slopes), points * 6, 3 * nodes)
+        np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[part])
+    return matrices
+
+
+def consistent_mass(on: Mapped, rho: FloatArray) -> FloatArray:
+    """Mass of each cell, (cells, 3 nodes, 3 nodes), dofs node by node."""
+    nodes, points = on.values.shape
+    products = (on.values[:, None] * on.values[None, :]).reshape(-1, points)
+    scalar = ((on.measure * rho[:, None]) @ products.T).reshape(-1, nodes, nodes)
+    matrices = np.zeros((len(rho), nodes, 3, nodes, 3))
+    for i in range(3):
+        matrices[:, :, i, :, i] = scalar
+    return matrices.reshape(len(rho), 3 * nodes, 3 * nodes)
+
+
+def foundations(solid: Solid) -> list[csc_array]:
+    """Springs of each elastic foundation: int k u.v over the facets of its group."""
+    size = 3 * len(solid.mesh.points)
+    springs = []
+    for name, support in solid.supports.items():
+        if isinstance(support, ElasticEdge):
+            products, nodes, _ = facet_shape_products(solid.mesh, solid.mesh.group_facets(name))
+            matrices = support.k_face * np.kron(products, np.eye(3))
+            springs.append(scatter(matrices, cell_dofs(nodes, 3), size))
+    return springs
+
+
+def held_dofs(solid: Solid) -> IntArray:
+    """Dofs held by clamps and fixed directions."""
+    parts = [
+        (solid.mesh.groups[name].nodes[:, None] * 3 + [i for i in support.held if i < 3]).ravel()
+        for name, support in solid.supports.items()
+    ]
+    return np.unique(np.concatenate([*parts, np.zeros(0, dtype=np.int64)])).astype(np.int64)

@@ -1,0 +1,221 @@
+"""Tensor meshes of spectral quadrilaterals over the parameter rectangle of a chart."""
+
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+from skfem import Basis, MeshQuad
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.structure.geometry.chart import Chart, Surface
+from casingfem.structure.mesh.element import ElementQuadLobatto, gauss, lagrange, lobatto
+
+LARGEST = 2_000_000  # unknowns: their factor needs some 20 GB
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShellMesh:
+    """How a shell is divided: polynomial order, rows along the first parameter, elements along the second.
+
+    `rows` is a number of equal rows, or the break points from 0 to 1 (graded towards edges, say).
+    Around a casing take more elements than the largest nodal diameter of interest divided by p/4, an odd
+    number for a perfect casing, a multiple of the bolt count when there are bolts.
+
+    >>> ShellMesh(order=8, rows=1, around=21).breaks.tolist()
+    [0.0, 1.0]
+    """
+
+    order: int = 8
+    rows: int | tuple[float, ...] = 1
+    around: int = 21
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.order, int | np.integer) and 2 <= self.order <= 20):
+            raise ModelError("mesh-order", f"mesh.order must be a whole number from 2 to 20, found {self.order!r}")
+        if not (isinstance(self.around, int | np.integer) and self.around >= 1):
+            raise ModelError("mesh-around", f"mesh.around must be a whole number of at least 1, found {self.around!r}")
+        if isinstance(self.rows, int | np.integer):
+            if self.rows < 1:
+                raise ModelError("mesh-rows", f"mesh.rows must be at least 1, found {self.rows}")
+        else:
+            breaks = np.asarray(self.rows, dtype=float)
+            if len(breaks) < 2 or breaks[0] != 0.0 or breaks[-1] != 1.0 or not np.all(np.diff(breaks) > 0.0):
+                raise ModelError("mesh-rows", f"mesh.rows must increase from 0 to 1, found {self.rows}")
+        unknowns = 5 * self.order**2 * (len(self.breaks) - 1) * self.around
+        if unknowns > LARGEST:
+            raise ModelError("mesh-too-large", f"mesh: some {unknowns:.2g} unknowns")
+
+    @property
+    def breaks(self) -> FloatArray:
+        """Break points of the rows on [0, 1]."""
+        if isinstance(self.rows, int | np.integer):
+            return np.linspace(0.0, 1.0, self.rows + 1)
+        return np.asarray(self.rows, dtype=float)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Edge:
+    """The nodes along one edge, with the parameters and quadrature weights of its Lobatto rule.
+
+    A node shared by two elements stands once, its weights added; `weights` are in parameter units. Element by
+    element: `parts` places their nodes in `nodes`, `shares` are their weights, each (elements of the edge, order + 1).
+    """
+
+    nodes: IntArray
+    weights: FloatArray
+    parts: IntArray
+    shares: FloatArray
+    along: int  # the parameter that varies along the edge
+
+    def arc(self, surface: Surface) -> Array:
+        """Length of edge that the rule gives each node, for the surface at its nodes, (nodes,) [m]."""
+        tangent = surface.x2 if self.along == 1 else surface.x1
+        return np.asarray(np.sqrt(np.einsum("i...,i...->...", tangent, tangent)) * self.weights)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Grid:
+    """Nodes, elements and quadrature of a shell mesh; five dofs a node.
+
+    Attributes
+    ----------
+    nodes
+        Parameters of the nodes, (2, nodes).
+    elements
+        Node numbers, (elements, functions).
+    corner, size
+        Lower corner and extent of each element, (2, elements).
+    table
+        Basis values and local derivatives at the quadrature points, (3, functions, points).
+    points, weights
+        Quadrature on the unit square, (2, points) and (points,).
+    """
+
+    mesh: ShellMesh
+    periodic: bool
+    nodes: FloatArray
+    elements: IntArray
+    corner: FloatArray
+    size: FloatArray
+    table: FloatArray
+    points: FloatArray
+    weights: FloatArray
+    edges: dict[str, Edge] = field(default_factory=dict)
+
+    @property
+    def parameters(self) -> tuple[FloatArray, FloatArray]:
+        """Parameters of all quadrature points, each (elements, points)."""
+        x = self.corner[:, :, None] + self.size[:, :, None] * self.points[:, None, :]
+        return x[0], x[1]
+
+    @property
+    def middle(self) -> FloatArray:
+        """The first parameter in the middle of each element, (elements, 1)."""
+        return np.asarray(self.corner[0] + 0.5 * self.size[0])[:, None]
+
+    @property
+    def measure(self) -> FloatArray:
+        """Quadrature weights in parameter space, (elements, points)."""
+        return np.asarray(self.size[0] * self.size[1])[:, None] * self.weights
+
+
+def tensor_rule(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gauss points of one direction, and the points (2, n^2) and weights (n^2,) of the square."""
+    x, w = gauss(order + 1)
+    points = np.stack([np.repeat(x, len(x)), np.tile(x, len(x))])
+    return x, points, np.outer(w, w).ravel()
+
+
+@cache
+def unit_basis(order: int, rows: int, around: int) -> tuple[FloatArray, IntArray]:
+    """Node places in element units, (2, nodes), and element nodes, from scikit-fem's dof numbering."""
+    u, v = np.meshgrid(np.arange(rows + 1.0), np.arange(around + 1.0), indexing="ij")
+    number = np.arange(u.size).reshape(u.shape)
+    corners = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
+    mesh = MeshQuad(np.stack([u.ravel(), v.ravel()]), np.stack([c.ravel() for c in corners]))
+    one = (np.array([[0.5], [0.5]]), np.array([1.0]))
+    basis = Basis(mesh, ElementQuadLobatto(order), quadrature=one)
+    return basis.doflocs, basis.element_dofs.T.astype(np.int64)
+
+
+def merge_seam(places: FloatArray, elements: IntArray, around: int) -> tuple[FloatArray, IntArray]:
+    """Identify the nodes on the last line of the second parameter with those on the first."""
+    last = np.flatnonzero(np.isclose(places[1], around))
+    first = np.flatnonzero(np.isclose(places[1], 0.0))
+    target = np.arange(places.shape[1])
+    target[last[np.argsort(places[0, last])]] = first[np.argsort(places[0, first])]
+    kept, compact = np.unique(target, return_inverse=True)
+    return places[:, kept], compact[elements]
+
+
+def find_edge(places: FloatArray, held: int, value: float, spans: FloatArray, order: int, wrap: bool) -> Edge:
+    """Nodes with one parameter held at an end, ordered along the edge, with Lobatto weights."""
+    along = 1 - held
+    nodes = np.flatnonzero(np.isclose(places[held], value))
+    nodes = nodes[np.argsort(places[along, nodes])]
+    parts = np.arange(len(spans))[:, None] * order + np.arange(order + 1)
+    if wrap:
+        parts[-1, -1] = 0
+    shares = spans[:, None] * lobatto(order)[1]
+    weights = np.zeros(len(nodes), dtype=spans.dtype)
+    np.add.at(weights, parts, shares)
+    return Edge(nodes=frozen(nodes), weights=frozen(weights), parts=frozen(parts), shares=frozen(shares), along=along)
+
+
+def make_grid(chart: Chart, mesh: ShellMesh) -> Grid:
+    """Lay a mesh over a chart."""
+    (a0, a1), (b0, b1) = chart.bounds
+    lines = (a0 + (a1 - a0) * mesh.breaks, np.linspace(b0, b1, mesh.around + 1))
+    rows = len(lines[0]) - 1
+    places, elements = unit_basis(mesh.order, rows, mesh.around)
+    if chart.periodic:
+        places, elements = merge_seam(places, elements, mesh.around)
+    cell = np.minimum(places.astype(int), [[rows - 1], [mesh.around - 1]])
+    nodes = np.stack([lines[k][cell[k]] + np.diff(lines[k])[cell[k]] * (places[k] - cell[k]) for k in range(2)])
+    i, j = (index.ravel() for index in np.indices((rows, mesh.around)))
+    x, points, weights = tensor_rule(mesh.order)
+    ends = ((0.0, float(rows)), (0.0, float(mesh.around)))
+    edges = {
+        name: find_edge(
+            places, held, ends[held][end], np.diff(lines[1 - held]), mesh.order, chart.periodic and held == 0
+        )
+        for name, (held, end) in chart.edges.items()
+    }
+    return Grid(
+        mesh=mesh,
+        periodic=chart.periodic,
+        nodes=frozen(nodes),
+        elements=frozen(elements),
+        corner=frozen(np.stack([lines[0][i], lines[1][j]])),
+        size=frozen(np.stack([np.diff(lines[0])[i], np.diff(lines[1])[j]])),
+        table=frozen(ElementQuadLobatto(mesh.order).tabulate((x, x))),
+        points=frozen(points),
+        weights=frozen(weights),
+        edges=edges,
+    )
+
+
+def edge_breaks(grid: Grid, edge: str) -> Array:
+    """Ends of the elements along an edge, in its parameter; a closed edge ends a turn after its start."""
+    places = grid.nodes[grid.edges[edge].along, grid.edges[edge].nodes]
+    return (
+        np.append(places, places[0] + 2.0 * np.pi)[:: grid.mesh.order] if grid.periodic else places[:: grid.mesh.order]
+    )
+
+
+def rim_values(grid: Grid, edge: str, along: Array) -> tuple[IntArray, Array]:
+    """Interpolate nodal values along an edge: node numbers and weights, each (points, order + 1).
+
+    Only the nodes of the edge itself take part: a Lagrange polynomial of order p on each element.
+    """
+    order = grid.mesh.order
+    nodes = grid.edges[edge].nodes
+    ring = np.append(nodes, nodes[0]) if grid.periodic else nodes
+    breaks = edge_breaks(grid, edge)
+    x, ends = np.asarray(along), np.real(breaks)
+    if grid.periodic:
+        x = x - 2.0 * np.pi * np.floor((np.real(x) - ends[0]) / (2.0 * np.pi))
+    cell = np.clip(np.searchsorted(ends, np.real(x), side="right") - 1, 0, len(breaks) - 2)
+    local = (x - breaks[cell]) / np.diff(breaks)[cell]
+    return ring[cell[:, None] * order + np.arange(order + 1)], lagrange(order, local)[0].T

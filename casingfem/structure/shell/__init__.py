@@ -1,0 +1,1 @@
+"""A shell as a value, its matrices, loads and prestress."""

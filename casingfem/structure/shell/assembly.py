@@ -1,0 +1,296 @@
+"""Shell -> stiffness and mass matrices.
+
+    a(U, V) = int [t eps:C:eps + t^3/12 chi:C:chi + (5/6) G t gamma.gamma] J
+    m(U, V) = int rho [t u.v + t^3/12 w.w] J
+
+Element stiffness is the product of a weighted strain table with itself, batched over the elements. The mass
+uses the Lobatto rule whose points are the nodes, so M is diagonal. Dofs of a node held in the frame of an
+edge are rotated in the element matrices, and held dofs are left out.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import qr
+from scipy.sparse import block_diag, bsr_array, csc_array, diags_array, eye_array
+from scipy.sparse.linalg import splu
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.linalg.diagonal_mass import diagonalised
+from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.mesh.edge_form import EdgeForm
+from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
+from casingfem.structure.mesh.kinematics import DOFS, STRAINS, dot, frame, strain_slots
+from casingfem.structure.mesh.scatter import scatter_elements
+from casingfem.structure.mesh.shell_mesh import Grid, make_grid
+from casingfem.structure.shell.edges import edge_forms
+from casingfem.structure.shell.prestress import Spin, spin_matrices
+from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.strains import constitutive
+
+CHUNK = 6_000_000  # strain table entries held at a time
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Matrices of a supported shell on its free dofs.
+
+    Attributes
+    ----------
+    shell, grid
+        What was assembled, and on which mesh.
+    K
+        Stiffness, (free, free), symmetric [SI].
+    mass
+        The diagonal of M, (free,).
+    free
+        Numbers of the free dofs among 5 * nodes and those that rings bring after them.
+    frames
+        Rotation of the dofs at nodes held in an edge's frame, (nodes, 5, 5); identity elsewhere.
+    change
+        What makes M diagonal where rings or masses couple it: the free dofs are change @ those of K and `mass`,
+        (free, free); None where nothing is coupled.
+    own
+        Number of dofs that rings bring: turns about the normal at the nodes of their edges.
+    """
+
+    shell: Shell
+    grid: Grid
+    K: csc_array
+    mass: FloatArray
+    free: IntArray
+    frames: FloatArray
+    change: csc_array | None = None
+    own: int = 0
+
+    @property
+    def size(self) -> int:
+        """Number of free dofs."""
+        return len(self.free)
+
+    @cached_property
+    def points(self) -> FloatArray:
+        """Positions of the nodes, (nodes, 3)."""
+        return np.asarray(self.shell.geometry(*self.grid.nodes).surface.x.T)
+
+    def expand(self, vectors: Array) -> Array:
+        """Free dofs (free, columns) -> nodal fields in Cartesian axes, (nodes, 5, columns)."""
+        fields = self._spread(vectors)[: len(self.frames) * DOFS].reshape(len(self.frames), DOFS, -1)
+        return np.asarray(np.einsum("nij,njk->nik", self.frames, fields))
+
+    def expand_own(self, vectors: Array) -> Array:
+        """Free dofs (free, columns) -> the rings' own dofs, (own, columns)."""
+        return self._spread(vectors)[len(self.frames) * DOFS :]
+
+    def restrict(self, forces: Array) -> Array:
+        """Nodal forces in Cartesian axes (nodes, 5, columns) -> work-conjugate free dofs (free, columns)."""
+        turned = np.einsum("nji,njk->nik", self.frames, forces).reshape(len(self.frames) * DOFS, -1)
+        felt = np.vstack([turned, np.zeros((self.own, turned.shape[1]))])[self.free]
+        return np.asarray(felt if self.change is None else self.change.T @ felt)
+
+    def collect(self, fields: Array, own: Array) -> Array:
+        """Back from `expand` and `expand_own`: motions (nodes, 5, columns), (own, columns) -> (free, columns)."""
+        turned = np.einsum("nji,njk->nik", self.frames, fields).reshape(len(self.frames) * DOFS, -1)
+        motions = np.vstack([turned, own])[self.free]
+        return np.asarray(motions if self.change is None else splu(self.change).solve(motions))
+
+    def _spread(self, vectors: Array) -> Array:
+        full = np.zeros((len(self.frames) * DOFS + self.own, vectors.shape[1]), dtype=vectors.dtype)
+        full[self.free] = vectors if self.change is None else self.change @ vectors
+        return full
+
+
+def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
+    """Element stiffness matrices, (elements, 5 functions, 5 functions)."""
+    geometry = shell.geometry(*grid.parameters, grid.middle)
+    L, basis = strain_slots(geometry.surface)
+    L[1:] /= grid.size[:, None, None, :, None]
+    D = constitutive(shell, geometry) * (basis.jacobian * grid.measure)
+    root = np.linalg.cholesky(np.moveaxis(D, (0, 1), (-2, -1)))  # D = root root^T
+    slots = np.einsum("eqts,kteqc->kceqs", root, np.moveaxis(L, 2, 4), optimize=True)
+    functions, points = grid.table.shape[1:]
+    elements = len(grid.elements)
+    step = max(1, CHUNK // (points * STRAINS * functions * DOFS))
+    matrices = np.empty((elements, functions * DOFS, functions * DOFS))
+    for start in range(0, elements, step):
+        part = slots[:, :, start : start + step]
+        strain = np.zeros((part.shape[2], points, STRAINS, functions, DOFS))
+        for k in range(3):
+            weights = np.ascontiguousarray(part[k].transpose(1, 2, 3, 0))[:, :, :, None, :]
+            strain += grid.table[k].T[None, :, None, :, None] * weights
+        flat = strain.reshape(part.shape[2], points * STRAINS, functions * DOFS)
+        np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[start : start + step])
+    return matrices
+
+
+def nodal_mass(shell: Shell, grid: Grid) -> Array:
+    """Lobatto mass at the nodes: (nodes, 2) for displacements and rotations [kg, kg m^2].
+
+    Each element adds its own side of a node, so that M stays diagonal where thickness or density jump.
+    """
+    a, b = grid.nodes[:, grid.elements]
+    geometry = shell.geometry(a, b, grid.middle)
+    density = geometry.rho * geometry.thickness * frame(geometry.surface).jacobian
+    return nodal_sums(grid, np.stack([density, density * geometry.thickness**2 / 12.0], axis=-1))
+
+
+def nodal_sums(grid: Grid, density: Array) -> Array:
+    """Integrate a density per parameter area, given at each element's nodes (elements, functions, k), to the nodes.
+
+    The Lobatto rule: (nodes, k), and their sum is the integral.
+    """
+    _, w = lobatto(grid.mesh.order)
+    i, j = ElementQuadLobatto(grid.mesh.order).pairs.T
+    area = (grid.size[0] * grid.size[1])[:, None] * (w[i] * w[j])
+    sums = np.zeros((grid.nodes.shape[1], density.shape[-1]), dtype=np.result_type(density, area))
+    np.add.at(sums, grid.elements, density * area[:, :, None])
+    return sums
+
+
+def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> Array:
+    """Frame of an edge at parameters (2, nodes), as columns on the five dofs of a node, (nodes, 5, 5).
+
+    Displacements across, along and normal to the edge; rotations of the normal across and along it.
+    """
+    surface = shell.geometry(*parameters).surface
+    basis = frame(surface)
+    tangent = surface.x2 if along == 1 else surface.x1
+    tangent = tangent / np.sqrt(dot(tangent, tangent))
+    across = np.cross(tangent, basis.normal, axis=0)
+    turn = np.zeros((tangent.shape[1], DOFS, DOFS), dtype=tangent.dtype)
+    turn[:, :3, :3] = np.stack([across, tangent, basis.normal], axis=-1).transpose(1, 0, 2)
+    for i, e in enumerate((basis.e1, basis.e2)):
+        turn[:, 3 + i, 3], turn[:, 3 + i, 4] = dot(e, across), dot(e, tangent)
+    return turn
+
+
+def held_frames(shell: Shell, grid: Grid) -> dict[str, Array]:
+    """Edge -> the frames (nodes, 5, 5) in which its support holds the dofs of its nodes; edges that hold any."""
+    frames: dict[str, Array] = {}
+    for name, support in shell.supports.items():
+        edge = grid.edges[name]
+        if support.held and support.frame == "edge":
+            frames[name] = edge_rotation(shell, grid.nodes[:, edge.nodes], edge.along)
+        elif support.held:
+            frames[name] = np.tile(np.eye(DOFS), (len(edge.nodes), 1, 1))
+    return frames
+
+
+def admitted(shell: Shell, grid: Grid, fields: FloatArray) -> Array:
+    """Nodal fields (nodes, 5, k) without what the shell's edges hold: P = I - A (A^T A)^-1 A^T, A the held directions.
+
+    Analytic in the shell: a small change of the surface turns the directions that a diaphragm holds, and the modes of
+    the unchanged shell with them.
+    """
+    directions: dict[int, list[Array]] = {}
+    changed = fields
+    for name, turn in held_frames(shell, grid).items():
+        on, A = grid.edges[name].nodes, turn[:, :, list(shell.supports[name].held)]
+        changed = changed.astype(np.result_type(changed, A))
+        changed[on] = fields[on] - A @ (A.swapaxes(1, 2) @ fields[on])  # A^T A = I on one edge
+        for node, columns in zip(on.tolist(), A, strict=True):
+            directions.setdefault(node, []).append(columns)
+    for node, columns in directions.items():
+        if len(columns) > 1:
+            A = independent(np.hstack(columns))
+            changed[node] = fields[node] - A @ np.linalg.solve(A.T @ A, A.T @ fields[node])
+    return changed
+
+
+def independent(directions: Array) -> Array:
+    """As many of the columns (5, k) as their span needs."""
+    _, R, order = qr(np.real(directions), pivoting=True)
+    return np.asarray(directions[:, order[: np.count_nonzero(np.abs(np.diag(R)) > 1e-6)]])
+
+
+def held_dofs(shell: Shell, grid: Grid) -> tuple[IntArray, FloatArray]:
+    """Free dof numbers, and the frames (nodes, 5, 5) in which the dofs of a node are expressed.
+
+    A corner is held in every direction that one of its two edges holds.
+    """
+    nodes = grid.nodes.shape[1]
+    held = np.zeros((nodes, DOFS), dtype=bool)
+    frames = np.tile(np.eye(DOFS), (nodes, 1, 1))
+    directions: dict[int, list[FloatArray]] = {}
+    for name, turn in held_frames(shell, grid).items():
+        on, which = grid.edges[name].nodes, list(shell.supports[name].held)
+        frames[on] = turn
+        held[on[:, None], which] = True
+        for node, columns in zip(on.tolist(), turn[:, :, which], strict=True):
+            directions.setdefault(node, []).append(columns)
+    for node, columns in directions.items():
+        if len(columns) > 1:
+            frames[node], held[node] = joint_frame(np.hstack(columns))
+    return np.flatnonzero(~held.ravel()), frames
+
+
+def on_free(forms: list[EdgeForm], frames: FloatArray, free: IntArray, own: int) -> csc_array:
+    """What stands on the edges, on the free dofs and in the nodal frames."""
+    nodes = np.arange(len(frames) + 1)
+    size = len(frames) * DOFS + own
+    matrix = sum((form.matrix(size) for form in forms), start=csc_array((size, size)))
+    if np.any(frames != np.eye(DOFS)):
+        turn = block_diag([bsr_array((frames, nodes[:-1], nodes)), eye_array(own)], format="csc")
+        matrix = turn.T @ matrix @ turn
+    return csc_array(matrix[free][:, free])
+
+
+def joint_frame(directions: FloatArray) -> tuple[FloatArray, Array]:
+    """Frame (5, 5) whose first columns span the held directions (5, k) of several edges, and which are held (5,).
+
+    Displacements and rotations stay apart.
+    """
+    turn, held = np.zeros((DOFS, DOFS)), np.zeros(DOFS, dtype=bool)
+    for part in (slice(0, 3), slice(3, DOFS)):
+        turn[part, part], values, _ = np.linalg.svd(directions[part])
+        held[part][: np.count_nonzero(values > 1e-6)] = True
+    return turn, held
+
+
+def assemble(shell: Shell) -> System:
+    """Assemble stiffness and lumped mass of a supported shell.
+
+    A rotating shell has the stiffness of its speed (`prestress`): centrifugal tension and spin softening included.
+
+    >>> from casingfem.structure.geometry.chart import Plate
+    >>> from casingfem.structure.edge.support import Clamped
+    >>> from casingfem.structure.material import Material
+    >>> steel = Material(E=210e9, nu=0.3, rho=7800.0)
+    >>> plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel,
+    ...               supports={"root": Clamped()})
+    >>> system = assemble(plate)
+    >>> bool(abs(system.K - system.K.T).max() < 1e-9 * abs(system.K).max())
+    True
+    """
+    grid = make_grid(shell.chart, shell.mesh)
+    free, frames = held_dofs(shell, grid)
+    K = scatter_elements(element_matrices(shell, grid), grid, frames, free)
+    mass = np.repeat(nodal_mass(shell, grid), (3, 2), axis=1).ravel()[free]
+    forms = edge_forms(shell, grid)
+    free = np.append(free, len(frames) * DOFS + np.arange(forms.own))
+    K.resize(len(free), len(free))
+    K = K + on_free(forms.stiffness, frames, free, forms.own)
+    change = None
+    if forms.mass:
+        lumped = diags_array(np.append(mass, np.zeros(forms.own)))
+        mass, change = diagonalised(csc_array(lumped + on_free(forms.mass, frames, free, forms.own)))
+        K = csc_array(change.T @ K @ change)
+    system = System(shell=shell, grid=grid, K=K, mass=mass, free=free, frames=frames, change=change, own=forms.own)
+    if shell.rotation is None:
+        return system
+    return replace(system, K=csc_array(system.K + spin(system, shell.rotation).stiffness(shell.rotation.omega)))
+
+
+def spin(system: System, rotation: Rotation) -> Spin:
+    """What rotation at 1 rad/s adds to a shell assembled at rest.
+
+    Raises
+    ------
+    ModelError
+        `rotation-ring` where the shell carries rings or masses, whose centrifugal force is not known here.
+    """
+    if system.own or system.change is not None:
+        raise ModelError("rotation-ring", "rotation: found a ring or point masses on an edge")
+    return spin_matrices(system, rotation, nodal_mass(system.shell, system.grid))

@@ -1,0 +1,146 @@
+"""A perfect casing, one small problem per number of nodal diameters.
+
+With u = u^(z) e^(i n theta) in cylindrical components, the same strain slots as the two-dimensional shell
+give, at theta = 0, strain = (L0 + L1 d_z + L2 (i n + e_z x)) u^. Multiplying the hoop displacement and the
+hoop rotation by i makes stiffness and mass real: the reference of the two-dimensional shell, and the fast
+path where nothing varies around.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.linalg.diagonal_mass import diagonalised
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.mesh.element import gauss, lagrange, lobatto
+from casingfem.structure.mesh.kinematics import DOFS, STRAINS, frame, strain_slots
+from casingfem.structure.shell.assembly import edge_rotation
+from casingfem.structure.shell.edges import harmonic_forms
+from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.strains import constitutive
+
+HOOP = np.array([1.0, 1j, 1.0, 1.0, 1j])  # hoop motions are in quadrature
+SPIN = np.zeros((DOFS, DOFS))  # d/d theta of the cylindrical unit vectors at theta = 0
+SPIN[1, 0], SPIN[0, 1] = 1.0, -1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Meridian:
+    """Matrices of one harmonic on the free dofs of a meridian.
+
+    K is (free, free), `mass` its diagonal mass (free,), both per unit angle; `free` numbers the dofs among
+    5 * nodes and the rings' own after them; `z` holds the nodes; `turn` the (nodes, 3, 3) frames of edges held in
+    their own frame; the free dofs are change @ those of K and mass, (free, free), where rings couple M; `own` counts
+    the rings' turns about the normal, one a ring in the order of the supports.
+    """
+
+    n: int
+    K: FloatArray
+    mass: FloatArray
+    free: IntArray
+    z: FloatArray
+    turn: FloatArray
+    change: FloatArray
+    own: int = 0
+
+    def expand(self, vectors: FloatArray) -> FloatArray:
+        """Free dofs (free, modes) -> (nodes, 5, modes): u_r, u_theta, u_z, w_1, w_2 amplitudes.
+
+        The motion is (u_r, -u_theta, u_z, w_1, -w_2) times (cos, sin, cos, cos, sin) of n theta.
+        """
+        fields = self._spread(vectors)[: len(self.z) * DOFS].reshape(len(self.z), DOFS, -1)
+        fields[:, :3] = np.einsum("nij,njk->nik", self.turn, fields[:, :3])
+        return fields
+
+    def expand_own(self, vectors: FloatArray) -> FloatArray:
+        """Free dofs (free, modes) -> turns about the normal at the rings, (own, modes), in quadrature like u_theta."""
+        return self._spread(vectors)[len(self.z) * DOFS :]
+
+    def restrict(self, forces: FloatArray) -> FloatArray:
+        """Nodal forces (5 nodes, columns), in the frames -> work-conjugate free dofs (free, columns)."""
+        felt = np.vstack([forces, np.zeros((self.own, forces.shape[1]))])[self.free]
+        return np.asarray(self.change.T @ felt)
+
+    def _spread(self, vectors: FloatArray) -> FloatArray:
+        full = np.zeros((len(self.z) * DOFS + self.own, vectors.shape[1]))
+        full[self.free] = self.change @ vectors
+        return full
+
+
+def harmonic_matrices(shell: Shell, n: int) -> Meridian:
+    """Stiffness and mass of n nodal diameters of an axisymmetric shell, on its mesh's meridian.
+
+    Raises
+    ------
+    ValueError
+        If anything varies around the shell.
+    """
+    if not shell.axisymmetric:
+        raise ModelError(
+            "modes-method", "one problem per harmonic needs a casing at rest on which nothing varies around"
+        )
+    order = shell.mesh.order
+    (z0, z1), _ = shell.chart.bounds
+    lines = z0 + (z1 - z0) * shell.mesh.breaks
+    size = np.diff(lines)
+    rows = len(size)
+    x, w = gauss(order + 1)
+    z = lines[:-1, None] + size[:, None] * x
+    middle = (lines[:-1] + 0.5 * size)[:, None]
+    geometry = shell.geometry(z, np.zeros_like(z), middle)
+    L, basis = strain_slots(geometry.surface)
+    D = constitutive(shell, geometry) * (basis.jacobian * size[:, None] * w)
+    values, slopes = lagrange(order, x)
+    still = np.einsum("sceq,fq->eqsfc", L[0] + n * 1j * L[2], values)
+    still += np.einsum("sceq,cd,fq->eqsfd", L[2], SPIN, values)
+    strain = still + np.einsum("sceq,fq,e->eqsfc", L[1], slopes, 1.0 / size)
+    strain = (strain * HOOP).reshape(rows, len(x), STRAINS, -1)
+    elements = np.einsum("eqsi,steq,eqtj->eij", strain.conj(), D, strain, optimize=True).real
+
+    nodes = rows * order + 1
+    at = np.arange(rows)[:, None] * order + np.arange(order + 1)
+    dofs = (at[:, :, None] * DOFS + np.arange(DOFS)).reshape(rows, -1)
+    K = np.zeros((nodes * DOFS, nodes * DOFS))
+    for e in range(rows):
+        K[np.ix_(dofs[e], dofs[e])] += elements[e]
+    points, weights = lobatto(order)
+    z = lines[:-1, None] + size[:, None] * points
+    geometry = shell.geometry(z, np.zeros_like(z), middle)
+    density = geometry.rho * geometry.thickness * frame(geometry.surface).jacobian * size[:, None] * weights
+    mass = np.zeros((nodes, 2))
+    np.add.at(mass, at, np.stack([density, density * geometry.thickness**2 / 12.0], axis=-1))
+    return supported(shell, n, K, np.append(z[:, :-1].ravel(), lines[-1]), np.repeat(mass, (3, 2), axis=1))
+
+
+def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, inertia: FloatArray) -> Meridian:
+    """Add springs, turn edges into their frames, and leave out what is held."""
+    turn = np.tile(np.eye(3), (len(z), 1, 1))
+    held = np.zeros((len(z), DOFS), dtype=bool)
+    own = sum(isinstance(support, Ring) for support in shell.supports.values())
+    last = len(K)
+    K, M = np.pad(K, (0, own)), np.diag(np.append(inertia.ravel(), np.zeros(own)))
+    for name, support in shell.supports.items():
+        node = 0 if shell.chart.edges[name][1] == 0 else len(z) - 1
+        stiffness, mass = harmonic_forms(shell, name, n, z[node : node + 1])
+        dofs = np.arange(node * DOFS, node * DOFS + DOFS)
+        if isinstance(support, Ring):
+            dofs, last = np.append(dofs, last), last + 1
+        K[np.ix_(dofs, dofs)] += stiffness
+        M[np.ix_(dofs, dofs)] += mass
+        if support.frame == "edge":
+            turn[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0, :3, :3]
+        held[node, list(support.held)] = True
+    for turned in np.flatnonzero(np.any(turn != np.eye(3), axis=(1, 2))).tolist():
+        part = slice(turned * DOFS, turned * DOFS + 3)
+        # across and normal lie in the meridian plane, along is the hoop direction: K stays real
+        K[part] = turn[turned].T @ K[part]
+        K[:, part] = K[:, part] @ turn[turned]
+    free = np.append(np.flatnonzero(~held.ravel()), np.arange(last - own, last))
+    mass, change = diagonalised(csc_array(M[np.ix_(free, free)]))
+    change = change.toarray()
+    return Meridian(
+        n=n, K=change.T @ K[np.ix_(free, free)] @ change, mass=mass, free=free, z=z, turn=turn, change=change, own=own
+    )

@@ -1,0 +1,80 @@
+"""The mesh that a shell takes where none is given."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from casingfem.structure.edge.bolt_mesh import following
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.geometry.strip import breaks_between
+from casingfem.structure.mesh.edge_form import Sprung
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.variation import around_period, finest_harmonic, grips
+
+if TYPE_CHECKING:
+    from casingfem.structure.shell.shell import Shell
+
+
+def default_mesh(shell: Shell) -> ShellMesh:
+    """The mesh used when none is given; `python -m reports.frustum_convergence` measures the choice.
+
+    Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
+    17 where something varies around, so that turning it changes no frequency by more than some 1e-10 and what symmetry
+    forbids to split stays whole (`reports.splitting`); and 14 nodes a wave of the fields themselves, harmonics below
+    2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned; where springs
+    vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian: the shear
+    layer of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
+    Strips put an element line at each of their ends, and each stretch between them is divided on its own.
+    Bolts are followed: a multiple of their number around, which by itself keeps whole what symmetry does, at 8 nodes a
+    wave where nothing else varies; and a layer along their edge, which is free between them.
+    """
+    (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
+    t, length, span = shell.thinnest, float(a1 - a0), float(b1 - b0)
+    if not shell.chart.periodic:
+        corner = shell.chart.surface(np.array([a0]), np.array([b1]), None)
+        size = float(np.linalg.norm(np.real(corner.x2))) * span
+        around = int(np.clip(round(2.0 * size / length), 2, 8))
+        rows = int(np.clip(round(2.0 * length / size), 2, 8))
+        return ShellMesh(order=8, rows=divided(shell, 1.0 / rows) if shell.strips else rows, around=around)
+    order = 7
+    middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
+    radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
+    lowest = 0.46 * radius / np.sqrt(t * length)
+    finest = max((finest_harmonic(shell, f) for f in shell.defects.values()), default=0)
+    bolted = {edge: support.count for edge, support in grips(shell).items() if isinstance(support, Bolts)}
+    patterned = any(isinstance(support, ElasticEdge) and support.patterns for support in grips(shell).values())
+    only_bolts = bool(bolted) and not (shell.defects or shell.masses or patterned)  # which the mesh follows
+    elements = max((16.0 if shell.axisymmetric or only_bolts else 34.0) * lowest, 14.0 * finest) / order
+    around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
+    springy = any(not s.uniform for s in shell.supports.values() if isinstance(s, Sprung | Ring))
+    period = around_period(shell) if springy else 1
+    whole = period * -(-around // period) if period > 1 else 0
+    if 4.4 * lowest < whole <= 1.25 * around:  # what symmetry forbids to split, the mesh leaves whole
+        around = whole
+    if bolted:
+        around = following(around, int(np.lcm.reduce(list(bolted.values()))))
+    held = {shell.chart.edges[edge] for edge in shell.supports.keys() - bolted.keys()}
+    at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
+    layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
+    longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.locking
+    return ShellMesh(order=order, rows=divided(shell, longest, (layers[0], layers[1])), around=around)
+
+
+def divided(shell: Shell, longest: float, layers: tuple[float, float] = (0.0, 0.0)) -> tuple[float, ...]:
+    """Breaks of the rows: a layer at either end, and stretches between strip ends in equal rows below `longest`.
+
+    A layer wider than half of its stretch is left out.
+    """
+    breaks = breaks_between(shell.strips, shell.chart.bounds[0])
+    rows: set[float] = set()
+    for low, high in pairwise(breaks):
+        first = layers[0] * (low == 0.0 and layers[0] < 0.5 * (high - low))
+        last = layers[1] * (high == 1.0 and layers[1] < 0.5 * (high - low))
+        count = max(1, int(np.ceil((high - low - first - last) / longest - 1e-9)))
+        rows |= {low, high, *np.linspace(low + first, high - last, count + 1).tolist()}
+    return tuple(sorted(rows))

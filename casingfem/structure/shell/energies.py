@@ -1,0 +1,115 @@
+"""Strain and kinetic energies of motions: Phi^T K Phi and Phi^T M Phi without assembling a matrix.
+
+They are sums of squares over quadrature points and nodes. A frequency from them, omega^2 = phi^T K phi/phi^T M phi, is
+right to round-off of itself, where one from assembled matrices is right to round-off of the largest: the doublets of
+a perfect casing agree to 2e-15 instead of 1e-11 (instead of 1e-8 at R/t 10,000). And they are analytic in every
+parameter of the shell: complex steps pass through.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from casingfem.io.arrays import Array
+from casingfem.structure.mesh.shell_mesh import Grid, make_grid
+from casingfem.structure.shell.assembly import admitted, nodal_mass
+from casingfem.structure.shell.edges import edge_forms
+from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.strains import constitutive, point_jets, point_strains
+
+WALL = ("chart", "thickness", "material", "shear_correction", "strips", "taper", "radius_defect", "thickness_defect",
+        "modulus_defect", "density_defect")  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ModalProducts:
+    """Phi^T K Phi and Phi^T M Phi of some modes, (modes, modes) each; complex for a complex shell."""
+
+    K: Array
+    M: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointFields:
+    """Modes at the quadrature points and nodes: what all parameters share.
+
+    `own` are the motions of the rings' own dofs, (own, modes). `jets` holds U, d_1 U, d_2 U: (elements, points, 3 * 5,
+    modes); `strain`, `jacobian` belong to the shell the modes were computed on and serve every parameter that leaves
+    the surface alone.
+    """
+
+    shell: Shell
+    grid: Grid
+    fields: Array
+    own: Array
+    jets: Array
+    strain: Array
+    jacobian: Array
+
+
+def point_fields(shell: Shell, grid: Grid, fields: Array, own: Array) -> PointFields:
+    """Evaluate modes (nodes, 5, modes) and their parameter derivatives at all quadrature points."""
+    jets = point_jets(grid, fields)
+    strain, jacobian = point_strains(shell, grid, jets)
+    return PointFields(shell=shell, grid=grid, fields=fields, own=own, jets=jets, strain=strain, jacobian=jacobian)
+
+
+def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
+    """Phi^T K Phi and Phi^T M Phi of a shell whose parameters may be complex, for given modes."""
+    same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
+    if not same:
+        at = on_surface(shell, at)
+    stress = np.matmul(point_stiffness(shell, at), at.strain)
+    modes = at.fields.shape[2]
+    K = at.strain.reshape(-1, modes).T @ stress.reshape(-1, modes)
+    flat = at.fields.reshape(-1, modes)
+    inertia = np.repeat(nodal_mass(shell, at.grid), (3, 2), axis=1).ravel()
+    M = flat.T @ (inertia[:, None] * flat)
+    forms, motions = edge_forms(shell, at.grid), np.vstack([flat, at.own])
+    K = sum((form.product(motions) for form in forms.stiffness), start=K)
+    return ModalProducts(K=K, M=sum((form.product(motions) for form in forms.mass), start=M))
+
+
+def point_stiffness(shell: Shell, at: PointFields) -> Array:
+    """Section stiffness times the area of each quadrature point, (elements, points, 8, 8)."""
+    geometry = shell.geometry(*at.grid.parameters, at.grid.middle)
+    return np.moveaxis(constitutive(shell, geometry) * (at.jacobian * at.grid.measure), (0, 1), (2, 3))
+
+
+def product_rates(shell: Shell, at: PointFields) -> ModalProducts:
+    """The imaginary parts of `modal_products` for a shell one tiny complex step away from that of `at`.
+
+    In real arithmetic, Im(S^T D S) = S'^T D_i S' + (S"^T D' S') + its transpose with S = S' + i S"; the wall is left
+    out where only what stands on its edges has changed.
+    """
+    same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
+    moved = at if same else on_surface(shell, at)
+    modes = at.fields.shape[2]
+    flat = moved.fields.reshape(-1, modes)
+    forms, motions = edge_forms(shell, moved.grid), np.vstack([flat, moved.own])
+    K = sum((form.product(motions).imag for form in forms.stiffness), start=np.zeros((modes, modes)))
+    M = sum((form.product(motions).imag for form in forms.mass), start=np.zeros((modes, modes)))
+    if all(getattr(shell, name) is getattr(at.shell, name) for name in WALL):
+        return ModalProducts(K=K, M=M)
+    D, strain = point_stiffness(shell, moved), np.real(moved.strain)
+    K = K + strain.reshape(-1, modes).T @ np.matmul(D.imag, strain).reshape(-1, modes)
+    if np.iscomplexobj(moved.strain):
+        cross = moved.strain.imag.reshape(-1, modes).T @ np.matmul(D.real, strain).reshape(-1, modes)
+        K = K + cross + cross.T
+    inertia = np.repeat(nodal_mass(shell, moved.grid), (3, 2), axis=1).ravel()[:, None]
+    M = M + np.real(flat).T @ (inertia.imag * np.real(flat))
+    if np.iscomplexobj(flat):
+        cross = flat.imag.T @ (inertia.real * flat.real)
+        M = M + cross + cross.T
+    return ModalProducts(K=K, M=M)
+
+
+def on_surface(shell: Shell, at: PointFields) -> PointFields:
+    """The modes on another surface, near that of their shell; held directions of an edge's own frame turn with it."""
+    stretched = shell.chart.bounds != at.shell.chart.bounds  # the parameter stretches the mesh itself
+    turned = any(support.frame == "edge" for support in shell.supports.values())
+    if stretched or turned:
+        grid = make_grid(shell.chart, shell.mesh) if stretched else at.grid
+        return point_fields(shell, grid, admitted(shell, grid, at.fields) if turned else at.fields, at.own)
+    strain, jacobian = point_strains(shell, at.grid, at.jets)
+    return replace(at, shell=shell, strain=strain, jacobian=jacobian)

@@ -1,0 +1,56 @@
+"""How large, how curved and how thick a shell is; walls that no surface can carry are refused."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray
+from casingfem.structure.geometry.chart_checks import real
+
+if TYPE_CHECKING:
+    from casingfem.structure.shell.shell import Shell
+
+
+class Extent(NamedTuple):
+    """How large a shell is [m]: diagonal, the lengths of its lines along both parameters, largest curvature [1/m]."""
+
+    diagonal: float
+    sides: FloatArray
+    curvature: FloatArray
+    thickness: FloatArray
+
+
+def extent(shell: "Shell", counts: tuple[int, int] = (9, 361)) -> Extent:
+    """Sizes on a lattice of points; curvature and thickness at each, (points,)."""
+    (a0, a1), (b0, b1) = np.real(np.array(shell.chart.bounds))
+    a, b = np.meshgrid(np.linspace(a0, a1, counts[0]), np.linspace(b0, b1, counts[1]), indexing="ij")
+    geometry = shell.geometry(a.ravel(), b.ravel())
+    s = real(geometry.surface)
+    normal = np.cross(s.x1, s.x2, axis=0)
+    normal = normal / np.linalg.norm(normal, axis=0)
+    g11, g12, g22 = (np.einsum("ip,ip->p", u, v) for u, v in ((s.x1, s.x1), (s.x1, s.x2), (s.x2, s.x2)))
+    b11, b12, b22 = (np.einsum("ip,ip->p", u, normal) for u in (s.x11, s.x12, s.x22))
+    area = g11 * g22 - g12**2
+    mean, gauss = (b11 * g22 - 2.0 * b12 * g12 + b22 * g11) / (2.0 * area), (b11 * b22 - b12**2) / area
+    grid = s.x.reshape(3, *a.shape)
+    lengths = [np.linalg.norm(np.diff(grid, axis=k), axis=0).sum(axis=k - 1) for k in (1, 2)]
+    return Extent(
+        diagonal=float(np.linalg.norm(np.ptp(s.x, axis=1))),
+        sides=np.array([length.max() for length in lengths]),
+        curvature=np.abs(mean) + np.sqrt(np.maximum(mean**2 - gauss, 0.0)),
+        thickness=np.real(geometry.thickness),
+    )
+
+
+def check_wall(shell: "Shell") -> None:
+    """Refuse a wall as thick as its radius of curvature, or as the structure is long and wide."""
+    size = extent(shell)
+    bent = float((size.thickness * size.curvature).max())
+    if bent >= 1.0:
+        raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times its smallest radius of curvature")
+    thickest = float(size.thickness.max())
+    if thickest >= size.sides.max():
+        raise ModelError(
+            "shell-thickness-size", f"the wall is {thickest:.3g} m thick on a surface {size.sides.max():.3g} m long"
+        )

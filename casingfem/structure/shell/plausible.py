@@ -1,0 +1,110 @@
+"""Models that can be computed and are probably not meant: units mixed up, walls too thick or too thin.
+
+Nothing here refuses; each doubt has its code in `casingfem.errors` and a threshold with its reason beside it.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from casingfem.errors import doubt
+from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.material import Material
+from casingfem.structure.shell.extent import extent
+
+if TYPE_CHECKING:
+    from casingfem.structure.shell.shell import Shell
+
+SOUND = (200.0, 20_000.0)  # m/s: sqrt(E/rho) from hard rubber to diamond
+DENSITY = (1.0, 25_000.0)  # kg/m^3: from aerogel to osmium
+WEIGHTLESS = 0.01  # kg/m^3: below, a carrier is meant to weigh nothing; g/cm^3 and lb/in^3 lie above
+SIZE = (1e-3, 25.0)  # m: from a chip to the largest turbine casing; beyond, lengths are probably in mm or km
+ASPECT = 1000.0
+THICK = 0.2  # wall times curvature: at .1 the shell is 1.4 % off the three-dimensional solution (README), here more
+STOUT = 0.6  # wall over the shortest side
+THIN = 1e-5  # wall over diagonal: 3 mm written as 3e-6 on half a metre; rockets and cans lie above 2e-4
+SHEAR = (0.5, 1.0, 10.0)  # 5/6 and its kin up to 1; above 10 it means the limit of thin shells
+TWIST = np.pi  # rad: more is probably in degrees
+SOFT = 1e-9  # springs per length over E: a casing on softer ones swings below a hertz
+NEARLY_CLOSED = 0.99  # of a full turn
+DEFECT = {"radius": 0.1}  # relative; others 1: a wall half or twice as thick is a law, not an imperfection
+
+Doubt = tuple[str, str]  # code, message
+
+
+def warn_of(shell: "Shell") -> None:
+    """Warn of all that is doubtful about a shell."""
+    for code, message in (*material_doubts(shell), *chart_doubts(shell), *wall_doubts(shell), *spring_doubts(shell)):
+        doubt(code, message, stacklevel=4)
+
+
+def material_doubts(shell: "Shell") -> Iterator[Doubt]:
+    """Materials no part is made of."""
+    others = [strip.material for strip in shell.strips if strip.material is not None]
+    for material in dict.fromkeys([shell.material, *others]):
+        yield from doubts_of(material)
+
+
+def doubts_of(material: Material) -> Iterator[Doubt]:
+    """What is odd about one material."""
+    E, nu, rho = (float(np.real(x)) for x in (material.E, material.nu, material.rho))
+    speed = float(np.sqrt(E / rho))
+    if E == rho == 1.0:  # a problem without units
+        return
+    if not SOUND[0] <= speed <= SOUND[1]:
+        yield "material-units", f"E = {E:.3g} Pa and rho = {rho:.3g} kg/m^3, sound at {speed:.3g} m/s"
+    if WEIGHTLESS <= rho < DENSITY[0] or rho > DENSITY[1]:
+        yield "material-density-units", f"material.rho = {rho:.3g} kg/m^3"
+    if nu < 0.0:
+        yield "material-poisson-negative", f"material.nu = {nu:g}"
+
+
+def chart_doubts(shell: "Shell") -> Iterator[Doubt]:
+    """Sizes and shapes that hint at other units, and fields that are no imperfections."""
+    size = extent(shell)
+    unitless = shell.material.E == shell.material.rho == 1.0
+    if not unitless and not SIZE[0] <= size.diagonal <= SIZE[1]:
+        yield "chart-units", f"the structure is {size.diagonal:.4g} m across"
+    long, short = size.sides.max(), size.sides.min()
+    if long > ASPECT * short:
+        yield "chart-aspect", f"the surface is {long:.3g} m by {short:.3g} m"
+    angle, twist = (float(np.abs(np.real(getattr(shell.chart, name, 0.0))).max()) for name in ("angle", "twist"))
+    if angle > NEARLY_CLOSED * 2.0 * np.pi:
+        yield "chart-near-closed", f"chart.angle = {angle:.5g} rad of {2.0 * np.pi:.5g}"
+    if twist > TWIST:
+        yield "chart-twist-units", f"chart.twist = {twist:.4g} rad"
+    for quantity, field in shell.defects.items():
+        (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
+        a, b = np.linspace(a0, a1, 9)[:, None], np.linspace(b0, b1, 361)[None, :]
+        largest = float(np.abs(np.real(field.derivatives(a, b).value)).max())
+        if largest > DEFECT.get(quantity, 1.0):
+            yield "field-large", f"{quantity}_defect reaches {largest:.3g} of the {quantity}"
+
+
+def wall_doubts(shell: "Shell") -> Iterator[Doubt]:
+    """Walls that are not those of a shell."""
+    size = extent(shell)
+    bent = float((size.thickness * size.curvature).max())
+    stout = float(size.thickness.max() / size.sides.min())
+    if bent > THICK:
+        yield "shell-thick", f"the wall is {bent:.2g} of its smallest radius of curvature"
+    elif stout > STOUT:
+        yield "shell-thick", f"the wall is {stout:.2g} of the shortest side"
+    thin = float(size.thickness.min() / size.diagonal)
+    if thin < THIN:
+        yield "shell-thin", f"the wall is {thin:.2g} of the structure's diagonal"
+    factor = float(np.real(shell.shear_correction))
+    if not (SHEAR[0] <= factor <= SHEAR[1] or factor >= SHEAR[2]):
+        yield "shear-correction", f"shell.shear_correction = {factor:g}"
+
+
+def spring_doubts(shell: "Shell") -> Iterator[Doubt]:
+    """Springs that hold nothing beside such a wall."""
+    E, t = float(np.real(shell.material.E)), float(np.real(shell.thickness))
+    for edge, support in shell.supports.items():
+        if isinstance(support, ElasticEdge):
+            line = max(float(np.real(k)) for k in (support.k_r, support.k_theta, support.k_z))
+            ratio = max(line, float(np.real(support.k_face)) * t, float(np.real(support.k_rot)) / t**2) / E
+            if ratio < SOFT:
+                yield "support-soft", f"support.{edge}: springs of {ratio:.2g} E"

@@ -1,0 +1,227 @@
+"""What rotation adds to a shell: stiffness K(Omega) = K + Omega^2 K1 + Omega^4 K2, and the gyroscopic matrix Omega G.
+
+In the rotating frame, with strains quadratic in the displacements and the director a3 + w - |w|^2 a3/2 (it keeps its
+length to second order), small motions v about the steady shape u0 = Omega^2 u1 see
+
+    K(Omega) = K + Omega^2 K1 + Omega^4 K2,   K1 = K_sigma + K_u - S,
+    v K_sigma v = int [N_ij D_i v.D_j v + 2 M_ij D_i v.D_j w - M_ij (e_i.D_j a3) w.w + 2 Q_i D_i v.w] J
+    v K_u v = 2 int E(v) : C : E2(u1, v) J
+    v K2 v = int E2(u1, v) : C : E2(u1, v) J
+    v S v = int rho [t |P v|^2 + t^3/12 ((a.a3)^2 |w|^2 - (a.w)^2)] J
+    v' G v = 2 int rho [t v'.(a x v) + t^3/12 w'.(a x w)] J
+
+N, M, Q: resultants of u1 = K^-1 f, f the centrifugal force rho t P(x - c) with its moment on the normal at 1 rad/s;
+E the linear strains of the shell, E2 their bilinear part, the same form with E in place of N, M, Q; P the projection
+onto the plane of rotation, a the axis. K_sigma stiffens, S is the spin softening; K + Omega^2 K_u + Omega^4 K2 is the
+stiffness of the shape x + u0: of the order of the strain for casings and radial blades, more where the centrifugal
+force bends or untwists. K1 is exact: it comes from one energy that rigid rotations leave unchanged, moments included,
+so that a spinning shell has its exact rigid motions; terms t^2/12 N of the curvatures squared are left out, as Naghdi's
+strains leave them out. Of Omega^4 the stress that follows u0 to second order is left out; `Spin.nonlinear` measures it.
+(Membrane part: Washizu, Variational Methods in Elasticity and Plasticity, 1982; softening and Coriolis terms: Genta,
+Dynamics of Rotating Systems, 2005.)
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from casingfem.errors import doubt
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.linalg.factor import solve_held
+from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.mesh.kinematics import DOFS, Rates, dot, frame, strain_slots, tangent_rates
+from casingfem.structure.mesh.scatter import scatter_blocks, scatter_elements
+from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.strains import constitutive, point_jets
+
+if TYPE_CHECKING:
+    from casingfem.structure.shell.assembly import System
+
+JET = 3 * DOFS  # U, d_1 U, d_2 U
+LINEAR = 0.3  # quadratic strains of the steady state above this part of the linear ones call for a warning
+
+
+@dataclass(frozen=True, eq=False)
+class Spin:
+    """What rotation at 1 rad/s adds to the matrices of a shell at rest, on its free dofs.
+
+    Attributes
+    ----------
+    K1, K2
+        What omega^2 and omega^4 multiply, (free, free), symmetric [kg, kg s^2].
+    G
+        Gyroscopic matrix, (free, free), skew [kg]: times omega and the velocities.
+    fields
+        Static displacements at 1 rad/s, (nodes, 5) [m s^2, s^2]: times omega^2.
+    nonlinear
+        Root of the energy of the static state's quadratic strains over that of its linear ones [s^2]: times omega^2.
+    """
+
+    K1: csc_array
+    K2: csc_array
+    G: csc_array
+    fields: FloatArray
+    nonlinear: float
+
+    def stiffness(self, omega: float) -> csc_array:
+        """omega^2 K1 + omega^4 K2.
+
+        Warns (`rotation-large`) where linear statics no longer describe the steady state.
+        """
+        part = omega**2 * self.nonlinear
+        if part > LINEAR:
+            doubt(
+                "rotation-large", f"rotation: found quadratic strains of {part:.2g} times the linear ones", stacklevel=4
+            )
+        return csc_array(omega**2 * self.K1 + omega**4 * self.K2)
+
+
+def spin_matrices(system: "System", rotation: Rotation, mass: FloatArray) -> Spin:
+    """K1, K2, G and the static state of a shell at rest, for rotation about an axis.
+
+    Parameters
+    ----------
+    system
+        The supported shell at rest.
+    rotation
+        Axis; its speed is not used.
+    mass
+        Lobatto mass of every node for displacements and rotations, (nodes, 2) (`assembly.nodal_mass`).
+
+    Raises
+    ------
+    ModelError
+        `static-loose` if the centrifugal force drives a rigid motion that is not held.
+    """
+    shell, grid = system.shell, system.grid
+    surface = shell.geometry(*grid.nodes).surface
+    basis = frame(surface)
+    tangents = np.stack([basis.e1, basis.e2], axis=-1).transpose(1, 0, 2)  # (nodes, 3, 2)
+    force = centrifugal(rotation, mass, surface.x.T, tangents, basis.normal.T)
+    u = solve_held(system.K, system.restrict(force[:, :, None])[:, 0])
+    fields = system.expand(u[:, None])
+    blocks = softening(rotation, mass, tangents, basis.normal.T)
+    at_points, nonlinear = point_stiffness(shell, grid, fields)
+    first, second = (scatter_elements(jet_elements(grid, H), grid, system.frames, system.free) for H in at_points)
+    return Spin(
+        K1=csc_array(first - scatter_blocks(blocks, system.frames, system.free)),
+        K2=second,
+        G=scatter_blocks(gyroscopic(rotation, mass, tangents), system.frames, system.free),
+        fields=fields[:, :, 0],
+        nonlinear=nonlinear,
+    )
+
+
+def centrifugal(rotation: Rotation, mass: FloatArray, x: FloatArray, tangents: FloatArray, n: FloatArray) -> FloatArray:
+    """Nodal forces and moments at 1 rad/s, (nodes, 5)."""
+    P = rotation.plane
+    away = (x - np.asarray(rotation.centre)) @ P
+    turn = np.einsum("nik,ij,nj->nk", tangents, P, n)
+    return np.concatenate([mass[:, :1] * away, mass[:, 1:] * turn], axis=1)
+
+
+def softening(rotation: Rotation, mass: FloatArray, tangents: FloatArray, n: FloatArray) -> FloatArray:
+    """Blocks of S at the nodes, (nodes, 5, 5)."""
+    a = rotation.direction
+    along = np.einsum("nik,i->nk", tangents, a)
+    blocks = np.zeros((len(mass), DOFS, DOFS))
+    blocks[:, :3, :3] = mass[:, 0, None, None] * rotation.plane
+    lean = ((n @ a) ** 2)[:, None, None] * np.eye(2) - along[:, :, None] * along[:, None, :]
+    blocks[:, 3:, 3:] = mass[:, 1, None, None] * lean
+    return blocks
+
+
+def gyroscopic(rotation: Rotation, mass: FloatArray, tangents: FloatArray) -> FloatArray:
+    """Blocks of G at the nodes, (nodes, 5, 5)."""
+    turn = np.cross(rotation.direction, np.eye(3)).T  # turn v = a x v
+    blocks = np.zeros((len(mass), DOFS, DOFS))
+    blocks[:, :3, :3] = 2.0 * mass[:, 0, None, None] * turn
+    blocks[:, 3:, 3:] = 2.0 * mass[:, 1, None, None] * np.einsum("nik,ij,njl->nkl", tangents, turn, tangents)
+    return blocks
+
+
+def gradients(rates: Rates) -> Array:
+    """D_1 u, D_2 u, D_1 w, D_2 w and w as vectors, by the jets: (5 vectors, 3 components, 3 slots, 5 dofs, ...)."""
+    basis, D, normal, turn = rates
+    e, n = (basis.e1, basis.e2), basis.normal
+    g = np.zeros((5, 3, 3, DOFS, *turn.shape[1:]))
+    for i in range(2):
+        for alpha in range(2):
+            for c in range(3):
+                g[i, c, 1 + alpha, c] = D[i, alpha]
+            for k in range(2):
+                g[2 + i, :, 1 + alpha, 3 + k] = D[i, alpha] * e[k]
+        # D_i e1 = -turn_i e2 - (e1.D_i a3) a3,  D_i e2 = turn_i e1 - (e2.D_i a3) a3
+        g[2 + i, :, 0, 3] = -turn[i] * e[1] - dot(e[0], normal[i]) * n
+        g[2 + i, :, 0, 4] = turn[i] * e[0] - dot(e[1], normal[i]) * n
+        g[4, :, 0, 3 + i] = e[i]
+    return g
+
+
+def quadratic_strains(rates: Rates) -> Array:
+    """Bilinear parts of the eight strains on (D_1 u, D_2 u, D_1 w, D_2 w, w): (8, 5, 5, ...), symmetric.
+
+    E_k(v, v) = sum S[k, p, q] g_p(v).g_q(v)/2.
+    """
+    e = (rates.basis.e1, rates.basis.e2)
+    bend = np.array([[dot(e[i], rates.normal[j]) for j in range(2)] for i in range(2)])  # e_i . D_j a3
+    S = np.zeros((8, 5, 5, *rates.turn.shape[1:]))
+    pairs = ((0, 0), (1, 1), (0, 1))
+    for k, (i, j) in enumerate(pairs):
+        twice = 1.0 if i == j else 2.0
+        for p, q in {(i, j), (j, i)}:
+            S[k, p, q] = 1.0
+            S[3 + k, p, 2 + q] = S[3 + k, 2 + q, p] = 1.0
+        S[3 + k, 4, 4] = -0.5 * twice * (bend[i, j] + bend[j, i])
+    for i in range(2):
+        S[6 + i, i, 4] = S[6 + i, 4, i] = 1.0
+    return S
+
+
+def point_stiffness(shell: Shell, grid: Grid, fields: FloatArray) -> tuple[tuple[Array, Array], float]:
+    """K_sigma + K_u and K2 at the quadrature points on the jets, (elements, points, 15, 15), weighted.
+
+    And the root of the energy of the quadratic strains of `fields` (nodes, 5, 1) over that of the linear ones.
+    """
+    geometry = shell.geometry(*grid.parameters, grid.middle)
+    rates = tangent_rates(geometry.surface)
+    L, _ = strain_slots(geometry.surface)
+    L = np.moveaxis(L, 0, 1).reshape(len(L[0]), JET, *L.shape[3:])
+    D = constitutive(shell, geometry) * (rates.basis.jacobian * grid.measure)
+    jets = np.moveaxis(point_jets(grid, fields)[..., 0], -1, 0)
+    g = gradients(rates).reshape(5, 3, JET, *rates.turn.shape[1:])
+    S = quadratic_strains(rates)
+    strain = np.einsum("tjeq,jeq->teq", L, jets)
+    stress = np.einsum("steq,teq->seq", D, strain)
+    H = np.einsum("pcieq,kpreq,keq,rcjeq->eqij", g, S, stress, g, optimize=True)
+    moved = np.einsum("rcjeq,jeq->rceq", g, jets)
+    second = np.einsum("pcieq,kpreq,rceq->kieq", g, S, moved, optimize=True)  # E2(u1, v) = second v
+    pulled = np.einsum("kteq,tjeq->kjeq", D, second)
+    cross = np.einsum("kieq,kjeq->eqij", L, pulled)
+    bowed = 0.5 * np.einsum("kieq,ieq->keq", second, jets)
+    energies = [np.einsum("keq,kteq,teq->", part, D, part, optimize=True) for part in (bowed, strain)]
+    return (
+        (H + cross + cross.swapaxes(2, 3), np.einsum("kieq,kjeq->eqij", second, pulled)),
+        float(np.sqrt(energies[0] / energies[1])) if energies[1] > 0.0 else 0.0,
+    )
+
+
+def jet_elements(grid: Grid, H: Array) -> FloatArray:
+    """Element matrices (elements, 5 functions, 5 functions) of a form on the jets (elements, points, 15, 15)."""
+    elements, (functions, points) = len(grid.elements), grid.table.shape[1:]
+    H = H.reshape(elements, points, 3, DOFS, 3, DOFS)
+    scale = np.concatenate([np.ones((1, elements)), 1.0 / grid.size])
+    H = np.einsum("eqsctd,se,te->cdeqst", H, scale, scale, optimize=True)
+    table = grid.table.transpose(2, 0, 1)  # (points, slots, functions)
+    left = table.reshape(-1, functions).T
+    matrices = np.empty((elements, functions, DOFS, functions, DOFS))
+    for c in range(DOFS):
+        for d in range(c, DOFS):
+            right = np.matmul(H[c, d], table).reshape(elements, 3 * points, functions)
+            block = np.matmul(left, right)
+            matrices[:, :, c, :, d] = block
+            matrices[:, :, d, :, c] = block.transpose(0, 2, 1)
+    return matrices.reshape(elements, functions * DOFS, functions * DOFS)
