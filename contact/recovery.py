@@ -11,12 +11,12 @@ import math
 
 import numpy as np
 
-from contact.errors import InputError
-from contact.model.arrays import Array
-from contact.model.gap import RotatingRim
+from contact.base.arrays import Array
+from contact.base.errors import InputError
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.rub import Rub
 from contact.model.law import Law, Unilateral, friction
-from contact.model.modal_body import ModalBody
-from contact.model.rub import Rub
 from contact.model.trig import harmonics
 from contact.result import Result
 

@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from contact.energy import EnergyBudget, Stored
-from contact.errors import InputError
-from contact.model.arrays import Array, readonly
+from contact.base.arrays import Array, readonly
+from contact.base.errors import InputError
+from contact.model.bodies.modal_body import read_npz, write_npz
 from contact.model.law import pressure
-from contact.model.modal_body import read_npz, write_npz
-from contact.record import MOST_SAMPLES, Record, Samples
+from contact.record.energy import EnergyBudget, Stored
+from contact.record.record import MOST_SAMPLES, Record, Samples
+from contact.record.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear, joined
 from contact.scheme.protocol import Block, Motion, Noted, Notes, Stepper, Wearing
-from contact.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear, joined
 
 FORMAT = "contact-result-1"
 LONGEST = 8  # numbers in a line that lists tips

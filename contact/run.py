@@ -9,22 +9,22 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from contact.energy import EnergyBudget, Stored
-from contact.errors import InputError, NumericsError
-from contact.model.arrays import require_positive
-from contact.model.beam import BeamInCircle
-from contact.model.body import Body, PointMass, Rod, Wall
-from contact.model.chain import Chain, assemble
-from contact.model.gap import PointGap, RotatingRim
+from contact.base.arrays import require_positive
+from contact.base.errors import InputError, NumericsError
+from contact.model.bodies.beam import BeamInCircle
+from contact.model.bodies.body import Body, PointMass, Rod, Wall
+from contact.model.bodies.chain import Chain, assemble
+from contact.model.bodies.linear import LinearBody
+from contact.model.bodies.patch import Patch
+from contact.model.gaps.gap import PointGap, RotatingRim
+from contact.model.gaps.rub import Rub
 from contact.model.law import Law, Penalty, Unilateral
-from contact.model.linear import LinearBody
-from contact.model.patch import Patch
-from contact.model.rub import Rub
-from contact.record import Record, Samples, samples, sparse
+from contact.record.energy import EnergyBudget, Stored
+from contact.record.record import Record, Samples, samples, sparse
 from contact.result import Result, collect
-from contact.scheme.central_difference import CentralDifference
-from contact.scheme.exact_modal import ExactModal
-from contact.scheme.penalty import PenaltyDifference
+from contact.scheme.linear.central_difference import CentralDifference
+from contact.scheme.linear.penalty import PenaltyDifference
+from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Problem, Scheme, Stepper
 
 CHUNK = 20_000  # steps per compiled call

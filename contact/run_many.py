@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact.errors import InputError, NumericsError
-from contact.record import Record, Samples
+from contact.base.errors import InputError, NumericsError
+from contact.record.record import Record, Samples
 from contact.result import Result
 from contact.run import Prepared, Scene, completed, finished, prepared
-from contact.scheme.lanes import WIDTH, Batch, Job, batch
-from contact.scheme.modal_run import ModalRun
+from contact.scheme.modal.batch import WIDTH, Batch, Job, batch
+from contact.scheme.modal.modal_run import ModalRun
 
 Outcome = Result | InputError | NumericsError
 Ended = Callable[[int, Outcome], None]
@@ -30,7 +30,7 @@ def run_many(
     on which others are given, nor on their order. `record` says by the number of steps what a run stores whose scene
     does not; `ended` is called with the place and the outcome of each run, as they end.
 
-    >>> from contact.model.body import Rod, Wall
+    >>> from contact.model.bodies.body import Rod, Wall
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
     >>> good = Scene(what=[rod, Wall()], t_end=2.0, courant=0.9)
     >>> first, second = run_many([good, Scene(what=[rod, Wall()], courant=0.9)])

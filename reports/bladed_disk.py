@@ -16,9 +16,9 @@ from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.outfiles import write_atomic
 from casingfem.plot.interaction import figure_growth
 from casingfem.plot.style import png
-from contact.model.bladed_disk import two_dimensional
-from contact.model.permanent import disk_contact, rub_contact
-from contact.stability import growth
+from contact.growth.closed_contact import growth
+from contact.model.gaps.bladed_disk import two_dimensional
+from contact.model.gaps.permanent import disk_contact, rub_contact
 from reports.section_44 import make_casing
 from reports.tables import Row, command_line, show, write
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 STRUCTURE = ("casingfem/structure", "casingfem/modal")
-RUBS = ("contact/model", "contact/scheme", "contact/solver")
+RUBS = ("contact/model", "contact/scheme", "contact/loop", "contact/solver")
 UPDATING = ("casingfem/updating", "casingfem/modal", "casingfem/experiment/correlation")
 IDENTIFY = ("casingfem/experiment/identify", "casingfem/experiment/frf")
 RIG = (*IDENTIFY, "casingfem/experiment/rig", "casingfem/experiment/circle", "casingfem/updating")
@@ -64,7 +64,7 @@ CAMPAIGNS = (
     Campaign("rotating_beam", "a hinged beam in an eccentric circle", ("contact",)),
     Campaign("hertz", "Hertz's pressure under a disc", ("contact",)),
     Campaign("section_44", "the study's rubs", RUBS),
-    Campaign("wear", "abradable coatings", (*RUBS, "contact/wear.py")),
+    Campaign("wear", "abradable coatings", (*RUBS, "contact/record/wear.py")),
     Campaign("bladed_disk", "unstable speeds of bladed disks", RUBS),
     Campaign("rub_convergence", "what a rub converges with", RUBS),
     Campaign("rub_checks", "rubs in three directions: bases, energy, time", RUBS),

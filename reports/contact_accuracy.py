@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
-from contact.exact import (
+from contact.reference.exact import (
     BarHistory,
     ExactContact,
     bar_by_characteristics,

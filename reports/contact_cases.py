@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import contact as ct
-from contact.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall, two_rods
-from contact.exact_waves import impact_by_characteristics
-from contact.model.body import Body
+from contact.model.bodies.body import Body
 from contact.model.law import Law
+from contact.reference.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall, two_rods
+from contact.reference.waves import impact_by_characteristics
 from contact.scheme.protocol import Scheme
 from reports.tables import Row
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
-from contact.model.body import Body
+from contact.model.bodies.body import Body
 from reports.contact_cases import BAR
 from reports.tables import Row, command_line, show, write
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import contact as ct
-from contact.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall
+from contact.reference.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall
 from reports.contact_cases import BAR, PERIOD
 from reports.contact_targets_rods import A_TIME, target
 from reports.tables import Row

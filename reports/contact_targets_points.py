@@ -9,11 +9,11 @@ import numpy as np
 
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from contact.record import samples
-from contact.scheme.patch_stepper import PatchStepper
-from contact.solver.active_set import unilateral
-from contact.solver.coulomb import coulomb
-from contact.solver.friction_newton import MOST_ITERATIONS
+from contact.record.record import samples
+from contact.scheme.modal.patch_stepper import PatchStepper
+from contact.solver.friction.coulomb import coulomb
+from contact.solver.friction.newton import MOST_ITERATIONS
+from contact.solver.unilateral.active_set import unilateral
 from reports.contact_targets_rods import A_TIME, target
 from reports.tables import Row
 

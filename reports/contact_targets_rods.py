@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
-from contact.exact import force_error, two_rods
+from contact.reference.exact import force_error, two_rods
 from reports import stability
 from reports.contact_cases import (
     CARPENTER,

@@ -6,9 +6,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from contact.compiled import jit_entry
-from contact.model.arrays import aligned
-from contact.vector import WIDTH, load, put, same
+from contact.base.arrays import aligned
+from contact.jit.compiled import jit_entry
+from contact.jit.vector import WIDTH, load, put, same
 
 Made = TypeVar("Made")
 

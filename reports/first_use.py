@@ -22,7 +22,7 @@ from reports.tables import Row, command_line, show, write
 QUICK = ("two_rods",)
 LIKE_OTHERS = ("section_44/", "abradable/", "interaction_map/", "two_rods_sweep")  # many runs, or the same loops
 OF_THEM = ("section_44/half_hz", "abradable/wear_in", "abradable/as_made")
-LOADED = "import casingfem.cli, contact.compiled, pandas, scipy.sparse.linalg"  # once, so that their bytecode is there
+LOADED = "import casingfem.cli, contact.jit.compiled, pandas, scipy.sparse.linalg"  # once: their bytecode
 # processor seconds that a first run may take
 WANTED = {"two_rods": 5.0} | dict.fromkeys(
     ("coulomb_oscillator", "bladed_disk", "rub/five_nodes", "abradable/wear_in"), 15.0

@@ -17,9 +17,9 @@ import numpy as np
 import contact as ct
 from casingfem.io.outfiles import write_atomic
 from casingfem.modal.interaction import interactions
-from contact.coincidence import coincidences, loaded
-from contact.model.bladed_disk import pair_rim
-from contact.stability import growth
+from contact.growth.closed_contact import growth
+from contact.growth.coincidence import coincidences, loaded
+from contact.model.gaps.bladed_disk import pair_rim
 from reports.tables import Row, command_line, show, write
 from reports.verify_interaction import B6, OTHERS, around, digging
 

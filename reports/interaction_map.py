@@ -19,9 +19,9 @@ from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import DIVERGING, new_figure, styled
 from casingfem.study import load_study
 from casingfem.study.tasks import run_reduce
-from contact.model.permanent import rim_contact
+from contact.growth.closed_contact import growth
+from contact.model.gaps.permanent import rim_contact
 from contact.scene.load import scene_of
-from contact.stability import growth
 from contact.sweep.plan import SweepPlan, load_sweep
 from contact.sweep.sweep import run_sweep, table
 from reports.tables import DATA, Row, command_line, show, write

@@ -25,12 +25,11 @@ from reports.tables import OUT, Row, show, write
 ROOT = Path(__file__).parent.parent
 PACKAGES = ("casingfem", "contact")
 COMPILED = (
-    "contact/scheme/loop/",
+    "contact/loop/",
     "contact/solver/",
-    "contact/bundle.py",
-    "contact/vector.py",
-    "contact/record.py",
-    "contact/model/band.py",
+    "contact/jit/",
+    "contact/record/record.py",
+    "contact/model/bodies/band.py",
 )
 CONTENTS = ("casingfem", "contact", "reports", "tests", "data")
 

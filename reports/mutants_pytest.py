@@ -110,7 +110,7 @@ def keep_what_stays_compiled() -> None:
 
     It is named after the compiled sources that the module takes names from, directly or through others, and its own.
     """
-    from contact import compiled
+    from contact.jit import compiled
 
     @functools.cache
     def below(module: str) -> frozenset[Path]:
@@ -134,5 +134,5 @@ def keep_what_stays_compiled() -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Take the job."""
     config.pluginmanager.register(Runner(Job.read(Path(os.environ[JOB]))))
-    if (config.rootpath / "contact/compiled.py").exists():
+    if (config.rootpath / "contact/jit/compiled.py").exists():
         keep_what_stays_compiled()

@@ -13,7 +13,7 @@ from casingfem.io.outfiles import write_atomic
 from casingfem.modal.modes import Modes
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
-from contact.coincidence import coincidences
+from contact.growth.coincidence import coincidences
 from reports.rim_levels import excess_db, rim_levels
 
 
@@ -103,7 +103,7 @@ def growing_band(casing: cf.ModalBasis, blade: cf.ModalBasis, plan: RubPlan) -> 
     """Blade frequencies between which a permanent contact grows, from the free coincidence f_b = f_c - n f [Hz].
 
     The casing's doublet of n diameters, taken as a pair of equal modes, meets the blade's first mode; all other modes
-    at that frequency and the residual compliance are the S between them (`contact.coincidence`).
+    at that frequency and the residual compliance are the S between them (`contact.growth.coincidence`).
     """
     N, n, turning = casing.n_max, plan.n, 2.0 * np.pi * plan.speed_hz
     radial = casing.rows[: 2 * N + 1]

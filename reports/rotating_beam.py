@@ -16,10 +16,10 @@ import contact as ct
 from casingfem.io.arrays import FloatArray
 from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import AFTER, BEFORE, GREEN, new_figure, png, styled
-from contact.record import samples
-from contact.scheme.beam_implicit import ImplicitBeamStepper
-from contact.scheme.beam_stepper import BeamStepper
-from contact.scheme.loop.beam import strain_energy_and_forces
+from contact.loop.beam.beam import strain_energy_and_forces
+from contact.record.record import samples
+from contact.scheme.beam.beam_implicit import ImplicitBeamStepper
+from contact.scheme.beam.beam_stepper import BeamStepper
 from reports.tables import Row, command_line, show, write
 
 BEAM = ct.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0)

@@ -16,7 +16,7 @@ from casingfem.io.outfiles import write_atomic
 from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.plot.contact import figure_levels
 from casingfem.plot.style import png
-from contact.stability import growth
+from contact.growth.closed_contact import growth
 from reports.bases import casing, steel_strip
 from reports.rim_levels import excess_db, level_history, rim_levels
 from reports.tables import DATA, Row, command_line, show, write

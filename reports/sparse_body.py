@@ -18,8 +18,8 @@ from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import contact as ct
-from contact.model import linear_system
-from contact.scheme.linear_stepper import LinearStepper
+from contact.model.bodies import linear_system
+from contact.scheme.linear.linear_stepper import LinearStepper
 from reports.tables import Row, command_line, show, write
 
 SCHEMES = {"explicit": ct.CentralDifference(), "Moreau-Jean": ct.MoreauJean()}

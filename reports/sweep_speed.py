@@ -17,8 +17,8 @@ import casingfem as cf
 import contact as ct
 from contact.run import completed, prepared
 from contact.run_many import together
-from contact.scheme.exact_modal import ExactModal
-from contact.scheme.modal_run import ModalRun
+from contact.scheme.modal.exact_modal import ExactModal
+from contact.scheme.modal.modal_run import ModalRun
 from contact.sweep.plan import load_sweep
 from contact.sweep.sweep import run_sweep
 from reports.bases import blade

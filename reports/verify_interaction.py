@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 import contact as ct
-from contact.coincidence import loaded
-from contact.growth_map import StabilityMap
-from contact.model.permanent import disk_contact
-from contact.stability import growth
+from contact.growth.closed_contact import growth
+from contact.growth.coincidence import loaded
+from contact.growth.growth_map import StabilityMap
+from contact.model.gaps.permanent import disk_contact
 from reports.tables import Row, check
 
 

@@ -15,7 +15,7 @@ import contact as ct
 from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import png
 from casingfem.plot.wear import figure_wear
-from contact.wear import Wear
+from contact.record.wear import Wear
 from reports.rim_levels import level_history
 from reports.section_44 import N_MAX, RECORD, N, make_blades, make_casing
 from reports.tables import DATA, Row, command_line, show, write

@@ -10,7 +10,7 @@ from casingfem.cli.running import Working, deliver, options
 from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
-    from contact.wear import Wear
+    from contact.record.wear import Wear
 
 SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
 

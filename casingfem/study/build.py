@@ -12,12 +12,12 @@ from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
 from casingfem.structure.field.fourier import Field, FourierField
 from casingfem.structure.field.random import RAYLEIGH, RandomField, Spectrum
-from casingfem.structure.field.survey.check import check_survey, mean_radius
 from casingfem.structure.field.survey.survey import SampledField
 from casingfem.structure.geometry.blade import Blade
 from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.geometry.strip import Strip, check_strips
+from casingfem.structure.geometry.survey_check import check_survey, mean_radius
 from casingfem.structure.geometry.taper import Taper
 from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material

@@ -12,8 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeVar
 
-from contact.errors import InputError
-from contact.model.arrays import Array, require_not_negative, require_positive
+from contact.base.arrays import Array, require_not_negative, require_positive
+from contact.base.errors import InputError
 
 Depth = TypeVar("Depth", float, Array)
 

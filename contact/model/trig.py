@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.model.arrays import Array, Indices, readonly
+from contact.base.arrays import Array, Indices, readonly
 
 PRUNE = 1e-13  # of the largest value: below this a coefficient is round-off
 

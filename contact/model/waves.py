@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.model.arrays import Array, Indices
+from contact.base.arrays import Array, Indices
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

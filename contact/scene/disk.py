@@ -8,12 +8,12 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
-from contact.model.arrays import readonly
-from contact.model.bladed_disk import BladedDisk, pair_rim
-from contact.model.modal_body import ModalBody
-from contact.model.permanent import ModalPair
-from contact.model.rub import Rub, Start
-from contact.model.rub_laws import Profile, Speed
+from contact.base.arrays import readonly
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
+from contact.model.gaps.permanent import ModalPair
+from contact.model.gaps.rub import Rub, Start
+from contact.model.gaps.rub_laws import Profile, Speed
 from contact.scene.coating import CoatingTable
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness

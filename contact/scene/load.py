@@ -10,19 +10,19 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from contact.errors import InputError
-from contact.model.beam import BeamInCircle, HingedBeam
-from contact.model.body import Body, PointMass, Rod, Wall
-from contact.model.cantilever import Cantilever
-from contact.model.chain import assemble
-from contact.model.gap import RotatingRim
+from contact.base.errors import InputError
+from contact.model.bodies.beam import BeamInCircle, HingedBeam
+from contact.model.bodies.body import Body, PointMass, Rod, Wall
+from contact.model.bodies.chain import assemble
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.bodies.ring_modes import ThinRing, ring_modes
+from contact.model.gaps.cantilever import Cantilever
+from contact.model.gaps.gap import RotatingRim
 from contact.model.law import Abradable, Coulomb, Unilateral
-from contact.model.modal_body import ModalBody
-from contact.model.ring_modes import ThinRing, ring_modes
-from contact.record import Record
+from contact.record.record import Record
 from contact.run import Scene
-from contact.scheme.exact_modal import ExactModal
-from contact.scheme.rub_tracks import track_tips
+from contact.scheme.modal.exact_modal import ExactModal
+from contact.scheme.modal.rub_tracks import track_tips
 
 if TYPE_CHECKING:
     from contact.scene.disk import DiskFile

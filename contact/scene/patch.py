@@ -8,10 +8,10 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
-from contact.errors import InputError
-from contact.model.arrays import Array
-from contact.model.modal_body import ModalBody
-from contact.model.patch import Patch
+from contact.base.arrays import Array
+from contact.base.errors import InputError
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.bodies.patch import Patch
 from contact.scene.record import RecordTable
 from contact.scene.scheme import NotNegative, Positive, Table
 

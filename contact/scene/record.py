@@ -8,8 +8,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
-from contact.errors import InputError
-from contact.record import Record
+from contact.base.errors import InputError
+from contact.record.record import Record
 from contact.scene.scheme import NotNegative, Table
 
 

@@ -9,13 +9,13 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
-from contact.errors import InputError
-from contact.model.arrays import readonly
-from contact.model.body_force import BodyForce
-from contact.model.modal_body import ModalBody
-from contact.model.rub import Rub, Stiffening, Tip
-from contact.model.rub_forces import settled
-from contact.model.rub_laws import Closing, Profile, Speed, Whirl
+from contact.base.arrays import readonly
+from contact.base.errors import InputError
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.body_force import BodyForce
+from contact.model.gaps.rub import Rub, Stiffening, Tip
+from contact.model.gaps.rub_forces import settled
+from contact.model.gaps.rub_laws import Closing, Profile, Speed, Whirl
 from contact.scene.coating import CoatingTable
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness

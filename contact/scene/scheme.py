@@ -7,19 +7,19 @@ from typing import Annotated, Literal, get_args
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
-from contact.scheme.cd_lagrange import CDLagrange
-from contact.scheme.central_difference import CentralDifference
-from contact.scheme.exact_modal import ExactModal
-from contact.scheme.hht import HHT
-from contact.scheme.massless_boundary import MasslessBoundary
-from contact.scheme.moreau_jean import MoreauJean
-from contact.scheme.newmark import Newmark
-from contact.scheme.nonsmooth_alpha import NonsmoothAlpha
-from contact.scheme.paoli_schatzman import PaoliSchatzman
-from contact.scheme.penalty import PenaltyDifference
-from contact.scheme.projected_alpha import ProjectedAlpha
+from contact.scheme.linear.cd_lagrange import CDLagrange
+from contact.scheme.linear.central_difference import CentralDifference
+from contact.scheme.linear.hht import HHT
+from contact.scheme.linear.massless_boundary import MasslessBoundary
+from contact.scheme.linear.moreau_jean import MoreauJean
+from contact.scheme.linear.newmark import Newmark
+from contact.scheme.linear.nonsmooth_alpha import NonsmoothAlpha
+from contact.scheme.linear.paoli_schatzman import PaoliSchatzman
+from contact.scheme.linear.penalty import PenaltyDifference
+from contact.scheme.linear.projected_alpha import ProjectedAlpha
+from contact.scheme.linear.stabilised_newmark import StabilisedNewmark
+from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
-from contact.scheme.stabilised_newmark import StabilisedNewmark
 
 Positive = Annotated[FiniteFloat, Field(gt=0)]
 NotNegative = Annotated[FiniteFloat, Field(ge=0)]

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contact.errors import InputError
-from contact.growth_map import StabilityMap
-from contact.model.arrays import Array
-from contact.model.gap import RotatingRim
+from contact.base.arrays import Array
+from contact.base.errors import InputError
+from contact.growth.closed_contact import rim_stability, stability
+from contact.growth.growth_map import StabilityMap
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.law import Unilateral, friction
-from contact.model.permanent import HandPair, ModalPair
 from contact.scene.load import SceneError, load_scene, read_scene
-from contact.stability import rim_stability, stability
 
 if TYPE_CHECKING:
     from contact.scene.tables import PairFile, ScanTable

@@ -20,17 +20,17 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from contact.energy import Stored
-from contact.model.arrays import Array
-from contact.model.beam import BeamInCircle
-from contact.model.chain import Chain
-from contact.model.gap import PointGap, RotatingRim
+from contact.base.arrays import Array
+from contact.model.bodies.beam import BeamInCircle
+from contact.model.bodies.chain import Chain
+from contact.model.bodies.linear import LinearBody
+from contact.model.bodies.patch import Patch
+from contact.model.gaps.gap import PointGap, RotatingRim
+from contact.model.gaps.rub import Rub
 from contact.model.law import Law
-from contact.model.linear import LinearBody
-from contact.model.patch import Patch
-from contact.model.rub import Rub
-from contact.record import Samples, Tally
-from contact.wear import Wear
+from contact.record.energy import Stored
+from contact.record.record import Samples, Tally
+from contact.record.wear import Wear
 
 Problem = Chain | LinearBody | PointGap | RotatingRim | BeamInCircle | Patch | Rub
 

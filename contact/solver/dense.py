@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from contact.compiled import jit
-from contact.model.arrays import Array
+from contact.base.arrays import Array
+from contact.jit.compiled import jit
 
 
 @jit

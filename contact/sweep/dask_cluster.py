@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
-from contact.errors import InputError
+from contact.base.errors import InputError
 
 T = TypeVar("T")
 R = TypeVar("R")

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from contact.errors import NumericsError
-from contact.model.arrays import Array
-from contact.model.gap import FAR, RotatingRim
-from contact.model.rub import Rub
-from contact.record import Record
+from contact.base.arrays import Array
+from contact.base.errors import NumericsError
+from contact.model.gaps.gap import FAR, RotatingRim
+from contact.model.gaps.rub import Rub
+from contact.record.record import Record
 from contact.result import Result
 from contact.run import Scene
 from contact.run_many import Outcome

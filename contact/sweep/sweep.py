@@ -17,7 +17,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
-from contact.errors import InputError
+from contact.base.errors import InputError
 from contact.run import Scene
 from contact.run_many import Outcome, run_many
 from contact.scene.load import scene_of

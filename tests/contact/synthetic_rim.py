@@ -3,7 +3,7 @@
 import numpy as np
 
 import contact as ct
-from contact.model.modal_body import rim_channels
+from contact.model.bodies.modal_body import rim_channels
 
 N_MAX = 6
 SIZE = 2 * N_MAX + 1

@@ -8,9 +8,9 @@ import pytest
 
 import contact as ct
 from contact.model.trig import harmonics
-from contact.record import Record, samples
-from contact.scheme.beam_implicit import prepare_beam_newmark
-from contact.scheme.beam_stepper import prepare_beam
+from contact.record.record import Record, samples
+from contact.scheme.beam.beam_implicit import prepare_beam_newmark
+from contact.scheme.beam.beam_stepper import prepare_beam
 
 BEAM = ct.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=20)
 CIRCLE = ct.BeamInCircle(BEAM, radius=0.502, offset=6e-3)

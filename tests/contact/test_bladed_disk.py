@@ -8,9 +8,9 @@ import pytest
 from synthetic_rim import ring
 
 import contact as ct
-from contact.model.bladed_disk import pair_rim, two_dimensional
-from contact.model.permanent import SplitError, disk_contact, rim_contact, rub_contact
-from contact.stability import growth
+from contact.growth.closed_contact import growth
+from contact.model.gaps.bladed_disk import pair_rim, two_dimensional
+from contact.model.gaps.permanent import SplitError, disk_contact, rim_contact, rub_contact
 
 SCENE = Path(__file__).parents[2] / "data" / "scenes" / "bladed_disk.toml"
 

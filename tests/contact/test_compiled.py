@@ -12,13 +12,13 @@ import pytest
 from conftest import PLACE, Groups
 
 import contact
-from contact.compiled import OPTIONS, SOURCES, compiled, jit
-from contact.compiling import WORDS, Announcement, Uncollected
-from contact.solver.scalar import scalar_force
+from contact.jit.compiled import OPTIONS, SOURCES, compiled, jit
+from contact.jit.progress import WORDS, Announcement, Uncollected
+from contact.solver.unilateral.scalar import scalar_force
 
 ROOT = Path(contact.__file__).parent
 # annotations and what is raised outside loops
-NOT_COMPILED = {"contact.compiled", "contact.compiling", "contact.errors", "contact.model.arrays"}
+NOT_COMPILED = {"contact.jit.compiled", "contact.jit.progress", "contact.base.errors", "contact.base.arrays"}
 
 
 def imported(source: Path) -> set[str]:
@@ -35,7 +35,7 @@ def file_of(module: str) -> Path:
 
 
 def test_the_cache_watches_every_module_that_compiles() -> None:
-    compiling = {source for source in ROOT.rglob("*.py") if "contact.compiled" in imported(source)}
+    compiling = {source for source in ROOT.rglob("*.py") if "contact.jit.compiled" in imported(source)}
     assert len(compiling) > 25
     assert compiling <= set(SOURCES)
 
@@ -49,7 +49,7 @@ def test_the_cache_watches_what_compiled_modules_take_from_elsewhere() -> None:
 SUMS = """
 import hashlib
 import numpy as np
-from contact.compiled import jit, jit_entry
+from contact.jit.compiled import jit, jit_entry
 
 @jit
 def inner(a, b, c, n):

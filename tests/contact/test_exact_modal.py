@@ -6,10 +6,10 @@ from scipy.linalg import expm
 from synthetic_rim import N_MAX, SIZE, flap_blade, ring
 
 import contact as ct
-from contact.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall
-from contact.model.modal_system import rim_system
-from contact.scheme.exact_modal import delassus
-from contact.scheme.propagator import propagator
+from contact.model.gaps.modal_system import rim_system
+from contact.reference.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall
+from contact.scheme.modal.exact_modal import delassus
+from contact.scheme.modal.propagator import propagator
 
 BAR = {"length": 10.0, "area": 1.0, "E": 900.0, "rho": 1.0, "x": 5.0}
 

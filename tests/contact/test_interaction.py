@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.modal_body import rim_channels
+from contact.model.bodies.modal_body import rim_channels
 
 N = 8
 CASING, BLADE, STIFFNESS = (300.0, 1.5), (120.0, 0.4), 1e4  # (Hz, kg), N/m

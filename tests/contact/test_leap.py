@@ -5,11 +5,11 @@ import pytest
 from synthetic_rim import blade, ring
 
 import contact as ct
-from contact.model.modal_system import rim_system
+from contact.loop.modal.leap import FOREVER, WAIT, largest_share, open_steps, propagate
+from contact.model.gaps.modal_system import rim_system
 from contact.model.trig import fourier
-from contact.scheme.leap import BITS, CELLS, least_clearance, powers, rim_leap
-from contact.scheme.loop.leap import FOREVER, WAIT, largest_share, open_steps, propagate
-from contact.scheme.propagator import propagator
+from contact.scheme.modal.leap import BITS, CELLS, least_clearance, powers, rim_leap
+from contact.scheme.modal.propagator import propagator
 
 DT = 2e-5
 SPARSE = ct.Record(every=500, state_every=1000)
@@ -101,8 +101,8 @@ def test_the_same_run_with_and_without_leaps(imperfect, mu):
 
 
 def test_leaps_are_taken_and_none_when_every_step_is_stored():
-    from contact.record import samples
-    from contact.scheme.exact_modal import ExactModal
+    from contact.record.record import samples
+    from contact.scheme.modal.exact_modal import ExactModal
 
     for record, few in ((SPARSE, True), (ct.Record(), False)):
         stepper = ExactModal().prepare(lobed(), ct.Unilateral(), dt=DT, courant=None)
@@ -121,8 +121,8 @@ def test_a_blade_out_of_reach_leaps_all_the_way():
 
 
 def test_a_blade_out_of_reach_leaps_from_one_stored_step_to_the_next():
-    from contact.record import samples
-    from contact.scheme.exact_modal import ExactModal
+    from contact.record.record import samples
+    from contact.scheme.modal.exact_modal import ExactModal
 
     stepper = ExactModal().prepare(lobed(clearance=0.03), ct.Unilateral(), dt=DT, courant=None)
     stepper.advance(samples(SPARSE, 5000, 1, stepper.size), 0, 5000)

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from contact.errors import InputError, NumericsError
-from contact.solver.active_set import delassus_rows, unilateral
-from contact.solver.coulomb import coulomb
-from contact.solver.faceted import covering, faceted
-from contact.solver.faceted import lemke as pivoting
-from contact.solver.friction_newton import MOST_ITERATIONS
-from contact.solver.gliding import glide
-from contact.solver.room import INNER, MISS, STEP, TRIAL, friction_room
+from contact.base.errors import InputError, NumericsError
+from contact.solver.friction.coulomb import coulomb
+from contact.solver.friction.faceted import covering, faceted
+from contact.solver.friction.faceted import lemke as pivoting
+from contact.solver.friction.gliding import glide
+from contact.solver.friction.newton import MOST_ITERATIONS
+from contact.solver.friction.room import INNER, MISS, STEP, TRIAL, friction_room
+from contact.solver.unilateral.active_set import delassus_rows, unilateral
 from tests.contact.lemke import lemke
 
 pytestmark = pytest.mark.slow  # they compile loops for seconds
@@ -253,7 +253,7 @@ def test_a_fault_inside_pivoting_is_no_solution(monkeypatch):
     def fails(*_):
         raise np.linalg.LinAlgError
 
-    monkeypatch.setattr("contact.solver.coulomb.pivoted", fails)
+    monkeypatch.setattr("contact.solver.friction.coulomb.pivoted", fails)
     assert np.isnan(friction_room(1, 2).otherwise.call(1, 2, 0))
 
 

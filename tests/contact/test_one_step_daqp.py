@@ -10,9 +10,9 @@ import daqp
 import numpy as np
 import pytest
 
-from contact.solver.active_set import delassus_rows, unilateral
-from contact.solver.complementarity import LawNumbers, Several, contact_forces
-from contact.solver.coulomb import coulomb
+from contact.solver.friction.coulomb import coulomb
+from contact.solver.unilateral.active_set import delassus_rows, unilateral
+from contact.solver.unilateral.complementarity import LawNumbers, Several, contact_forces
 
 pytestmark = pytest.mark.slow  # they compile loops for seconds
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.record import samples
+from contact.record.record import samples
 
 
 def body(omega, rows, names, S=None, zeta=0.0):

@@ -7,7 +7,7 @@ import pytest
 from synthetic_rim import blade, ring
 
 import contact as ct
-from contact.scheme.loop.leapfrog import advance_leapfrog
+from contact.loop.linear.leapfrog import advance_leapfrog
 from reports.contact_cases import methods
 
 BAR = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=2.0, velocity=-10.0, elements=12)

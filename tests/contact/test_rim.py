@@ -7,7 +7,7 @@ from synthetic_rim import N_MAX, SIZE, blade, flap_blade, ring
 
 import contact as ct
 from contact import recovery
-from contact.model.modal_system import rim_system
+from contact.model.gaps.modal_system import rim_system
 from contact.model.trig import harmonics
 
 ROUND = [{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall, two_rods
+from contact.reference.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall, two_rods
 
 CARPENTER = {"length": 10.0, "area": 1.0, "E": 30e6, "rho": 7.34e-4}
 BAR = {"length": 10.0, "area": 1.0, "E": 900.0, "rho": 1.0, "x": 5.0}

@@ -10,8 +10,8 @@ from synthetic_rub import N_MAX, SIZE, nodes, rim3, tips
 import contact as ct
 from contact import recovery
 from contact.model.trig import harmonics
-from contact.scheme.propagator import propagator
-from contact.solver.coulomb import coulomb
+from contact.scheme.modal.propagator import propagator
+from contact.solver.friction.coulomb import coulomb
 
 WAVES = [{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]
 

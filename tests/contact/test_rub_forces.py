@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 from synthetic_rub import N_MAX, SIZE
 
 import contact as ct
-from contact.model.modal_body import rim_channels
+from contact.model.bodies.modal_body import rim_channels
 
 G = 9.80665
 SHARE = np.array([[0.3, 0.8], [1.1, -0.4], [0.2, 0.5]])  # sqrt(kg)

@@ -8,7 +8,7 @@ import pytest
 from synthetic_rub import nodes, rim3
 
 import contact as ct
-from contact.scheme.rub_tracks import track_tips
+from contact.scheme.modal.rub_tracks import track_tips
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes" / "rub"
 

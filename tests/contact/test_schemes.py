@@ -10,10 +10,10 @@ from scipy.linalg import expm
 from scipy.sparse import csr_array
 
 import contact as ct
-from contact.exact import force_error, two_rods
-from contact.model.chain import assemble
-from contact.model.chain_linear import linear
-from contact.record import samples
+from contact.model.bodies.chain import assemble
+from contact.model.bodies.chain_linear import linear
+from contact.record.record import samples
+from contact.reference.exact import force_error, two_rods
 
 CARPENTER = {"length": 10.0, "area": 1.0, "E": 30e6, "rho": 7.34e-4}
 LEAPFROG = [ct.CentralDifference(), ct.CDLagrange(), ct.PaoliSchatzman(restitution=0.3), ct.MasslessBoundary()]
@@ -255,7 +255,7 @@ def brute(W, g):
 
 
 def solved(W, g):
-    from contact.solver.complementarity import LawNumbers, Several, contact_forces
+    from contact.solver.unilateral.complementarity import LawNumbers, Several, contact_forces
 
     n = g.size
     lam = np.zeros(n)

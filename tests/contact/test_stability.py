@@ -12,10 +12,10 @@ from synthetic_rim import blade, ring
 
 import contact as ct
 from casingfem.cli import main
-from contact.coincidence import coincidences, loaded
-from contact.floquet import floquet_growth
-from contact.model.permanent import SplitError, disk_contact
-from contact.stability import growth
+from contact.growth.closed_contact import growth
+from contact.growth.coincidence import coincidences, loaded
+from contact.growth.floquet import floquet_growth
+from contact.model.gaps.permanent import SplitError, disk_contact
 
 SCENE = Path(__file__).parents[2] / "data" / "scenes" / "pair.toml"
 B6 = ct.HandPair(

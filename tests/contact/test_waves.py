@@ -5,15 +5,15 @@ import pytest
 from synthetic_rim import blade, ring
 
 import contact as ct
-from contact.compiled import jit_entry
-from contact.model.modal_system import NOISE, rim_system
+from contact.jit.compiled import jit_entry
+from contact.jit.vector import load, put
+from contact.loop.batch.batch import fill_lanes
+from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
+from contact.loop.modal.rows import fill, rotate
+from contact.model.gaps.modal_system import NOISE, rim_system
 from contact.model.waves import Terms
-from contact.scheme.lanes import WIDTH, Layout
-from contact.scheme.loop.circle import cosine, half_turns, sign_of, sine, within
-from contact.scheme.loop.lanes import fill_lanes
-from contact.scheme.loop.rows import fill, rotate
-from contact.scheme.modal_stepper import rim_rows
-from contact.vector import load, put
+from contact.scheme.modal.batch import WIDTH, Layout
+from contact.scheme.modal.modal_stepper import rim_rows
 
 
 def system(imperfect, cos=2.5e-4):

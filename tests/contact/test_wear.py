@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 from synthetic_rim import blade, ring
 
 import contact as ct
-from contact.solver.abradable import Coating, crush, first_bar, machined, surface
+from contact.solver.abradable.one_tip import Coating, crush, first_bar, machined, surface
 
 TERMS = [{"p": 2, "cos": 4e-5}]
 SOFT = {"E": 1e9, "yield_stress": 2e4, "hardening": 1e6, "thickness": 1e-3, "width": 0.02, "tip": 6e-3}
@@ -76,7 +76,7 @@ def test_the_tip_covers_the_bars_about_its_middle():
 
 def test_at_rest_the_force_is_what_the_worn_bar_leaves():
     """Omega = 0: force = -(g_0 + w)/(static compliance + thickness/(E area)), below the stress at which it flows."""
-    from contact.model.modal_system import rim_system
+    from contact.model.gaps.modal_system import rim_system
 
     law = coating(hardening=0.0)
     scene = rim(clearance=-1e-4, zeta=0.9, speed_hz=0.0, terms=[])
@@ -156,7 +156,7 @@ def test_a_saved_result_keeps_its_wear(tmp_path):
 
 
 def test_long_runs_keep_every_second_map(monkeypatch):
-    from contact.scheme import wear_track
+    from contact.scheme.modal import wear_track
 
     monkeypatch.setattr(wear_track, "MOST_MAPS", 8)
     wear = ct.run(rim(), law=coating(), t_end=0.05, dt=1e-5).wear

@@ -6,12 +6,12 @@ from synthetic_rim import blade, ring
 from synthetic_rub import nodes, rim3, tips
 
 import contact as ct
-from contact.model.rub_system import rub_system
-from contact.scheme.rub_tracks import track_tips
-from contact.solver.abradable import borne
-from contact.solver.abradable_tips import Coats, coating_of, crush_tips
-from contact.solver.gliding import Glide
-from contact.solver.room import friction_room
+from contact.model.gaps.rub_system import rub_system
+from contact.scheme.modal.rub_tracks import track_tips
+from contact.solver.abradable.one_tip import borne
+from contact.solver.abradable.tips import Coats, coating_of, crush_tips
+from contact.solver.friction.gliding import Glide
+from contact.solver.friction.room import friction_room
 
 GLIDE = Glide(used=True)
 WAVES = [{"p": 2, "cos": 4e-5}]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.modal_body import rim_channels
+from contact.model.bodies.modal_body import rim_channels
 
 
 def body(*omega):

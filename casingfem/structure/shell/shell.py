@@ -15,11 +15,11 @@ from casingfem.structure.edge.point_mass import PointMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry, grip
 from casingfem.structure.field.fourier import Field, relative
-from casingfem.structure.field.survey.check import check_survey, surveys
 from casingfem.structure.geometry.chart import Chart, Surface, require_positive
 from casingfem.structure.geometry.chart_checks import check_chart, check_symmetry
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.geometry.strip import Strip, check_strips, spread
+from casingfem.structure.geometry.survey_check import check_survey, surveys
 from casingfem.structure.geometry.taper import Taper
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.edge_form import Sprung

@@ -1,0 +1,1 @@
+"""What everything stands on: errors, arrays that are read only."""

@@ -1,0 +1,1 @@
+"""Does a contact that stays closed diverge? Poles, coincidences, Floquet, maps of growth."""

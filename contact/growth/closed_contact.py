@@ -1,0 +1,94 @@
+"""Does a contact that stays closed diverge? Poles and growth rates over speed, no time stepping.
+
+A perfect casing in the blade's frame has constant coefficients: its growth is the largest real part of the
+eigenvalues. A split casing's coefficients are periodic in time in either frame: Floquet (`contact.growth.floquet`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.base.arrays import Array
+from contact.base.errors import InputError
+from contact.growth.coincidence import close_speeds, coincidences, in_words
+from contact.growth.growth_map import StabilityMap, scan
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.permanent import ClosedContact, SplitError, rim_contact
+
+FLOOR = 1e-8  # of the highest frequency [rad/s]: growth below it is round-off of an undamped system
+BATCH = 2_000_000  # entries of the state matrices formed at once
+
+
+def poles(contact: ClosedContact, speed_hz: Array) -> NDArray[np.complex128]:
+    """Poles s [1/s, rad/s] of a closed contact in the blade's frame, (speeds, 2 m).
+
+    x' = [[-Omega G, I], [-omega^2 - W^T S^-1 Q, -Omega G - 2 zeta omega]] x, x = (q, (D + Omega G) q); all speeds
+    in one batch. Raises InputError for speeds that are not finite.
+
+    >>> from contact.model.gaps.permanent import HandPair, ModalPair
+    >>> pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+    ...                 blade=ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)
+    >>> round(float(poles(pair.contact(), np.array([52.844])).real.max()), 4)
+    3.7883
+    """
+    speed = np.atleast_1d(np.asarray(speed_hz, dtype=float))
+    if speed.ndim != 1 or not np.all(np.isfinite(speed)):
+        raise InputError("speed_hz: found speeds that are not finite, or not in one row, expected finite numbers")
+    m = contact.omega.size
+    found = np.empty((speed.size, 2 * m), dtype=complex)
+    size = max(1, BATCH // (4 * m * m))
+    for first in range(0, speed.size, size):
+        part = slice(first, first + size)
+        found[part] = np.linalg.eigvals(_states(contact, speed[part]))
+    return found
+
+
+def _states(contact: ClosedContact, speed_hz: Array) -> Array:
+    """State matrices (speeds, 2 m, 2 m), velocities scaled by the highest frequency."""
+    m = contact.omega.size
+    scale = float(contact.omega.max(initial=0.0)) or 1.0
+    turn = -2.0 * np.pi * speed_hz[:, None, None] * contact.G
+    A = np.zeros((speed_hz.size, 2 * m, 2 * m))
+    A[:, :m, :m] = turn
+    A[:, :m, m:] = scale * np.eye(m)
+    A[:, m:, m:] = turn - np.diag(2.0 * contact.zeta * contact.omega)
+    for sense in np.unique(np.sign(speed_hz)):
+        A[np.sign(speed_hz) == sense, m:, :m] = -(np.diag(contact.omega**2) + contact.joined(sense)) / scale
+    return A
+
+
+def growth(contact: ClosedContact, speed_hz: Array) -> Array:
+    """Largest real part of the poles [1/s], (speeds,): positive diverges."""
+    return np.asarray(poles(contact, speed_hz).real.max(axis=1))
+
+
+def stability(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
+    """Growth map of a perfect casing, with the coincidences of one contact looked at closely and put in words."""
+    speed = np.asarray(speed_hz, dtype=float)
+    met = coincidences(contact) if len(contact.Q) == 1 else ()
+    found = scan(lambda at: growth(contact, at), speed, floor=floor_of(contact), seeds=close_speeds(met))
+    return replace(found, words=in_words(contact, met, found))
+
+
+def rim_stability(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0) -> StabilityMap:
+    """Growth map of a rim against its blade in closed contact; the rim's own speed is not used.
+
+    A perfect casing by eigenvalues; a split one by Floquet's theory, which follows every turn and takes longer.
+    """
+    try:
+        contact = rim_contact(rim, mu=mu)
+    except SplitError:
+        from contact.growth.floquet import floquet_growth
+
+        floor = FLOOR * float(max(rim.casing.omega.max(initial=0.0), rim.blade.omega.max(initial=0.0)))
+        found = scan(lambda at: floquet_growth(rim, at, mu=mu), np.asarray(speed_hz, dtype=float), floor=floor)
+        return replace(found, words="A split casing: growth per turn by Floquet's theory. " + in_words(None, (), found))
+    return stability(contact, speed_hz)
+
+
+def floor_of(contact: ClosedContact) -> float:
+    """Growth [1/s] that is none: round-off of the poles."""
+    return FLOOR * float(contact.omega.max(initial=0.0))

@@ -1,0 +1,99 @@
+"""Growth rate over speed, refined where it matters: the largest one, and the edges of the bands that diverge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.base.arrays import Array, readonly
+from contact.base.errors import InputError
+
+Growth = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class StabilityMap:
+    """Growth rate [1/s] over speed [Hz], (speeds,), its refined maximum, and the bands in which it is positive."""
+
+    speed_hz: Array
+    growth: Array
+    peak_speed_hz: float
+    peak_growth: float
+    bands_hz: tuple[tuple[float, float], ...]
+    words: str = ""
+
+    @property
+    def diverges(self) -> bool:
+        """Whether any speed of the range has a growing vibration."""
+        return bool(self.bands_hz)
+
+    def to_dict(self) -> dict[str, object]:
+        """The document of `casingfem stability --json`."""
+        return {
+            "speed_hz": self.speed_hz.tolist(), "growth": self.growth.tolist(),
+            "peak": {"speed_hz": self.peak_speed_hz, "growth": self.peak_growth},
+            "bands_hz": [list(band) for band in self.bands_hz], "words": self.words,
+        }  # fmt: skip
+
+    def __repr__(self) -> str:
+        lines = [f"largest growth {self.peak_growth:.5g} 1/s at {self.peak_speed_hz:.5g} Hz"]
+        lines += [f"diverges from {low:.6g} to {high:.6g} Hz" for low, high in self.bands_hz]
+        if not self.bands_hz:
+            lines.append(f"no growth from {self.speed_hz[0]:.6g} to {self.speed_hz[-1]:.6g} Hz")
+        return "\n".join([*lines, *([self.words] if self.words else [])])
+
+
+def scan(rate: Growth, speed_hz: Array, *, floor: float, seeds: Array | None = None) -> StabilityMap:
+    """Growth over speeds, refined: its maximum by bounded maximisation, the edges of its bands by root finding.
+
+    `rate` gives growth [1/s] at speeds [Hz]; `floor` is what counts as none; `seeds` are further speeds looked at, so
+    that a band narrower than the grid is not missed. Raises InputError unless there are two ascending speeds.
+    """
+    speed = readonly(speed_hz)
+    if speed.ndim != 1 or speed.size < 2 or not np.all(np.diff(speed) > 0.0):
+        raise InputError("speed_hz: found no ascending row, expected at least two ascending speeds")
+    extra = np.zeros(0) if seeds is None else np.asarray(seeds, dtype=float)
+    every = np.union1d(speed, extra[(extra > speed[0]) & (extra < speed[-1])])
+    values = rate(every)
+    where, peak = _peak(rate, every, values, floor)
+    if not np.any(every == where):
+        place = int(np.searchsorted(every, where))
+        every, values = np.insert(every, place, where), np.insert(values, place, peak)
+    return StabilityMap(
+        speed_hz=speed, growth=readonly(values[np.isin(every, speed)]), peak_speed_hz=where, peak_growth=peak,
+        bands_hz=_bands(rate, every, values, floor),
+    )  # fmt: skip
+
+
+def _peak(rate: Growth, speed: Array, values: Array, floor: float) -> tuple[float, float]:
+    """Speed and value of the largest growth, refined between the neighbours of the largest sample."""
+    from scipy.optimize import minimize_scalar
+
+    k = int(values.argmax())
+    best = float(speed[k]), float(values[k])
+    if best[1] <= floor:
+        return best
+    bounds = float(speed[max(k - 1, 0)]), float(speed[min(k + 1, speed.size - 1)])
+    found = minimize_scalar(
+        lambda at: -float(rate(np.array([at]))[0]), bounds=bounds, method="bounded",
+        options={"xatol": 1e-9 * max(abs(bounds[0]), abs(bounds[1]))},
+    )  # fmt: skip
+    return (float(found.x), float(-found.fun)) if -found.fun > best[1] else best
+
+
+def _bands(rate: Growth, speed: Array, values: Array, floor: float) -> tuple[tuple[float, float], ...]:
+    """Intervals of speed with growth above `floor`; those that reach the range's ends are cut there."""
+    from scipy.optimize import brentq
+
+    above = values > floor
+    edges = [
+        float(brentq(lambda at: float(rate(np.array([at]))[0]) - floor, speed[k], speed[k + 1], xtol=1e-10))
+        for k in np.flatnonzero(above[1:] != above[:-1])
+    ]
+    if above[0]:
+        edges.insert(0, float(speed[0]))
+    if above[-1]:
+        edges.append(float(speed[-1]))
+    return tuple(zip(edges[::2], edges[1::2], strict=True))

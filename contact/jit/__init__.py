@@ -1,0 +1,1 @@
+"""The doorway to numba: what is compiled, how arrays reach it, with what promises."""

@@ -1,0 +1,166 @@
+"""The only doorway to numba: one typed decorator, imported when a run starts and not before.
+
+Numba's disk cache watches the file of a function but not the files of what it calls. The cache directory is
+therefore named after the contents of every compiled source, so that no change can leave stale machine code.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+import numba.experimental.function_type  # so that numba knows the types of functions called by address
+from numba.core import types
+from numba.core.registry import CPUDispatcher
+
+from contact.jit.bundle import bundled
+from contact.jit.linking import PartPipeline, SealedPipeline
+from contact.jit.progress import Announcement, Uncollected, announce
+
+config: Any = numba.config
+unliteral: Any = types.unliteral
+protocol: Any = types.WrapperAddressProtocol
+VECTOR: Any = types.Array(types.float64, 1, "C")
+MATRIX: Any = types.Array(types.float64, 2, "C")
+Function = TypeVar("Function", bound=Callable[..., object])
+
+ROOT = Path(__file__).parents[1]
+SOURCES = (
+    *sorted((ROOT / "jit").glob("*.py")),
+    ROOT / "record/record.py",
+    ROOT / "model/bodies/band.py",
+    *sorted((ROOT / "loop").rglob("*.py")),
+    *sorted((ROOT / "solver").rglob("*.py")),
+)
+
+
+def cache_directory() -> Path:
+    """Directory of the machine code of exactly these sources."""
+    digest = hashlib.sha256(b"\0".join(source.read_bytes() for source in SOURCES)).hexdigest()
+    base = config.CACHE_DIR or ROOT / "__pycache__"
+    return Path(base) / f"contact-{digest[:12]}"
+
+
+CACHE = str(cache_directory())
+# no reference counts: loops are given all their arrays, and counting the views they take cost more than the steps
+BY_ADDRESS: Any = {"cache": True, "_nrt": False, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
+OPTIONS: Any = {**BY_ADDRESS, "no_cfunc_wrapper": True}
+# no way in from Python, which is compiled for each; no cache: there is no code
+PART: Any = {"no_cpython_wrapper": True, "cache": False}
+
+announce(Announcement(), Uncollected())
+
+
+def jit_entry(function: Function) -> Function:
+    """Compile a step loop that Python calls and that allocates nothing to machine code, cached on disk.
+
+    Sums may be reassociated and products contracted, so that reductions vectorise; NaN keeps its meaning,
+    so that a run that diverges is seen. The same input gives bit-identical results on one machine.
+    """
+    return compiled(function, OPTIONS)
+
+
+def jit(function: Function) -> Function:
+    """Compile what compiled functions call, else as `jit_entry`; a call from Python compiles it once more."""
+    return part(function, OPTIONS)
+
+
+def jit_inside(function: Function) -> Function:
+    """Compile a part of a step loop into its caller, else as `jit`: passing a state's many arrays costs more."""
+    return part(function, {**OPTIONS, "forceinline": True})
+
+
+class Loop(CPUDispatcher):
+    """A compiled function that is compiled once for whole numbers.
+
+    Numba compiles for the literal 0 and again for the variable that begins with it, or for each number that is passed.
+    """
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Types and template of a call from a compiled function."""
+        known: Any = super()
+        return known.get_call_template(
+            [unliteral(kind) for kind in args], {name: unliteral(kind) for name, kind in kws.items()}
+        )
+
+
+class Entry(Loop):
+    """A compiled function that Python calls; NamedTuples are passed as bundles."""
+
+    def __call__(self, *args: Any) -> Any:
+        """Run it."""
+        run: Any = super().__call__
+        return run(*[bundled(value) for value in args])
+
+
+class Part(Loop):
+    """A compiled function that has no way in from Python and no machine code: it becomes part of its callers."""
+
+    def __call__(self, *args: Any, **kws: Any) -> Any:
+        """Compile it as an entry too, for a test or a single call; it must not return arrays."""
+        return entry(self.py_func)(*args, **kws)
+
+
+@cache
+def entry(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The entry of a part, made when Python first calls it."""
+    return compiled(function, OPTIONS)
+
+
+def part(function: Function, options: dict[str, Any]) -> Function:
+    """Compile for compiled callers alone; as it stands where numba is told not to compile."""
+    return compiled(function, {**options, **PART}, Part)
+
+
+class ByAddress(protocol):  # type: ignore[misc]
+    """A compiled function that loops call by its address: compiled once for all of them, and only where `used`.
+
+    A subclass names the `function`, as Python has it, and its signature `kind`.
+    """
+
+    kind: Any
+    function: Callable[..., Any]
+
+    def __init__(self, *, used: bool) -> None:
+        self.used = used
+
+    def __wrapper_address__(self) -> int:
+        """Where the function is; 0 where the run never calls it."""
+        return address_of(self.function, self.kind) if self.used else 0
+
+    def signature(self) -> Any:
+        """What it takes and returns."""
+        return self.kind
+
+
+@cache
+def address_of(function: Callable[..., Any], kind: Any) -> int:
+    """Compile a function that is called by its address."""
+    with cached_here():
+        made: Any = numba.cfunc(kind, pipeline_class=SealedPipeline, **BY_ADDRESS)(function)
+    return int(made.address)
+
+
+@contextmanager
+def cached_here() -> Iterator[None]:
+    """Machine code goes into the directory named after the sources."""
+    before = config.CACHE_DIR
+    config.CACHE_DIR = CACHE
+    try:
+        yield
+    finally:
+        config.CACHE_DIR = before
+
+
+def compiled(function: Function, options: dict[str, Any], kind: type[Loop] = Entry) -> Function:
+    """Compile with numba, the cache in a directory named after the sources."""
+    with cached_here():
+        made: Any = numba.njit(pipeline_class=PartPipeline if kind is Part else SealedPipeline, **options)(function)
+    if isinstance(made, CPUDispatcher):
+        made.__class__ = kind
+    return cast(Function, made)

@@ -1,0 +1,1 @@
+"""What numba compiles: step loops, the sums they keep."""

@@ -1,0 +1,1 @@
+"""Step loops of a hinged beam in a circle."""

@@ -1,0 +1,1 @@
+"""Step loops of linear bodies, one for each family of schemes."""

@@ -1,0 +1,116 @@
+"""Compiled leapfrog steps on a linear problem: A (D_{n+1} - D_n) = f - K u_n - C D_n/h + Q^T force.
+
+A = M/h^2 + C/(2 h); one loop, four contact rules. Energy D^T M D/(2 h^2) + u_{n-1}^T K u_n/2 changes by the work of the
+forces along (D_n + D_{n+1})/2, exactly.
+"""
+
+from __future__ import annotations
+
+import math
+
+from contact.base.arrays import Array
+from contact.jit.compiled import jit, jit_entry
+from contact.loop.linear.linear import (
+    Parts,
+    State,
+    add_product,
+    add_response,
+    add_varying,
+    along,
+    damping_work,
+    gap_of,
+    solve_in_place,
+    varying_work,
+)
+from contact.loop.tally import note_step, store, store_state
+from contact.record.record import Samples, Tally
+from contact.solver.unilateral.complementarity import LawNumbers, contact_forces
+
+FORWARD, IMPULSE, AVERAGED, SPRING = 0, 1, 2, 3
+
+
+@jit
+def free_increment(p: Parts, s: State, h: float, amplitudes: Array, d: Array, work: Array) -> None:
+    """Overwrite d by A^-1 (f - K u - C D/h); A is lumped unless damping couples coordinates."""
+    for i in range(d.size):
+        d[i] = p.load[i]
+    add_varying(p, 1.0, amplitudes, d)
+    add_product(p.K, -1.0, s.u, d, work)
+    if p.damped:
+        add_product(p.C, -1.0 / h, s.v, d, work)
+    solve_in_place(p.A, d)
+
+
+@jit
+def law_gap(rule: int, e: float, now: float, was: float, will: float) -> float:
+    """What the rule keeps from becoming negative, in metres; `was`, `will`: the gap's last and next increments."""
+    if rule == FORWARD:
+        return now + will
+    if rule == AVERAGED:
+        return now + (will - e * was) / (1.0 + e)
+    if rule == IMPULSE:
+        return math.inf if now > 0.0 else will + e * was
+    return now
+
+
+@jit_entry
+def advance_leapfrog(
+    p: Parts, s: State, sums: Tally, out: Samples, amplitudes: Array, h: float, first: int, steps: int,
+    law: LawNumbers, rule: int, e: float,
+) -> int:  # fmt: skip
+    """Steps first .. first + steps - 1; -1, or the step that failed."""
+    n, contacts = s.u.size, s.force.size
+    d, rate, spare, mean, work = s.spare[0], s.spare[1], s.spare[2], s.spare[3], s.work
+    g, shifted = s.free, s.shifted
+    share = 1.0 / (1.0 + e) if rule == AVERAGED else 1.0  # of the force's opening that the rule counts
+    for step in range(first, first + steps):
+        load = amplitudes[step - first]
+        store_state(sums, out, step, step * h, s.u)
+        free_increment(p, s, h, load, d, work)
+        for k in range(contacts):
+            was = along(p, k, s.v)
+            g[k] = law_gap(rule, e, gap_of(p, k, s.u), was, was + along(p, k, d)) / share
+        if rule == SPRING:
+            for k in range(contacts):
+                if g[k] != g[k]:
+                    return step
+                s.force[k] = law.stiffness * max(-g[k], 0.0)
+        elif not contact_forces(p.W, law, g, s.force, s.closed, s.square, shifted):
+            return step
+        for k in range(contacts):
+            shifted[k] = along(p, k, d)
+        add_response(p, 1.0, s.force, d)
+        note_leapfrog(p, s, law, rule, e, share, shifted, d, sums, out, step * h, h)
+        if p.damped or load.size > 0:
+            for i in range(n):
+                mean[i] = s.v[i] + 0.5 * d[i]
+                rate[i] = mean[i] / h
+            sums.damping[0] += damping_work(p, mean, rate, spare, work)
+            sums.external[0] += varying_work(p, load, load, mean, spare)
+        for i in range(n):
+            s.v[i] += d[i]
+            s.u[i] += s.v[i]
+        store(sums, out, step, step * h, s.force, s.gap)
+    return -1
+
+
+@jit
+def note_leapfrog(
+    p: Parts, s: State, law: LawNumbers, rule: int, e: float, share: float, free: Array, d: Array, sums: Tally,
+    out: Samples, time: float, h: float,
+) -> None:  # fmt: skip
+    """Work, gaps and events of the contacts; `free` = increments of D along the gaps without force."""
+    early = rule == IMPULSE or rule == SPRING  # these read the gap at t_n, the others a step ahead
+    for k in range(s.force.size):
+        now, was = gap_of(p, k, s.u), along(p, k, s.v)
+        will = was + along(p, k, d)
+        sums.work[k] += 0.5 * s.force[k] * (was + will)
+        held = law_gap(rule, e, now, was, will)
+        scale = 1.0 / law.stiffness if rule == SPRING else share * p.W[k, k]
+        slack = abs(min(s.force[k] * scale, held))
+        s.gap[k] = now if early else held
+        if early:
+            note_step(sums, out, k, h, s.force[k], now, slack, time - h, now - was, now, time - 0.5 * h)
+        else:
+            ahead = now + was + free[k]
+            note_step(sums, out, k, h, s.force[k], now + will, slack, time, now, ahead, time - 0.5 * h)

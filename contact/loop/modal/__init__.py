@@ -1,0 +1,1 @@
+"""Exact-modal step loops: one contact, several, leaps over free flight."""

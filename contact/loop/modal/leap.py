@@ -1,0 +1,126 @@
+"""Compiled leaps over contact-free time: how far the gap is surely open, and the state beyond.
+
+The modes' share of the gap is at most B = sum_n hypot(sum_i |cos_in| A_i, sum_i |sin_in| A_i) at every angle and for
+all time until the next force, A_i the amplitude of mode i now. Where the clearance exceeds B no contact is possible.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from contact.base.arrays import Array, Indices
+from contact.jit.compiled import jit, jit_entry
+
+LEAST = 6  # steps: what a shorter leap saves, looking for it costs
+PAUSE = 16  # steps after a contact before a leap is tried
+WAIT = 512  # steps at most between two tries: amplitudes decay meanwhile
+FOREVER = 1 << 40
+
+
+class Leap(NamedTuple):
+    """Map over 2^j steps, amplitudes' coefficients, least clearance by angle; `powers` is empty where none is taken."""
+
+    powers: Array  # (bits, 4, m): (q, D) -> (q, D), entries 11, 12, 21, 22
+    fade: Array  # (m,) e^{-a h}
+    cos: Array  # (m,) cos w_d h
+    sin: Array
+    start: Indices  # terms of mode i, as in `contact.model.waves.Terms`
+    wave: Indices
+    row: Array
+    floor: Array  # (cells,) least clearance of each cell of the contact angle
+    reach: Array  # (2 (highest harmonic + 1),), work space
+    taken: Indices  # (2,): leaps taken, steps in them
+
+
+@jit
+def amplitude(q: float, d: float, fade: float, cos: float, sin: float) -> float:
+    """Bound of |q| from now on without force; a rigid mode that moves has none."""
+    if sin == 0.0:
+        return abs(q) if d == 0.0 else math.inf
+    other = (q * cos - fade * (q - d)) / sin
+    return math.sqrt(q * q + other * other)
+
+
+@jit_entry
+def largest_share(leap: Leap, q: Array, d: Array) -> float:
+    """Bound B of the modes' share of the gap at any angle and any later time without force."""
+    reach = leap.reach
+    reach[:] = 0.0
+    for i in range(q.size):
+        A = amplitude(q[i], d[i], leap.fade[i], leap.cos[i], leap.sin[i])
+        for j in range(leap.start[i], leap.start[i + 1]):
+            reach[leap.wave[j]] += A * abs(leap.row[j])
+    total = 0.0
+    for n in range(0, reach.size, 2):
+        total += math.sqrt(reach[n] * reach[n] + reach[n + 1] * reach[n + 1])
+    return total
+
+
+@jit_entry
+def open_steps(floor: Array, bound: float, phi: float, turn: float) -> int:
+    """Steps from angle phi on, `turn` apart, at which the clearance surely exceeds `bound`.
+
+    Where the first is not among them: minus the steps after which it may be.
+    """
+    cells = floor.size
+    place = phi / (2.0 * math.pi)
+    place = (place - math.floor(place)) * cells
+    cell = min(int(place), cells - 1)
+    stride = abs(turn) * cells / (2.0 * math.pi)
+    is_open = floor[cell] > bound
+    if stride < 1e-12:
+        return FOREVER if is_open else -WAIT
+    distance = place - cell if turn < 0.0 else cell + 1 - place
+    for _ in range(cells):
+        cell += -1 if turn < 0.0 else 1
+        if cell < 0:
+            cell = cells - 1
+        elif cell == cells:
+            cell = 0
+        if (floor[cell] > bound) != is_open:
+            steps = int((distance - 1e-6) / stride) + 1 if distance > 1e-6 else 0
+            return steps if is_open else -min(steps + 1, WAIT)
+        distance += 1.0
+    return FOREVER if is_open else -WAIT
+
+
+@jit_entry
+def propagate(q: Array, d: Array, powers: Array, steps: int) -> None:
+    """Take (q, D) over `steps` steps of free motion."""
+    j = 0
+    while steps > 0:
+        if steps & 1:
+            for i in range(q.size):
+                x, y = q[i], d[i]
+                q[i] = powers[j, 0, i] * x + powers[j, 1, i] * y
+                d[i] = powers[j, 2, i] * x + powers[j, 3, i] * y
+        steps >>= 1
+        j += 1
+
+
+@jit
+def discrete_energy(q: Array, d: Array, be: Array, c: Array) -> float:
+    """D^T D/(2 c) + omega^2 q_{n-1} q_n/2: what damping takes of it during a leap is its work."""
+    total = 0.0
+    for i in range(q.size):
+        total += 0.5 * (d[i] * d[i] + be[i] * (q[i] - d[i]) * q[i]) / c[i]
+    return total
+
+
+@jit
+def leap_ahead(leap: Leap, q: Array, d: Array, phi: float, turn: float, room: int) -> int:
+    """Leap as far as no contact is possible, at most `room` steps; phi the angle of the next gap.
+
+    The steps taken, or minus those to wait before another try.
+    """
+    bound = largest_share(leap, q, d)
+    steps: int = min(open_steps(leap.floor, bound, phi, turn), room, (1 << leap.powers.shape[0]) - 1)
+    if steps < 0:
+        return steps
+    if steps < LEAST:
+        return -(steps + 1)
+    propagate(q, d, leap.powers, steps)
+    leap.taken[0] += 1
+    leap.taken[1] += steps
+    return steps

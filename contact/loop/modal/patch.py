@@ -1,0 +1,221 @@
+"""Compiled step loop of the exact-modal scheme with several contacts: active set, or friction by Newton."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.base.arrays import Array, Indices
+from contact.jit.compiled import jit, jit_entry
+from contact.loop.modal.stick import Sticking, note_sticking
+from contact.loop.tally import note_contact, store, store_state
+from contact.record.record import Samples, Tally
+from contact.solver.dense import assign, dot
+from contact.solver.friction.coulomb import friction_forces
+from contact.solver.friction.newton import TOLERANCE
+from contact.solver.friction.room import Room, friction_room
+from contact.solver.unilateral.active_set import SOLVED, ActiveSpace, active_space, project
+
+JAMMED, ROUGH = 1.0, 2.0  # `fault`: no motion opens all gaps; friction not solved
+
+
+class PatchState(NamedTuple):
+    """Modes (m,) and contacts: k, or d k entries, normal first."""
+
+    q: Array
+    d: Array
+    al: Array
+    be: Array
+    c: Array
+    kick: Array
+    weight: Array
+    rows: Array  # (d k, m)
+    S: Array  # (d k, d k), empty when zero
+    W: Array  # rows c rows^T + S, empty without friction
+    roots: Array  # A with A A^T = W, empty with friction
+    own: Array  # W of each normal with itself (k,)
+    mu: Array  # (k,)
+    slide: Array  # (d k,), motion of the ground in one step
+    lam: Array  # (d k,)
+    moved: Array  # rows D of the last step (d k,)
+    place: Array  # clearance + rows q, normal (k,)
+    force: Array
+    gap: Array
+    past: Sticking
+    counts: Array  # most iterations of one step, sum of iterations, steps with contact, fault
+
+
+class PatchWork(NamedTuple):
+    """Work space: free gaps and slips, the contacts that are solved for and their problem."""
+
+    b: Array  # (d k,)
+    old: Array  # (m,)
+    pushed: Array  # (m,)
+    after: Array  # (d k,)
+    inside: Indices  # (k,)
+    chosen: Indices  # (d k,)
+    mu: Array  # (k,)
+    W: Array  # (d k, d k), empty without friction
+    short: Array  # (d k,)
+    lam: Array  # (d k,)
+    active: ActiveSpace  # empty with friction
+    room: Room  # empty without
+
+
+def patch_work(s: PatchState, rough: bool) -> PatchWork:
+    """Work space of a run."""
+    k, n, m = s.mu.size, s.lam.size, s.q.size
+    size = n if rough else 0
+    return PatchWork(
+        b=np.zeros(n), old=np.zeros(m), pushed=np.zeros(m), after=np.zeros(n), inside=np.zeros(k, dtype=np.int64),
+        chosen=np.zeros(n, dtype=np.int64), mu=np.zeros(k), W=np.zeros((size, size)), short=np.zeros(n),
+        lam=np.zeros(n), active=active_space(k, s.roots.shape[1]), room=friction_room(size // (n // k), n // k),
+    )  # fmt: skip
+
+
+@jit
+def frictionless(s: PatchState, w: PatchWork) -> bool:
+    """Forces of the active set method into `lam`; False when the gaps cannot all open."""
+    status, changes = project(s.roots, w.b, s.mu.size, s.roots.shape[1], s.lam, w.active)
+    note_iterations(s, changes)
+    if status != SOLVED:
+        s.counts[3] = JAMMED
+    return bool(status == SOLVED)
+
+
+@jit
+def note_iterations(s: PatchState, iterations: int) -> None:
+    """Keep the largest and the sum."""
+    s.counts[0] = max(s.counts[0], float(iterations))
+    s.counts[1] += float(iterations)
+    s.counts[2] += 1.0
+
+
+@jit
+def frictional(s: PatchState, w: PatchWork, dim: int) -> bool:
+    """Forces with friction into `lam`: contacts that close alone or pressed before, and those they draw in."""
+    k, b, inside = s.mu.size, w.b, w.inside
+    for i in range(k):
+        inside[i] = 1 if b[i * dim] < 0.0 or s.lam[i * dim] > 0.0 else 0
+        if inside[i] == 0:
+            for row in range(i * dim, (i + 1) * dim):
+                s.lam[row] = 0.0
+    spent = 0
+    while True:
+        count = gather(s, w, dim)
+        iterations, residual = friction_forces(w.W, w.short, w.mu, dim, count, w.lam, w.room)
+        spent += iterations
+        if not residual <= TOLERANCE:
+            s.counts[3] = ROUGH
+            note_iterations(s, spent)
+            return False
+        for i in range(count * dim):
+            s.lam[w.chosen[i]] = w.lam[i]
+        grown = False
+        for i in range(k):
+            if inside[i] == 0 and b[i * dim] + dot(s.W[i * dim], s.lam, s.lam.size) < 0.0:
+                inside[i], grown = 1, True
+        if not grown:
+            note_iterations(s, spent)
+            return True
+
+
+@jit
+def gather(s: PatchState, w: PatchWork, dim: int) -> int:
+    """Problem of the contacts that are `inside`; returns how many."""
+    count = 0
+    for i in range(s.mu.size):
+        if w.inside[i] == 1:
+            w.mu[count] = s.mu[i]
+            for j in range(dim):
+                w.chosen[count * dim + j] = i * dim + j
+            count += 1
+    for i in range(count * dim):
+        w.short[i], w.lam[i] = w.b[w.chosen[i]], s.lam[w.chosen[i]]
+        for j in range(count * dim):
+            w.W[i, j] = s.W[w.chosen[i], w.chosen[j]]
+    return count
+
+
+@jit_entry
+def advance_patch(
+    s: PatchState, w: PatchWork, rough: bool, sums: Tally, out: Samples, h: float, first: int, steps: int
+) -> int:  # fmt: skip
+    """Exact-modal steps, forward law in every contact."""
+    k = s.mu.size
+    dim, soft = s.lam.size // k, s.S.size > 0
+    for step in range(first, first + steps):
+        store_state(sums, out, step, step * h, s.q)
+        for i in range(s.q.size):
+            w.old[i] = s.d[i]
+            s.d[i] = s.al[i] * s.d[i] - s.be[i] * s.q[i] + s.kick[i]
+        touches = look(s, w, rough, dim, soft)
+        if not math.isfinite(w.b[0]):
+            return step
+        if touches:
+            if not (frictional(s, w, dim) if rough else frictionless(s, w)):
+                return step
+            push(s, w, rough, dim, sums)
+        else:
+            for row in range(s.lam.size):
+                s.lam[row] = 0.0
+                s.moved[row] = dot(s.rows[row], s.d, s.q.size)
+        total = 0.0
+        for i in range(s.q.size):
+            total -= s.weight[i] * w.old[i] * (w.old[i] + s.d[i])
+            s.q[i] += s.d[i]
+        sums.damping[0] += total
+        for i in range(k):
+            row = i * dim
+            before = s.place[i]
+            s.place[i] += s.moved[row]
+            s.force[i] = s.lam[row]
+            s.gap[i] = 0.0
+            if s.force[i] == 0.0:
+                s.gap[i] = s.place[i] + (dot(s.S[row], s.lam, s.lam.size) if soft else 0.0)
+            note_contact(sums, out, i, h, step * h, s.force[i], s.gap[i], s.own[i], before, w.b[row])
+            if rough:
+                note_sticking(s.past, sums, out, i, step * h, h, s.mu[i], s.W, s.lam, w.b)
+        store(sums, out, step, step * h, s.force, s.gap)
+    return -1
+
+
+@jit
+def look(s: PatchState, w: PatchWork, rough: bool, dim: int, soft: bool) -> bool:
+    """Fill `b` with the free gaps and slips; whether a gap is negative (or not a number)."""
+    touches, n = False, s.lam.size
+    for row in range(n):
+        w.b[row] = dot(s.rows[row], s.d, s.q.size)
+        if rough:
+            normal = row % dim == 0
+            w.b[row] -= s.slide[row]
+            if soft and not normal:  # the slip of a step is the change of T q + S lam, the gap its value
+                w.b[row] -= dot(s.S[row], s.lam, n)
+    for i in range(s.mu.size):
+        w.b[i * dim] += s.place[i]
+        touches |= not w.b[i * dim] >= 0.0
+    return touches
+
+
+@jit
+def push(s: PatchState, w: PatchWork, rough: bool, dim: int, sums: Tally) -> None:
+    """Add the contact forces to the increments, and their work along (D_n + D_{n+1})/2 to the sums."""
+    for i in range(s.q.size):
+        w.pushed[i] = 0.0
+    for row in range(s.lam.size):
+        if s.lam[row] != 0.0:
+            for i in range(s.q.size):
+                w.pushed[i] += s.lam[row] * s.rows[row, i]
+    for i in range(s.q.size):
+        s.d[i] += s.c[i] * w.pushed[i]
+    for row in range(s.lam.size):
+        w.after[row] = dot(s.rows[row], s.d, s.q.size)
+    for i in range(s.mu.size):
+        row = i * dim
+        sums.work[i] += 0.5 * s.lam[row] * (s.moved[row] + w.after[row])
+        if rough:
+            for j in range(row + 1, row + dim):
+                sums.friction[i] += 0.5 * s.lam[j] * (s.moved[j] + w.after[j])
+    assign(s.moved, w.after, s.lam.size)

@@ -1,0 +1,208 @@
+"""Compiled step loop of the exact-modal scheme on a rotating rim: rows turn with the contact point.
+
+Arrays over the modes are padded with zeros to whole blocks of eight; the places m, m + 1, m + 2 of a row hold the
+clearance, S_nn and S_nt at its angle, where the motion is always zero.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from contact.base.arrays import Array
+from contact.jit.compiled import jit, jit_entry, jit_inside
+from contact.jit.vector import WIDTH, load, put, same, total
+from contact.loop.modal.leap import FOREVER, PAUSE, Leap, discrete_energy, leap_ahead
+from contact.loop.modal.modal import ModalState
+from contact.loop.modal.rows import RowBlocks, fill, product, rotate
+from contact.loop.tally import note_contact, store, store_state
+from contact.record.record import Samples, Tally
+from contact.solver.abradable.one_tip import Coating, crush, first_bar, machined, surface
+from contact.solver.unilateral.scalar import scalar_force
+
+
+class RimRows(NamedTuple):
+    """Rows of the modes with clearance and compliance, the speeds of the rim, and work space."""
+
+    normal: RowBlocks  # rows of the modes, then clearance, S_nn, S_nt
+    tangent: RowBlocks
+    modes: int
+    S_turns: bool  # S depends on the angle
+    angle: float
+    speed: float
+    surface: float  # R Omega
+    mu: float
+    waves: Array  # (2, harmonics): cos n phi, sin n phi, n = 0, 1, ..., whole vectors of them
+    waves_next: Array
+
+
+@jit_inside
+def untouched(out: Samples, sums: Tally, step: int) -> int:
+    """Steps from `step` to the next that is stored; none when it is one."""
+    if out.every == 0:
+        row = max(sums.filled[0], sums.filled[1])
+        return int(out.at[row] - step) if row < out.at.size else FOREVER
+    every = out.every  # state_every is a multiple
+    return int(-step % every)
+
+
+@jit
+def leap_rim(
+    s: ModalState, rows: RimRows, leap: Leap, Q: Array, d: Array, damped: bool, sums: Tally, h: float, step: int,
+    room: int,
+) -> int:  # fmt: skip
+    """Leap from `step` over steps without contact; sets `memory` and `waves` where it lands. Negative: wait."""
+    m = rows.modes
+    q, own, be, c = s.q[:m], d[:m], s.be[:m], s.c[:m]
+    before = discrete_energy(q, own, be, c) if damped else 0.0
+    steps = leap_ahead(leap, q, own, rows.angle - rows.speed * (step + 1) * h, -rows.speed * h, room)
+    if steps <= 0:
+        return steps
+    if damped:
+        sums.damping[0] += discrete_energy(q, own, be, c) - before
+    rotate(rows.waves_next, rows.angle - rows.speed * (step + steps - 1) * h)
+    fill(rows.normal, rows.waves_next, Q)
+    s.memory[1] = Q[m] + product(Q, s.q) - product(Q, d)
+    s.memory[4] = Q[m + 1]
+    rotate(rows.waves, rows.angle - rows.speed * (step + steps) * h)
+    fill(rows.normal, rows.waves, Q)
+    s.memory[0] = Q[m] + product(Q, s.q)
+    return steps
+
+
+@jit_inside
+def fly(s: ModalState, Q_next: Array, old: Array, new: Array) -> float:
+    """D* = al D - be q into `new`; returns Q (q + D*)."""
+    part = same(0.0)
+    for i in range(0, s.q.size, WIDTH):
+        q = load(s.q, i)
+        step = load(s.al, i) * load(old, i) - load(s.be, i) * q
+        put(new, i, step)
+        part = part + load(Q_next, i) * (q + step)
+    result: float = total(part)
+    return result
+
+
+@jit_inside
+def delassus(s: ModalState, Q: Array, Q_next: Array, T: Array, old: Array) -> tuple[float, float, float]:
+    """Q_next c Q, Q_next c T, and T D."""
+    H, H_t, slip = same(0.0), same(0.0), same(0.0)
+    for i in range(0, s.q.size, WIDTH):
+        row, stiff = load(T, i), load(Q_next, i) * load(s.c, i)
+        H = H + stiff * load(Q, i)
+        H_t = H_t + stiff * row
+        slip = slip + row * load(old, i)
+    return total(H), total(H_t), total(slip)
+
+
+@jit_inside
+def push(s: ModalState, Q: Array, T: Array, old: Array, new: Array, force: float, drag: float) -> tuple[float, float]:
+    """Add c (Q force - T drag) to D; returns Q and T times D_n + D_{n+1}."""
+    normal, tangent, press, pull = same(0.0), same(0.0), same(force), same(drag)
+    for i in range(0, s.q.size, WIDTH):
+        row, along = load(Q, i), load(T, i)
+        step = load(new, i) + load(s.c, i) * (row * press - along * pull)
+        put(new, i, step)
+        both = load(old, i) + step
+        normal = normal + row * both
+        tangent = tangent + along * both
+    return total(normal), total(tangent)
+
+
+@jit_inside
+def move(s: ModalState, old: Array, new: Array) -> float:
+    """Add D to q; returns the work of modal damping, -sum (1 - al) D_n (D_n + D_{n+1})/(2 c)."""
+    part = same(0.0)
+    for i in range(0, s.q.size, WIDTH):
+        step, before = load(new, i), load(old, i)
+        part = part + load(s.weight, i) * before * (before + step)
+        put(s.q, i, load(s.q, i) + step)
+    return -total(part)  # type: ignore[no-any-return]
+
+
+@jit_entry
+def advance_rim(
+    s: ModalState, rows: RimRows, leap: Leap, coating: Coating, Q: Array, Q_next: Array, T: Array, averaged: bool,
+    damped: bool,
+    sums: Tally, out: Samples, h: float, first: int, steps: int,
+) -> int:  # fmt: skip
+    """Exact-modal steps at the moving point phi = phi_0 - Omega t: force at phi_n, gap at phi_{n+1}.
+
+    Contact-free time is leapt over to the next step that is stored; what a coating has lost only widens the gap.
+    """
+    old, new, m = s.old, s.d, rows.modes
+    coated, rubs = coating.worn.size > 0, rows.mu > 0.0
+    bar, cut, skin = 0, 0.0, 0.0  # first bar under the tip, depths there of the cut and of the surface
+    end, step, taken, retry = first + steps, first, 0, first if leap.powers.shape[0] else first + steps
+    waves, ahead = rows.waves, rows.waves_next
+    rotate(waves, rows.angle - rows.speed * first * h)
+    fill(rows.normal, waves, Q)
+    now, last, S_last = s.memory[0], s.memory[1], s.memory[4]
+    while step < end:
+        if step >= retry and now > 0.0 and last > 0.0 and sums.closed[0] == 0:
+            room = min(end - step, untouched(out, sums, step))
+            leapt = leap_rim(s, rows, leap, Q, new, damped, sums, h, step, room) if room > 0 else -1
+            retry = step - leapt
+            if leapt > 0:
+                step += leapt
+                retry = step
+                now, last, S_last = s.memory[0], s.memory[1], s.memory[4]
+                s.memory[2], s.memory[3] = 0.0, 0.0
+                waves, ahead = rows.waves, rows.waves_next
+                continue
+        store_state(sums, out, step, step * h, s.q[:m])
+        old, new = new, old
+        rotate(ahead, rows.angle - rows.speed * (step + 1) * h)
+        fill(rows.normal, ahead, Q_next)
+        free = Q_next[m] + fly(s, Q_next, old, new)
+        test = 0.25 * (free + 2.0 * now + last) if averaged else free
+        force, scale, pull, H = 0.0, 1.0, 0.0, 0.0
+        if coated:
+            bar = first_bar(coating, (rows.angle - rows.speed * step * h) / (2.0 * math.pi))
+            cut = machined(coating, Q[m])
+            skin = surface(coating, bar, cut)
+            coating.memory[1], coating.memory[2] = 0.0, skin
+        if not test + skin >= 0.0:
+            if rubs:
+                fill(rows.tangent, waves, T)
+            H, H_t, slip = delassus(s, Q, Q_next, T, old)
+            slide = rows.surface + slip / h
+            if rubs:
+                pull = rows.mu if slide > 0.0 else (-rows.mu if slide < 0.0 else 0.0)
+            H -= pull * H_t
+            S = Q[m + 1] - pull * Q[m + 2]
+            scale = (0.25 * H if averaged else H) + S
+            force = crush(coating, bar, cut, scale, test) if coated else scalar_force(scale, test)
+            if not force >= 0.0:
+                s.memory[2], s.memory[3] = H, scale
+                return step
+            normal, tangent = push(s, Q, T, old, new, force, pull * force)
+            if rubs and slide * rows.surface < 0.0:
+                sums.reversals[0] += 1
+            work = 0.5 * force * (free + H * force - last)
+            if rows.S_turns:  # what S(phi) stores changes because the point moves, not because force does
+                work += 0.5 * force * force * (S - S_last)
+            sums.work[0] += work
+            sums.rotation[0] += 0.5 * force * normal - work
+            sums.friction[0] -= 0.5 * force * pull * tangent
+            retry = max(retry, step + PAUSE)
+        sums.damping[0] += move(s, old, new)
+        s.gap[0] = test + scale * force
+        if coated:
+            s.gap[0] += coating.memory[2]  # from the surface as it is worn and pressed
+        s.force[0] = force
+        s.memory[2] = force
+        s.memory[3] = pull
+        note_contact(sums, out, 0, h, step * h, force, s.gap[0], scale, now + skin, free + skin)
+        last, now = now, free + H * force
+        store(sums, out, step, step * h, s.force, s.gap)
+        S_last = Q[m + 1] - pull * Q[m + 2]
+        Q, Q_next = Q_next, Q
+        waves, ahead = ahead, waves
+        step += 1
+        taken += 1
+    s.memory[0], s.memory[1], s.memory[4] = now, last, S_last
+    if taken % 2 == 1:  # the two buffers changed places an odd number of times
+        for i in range(s.d.size):
+            s.d[i] = s.old[i]
+    return -1

@@ -1,0 +1,62 @@
+"""Compiled rows and polynomials of the contact angle, eight modes or harmonics at a time."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from contact.base.arrays import Array, Indices
+from contact.jit.compiled import jit_inside
+from contact.jit.vector import WIDTH, entry, load, put, same, total
+
+
+class RowBlocks(NamedTuple):
+    """Sums of waves, eight sums a block: its waves stand from `start[block]` to the next start, an even number.
+
+    Only waves that some sum of the block has are there: few for a nearly perfect casing, all for another.
+    """
+
+    start: Indices
+    wave: Indices  # n is cos n phi, harmonics + n is sin n phi
+    value: Array  # (entries, 8)
+
+
+@jit_inside
+def rotate(waves: Array, phi: float) -> None:
+    """Cos n phi and sin n phi from one sine and cosine by the addition theorem: no drift over steps."""
+    count = waves.shape[1]
+    c, s = math.cos(phi), math.sin(phi)
+    waves[0, 0], waves[1, 0] = 1.0, 0.0
+    have = 1
+    while have < WIDTH:  # n = have .. 2 have - 1 from n = 0 .. have - 1
+        for n in range(have):
+            a, b = waves[0, n], waves[1, n]
+            waves[0, have + n], waves[1, have + n] = c * a - s * b, s * a + c * b
+        have *= 2
+        c, s = c * c - s * s, 2.0 * c * s
+    a8, b8, c8, s8 = load(waves, 0), load(waves, count), same(c), same(s)
+    for n in range(WIDTH, count, WIDTH):
+        a8, b8 = c8 * a8 - s8 * b8, s8 * a8 + c8 * b8
+        put(waves, n, a8)
+        put(waves, count + n, b8)
+
+
+@jit_inside
+def fill(rows: RowBlocks, waves: Array, row: Array) -> None:
+    """All sums at the angle of `waves`."""
+    for k in range(rows.start.size - 1):
+        even, odd = same(0.0), same(0.0)
+        for j in range(entry(rows.start, k), entry(rows.start, k + 1), 2):
+            even = even + load(rows.value, WIDTH * j) * same(entry(waves, entry(rows.wave, j)))
+            odd = odd + load(rows.value, WIDTH * j + WIDTH) * same(entry(waves, entry(rows.wave, j + 1)))
+        put(row, WIDTH * k, even + odd)
+
+
+@jit_inside
+def product(a: Array, b: Array) -> float:
+    """Sum of products over whole blocks."""
+    part = same(0.0)
+    for i in range(0, a.size, WIDTH):
+        part = part + load(a, i) * load(b, i)
+    result: float = total(part)
+    return result

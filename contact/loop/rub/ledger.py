@@ -1,0 +1,110 @@
+"""What a step did: work of the forces by where it goes, forces, gaps and events."""
+
+from __future__ import annotations
+
+import math
+
+from contact.jit.compiled import jit
+from contact.loop.modal.stick import INSIDE
+from contact.loop.rub.rows import RubRows, blade_dot
+from contact.loop.rub.state import RubState, Work
+from contact.loop.tally import note_contact, note_stick
+from contact.record.record import Samples, Tally
+from contact.solver.dense import dot
+
+
+@jit
+def book(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float, sums: Tally) -> None:
+    """Work of the forces along (D_n + D_{n+1})/2: by the gap, by the turning point, by friction; heat and drive.
+
+    What the tangential compliance takes up is friction's work on the bodies, and the contact's loss until S gives it
+    back; what S stores because the point moves is the turning point's.
+    """
+    for a in range(w.slots[0] * dim):
+        w.along[a] = dot(w.rows[a], s.old, w.spare.size) + dot(w.rows[a], s.d, w.spare.size)
+    for n in range(count):
+        j = w.chosen[n]
+        for i in range(dim):
+            row = j * dim + i
+            along = w.along[w.column[n * dim + i]] + blade_dot(rows, row, j, s.old)
+            along = 0.5 * s.lam[row] * (along + blade_dot(rows, row, j, s.d))
+            moved = 0.5 * s.lam[row] * (w.strain[row] - strain_before(s, rows, w, row))
+            sums.work[j] += moved
+            sums.rotation[j] -= moved
+            if i == 0:
+                work = 0.5 * s.lam[row] * (s.free[j] - s.last[j])
+                sums.work[j] += work
+                sums.rotation[j] += along - work
+                continue
+            soft = s.lam[row] * (w.strain[row] - s.strain[row])
+            sums.friction[j] += along + soft
+            sums.work[j] -= soft
+            s.heat[j] -= s.lam[row] * s.motion[row]
+            if i == 1:
+                s.drive[j] -= s.lam[row] * rows.radius[j] * slid
+
+
+@jit
+def strain_before(s: RubState, rows: RubRows, w: Work, row: int) -> float:
+    """One row of S(phi_{n-1}) lam."""
+    if rows.S_harmonic.size == 1:
+        return float(w.strain[row])
+    total = 0.0
+    for p in range(rows.S_harmonic.size):
+        cos, sin = dot(rows.S_cos[p, row], s.lam, s.lam.size), dot(rows.S_sin[p, row], s.lam, s.lam.size)
+        total += w.waves_old[0, p] * cos + w.waves_old[1, p] * sin
+    return total
+
+
+@jit
+def strains(s: RubState, w: Work, size: int) -> None:
+    """S lam in every direction of every tip; S is symmetric."""
+    for k in range(w.strain.size):
+        w.strain[k] = 0.0
+    for a in range(size):
+        r = w.row[a]
+        for k in range(w.strain.size):
+            w.strain[k] += w.S[r, k] * s.lam[r]
+
+
+@jit
+def settle(s: RubState, sums: Tally) -> None:
+    """Add the increments, and the work of damping, of the stiffening, of gravity and whirl."""
+    for i in range(s.body.size):
+        sums.body_force[0] += 0.5 * s.body[i] * (s.old[i] + s.d[i])
+    lost, given = 0.0, 0.0
+    for i in range(s.q.size):
+        lost -= s.weight[i] * s.old[i] * (s.old[i] + s.d[i])
+        given += 0.5 * s.push[i] * (s.old[i] + s.d[i])
+        s.q[i] += s.d[i]
+    sums.damping[0] += lost
+    sums.external[0] += given
+
+
+@jit
+def note(s: RubState, rows: RubRows, w: Work, dim: int, sums: Tally, out: Samples, h: float, time: float) -> None:
+    """Forces, gaps and events of this step; the gaps of q move on."""
+    for j in range(s.mu.size):
+        R = j * dim
+        s.force[j] = s.lam[R]
+        before, predicted = 0.0, 0.0
+        if s.inside[j] > 0:
+            s.gap[j] = s.motion[R]
+            before, predicted = s.now[j] + s.skin[j], s.test[j]
+            s.last[j], s.now[j], s.known[j] = s.now[j], s.free[j], 1
+        if s.inside[j] == 2:
+            s.peaks[0] = max(s.peaks[0], abs(dot(w.ahead[rows.place[j]], s.q, w.spare.size)))
+            if dim > 1:
+                s.peaks[1] = max(s.peaks[1], abs(blade_dot(rows, R + 1, j, s.q)))
+        note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)
+        if dim > 1:
+            note_stick(sums, out, j, int(sticks(s, R, dim, j)), time)
+
+
+@jit
+def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
+    """Whether a contact presses and its tangential force lies inside the cone."""
+    pull = 0.0
+    for i in range(row + 1, row + dim):
+        pull += s.lam[i] * s.lam[i]
+    return bool(s.lam[row] > 0.0 and math.sqrt(pull) < s.mu[j] * s.lam[row] * (1.0 - INSIDE))

@@ -1,0 +1,189 @@
+"""Compiled: where the tips of a rub stand, what the gap is there, and the casing's rows at that place."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from contact.base.arrays import Array, Indices
+from contact.jit.compiled import jit
+from contact.loop.rub.body_force import Pulls
+from contact.solver.dense import dot
+
+
+class Terms(NamedTuple):
+    """A trigonometric polynomial of the contact angle."""
+
+    harmonic: Indices
+    cos: Array
+    sin: Array
+
+
+@jit
+def turn(waves: Array, phi: float) -> None:
+    """Cos n phi and sin n phi from one sine and cosine by the addition theorem: no drift over steps."""
+    c, s = math.cos(phi), math.sin(phi)
+    waves[0, 0], waves[1, 0] = 1.0, 0.0
+    for n in range(1, waves.shape[1]):
+        waves[0, n] = c * waves[0, n - 1] - s * waves[1, n - 1]
+        waves[1, n] = s * waves[0, n - 1] + c * waves[1, n - 1]
+
+
+@jit
+def polynomial(terms: Terms, waves: Array) -> float:
+    """Value at the angle of `waves`."""
+    total = 0.0
+    for j in range(terms.harmonic.size):
+        n = terms.harmonic[j]
+        total += terms.cos[j] * waves[0, n] + terms.sin[j] * waves[1, n]
+    return total
+
+
+class RubLaws(NamedTuple):
+    """What is known beforehand: rows of the tables in `model.rub_laws`."""
+
+    speed: Array  # (segments, 4): from, angle, omega, slope
+    closing: Array  # (points, 2): time, reduction
+    whirl: Array  # (offsets, 4): amplitude, per_rev, rad/s, phase
+    terms: Terms  # of the profile
+    table: Array  # (points, 3) of the profile, may be empty
+    lowest: float  # of the profile
+    pulls: Pulls
+
+
+class RubRows(NamedTuple):
+    """Casing rows by harmonic and block = directions line + direction; the tips; residual compliance by angle."""
+
+    start: Indices
+    harmonic: Indices
+    cos: Array  # (B, entries)
+    sin: Array
+    cos_table: Array  # (B, harmonics, m), empty when few entries matter
+    sin_table: Array
+    reach: Array  # (lines, m): bound of |normal row| over the angle
+    directions: int
+    line: Indices  # (K,)
+    place: Indices  # (K,) number of the tip's (line, angle): tips at one place share their rows
+    radius: Array  # (K,)
+    angle: Array  # (K,)
+    clearance: Array  # (K,)
+    blade: Array  # (K d, widest blade)
+    own: Indices  # (K, 2)
+    fixed: Array  # (K d, K d): what the blades' modes yield to a force within a step
+    S_harmonic: Indices
+    S_cos: Array  # (P, K d, K d)
+    S_sin: Array
+    waves: Array  # (2, degree + 1) work space
+
+
+@jit
+def turned(speed: Array, t: float) -> tuple[float, float]:
+    """Angle turned since t = 0, and Omega."""
+    i = speed.shape[0] - 1
+    while i > 0 and t < speed[i, 0]:
+        i -= 1
+    since = t - speed[i, 0]
+    return speed[i, 1] + speed[i, 2] * since + 0.5 * speed[i, 3] * since * since, speed[i, 2] + speed[i, 3] * since
+
+
+@jit
+def straight(table: Array, t: float) -> float:
+    """Piecewise linear table, constant outside."""
+    last = table.shape[0] - 1
+    if t <= table[0, 0]:
+        return float(table[0, 1])
+    if t >= table[last, 0]:
+        return float(table[last, 1])
+    low, high = 0, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        if table[middle, 0] <= t:
+            low = middle
+        else:
+            high = middle
+    share = (t - table[low, 0]) / (table[high, 0] - table[low, 0])
+    return float(table[low, 1] + share * (table[high, 1] - table[low, 1]))
+
+
+@jit
+def hermite(table: Array, phi: float) -> float:
+    """Periodic piecewise cubic, zero for an empty table."""
+    last = table.shape[0] - 1
+    if last < 0:
+        return 0.0
+    turns = math.floor((phi - table[0, 0]) / (2.0 * math.pi))
+    at = phi - 2.0 * math.pi * turns
+    low, high = 0, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        if table[middle, 0] <= at:
+            low = middle
+        else:
+            high = middle
+    h = table[high, 0] - table[low, 0]
+    s = (at - table[low, 0]) / h
+    r = 1.0 - s
+    left = (1.0 + 2.0 * s) * r * r * table[low, 1] + s * r * r * h * table[low, 2]
+    return float(left + s * s * (3.0 - 2.0 * s) * table[high, 1] - s * s * r * h * table[high, 2])
+
+
+@jit
+def fill_block(rows: RubRows, block: int, row: Array) -> None:
+    """One row of the casing at the angle of `waves`."""
+    if rows.cos_table.shape[0] > 0:
+        for i in range(row.size):
+            row[i] = 0.0
+        for n in range(rows.cos_table.shape[1]):
+            c, s = rows.waves[0, n], rows.waves[1, n]
+            cos, sin = rows.cos_table[block, n], rows.sin_table[block, n]
+            for i in range(row.size):
+                row[i] += c * cos[i] + s * sin[i]
+        return
+    for i in range(row.size):
+        total = 0.0
+        for e in range(rows.start[i], rows.start[i + 1]):
+            n = rows.harmonic[e]
+            total += rows.cos[block, e] * rows.waves[0, n] + rows.sin[block, e] * rows.waves[1, n]
+        row[i] = total
+
+
+@jit
+def rigid_gap(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float) -> float:
+    """Gap at the place of tip j without its own clearance and without deflection, the casing turned by `angle`.
+
+    Leaves `waves` at the tip.
+    """
+    phi = rows.angle[j] - angle
+    turn(rows.waves, phi)
+    gap = polynomial(laws.terms, rows.waves) + hermite(laws.table, phi) - straight(laws.closing, t)
+    for w in range(laws.whirl.shape[0]):
+        beta = laws.whirl[w, 3] + laws.whirl[w, 1] * angle + laws.whirl[w, 2] * t
+        gap += laws.whirl[w, 0] * math.cos(phi - beta)
+    return float(gap)
+
+
+@jit
+def least_gap(laws: RubLaws, rows: RubRows, j: int, closing: float) -> float:
+    """A bound from below of the tip's clearance and `rigid_gap`, for no trigonometry."""
+    gap = rows.clearance[j] - closing + laws.lowest
+    for w in range(laws.whirl.shape[0]):
+        gap -= laws.whirl[w, 0]
+    return float(gap)
+
+
+@jit
+def blade_dot(rows: RubRows, row: int, j: int, values: Array) -> float:
+    """Share of the tip's own blade in one of its directions."""
+    total = 0.0
+    begin = rows.own[j, 0]
+    for i in range(begin, rows.own[j, 1]):
+        total += rows.blade[row, i - begin] * values[i]
+    return total
+
+
+@jit
+def gap_of(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float, dim: int, q: Array, row: Array) -> float:
+    """Gap of tip j for the modal coordinates q, without residual compliance; leaves its casing row in `row`."""
+    rigid = rows.clearance[j] + rigid_gap(laws, rows, j, t, angle)
+    fill_block(rows, rows.line[j] * rows.directions, row)
+    return float(rigid + dot(row, q, row.size) + blade_dot(rows, j * dim, j, q))

@@ -1,0 +1,66 @@
+"""Compiled step loop of a rub: exact-modal coefficients, K turning tips, stick and slip by semi-smooth Newton.
+
+Two loops come of it: with `coats` None tips meet a rigid surface, else they press into bars of a coating, which flow.
+"""
+
+from __future__ import annotations
+
+from contact.jit.compiled import jit_entry
+from contact.loop.rub.abradable import flow, stand
+from contact.loop.rub.ledger import book, note, settle, strains
+from contact.loop.rub.predict import look, propagate
+from contact.loop.rub.rows import RubLaws, RubRows, turned
+from contact.loop.rub.solve import drawn_in, gather, push, relax, soften, solve
+from contact.loop.rub.state import RubState, Work
+from contact.loop.tally import due, store, store_state
+from contact.record.record import Samples, Tally
+from contact.solver.abradable.tips import Coats
+from contact.solver.dense import assign
+
+
+@jit_entry
+def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, w: Work, dim: int, averaged: bool,
+                sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
+    """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step."""
+    share, pressed = 0.25 if averaged else 1.0, True
+    before, _ = turned(laws.speed, (first - 1) * h)
+    angle, omega = turned(laws.speed, first * h)
+    for step in range(first, first + steps):
+        t = step * h
+        ahead, omega_ahead = turned(laws.speed, t + h)
+        propagate(s, laws, t, angle, omega)
+        every = due(step, out.every, out.at, sums.filled[0])
+        closing = look(s, laws, rows, w, dim, share, every, t, h, before, angle, ahead)
+        if coats is not None:
+            closing -= stand(s, laws, rows, coats, dim, angle)
+        for i in range(s.contact.size):
+            s.contact[i] = 0.0
+        count = 0
+        while closing > 0:
+            count = gather(s, rows, w, dim, share, angle)
+            soften(rows, w, count * dim, before, angle)
+            if not solve(s, rows, w, coats, count, dim, share, omega * h):
+                return step
+            if not drawn_in(s, rows, w, count * dim, dim, share):
+                break
+        if closing > 0 or pressed:
+            strains(s, w, count * dim)
+        if closing > 0:
+            if coats is not None:
+                flow(s, w, coats, count, dim)
+            push(s, rows, w, count, dim)
+            relax(s, rows, w, dim)
+            book(s, rows, w, count, dim, omega * h, sums)
+            s.counts[2] += 1.0
+        if closing > 0 or pressed:
+            assign(s.strain, w.strain, w.strain.size)
+        pressed = closing > 0
+        assign(s.seen, s.q, s.q.size)
+        for i in range(s.lam.size):
+            s.seen[s.q.size + i] = s.lam[i]
+        store_state(sums, out, step, t, s.seen)
+        settle(s, sums)
+        note(s, rows, w, dim, sums, out, h, t)
+        store(sums, out, step, t, s.force, s.gap)
+        before, angle, omega = angle, ahead, omega_ahead
+    return -1

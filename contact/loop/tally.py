@@ -1,0 +1,96 @@
+"""Compiled bookkeeping shared by every step loop: sums, events and samples of one contact."""
+
+from __future__ import annotations
+
+from contact.base.arrays import Array, Indices
+from contact.jit.compiled import jit, jit_inside
+from contact.record.record import Samples, Tally
+
+
+@jit_inside
+def note_step(sums: Tally, out: Samples, k: int, h: float, force: float, gap: float, slack: float,
+              began: float, before: float, predicted: float, opened: float) -> None:  # fmt: skip
+    """Add one step of contact k: its force, its gap and by how much the law is violated, `slack` [m].
+
+    A contact closes where the line from gap `before` at the instant `began` to `predicted` a step later crosses
+    zero, and opens at the instant `opened`.
+    """
+    sums.penetration[k] = max(sums.penetration[k], -gap)
+    sums.residual[k] = max(sums.residual[k], slack)
+    if force > 0.0:
+        sums.impulse[k] += force * h
+        sums.peak[k] = max(sums.peak[k], force)
+        sums.contact_steps[k] += 1
+        if sums.closed[k] == 0:
+            part = before / (before - predicted) if before > 0.0 and before > predicted else 0.0
+            note_event(sums, out, k, 1, began + part * h)
+    elif sums.closed[k] == 1:
+        note_event(sums, out, k, 0, opened)
+
+
+@jit_inside
+def note_contact(sums: Tally, out: Samples, k: int, h: float, time: float, force: float, gap: float,
+                 scale: float, before: float, predicted: float) -> None:  # fmt: skip
+    """Add one step whose force acts at `time` on the gap a step later; `scale` = Delassus number.
+
+    The contact opens half a step after the last force.
+    """
+    slack = abs(min(force * scale, gap))
+    note_step(sums, out, k, h, force, gap, slack, time, before, predicted, time - 0.5 * h)
+
+
+@jit
+def note_event(sums: Tally, out: Samples, k: int, kind: int, time: float) -> None:
+    """Append a closing (1) or an opening (0)."""
+    sums.closed[k] = kind
+    row = sums.filled[2]
+    out.event_contact[row] = k
+    out.event_kind[row] = kind
+    out.event_time[row] = time
+    sums.filled[2] = row + 1
+
+
+@jit
+def note_stick(sums: Tally, out: Samples, k: int, stuck: int, time: float) -> None:
+    """Append the beginning (3) or end (2) of sticking where contact k changes between the two."""
+    if sums.stuck[k] != stuck:
+        sums.stuck[k] = stuck
+        row = sums.filled[2]
+        out.event_contact[row], out.event_kind[row], out.event_time[row] = k, 2 + stuck, time
+        sums.filled[2] = row + 1
+
+
+@jit_inside
+def due(step: int, every: int, at: Indices, filled: int) -> bool:
+    """Whether a step is stored: the next of `at`, or every `every`-th."""
+    return bool(step % every == 0) if every > 0 else bool(filled < at.size and at[filled] == step)
+
+
+@jit_inside
+def store(sums: Tally, out: Samples, step: int, time: float, force: Array, gap: Array) -> None:
+    """Store force, gap and impulse when this step is to be recorded."""
+    row = sums.filled[0]
+    if due(step, out.every, out.at, row):
+        out.time[row] = time
+        for k in range(force.size):
+            out.force[row, k] = force[k]
+            out.gap[row, k] = gap[k]
+            out.impulse[row, k] = sums.impulse[k]
+        sums.filled[0] = row + 1
+
+
+@jit_inside
+def store_state(sums: Tally, out: Samples, step: int, time: float, state: Array) -> None:
+    """Store the displacements at the start of this step, or their channels, when they are to be recorded."""
+    row = sums.filled[1]
+    if (out.every == 0 or out.state_every > 0) and due(step, out.state_every, out.at, row):
+        out.state_time[row] = time
+        if out.rows.shape[0] == 0:
+            for i in range(state.size):
+                out.state[row, i] = state[i]
+        for c in range(out.rows.shape[0]):
+            total = 0.0
+            for i in range(state.size):
+                total += out.rows[c, i] * state[i]
+            out.state[row, c] = total
+        sums.filled[1] = row + 1

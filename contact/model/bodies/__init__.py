@@ -1,0 +1,1 @@
+"""What touches: rods, masses, beams, bodies by their modes or matrices."""

@@ -1,0 +1,254 @@
+"""A body in modal coordinates with its residual compliance: arrays only, read from npz without pickle."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact.base.arrays import Array, readonly, require_not_negative, require_positive, require_shape
+from contact.base.errors import InputError
+
+FORMAT = "casingfem-modal-basis-1"
+REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
+OPTIONAL = ("recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation")
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ModalBody:
+    """m mass-normalised modes, seen through K interface channels.
+
+    q'' + 2 zeta omega q' + omega^2 q = rows^T lam,  u = rows q + S lam  (lam: forces on the channels).
+
+    `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance
+    of everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN,
+    then tangential.cos0 .. tangential.sinN, then maybe axial alike, with `n_max` = N and `radius` [m]; of several
+    rim lines line0.radial.cos0 .. line1..., `lines` (L, 2) their axial positions and radii [m]. `recovery` (R, m),
+    `recovery_S` (R, K) and `recovery_points` (R, 3) give displacements elsewhere; `output_rows` (O, m) and `output_S`
+    (O, K) the quantities named in `outputs`. `K_omega` (m, m): what Omega^2 - spin^2 adds to the modal stiffness of a
+    body whose basis was made at `spin` [rad/s]. `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the
+    whole body, Phi^T M e, along x, y and the axis of a rim, along span, flap and chord of a blade.
+
+    Raises InputError for shapes that do not fit, NaN, negative frequencies or an asymmetric S.
+
+    >>> body = ModalBody(omega=[100.0], zeta=[0.01], channels=("span",), rows=[[2.0]], S=[[0.0]])
+    >>> body
+    ModalBody(point, 1 modes, 15.92 .. 15.92 Hz, 1 channels)
+    """
+
+    omega: Array
+    zeta: Array
+    channels: tuple[str, ...]
+    rows: Array
+    S: Array
+    kind: str = "point"
+    n_max: int = 0
+    radius: float = 0.0
+    provenance: str = "{}"
+    recovery: Array | None = None
+    recovery_S: Array | None = None
+    recovery_points: Array | None = None
+    lines: Array | None = None
+    outputs: tuple[str, ...] = ()
+    output_rows: Array | None = None
+    output_S: Array | None = None
+    K_omega: Array | None = None
+    participation: Array | None = None
+    spin: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("omega", "zeta", "rows", "S", *OPTIONAL):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, readonly(getattr(self, name)))
+        for name in OPTIONAL:
+            if getattr(self, name) is not None and getattr(self, name).size == 0:
+                object.__setattr__(self, name, None)
+        object.__setattr__(self, "channels", tuple(str(name) for name in self.channels))
+        m, K = self.omega.size, len(self.channels)
+        for name, shape in (("omega", (m,)), ("zeta", (m,)), ("rows", (K, m)), ("S", (K, K))):
+            require_shape(name, getattr(self, name), shape)
+        if self.recovery is not None:
+            require_shape("recovery", self.recovery, (len(self.recovery), m))
+            if self.recovery_S is not None:
+                require_shape("recovery_S", self.recovery_S, (len(self.recovery), K))
+        object.__setattr__(self, "outputs", tuple(str(name) for name in self.outputs))
+        wanted = len(self.outputs)
+        for name, shape in (
+            ("output_rows", (wanted, m)),
+            ("output_S", (wanted, K)),
+            ("K_omega", (m, m)),
+            ("participation", (3, m)),
+        ):
+            if getattr(self, name) is not None:
+                require_shape(name, getattr(self, name), shape)
+        _require_modes(self.omega, self.zeta)
+        scale = float(np.abs(self.S).max(initial=0.0))
+        skew = float(np.abs(self.S - self.S.T).max(initial=0.0))
+        if skew > 1e-8 * scale:
+            raise InputError(f"S: found asymmetry {skew / scale:.2e} of its scale, expected a symmetric matrix")
+        self._require_kind()
+
+    def _require_kind(self) -> None:
+        if self.kind == "point":
+            return
+        if self.kind != "rim":
+            raise InputError(f"kind: found {self.kind!r}, expected 'rim' or 'point'")
+        require_not_negative(n_max=self.n_max, radius=self.radius)
+        size = 2 * self.n_max + 1
+        directions = 3 if any("axial" in name for name in self.channels) else 2
+        expected = rim_channels(self.n_max, directions, max(len(self.channels) // (size * directions), 1))
+        if self.channels != expected:
+            found = ", ".join(self.channels[:3])
+            raise InputError(
+                f"channels: found {len(self.channels)} ({found}, ...), expected the {len(expected)} channels "
+                f"of a rim with n_max = {self.n_max}: {expected[0]}, ..., {expected[-1]}"
+            )
+        if self.lines is not None:
+            require_shape("lines", self.lines, (self.rim_lines, 2))
+
+    @property
+    def directions(self) -> int:
+        """Directions of a rim's motion: radial, tangential and, when there are three, axial."""
+        return 3 if any("axial" in name for name in self.channels) else 2
+
+    @property
+    def rim_lines(self) -> int:
+        """Lines around a rim at which contact sees it."""
+        return len(self.channels) // ((2 * self.n_max + 1) * self.directions)
+
+    def line_radius(self, line: int) -> float:
+        """Radius of one rim line [m]; the mean radius when the lines are not told apart."""
+        return self.radius if self.lines is None else float(self.lines[line, 1])
+
+    def __repr__(self) -> str:
+        freq = self.omega / (2.0 * np.pi)
+        band = f"{freq.min():.4g} .. {freq.max():.4g} Hz" if freq.size else "rigid"
+        return f"ModalBody({self.kind}, {self.omega.size} modes, {band}, {len(self.channels)} channels)"
+
+    def channel(self, name: str) -> int:
+        """Row number of a channel; raises InputError listing the channels there are."""
+        if name not in self.channels:
+            raise InputError(f"channel: found {name!r}, expected one of {', '.join(self.channels)}")
+        return self.channels.index(name)
+
+    def truncated(self, omega_max: float) -> ModalBody:
+        """Drop modes above `omega_max` [rad/s]; their static compliance rows rows^T / omega^2 goes into S."""
+        keep = self.omega <= omega_max
+        gone = self.rows[:, ~keep] / self.omega[~keep]
+        recovery, recovery_S = self.recovery, self.recovery_S
+        if recovery is not None:
+            lost = recovery[:, ~keep] / self.omega[~keep] @ gone.T
+            recovery_S = lost if recovery_S is None else recovery_S + lost
+            recovery = recovery[:, keep]
+        outputs, output_S = self.output_rows, self.output_S
+        if outputs is not None:
+            lost = outputs[:, ~keep] / self.omega[~keep] @ gone.T
+            output_S = lost if output_S is None else output_S + lost
+            outputs = outputs[:, keep]
+        return replace(
+            self, omega=self.omega[keep], zeta=self.zeta[keep], rows=self.rows[:, keep],
+            S=self.S + gone @ gone.T, recovery=recovery, recovery_S=recovery_S, output_rows=outputs,
+            participation=None if self.participation is None else self.participation[:, keep],
+            output_S=output_S, K_omega=None if self.K_omega is None else self.K_omega[np.ix_(keep, keep)],
+        )  # fmt: skip
+
+    def retuned(self, freq_hz: float) -> ModalBody:
+        """The same body of another stiffness: all frequencies scaled so that the lowest elastic one is `freq_hz`.
+
+        >>> ModalBody(omega=[10.0, 30.0], zeta=[0.0, 0.0], channels=("tip",), rows=[[1.0, 1.0]],
+        ...           S=[[4.0]]).retuned(10.0 / np.pi).S.tolist()
+        [[1.0]]
+        """
+        require_positive(freq_hz=freq_hz)
+        elastic = self.omega[self.omega > 0.0]
+        if not elastic.size:
+            raise InputError("freq_hz: found a body of rigid modes only, expected an elastic mode to retune")
+        ratio = 2.0 * np.pi * freq_hz / float(elastic.min())
+        recovery_S = None if self.recovery_S is None else self.recovery_S / ratio**2
+        return replace(self, omega=self.omega * ratio, S=self.S / ratio**2, recovery_S=recovery_S)
+
+    def detuned(self, scatter: float, *, seed: int) -> ModalBody:
+        """Each frequency times 1 + scatter x, x normal and seeded: what small imperfections do to pairs, at random."""
+        require_not_negative(scatter=scatter)
+        draw = np.random.default_rng(seed).standard_normal(self.omega.size)
+        return replace(self, omega=self.omega * (1.0 + scatter * draw))
+
+    def save(self, path: str | Path) -> None:
+        """Write npz without pickle, complete or not at all (temporary name, then `os.replace`)."""
+        data: dict[str, Any] = {
+            "format": FORMAT, "omega": self.omega, "zeta": self.zeta, "channels": np.array(self.channels),
+            "rows": self.rows, "S": self.S, "kind": self.kind, "n_max": self.n_max, "radius": self.radius,
+            "provenance": self.provenance, "outputs": np.array(self.outputs, dtype=np.str_), "spin": self.spin,
+        }  # fmt: skip
+        data |= {name: getattr(self, name) for name in OPTIONAL if getattr(self, name) is not None}
+        write_npz(Path(path), data)
+
+    @staticmethod
+    def load(path: str | Path) -> ModalBody:
+        """Read a modal basis file; raises InputError that names the file and the key."""
+        data = read_npz(Path(path), FORMAT, REQUIRED)
+        try:
+            return ModalBody(
+                omega=data["omega"], zeta=data["zeta"], rows=data["rows"], S=data["S"],
+                channels=tuple(str(name) for name in np.atleast_1d(data["channels"])), kind=str(data["kind"]),
+                n_max=int(data.get("n_max", np.array(0))), radius=float(data.get("radius", np.array(0.0))),
+                outputs=tuple(str(name) for name in np.atleast_1d(data.get("outputs", np.zeros(0, dtype=np.str_)))),
+                spin=float(data.get("spin", np.array(0.0))),
+                provenance=str(data.get("provenance", "{}")), **{n: data[n] for n in OPTIONAL if n in data},
+            )  # fmt: skip
+        except (InputError, TypeError, ValueError) as error:
+            raise InputError(f"{path}: {error}") from error
+
+
+def rim_channels(n_max: int, directions: int = 2, lines: int = 1) -> tuple[str, ...]:
+    """Channel names of a rim, direction-major: cos0, cos1 .. cosN, sin1 .. sinN, radial, tangential (and axial).
+
+    Several rim lines follow each other, each with its number before the name.
+
+    >>> rim_channels(1)[:3], rim_channels(1, 3, lines=2)[-1]
+    (('radial.cos0', 'radial.cos1', 'radial.sin1'), 'line1.axial.sin1')
+    """
+    waves = [f"cos{n}" for n in range(n_max + 1)] + [f"sin{n}" for n in range(1, n_max + 1)]
+    one = [f"{direction}.{wave}" for direction in ("radial", "tangential", "axial")[:directions] for wave in waves]
+    return tuple(one) if lines == 1 else tuple(f"line{k}.{name}" for k in range(lines) for name in one)
+
+
+def _require_modes(omega: Array, zeta: Array) -> None:
+    if omega.size and float(omega.min()) < 0.0:
+        raise InputError(f"omega: found {omega.min():g} rad/s, expected every frequency >= 0")
+    if zeta.size and not 0.0 <= float(zeta.min()) <= float(zeta.max()) < 1.0:
+        raise InputError(f"zeta: found {zeta.min():g} .. {zeta.max():g}, expected 0 <= zeta < 1")
+
+
+def write_npz(path: Path, data: dict[str, Any]) -> None:
+    """Write arrays to a temporary name beside `path`, then move it there in one step."""
+    waiting = path.with_name(f".{path.name}.part")
+    try:
+        with waiting.open("wb") as file:
+            np.savez(file, **data)
+        os.replace(waiting, path)
+    except BaseException:
+        waiting.unlink(missing_ok=True)
+        raise
+
+
+def read_npz(path: Path, wanted: str, required: tuple[str, ...]) -> dict[str, Any]:
+    """Read every array of an npz file of this format; raises InputError naming file and key."""
+    try:
+        with path.open("rb") as handle, np.load(handle, allow_pickle=False) as file:
+            data = {name: file[name] for name in file.files}
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: found no such file, expected an npz file") from error
+    except (OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path}: not a readable npz file without pickled objects ({error})") from error
+    found = str(data.get("format", "no key 'format'"))
+    if found != wanted:
+        raise InputError(f"{path}: key 'format': found {found!r}, expected {wanted!r}")
+    missing = [name for name in required if name not in data]
+    if missing:
+        raise InputError(f"{path}: missing keys {', '.join(missing)}")
+    return data

@@ -1,0 +1,86 @@
+"""A modal body that touches the ground at several points, with or without friction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.base.arrays import Array, readonly, require_shape
+from contact.base.errors import InputError
+from contact.model.bodies.modal_body import ModalBody
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Patch:
+    """k contacts of one modal body with rigid ground.
+
+    Gap i: g_i = clearance_i + u of channel normal[i] (positive opens); its slip is the velocity of the channels
+    tangent[i] less that of the ground, `slide` (k, 1 or 2) [m/s]. Without `tangent` there is no friction; with one
+    channel each the contacts are two-dimensional, with two three-dimensional. Modal `displacement`,
+    `velocity` at t = 0 and constant `load` (m,) are zero when left out.
+
+    Raises InputError for unknown channels, shapes that do not fit, gaps that are negative at t = 0.
+
+    >>> block = ModalBody(omega=[1.0, 0.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)))
+    >>> patch = Patch(body=block, normal=("y",), tangent=(("x",),), load=[0.0, -1.0], displacement=[1.0, 0.0])
+    >>> patch.contacts, patch.dimensions
+    (1, 2)
+    """
+
+    body: ModalBody
+    normal: tuple[str, ...]
+    tangent: tuple[tuple[str, ...], ...] = ()
+    clearance: ArrayLike = 0.0
+    slide: ArrayLike = 0.0
+    displacement: ArrayLike | None = None
+    velocity: ArrayLike | None = None
+    load: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        k, m = len(self.normal), self.body.omega.size
+        if k == 0:
+            raise InputError("normal: found no channel, expected one for each contact")
+        widths = {len(pair) for pair in self.tangent}
+        if self.tangent and (len(self.tangent) != k or widths not in ({1}, {2})):
+            raise InputError(f"tangent: found {len(self.tangent)} entries, expected {k} of one or two channels each")
+        for name in (*self.normal, *(channel for pair in self.tangent for channel in pair)):
+            self.body.channel(name)
+        object.__setattr__(self, "clearance", readonly(np.broadcast_to(np.asarray(self.clearance, float), (k,))))
+        width = max(self.dimensions - 1, 1)
+        object.__setattr__(self, "slide", readonly(np.broadcast_to(np.asarray(self.slide, float), (k, width))))
+        for name in ("displacement", "velocity", "load"):
+            given = getattr(self, name)
+            values = readonly(np.zeros(m) if given is None else given)
+            require_shape(name, values, (m,))
+            object.__setattr__(self, name, values)
+        gaps = self.clearance + self.rows()[:: self.dimensions] @ np.asarray(self.displacement)
+        if gaps.min() < -1e-12 * max(1.0, float(np.abs(self.clearance).max())):
+            worst = int(gaps.argmin())
+            raise InputError(f"clearance: contact {worst + 1} penetrates by {-gaps[worst]:g} m at t = 0, expected >= 0")
+
+    @property
+    def contacts(self) -> int:
+        """Number of contacts k."""
+        return len(self.normal)
+
+    @property
+    def dimensions(self) -> int:
+        """1 without friction, else 2 or 3."""
+        return 1 + (len(self.tangent[0]) if self.tangent else 0)
+
+    def channels(self) -> list[int]:
+        """Channels of the body in the order normal, tangent(s), contact by contact."""
+        tangents = self.tangent or ((),) * self.contacts
+        names = [name for n, pair in zip(self.normal, tangents, strict=True) for name in (n, *pair)]
+        return [self.body.channel(name) for name in names]
+
+    def rows(self) -> Array:
+        """Contact rows, (k dimensions, m)."""
+        return self.body.rows[self.channels()]
+
+    def compliance(self) -> Array:
+        """Residual compliance between the contact directions, (k dimensions, k dimensions)."""
+        chosen = self.channels()
+        return self.body.S[np.ix_(chosen, chosen)]

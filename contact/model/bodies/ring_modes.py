@@ -1,0 +1,187 @@
+"""A thin elastic ring in its plane, as a modal basis of kind "rim": in closed form, and by finite elements.
+
+Radial w and tangential v, strains (Love; Soedel, Vibrations of Shells and Plates, 2004, ch. 5)
+
+    eps = (v' + w)/R,  kappa = (v' - w'')/R^2,  2 U = int (EA eps^2 + EI kappa^2 + k_r w^2 + k_t v^2) R dtheta,
+
+rigid motions free of strain. The ring rests on springs k_r, k_t [N/m per m] or floats.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.base.arrays import Array, Indices, require_not_negative, require_positive
+from contact.base.errors import InputError
+from contact.model.bodies.modal_body import ModalBody, rim_channels
+
+RIGID = 1e-9  # of the largest eigenvalue: what round-off leaves of a rigid motion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ThinRing:
+    """Ring of mean `radius` [m], section `width` (along the axis) times `height` (radial) [m], E [Pa], rho [kg/m^3].
+
+    `k_r`, `k_t` [N/m per m] hold it radially and tangentially; `zeta` damps every mode.
+
+    Raises InputError for a value that is not physical.
+
+    >>> ring = ThinRing(radius=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6)
+    >>> [round(f, 2) for f in ring.frequencies(2)]
+    [161.65, 3694.07]
+    """
+
+    radius: float
+    width: float
+    height: float
+    E: float
+    rho: float
+    k_r: float = 0.0
+    k_t: float = 0.0
+    zeta: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive(radius=self.radius, width=self.width, height=self.height, E=self.E, rho=self.rho)
+        require_not_negative(k_r=self.k_r, k_t=self.k_t, zeta=self.zeta)
+        if self.height >= self.radius:
+            raise InputError(f"height: found {self.height:g} m, expected less than the radius {self.radius:g} m")
+
+    @property
+    def line_mass(self) -> float:
+        """Mass per length [kg/m]."""
+        return self.rho * self.width * self.height
+
+    def stiffness(self, n: int) -> Array:
+        """Stiffness per length of w = W cos n theta, v = V sin n theta, on (W, V), (2, 2) [N/m^2]."""
+        EA = self.E * self.width * self.height
+        EI = EA * self.height**2 / 12.0
+        stretch, bend = np.array([1.0, n]), n * np.array([n, 1.0])
+        return np.asarray(
+            EA / self.radius**2 * np.outer(stretch, stretch)
+            + EI / self.radius**4 * np.outer(bend, bend)
+            + np.diag([self.k_r, self.k_t])
+        )
+
+    def frequencies(self, n: int) -> list[float]:
+        """The two frequencies of n waves [Hz], bending first."""
+        values = np.linalg.eigvalsh(self.stiffness(n) / self.line_mass)
+        return [math.sqrt(max(value, 0.0)) / (2.0 * math.pi) for value in values.tolist()]
+
+
+def ring_modes(ring: ThinRing, n_max: int = 20) -> ModalBody:
+    """All modes of up to `n_max` waves in closed form, two for each n and orientation.
+
+    >>> ring = ThinRing(radius=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6)
+    >>> ring_modes(ring, 8)
+    ModalBody(rim, 34 modes, 0 .. 1.332e+04 Hz, 34 channels)
+    """
+    channels = rim_channels(n_max)
+    place = {name: row for row, name in enumerate(channels)}
+    omega: list[float] = []
+    rows: list[Array] = []
+    for n in range(n_max + 1):
+        values, vectors = np.linalg.eigh(ring.stiffness(n))
+        length = (2.0 if n == 0 else 1.0) * math.pi * ring.radius
+        shapes = vectors / math.sqrt(ring.line_mass * length)
+        for k in range(2):
+            W, V = shapes[:, k]
+            turned = (("cos", "sin", 1.0), ("sin", "cos", -1.0))
+            for radial, hoop, sign in turned if n else (("cos", "cos", 1.0),):
+                row = np.zeros(len(channels))
+                row[place[f"radial.{radial}{n}"]] = W
+                row[place[f"tangential.{hoop}{n}"]] = sign * V
+                rows.append(row)
+                omega.append(_frequency(float(values[k]), float(values[-1]), ring.line_mass))
+    return _basis(ring, n_max, np.array(omega), np.array(rows).T)
+
+
+def ring_elements(ring: ThinRing, elements: int, n_max: int = 20) -> ModalBody:
+    """All modes of a ring of curved elements, cubic Hermite in w and v, seen up to `n_max` waves at its rim.
+
+    The contact surface is the projection of the elements' own w on `n_max` waves: smooth.
+
+    Raises InputError when the elements cannot show `n_max` waves.
+
+    >>> ring = ThinRing(radius=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0)
+    >>> basis = ring_elements(ring, 48, n_max=6)
+    >>> bool(abs(basis.omega[3] / (2 * np.pi) / ring.frequencies(2)[0] - 1) < 1e-4)
+    True
+    """
+    from scipy.linalg import eigh
+
+    if elements < 3 or n_max > elements:
+        raise InputError(f"elements: found {elements} for n_max = {n_max}, expected at least n_max, and 3")
+    K, M = _assembled(ring, elements)
+    values, vectors = eigh(K, M)
+    omega = np.array([_frequency(value, values[-1], 1.0) for value in values.tolist()])
+    return _basis(ring, n_max, omega, _projection(elements, n_max) @ vectors)
+
+
+def _frequency(value: float, largest: float, mass: float) -> float:
+    return math.sqrt(value / mass) if value > RIGID * largest else 0.0
+
+
+def _basis(ring: ThinRing, n_max: int, omega: Array, rows: Array) -> ModalBody:
+    channels = rim_channels(n_max)
+    order = np.argsort(omega, kind="stable")
+    return ModalBody(
+        omega=omega[order], zeta=np.full(omega.size, ring.zeta), channels=channels, rows=rows[:, order],
+        S=np.zeros((len(channels), len(channels))), kind="rim", n_max=n_max, radius=ring.radius,
+    )  # fmt: skip
+
+
+def hermite(x: Array, span: float) -> Array:
+    """Cubic Hermite functions of (value, slope) at both ends of an element, and two derivatives, (3, 4, points)."""
+    x2, x3 = x * x, x * x * x
+    value = [1 - 3 * x2 + 2 * x3, span * (x - 2 * x2 + x3), 3 * x2 - 2 * x3, span * (x3 - x2)]
+    first = [-6 * x + 6 * x2, span * (1 - 4 * x + 3 * x2), 6 * x - 6 * x2, span * (3 * x2 - 2 * x)]
+    second = [-6 + 12 * x, span * (-4 + 6 * x), 6 - 12 * x, span * (6 * x - 2)]
+    return np.array([value, np.array(first) / span, np.array(second) / span**2])
+
+
+def _dofs(elements: int) -> Indices:
+    """Dof numbers (elements, 8): w, w' of both ends, then v, v'; four a node."""
+    first = 4 * np.arange(elements)[:, None]
+    last = 4 * ((np.arange(elements) + 1) % elements)[:, None]
+    w = np.hstack([first, first + 1, last, last + 1])
+    return np.asarray(np.hstack([w, w + 2]), dtype=np.int64)
+
+
+def _assembled(ring: ThinRing, elements: int) -> tuple[Array, Array]:
+    """K and M of the closed ring, (4 elements, 4 elements)."""
+    span, R = 2.0 * math.pi / elements, ring.radius
+    x, weight = np.polynomial.legendre.leggauss(6)
+    N, slope, bend = hermite(0.5 * (x + 1.0), span)
+    weight = 0.5 * weight * span * R
+    zero = np.zeros_like(N)
+    w, v = np.vstack([N, zero]), np.vstack([zero, N])
+    eps, kappa = np.vstack([N, slope]) / R, np.vstack([-bend, slope]) / R**2
+    EA = ring.E * ring.width * ring.height
+    terms = ((EA, eps), (EA * ring.height**2 / 12.0, kappa), (ring.k_r, w), (ring.k_t, v))
+    K_one = sum(factor * np.einsum("ip,p,jp->ij", B, weight, B) for factor, B in terms)
+    M_one = ring.line_mass * sum(np.einsum("ip,p,jp->ij", B, weight, B) for B in (w, v))
+    K, M, dofs = np.zeros((4 * elements,) * 2), np.zeros((4 * elements,) * 2), _dofs(elements)
+    for whole, one in ((K, K_one), (M, M_one)):
+        np.add.at(whole, (dofs[:, :, None], dofs[:, None, :]), one)
+    return K, M
+
+
+def _projection(elements: int, n_max: int) -> Array:
+    """Fourier coefficients of w and v of the dofs, in the order of `rim_channels`, (2 (2N + 1), dofs)."""
+    span = 2.0 * math.pi / elements
+    x, weight = np.polynomial.legendre.leggauss(6)
+    local = 0.5 * (x + 1.0)
+    theta = (np.arange(elements)[:, None] + local) * span
+    N = hermite(local, span)[0]
+    n = np.arange(n_max + 1)
+    waves = np.concatenate([np.cos(n[:, None, None] * theta), np.sin(n[1:, None, None] * theta)])
+    scale = np.where(np.arange(2 * n_max + 1) == 0, 0.5, 1.0) / math.pi
+    found = np.einsum("hep,fp,p,h->hef", waves, N, 0.5 * weight * span, scale)
+    dofs, out = _dofs(elements), np.zeros((2, 2 * n_max + 1, 4 * elements))
+    for part, columns in enumerate((dofs[:, :4], dofs[:, 4:])):
+        for h in range(2 * n_max + 1):
+            np.add.at(out[part, h], columns, found[h])
+    return out.reshape(2 * (2 * n_max + 1), -1)

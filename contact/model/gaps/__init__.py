@@ -1,0 +1,1 @@
+"""How bodies meet: point gaps, rims, rubs, disks, what turns them and pulls at them."""

@@ -1,0 +1,187 @@
+"""Modal bodies and their gap, brought to the one form the propagator integrates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.base.arrays import Array, Indices, readonly
+from contact.model.gaps.gap import PointGap, RotatingRim
+from contact.model.trig import Trig, fourier, pruned, quadratic
+from contact.model.waves import Terms, terms
+
+NOISE = 1e-10  # of the largest entry of rows or of S: smaller ones come from the eigen solver, not from the casing
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class RowTable:
+    """Rows that turn with the contact point, as a sparse table.
+
+    Q_i(phi) = sum_j q_cos[j] cos(n_j phi) + q_sin[j] sin(n_j phi), j = start[i] .. start[i+1]-1;
+    T_i(phi) alike with t_cos, t_sin. A mode of a perfect casing has one entry.
+    """
+
+    start: Indices
+    harmonic: Indices
+    q_cos: Array
+    q_sin: Array
+    t_cos: Array
+    t_sin: Array
+
+    def rows(self, phi: float) -> tuple[Array, Array]:
+        """Q(phi) and T(phi), (m,) each: the reference the compiled loop is tested against."""
+        c, s = np.cos(self.harmonic * phi), np.sin(self.harmonic * phi)
+        total = np.zeros((2, self.harmonic.size + 1))
+        total[0, 1:] = np.cumsum(self.q_cos * c + self.q_sin * s)
+        total[1, 1:] = np.cumsum(self.t_cos * c + self.t_sin * s)
+        Q, T = total[:, self.start[1:]] - total[:, self.start[:-1]]
+        return Q, T
+
+    def rows_at(self, angles: Array) -> tuple[Array, Array]:
+        """Q and T at many angles [rad], (angles, m) each."""
+        phases = angles[:, None] * np.arange(int(self.harmonic.max(initial=0)) + 1)
+        c, s = np.cos(phases), np.sin(phases)
+        columns = ((self.q_cos, self.q_sin), (self.t_cos, self.t_sin))
+        Q, T = (c @ self.by_harmonic(cos) + s @ self.by_harmonic(sin) for cos, sin in columns)
+        return Q, T
+
+    @property
+    def normal(self) -> Terms:
+        """Q as sums of waves."""
+        return self._terms(self.q_cos, self.q_sin)
+
+    @property
+    def tangent(self) -> Terms:
+        """T as sums of waves."""
+        return self._terms(self.t_cos, self.t_sin)
+
+    def _terms(self, cos: Array, sin: Array) -> Terms:
+        modes = self.start.size - 1
+        return terms(np.repeat(np.arange(modes), np.diff(self.start)), self.harmonic, cos, sin, modes)
+
+    def by_harmonic(self, values: Array) -> Array:
+        """One of the columns as a full table, (highest harmonic + 1, m)."""
+        full = np.zeros((int(self.harmonic.max(initial=0)) + 1, self.start.size - 1))
+        full[self.harmonic, np.repeat(np.arange(self.start.size - 1), np.diff(self.start))] = values
+        return full
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ModalSystem:
+    """q'' + 2 zeta omega q' + omega^2 q = load + W^T lam, one contact.
+
+    Fixed point: g = clearance + Q q + S lam. Rim (`table` is given): Q, T, S = S_nn - mu s S_nt and the
+    clearance depend on phi. `first` are the bodies' offsets into q.
+    """
+
+    omega: Array
+    zeta: Array
+    load: Array
+    velocity: Array
+    first: Indices
+    names: tuple[str, ...]
+    masses: tuple[float, ...]
+    Q: Array
+    clearance: Trig
+    S_nn: Trig
+    S_nt: Trig
+    potential: float = 0.0  # at t = 0
+    table: RowTable | None = None
+    speed: float = 0.0
+    angle: float = 0.0
+    radius: float = 0.0
+
+    def sums(self) -> tuple[Terms, Terms]:
+        """Sums of waves of a rim: Q followed by clearance, S_nn and S_nt; and T."""
+        assert self.table is not None
+        return self.table.normal.followed_by(self._series()), self.table.tangent
+
+    def _series(self) -> Terms:
+        parts = self.clearance, self.S_nn, self.S_nt
+        owner = np.repeat(np.arange(len(parts)), [part.harmonic.size for part in parts])
+        harmonic = np.concatenate([part.harmonic for part in parts])
+        cos, sin = np.concatenate([part.cos for part in parts]), np.concatenate([part.sin for part in parts])
+        return terms(owner, harmonic, cos, sin, len(parts))
+
+
+def point_system(gap: PointGap) -> ModalSystem:
+    """Concatenate the sides of a gap at a fixed point."""
+    sides = gap.sides
+    Q = np.concatenate([side.sign * side.body.rows[side.body.channel(side.channel)] for side in sides])
+    S = sum(float(s.body.S[s.body.channel(s.channel), s.body.channel(s.channel)]) for s in sides)
+    sizes = [side.body.omega.size for side in sides]
+    return ModalSystem(
+        omega=readonly(np.concatenate([s.body.omega for s in sides])),
+        zeta=readonly(np.concatenate([s.body.zeta for s in sides])),
+        load=readonly(np.concatenate([_given(s.load, n) for s, n in zip(sides, sizes, strict=True)])),
+        velocity=readonly(np.concatenate([_given(s.velocity, n) for s, n in zip(sides, sizes, strict=True)])),
+        first=np.concatenate(([0], np.cumsum(sizes))).astype(np.int64),
+        names=tuple(s.name for s in sides), masses=tuple(s.mass for s in sides), Q=readonly(Q),
+        clearance=fourier([(0, gap.clearance, 0.0)]), S_nn=fourier([(0, S, 0.0)]), S_nt=fourier([]),
+        potential=sum(s.potential for s in sides),
+    )  # fmt: skip
+
+
+def rim_system(rim: RotatingRim) -> ModalSystem:
+    """Casing modes, then blade modes; the blade's rows enter with harmonic 0 and the sign of the gap."""
+    casing, blade, N = rim.casing, rim.blade, rim.casing.n_max
+    size = 2 * N + 1
+    a = math.radians(rim.lean_deg)
+    span, flap = blade.channel("span"), blade.channel("flap")
+    normal, tangent = np.zeros(len(blade.channels)), np.zeros(len(blade.channels))
+    normal[[span, flap]] = math.cos(a), math.sin(a)
+    tangent[[span, flap]] = -math.sin(a), math.cos(a)
+    table = _table(casing.rows[:size], casing.rows[size:], -normal @ blade.rows, -tangent @ blade.rows, N)
+    S_nn = _raised(quadratic(casing.S[:size, :size], N), float(normal @ blade.S @ normal))
+    S_nt = _raised(quadratic(casing.S[:size, size:], N), float(normal @ blade.S @ tangent))
+    noise = NOISE * S_nn.largest
+    return ModalSystem(
+        omega=readonly(np.concatenate([casing.omega, blade.omega])),
+        zeta=readonly(np.concatenate([casing.zeta, blade.zeta])),
+        load=readonly(np.zeros(casing.omega.size + blade.omega.size)),
+        velocity=readonly(np.concatenate([
+            _given(rim.casing_velocity, casing.omega.size), _given(rim.blade_velocity, blade.omega.size),
+        ])),
+        first=np.array([0, casing.omega.size, casing.omega.size + blade.omega.size]),
+        names=("casing", "blade"), masses=(math.nan, math.nan),
+        Q=readonly(table.rows(math.radians(rim.angle_deg))[0]),
+        clearance=fourier([(0, rim.clearance, 0.0), *rim.terms]),
+        S_nn=pruned(S_nn, noise), S_nt=pruned(S_nt, noise),
+        table=table, speed=rim.speed, angle=math.radians(rim.angle_deg), radius=casing.radius,
+    )  # fmt: skip
+
+
+def _given(values: Array | None, size: int) -> Array:
+    return np.zeros(size) if values is None else values
+
+
+def _raised(polynomial: Trig, constant: float) -> Trig:
+    terms = zip(polynomial.harmonic, polynomial.cos, polynomial.sin, strict=True)
+    return fourier([(0, constant, 0.0), *((int(n), float(c), float(s)) for n, c, s in terms)])
+
+
+def _table(radial: Array, tangential: Array, blade_n: Array, blade_t: Array, N: int) -> RowTable:
+    """Keep, per mode, the cosines and sines above the noise of an eigen solver."""
+    scale = max(float(np.abs(radial).max(initial=0.0)), float(np.abs(tangential).max(initial=0.0)))
+    none = np.zeros((1, radial.shape[1]))
+    full = [
+        part for rows in (radial, tangential) for part in (rows[: N + 1], np.concatenate([none, rows[N + 1 :]]))
+    ]  # q_cos, q_sin, t_cos, t_sin: (N + 1, m) each
+    entry = np.array([part.T for part in full])
+    entry[np.abs(entry) <= NOISE * scale] = 0.0
+    mode, n = np.nonzero(entry.any(axis=0))
+    count = np.bincount(mode, minlength=radial.shape[1])
+    start = np.concatenate(([0], np.cumsum(np.concatenate([count, np.ones(blade_n.size)]))))
+    harmonic = np.concatenate([n, np.zeros(blade_n.size)])
+    still = np.zeros(blade_n.size)
+    columns = [
+        np.concatenate([part[mode, n], blade])
+        for part, blade in zip(entry, (blade_n, still, blade_t, still), strict=True)
+    ]  # fmt: skip
+    return RowTable(
+        start=start.astype(np.int64), harmonic=harmonic.astype(np.int64),
+        q_cos=readonly(columns[0]), q_sin=readonly(columns[1]), t_cos=readonly(columns[2]),
+        t_sin=readonly(columns[3]),
+    )  # fmt: skip

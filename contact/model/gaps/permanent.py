@@ -1,0 +1,291 @@
+"""Contacts that stay closed: what is left of modal bodies and a rim once no gap can open. Linear, no time stepping."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.base.arrays import (
+    Array,
+    Indices,
+    readonly,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_shape,
+)
+from contact.base.errors import InputError
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.modal_system import rim_system
+from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub_system import rub_system
+from contact.model.trig import Trig
+
+PERFECT = 1e-8  # relative: modes closer than this are one group, and turn into each other on a perfect casing
+TURNS = 1e-3  # of the rows' derivative may be left by turns: a mesh adds harmonics of its own, such as 2e-4
+
+
+class SplitError(InputError):
+    """A casing whose pairs do not turn into themselves: no frame makes its coefficients constant."""
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ClosedContact:
+    """Modes joined by r closed contacts, in the frame in which the contact points stand still.
+
+    (D + Omega G)^2 q + 2 zeta omega (D + Omega G) q + omega^2 q = (Q - mu s T)^T lam,
+    Q q + (S_nn - mu s S_nt) lam = 0, s = sgn Omega; G^T = -G, dQ/dphi = Q G: how modes turn when the point moves.
+
+    `omega` [rad/s], `zeta` (m,); `G` (m, m); `Q`, `T` (r, m) normal and tangential rows [1/sqrt(kg)]; `S_nn`, `S_nt`
+    (r, r) [m/N]; `mu` friction. The first `casing` modes are the turning body's, the others stand still.
+
+    Raises InputError for shapes that do not fit, or a compliance that cannot be inverted.
+    """
+
+    omega: Array
+    zeta: Array
+    G: Array
+    Q: Array
+    T: Array
+    S_nn: Array
+    S_nt: Array
+    casing: int
+    mu: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("omega", "zeta", "G", "Q", "T", "S_nn", "S_nt"):
+            object.__setattr__(self, name, readonly(getattr(self, name)))
+        m, r = self.omega.size, len(self.Q)
+        shapes = {"zeta": (m,), "G": (m, m), "Q": (r, m), "T": (r, m), "S_nn": (r, r), "S_nt": (r, r)}
+        for name, shape in shapes.items():
+            require_shape(name, getattr(self, name), shape)
+        require_not_negative(mu=self.mu)
+        _require_compliance(self.S_nn)
+
+    def pushes(self, sense: float) -> Array:
+        """W = Q - mu s T, (r, m): what unit contact forces do to the modes, s the sense of rotation."""
+        return np.asarray(self.Q - self.mu * sense * self.T)
+
+    def compliance(self, sense: float) -> Array:
+        """S = S_nn - mu s S_nt, (r, r)."""
+        return np.asarray(self.S_nn - self.mu * sense * self.S_nt)
+
+    def joined(self, sense: float) -> Array:
+        """W^T S^-1 Q, (m, m): what the closed contacts add to diag(omega^2)."""
+        return np.asarray(self.pushes(sense).T @ np.linalg.solve(self.compliance(sense), self.Q))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModalPair:
+    """Two equal modes cos n theta and sin n theta of a body of revolution, or (n = 0) one mode of a blade.
+
+    `freq_hz` [Hz]; `modal_mass` [kg] for unit motion along the contact's normal; `zeta` damping ratio.
+
+    >>> ModalPair(n=8, freq_hz=300.0, modal_mass=1.5).omega
+    1884.9555921538758
+    """
+
+    freq_hz: float
+    modal_mass: float
+    n: int = 0
+    zeta: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive(freq_hz=self.freq_hz, modal_mass=self.modal_mass)
+        if self.n < 0:
+            raise InputError(f"n: found {self.n!r}, expected a whole number of nodal diameters >= 0")
+        if not 0.0 <= self.zeta < 1.0:
+            raise InputError(f"zeta: found {self.zeta!r}, expected 0 <= zeta < 1")
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency [rad/s]."""
+        return 2.0 * math.pi * self.freq_hz
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HandPair:
+    """The hand calculation: one n-diameter pair of a turning casing against one mode of a fixed blade.
+
+    `compliance` S [m/N] of the contact, 1/stiffness; `friction` mu; `lean_deg` the lean a of the blade into the motion.
+    The blade's mode bends across its span: 1 along the normal goes with cot a along the rim, so the contact works on it
+    with kappa = (1 - mu cot a)/modal_mass, negative (the blade digs) where mu > tan a > 0. At a = 0 it moves along the
+    normal alone. The casing's pair is inextensional: tangential over radial motion is 1/n.
+
+    >>> pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+    ...                 blade=ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)
+    >>> pair.kappa
+    2.5
+    """
+
+    casing: ModalPair
+    blade: ModalPair
+    compliance: float
+    friction: float = 0.0
+    lean_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive(compliance=self.compliance)
+        require_not_negative(friction=self.friction)
+        require_finite(lean_deg=self.lean_deg)
+        if self.casing.n < 1:
+            raise InputError(f"casing.n: found {self.casing.n!r}, expected at least 1 nodal diameter")
+        if self.blade.n != 0:
+            raise InputError(f"blade.n: found {self.blade.n!r}, expected 0: one blade has no nodal diameters")
+        if not -90.0 < self.lean_deg < 90.0:
+            raise InputError(f"lean_deg: found {self.lean_deg!r}, expected an angle between -90 and 90")
+
+    @property
+    def slip(self) -> float:
+        """Motion of the blade along the rim for unit motion along the normal, cot a; 0 without lean."""
+        return 1.0 / math.tan(math.radians(self.lean_deg)) if self.lean_deg else 0.0
+
+    @property
+    def kappa(self) -> float:
+        """(1 - mu cot a)/modal_mass [1/kg]: negative where friction drives the blade into the casing."""
+        return (1.0 - self.friction * self.slip) / self.blade.modal_mass
+
+    def contact(self) -> ClosedContact:
+        """Three modes, one contact: the 6-state system."""
+        casing, blade = self.casing, self.blade
+        x, y = 1.0 / math.sqrt(casing.modal_mass), 1.0 / math.sqrt(blade.modal_mass)
+        return ClosedContact(
+            omega=np.array([casing.omega, casing.omega, blade.omega]),
+            zeta=np.array([casing.zeta, casing.zeta, blade.zeta]), G=turning([casing.n], 3),
+            Q=np.array([[x, 0.0, -y]]), T=np.array([[0.0, x / casing.n, -y * self.slip]]),
+            S_nn=np.array([[self.compliance]]), S_nt=np.zeros((1, 1)), casing=2, mu=self.friction,
+        )  # fmt: skip
+
+
+def disk_contact(casing: ModalPair, disk: ModalPair, *, stiffness: float, blades: int) -> ClosedContact:
+    """A bladed disk in a casing, each by its pair of n diameters, every blade tip in contact by `stiffness` [N/m].
+
+    The two-dimensional model of M. Legrand, C. Pierre, P. Cartraud, J.-P. Lombard (J. Sound Vib. 319, 2009, 366) with
+    the contact closed, frictionless, in the disk's frame: sum over the tips of k (u_c - u_b)^2/2 = (k blades/4)
+    |z_c - z_b|^2, so two contacts of stiffness k blades/2 join cosine to cosine and sine to sine.
+
+    Raises InputError unless both have the same n >= 1 and `blades` > 2 n, so that the tips tell cosine from sine.
+    """
+    require_waves(casing, disk, stiffness=stiffness, blades=blades)
+    omega, zeta = ([getattr(body, name) for body in (casing, disk) for _ in range(2)] for name in ("omega", "zeta"))
+    x, y = 1.0 / math.sqrt(casing.modal_mass), 1.0 / math.sqrt(disk.modal_mass)
+    return ClosedContact(
+        omega=np.array(omega), zeta=np.array(zeta), G=turning([casing.n], 4),
+        Q=np.hstack([x * np.eye(2), -y * np.eye(2)]), T=np.zeros((2, 4)),
+        S_nn=np.eye(2) * 2.0 / (stiffness * blades), S_nt=np.zeros((2, 2)), casing=2,
+    )  # fmt: skip
+
+
+def require_waves(casing: ModalPair, disk: ModalPair, *, stiffness: float, blades: int) -> None:
+    """Raise InputError unless both have the same n >= 1 and there are more than 2 n blades."""
+    require_positive(stiffness=stiffness)
+    if casing.n != disk.n or casing.n < 1 or blades <= 2 * casing.n:
+        raise InputError(
+            f"n: found casing {casing.n}, disk {disk.n}, {blades} blades, expected the same n >= 1 and blades > 2 n"
+        )
+
+
+def turning(n: list[int], size: int) -> Array:
+    """G of pairs (cos, sin) of n diameters that come first: d/dphi of (cos n phi, sin n phi), (size, size)."""
+    G = np.zeros((size, size))
+    for k, order in enumerate(n):
+        G[2 * k, 2 * k + 1], G[2 * k + 1, 2 * k] = order, -order
+    return G
+
+
+def rim_contact(rim: RotatingRim, *, mu: float = 0.0) -> ClosedContact:
+    """A perfect casing against its blade while the contact stays closed, in the blade's frame.
+
+    The out-of-roundness only forces the vibration and is left out. Every pair must be equal to 1e-8 and turn into
+    itself but for 1e-3, and S must not depend on the angle.
+
+    Raises SplitError where it does: the coefficients are then periodic in time (`contact.growth.floquet`).
+    """
+    system = rim_system(rim)
+    table = system.table
+    assert table is not None  # a rim's rows always turn
+    m = rim.casing.omega.size
+    tables = [table.by_harmonic(v)[:, :m] for v in (table.q_cos, table.q_sin, table.t_cos, table.t_sin)]
+    G = np.zeros((system.omega.size,) * 2)
+    G[:m, :m], left = _generator(rim.casing.omega, rim.casing.zeta, tables)
+    S = _mean(system.S_nn)
+    if left > TURNS or _varies(system.S_nn, S) or _varies(system.S_nt, S):
+        raise SplitError(
+            f"casing: found pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on "
+            "the angle, expected a perfect casing; a split one is a matter for Floquet's theory"
+        )
+    Q, T = table.rows(0.0)
+    return ClosedContact(
+        omega=system.omega, zeta=system.zeta, G=G, Q=Q[None], T=T[None], S_nn=np.array([[S]]),
+        S_nt=np.array([[_mean(system.S_nt)]]), casing=m, mu=mu,
+    )  # fmt: skip
+
+
+def rub_contact(rub: Rub, *, mu: float = 0.0) -> ClosedContact:
+    """A perfect casing with every tip of a rub closed, sliding around, in the tips' frame.
+
+    Profile, closing, whirl and stiffening only force or detune the vibration and are left out. Raises SplitError as
+    `rim_contact` does.
+    """
+    system = rub_system(rub, 2)
+    rim, m, K = system.rim, rub.casing.omega.size, system.contacts
+    full_cos, full_sin = rim.by_harmonic(rim.cos), rim.by_harmonic(rim.sin)
+    seen = [int(line) * system.directions + i for line in np.unique(system.line) for i in (0, 1)]
+    G = np.zeros((system.omega.size,) * 2)
+    tables = [table[b] for b in seen for table in (full_cos, full_sin)]
+    G[:m, :m], left = _generator(rub.casing.omega, rub.casing.zeta, tables)
+    if left > TURNS or system.S_harmonic.size > 1:
+        raise SplitError(
+            f"casing: found pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on "
+            "the angle, expected a perfect casing"
+        )
+    rows = np.zeros((2, K, system.omega.size))
+    for j in range(K):
+        for i in (0, 1):
+            rows[i, j, :m] = rim.row(int(system.line[j]) * system.directions + i, float(system.angle[j]))
+            begin, end = system.own[j]
+            rows[i, j, begin:end] = system.blade_rows[2 * j + i, : end - begin]
+    S = system.compliance(0.0)
+    return ClosedContact(
+        omega=system.omega, zeta=system.zeta, G=G, Q=rows[0], T=rows[1], S_nn=S[::2, ::2], S_nt=S[::2, 1::2], casing=m,
+        mu=mu,
+    )  # fmt: skip
+
+
+def equal_modes(omega: Array, zeta: Array) -> list[Indices]:
+    """Groups of modes of equal frequency and damping, by index."""
+    ascending = np.argsort(omega, kind="stable")
+    apart = (np.diff(omega[ascending]) > PERFECT * omega[ascending][1:]) | (np.diff(zeta[ascending]) != 0.0)
+    return [group for group in np.split(ascending, np.flatnonzero(apart) + 1) if group.size]
+
+
+def _mean(polynomial: Trig) -> float:
+    return float(polynomial.cos[polynomial.harmonic == 0].sum())
+
+
+def _varies(polynomial: Trig, scale: float) -> bool:
+    """Whether a coefficient beyond the mean matters beside `scale`."""
+    turns = polynomial.harmonic > 0
+    return float(np.hypot(polynomial.cos, polynomial.sin)[turns].max(initial=0.0)) > TURNS * scale
+
+
+def _generator(omega: Array, zeta: Array, tables: list[Array]) -> tuple[Array, float]:
+    """G with dQ/dphi = Q G within groups of equal modes, and the part of the derivative it leaves."""
+    order = np.arange(len(tables[0]))[:, None]
+    rows = np.vstack(tables)
+    pairs = zip(tables[::2], tables[1::2], strict=True)
+    slope = np.vstack([part for cos, sin in pairs for part in (order * sin, -order * cos)])
+    G = np.zeros((omega.size, omega.size))
+    for group in equal_modes(omega, zeta):
+        block = np.linalg.lstsq(rows[:, group], slope[:, group], rcond=1e-9)[0]
+        G[np.ix_(group, group)] = 0.5 * (block - block.T)
+    size = float(np.linalg.norm(slope))
+    return G, float(np.linalg.norm(slope - rows @ G)) / size if size else 0.0
+
+
+def _require_compliance(S: Array) -> None:
+    lowest = float(np.linalg.eigvalsh(0.5 * (S + S.T))[0])
+    if not lowest > 0.0:
+        raise InputError(f"S: found smallest compliance {lowest:g} m/N, expected > 0: a contact needs some give")

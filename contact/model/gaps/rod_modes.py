@@ -1,0 +1,137 @@
+"""Exact modes of a rod, with the exact compliance of the modes left out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from contact.base.arrays import Array, require_not_negative, require_positive
+from contact.base.errors import InputError
+from contact.model.bodies.body import Body, PointMass, Rod, Wall
+from contact.model.bodies.chain import Chain, contact_end
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.gap import PointGap, Side
+
+
+def rod_modes(rod: Rod, *, modes: int = 50, zeta: float = 0.0, end: str | None = None) -> ModalBody:
+    """Modes of the continuous rod seen at its contact end (`end`, or the free end of a fixed rod).
+
+    Free: phi = cos(beta xi), tan beta = -alpha beta, plus the rigid mode; fixed: phi = sin(beta xi),
+    cot beta = alpha beta; alpha = end_mass/(rho A L), omega = beta c/L, xi measured from the far end.
+    S = static compliance (free: L/(3 E A (1 + alpha)^2) with inertia relief; fixed: L/(E A)) minus
+    sum phi(1)^2/omega^2 of the elastic modes kept. `modes` counts the rigid mode.
+
+    >>> rod_modes(Rod(length=10.0, area=1.0, E=900.0, rho=1.0), modes=50, end="left").channels
+    ('left',)
+    """
+    require_positive(modes=modes)
+    require_not_negative(zeta=zeta)
+    free = rod.fixed == "none"
+    name = end or contact_end(rod, has_left=free, has_right=free and end is None)
+    alpha = rod.end_mass / rod.mass
+    beta = _roots(alpha, modes, free=free)
+    tip = np.cos(beta) if free else np.sin(beta)
+    far = np.ones(modes) if free else np.zeros(modes)
+    norm = np.sqrt(rod.mass * (_mean_square(beta, free=free) + alpha * tip**2))
+    omega = beta * rod.wave_speed / rod.length
+    compliance = rod.length / (rod.E * rod.area)
+    static = compliance / (3.0 * (1.0 + alpha) ** 2) if free else compliance
+    elastic = omega > 0.0
+    S = static - float(np.sum((tip[elastic] / norm[elastic] / omega[elastic]) ** 2))
+    return ModalBody(
+        omega=omega, zeta=np.full(modes, zeta), channels=(name,), rows=(tip / norm)[None],
+        S=np.array([[max(S, 0.0)]]), recovery=(far / norm)[None],
+    )  # fmt: skip
+
+
+def _roots(alpha: float, count: int, *, free: bool) -> Array:
+    """First roots of the frequency equation, by bisection on branches that hold one root each."""
+    k = np.arange(count, dtype=np.float64)
+    if alpha == 0.0:
+        return k * math.pi if free else (k + 0.5) * math.pi
+    low, high = ((k - 0.5) * math.pi, k * math.pi) if free else (k * math.pi, (k + 0.5) * math.pi)
+
+    def value(beta: Array) -> Array:
+        if free:
+            return np.asarray(np.sin(beta) + alpha * beta * np.cos(beta))
+        return np.asarray(np.cos(beta) - alpha * beta * np.sin(beta))
+
+    sign = np.sign(value(high))
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        above = np.sign(value(middle)) == sign
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    roots = 0.5 * (low + high)
+    if free:
+        roots[0] = 0.0
+    return roots
+
+
+def _mean_square(beta: Array, *, free: bool) -> Array:
+    """Mean over the length of cos^2 or sin^2 of beta xi."""
+    ripple = np.sinc(2.0 * beta / math.pi) / 2.0
+    return 0.5 + ripple if free else 0.5 - ripple
+
+
+def chain_gap(chain: Chain, *, modes: int) -> PointGap:
+    """Two bodies of a chain (or one and a wall) as modal bodies at their contact.
+
+    Raises InputError when the chain has more than one contact.
+    """
+    if len(chain.bodies) != 2:
+        raise InputError(f"bodies: found {len(chain.bodies)}, expected two for the exact-modal scheme")
+    low, high = chain.bodies
+    end = low.x + low.length if isinstance(low, Rod) else low.x
+    pairs = ((low, "right", -1), (high, "left", 1))
+    sides = tuple(
+        side(body, face, sign, modes=modes, gravity=chain.gravity)
+        for body, face, sign in pairs
+        if not isinstance(body, Wall)
+    )
+    return PointGap(sides=sides, clearance=high.x - end)
+
+
+def side(body: Body, face: str, sign: int, *, modes: int, gravity: float) -> Side:
+    """One body of a chain at the contact it meets with its `face`."""
+    if isinstance(body, Wall):
+        raise InputError("side: found a wall, expected a rod or a mass")
+    if body.damping:
+        raise InputError("damping: found viscous damping of a body, expected none for ExactModal")
+    if isinstance(body, PointMass):
+        root = math.sqrt(body.mass)
+        if body.force:
+            raise InputError("force: found a varying force, expected none for ExactModal (loads are constant there)")
+        point = ModalBody(
+            omega=np.array([math.sqrt(body.stiffness) / root]),
+            zeta=np.zeros(1),
+            channels=(face,),
+            rows=np.array([[1.0 / root]]),
+            S=np.zeros((1, 1)),
+        )
+        return Side(
+            body=point, channel=face, sign=sign, velocity=np.array([root * body.velocity]),
+            load=np.array([-root * gravity - body.stiffness * body.stretch / root]), name="mass", mass=body.mass,
+            potential=body.mass * gravity * body.x + 0.5 * body.stiffness * body.stretch**2,
+        )  # fmt: skip
+    if body.fixed == face:
+        raise InputError(f"fixed: found {face!r} on the rod's contact end, expected the other end or 'none'")
+    basis = rod_modes(body, modes=modes, end=face)
+    momentum = _momentum(body, basis)
+    tip = body.x if face == "left" else body.x + body.length
+    return Side(
+        body=basis, channel=face, sign=sign, velocity=body.velocity * momentum, load=-gravity * momentum,
+        name="rod", mass=body.mass + body.end_mass,
+        potential=gravity * (body.mass * (body.x + 0.5 * body.length) + body.end_mass * tip),
+    )  # fmt: skip
+
+
+def _momentum(rod: Rod, basis: ModalBody) -> Array:
+    """Modal amplitudes of a uniform unit velocity: integral of phi dm."""
+    beta = basis.omega * rod.length / rod.wave_speed
+    if rod.fixed == "none":
+        rigid = np.zeros(beta.size)
+        rigid[0] = math.sqrt(rod.mass + rod.end_mass)
+        return rigid
+    scale = basis.rows[0] / np.sin(beta)
+    return np.asarray(scale * (rod.mass * (1.0 - np.cos(beta)) / beta) + rod.end_mass * basis.rows[0])

@@ -1,0 +1,207 @@
+"""A rub: tips of one or more blades against one turning casing, each a contact that may stick."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import KW_ONLY, dataclass, field
+
+import numpy as np
+
+from contact.base.arrays import Array, readonly, require_finite, require_shape
+from contact.base.errors import InputError
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.body_force import BodyForce
+from contact.model.gaps.gap import FAR
+from contact.model.gaps.rub_laws import Closing, Profile, Speed, Whirl
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tip:
+    """One contact candidate: a place of blade number `blade` before rim line number `line` of the casing.
+
+    `span`, `flap` and `axial` name channels of the blade: radial at no lean, along +theta, along the casing's axis
+    (left out: the contact slides along theta only). `angle_deg` where it stands at t = 0 in the casing's frame,
+    `lean_deg` as in `RotatingRim`, `clearance` [m] added to that of the rub. `track` numbers the strip of an abradable
+    coating that it wears on its rim line, so that tips at one axial place share one; left out, its place among its
+    blade's tips on that line.
+
+    >>> Tip(angle_deg=90.0).span
+    'span'
+    """
+
+    blade: int = 0
+    line: int = 0
+    span: str = "span"
+    flap: str = "flap"
+    axial: str | None = None
+    angle_deg: float = 0.0
+    lean_deg: float = 0.0
+    clearance: float = 0.0
+    track: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.track is not None and (not isinstance(self.track, int) or self.track < 0):
+            raise InputError(f"track: found {self.track!r}, expected a whole number >= 0")
+        require_finite(angle_deg=self.angle_deg, clearance=self.clearance)
+        if not -90.0 < self.lean_deg < 90.0:
+            raise InputError(f"lean_deg: found {self.lean_deg!r}, expected an angle between -90 and 90")
+
+    def directions(self, blade: ModalBody) -> Array:
+        """Normal, tangential (and axial) directions over the channels of its blade, (2 or 3, channels)."""
+        a = math.radians(self.lean_deg)
+        weights = np.zeros((2 if self.axial is None else 3, len(blade.channels)))
+        span, flap = blade.channel(self.span), blade.channel(self.flap)
+        weights[0, [span, flap]] = math.cos(a), math.sin(a)
+        weights[1, [span, flap]] = -math.sin(a), math.cos(a)
+        if self.axial is not None:
+            weights[2, blade.channel(self.axial)] = 1.0
+        return weights
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Start:
+    """Motion at t = 0 and constant loads of one body, modal (m,) each; zero when left out."""
+
+    displacement: Array | None = None
+    velocity: Array | None = None
+    load: Array | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Stiffening:
+    """Growth of one blade's modal stiffness with speed: K(Omega) = diag(omega^2) + (Omega^2 - at^2) K_omega.
+
+    `K_omega` (m, m) symmetric [-], such as Phi^T (K_G - M_spin) Phi per unit Omega^2; `at_hz` the speed at which the
+    blade's basis was made. The mode shapes stay those of the basis, and couple through K_omega.
+    """
+
+    blade: int = 0
+    K_omega: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    at_hz: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "K_omega", readonly(self.K_omega))
+        require_finite(at_hz=self.at_hz)
+
+    @staticmethod
+    def of(body: ModalBody, blade: int = 0) -> Stiffening:
+        """That of a rotating body's own basis; raises InputError where the basis was made at rest, without an axis."""
+        if body.K_omega is None:
+            raise InputError(f"blades[{blade}]: found a basis without K_omega, expected one of a rotating shell")
+        return Stiffening(blade=blade, K_omega=body.K_omega, at_hz=body.spin / (2.0 * math.pi))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Rub:
+    """K tips before one casing that turns at speed(t): tip j stands at phi_j = its angle - angle(t) in the casing.
+
+    g_j = clearance + clearance_j + d(phi_j) - closing(t) + whirl + u_r(phi_j) - n_j.u_blade, the laws of
+    `rub_laws`; slip R Omega + v_theta - t_j.v_blade around, v_z - v_blade,z along the axis. All contacts are solved
+    together, with the residual compliances that couple them. `thickness` of the wall [m], if given, bounds the
+    deflection that linear theory carries: `Result.flags` says when it was passed. `forces`: gravity and whirl on the
+    modes that are kept; the static share of the others is left out.
+
+    Raises InputError for bases of the wrong kind, channels that are missing, tips that differ in their directions,
+    or a clearance beyond a tenth of the radius.
+    """
+
+    casing: ModalBody
+    blades: tuple[ModalBody, ...]
+    tips: tuple[Tip, ...] = (Tip(),)
+    _: KW_ONLY
+    clearance: float = 0.0
+    speed: Speed = field(default_factory=lambda: Speed.constant(0.0))
+    profile: Profile = field(default_factory=Profile)
+    closing: Closing = field(default_factory=Closing.none)
+    whirl: tuple[Whirl, ...] = ()
+    stiffening: tuple[Stiffening, ...] = ()
+    casing_start: Start = field(default_factory=Start)
+    blade_starts: tuple[Start, ...] = ()
+    thickness: float = math.inf
+    forces: tuple[BodyForce, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.casing.kind != "rim":
+            raise InputError(f"casing: found a basis of kind {self.casing.kind!r}, expected 'rim'")
+        for name in ("blades", "tips", "whirl", "stiffening", "blade_starts", "forces"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        if not self.blades or not self.tips:
+            raise InputError(f"tips: found {len(self.tips)} on {len(self.blades)} blades, expected one or more")
+        if not self.blade_starts:
+            object.__setattr__(self, "blade_starts", (Start(),) * len(self.blades))
+        if len(self.blade_starts) != len(self.blades):
+            raise InputError(f"blade_starts: found {len(self.blade_starts)}, expected one for each blade or none")
+        for b, blade in enumerate(self.blades):
+            if blade.kind != "point":
+                raise InputError(f"blades[{b}]: found a basis of kind {blade.kind!r}, expected 'point'")
+        for j, tip in enumerate(self.tips):
+            self._require_tip(j, tip)
+        for body, start, name in zip(self.bodies, self.starts, self.names, strict=True):
+            _require_start(name, body, start)
+        for stiff in self.stiffening:
+            if not 0 <= stiff.blade < len(self.blades):
+                raise InputError(f"stiffening: found blade {stiff.blade}, expected 0 .. {len(self.blades) - 1}")
+            m = self.blades[stiff.blade].omega.size
+            require_shape("K_omega", stiff.K_omega, (m, m))
+        for force in self.forces:
+            self._require_participation(force)
+        if not self.thickness > 0.0:
+            raise InputError(f"thickness: found {self.thickness!r}, expected metres > 0")
+
+    def _require_participation(self, force: BodyForce) -> None:
+        for k, (name, body) in enumerate(zip(self.names, self.bodies, strict=True)):
+            if body.participation is None and (force.on == "both" or (force.on == "casing") == (k == 0)):
+                raise InputError(
+                    f"{name}: found a basis without participation, which gravity and whirl need, expected one of "
+                    "casingfem reduce"
+                )
+
+    def _require_tip(self, j: int, tip: Tip) -> None:
+        if not 0 <= tip.blade < len(self.blades):
+            raise InputError(f"tips[{j}].blade: found {tip.blade}, expected 0 .. {len(self.blades) - 1}")
+        if not 0 <= tip.line < self.casing.rim_lines:
+            raise InputError(f"tips[{j}].line: found {tip.line}, expected 0 .. {self.casing.rim_lines - 1}")
+        try:
+            tip.directions(self.blades[tip.blade])
+        except InputError as error:
+            raise InputError(f"tips[{j}]: {error}") from error
+        if (tip.axial is None) != (self.tips[0].axial is None):
+            raise InputError(
+                f"tips[{j}].axial: found {tip.axial!r} beside {self.tips[0].axial!r}, expected all or none"
+            )
+        if tip.axial is not None and self.casing.directions < 3:
+            raise InputError(f"tips[{j}].axial: found a casing basis without axial channels, expected Rim(axial=True)")
+        radius, total = self.casing.line_radius(tip.line), self.clearance + tip.clearance
+        if not (radius > 0.0 and abs(total) <= FAR * radius):
+            raise InputError(
+                f"clearance: found {total:g} m at tip {j} on a radius of {radius:g} m, expected at most a tenth of it"
+            )
+
+    @property
+    def dimensions(self) -> int:
+        """Directions of every contact: 2, or 3 with axial friction."""
+        return 2 if self.tips[0].axial is None else 3
+
+    @property
+    def bodies(self) -> tuple[ModalBody, ...]:
+        """Casing, then blades."""
+        return (self.casing, *self.blades)
+
+    @property
+    def starts(self) -> tuple[Start, ...]:
+        """Their motion at t = 0 and loads."""
+        return (self.casing_start, *self.blade_starts)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the bodies: casing and blade, or blade 1, blade 2, ..."""
+        if len(self.blades) == 1:
+            return ("casing", "blade")
+        return ("casing", *(f"blade {b + 1}" for b in range(len(self.blades))))
+
+
+def _require_start(name: str, body: ModalBody, start: Start) -> None:
+    for what in ("displacement", "velocity", "load"):
+        values = getattr(start, what)
+        if values is not None:
+            require_shape(f"{name}.{what}", np.asarray(values, dtype=float), (body.omega.size,))

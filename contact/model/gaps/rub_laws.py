@@ -1,0 +1,226 @@
+"""What changes during a rub, known beforehand: the speed, the closing of the gap, whirl, the rim's measured profile."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.base.arrays import Array, readonly, require_finite, require_not_negative
+from contact.base.errors import InputError
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Speed:
+    """Omega(t) [rad/s], straight between the points (time [s], hz), constant before the first and after the last.
+
+    The angle is its exact integral, angle(0) = 0.
+
+    >>> ramp = Speed(time=[0.0, 2.0], hz=[0.0, 1.0])
+    >>> round(ramp.angle(2.0) / (2 * np.pi), 12), round(ramp.angle(3.0) / (2 * np.pi), 12)
+    (1.0, 2.0)
+    """
+
+    time: Array
+    hz: Array
+
+    def __post_init__(self) -> None:
+        for name in ("time", "hz"):
+            object.__setattr__(self, name, readonly(np.atleast_1d(getattr(self, name))))
+        _require_table("speed", self.time, self.hz)
+
+    @staticmethod
+    def constant(hz: float) -> Speed:
+        """One speed for the whole run [turns per second]."""
+        return Speed(readonly([0.0]), readonly([hz]))
+
+    @property
+    def table(self) -> Array:
+        """Rows (from [s], angle there [rad], Omega there, its slope), (segments, 4), the first from before t = 0."""
+        t, w = self.time, 2.0 * math.pi * self.hz
+        slope = np.concatenate(([0.0], np.diff(w) / np.diff(t), [0.0]))
+        start, omega = np.concatenate(([min(t[0], 0.0) - 1.0], t)), np.concatenate(([w[0]], w))
+        length = np.diff(start)
+        angle = np.concatenate(([0.0], np.cumsum(omega[:-1] * length + 0.5 * slope[:-1] * length**2)))
+        at_zero = _integral(np.stack([start, angle, omega, slope], axis=1), 0.0)[0]
+        return np.ascontiguousarray(np.stack([start, angle - at_zero, omega, slope], axis=1))
+
+    def angle(self, t: float) -> float:
+        """Angle turned since t = 0 [rad]."""
+        return _integral(self.table, t)[0]
+
+    def omega(self, t: float) -> float:
+        """Angular speed [rad/s]."""
+        return _integral(self.table, t)[1]
+
+    @property
+    def fastest(self) -> float:
+        """Largest |Omega| [rad/s]."""
+        return 2.0 * math.pi * float(np.abs(self.hz).max())
+
+
+def _integral(table: Array, t: float) -> tuple[float, float]:
+    row = table[max(int(np.searchsorted(table[:, 0], t, side="right")) - 1, 0)]
+    since = t - row[0]
+    return float(row[1] + row[2] * since + 0.5 * row[3] * since**2), float(row[2] + row[3] * since)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Closing:
+    """Reduction of every clearance over time [m]: straight between the points, constant outside them.
+
+    >>> Closing(time=[0.0, 10.0], by=[0.0, 1e-4]).at(5.0)
+    5e-05
+    """
+
+    time: Array
+    by: Array
+
+    def __post_init__(self) -> None:
+        for name in ("time", "by"):
+            object.__setattr__(self, name, readonly(np.atleast_1d(getattr(self, name))))
+        _require_table("closing", self.time, self.by)
+
+    @staticmethod
+    def none() -> Closing:
+        """Clearances that stay."""
+        return Closing(readonly([0.0]), readonly([0.0]))
+
+    @staticmethod
+    def exponential(by: float, time_constant: float, *, points: int = 400) -> Closing:
+        """Reduction by (1 - exp(-t/time_constant)), to twelve time constants, tabulated within 1e-4 of `by`."""
+        require_finite(by=by)
+        if not (math.isfinite(time_constant) and time_constant > 0.0):
+            raise InputError(f"time_constant: found {time_constant!r}, expected seconds > 0")
+        share = np.linspace(0.0, 1.0 - math.exp(-12.0), points)
+        dense = np.unique(np.concatenate([-np.log1p(-share), np.linspace(0.0, 12.0, points)]))
+        return Closing(readonly(time_constant * dense), readonly(-by * np.expm1(-dense)))
+
+    def at(self, t: float) -> float:
+        """Reduction at t [m]."""
+        return float(np.interp(t, self.time, self.by))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Whirl:
+    """Rigid circular offset of the casing's centre from the rotor's: gap += amplitude cos(phi - beta(t)).
+
+    beta = phase + per_rev angle(t) + 2 pi hz t in the casing's frame. A sag that is fixed in the casing has neither;
+    an offset fixed in the blades' frame (an eccentric rotor under a casing at rest, gravity on a turning casing)
+    has per_rev = -1. Only the gap sees it: the speed of the offset is small against R Omega.
+
+    >>> Whirl(amplitude=1e-4, per_rev=-1.0).hz
+    0.0
+    """
+
+    amplitude: float
+    per_rev: float = 0.0
+    hz: float = 0.0
+    phase_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_not_negative(amplitude=self.amplitude)
+        require_finite(per_rev=self.per_rev, hz=self.hz, phase_deg=self.phase_deg)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Profile:
+    """Out-of-roundness d(theta) in the casing's frame [m], positive where the radius is larger.
+
+    `terms` {p, cos, sin} are summed; the table (`theta` [rad], `depth` [m]) is read by a periodic piecewise cubic
+    with continuous slope that stays between neighbouring points (Fritsch & Butland, SIAM J. Sci.
+    Stat. Comput. 5, 1984, 300).
+
+    >>> round(Profile(theta=[0.0, 2.0, 4.0], depth=[0.0, 1e-4, 0.0])(2.0), 12)
+    0.0001
+    """
+
+    terms: tuple[tuple[int, float, float], ...] = ()
+    theta: Array | None = None
+    depth: Array | None = None
+
+    def __post_init__(self) -> None:
+        if (self.theta is None) != (self.depth is None):
+            raise InputError("profile: found one of theta and depth, expected both or none")
+        if self.theta is None or self.depth is None:
+            return
+        object.__setattr__(self, "theta", readonly(self.theta))
+        object.__setattr__(self, "depth", readonly(self.depth))
+        _require_table("profile", self.theta, self.depth)
+        span = float(self.theta[-1] - self.theta[0])
+        if len(self.theta) < 3 or span >= 2.0 * math.pi:
+            raise InputError(
+                f"profile: found {len(self.theta)} angles over {span:g} rad, expected three or more within one turn, "
+                "the last before the first comes round again"
+            )
+
+    @staticmethod
+    def fourier(terms: Sequence[Mapping[str, float]]) -> Profile:
+        """Profile of terms as `RotatingRim.out_of_roundness` has them."""
+        from contact.model.gaps.gap import require_term
+
+        for term in terms:
+            require_term(term)
+        return Profile(tuple((int(t["p"]), float(t.get("cos", 0.0)), float(t.get("sin", 0.0))) for t in terms))
+
+    @property
+    def table(self) -> Array:
+        """Hermite table, rows (theta, depth, slope) with the first point repeated a turn later; empty without one."""
+        if self.theta is None or self.depth is None:
+            return np.zeros((0, 3))
+        turn = 2.0 * math.pi
+        x, y = np.append(self.theta, self.theta[0] + turn), np.append(self.depth, self.depth[0])
+        return np.ascontiguousarray(np.stack([x, y, _slopes(x, y)], axis=1))
+
+    def __call__(self, phi: float) -> float:
+        """Depth at one angle [m]."""
+        return self.smooth(phi) + hermite(self.table, phi)
+
+    def smooth(self, phi: float) -> float:
+        """Share of the Fourier terms [m]."""
+        return sum(a * math.cos(p * phi) + b * math.sin(p * phi) for p, a, b in self.terms)
+
+    @property
+    def lowest(self) -> float:
+        """A bound from below [m]: the table's lowest point less the terms' amplitudes."""
+        table = self.table
+        base = float(table[:, 1].min()) if len(table) else 0.0
+        return base + sum(a if p == 0 else -math.hypot(a, b) for p, a, b in self.terms)
+
+
+def _slopes(x: Array, y: Array) -> Array:
+    """Slopes of a periodic monotone cubic: weighted harmonic means, zero at extremes."""
+    h, rise = np.diff(x), np.diff(y) / np.diff(x)
+    h0, d0 = np.roll(h, 1), np.roll(rise, 1)
+    w0, w1 = 2.0 * h + h0, h + 2.0 * h0
+    same = d0 * rise > 0.0
+    inverse = w0 / np.where(same, d0, 1.0) + w1 / np.where(same, rise, 1.0)
+    slope = np.where(same, (w0 + w1) / inverse, 0.0)
+    return np.append(slope, slope[0])
+
+
+def hermite(table: Array, phi: float) -> float:
+    """Value of a periodic Hermite table at one angle; zero for an empty one."""
+    if not len(table):
+        return 0.0
+    at = table[0, 0] + (phi - table[0, 0]) % (2.0 * math.pi)
+    i = min(max(int(np.searchsorted(table[:, 0], at, side="right")) - 1, 0), len(table) - 2)
+    h = table[i + 1, 0] - table[i, 0]
+    s = (at - table[i, 0]) / h
+    left = (1.0 + 2.0 * s) * (1.0 - s) ** 2 * table[i, 1] + s * (1.0 - s) ** 2 * h * table[i, 2]
+    right = s * s * (3.0 - 2.0 * s) * table[i + 1, 1] - s * s * (1.0 - s) * h * table[i + 1, 2]
+    return float(left + right)
+
+
+def _require_table(name: str, at: ArrayLike, values: ArrayLike) -> None:
+    x, y = np.asarray(at, dtype=float), np.asarray(values, dtype=float)
+    if x.ndim != 1 or x.shape != y.shape or not x.size:
+        raise InputError(f"{name}: found {x.shape} places and {y.shape} values, expected as many of both")
+    if not (np.isfinite(x).all() and np.isfinite(y).all()):
+        raise InputError(f"{name}: found values that are NaN or infinite, expected finite numbers")
+    if np.any(np.diff(x) <= 0.0):
+        worst = int(np.argmin(np.diff(x)))
+        raise InputError(f"{name}: found {x[worst + 1]:g} after {x[worst]:g}, expected ascending values")

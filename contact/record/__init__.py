@@ -1,0 +1,1 @@
+"""What a run stores: samples, sums, the ledger of its energy, what a coating lost."""

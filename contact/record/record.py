@@ -1,0 +1,183 @@
+"""What a run stores: how often or when, which combinations of coordinates, and the buffers one chunk fills."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.base.arrays import Array, Indices, readonly
+from contact.base.errors import InputError
+
+MOST_SAMPLES = 1_000_000  # what a run stores when nobody says how often
+BUFFER = 8_000_000  # numbers that the buffers of one chunk may hold, 64 MB
+NO_STEPS = np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Record:
+    """Store force, gap and impulse every `every` steps, and displacements u every `state_every` (0: never).
+
+    `at` [s] instead: samples and displacements at the steps nearest to these instants, nothing between; no value
+    is interpolated, each stands beside the time of its own step. `channels` R (c, N): R u is stored in place of u.
+    Impulse, intervals, penetration, residual and energy are summed at every step whatever is stored.
+
+    Raises InputError for counts below one, instants beside `every`, channels that are not a finite matrix.
+
+    >>> Record(every=10, state_every=100).every
+    10
+    >>> Record(at=[0.1, 0.26], channels=[[1.0, -1.0]]).steps(dt=0.1, count=5).tolist()
+    [1, 3]
+    """
+
+    every: int = 1
+    state_every: int = 0
+    at: ArrayLike | None = None
+    channels: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        if self.at is not None:
+            self._require_instants()
+        if self.channels is not None:
+            rows = readonly(np.atleast_2d(np.asarray(self.channels, dtype=float)))
+            if rows.ndim != 2 or rows.size == 0 or not np.isfinite(rows).all():
+                raise InputError(f"channels: found shape {rows.shape}, expected finite rows, one for each channel")
+            if self.at is None and self.state_every == 0:
+                raise InputError("channels: found no displacements to store, expected state_every or at as well")
+            object.__setattr__(self, "channels", rows)
+        if self.every < 1:
+            raise InputError(f"every: found {self.every!r}, expected a whole number >= 1")
+        if self.state_every < 0 or self.state_every % self.every:
+            raise InputError(
+                f"state_every: found {self.state_every!r}, expected 0 or a multiple of every = {self.every}"
+            )
+
+    def _require_instants(self) -> None:
+        instants = readonly(np.atleast_1d(np.asarray(self.at, dtype=float)))
+        if instants.ndim != 1 or instants.size == 0 or not np.isfinite(instants).all() or instants.min() < 0.0:
+            raise InputError(f"at: found {self.at!r}, expected instants >= 0 [s]")
+        if self.every != 1 or self.state_every:
+            raise InputError("at: found beside every or state_every, expected instants alone")
+        object.__setattr__(self, "at", instants)
+
+    def steps(self, *, dt: float, count: int) -> Indices:
+        """Steps n nearest to the instants, n dt, ascending and each once; empty without `at`.
+
+        Raises InputError for instants beyond the run of `count` steps.
+        """
+        if self.at is None:
+            return NO_STEPS
+        instants = np.asarray(self.at)
+        if instants.max() > count * dt * (1.0 + 1e-9):
+            raise InputError(f"at: found {instants.max():g} s, expected at most {count * dt:g} s, the end of the run")
+        return np.unique(np.minimum(np.rint(instants / dt), count - 1).astype(np.int64))
+
+    def rows(self, coordinates: int) -> Array:
+        """Channel rows (c, N), none when displacements are stored whole; raises InputError unless N fits."""
+        if self.channels is None:
+            return readonly(np.zeros((0, coordinates)))  # as channels are: the same type compiles once
+        rows = np.asarray(self.channels)
+        if rows.shape[1] != coordinates:
+            raise InputError(
+                f"channels: found rows of {rows.shape[1]} numbers, expected {coordinates}, the coordinates of the run"
+            )
+        return rows
+
+    def chunk(self, contacts: int, coordinates: int) -> int:
+        """Steps whose buffers fit into BUFFER numbers, at least one."""
+        width = coordinates if self.channels is None else len(np.asarray(self.channels))
+        stored = 1.0 + 3.0 * contacts, 1.0 + width
+        events = 6.0 * contacts
+        if self.at is None:
+            a_step = events + stored[0] / self.every + (stored[1] / self.state_every if self.state_every else 0.0)
+        else:
+            a_step = events + sum(stored)
+        return max(1, int(BUFFER / a_step))
+
+
+def sparse(steps: int) -> Record:
+    """Return the densest record of a run of `steps` steps that stores at most MOST_SAMPLES.
+
+    >>> sparse(1_000_000).every, sparse(2_000_001).every
+    (1, 3)
+    """
+    return Record(every=max(1, -(-steps // MOST_SAMPLES)))
+
+
+class Samples(NamedTuple):
+    """Buffers of one chunk: K contacts, N coordinates, c channels.
+
+    Stored are the steps `at`, or every `every`-th when that is not 0. An event closes (1) or opens (0) a contact, or
+    begins (3) or ends (2) its sticking.
+    """
+
+    every: int
+    state_every: int
+    at: Indices  # steps of this chunk, ascending
+    rows: Array  # (c, N), empty when the state is stored whole
+    time: Array
+    force: Array  # (samples, K)
+    gap: Array  # (samples, K)
+    impulse: Array  # (samples, K), up to half a step after the sample
+    state_time: Array
+    state: Array  # (states, N or c)
+    event_contact: Indices
+    event_kind: Indices
+    event_time: Array
+
+
+class Tally(NamedTuple):
+    """Sums over all steps so far, one entry per contact. Work is positive when it enters the bodies."""
+
+    impulse: Array
+    work: Array  # along the gap: minus what impacts lose
+    rotation: Array  # by the moving contact point
+    friction: Array
+    damping: Array  # (1,)
+    external: Array  # (1,), by loads that vary in time
+    body_force: Array  # (1,), by gravity on what turns, and by frames that whirl
+    algorithmic: Array  # (1,), the scheme's own gain, from its formulas
+    peak: Array
+    penetration: Array
+    residual: Array
+    closed: Indices
+    stuck: Indices
+    contact_steps: Indices
+    reversals: Indices
+    filled: Indices  # (3,): samples, states and events in the present chunk
+
+
+def tally(contacts: int) -> Tally:
+    """Empty sums for this many contacts."""
+
+    def real() -> Array:
+        return np.zeros(contacts)
+
+    def whole() -> Indices:
+        return np.zeros(contacts, dtype=np.int64)
+
+    return Tally(
+        impulse=real(), work=real(), rotation=real(), friction=real(), damping=np.zeros(1),
+        external=np.zeros(1), body_force=np.zeros(1), algorithmic=np.zeros(1), peak=real(),
+        penetration=real(), residual=real(), closed=whole(), stuck=whole(), contact_steps=whole(), reversals=whole(),
+        filled=np.zeros(3, dtype=np.int64),
+    )  # fmt: skip
+
+
+def samples(record: Record, steps: int, contacts: int, size: int, at: Indices = NO_STEPS) -> Samples:
+    """Buffers that hold whatever `steps` steps can produce; `at`: those of them that `record` stores by instants."""
+    rows, channels = steps // record.every + 1, record.rows(size)
+    states = steps // record.state_every + 1 if record.state_every else 0
+    every = record.every
+    if record.at is not None:
+        every, rows, states = 0, at.size, at.size
+    events = 2 * steps * contacts  # a contact opens or closes, and begins or ends to stick
+    return Samples(
+        every=every, state_every=record.state_every, at=at, rows=channels, time=np.zeros(rows),
+        force=np.zeros((rows, contacts)), gap=np.zeros((rows, contacts)), impulse=np.zeros((rows, contacts)),
+        state_time=np.zeros(states), state=np.zeros((states, len(channels) or size)),
+        event_contact=np.zeros(events, dtype=np.int64), event_kind=np.zeros(events, dtype=np.int64),
+        event_time=np.zeros(events),
+    )  # fmt: skip

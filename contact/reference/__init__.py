@@ -1,0 +1,1 @@
+"""Exact answers: impacts, waves in rods, analytic solutions."""

@@ -1,0 +1,134 @@
+"""Closed forms and exact characteristics of one-dimensional impacts, to measure schemes against."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.base.arrays import Array, readonly, require_not_negative, require_positive
+from contact.base.errors import InputError
+from contact.model.bodies.body import Rod
+
+Force = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ExactContact:
+    """Exact contact force: straight lines from `force[:, 0]` to `force[:, 1]` over `intervals` [s] (n, 2)."""
+
+    intervals: Array
+    force: Array
+
+    @property
+    def impulse(self) -> float:
+        """Impulse of all intervals [N s]."""
+        return float(np.sum((self.intervals[:, 1] - self.intervals[:, 0]) * self.force.mean(axis=1)))
+
+    def __call__(self, time: Array) -> Array:
+        """Force at these times [N], zero outside the intervals."""
+        total = np.zeros_like(time)
+        for (start, end), (a, b) in zip(self.intervals, self.force, strict=True):
+            inside = (time >= start) & (time < end)
+            total[inside] = a + (b - a) * (time[inside] - start) / (end - start)
+        return total
+
+
+def two_rods(rod: Rod, *, gap: float, velocity: float) -> ExactContact:
+    """Two identical free rods, one at rest, the other closing `gap` at `velocity`: F = Z v/2 for 2L/c.
+
+    Afterwards the first is at rest, the second moves at `velocity`, neither vibrates
+    (Carpenter, Taylor, Katona, Int. J. Numer. Meth. Eng. 32, 1991, 103).
+
+    >>> rod = Rod(length=10.0, area=1.0, E=30e6, rho=7.34e-4)
+    >>> contact = two_rods(rod, gap=0.01, velocity=202.2)
+    >>> round(float(contact.force[0, 0])), [f"{t:.5g}" for t in contact.intervals[0]]
+    (15002, ['4.9456e-05', '0.00014838'])
+    """
+    require_not_negative(gap=gap)
+    require_positive(velocity=velocity)
+    start, force = gap / velocity, 0.5 * rod.impedance * velocity
+    return _plateau(start, 2.0 * rod.length / rod.wave_speed, force)
+
+
+def rod_on_wall(rod: Rod, *, gap: float, velocity: float) -> ExactContact:
+    """Free rod against a rigid wall, no gravity: F = Z v for 2L/c, rebound at the same speed.
+
+    >>> bar = Rod(length=10.0, area=1.0, E=900.0, rho=1.0)
+    >>> contact = rod_on_wall(bar, gap=5.0, velocity=10.0)
+    >>> contact.intervals.round(6).tolist(), round(contact.impulse, 9)
+    ([[0.5, 1.166667]], 200.0)
+    """
+    require_not_negative(gap=gap)
+    require_positive(velocity=velocity)
+    return _plateau(gap / velocity, 2.0 * rod.length / rod.wave_speed, rod.impedance * velocity)
+
+
+def bouncing_bar(contacts: int) -> ExactContact:
+    """Bar dropped on a wall (E = 900, rho = 1, L = 10, A = 1, h_0 = 5, g = 10), period 16/3 s.
+
+    F = 300 + 300 (t - 1) in [1, 5/3], F = 500 - 300 (t - 11/3) in [11/3, 13/3], and so on
+    (Doyen, Ern, Piperno, SIAM J. Sci. Comput. 33, 2011, 223).
+
+    >>> round(bouncing_bar(2).impulse, 6)
+    533.333333
+    """
+    if contacts < 1:
+        raise InputError(f"contacts: found {contacts!r}, expected a whole number >= 1")
+    k = np.arange(contacts)
+    start = np.where(k % 2 == 0, 1.0, 11.0 / 3.0) + (k // 2) * (16.0 / 3.0)
+    lines = np.where((k % 2 == 0)[:, None], [300.0, 500.0], [500.0, 300.0])
+    return ExactContact(intervals=readonly(np.stack([start, start + 2.0 / 3.0], axis=1)), force=readonly(lines))
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class BarHistory:
+    """Exact bar over a wall: `gap` (n + 1,) at `time`, `force` (n,) at the middles of the steps."""
+
+    time: Array
+    gap: Array
+    force: Array
+
+
+def bar_by_characteristics(rod: Rod, *, gravity: float, t_end: float, cells: int) -> BarHistory:
+    """Free rod falling along -x on a wall at x = 0, by characteristics v -+ N/Z shifted one cell a step.
+
+    Exact at the sampled instants when contacts begin and end on multiples of dt = L/(cells c), as in B2.
+
+    >>> bar = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=5.0)
+    >>> history = bar_by_characteristics(bar, gravity=10.0, t_end=5.0, cells=30)
+    >>> round(float(history.force.sum() * history.time[1]), 4)
+    533.3333
+    """
+    require_positive(t_end=t_end, cells=cells)
+    dt = rod.length / rod.wave_speed / cells
+    count = math.ceil(t_end / dt - 1e-9)
+    up, down = np.full(cells, rod.velocity), np.full(cells, rod.velocity)
+    gap, force = np.empty(count + 1), np.zeros(count)
+    gap[0] = rod.x
+    closed_at = 1e-9 * max(rod.length, abs(rod.x))
+    half = 0.5 * gravity * dt
+    for n in range(count):
+        arriving = down[0] - half
+        pressing = gap[n] <= closed_at and arriving < 0.0
+        speed = 0.0 if pressing else arriving
+        force[n] = -rod.impedance * arriving if pressing else 0.0
+        gap[n + 1] = gap[n] + dt * speed
+        top = up[-1] - 2.0 * half
+        up[1:], down[:-1] = up[:-1] - 2.0 * half, down[1:] - 2.0 * half
+        up[0], down[-1] = 2.0 * speed - arriving - half, top
+    return BarHistory(time=readonly(dt * np.arange(count + 1)), gap=readonly(gap), force=readonly(force))
+
+
+def force_error(time: Array, force: Array, dt: float, exact: Force, *, points: int = 16, norm: int = 1) -> float:
+    """L1 or L2 error of a force over the same norm of the exact one, F constant over t_n -+ dt/2."""
+    offsets = ((np.arange(points) + 0.5) / points - 0.5) * dt
+    reference = exact((time[:, None] + offsets).ravel()).reshape(time.size, points)
+    error = np.sum(np.abs(force[:, None] - reference) ** norm) / np.sum(np.abs(reference) ** norm)
+    return float(error ** (1.0 / norm))
+
+
+def _plateau(start: float, duration: float, force: float) -> ExactContact:
+    return ExactContact(intervals=readonly([[start, start + duration]]), force=readonly([[force, force]]))

@@ -1,0 +1,147 @@
+"""Exact impact of two one-dimensional bodies by characteristics: unequal rods, point masses, walls.
+
+At its contact end a rod has v = 2 b + s F/Z: b the wave that arrives, s the direction in which F pushes it, Z its
+impedance. What leaves, a = b + s F/Z, arrives a travel time 2 L/c later, turned over by a fixed far end. A mass has
+m v' = s F. While closed, both ends share v; F < 0 opens.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.base.arrays import Array, readonly, require_positive
+from contact.base.errors import InputError
+from contact.model.bodies.body import Body, PointMass, Rod
+
+ALIGNED = 1e-6  # of a step: how far a travel time may be from whole steps
+TOUCHING = 1e-9  # of the distance moved in a step: a gap below is closed
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Impact:
+    """Exact `force` (n + 1,) [N], `gap` [m] and end velocities `left`, `right` [m/s] at `time` (n + 1,) [s].
+
+    The values at a jump are those just after it. `step_force` (n,): mean force of each step.
+    """
+
+    time: Array
+    force: Array
+    step_force: Array
+    gap: Array
+    left: Array
+    right: Array
+
+    def __call__(self, time: Array) -> Array:
+        """Mean force of the step each instant lies in [N]."""
+        dt = self.time[1]
+        n = np.clip(np.floor(time / dt + 1e-9).astype(int), 0, self.step_force.size - 1)
+        return np.where((time >= 0.0) & (time < self.time[-1]), self.step_force[n], 0.0)
+
+    @property
+    def impulse(self) -> float:
+        """Impulse over the whole history [N s]."""
+        return float(self.step_force.sum() * self.time[1])
+
+    @property
+    def intervals(self) -> Array:
+        """First closing and last opening [s], (1, 2)."""
+        closed = np.flatnonzero(self.step_force > 1e-9 * self.step_force.max())
+        return np.array([[self.time[closed[0]], self.time[closed[-1] + 1]]])
+
+
+class _End:
+    """One body at the contact; `waves` (2, steps): arriving waves just before and just after each instant."""
+
+    def __init__(self, body: Body, sign: int, dt: float, steps: int) -> None:
+        self.sign, self.body, self.dt = sign, body, dt
+        self.velocity: float = getattr(body, "velocity", 0.0)
+        self.waves, self.delay = np.zeros((2, 0)), 0
+        if isinstance(body, Rod):
+            if body.end_mass or body.damping:
+                raise InputError("rod: found an end mass or damping, expected neither for characteristics")
+            ratio = 2.0 * body.length / body.wave_speed / dt
+            self.delay = round(ratio)
+            if abs(ratio - self.delay) > ALIGNED:
+                raise InputError(f"dt: found a travel time 2 L/c of {ratio:g} steps, expected a whole number")
+            self.waves = np.zeros((2, steps + 1 + self.delay))
+            self.waves[:, : self.delay + 1] = 0.5 * body.velocity
+            if body.fixed != "none":  # the half that meets the fixed end first comes back turned over
+                self.waves[0, self.delay // 2 + 1 :] *= -1.0
+                self.waves[1, self.delay // 2 :] *= -1.0
+        elif isinstance(body, PointMass) and (body.stiffness or body.damping or body.force):
+            raise InputError("mass: found a spring, dashpot or force, expected none for characteristics")
+
+    def offer(self, n: int, after: bool, last_force: float) -> tuple[float, float]:
+        """R and y of the end's velocity r + s y F just before, or just after, instant n."""
+        if isinstance(self.body, Rod):
+            return 2.0 * float(self.waves[int(after), n]), 1.0 / self.body.impedance
+        if isinstance(self.body, PointMass):
+            half = 0.0 if after else 0.5 * self.dt / self.body.mass
+            return self.velocity + self.sign * half * last_force, half
+        return 0.0, 0.0
+
+    def move(self, n: int, after: bool, r: float, y: float, force: float) -> None:
+        """Take the force, and send the wave it makes."""
+        self.velocity = r + self.sign * y * force
+        if isinstance(self.body, Rod):
+            sent = float(self.waves[int(after), n]) + self.sign * force / self.body.impedance
+            self.waves[int(after), n + self.delay] = sent if self.body.fixed == "none" else -sent
+
+
+def impact_by_characteristics(left: Body, right: Body, *, dt: float, t_end: float) -> Impact:
+    """Impact of `left` with `right` on one axis, without gravity.
+
+    Exact for rods whose travel times 2 L/c, and whose first contact, are whole steps of dt [s]; with a point mass
+    second order in dt. A fixed rod is fixed at its far end.
+
+    Raises InputError where a travel time is not a whole number of steps.
+
+    >>> left = Rod(length=1.0, area=1.0, E=1.0, rho=1.0, x=-1.0, velocity=1.0)
+    >>> right = Rod(length=2.0, area=2.0, E=1.0, rho=1.0)
+    >>> impact = impact_by_characteristics(left, right, dt=0.1, t_end=6.0)
+    >>> round(float(impact.force[0]), 6), round(impact.impulse, 6), impact.intervals.round(6).tolist()
+    (0.666667, 1.333333, [[0.0, 2.0]])
+    """
+    require_positive(dt=dt, t_end=t_end)
+    steps = math.ceil(t_end / dt - 1e-9)
+    ends = (_End(left, -1, dt, steps), _End(right, 1, dt, steps))
+    gap, force, speeds = np.zeros(steps + 1), np.zeros((2, steps + 1)), np.zeros((2, 2, steps + 1))
+    gap[0] = right.x - (left.x + left.length if isinstance(left, Rod) else left.x)
+    closed = False
+    for n in range(steps + 1):
+        last = float(force[1, n - 1]) if n else 0.0
+        if n:
+            force[0, n], speeds[0, :, n] = _meet(ends, n, False, last, closed)
+            rates = [float(speeds[1, 1, n - 1] - speeds[1, 0, n - 1]), float(speeds[0, 1, n] - speeds[0, 0, n])]
+            gap[n] = 0.0 if closed and force[0, n] > 0.0 else gap[n - 1] + 0.5 * dt * sum(rates)
+        near = gap[n] <= TOUCHING * dt * max(1e-300, *(abs(end.velocity) for end in ends))
+        force[1, n], speeds[1, :, n] = _meet(ends, n, True, last, near)
+        closed = bool(force[1, n] > 0.0)
+    return Impact(
+        time=readonly(dt * np.arange(steps + 1)), force=readonly(force[1]),
+        step_force=readonly(0.5 * (force[1, :-1] + force[0, 1:])), gap=readonly(gap),
+        left=readonly(speeds[1, 0]), right=readonly(speeds[1, 1]),
+    )  # fmt: skip
+
+
+def _meet(ends: tuple[_End, _End], n: int, after: bool, last: float, closed: bool) -> tuple[float, list[float]]:
+    """Force and the ends' speeds just before or just after instant n."""
+    (ra, ya), (rb, yb) = (end.offer(n, after, last) for end in ends)
+    pressing = closed and ra - rb > 1e-12 * max(abs(ra), abs(rb)) and ya + yb > 0.0
+    push = (ra - rb) / (ya + yb) if pressing else 0.0
+    for end, r, y in zip(ends, (ra, rb), (ya, yb), strict=True):
+        end.move(n, after, r, y, push)
+    return push, [end.velocity for end in ends]
+
+
+def lcm_step(*rods: Rod, cells: int) -> float:
+    """Time step with `cells` steps along the shortest of rods whose L/c are whole multiples of it [s].
+
+    >>> a, b = (Rod(length=x, area=1.0, E=1.0, rho=1.0) for x in (1.0, 2.0))
+    >>> lcm_step(a, b, cells=10)
+    0.1
+    """
+    return min(rod.length / rod.wave_speed for rod in rods) / cells

@@ -1,0 +1,1 @@
+"""The hinged beam in a circle, explicit and implicit."""

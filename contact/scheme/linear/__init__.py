@@ -1,0 +1,1 @@
+"""Schemes for bodies given by matrices: one file, one method."""

@@ -1,0 +1,256 @@
+"""A run of a linear problem in progress: state, loop and readings that all its schemes share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contact.base.arrays import Array, readonly, require_not_negative, require_positive
+from contact.base.errors import InputError, LimitError
+from contact.model.bodies.band import Band, Factor, factor, pairs, solve
+from contact.model.bodies.chain import Chain
+from contact.model.bodies.linear import LinearBody
+from contact.model.bodies.linear_system import LinearSystem, linear_system, omega_max
+from contact.model.law import AugmentedLagrangian, Law, Penalty
+from contact.record.energy import Stored
+from contact.record.record import Samples, Tally, tally
+from contact.scheme.protocol import Block, Motion, Problem
+
+if TYPE_CHECKING:
+    from contact.loop.linear.linear import Parts, State
+    from contact.solver.unilateral.complementarity import LawNumbers
+
+Advance = Callable[..., int]  # (parts, state, sums, out, amplitudes, h, first, steps, *method)
+
+
+FAINT = 1e-40  # of the largest response to a contact force: below, it is zero
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class LinearStepper:
+    """M u'' + C u' + K u = f + Q^T force by one scheme; `leapfrog`: energies are read at half steps."""
+
+    system: LinearSystem
+    parts: Parts
+    state: State
+    sums: Tally
+    loop: Advance
+    method: tuple[Any, ...]  # what the loop takes beside: law, weights, arrays of the scheme
+    dt: float
+    window: float
+    label: str
+    leapfrog: bool
+    fault: list[str]  # filled when a load fails, empty until then
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return self.system.size
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """Coordinates of each body, in the order they were given."""
+        return tuple((part.name, part.start, part.end) for part in self.system.body.parts)
+
+    def advance(self, out: Samples, first: int, steps: int) -> int:
+        """Advance by whole steps; -1, or the step that failed."""
+        amplitudes = self.system.amplitudes(first, steps, self.dt)
+        rows, loads = np.nonzero(~np.isfinite(amplitudes))
+        good = steps if rows.size == 0 else max(int(rows[0]) - 1, 0)
+        whole = len(out.rows) == 0
+        stored = out if whole else out._replace(rows=readonly(out.rows[:, self.system.order]))
+        failed = self.loop(self.parts, self.state, self.sums, stored, amplitudes, self.dt, first, good, *self.method)
+        if good < steps and failed < 0:
+            value, at = amplitudes[rows[0], loads[0]], (first + int(rows[0])) * self.dt
+            self.fault.append(f"forcing {int(loads[0]) + 1}: found {value} at t = {at:.6g} s, expected a finite force")
+            failed = first + good
+        if whole:
+            states = int(self.sums.filled[1])
+            out.state[:states] = out.state[:states, self.system.place]
+        return failed
+
+    def why(self) -> str:
+        """Explain a failed step."""
+        if self.fault:
+            return self.fault[-1]
+        if not np.isfinite(self.state.u).all() or not np.isfinite(self.state.v).all():
+            return "the motion is not a finite number"
+        return "the contacts have no common answer: their forces cycle, or a gap is not a number"
+
+    def stored(self) -> Stored:
+        """Kinetic, strain and potential energy, for leapfrog schemes in the discrete form at the half step."""
+        u, v, old = self.state.u, self.state.v, self.state.u
+        if self.leapfrog:
+            old, v = u - v, v / self.dt
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # a run that outgrows the arithmetic is refused by its energy
+            kinetic = 0.5 * float(v @ product(self.parts.M, v))
+            strain = 0.5 * float(old @ product(self.parts.K, u))
+        potential = self.system.body.potential - 0.5 * float(self.parts.load @ (u + old))
+        total = kinetic + strain + potential
+        return Stored(kinetic=kinetic, strain=strain, potential=potential, residual=0.0, discrete=total)
+
+    def motions(self) -> tuple[Motion, ...]:
+        """Momentum and mean velocity of each rigid part, for leapfrog schemes at the half step."""
+        v = self.state.v / self.dt if self.leapfrog else self.state.v
+        momentum, mass = (product(self.parts.M, x)[self.system.place] for x in (v, np.ones(v.size)))
+        found = []
+        for part in self.system.body.parts:
+            kind = part.name.partition(" ")[0]
+            if kind == "wall":
+                continue
+            total, weight = float(momentum[part.start : part.end].sum()), float(mass[part.start : part.end].sum())
+            speed = total / weight if part.rigid else math.nan
+            found.append(
+                Motion(kind=_KINDS.get(kind, kind), number=part.number, mean_velocity=speed,
+                       momentum=total if part.rigid else math.nan)
+            )  # fmt: skip
+        return tuple(found)
+
+
+_KINDS = {"pointmass": "mass"}
+
+
+def product(A: Band, u: Array) -> Array:
+    """A u, as the loops compute it."""
+    total = A.ground * u
+    rows, columns, values = pairs(A)
+    pull = values * (u[columns] - u[rows])
+    np.add.at(total, rows, pull)
+    np.subtract.at(total, columns, pull)
+    return np.asarray(total)
+
+
+def require_linear(problem: Problem, scheme: str) -> LinearSystem:
+    """Pack the problem, or raise InputError that says what this scheme is for."""
+    if not isinstance(problem, Chain | LinearBody):
+        raise InputError(
+            f"scheme: found {scheme} for {type(problem).__name__}, expected ExactModal (it is for rods, masses and "
+            "linear bodies)"
+        )
+    return linear_system(problem)
+
+
+def require_law(law: Law, scheme: str, contacts: int, *allowed: type) -> LawNumbers:
+    """Numbers of the law for the compiled solver; raises InputError for a law the scheme does not have."""
+    from contact.solver.unilateral.complementarity import LawNumbers, Several
+
+    if not isinstance(law, allowed):
+        names = " or ".join(kind.__name__ for kind in allowed)
+        raise InputError(f"law: found {law!r}, expected {names} with {scheme}")
+    several = Several(used=contacts > 1)
+    if isinstance(law, Penalty):
+        return LawNumbers(law.stiffness, 0, 0.0, several)
+    if isinstance(law, AugmentedLagrangian):
+        return LawNumbers(law.stiffness, law.updates, law.tolerance, several)
+    return LawNumbers(0.0, 0, 0.0, several)
+
+
+def require_restitution(e: float) -> None:
+    """Raise InputError unless 0 <= e <= 1."""
+    require_not_negative(restitution=e)
+    if e > 1.0:
+        raise InputError(f"restitution: found {e!r}, expected between 0 and 1")
+
+
+def linear_step(problem: Problem, dt: float | None, courant: float | None) -> float:
+    """Time step from `dt`, or `courant` times the crossing time of the smallest element."""
+    if (dt is None) == (courant is None):
+        raise InputError("dt: found both or neither of dt and courant, expected one of them")
+    if dt is not None:
+        require_positive(dt=dt)
+        return dt
+    assert courant is not None
+    require_positive(courant=courant)
+    crossing = problem.crossing_time if isinstance(problem, Chain) else math.inf
+    if math.isinf(crossing):
+        raise InputError("courant: found a scene without rods, expected dt")
+    return courant * crossing
+
+
+def require_stable(h: float, omega: float, limit: float, name: str) -> str:
+    """Return "dt omega_max = x (limit y)"; raises LimitError beyond the limit."""
+    reached = h * omega
+    if reached > limit * (1.0 + 1e-9):
+        raise LimitError(
+            f"dt: found {h:.6g} s, dt * omega_max = {reached:.4g}, expected <= {limit:.4g} (stability of {name}): "
+            f"take dt <= {limit * h / reached:.6g} s"
+        )
+    bound = "no limit" if math.isinf(limit) else f"limit {limit:.4g}"
+    return f"dt omega_max = {reached:.3g} ({bound})"
+
+
+def parts_of(system: LinearSystem, A: Band, opening: float, *, factored: Factor | None = None) -> Parts:
+    """Arrays of a run whose step solves with A; response = opening A^-1 Q^T."""
+    from contact.loop.linear.linear import Parts
+
+    factored = factored or factor(A, "M + h C + h^2 K")
+    Q = system.rows()
+    response = opening * solve(factored, Q.T.copy()).T
+    response[np.abs(response) < FAINT * np.abs(response).max(initial=0.0)] = 0.0
+    return Parts(
+        M=system.M, C=system.C, K=system.K, damped=system.damped, A=factored, load=system.load,
+        shapes=system.shapes, columns=system.columns, value=system.value, gap0=system.gap0,
+        response=np.ascontiguousarray(response), W=np.ascontiguousarray(Q @ response.T),
+    )  # fmt: skip
+
+
+def start(system: LinearSystem) -> tuple[Array, Array, Array]:
+    """u, v and a at t = 0, M a = f - C v - K u, in band order."""
+    body = system.body
+    assert body.displacement is not None
+    assert body.velocity is not None
+    u, v = body.displacement[system.order].copy(), body.velocity[system.order].copy()
+    force = system.load - product(system.C, v) - product(system.K, u) + system.amplitudes(0, 0, 1.0)[0] @ system.shapes
+    return u, v, solve(factor(system.M, "M"), force[:, None])[:, 0]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Setup:
+    """What every scheme on a linear problem begins with: the packed system, the law's numbers, step and omega_max."""
+
+    name: str
+    system: LinearSystem
+    law: LawNumbers
+    h: float
+    omega: float
+
+
+def setup(
+    name: str, problem: Problem, law: Law, allowed: tuple[type, ...], dt: float | None, courant: float | None
+) -> Setup:
+    """Pack the problem and check law and step; raises InputError."""
+    system = require_linear(problem, name)
+    numbers = require_law(law, name, system.gap0.size, *allowed)
+    h = linear_step(problem, dt, courant)
+    return Setup(name=name, system=system, law=numbers, h=h, omega=omega_max(system))
+
+
+def linear_stepper(
+    run: Setup, parts: Parts, loop: Advance, method: tuple[Any, ...], words: str, *, limit: float = math.inf,
+    omega: float | None = None, leapfrog: bool = False, begin: tuple[Array, Array, Array] | None = None,
+) -> LinearStepper:  # fmt: skip
+    """Stepper at t = 0; raises LimitError where h omega, with the free omega_max or the one given, exceeds `limit`.
+
+    Leapfrog schemes start from u_1 = u_0 + h v_0 + h^2 a_0/2.
+    """
+    from contact.loop.linear.linear import State
+
+    h, contacts = run.h, run.system.gap0.size
+    reached = require_stable(h, run.omega if omega is None else omega, limit, run.name)
+    u, v, a = begin or start(run.system)
+    if leapfrog:
+        v = h * v - 0.5 * h * h * a
+    force, gap, free, shifted, closed = np.zeros((5, contacts))
+    square, width = np.zeros((contacts, contacts)), max(part.off.shape[0] for part in (parts.M, parts.C, parts.K))
+    state = State(u, v, a, force, gap, free, shifted, closed, square, np.zeros((8, u.size)), np.zeros(u.size + width))
+    window = 2.0 * math.pi / run.omega if run.omega > 0.0 else h
+    return LinearStepper(
+        system=run.system, parts=parts, state=state, sums=tally(contacts), loop=loop, method=method, dt=h,
+        window=max(window, h), label=f"{words}, {reached}", leapfrog=leapfrog, fault=[],
+    )  # fmt: skip

@@ -1,1 +1,0 @@
-"""The compiled step loops of the schemes."""

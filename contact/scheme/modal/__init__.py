@@ -1,0 +1,1 @@
+"""The exact-modal scheme: points, rims, rubs, patches, many runs at once."""

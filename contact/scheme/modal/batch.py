@@ -1,0 +1,246 @@
+"""Eight lanes for rotating rims of one size: runs are loaded into lanes, advanced together, and read back.
+
+The coefficients of all runs that will share the lanes are known from the start, so that their rows have one table of
+harmonics; a run's own numbers fill a column when it enters a lane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.base.arrays import Array, Indices, aligned
+from contact.model.waves import Terms
+from contact.record.record import Record, Samples, Tally, samples, tally
+from contact.scheme.modal.modal_run import ModalRun, RimRun
+
+if TYPE_CHECKING:
+    from contact.loop.batch.batch import LaneLeaps, Lanes, LaneSamples, LaneTerms
+    from contact.loop.modal.modal import ModalState
+
+WIDTH = 8
+BUDGET = 20_000  # steps a call takes at most: room for the events of so many
+NEVER = 1 << 40
+SUMS = (
+    "impulse", "work", "rotation", "friction", "damping", "peak", "penetration", "residual", "closed",
+    "contact_steps", "reversals",
+)  # fmt: skip
+SHARED = ("al", "be", "c", "weight")
+OF_MODES = ("q", "d", *SHARED)
+STEPS = ("live", "step", "end", "retry", "failed")
+NUMBERS = ("angle", "speed", "surface", "mu", "h", "averaged", "turns")
+TERMS = ("normal", "tangent")
+FOUR = 4  # rows that are summed at once where lanes share their coefficients
+AWAY = 1e300  # gap where there is no run
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Job:
+    """A run for the lanes: `steps` steps, stored as `record` says (every, state_every)."""
+
+    run: ModalRun
+    steps: int
+    record: Record
+
+    @property
+    def rim(self) -> RimRun:
+        """What its lane works on."""
+        assert self.run.rim is not None
+        return self.run.rim
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Layout:
+    """Where the terms that any of some runs has stand in the blocks of `LaneTerms`; keys tell sum and wave."""
+
+    top: int  # waves
+    keys: Indices
+    place: Indices
+    row: Indices
+    start: Indices
+    wave: Indices
+    alike: bool
+
+    @staticmethod
+    def of(parts: Sequence[Terms]) -> Layout:
+        """That of the runs' sums."""
+        top, one = max(int(part.wave.max(initial=0)) for part in parts) + 1, parts[0]
+        alike = all(
+            np.array_equal(part.start, one.start) and np.array_equal(part.wave, one.wave)
+            and np.array_equal(part.value, one.value) for part in parts
+        )  # fmt: skip
+        keys = np.unique(np.concatenate([part.owner * top + part.wave for part in ([one] if alike else parts)]))
+        has = np.zeros((one.sums, top), dtype=bool)
+        has[keys // top, keys % top] = True
+        many = FOUR if alike else 1
+        blocks = _blocks(has, many)
+        row = np.full((len(blocks), many), one.sums, dtype=np.int64)  # where there is none: the row past the last
+        place, waves = np.zeros(has.shape, dtype=np.int64), [np.flatnonzero(has[block].any(axis=0)) for block in blocks]
+        start = np.concatenate(([0], np.cumsum([part.size for part in waves]))).astype(np.int64)
+        for b, (block, part) in enumerate(zip(blocks, waves, strict=True)):
+            place[block[:, None], part] = (start[b] + np.arange(part.size)) * many + np.arange(block.size)[:, None]
+            row[b, : block.size] = block
+        return Layout(
+            top=top, keys=keys, place=place[keys // top, keys % top], row=row.ravel() * WIDTH, start=start,
+            wave=np.concatenate(waves).astype(np.int64) * WIDTH, alike=alike,
+        )  # fmt: skip
+
+    def empty(self, one: Terms) -> LaneTerms:
+        """Terms with the values that all runs have in common, or without any as yet."""
+        from contact.loop.batch.batch import LaneTerms
+
+        if not self.alike:
+            return LaneTerms(self.row, self.start, self.wave, aligned(self.wave.size, WIDTH), np.zeros(0))
+        alike = np.zeros(FOUR * self.wave.size)
+        alike[self.place] = one.value
+        return LaneTerms(self.row, self.start, self.wave, aligned(0, WIDTH), alike)
+
+    def load(self, lanes: LaneTerms, own: Terms, k: int) -> None:
+        """Put one run's coefficients into lane k, where lanes differ."""
+        if self.alike:
+            return
+        lanes.value[:, k] = 0.0
+        lanes.value[self.place[np.searchsorted(self.keys, own.owner * self.top + own.wave)], k] = own.value
+
+
+def _blocks(has: NDArray[np.bool_], many: int) -> list[Indices]:
+    """Rows, `many` at a time, that add the fewest waves to the first; `has` (rows, waves) tells which a row has."""
+    blocks, size = [], has.sum(axis=1)
+    left = np.argsort(-size, kind="stable").tolist()  # those with most waves first: others fit in
+    while left:
+        block = [left.pop(0)]
+        while left and len(block) < many:
+            more = (has[left] & ~has[block].any(axis=0)).sum(axis=1)
+            block.append(left.pop(int(np.lexsort((-size[left], more))[0])))
+        blocks.append(np.array(block))
+    return blocks
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Batch:
+    """Lanes, their sums and what they store; `rubs`: some run has friction."""
+
+    lanes: Lanes
+    layouts: dict[str, Layout]
+    leaps: LaneLeaps
+    sums: Tally
+    events: Samples
+    kept: LaneSamples
+    rubs: bool
+
+    def advance(self) -> None:
+        """Step until a lane is at its end, has failed, or the room for events is used up."""
+        from contact.loop.batch.batch import advance_lanes
+
+        self.sums.filled[:] = 0
+        advance_lanes(
+            self.lanes, self.leaps, self.sums, self.events, self.kept, self.rubs, BUDGET
+        )  # fmt: skip
+
+    def load(self, k: int, job: Job) -> None:
+        """Put a run at its start into lane k."""
+        rim, lanes = job.rim, self.lanes
+        for name in OF_MODES:
+            getattr(lanes, name)[:, k] = getattr(rim.state, name)
+        for name, layout in self.layouts.items():
+            layout.load(getattr(lanes, name), getattr(rim, name), k)
+        own = {name: getattr(rim.rows, name) for name in ("angle", "speed", "surface", "mu")} | {"h": job.run.dt}
+        own |= {"averaged": rim.averaged, "turns": rim.rows.S_turns, "away": 0.0}
+        own |= {"live": 1, "step": 0, "end": job.steps, "retry": 0, "failed": 0}
+        for name, value in own.items():
+            getattr(lanes, name)[k] = value
+        lanes.memory[:, k] = rim.state.memory
+        self._load_leap(k, job)
+        for name in SUMS:
+            getattr(self.sums, name)[k] = 0
+        states = job.record.state_every
+        self.kept.every[:, k] = job.record.every, states or NEVER
+        self.kept.due[:, k], self.kept.filled[:, k] = (0, 0 if states else NEVER), 0
+
+    def _load_leap(self, k: int, job: Job) -> None:
+        leap = job.rim.leap
+        for name in ("fade", "cos", "sin", "floor"):
+            getattr(self.leaps, name)[k] = getattr(leap, name)
+        if leap.powers.size:
+            self.leaps.powers[k] = leap.powers
+        else:
+            self.lanes.retry[k] = NEVER
+        self.leaps.start[k] = leap.start
+        self.leaps.wave[k, : leap.wave.size], self.leaps.row[k, : leap.row.size] = leap.wave, leap.row
+        self.leaps.taken[k] = 0
+
+    def unload(self, k: int, job: Job, events: Samples) -> Samples:
+        """Write lane k's state and sums back into its run; what it stored, with its `events`."""
+        rim, lanes, kept = job.rim, self.lanes, self.kept
+        rim.state.q[:], rim.state.d[:], rim.state.memory[:] = lanes.q[:, k], lanes.d[:, k], lanes.memory[:, k]
+        rim.leap.taken[:] = self.leaps.taken[k]
+        for name in SUMS:
+            getattr(job.run.sums, name)[0] = getattr(self.sums, name)[k]
+        job.run.steps[0] = job.steps
+        n, states = (int(value) for value in kept.filled[:, k])
+        lanes.live[k], lanes.away[k] = 0, AWAY
+        return events._replace(
+            time=kept.time[:n, k].copy(), force=kept.force[:n, k, None].copy(), gap=kept.gap[:n, k, None].copy(),
+            impulse=kept.impulse[:n, k, None].copy(), state_time=kept.state_time[:states, k].copy(),
+            state=kept.state[:states, :, k].copy(),
+        )  # fmt: skip
+
+
+def batch(jobs: Sequence[Job]) -> Batch:
+    """Empty lanes for runs of one number of modes."""
+    from contact.loop.batch.batch import Lanes
+
+    m = jobs[0].run.size
+    layouts = {name: Layout.of([getattr(job.rim, name) for job in jobs]) for name in TERMS}
+    arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0].rim, name)) for name, layout in layouts.items()}
+    arrays |= {name: aligned(m, WIDTH) for name in (*OF_MODES, "old")}
+    arrays["alike"] = _alike([job.rim.state for job in jobs])
+    arrays |= {"Q": aligned(m + 4, WIDTH), "Q_next": aligned(m + 4, WIDTH), "T": aligned(m + 1, WIDTH)}
+    arrays |= {name: aligned(WIDTH) for name in NUMBERS}
+    arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
+    arrays |= {
+        name: aligned(max(layout.top for layout in layouts.values()) // 2 + 1, 2, WIDTH)
+        for name in ("waves", "waves_next")
+    }
+    lanes = Lanes(away=np.full(WIDTH, AWAY), memory=aligned(5, WIDTH), work=aligned(15, WIDTH), **arrays)
+    return Batch(
+        lanes=lanes, layouts=layouts, leaps=_leaps(jobs, m), sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
+        events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs, m),
+        rubs=any(job.rim.rows.mu > 0.0 for job in jobs),
+    )  # fmt: skip
+
+
+def _alike(states: Sequence[ModalState]) -> Array:
+    """Coefficients of the modes (4, m) that all runs share; none where they differ."""
+    parts = [[getattr(state, name) for name in SHARED] for state in states]
+    if all(np.array_equal(a, b) for part in parts[1:] for a, b in zip(part, parts[0], strict=True)):
+        return np.array(parts[0])
+    return np.zeros((len(SHARED), 0))
+
+
+def _leaps(jobs: Sequence[Job], m: int) -> LaneLeaps:
+    from contact.loop.batch.batch import LaneLeaps
+
+    kinds = [job.rim.leap for job in jobs]
+    bits, size = max(leap.powers.shape[0] for leap in kinds), max(leap.row.size for leap in kinds)
+    arrays: dict[str, Any] = {name: np.zeros((WIDTH, m)) for name in ("fade", "cos", "sin")}
+    return LaneLeaps(
+        powers=np.zeros((WIDTH, bits, 4, m)), floor=np.zeros((WIDTH, kinds[0].floor.size)),
+        start=np.zeros((WIDTH, m + 1), dtype=np.int64), wave=np.zeros((WIDTH, size), dtype=np.int64),
+        row=np.zeros((WIDTH, size)), reach=np.zeros(max(leap.reach.size for leap in kinds)),
+        taken=np.zeros((WIDTH, 2), dtype=np.int64), **arrays,
+    )  # fmt: skip
+
+
+def _kept(jobs: Sequence[Job], m: int) -> LaneSamples:
+    from contact.loop.batch.batch import LaneSamples
+
+    rows = max(job.steps // job.record.every + 1 for job in jobs)
+    states = max(job.steps // job.record.state_every + 1 if job.record.state_every else 0 for job in jobs)
+    arrays: dict[str, Any] = {name: np.zeros((rows, WIDTH)) for name in ("time", "force", "gap", "impulse")}
+    arrays |= {name: np.zeros((2, WIDTH), dtype=np.int64) for name in ("due", "every", "filled")}
+    return LaneSamples(state_time=np.zeros((states, WIDTH)), state=np.zeros((states, m, WIDTH)), **arrays)

@@ -1,0 +1,102 @@
+"""A modal run in progress: what the laws on one exact propagation share. A law brings its loop and its readings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.base.arrays import Array
+from contact.model.gaps.modal_system import ModalSystem
+from contact.model.waves import Terms
+from contact.record.energy import Stored
+from contact.record.record import Samples, Tally
+from contact.record.wear import Wear
+from contact.scheme.modal.wear_track import Tracks
+from contact.scheme.protocol import Block, Motion
+
+if TYPE_CHECKING:
+    from contact.loop.modal.leap import Leap
+    from contact.loop.modal.modal import ModalState
+    from contact.loop.modal.rim import RimRows
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class RimRun:
+    """What the compiled loop of a rotating rim works on: one run's, or a lane's of many runs at once."""
+
+    state: ModalState  # views of `wide`
+    wide: ModalState  # in whole blocks of eight
+    rows: RimRows
+    normal: Terms  # what the rows are sums of: Q, clearance, S_nn and S_nt
+    tangent: Terms
+    leap: Leap
+    averaged: bool
+    damped: bool
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ModalRun:
+    """Modes of `system` under one law: its compiled loop, and how to read energy, velocity and a failure."""
+
+    system: ModalSystem
+    dt: float
+    sums: Tally
+    label: str
+    loop: Callable[[Tally, Samples, int, int], int]
+    energy: Callable[[int], Stored]  # after this many steps
+    velocity: Callable[[], Array]
+    failure: Callable[[], str]
+    steps: list[int]  # steps taken so far, one entry
+    rim: RimRun | None = None
+    tracks: Tracks | None = None
+
+    @property
+    def window(self) -> float:
+        """Period of the highest mode [s]."""
+        top = float(self.system.omega.max(initial=0.0))
+        return max(2.0 * math.pi / top, self.dt) if top > 0.0 else self.dt
+
+    @property
+    def size(self) -> int:
+        """Number of modes."""
+        return self.system.omega.size
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """Name, first and one past the last mode of each body."""
+        first = self.system.first.tolist()
+        return tuple(zip(self.system.names, first[:-1], first[1:], strict=True))
+
+    def advance(self, out: Samples, first: int, steps: int) -> int:
+        """Advance by whole steps; -1, or the step that failed."""
+        failed = self.loop(self.sums, out, first, steps)
+        self.steps[0] = first + steps
+        return failed
+
+    def wear(self) -> tuple[Wear, ...]:
+        """What a coating has lost so far; none without one."""
+        return () if self.tracks is None else self.tracks.wear()
+
+    def why(self) -> str:
+        """Explain a failed step."""
+        return self.failure()
+
+    def stored(self) -> Stored:
+        """Energy now."""
+        return self.energy(self.steps[0])
+
+    def motions(self) -> tuple[Motion, ...]:
+        """Mean velocity and momentum of each body from its mode of frequency zero, NaN unless it has one."""
+        found, system, velocity = [], self.system, self.velocity()
+        for b, (name, mass) in enumerate(zip(system.names, system.masses, strict=True)):
+            modes = slice(int(system.first[b]), int(system.first[b + 1]))
+            rigid = system.omega[modes] == 0.0
+            speed = math.nan
+            if np.count_nonzero(rigid) == 1 and mass > 0.0:
+                speed = float(np.sum(velocity[modes][rigid])) / math.sqrt(mass)
+            found.append(Motion(kind=name, number=b, mean_velocity=speed, momentum=speed * mass))
+        return tuple(found)

@@ -1,0 +1,186 @@
+"""The forward and averaged laws on the exact propagation: state, loop and readings; see `exact_modal`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.base.arrays import Array, Indices, aligned
+from contact.model.gaps.modal_system import ModalSystem
+from contact.model.law import Abradable
+from contact.model.waves import Terms
+from contact.record.energy import Stored
+from contact.record.record import Samples, Tally, tally
+from contact.scheme.modal.leap import rim_leap
+from contact.scheme.modal.modal_run import ModalRun, RimRun
+from contact.scheme.modal.propagator import Propagator
+from contact.scheme.modal.wear_track import Tracks, bare
+
+if TYPE_CHECKING:
+    from contact.loop.modal.modal import ModalState
+    from contact.loop.modal.rim import RimRows
+
+OF_MODES = ("q", "d", "old", "al", "be", "c", "kick", "weight")
+Loop = Callable[["ModalState", Tally, Samples, int, int], int]
+
+
+def modal_stepper(
+    system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str, law: Abradable | None = None,
+    skip: bool = False,
+) -> ModalRun:  # fmt: skip
+    """Stepper at t = 0, with the compiled loop that this scene needs and no other; `law` a rim's coating."""
+    q = np.zeros(system.omega.size)
+    d = parts.backward(q, system.velocity)
+    state = _state(system, parts, q, d)
+    damped = bool(system.zeta.any())
+    tracks = None if law is None else Tracks.of(system, law)
+    rim = None
+    if system.table is None:
+        loop = _point_loop(system, parts, averaged, damped)
+    else:
+        normal, tangent = system.sums()
+        rows, leap = rim_rows(system, mu, normal, tangent), rim_leap(system, parts, normal, skip=skip)
+        wide = widened(state)
+        state = narrowed(wide, q.size)
+        rim = RimRun(
+            state=state, wide=wide, rows=rows, normal=normal, tangent=tangent, leap=leap, averaged=averaged,
+            damped=damped,
+        )  # fmt: skip
+        loop = _rim_loop(rim, parts.h, tracks)
+
+    def advance(sums: Tally, out: Samples, first: int, steps: int) -> int:
+        return loop(state, sums, out, first, steps)
+
+    return ModalRun(
+        system=system, dt=parts.h, sums=tally(1), label=label, loop=advance, steps=[0],
+        energy=lambda steps: _stored(system, parts, state, steps, tracks), velocity=lambda: state.d / parts.h,
+        failure=lambda: _failure(state), rim=rim, tracks=tracks,
+    )  # fmt: skip
+
+
+def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: int, tracks: Tracks | None) -> Stored:
+    """Energy at t_n; lam^2 S/2 and what bends the coating count as residual."""
+    phi = system.angle - system.speed * steps * parts.h
+    force, pull = float(state.memory[2]), float(state.memory[3])
+    Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q * 0.0)
+    residual = 0.5 * force**2 * (system.S_nn(phi) - pull * system.S_nt(phi))
+    residual += 0.0 if tracks is None else tracks.elastic
+    return parts.stored(state.q, state.d, (Q - pull * T) * force, residual, system.potential)
+
+
+def _failure(state: ModalState) -> str:
+    if np.isnan(state.q).any() or np.isnan(state.d).any():
+        return "the motion is not a number"
+    H, scale = state.memory[2:4]
+    return (
+        f"the contact jams: Delassus number {scale:.4g} m/N (modes {H:.4g}), expected > 0; friction "
+        "exceeds what the lean of the blade allows: reduce mu or the lean"
+    )
+
+
+def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalState:
+    from contact.loop.modal.modal import ModalState
+
+    def gap(steps: int, q: Array) -> float:
+        phi = system.angle - system.speed * parts.h * steps
+        rows = system.table.rows(phi)[0] if system.table is not None else system.Q
+        return system.clearance(phi) + float(rows @ q)
+
+    return ModalState(
+        q=q, d=d, old=np.zeros(q.size), al=parts.al, be=parts.be, c=parts.c, kick=parts.c * system.load,
+        weight=(1.0 - parts.al) / (2.0 * parts.c),
+        memory=np.array([gap(0, q), gap(-1, q - d), 0.0, 0.0, system.S_nn(system.angle)]),
+        force=np.zeros(1), gap=np.zeros(1),
+    )  # fmt: skip
+
+
+def widened(state: ModalState) -> ModalState:
+    """The same with its arrays over the modes in whole blocks, zero beyond them."""
+    found = {}
+    for name in OF_MODES:
+        found[name] = aligned(padded(state.q.size))
+        found[name][: state.q.size] = getattr(state, name)
+    return state._replace(**found)
+
+
+def narrowed(state: ModalState, modes: int) -> ModalState:
+    """Views of the modes alone."""
+    return state._replace(**{name: getattr(state, name)[:modes] for name in OF_MODES})
+
+
+def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: bool) -> Loop:
+    from contact.loop.modal.modal import advance_modal
+
+    clearance, S, h, Q = system.clearance(0.0), system.S_nn(0.0), parts.h, system.Q
+
+    def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
+        return advance_modal(state, Q, clearance, S, averaged, damped, sums, out, h, first, steps)
+
+    return loop
+
+
+def _rim_loop(rim: RimRun, h: float, tracks: Tracks | None) -> Loop:
+    from contact.loop.modal.rim import advance_rim
+
+    Q, Q_next, T = aligned(3, rim.wide.q.size)
+    coating = bare() if tracks is None else tracks.tracks[0].coating
+
+    def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
+        return advance_rim(
+            rim.wide, rim.rows, rim.leap, coating, Q, Q_next, T, rim.averaged, rim.damped, sums, out, h, first, steps
+        )
+
+    def watched(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
+        assert tracks is not None
+        return tracks.watch(h, first, steps, lambda start, some: loop(state, sums, out, start, some))
+
+    return loop if tracks is None else watched
+
+
+def padded(modes: int) -> int:
+    """Modes, clearance, S_nn and S_nt in whole blocks of eight."""
+    return -(-(modes + 3) // 8) * 8
+
+
+def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms) -> RimRows:
+    """What the compiled loops need of a rim: its `sums()` in blocks, its speeds, work space."""
+    from contact.loop.modal.rim import RimRows
+    from contact.loop.modal.rows import RowBlocks
+
+    m = system.omega.size
+    count = -(-(max(int(part.wave.max(initial=0)) for part in (normal, tangent)) // 2 + 1) // 8) * 8
+    blocks = np.zeros((2, padded(m), 2 * count))
+    for block, part in zip(blocks, (normal, tangent), strict=True):
+        block[: part.sums] = part.full(2 * count)
+    return RimRows(
+        normal=RowBlocks(*row_blocks(blocks[0])), tangent=RowBlocks(*row_blocks(blocks[1])), modes=m,
+        S_turns=max(system.S_nn.degree, system.S_nt.degree) > 0, angle=system.angle, speed=system.speed,
+        surface=system.radius * system.speed, mu=mu, waves=aligned(2, count), waves_next=aligned(2, count),
+    )  # fmt: skip
+
+
+def row_blocks(table: Array) -> tuple[Indices, Indices, Array]:
+    """Sums of waves (8 blocks, waves), by blocks of eight: starts, waves, coefficients (entries, 8).
+
+    A block has an even number of entries; columns are cos 0, sin 0, cos 1, ..., but the waves found are counted as
+    cos 0, cos 1, ..., sin 0, sin 1, ...
+
+    >>> table = np.zeros((8, 8))
+    >>> table[0, 2], table[1, [1, 7]] = 1.0, (2.0, 3.0)
+    >>> start, wave, value = row_blocks(table)
+    >>> start.tolist(), wave.tolist(), value[:, :2].tolist()
+    ([0, 4], [4, 1, 7, 0], [[0.0, 2.0], [1.0, 0.0], [0.0, 3.0], [0.0, 0.0]])
+    """
+    count = table.shape[1] // 2
+    start, waves, values = [0], [], []
+    for block in table.reshape(-1, 8, table.shape[1]):
+        present = np.flatnonzero(block.any(axis=0))
+        spare = present.size % 2
+        waves.append(np.concatenate([present // 2 + present % 2 * count, np.zeros(spare)]))
+        values.append(np.concatenate([block[:, present].T, np.zeros((spare, 8))]))
+        start.append(start[-1] + present.size + spare)
+    value = aligned(start[-1], 8)
+    value[:] = np.concatenate(values)
+    return np.array(start, dtype=np.int64), np.concatenate(waves).astype(np.int64), value

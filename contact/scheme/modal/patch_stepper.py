@@ -1,0 +1,135 @@
+"""Several contacts of a modal body, in progress: exact modal coefficients, forward law, stick and slip.
+
+D* = al D - be q + c f;  gaps g0 + Q (q + D) + S lam and slips T D + S (lam - lam_old) - slide h of the step obey
+Signorini's and Coulomb's law together (`solver.coulomb`), or Signorini's alone (`solver.active_set`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.base.arrays import Array
+from contact.model.bodies.patch import Patch
+from contact.record.energy import Stored
+from contact.record.record import Samples, Tally, tally
+from contact.scheme.modal.propagator import Propagator
+from contact.scheme.protocol import Block, Motion
+
+if TYPE_CHECKING:
+    from contact.loop.modal.patch import PatchState, PatchWork
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class PatchStepper:
+    """State of a run with several contacts; `state.counts` tells the solver's iterations."""
+
+    problem: Patch
+    parts: Propagator
+    state: PatchState
+    work: PatchWork
+    rough: bool
+    sums: Tally
+    label: str
+
+    @property
+    def dt(self) -> float:
+        """Time step [s]."""
+        return self.parts.h
+
+    @property
+    def window(self) -> float:
+        """Period of the highest mode [s]."""
+        top = float(self.parts.omega.max(initial=0.0))
+        return max(2.0 * math.pi / top, self.dt) if top > 0.0 else self.dt
+
+    @property
+    def size(self) -> int:
+        """Number of modes."""
+        return self.state.q.size
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """The body."""
+        return (("body 1", 0, self.size),)
+
+    def advance(self, out: Samples, first: int, steps: int) -> int:
+        """Advance by whole steps; -1, or the step that failed."""
+        from contact.loop.modal.patch import advance_patch
+
+        return advance_patch(self.state, self.work, self.rough, self.sums, out, self.dt, first, steps)
+
+    def why(self) -> str:
+        """Explain a failed step."""
+        from contact.loop.modal.patch import JAMMED, ROUGH
+
+        fault = self.state.counts[3]
+        if fault == JAMMED:
+            return "no motion opens all gaps at once: contacts press against each other without compliance"
+        if fault == ROUGH:
+            return "no forces found that obey Coulomb's law in every contact: reduce dt or mu"
+        return "the motion is not a number"
+
+    def stored(self) -> Stored:
+        """Energy at t_n; what S stores counts as residual."""
+        s = self.state
+        residual = 0.5 * float(s.lam @ s.S @ s.lam) if s.S.size else 0.0
+        return self.parts.stored(s.q, s.d, s.rows.T @ s.lam, residual, 0.0)
+
+    def motions(self) -> tuple[Motion, ...]:
+        """A modal body among several rigid motions has no one mean velocity."""
+        return (Motion(kind="body", number=0, mean_velocity=math.nan, momentum=math.nan),)
+
+
+def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> PatchStepper:
+    """Stepper at t = 0; without friction only the normal rows take part."""
+    from contact.loop.modal.patch import PatchState, patch_work
+    from contact.loop.modal.stick import Sticking
+
+    rough = mu > 0.0 and problem.dimensions > 1
+    step = 1 if rough else problem.dimensions
+    rows = np.ascontiguousarray(problem.rows()[::step])
+    S = np.ascontiguousarray(problem.compliance()[::step, ::step])
+    k = problem.contacts
+    dim = len(rows) // k
+    own = np.sum(rows**2 * parts.c, axis=1)[::dim] + np.diag(S)[::dim]
+    if not S.any():
+        S = np.zeros((0, 0))
+    clearance, slide = np.asarray(problem.clearance), np.zeros((k, dim))
+    if rough:
+        slide[:, 1:] = np.asarray(problem.slide) * parts.h
+    q = np.array(problem.displacement, dtype=float)
+    d = parts.backward(q, np.asarray(problem.velocity))
+    none = np.zeros((0, 0))
+    state = PatchState(
+        q=q, d=d, al=parts.al, be=parts.be, c=parts.c, kick=parts.c * parts.load,
+        weight=(1.0 - parts.al) / (2.0 * parts.c), rows=rows, S=S, own=own,
+        W=_delassus(rows, parts.c, S) if rough else none, roots=none if rough else _roots(rows, parts.c, S),
+        mu=np.full(k, mu), slide=slide.ravel(), lam=np.zeros(len(rows)), moved=rows @ d,
+        place=clearance + rows[::dim] @ q, force=np.zeros(k), gap=np.zeros(k),
+        past=Sticking(np.zeros((2, len(rows))), np.zeros(k), np.zeros(k), np.zeros(k)), counts=np.zeros(4),
+    )  # fmt: skip
+    return PatchStepper(
+        problem=problem, parts=parts, state=state, work=patch_work(state, rough), rough=rough, sums=tally(k),
+        label=label,
+    )  # fmt: skip
+
+
+def _delassus(rows: Array, c: Array, S: Array) -> Array:
+    H = (rows * c) @ rows.T
+    return np.ascontiguousarray(H + S if S.size else H)
+
+
+def _roots(rows: Array, c: Array, S: Array) -> Array:
+    """Rows A with A A^T = H + S, for the active set, of no more columns than contacts."""
+    from contact.solver.unilateral.active_set import delassus_rows
+
+    if S.size:
+        return np.ascontiguousarray(delassus_rows(_delassus(rows, c, S)))
+    scaled = rows * np.sqrt(c)
+    if rows.shape[0] < rows.shape[1]:
+        scaled = np.asarray(np.linalg.qr(scaled.T, mode="r")).T
+    return np.ascontiguousarray(scaled)

@@ -1,0 +1,271 @@
+"""A rub in progress: its arrays for the compiled loop, its limits, and how to read it; see `loop.rub`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contact.base.arrays import Array, readonly
+from contact.base.errors import LimitError
+from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub_forces import force_at_start, plane_participation
+from contact.model.gaps.rub_system import RubSystem, rub_system
+from contact.model.law import Abradable
+from contact.model.trig import Trig, fourier
+from contact.record.energy import Stored
+from contact.record.record import Samples, Tally, tally
+from contact.record.wear import Wear
+from contact.scheme.modal.propagator import Propagator
+from contact.scheme.modal.rub_tracks import rub_tracks
+from contact.scheme.modal.wear_track import Tracks
+from contact.scheme.protocol import Block, Motion, Notes
+
+if TYPE_CHECKING:
+    from contact.loop.rub.rows import RubLaws, RubRows
+    from contact.loop.rub.state import RubState, Work
+    from contact.solver.abradable.tips import Coats
+
+ANGLES = 60  # where the Delassus numbers are sampled around the rim
+FOLLOWED = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
+FULL = 0.15  # share of entries above which full tables are faster (they vectorise)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class RubStepper:
+    """State of a rub; `state.counts` tells the solver's iterations, `state.heat` what slip dissipated."""
+
+    rub: Rub
+    system: RubSystem
+    parts: Propagator
+    state: RubState
+    laws: RubLaws
+    rows: RubRows
+    work: Work
+    dimensions: int
+    averaged: bool
+    sums: Tally
+    label: str
+    steps: list[int]
+    worn: tuple[Tracks, Coats] | None = None
+    given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once: a coating's runs are short
+
+    @property
+    def dt(self) -> float:
+        """Time step [s]."""
+        return self.parts.h
+
+    @property
+    def window(self) -> float:
+        """Period of the highest mode [s]."""
+        top = float(self.system.omega.max(initial=0.0))
+        return max(2.0 * math.pi / top, self.dt) if top > 0.0 else self.dt
+
+    @property
+    def size(self) -> int:
+        """Number of modes, and of forces on the tips."""
+        return self.state.seen.size
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """Name, first and one past the last mode of each body, then the forces on the tips."""
+        first = self.system.first.tolist()
+        return (*zip(self.system.names, first[:-1], first[1:], strict=True), ("tips", first[-1], self.size))
+
+    def advance(self, out: Samples, first: int, steps: int) -> int:
+        """Advance by whole steps; -1, or the step that failed."""
+        if self.worn is None:
+            failed = self._some(None, out, first, steps)
+        else:
+            tracks, coats = self.worn
+            failed = tracks.watch(self.dt, first, steps, lambda start, count: self._some(coats, out, start, count))
+        self.steps[0] = first + steps
+        return failed
+
+    def _some(self, coats: Coats | None, out: Samples, first: int, steps: int) -> int:
+        from contact.jit.bundle import bundled
+        from contact.loop.rub.rub import advance_rub
+
+        if not self.given:
+            self.given.extend(map(bundled, (self.state, self.laws, self.rows, coats, self.work, self.sums)))
+        state, laws, rows, coating, work, sums = self.given
+        return advance_rub(
+            state, laws, rows, coating, work, self.dimensions, self.averaged, sums, out, self.dt, first, steps
+        )  # fmt: skip
+
+    def wear(self) -> tuple[Wear, ...]:
+        """What each track of a coating has lost so far; none without one."""
+        return () if self.worn is None else self.worn[0].wear()
+
+    def why(self) -> str:
+        """Explain a failed step."""
+        if not (np.isfinite(self.state.q).all() and np.isfinite(self.state.d).all()):
+            return "the motion is not a number"
+        return "no forces found that obey Coulomb's law at every tip: a tip digs in, or reduce dt or mu"
+
+    def stored(self) -> Stored:
+        """Energy now; what S stores counts as residual, and what bends a coating."""
+        s = self.state
+        turned = self.rub.speed.angle((self.steps[0] - 1) * self.dt)
+        residual = 0.5 * float(s.lam @ self.system.compliance(turned) @ s.lam)
+        residual += 0.0 if self.worn is None else self.worn[0].elastic
+        return self.parts.stored(s.q, s.d, s.contact + s.push + (s.body if s.body.size else 0.0), residual, 0.0)
+
+    def motions(self) -> tuple[Motion, ...]:
+        """Supported bodies have no rigid motion."""
+        nan = math.nan
+        kinds = ("casing", *("blade",) * len(self.rub.blades))
+        return tuple(Motion(kind=k, number=b, mean_velocity=nan, momentum=nan) for b, k in enumerate(kinds))
+
+    def notes(self) -> Notes:
+        """Heat and drive of friction, and what the run went through that its theory does not carry."""
+        flags = _flags(self.rub, self.system, float(self.state.peaks[0]), float(self.state.peaks[1]))
+        return Notes(flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive))
+
+
+def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, dimensions: int, averaged: bool,
+                label: str, law: Abradable | None = None) -> RubStepper:  # fmt: skip
+    """Stepper at t = 0; without friction only the normal rows take part; `law` a coating. Raises as `rub_tracks`."""
+    from contact.loop.rub.state import work_space
+
+    state, rows = _state(rub, system, parts, mu, dimensions), _rows(rub, system, parts, dimensions)
+    return RubStepper(
+        rub=rub, system=system, parts=parts, state=state, laws=_laws(rub, system), rows=rows,
+        work=work_space(state, rows), dimensions=dimensions, averaged=averaged, sums=tally(system.contacts),
+        label=label, steps=[0], worn=None if law is None else rub_tracks(rub, law),
+    )  # fmt: skip
+
+
+def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions: int) -> RubState:
+    from contact.loop.rub.state import RubState
+
+    K, R, m = system.contacts, system.contacts * dimensions, system.omega.size
+    stiff, stiff_at = _stiffening(rub, system)
+    q = system.displacement.copy()
+    body = force_at_start(rub) if rub.forces else np.zeros(0)
+    loaded = replace(parts, load=parts.load + body) if rub.forces else parts  # under what pulls at t = 0
+
+    def none(size: int) -> Array:
+        return np.zeros(size)
+
+    return RubState(
+        q=q, d=loaded.backward(q, system.velocity), old=none(m), al=parts.al, be=parts.be, c=parts.c,
+        kick=parts.c * parts.load, weight=(1.0 - parts.al) / (2.0 * parts.c), stiff=stiff, stiff_at=stiff_at,
+        push=none(m), contact=none(m), body=body, mu=np.full(K, mu), lam=none(R), strain=none(R), motion=none(R),
+        scale=none(K), now=none(K),
+        last=none(K), known=np.zeros(K, dtype=np.int64), inside=np.zeros(K, dtype=np.int64), free=none(K),
+        test=none(K), skin=none(K), force=none(K), gap=none(K), seen=none(m + R), heat=none(K), drive=none(K),
+        peaks=none(2 + rub.casing.rim_lines), counts=none(4),
+    )  # fmt: skip
+
+
+def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
+    """K_omega of all blades' modes, plain and times the squared speed of each basis; empty without any."""
+    if not rub.stiffening:
+        return np.zeros((0, 0)), np.zeros((0, 0))
+    begin = int(system.first[1])
+    total = np.zeros((2, system.omega.size - begin, system.omega.size - begin))
+    for stiff in rub.stiffening:
+        own = slice(int(system.first[stiff.blade + 1]) - begin, int(system.first[stiff.blade + 2]) - begin)
+        total[0, own, own] += stiff.K_omega
+        total[1, own, own] += (2.0 * math.pi * stiff.at_hz) ** 2 * stiff.K_omega
+    return total[0], total[1]
+
+
+def _laws(rub: Rub, system: RubSystem) -> RubLaws:
+    from contact.loop.rub.body_force import Pulls
+    from contact.loop.rub.rows import RubLaws, Terms
+
+    terms = fourier(list(rub.profile.terms))
+    whirl = [[w.amplitude, w.per_rev, 2.0 * math.pi * w.hz, math.radians(w.phase_deg)] for w in rub.whirl]
+    pulls = Pulls(
+        laws=np.array([force.row for force in rub.forces], dtype=float).reshape(-1, 8),
+        plane=plane_participation(rub), casing=int(system.first[1]),
+    )  # fmt: skip
+    return RubLaws(
+        speed=rub.speed.table, closing=np.ascontiguousarray(np.stack([rub.closing.time, rub.closing.by], axis=1)),
+        whirl=np.array(whirl, dtype=float).reshape(-1, 4), terms=Terms(terms.harmonic, terms.cos, terms.sin),
+        table=rub.profile.table, lowest=rub.profile.lowest, pulls=pulls,
+    )  # fmt: skip
+
+
+def _rows(rub: Rub, system: RubSystem, parts: Propagator, dimensions: int) -> RubRows:
+    from contact.loop.rub.rows import RubRows
+
+    rim, m = system.rim, int(system.first[1])
+    top = int(rim.harmonic.max(initial=0))
+    profile: Trig = fourier(list(rub.profile.terms))
+    full = rim.harmonic.size > FULL * (top + 1) * m
+    empty = np.zeros((0, 0, 0))
+    size = np.hypot(rim.cos, rim.sin)[:: system.directions]
+    _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
+    reach = np.stack([np.bincount(np.repeat(np.arange(m), np.diff(rim.start)), line, m) for line in size])
+    return RubRows(
+        start=rim.start, harmonic=rim.harmonic, cos=rim.cos, sin=rim.sin,
+        cos_table=rim.by_harmonic(rim.cos) if full else empty, sin_table=rim.by_harmonic(rim.sin) if full else empty,
+        reach=np.asarray(reach, float), directions=system.directions, line=system.line,
+        place=place.reshape(-1).astype(np.int64), radius=system.radius, angle=system.angle,
+        clearance=system.clearance, blade=system.blade_rows, own=system.own, fixed=blade_delassus(system, parts),
+        S_harmonic=system.S_harmonic, S_cos=system.S_cos, S_sin=system.S_sin,
+        waves=np.zeros((2, max(top, profile.degree) + 1)),
+    )  # fmt: skip
+
+
+def blade_delassus(system: RubSystem, parts: Propagator) -> Array:
+    """What the blades' modes yield to unit forces within a step, between all directions of all tips, (K d, K d)."""
+    d = len(system.blade_rows) // system.contacts
+    full = np.zeros((len(system.blade_rows), system.omega.size))
+    for row, values in enumerate(system.blade_rows):
+        begin, end = system.own[row // d]
+        full[row, begin:end] = values[: end - begin]
+    return np.ascontiguousarray((full * parts.c) @ full.T)
+
+
+def rub_delassus(rub: Rub, parts: Propagator, mu: float) -> tuple[float, float, float]:
+    """Return H_d, S and rho = |H_d|/S where rho is largest over tips and angles, for each tip alone, sliding.
+
+    Raises LimitError where sliding friction turns H_d + S negative: that tip digs in and no force opens it.
+    """
+    system = rub_system(rub, 2)
+    fixed, m, worst = blade_delassus(system, parts), int(system.first[1]), (0.0, 0.0, -1.0)
+    fastest = rub.speed.hz[int(np.abs(rub.speed.hz).argmax())]
+    pull = math.copysign(mu, fastest) if fastest else 0.0
+    for turned in np.arange(ANGLES) * (2.0 * math.pi / ANGLES):
+        S = system.compliance(turned)
+        for j in range(system.contacts):
+            phi, N, T, block = system.angle[j] - turned, 2 * j, 2 * j + 1, int(system.line[j]) * system.directions
+            Q, tangent = system.rim.row(block, phi), system.rim.row(block + 1, phi)
+            H = float(np.sum(parts.c[:m] * Q * (Q - pull * tangent))) + fixed[N, N] - pull * fixed[N, T]
+            soft = float(S[N, N] - pull * S[N, T])
+            if H + soft <= 0.0:
+                raise LimitError(
+                    f"law: found H_d + S = {H + soft:.4g} m/N at tip {j}, {math.degrees(phi):.0f} deg, mu = {mu:g}, "
+                    "expected > 0: the blade jams (friction exceeds the lean); reduce mu, or trail the blade"
+                )
+            rho = abs(H) / soft if soft > 0.0 else math.inf
+            worst = max(worst, (H, soft, rho), key=lambda found: found[2])
+    return worst
+
+
+def _flags(rub: Rub, system: RubSystem, deflection: float, tangential: float) -> tuple[str, ...]:
+    found = []
+    if deflection > FOLLOWED * rub.thickness:
+        found.append(
+            f"rim deflected by {deflection:.3g} m, {deflection / rub.thickness:.2g} of the wall: linear theory carries "
+            f"{FOLLOWED:g} of it"
+        )
+    radius = float(system.radius.min())
+    if tangential > 0.0 and tangential**2 / (2.0 * radius) > 0.1 * _play(rub):
+        found.append(
+            f"a tip moved {tangential:.3g} m along the rim, whose curvature changes the gap there by "
+            f"{tangential**2 / (2.0 * radius):.3g} m: the gap law leaves this out"
+        )
+    return tuple(found)
+
+
+def _play(rub: Rub) -> float:
+    """Length that the gap is measured by: the larger of clearance and interference there is [m]."""
+    amounts = [abs(rub.clearance + t.clearance) for t in rub.tips]
+    return max(max(amounts), float(np.abs(rub.closing.by).max()), abs(rub.profile.lowest), 1e-9)

@@ -1,0 +1,125 @@
+"""The coating of a run: tracks of bars made from the law, maps of their wear over time, the reading at the end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.base.arrays import Array
+from contact.base.errors import InputError
+from contact.model.gaps.modal_system import ModalSystem
+from contact.model.law import Abradable
+from contact.record.wear import Wear
+
+if TYPE_CHECKING:
+    from contact.solver.abradable.one_tip import Coating
+
+MOST_MAPS = 400  # stored maps: beyond, every second one is dropped
+FIRST_EVERY = 100  # steps between maps at first
+
+
+def bare() -> Coating:
+    """No coating."""
+    from contact.solver.abradable.one_tip import Coating
+
+    return Coating(np.zeros(0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1, np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Track:
+    """Bars under way: `coating` is what the compiled loop changes, `memory` (K, 3) that of all tips, `tips` its own."""
+
+    law: Abradable
+    coating: Coating
+    made: Array
+    area: float  # of one bar [m^2]
+    tips: tuple[int, ...]
+    memory: Array
+
+    @staticmethod
+    def of(
+        law: Abradable, radius: float, profile: Callable[[float], float], tips: Sequence[int], memory: Array
+    ) -> Track:
+        """A coating as it leaves the machine, on a rim whose radius deviates by `profile` of the angle [m].
+
+        Raises InputError when the tip is longer than a quarter of the rim.
+        """
+        from contact.solver.abradable.one_tip import Coating
+
+        if law.tip > 0.5 * math.pi * radius:
+            raise InputError(f"tip: found {law.tip:g} m, expected at most a quarter of the rim of {radius:g} m")
+        cells = round(2.0 * math.pi * radius * law.bars / law.tip)
+        radial = np.array([profile(float(phi)) for phi in _angles(cells)])
+        mean = float(radial.mean())
+        made, area = radial - mean, law.width * 2.0 * math.pi * radius / cells
+        coating = Coating(
+            worn=np.zeros(cells), round=float(made.min()) + law.machined if law.machined else -math.inf, mean=mean,
+            thickness=law.thickness, stiffness=law.E * area / law.thickness, yield_force=law.yield_stress * area,
+            hardening=law.hardening * area / law.thickness, under=law.bars, memory=memory[0],
+        )  # fmt: skip
+        return Track(law=law, coating=coating, made=made, area=area, tips=tuple(tips), memory=memory)
+
+    def memorised(self, what: int) -> float:
+        """Sum over its tips: 0 energy dissipated, 1 elastic energy now [J]."""
+        return float(self.memory[list(self.tips), what].sum())
+
+    def wear(self, maps: Sequence[tuple[float, Array]]) -> Wear:
+        """What was lost so far, `maps` of time and worn depths on the way."""
+        worn, law = self.coating.worn, self.law
+        cut = np.maximum(self.coating.round - self.made, 0.0)
+        return Wear(
+            angle=_angles(worn.size), made=self.made, cut=cut, worn=worn, map_time=np.array([time for time, _ in maps]),
+            map=np.array([depth for _, depth in maps]).reshape(len(maps), worn.size),
+            volume=self.area * float(worn.sum()), dissipated=self.memorised(0),
+            stated=self.area * float(np.sum(law.dissipated(worn))),
+            bare=int(np.count_nonzero(worn >= law.thickness - cut)), tips=self.tips,
+        )  # fmt: skip
+
+
+@dataclass(eq=False, slots=True, kw_only=True)
+class Tracks:
+    """All tracks of a run, and maps of their worn depths at steps so far."""
+
+    tracks: tuple[Track, ...]
+    every: int = FIRST_EVERY
+    maps: list[tuple[float, tuple[Array, ...]]] = field(default_factory=list)
+
+    @staticmethod
+    def of(system: ModalSystem, law: Abradable) -> Tracks:
+        """The one track of a rim's one tip; raises as `Track.of`."""
+        return Tracks(tracks=(Track.of(law, system.radius, system.clearance, (0,), np.zeros((1, 3))),))
+
+    @property
+    def elastic(self) -> float:
+        """Energy that the bars under the tips would give back now [J]."""
+        return sum(track.memorised(1) for track in self.tracks)
+
+    def watch(self, h: float, first: int, steps: int, loop: Callable[[int, int], int]) -> int:
+        """Run the loop, keeping a map every so many steps; -1, or the step that failed."""
+        start, end = first, first + steps
+        while start < end:
+            stop = min(end, (start // self.every + 1) * self.every)
+            failed = loop(start, stop - start)
+            if failed >= 0:
+                return failed
+            start = stop
+            if start % self.every == 0:
+                self.maps.append((start * h, tuple(track.coating.worn.copy() for track in self.tracks)))
+                if len(self.maps) > MOST_MAPS:
+                    self.maps, self.every = self.maps[1::2], 2 * self.every
+        return -1 if steps else loop(first, 0)
+
+    def wear(self) -> tuple[Wear, ...]:
+        """What each track has lost so far."""
+        return tuple(
+            track.wear([(time, depths[k]) for time, depths in self.maps]) for k, track in enumerate(self.tracks)
+        )
+
+
+def _angles(cells: int) -> Array:
+    """Middle of each bar [rad], (cells,)."""
+    return 2.0 * np.pi * (np.arange(cells) + 0.5) / cells

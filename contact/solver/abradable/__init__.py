@@ -1,0 +1,1 @@
+"""One step against a coating that flows."""

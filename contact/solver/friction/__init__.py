@@ -1,0 +1,1 @@
+"""One step with Coulomb friction: Newton, sweeps, pivoting, starts where all slide."""

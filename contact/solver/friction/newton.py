@@ -1,0 +1,212 @@
+"""Semi-smooth Newton for contacts with Coulomb friction, on the projections of the law.
+
+With W, b and u as in `solver.coulomb`, the law is equivalent to F = 0 (Alart & Curnier, Comput. Methods Appl. Mech.
+Eng. 92, 1991, 353)
+
+    F_N = force_N - s_N^+,  s_N = force_N - rho_N u_N,
+    F_T = force_T - s_T min(1, mu s_N^+/|s_T|),  s_T = force_T - rho_T u_T.
+
+Newton's matrix is regularised by a hair, so that redundant contacts (singular W) have a solution too; a step that does
+not reduce |F| is halved, and where that fails projected Gauss-Seidel sweeps find a better start.
+"""
+
+from __future__ import annotations
+
+import math
+
+from contact.base.arrays import Array, Indices
+from contact.jit.compiled import jit
+from contact.solver.dense import affine, assign, dot, solve_in_place
+from contact.solver.friction.room import BASE, CLOSED, INNER, JACOBIAN, MISS, RIGHT, STEP, TRIAL, TRIAL_MISS, Room, U
+
+TOLERANCE = 1e-12  # of the largest force
+MOST_ITERATIONS = 50  # Newton steps and bursts of sweeps together
+SWEEPS = 8  # Gauss-Seidel sweeps in the first burst
+HAIR = 1e-11  # regularisation of Newton's matrix, whose entries are of order one
+HALVINGS = 8
+LEAPS = 8
+
+
+@jit
+def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> tuple[int, float]:
+    """Improve `force` until F is below TOLERANCE of the largest force; returns (iterations, residual).
+
+    Steps that reduce |F| while there are such; then bursts of sweeps, each followed by LEAPS undamped steps, because
+    beyond a kink |F| may have to rise before it falls. `count` contacts, the first of the arrays.
+    """
+    size = count * dim
+    rho, u, miss, step = room.pairs, room.vectors[U], room.vectors[MISS], room.vectors[STEP]
+    trial, trial_miss, base = room.vectors[TRIAL], room.vectors[TRIAL_MISS], room.vectors[BASE]
+    J, inside, closed = room.matrices[JACOBIAN], room.matrices[INNER], room.whole[CLOSED]
+    steps_in(W, dim, count, rho)
+    found = law_residual(W, b, mu, rho, dim, count, force, u, miss)
+    leaps, sweeps, reached, part = 0, SWEEPS, found, 1.0
+    for iteration in range(MOST_ITERATIONS + 1):
+        scale = force_scale(b, rho, dim, count, force)
+        if found <= TOLERANCE * scale or iteration == MOST_ITERATIONS:
+            release(rho, dim, count, u, force)
+            return iteration, found / scale if scale > 0.0 else found
+        if leaps == 0:
+            assign(base, force, size)
+        n = law_slope(W, mu, rho, dim, count, force, u, J, closed)
+        newton_step(J, closed, n, miss, inside, room.vectors[RIGHT], step, size)
+        part = 1.0
+        for _ in range(1 if leaps > 0 else HALVINGS):
+            for i in range(size):
+                trial[i] = force[i] - part * step[i]
+            reached = law_residual(W, b, mu, rho, dim, count, trial, u, trial_miss)
+            if reached < found * (1.0 - 1e-4 * part) or leaps > 0:
+                break
+            part *= 0.5
+        if leaps > 1 or reached < found * (1.0 - 1e-4 * part):
+            assign(force, trial, size)
+            assign(miss, trial_miss, size)
+            found = reached
+            leaps = max(leaps - 1, 0)
+            continue
+        assign(force, base, size)
+        otherwise(W, b, mu, dim, count, force, room, sweeps)
+        assign(base, force, size)
+        found = law_residual(W, b, mu, rho, dim, count, force, u, miss)
+        leaps, sweeps = LEAPS, 2 * sweeps
+    return MOST_ITERATIONS, found
+
+
+@jit
+def otherwise(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room, sweeps: int) -> float:
+    """Improve `force` by so many sweeps, or by pivoting where there are none; returns the residual after pivoting."""
+    hard, size = room.matrices[INNER], count * dim
+    for i in range(size):
+        assign(hard[i], W[i], size)
+    assign(room.vectors[MISS], b, size)
+    assign(room.vectors[STEP], mu, count)
+    assign(room.vectors[TRIAL], force, size)
+    residual = room.otherwise(count, dim, sweeps)
+    assign(force, room.vectors[TRIAL], size)
+    return float(residual)
+
+
+@jit
+def release(rho: Array, dim: int, count: int, u: Array, force: Array) -> None:
+    """Set what is left of the forces in open contacts to zero."""
+    for k in range(count):
+        i = k * dim
+        if force[i] <= rho[k, 0] * u[i]:
+            for j in range(i, i + dim):
+                force[j] = 0.0
+
+
+@jit
+def steps_in(W: Array, dim: int, count: int, rho: Array) -> None:
+    """Step lengths of each contact: 1/W_NN, 1/(largest eigenvalue of the tangential block)."""
+    for k in range(count):
+        i = k * dim
+        rho[k, 0], rho[k, 1] = 1.0 / W[i, i], 0.0
+        if dim == 1:
+            continue
+        top = W[i + 1, i + 1]
+        if dim == 3:
+            a, c, m = W[i + 1, i + 1], W[i + 2, i + 2], 0.5 * (W[i + 1, i + 2] + W[i + 2, i + 1])
+            top = 0.5 * (a + c) + math.hypot(0.5 * (a - c), m)
+        rho[k, 1] = 1.0 / top
+
+
+@jit
+def force_scale(b: Array, rho: Array, dim: int, count: int, force: Array) -> float:
+    """The largest force there is, or that a free step's gap alone would ask for; friction follows the latter.
+
+    A rim that turns in front of a blade slips by far more in a step than any tangential force could hold back.
+    """
+    scale = 0.0
+    for k in range(count):
+        scale = max(scale, abs(b[k * dim]) * rho[k, 0])
+        for i in range(k * dim, (k + 1) * dim):
+            scale = max(scale, abs(force[i]))
+    return scale
+
+
+@jit
+def law_residual(W: Array, b: Array, mu: Array, rho: Array, dim: int, count: int, force: Array, u: Array,
+                 miss: Array) -> float:  # fmt: skip
+    """Fill u = W force + b and `miss` = F; returns |F|."""
+    affine(W, force, b, u, count * dim)
+    total = 0.0
+    for k in range(count):
+        i = k * dim
+        normal = max(force[i] - rho[k, 0] * u[i], 0.0)
+        miss[i] = force[i] - normal
+        length = 0.0
+        for j in range(i + 1, i + dim):
+            miss[j] = force[j] - rho[k, 1] * u[j]
+            length += miss[j] * miss[j]
+        length = math.sqrt(length)
+        radius = mu[k] * normal
+        part = 1.0 if length <= radius else radius / length
+        for j in range(i + 1, i + dim):
+            miss[j] = force[j] - part * miss[j]
+        for j in range(i, i + dim):
+            total += miss[j] * miss[j]
+    return math.sqrt(total)
+
+
+@jit
+def law_slope(W: Array, mu: Array, rho: Array, dim: int, count: int, force: Array, u: Array, J: Array,
+              closed: Indices) -> int:  # fmt: skip
+    """Rows of dF/dforce (a member of the generalised derivative) for what presses, one below the other, into J.
+
+    Returns how many; `closed` says which. The others' rows are those of the unit matrix.
+    """
+    n, size = 0, count * dim
+    for k in range(count):
+        i = k * dim
+        normal = force[i] - rho[k, 0] * u[i]
+        if normal <= 0.0:
+            continue
+        for j in range(i, i + dim):
+            closed[n + j - i] = j
+        for m in range(size):
+            J[n, m] = rho[k, 0] * W[i, m]
+        first = n
+        n += dim
+        t1, t2 = 0.0, 0.0
+        if dim > 1:
+            t1 = force[i + 1] - rho[k, 1] * u[i + 1]
+        if dim > 2:
+            t2 = force[i + 2] - rho[k, 1] * u[i + 2]
+        length = math.hypot(t1, t2)
+        if length <= mu[k] * normal:
+            for j in range(1, dim):
+                for m in range(size):
+                    J[first + j, m] = rho[k, 1] * W[i + j, m]
+            continue
+        part, t1, t2 = mu[k] * normal / length, t1 / length, t2 / length
+        for j in range(1, dim):  # d s_N = e_N - rho_N W_N, (1 - t t^T) part (d force_T - rho_T W_T)
+            t = t1 if j == 1 else t2
+            a1, a2 = part * ((1.0 if j == 1 else 0.0) - t * t1), part * ((1.0 if j == 2 else 0.0) - t * t2)
+            for m in range(size):
+                J[first + j, m] = mu[k] * t * rho[k, 0] * W[i, m] + a1 * rho[k, 1] * W[i + 1, m]
+            J[first + j, i] -= mu[k] * t
+            J[first + j, i + 1] -= a1
+            if dim > 2:
+                for m in range(size):
+                    J[first + j, m] += a2 * rho[k, 1] * W[i + 2, m]
+                J[first + j, i + 2] -= a2
+            J[first + j, i + j] += 1.0
+    return n
+
+
+@jit
+def newton_step(J: Array, closed: Indices, n: int, miss: Array, inside: Array, right: Array, step: Array,
+                size: int) -> None:  # fmt: skip
+    """Solve J step = miss, what does not press first; NaN where J is singular."""
+    assign(step, miss, size)
+    for a in range(n):
+        step[closed[a]] = 0.0
+    for a in range(n):
+        right[a] = miss[closed[a]] - dot(J[a], step, size)
+        for b in range(n):
+            inside[a, b] = J[a, closed[b]]
+        inside[a, a] += HAIR
+    solved = solve_in_place(inside, right, n)
+    for a in range(n):
+        step[closed[a]] = right[a] if solved else math.nan  # no step: sweeps follow

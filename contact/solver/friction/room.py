@@ -1,0 +1,77 @@
+"""Work space of the friction solvers, made once for a run: nothing is allocated inside a step."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+
+from contact.base.arrays import Array, Indices
+
+protocol: Any = numba.types.WrapperAddressProtocol
+
+# rows of `vectors`; methods that follow one another share them
+U, MISS, STEP, TRIAL, TRIAL_MISS, BASE, RIGHT = 0, 1, 2, 3, 4, 5, 6  # Newton's method
+OWN, NORMAL, GAP, PHI, LAST, LEFT, SHORT = 1, 2, 4, 5, 6, 7, 8  # contacts that slide; these use U and TRIAL too
+BEHIND, GUESS, MOTION = 9, 10, 11  # coatings, around both
+JACOBIAN, INNER, SOFT = 0, 1, 2  # matrices: Newton's and the part of it that presses; W behind a coating
+CLOSED, AT = 0, 1  # rows of `whole`
+
+
+class Otherwise(protocol):  # type: ignore[misc]
+    """What compiled loops call where Newton's method fails, through Python, because it hardly ever does.
+
+    So many Gauss-Seidel sweeps, or pivoting where their number is 0. The problem stands in W, b, mu and force, which is
+    improved; returns its residual, after sweeps 0. Compiled copies in every loop took half of the time to compile it.
+    """
+
+    kind = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_int64, ctypes.c_int64, ctypes.c_int64)
+
+    def __init__(self, W: Array, b: Array, mu: Array, force: Array) -> None:
+        def improve(count: int, dim: int, sweeps: int) -> float:
+            from contact.solver.friction.coulomb import pivoted
+            from contact.solver.friction.sweeps import sweep
+
+            n = count * dim
+            try:
+                if sweeps > 0:
+                    sweep(W, b, mu, dim, count, force, sweeps)
+                    return 0.0
+                found, residual = pivoted(W[:n, :n].copy(), b[:n].copy(), mu[:count].copy(), dim, force[:n].copy())
+            except BaseException:  # none can pass through compiled code: it would read 0, a problem solved
+                return math.nan
+            force[:n] = found
+            return residual
+
+        self.call = self.kind(improve)
+
+    def __wrapper_address__(self) -> int | None:
+        """Where the function is."""
+        return ctypes.cast(self.call, ctypes.c_void_p).value
+
+    def signature(self) -> Any:
+        """Residual of (contacts, dimensions, sweeps)."""
+        return numba.float64(numba.int64, numba.int64, numba.int64)
+
+
+class Room(NamedTuple):
+    """Arrays for problems of up to N unknowns in K contacts, and what to call where Newton's method fails."""
+
+    vectors: Array  # (12, N)
+    matrices: Array  # (3, N, N)
+    pairs: Array  # (K, 2)
+    whole: Indices  # (2, N)
+    otherwise: Otherwise
+
+
+def friction_room(contacts: int, dim: int) -> Room:
+    """Room for problems of up to this many contacts in `dim` directions."""
+    size = contacts * dim
+    vectors, matrices = np.zeros((12, size)), np.zeros((3, size, size))
+    return Room(
+        vectors=vectors, matrices=matrices, pairs=np.zeros((contacts, 2)), whole=np.zeros((2, size), dtype=np.int64),
+        otherwise=Otherwise(matrices[INNER], vectors[MISS], vectors[STEP], vectors[TRIAL]),
+    )  # fmt: skip

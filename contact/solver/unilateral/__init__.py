@@ -1,0 +1,1 @@
+"""One step without friction: complementarity, active sets."""
