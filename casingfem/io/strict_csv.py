@@ -15,6 +15,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from unicodedata import category
 
 import numpy as np
 
@@ -150,7 +151,7 @@ def parse(text: str, path: str, error: type[CsvError]) -> StrictCsv:
 def _significant_lines(text: str, path: str, error: type[CsvError]) -> Iterator[tuple[int, str]]:
     """Yield numbered lines that are not blank; a control character means the file is not a text table."""
     for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1):
-        odd = [c for c in line if not c.isprintable() and c not in "\t\u00a0"]
+        odd = [c for c in line if not (c.isprintable() or c == "\t" or category(c) == "Zs")]
         if odd:
             found = f"the character {odd[0]!r}"
             raise error(path, line=number, found=found, expected="printable text")

@@ -58,6 +58,9 @@ print(happened, *map(code_of, messages))
 def test_a_tube_of_2000_radii_is_doubted_on_every_processor(kernels):
     """Round-off outweighs its lowest eigenvalues: 1, 2 or 4 of them are below zero, as the kernels of BLAS sum."""
     environment = os.environ | {"OPENBLAS_CORETYPE": kernels}
+    product = "import numpy as np; np.ones((1000, 40)).T @ np.ones((1000, 8))"
+    if subprocess.run([sys.executable, "-c", product], env=environment).returncode < 0:
+        pytest.skip("numpy's own products end the process with these kernels (OpenBLAS 0.3.34, its issue 6026)")
     done = subprocess.run(
         [sys.executable, "-c", TUBE], env=environment, cwd=DOCS.parent, capture_output=True, text=True
     )

@@ -157,6 +157,13 @@ def test_round_trip_is_bit_identical(tmp_path_factory, arguments):
     assert (folder / "a.csv").read_bytes() == (folder / "b.csv").read_bytes()
 
 
+@pytest.mark.parametrize("space", ["\u00a0", "\u1680", "\u2009", "\u3000"])
+def test_spaces_of_other_scripts_stand_in_a_card(tmp_path, space):
+    table = FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1, card=[f"5{space}mm wall"])
+    table.to_csv(tmp_path / "a.csv")
+    assert FrequencyTable.from_csv(tmp_path / "a.csv").card == table.card
+
+
 def test_writing_leaves_the_old_file_or_the_new_one(tmp_path, monkeypatch):
     table = FrequencyTable.from_arrays(freq_hz=[100.0, 200.0], sigma_hz=0.1)
     table.to_csv(tmp_path / "t.csv")
