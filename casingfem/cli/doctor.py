@@ -2,6 +2,8 @@
 
 import os
 import platform
+import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,8 @@ from casingfem.io.outfiles import json_text
 
 PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem", "numba", "pydantic", "pandas", "matplotlib", "jinja2")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+# OpenBLAS 0.3.34, which numpy 2.5.2 to 2.5.5 bring, ends the process here on processors without AVX-512: its issue 6026
+PRODUCT = "import numpy as np; assert (np.ones((1000, 40)).T @ np.ones((1000, 8)) == 1000.0).all()"
 
 
 @click.command()
@@ -26,6 +30,7 @@ def doctor(as_json: bool, out: Path | None) -> None:
         "versions": {name: installed(name) for name in PACKAGES},
         "cores": {"machine": os.cpu_count(), "usable": usable_cores()},
         "blas": blas(),
+        "products": products(),
         "threads": {name: os.environ.get(name) for name in THREADS},
         "numba": numba_compiles(),
         "extras": extras(),
@@ -55,6 +60,15 @@ def blas() -> str:
     config: Any = np.show_config(mode="dicts")
     found = config.get("Build Dependencies", {}).get("blas", {})
     return f"{found.get('name', 'unknown')} {found.get('version', '')}".strip()
+
+
+def products() -> dict[str, object]:
+    """Whether numpy multiplies matrices on this processor, tried in a process of its own."""
+    done = subprocess.run([sys.executable, "-c", PRODUCT], capture_output=True, text=True, check=False)
+    if done.returncode == 0:
+        return {"right": True}
+    how = f"ended by signal {-done.returncode}" if done.returncode < 0 else done.stderr.strip().rpartition("\n")[2]
+    return {"right": False, "why": f"numpy's matrix product: {how}", "install": "pip install 'numpy<2.5.2'"}
 
 
 def numba_compiles() -> dict[str, object]:

@@ -283,10 +283,21 @@ def test_rub_refuses_rods(tmp_path):
     assert "scene.kind: found 'rods', expected 'rim', 'rub' or 'disk'" in result.stderr
 
 
+@pytest.mark.parametrize(
+    ("code", "words"), [("import os; os.abort()", "ended by signal 6"), ("assert False, 'wrong'", "wrong")]
+)
+def test_doctor_names_a_numpy_that_cannot_multiply(monkeypatch, code, words):
+    monkeypatch.setattr(sys.modules["casingfem.cli.doctor"], "PRODUCT", code)
+    found = json.loads(invoke("doctor", "--json").stdout)["products"]
+    assert (found["right"], found["install"]) == (False, "pip install 'numpy<2.5.2'")
+    assert words in found["why"]
+
+
 def test_schema_and_doctor_are_documents():
     assert json.loads(invoke("schema").stdout).keys() == {"study", "scene"}
     doctor = json.loads(invoke("doctor", "--json").stdout)
     assert doctor["numba"]["compiles"] is True
+    assert doctor["products"] == {"right": True}
     assert doctor["versions"]["numpy"] == np.__version__
 
 
