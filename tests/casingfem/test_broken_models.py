@@ -147,7 +147,7 @@ def test_every_code_of_the_package_stands_in_the_catalogue_with_words():
 
 
 def test_the_page_of_codes_is_current():
-    spec = importlib.util.spec_from_file_location("errors_page", DOCS / "base/errors.py")
+    spec = importlib.util.spec_from_file_location("errors_page", DOCS / "errors.py")
     page = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(page)
     text = (DOCS / "errors.md").read_text(encoding="utf-8")
