@@ -16,7 +16,7 @@ from casingfem.io.outfiles import json_text
 
 PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem", "numba", "pydantic", "pandas", "matplotlib", "jinja2")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-# OpenBLAS 0.3.34, which numpy 2.5.2 to 2.5.5 bring, ends the process here on processors without AVX-512: its issue 6026
+# OpenBLAS 0.3.34, of numpy 2.5.2, 2.5.3 and 2.5.5, ends the process here on processors without AVX-512: its issue 6026
 PRODUCT = "import numpy as np; assert (np.ones((1000, 40)).T @ np.ones((1000, 8)) == 1000.0).all()"
 
 

@@ -257,6 +257,20 @@ def test_a_fault_inside_pivoting_is_no_solution(monkeypatch):
     assert np.isnan(friction_room(1, 2).otherwise.call(1, 2, 0))
 
 
+@pytest.mark.parametrize(("sweeps", "part"), [(0, "coulomb.pivoted"), (3, "sweeps.sweep")])
+def test_ctrl_c_inside_a_loop_ends_it_and_is_raised_after_it(monkeypatch, sweeps, part):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"contact.solver.friction.{part}", interrupted)
+    otherwise = friction_room(1, 2).otherwise
+    otherwise.pass_on()
+    assert np.isnan(otherwise.call(1, 2, sweeps))
+    assert np.isnan(otherwise.call(1, 2, 1 - min(sweeps, 1)))
+    with pytest.raises(KeyboardInterrupt):
+        otherwise.pass_on()
+
+
 def test_a_sweep_solves_contacts_that_do_not_feel_each_other():
     """One pressed and sticking, one slipping at its cone, one open; sweeps are called back through Python too."""
     room = friction_room(3, 2)

@@ -60,7 +60,9 @@ class PatchStepper:
         """Advance by whole steps; -1, or the step that failed."""
         from contact.loop.modal.patch import advance_patch
 
-        return advance_patch(self.state, self.work, self.rough, self.sums, out, self.dt, first, steps)
+        failed = advance_patch(self.state, self.work, self.rough, self.sums, out, self.dt, first, steps)
+        self.work.room.otherwise.pass_on()
+        return failed
 
     def why(self) -> str:
         """Explain a failed step."""

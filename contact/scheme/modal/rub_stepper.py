@@ -91,9 +91,11 @@ class RubStepper:
         if not self.given:
             self.given.extend(map(bundled, (self.state, self.laws, self.rows, coats, self.work, self.sums)))
         state, laws, rows, coating, work, sums = self.given
-        return advance_rub(
+        failed = advance_rub(
             state, laws, rows, coating, work, self.dimensions, self.averaged, sums, out, self.dt, first, steps
         )  # fmt: skip
+        self.work.room.otherwise.pass_on()
+        return failed
 
     def wear(self) -> tuple[Wear, ...]:
         """What each track of a coating has lost so far; none without one."""

@@ -65,7 +65,8 @@ def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
             leaps = max(leaps - 1, 0)
             continue
         assign(force, base, size)
-        otherwise(W, b, mu, dim, count, force, room, sweeps)
+        if not otherwise(W, b, mu, dim, count, force, room, sweeps) == 0.0:
+            return MOST_ITERATIONS, math.nan
         assign(base, force, size)
         found = law_residual(W, b, mu, rho, dim, count, force, u, miss)
         leaps, sweeps = LEAPS, 2 * sweeps

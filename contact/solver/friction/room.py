@@ -36,17 +36,27 @@ class Otherwise(protocol):  # type: ignore[misc]
             from contact.solver.friction.sweeps import sweep
 
             n = count * dim
+            if self.interrupted:
+                return math.nan
             try:
                 if sweeps > 0:
                     sweep(W, b, mu, dim, count, force, sweeps)
                     return 0.0
                 found, residual = pivoted(W[:n, :n].copy(), b[:n].copy(), mu[:count].copy(), dim, force[:n].copy())
-            except BaseException:  # none can pass through compiled code: it would read 0, a problem solved
+            except BaseException as error:  # none can pass through compiled code: it would read 0, a problem solved
+                if not isinstance(error, Exception):
+                    self.interrupted.append(error)
                 return math.nan
             force[:n] = found
             return residual
 
+        self.interrupted: list[BaseException] = []
         self.call = self.kind(improve)
+
+    def pass_on(self) -> None:
+        """Raise what interrupted Python inside a loop, Ctrl-C above all, now that the loop has ended."""
+        if self.interrupted:
+            raise self.interrupted.pop()
 
     def __wrapper_address__(self) -> int | None:
         """Where the function is."""
