@@ -24,13 +24,16 @@ from typing import Any
 
 from casingfem.examples import examples
 from contact.scene.scheme import SCHEMES
-from reports.tables import OUT, Row, show, write
+from reports.tables import OUT, ROOT, Row, show, write
 
-ROOT = Path(__file__).parent.parent
 BY_MACHINE = re.compile(r"second|version|^source$|^us/|\[s\]$|^wall|processor|speed-up|^million|^%")
 CLOSE = 1e-13  # of the largest number of a list: sums in another order
 LONG = ("interaction_map/map", "two_rods_sweep")  # sweeps: their runs are those of scenes
-REPORTS = ("verification", "contact_targets --quick", "section_44 --quick", "wear --quick", "rods --quick")
+# table -> its report and flags
+REPORTS = {
+    "verification": "verification", "contact_targets": "contact.targets --quick",
+    "section_44": "rub.section_44 --quick", "wear": "rub.wear --quick", "rods": "contact.rods --quick",
+}  # fmt: skip
 EXTRAS = {"penalty": "stiffness = 1e8", "exact-modal": "modes = 40"}
 
 
@@ -55,8 +58,7 @@ def cases() -> Iterator[Case]:
     for kind in SCHEMES:
         scheme = f'[scheme]\nkind = "{kind}"\ncourant = 0.4\n{EXTRAS.get(kind, "")}\n[record]\nstate_every = 1\n'
         yield Case(f"scheme {kind}", ("casingfem contact rods.toml --json",), (("rods.toml", body + scheme),))
-    for report in REPORTS:
-        name = report.partition(" ")[0]
+    for name, report in REPORTS.items():
         yield Case(f"report {name}", (f"reports.{report} --out out",), table=f"out/{name}.csv")
 
 
@@ -68,7 +70,10 @@ def numbers_of(case: Case, tree: Path, folder: Path) -> Any:
     path = os.pathsep.join([str(tree), os.environ.get("PYTHONPATH", "")])
     there = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
     for command in case.commands:
-        words = [sys.executable, "-P", "-m", *shlex.split(command)]
+        module, *arguments = shlex.split(command)
+        if module.startswith("reports.") and not runnable(tree, module):
+            module = f"reports.{Path(case.table).stem}"  # as it was named before reports had rooms
+        words = [sys.executable, "-P", "-m", module, *arguments]
         done = subprocess.run(words, cwd=folder, env=there, capture_output=True, text=True, check=False)
         if done.returncode and not case.table:
             return {"exit code": done.returncode, "said": done.stderr.replace(str(tree), "")[-300:]}
@@ -78,6 +83,12 @@ def numbers_of(case: Case, tree: Path, folder: Path) -> Any:
         return {"said": done.stderr[-300:]}
     with (folder / case.table).open(newline="", encoding="utf-8") as stream:
         return [{key: plain(value) for key, value in row.items()} for row in csv.DictReader(stream)]
+
+
+def runnable(tree: Path, module: str) -> bool:
+    """Whether a checkout has a report of this name, a file or a folder with a way in."""
+    path = tree.joinpath(*module.split("."))
+    return path.with_suffix(".py").exists() or (path / "__main__.py").exists()
 
 
 def plain(cell: str) -> float | str:

@@ -16,9 +16,8 @@ from functools import cached_property
 from pathlib import Path
 from statistics import median
 
-from reports.tables import OUT, Row, show, write
+from reports.tables import OUT, ROOT, Row, show, write
 
-ROOT = Path(__file__).parent.parent
 PACKAGES = ("casingfem", "contact")
 TOGETHER = 6  # lines, one below the other, that stand in two places: a duplicate
 Graph = Mapping[str, frozenset[str]]

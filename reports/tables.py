@@ -7,8 +7,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 Row = dict[str, object]
-OUT = Path(__file__).parent / "out"
-DATA = Path(__file__).parent.parent / "data"
+ROOT = Path(__file__).parents[1]
+OUT = ROOT / "reports" / "out"
+DATA = ROOT / "data"
 MARGIN = 1.6  # a bound over what is seen
 ROUNDING = 1e-6  # per cent
 STATISTICAL = ("Cramer-Rao bound", "Widrow & Kollar 2008")  # bounds of draws: a few standard errors

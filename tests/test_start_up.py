@@ -8,7 +8,7 @@ import pytest
 
 import casingfem
 import contact
-from reports.start_up import HEAVY, HELP, loaded, main
+from reports.speed.start_up import HEAVY, HELP, loaded, main
 
 
 @pytest.mark.parametrize("code", [HELP, "import casingfem", "import contact"], ids=["help", "casingfem", "contact"])

@@ -6,7 +6,7 @@ pyamg). Thin walls defeat it: there the cycle misses the bending, and the iterat
 never returned: the solution falls back to shift-invert, and a warning says so. Nor is what a Sturm count shows to be
 incomplete. The count needs one factor; where that does not fit, a second iteration from another random block, kept
 orthogonal to what was found, looks for what was missed: it would find it, but does not prove that there is nothing.
-`python -m reports.solid_solvers` measures where it pays.
+`python -m reports.speed.solid_solvers` measures where it pays.
 """
 
 import warnings

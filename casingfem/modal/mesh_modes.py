@@ -96,8 +96,9 @@ def mesh_modes(
 def large_and_thick(system: MeshSystem) -> bool:
     """Whether LOBPCG with multigrid is worth it: a solid of `LARGE` unknowns or more, its wall `THICK` of its size.
 
-    The wall is twice the volume over the surface, the size the diagonal of its box. `python -m reports.solid_solvers
-    --large`: blocks of .18 gain from 10,000 unknowns on, a plate of .035 loses at 22,000, one of .003 fails.
+    The wall is twice the volume over the surface, the size the diagonal of its box. Blocks of .18 gain
+    from 10,000 unknowns on, a plate of .035 loses at 22,000, one of .003 fails:
+    `python -m reports.speed.solid_solvers --large`.
     """
     if not isinstance(system.structure, Solid) or system.size < LARGE:
         return False

@@ -3,7 +3,7 @@
 With S = (K - s M)^-1 M of the new structure and X the old modes, a few more than wanted, the space is
 span[X, S X, ..., S^k X]; Rayleigh-Ritz on it gives the modes, one inertia certifies that none is missing. Plain
 subspace iteration keeps S^k X alone: at the same number of solves its worst frequency is hundreds of times less
-accurate (`python -m reports.mistuning`).
+accurate (`python -m reports.modes.mistuning`).
 """
 
 import time
@@ -21,7 +21,7 @@ from casingfem.modal.ritz import ritz_modes
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
 
-STEPS = 3  # block steps: worst frequency right to 1e-7, with two to 1e-5 for a tenth less (reports.mistuning)
+STEPS = 3  # block steps: worst frequency right to 1e-7, with two to 1e-5 for a tenth less (reports.modes.mistuning)
 EXTRA = 4  # Ritz values beyond `count`, so that the count ends in a gap
 
 

@@ -10,7 +10,7 @@ from click.testing import CliRunner, Result
 from casingfem.cli import main
 from casingfem.examples import DATA, examples, strings
 from casingfem.study import load_study
-from reports.section_44 import THICKNESS
+from reports.rub.section_44 import THICKNESS
 
 ROOT = Path(__file__).parents[2]
 

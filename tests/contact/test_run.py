@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from synthetic_rim import blade, ring
 
 import contact as ct
 from contact.model.bodies.chain import assemble
 from contact.run import steps
 from contact.scheme.modal import exact_modal
+from tests.contact.synthetic_rim import blade, ring
 
 BAR = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=5.0, velocity=-10.0, elements=40)
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from synthetic_rim import blade, flap_blade, ring
 
 import contact as ct
+from tests.contact.synthetic_rim import blade, flap_blade, ring
 
 RECORD = ct.Record(every=50, state_every=100)
 

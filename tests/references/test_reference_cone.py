@@ -5,7 +5,7 @@ import pytest
 
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from reports.cone import cone, elastic_factors, errors
+from reports.verification.cone import cone, elastic_factors, errors
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ import pytest
 from casingfem.linalg.eigen import solve_modes
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble
-from reports.cylinder import FIXED, cylinder, errors
-from reports.cylinder_exact import anew, elasticity, gaps, shear_shell
+from reports.verification.cylinder import FIXED, cylinder, errors
+from reports.verification.cylinder_exact import anew, elasticity, gaps, shear_shell
 
 
 @pytest.fixture(scope="module")

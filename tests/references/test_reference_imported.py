@@ -3,7 +3,8 @@
 import pandas as pd
 import pytest
 
-from reports import imported, verify_imported
+from reports.modes import imported
+from reports.verification import imported as verify_imported
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # locking is what it shows
 

@@ -24,7 +24,8 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
 
-FREEDOM = 6.0  # nu, by trial on reports.identification_sets: less makes intervals narrow, more antinodes less sure
+# nu, by trial on reports.updating.identification_sets: less makes intervals narrow, more antinodes less sure
+FREEDOM = 6.0
 ROUNDS = 150
 LONGER = 1.8  # steps of ln v_m, in those of expectation and maximisation, which are short ones
 SETTLED = 5e-3  # relative change of every v_m in a round that ends it

@@ -13,7 +13,8 @@ from casingfem.structure.mesh.element import gauss, lagrange
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 
 SEEN = 1e-7  # estimated splits below this are not worth a warning
-PULL, TILT = 0.05, 0.5  # a short wave of the edge takes some PULL E t, a tilt TILT D: fitted to reports.loose_bolts
+# a short wave of the edge takes some PULL E t, a tilt TILT D: fitted to reports.modes.loose_bolts
+PULL, TILT = 0.05, 0.5
 MOST = 96  # elements around up to which the default mesh follows every bolt
 
 

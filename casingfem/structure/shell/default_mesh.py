@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 
 def default_mesh(shell: Shell) -> ShellMesh:
-    """The mesh used when none is given; `python -m reports.frustum_convergence` measures the choice.
+    """The mesh used when none is given; `python -m reports.modes.frustum` measures the choice.
 
     Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
     17 where something varies around, so that turning it changes no frequency by more than some 1e-10 and what symmetry
-    forbids to split stays whole (`reports.splitting`); and 14 nodes a wave of the fields themselves, harmonics below
-    2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned; where springs
-    vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian: the shear
-    layer of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length sqrt(R t).
-    Strips put an element line at each of their ends, and each stretch between them is divided on its own.
+    forbids to split stays whole (`reports.verification.splitting`); and 14 nodes a wave of the fields themselves,
+    harmonics below 2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned;
+    where springs vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian:
+    the shear layer of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length
+    sqrt(R t). Strips put an element line at each of their ends, and each stretch between them is divided on its own.
     Bolts are followed: a multiple of their number around, which by itself keeps whole what symmetry does, at 8 nodes a
     wave where nothing else varies; and a layer along their edge, which is free between them.
     """
@@ -61,7 +61,7 @@ def default_mesh(shell: Shell) -> ShellMesh:
     held = {shell.chart.edges[edge] for edge in shell.supports.keys() - bolted.keys()}
     at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
     layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
-    longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.locking
+    longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.modes.locking
     return ShellMesh(order=order, rows=divided(shell, longest, (layers[0], layers[1])), around=around)
 
 

@@ -14,7 +14,7 @@ from contact.model.bodies.chain import Chain
 from contact.model.bodies.chain_linear import linear
 from contact.model.bodies.linear import LinearBody
 
-EMPTY = 8  # places of the band per entry right of the diagonal: beyond, entries are faster (reports.sparse_body)
+EMPTY = 8  # places of the band per entry right of the diagonal: beyond, entries win (reports.contact.sparse_body)
 LANCZOS = 1e-8  # tolerance of the highest eigenvalue
 DENSE = 1500  # coordinates up to which a consistent mass matrix is treated by a dense eigen solver
 

@@ -6,7 +6,7 @@ v_{n+1} = v_n + h ((1 - gamma) a_n + gamma a_{n+1}), g(u_{n+1}) >= 0 (Newmark, J
 Smooth motion: order 2 for gamma = 1/2, else 1; (1/4, 1/2) keeps the energy. Limit: dt omega_max <=
 1/sqrt(gamma/2 - beta), none for 2 beta >= gamma. Contact: the node that meets takes an acceleration of the order 1/h,
 which alternates from step to step: with gamma = 1/2 it never fades and impacts add energy, with (1/4, .55) it fades too
-slowly and the force does not converge, with (1/2, .55) it does. `reports.rod_wall` shows them.
+slowly and the force does not converge, with (1/2, .55) it does. `reports.contact.rod_wall` shows them.
 """
 
 from __future__ import annotations

@@ -1,0 +1,80 @@
+"""The campaigns: every report in full, what it proves, and the paths whose change asks for another run."""
+
+from dataclasses import dataclass
+
+STRUCTURE = ("casingfem/structure", "casingfem/modal")
+UFF = ("casingfem/experiment/uff",)
+RUBS = ("contact/model", "contact/scheme", "contact/loop", "contact/solver")
+UPDATING = ("casingfem/updating", "casingfem/modal", "casingfem/experiment/correlation")
+IDENTIFY = ("casingfem/experiment/identify", "casingfem/experiment/frf")
+RIG = (*IDENTIFY, "casingfem/experiment/rig", "casingfem/experiment/circle", "casingfem/updating")
+DRAWN = ("--seed", "20261", "--count", "120")
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """`python -m reports.NAME FLAGS`: run again when `subject` has changed."""
+
+    name: str
+    proves: str
+    subject: tuple[str, ...]
+    flags: tuple[str, ...] = ()
+
+    @property
+    def command(self) -> str:
+        """What a reader types."""
+        return " ".join(("python", "-m", f"reports.{self.name}", *self.flags))
+
+
+CAMPAIGNS = (
+    Campaign("modes.frustum", "errors of the reference frustum over meshes", STRUCTURE),
+    Campaign("verification.cylinder", "650 frequencies of cylinders against 3-D elasticity", STRUCTURE),
+    Campaign("verification.cylinder_exact", "those 650 computed anew, and what the shell's gap is made of", STRUCTURE),
+    Campaign("modes.locking", "thin walls do not lock", STRUCTURE),
+    Campaign("verification.static", "MacNeal and Harder's static set", STRUCTURE),
+    Campaign("verification.rotation", "rotating beams, rings, drums", STRUCTURE),
+    Campaign("verification.strips", "a stepped cylinder against an exact solution", STRUCTURE),
+    Campaign("verification.blades", "plates and blades against independent solutions", STRUCTURE),
+    Campaign("modes.loose_bolts", "casings on bolts: how frequencies settle", STRUCTURE),
+    Campaign("modes.steel_ring", "a ring as a beam and as a strip of the shell", STRUCTURE),
+    Campaign("modes.imported", "meshes of five formats; solids and quadrilaterals against references", STRUCTURE),
+    Campaign("modes.sturm", "1,000 random structures: modes returned are modes counted", STRUCTURE),
+    Campaign("modes.mistuning", "restarts from the mean casing's modes", STRUCTURE),
+    Campaign("speed.modal", "error against time over meshes and solvers", STRUCTURE),
+    Campaign("speed.solid_solvers", "large solids: memory and time of the solvers", STRUCTURE, ("--large",)),
+    Campaign("robustness.broken", "broken models are refused or doubted by name", (*STRUCTURE, "casingfem/faults")),
+    Campaign("verification", "every published and exact value: structures, simple contacts", (*STRUCTURE, "contact")),
+    Campaign("robustness.uff_mutations", "damaged universal files are read whole or refused", UFF),
+    Campaign("updating.pairing", "doublets are paired with what was measured", UPDATING),
+    Campaign("updating.identification", "modes of twenty SYNTHETIC tests against the truth", IDENTIFY),
+    Campaign("updating.fan_blade", "the example script of an update", UPDATING),
+    Campaign("updating.checks", "derivatives, cost, and models of the measured blade", UPDATING),
+    Campaign("updating.twin", "200 noisy updates: intervals hold the truth", UPDATING),
+    Campaign("updating.loose_bolt_search", "two loose bolts of 24 are found", UPDATING),
+    Campaign("rig.measure", "from SYNTHETIC records to predictions", RIG),
+    Campaign("contact.accuracy", "rods and bars against exact contact, a million steps", ("contact",)),
+    Campaign("contact.rods", "two rods by every scheme", ("contact",)),
+    Campaign("contact.rod_wall", "a rod on a wall by every scheme", ("contact",)),
+    Campaign("contact.work_precision", "error against time of every scheme", ("contact",)),
+    Campaign("contact.stability", "stiffness and mass ratios to 1e10, a million steps at rest", ("contact",)),
+    Campaign("contact.sparse_body", "large sparse bodies as dense ones", ("contact",)),
+    Campaign("contact.targets", "every target of contact", ("contact",)),
+    Campaign("contact.physics", "friction and patches", ("contact",)),
+    Campaign("rub.interaction", "coincidences against runs", ("contact", "casingfem/modal")),
+    Campaign("rub.interaction_map", "growth by poles against 2,501 runs", ("contact",)),
+    Campaign("contact.rotating_beam", "a hinged beam in an eccentric circle", ("contact",)),
+    Campaign("contact.hertz", "Hertz's pressure under a disc", ("contact",)),
+    Campaign("rub.section_44", "the study's rubs", RUBS),
+    Campaign("rub.wear", "abradable coatings", (*RUBS, "contact/record/wear.py")),
+    Campaign("rub.bladed_disk", "unstable speeds of bladed disks", RUBS),
+    Campaign("rub.convergence", "what a rub converges with", RUBS),
+    Campaign("rub.checks", "rubs in three directions: bases, energy, time", RUBS),
+    Campaign("rub.bases", "what the basis of a casing costs", (*RUBS, "casingfem/modal")),
+    Campaign("speed.start_up", "what starting costs, and what it loads", ("casingfem", "contact")),
+    Campaign("speed.first_use", "first runs of every scene, with nothing compiled yet", ("contact",)),
+    Campaign("mutants", "which of 120 small faults the tests see", ("casingfem", "contact", "tests"), DRAWN),
+    Campaign("speed", "times of the main calls", ("casingfem", "contact")),
+    Campaign("speed.sweeps", "times of sweeps", ("contact",)),
+    Campaign("robustness.sweep_kills", "sweeps under kill -9 lose nothing", ("contact/sweep",)),
+    Campaign("rig", "the chain of `make study`", ("casingfem", "contact")),
+)  # fmt: skip

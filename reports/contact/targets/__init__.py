@@ -1,0 +1,1 @@
+"""Which targets of the contact part are met, line by line."""

@@ -1,0 +1,1 @@
+"""How frequencies settle with the mesh, on bolts and rings, imported or mistuned, and that none is missed."""

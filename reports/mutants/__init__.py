@@ -1,0 +1,1 @@
+"""Which small faults, put in one at a time, the tests see."""

@@ -1,0 +1,212 @@
+"""How many random mutants of both packages the tests kill: small faults put in one at a time, tests near them run.
+
+`python -m reports.mutants --seed N --count 120 [--jobs J] [--only PATTERN] [--out DIR]`. Plots are left out. A rerun
+continues: each mutant's verdict is a file of its own, valid as long as packages, tests and data stay as they are.
+survivors.csv has a column `note` for what would kill a mutant or why it is none; what stands there is kept.
+"""
+
+import argparse
+import csv
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from queue import SimpleQueue
+
+from casingfem.io.outfiles import json_text, write_atomic
+from reports.mutants.draw import Mutant, draw, read_sources
+from reports.mutants.judge import Limits, Tree, Verdict
+from reports.mutants.reach import read_reach
+from reports.tables import OUT, ROOT, Row, show, write
+
+PACKAGES = ("casingfem", "contact")
+COMPILED = (
+    "contact/loop/",
+    "contact/solver/",
+    "contact/jit/",
+    "contact/record/record.py",
+    "contact/model/bodies/band.py",
+)
+CONTENTS = ("casingfem", "contact", "reports", "tests", "data")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Campaign:
+    """Which mutants of which project; everything it writes goes below `out`."""
+
+    root: Path = ROOT
+    packages: tuple[str, ...] = PACKAGES
+    without: str = "casingfem/plot/*"
+    seed: int = 1
+    count: int = 120
+    only: str = "*"
+    jobs: int = 1
+    out: Path = OUT
+    limits: Limits = field(default_factory=Limits)
+
+    @property
+    def folder(self) -> Path:
+        """Where copies and verdicts are kept."""
+        return (self.out / "mutants").resolve()
+
+    def mutants(self) -> list[Mutant]:
+        """The draw."""
+        return draw(read_sources(self.root, self.packages, self.without), self.seed, self.count, self.only)
+
+    def tests(self, mutants: Iterable[Mutant]) -> dict[Mutant, list[str]]:
+        """Tests for each mutant, nearest first, those of so many files as the limits allow."""
+        reach = read_reach(self.root, (*self.packages, "reports", "tests"))
+        chosen = {}
+        for mutant in mutants:
+            nearest = reach.nearest(mutant.file, mutant.function, self.seed)
+            files = list(dict.fromkeys(test.partition("::")[0] for test in nearest))[: self.limits.files]
+            chosen[mutant] = [test for test in nearest if test.partition("::")[0] in files]
+        return chosen
+
+    def limits_of(self, mutant: Mutant) -> Limits:
+        """More time where loops are compiled again."""
+        limits, more = self.limits, self.limits.compiling * mutant.file.startswith(COMPILED)
+        return Limits(limits.budget + more, limits.share + more, limits.test + more, limits.files)
+
+
+def contents(root: Path) -> str:
+    """Short name of all that a verdict depends on."""
+    files = sorted(
+        path for name in CONTENTS for path in (root / name).rglob("*")
+        if path.is_file() and not {"out", "__pycache__"} & set(path.relative_to(root).parts)
+    )  # fmt: skip
+    text = b"\0".join(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() for path in files)
+    return hashlib.sha256(text).hexdigest()[:12]
+
+
+def verdict_file(folder: Path, mutant: Mutant) -> Path:
+    """Where a mutant's verdict is kept."""
+    name = f"{mutant.file}-{mutant.line}-{mutant.start}-{mutant.end}-{mutant.new}"
+    return folder / f"{Path(mutant.file).stem}-{mutant.line}-{hashlib.sha256(name.encode()).hexdigest()[:8]}.json"
+
+
+def judge(campaign: Campaign, trees: Sequence[Tree], folder: Path, tests: dict[Mutant, list[str]]) -> None:
+    """Judge what has no verdict yet, each worker in its tree."""
+    idle: SimpleQueue[Tree] = SimpleQueue()
+    for tree in trees:
+        idle.put(tree)
+
+    def one(mutant: Mutant) -> None:
+        tree = idle.get()
+        try:
+            found = tree.judge(mutant, tests[mutant], campaign.limits_of(mutant))
+        finally:
+            idle.put(tree)
+        write_atomic(verdict_file(folder, mutant), json_text({**asdict(mutant), **asdict(found)}, indent=1))
+        state = f"killed by {found.by or 'import'}" if found.killed else f"SURVIVED {len(found.ran)} tests"
+        print(f"{mutant.file}:{mutant.line}  {mutant.before}  ->  {mutant.after}\n    {state}", flush=True)
+
+    with ThreadPoolExecutor(len(trees)) as pool:
+        list(pool.map(one, (mutant for mutant in tests if not verdict_file(folder, mutant).exists())))
+
+
+def read_verdict(folder: Path, mutant: Mutant) -> Verdict:
+    """A kept verdict."""
+    kept = json.loads(verdict_file(folder, mutant).read_text(encoding="utf-8"))
+    return Verdict(**{name: kept[name] for name in Verdict.__slots__})
+
+
+def never_passing(tree: Tree, tests: Iterable[str], limits: Limits) -> list[str]:
+    """Tests that fail without a mutant as well, of those that killed one."""
+    named = sorted({test.partition("[")[0] for test in tests})
+    if not named:
+        return []
+    unlimited = Limits(budget=1e6, share=1e6, test=limits.test + limits.compiling)
+    lines, _, said = tree.run(named, unlimited, first_failure=False)
+    if not lines:
+        raise RuntimeError(f"tests do not run without a mutant either:\n{said[-2000:]}")
+    return sorted({test.partition("[")[0] for outcome, test in lines if outcome in ("failed", "begun")})
+
+
+def main(campaign: Campaign) -> list[Row]:
+    """Draw, judge, print the share killed and the survivors."""
+    folder = campaign.folder / f"verdicts-{contents(campaign.root)}"
+    trees = [Tree(campaign.root, campaign.folder / f"tree-{k}") for k in range(campaign.jobs)]
+    for tree in trees:
+        tree.refresh()
+    tests = campaign.tests(campaign.mutants())
+    broken: set[str] = set()
+    while True:
+        judge(campaign, trees, folder, {m: [t for t in named if t not in broken] for m, named in tests.items()})
+        verdicts = {mutant: read_verdict(folder, mutant) for mutant in tests}
+        # where not even the packages could be imported, any test shows that they can be without the mutant
+        kills = {mutant: found.by or tests[mutant][0] for mutant, found in verdicts.items() if found.killed}
+        newly = set(never_passing(trees[0], kills.values(), campaign.limits)) - broken
+        if not newly:
+            break
+        broken |= newly
+        for mutant, by in kills.items():
+            if by.partition("[")[0] in newly:
+                verdict_file(folder, mutant).unlink()
+    return report(campaign, verdicts, broken)
+
+
+def row_of(mutant: Mutant, found: Verdict) -> Row:
+    """A mutant and its verdict, a row of the table."""
+    return {
+        "mutant": f"{mutant.file}:{mutant.line}", "function": mutant.function, "before": mutant.before,
+        "after": mutant.after, "killed": found.killed, "killed by": found.by, "how": found.how.partition("\n")[0],
+        "tests": len(found.ran), "left out": found.left_out,
+        "files": " ".join(dict.fromkeys(test.partition("::")[0] for test in found.ran)),
+    }  # fmt: skip
+
+
+def notes(path: Path) -> dict[tuple[str, str], str]:
+    """What was noted of survivors, by place and change."""
+    if not path.exists():
+        return {}
+    with path.open(newline="", encoding="utf-8") as stream:
+        return {(row["mutant"], row["after"]): row["note"] for row in csv.DictReader(stream)}
+
+
+def report(campaign: Campaign, verdicts: dict[Mutant, Verdict], broken: Iterable[str]) -> list[Row]:
+    """Print and write the tables."""
+    rows = [row_of(mutant, found) for mutant, found in verdicts.items()]
+    write(campaign.out / "mutants.csv", rows)
+    path = campaign.out / "mutants_survivors.csv"
+    noted = notes(path)
+    survivors: list[Row] = [
+        {name: row[name] for name in ("mutant", "before", "after", "tests", "left out", "files")}
+        | {"note": noted.get((str(row["mutant"]), str(row["after"])), "")}
+        for row in rows
+        if not row["killed"]
+    ]
+    path.unlink(missing_ok=True)
+    if survivors:
+        write(path, survivors)
+        shown = ("mutant", "before", "after", "tests", "note")
+        show("Mutants that no test killed", [{name: row[name] for name in shown} for row in survivors])
+    for test in broken:
+        print(f"left out, since it fails without a mutant: {test}")
+    killed = len(rows) - len(survivors)
+    print(f"\nseed {campaign.seed}: {killed} of {len(rows)} mutants killed, {100.0 * killed / len(rows):.1f} %")
+    return rows
+
+
+def positive(text: str) -> int:
+    """A number of the command line."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"found {text!r}, expected a whole number of 1 or more")
+    return int(text)
+
+
+def command_line(arguments: Sequence[str] | None = None) -> Campaign:
+    """What a command line asks for."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--seed", type=int, default=1, help="of the draw")
+    parser.add_argument("--count", type=positive, default=120, help="how many mutants")
+    parser.add_argument("--jobs", type=positive, default=os.cpu_count() or 1, help="how many at a time")
+    parser.add_argument("--only", default="*", help="pattern of the files to change, such as 'contact/scheme/*'")
+    parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
+    campaign = Campaign(**vars(parser.parse_args(arguments)))
+    if not campaign.mutants():
+        parser.error(f"--only: found {campaign.only!r}, expected a pattern of files below {' or '.join(PACKAGES)}")
+    return campaign

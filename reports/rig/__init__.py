@@ -1,0 +1,1 @@
+"""What the whole chain gives, from a test to the rub."""

@@ -1,0 +1,1 @@
+"""Whether every broken model is refused or warned of by its code."""

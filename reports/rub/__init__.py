@@ -1,0 +1,1 @@
+"""What rubs of reduced casings and blades show, and what they converge with."""

@@ -1,0 +1,1 @@
+"""What each step costs, alone, in sweeps and when a program starts."""

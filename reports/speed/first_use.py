@@ -1,0 +1,97 @@
+"""How long the first run of each shipped scene takes, with nothing compiled yet, and how long the next one does.
+
+`python -m reports.speed.first_use [--quick] [--out DIR]`. User and system seconds of the whole command as a reader
+types it, with an empty cache of machine code and then with the full one; their difference is what compiling costs once.
+Where a limit is set the lesser of two, since others use the machine. Bases that a scene needs are made before, and not
+counted. Scenes that differ in numbers alone share their loops: one of section_44 and of abradable stands for its like.
+"""
+
+import math
+import os
+import resource
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from casingfem.examples import Example, examples
+from reports.tables import Row, command_line, show, write
+
+QUICK = ("two_rods",)
+LIKE_OTHERS = ("section_44/", "abradable/", "interaction_map/", "two_rods_sweep")  # many runs, or the same loops
+OF_THEM = ("section_44/half_hz", "abradable/wear_in", "abradable/as_made")
+LOADED = "import casingfem.cli, contact.jit.compiled, pandas, scipy.sparse.linalg"  # once: their bytecode
+# processor seconds that a first run may take
+WANTED = {"two_rods": 5.0} | dict.fromkeys(
+    ("coulomb_oscillator", "bladed_disk", "rub/five_nodes", "abradable/wear_in"), 15.0
+)
+RODS = 6.0  # every other scene of rods
+
+
+def wanted(scene: Example) -> float | None:
+    """Processor seconds that the first run of a scene should stay below; None where nothing is asked."""
+    return WANTED.get(scene.name, RODS if scene.tables["scene"]["kind"] == "rods" else None)
+
+
+def scenes(quick: bool) -> list[Example]:
+    """The scenes of the table."""
+    known = [e for e in examples().values() if "scene" in e.tables]
+    if quick:
+        return [e for e in known if e.name in QUICK]
+    return [e for e in known if e.name in OF_THEM or not e.name.startswith(LIKE_OTHERS)]
+
+
+def seconds(command: str, folder: Path, cache: Path) -> float:
+    """User and system seconds of a command of casingfem and its children, run in `folder`."""
+    words = [sys.executable, "-m", *shlex.split(command)]
+    there = {
+        **os.environ, "NUMBA_CACHE_DIR": str(cache), "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "",
+    }  # fmt: skip
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(words, cwd=folder, env=there, capture_output=True, text=True, check=False)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode:
+        raise RuntimeError(f"{command}: exit code {done.returncode}: {done.stderr.strip()[-300:]}")
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def row_of(scene: Example, folder: Path) -> Row:
+    """First and next run of one scene."""
+    write_example = f"casingfem example {scene.name}"
+    cache = folder / "machine-code" / scene.name.replace("/", "-")
+    seconds(write_example, folder, cache)
+    *before, run = scene.commands(Path("data"))
+    for command in before:
+        seconds(command, folder, cache)
+    run += " --json"
+    limit = wanted(scene)
+    first = following = math.inf
+    for _ in range(1 if limit is None else 2):
+        shutil.rmtree(cache, ignore_errors=True)
+        first, following = min(first, seconds(run, folder, cache)), min(following, seconds(run, folder, cache))
+    verdict = None if limit is None else "met" if first <= limit else "MISSED"
+    return {
+        "scene": scene.name, "first [s]": first, "next [s]": following, "compiling [s]": first - following,
+        "wanted [s]": limit, "verdict": verdict,
+    }  # fmt: skip
+
+
+def main(out: Path, quick: bool = False) -> list[Row]:
+    """Print and write the table; returns its rows."""
+    rows = []
+    subprocess.run([sys.executable, "-c", LOADED], check=True, env={**os.environ, "PYTHONDONTWRITEBYTECODE": ""})
+    with tempfile.TemporaryDirectory() as folder:
+        for scene in scenes(quick):
+            place = Path(folder) / scene.name.replace("/", "-")
+            place.mkdir()
+            rows.append(row_of(scene, place))
+            print(f"{scene.name}: {rows[-1]['first [s]']:.1f} s, then {rows[-1]['next [s]']:.1f} s", flush=True)
+    show("User and system seconds of a scene's first run and of the next", rows)
+    write(out / "first_use.csv", rows)
+    return rows
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main)

@@ -1,0 +1,1 @@
+"""Whether structures and simple contacts give what is published, exact or computed independently."""

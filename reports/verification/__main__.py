@@ -1,0 +1,7 @@
+"""What `python -m reports.verification` runs: table.py."""
+
+from reports.tables import command_line
+from reports.verification import table
+
+if __name__ == "__main__":
+    command_line(table.__doc__, table.main)

@@ -1,0 +1,138 @@
+"""casingfem correlate and casingfem locate: files in, pictures and one document out."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from casingfem.cli import main
+from casingfem.experiment.correlation.correlate import correlate
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+from casingfem.experiment.measurement import FrequencyTable
+from casingfem.export.modes_uff import write_modes_uff
+from casingfem.modal.modes import modes
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.study import load_study
+from tests.casingfem.study.study_texts import THIN
+
+STUDY = (
+    THIN
+    + """
+[support.base]
+kind = "bolts"
+count = 12
+k = 1e9
+k_rot = 1e6
+[mesh]
+order = 5
+rows = [0.0, 0.05, 1.0]
+around = 12
+[modes]
+count = 10
+"""
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A study, its shapes as a universal file, and tables of a tight casing and of one with bolt 4 loose."""
+    where = tmp_path_factory.mktemp("study")
+    (where / "casing.toml").write_text(STUDY, encoding="utf-8")
+    shell = load_study(where / "casing.toml").shell
+    bolts = shell.supports["base"]
+    assert isinstance(bolts, Bolts)
+    tight = modes(shell, 14, method="shell")
+    write_modes_uff(tight, where / "shapes.uff", range(6))
+    write_modes_uff(modes(loosened(shell, bolts), 14), where / "loose.uff", range(10))
+    for name, found in (("tight", tight), ("loose", modes(loosened(shell, bolts), 14))):
+        n, angle = found.nodal_diameters, found.angle_deg.copy()
+        for low, high in found.doublets:
+            if np.isnan(angle[low]):
+                angle[[low, high]] = 0.0, 90.0 / n[low]
+        table = FrequencyTable.from_arrays(
+            freq_hz=found.freq[:10], sigma_hz=1e-4 * found.freq[:10], n=n[:10], angle_deg=angle[:10]
+        )
+        table.to_csv(where / f"{name}.csv")
+    return where
+
+
+def loosened(shell, bolts):
+    return replace(shell, supports={"base": replace(bolts, loose={4: 0.2})})
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.mark.slow
+def test_correlate_writes_pictures_and_a_document(folder, tmp_path):
+    result = invoke("correlate", folder / "casing.toml", folder / "shapes.uff", "--json", "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    assert [row["mode"] for row in document["shapes"]] == [1, 2, 3, 4, 5, 6]
+    assert min(row["subspace_mac"] for row in document["shapes"]) > 0.999
+    assert {path.name for path in tmp_path.iterdir()} == {"correlation.json", "mac.png", "comac.png"}
+
+
+def test_correlate_refuses_a_file_without_shapes(folder, tmp_path):
+    (tmp_path / "empty.uff").write_text("    -1\n   151\n" + "x\n" * 7 + "    -1\n", encoding="ascii")
+    result = invoke("correlate", folder / "casing.toml", tmp_path / "empty.uff")
+    assert result.exit_code == 2
+    assert "expected modes in sets 55" in result.stderr
+    assert str(folder / "casing.toml") not in result.stderr  # the study is not at fault
+
+
+def test_correlate_refuses_shapes_that_pair_with_no_mode(folder):
+    result = invoke("correlate", folder / "casing.toml", folder / "shapes.uff", "--reach", "1e-9")
+    assert result.exit_code == 2, result.exception  # the file has six digits
+    assert "found no shape that pairs with a mode" in result.stderr
+
+
+def test_the_line_of_low_comac_stays_a_line(folder):
+    shapes = MeasuredShapes.from_uff(folder / "shapes.uff")
+    found = correlate(modes(load_study(folder / "casing.toml").shell, 10, method="shell"), shapes)
+    line = repr(replace(found, comac=np.zeros_like(found.comac))).splitlines()[-1]
+    assert re.fullmatch(r"COMAC below 0.9: sensors (\d+, ){11}\d+ and \d+ more", line), line
+
+
+@pytest.mark.slow
+def test_locate_names_the_bolt_or_the_opposite_one(folder, tmp_path):
+    result = invoke(
+        "locate", folder / "casing.toml", folder / "loose.csv", "--baseline", folder / "tight.csv",
+        "--shapes", folder / "loose.uff", "--json", "--out", tmp_path,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    places = {one["place"] for explanation in document["explanations"] for one in explanation["found"]}
+    assert places == {4, 10}
+    assert document["by_shapes"][0]["places"] == [4]
+    assert document["found"][0]["value"] == pytest.approx(0.2, abs=0.03)
+    assert {path.name for path in tmp_path.iterdir()} == {"located.json", "located.png"}
+
+
+@pytest.mark.slow
+def test_computed_modes_go_to_locate_and_correlate_as_they_are(folder, tmp_path):
+    text = STUDY.replace("k_rot = 1e6", "k_rot = 1e6\nloose = [{bolt = 4, factor = 0.2}]")
+    (tmp_path / "loose.toml").write_text(text, encoding="utf-8")
+    for study, name in ((folder / "casing.toml", "tight"), (tmp_path / "loose.toml", "loose")):
+        result = invoke("modes", study, "--sigma", "2e-4", "--uff", "--out", tmp_path / name)
+        assert result.exit_code == 0, result.output
+    result = invoke(
+        "locate", folder / "casing.toml", tmp_path / "loose" / "modes.csv",
+        "--baseline", tmp_path / "tight" / "modes.csv", "--shapes", tmp_path / "loose" / "modes.uff", "--json",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["by_shapes"][0]["places"] == [4]
+    result = invoke("correlate", tmp_path / "loose.toml", tmp_path / "loose" / "modes.uff", "--json")
+    assert min(row["subspace_mac"] for row in json.loads(result.stdout)["shapes"]) > 0.999
+
+
+def test_locate_refuses_a_table_without_labels(folder, tmp_path):
+    bare = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1)
+    bare.to_csv(tmp_path / "bare.csv")
+    result = invoke("locate", folder / "casing.toml", tmp_path / "bare.csv")
+    assert result.exit_code == 2
+    assert "locate-unlabelled" in result.stderr

@@ -1,0 +1,262 @@
+"""The frequency table: reads what is right, refuses the rest by line and column, writes bit for bit."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from casingfem.experiment.grouping import Doublet, Single
+from casingfem.experiment.measurement import COLUMNS, FrequencyTable, TableError
+from casingfem.io.strict_csv import CsvError, read
+
+DATA = Path(__file__).resolve().parents[3] / "data"
+
+GOOD = """\
+# SYNTHETIC: made for a test
+# sensor: laser
+mode,n,freq_hz,sigma_hz,angle_deg,zeta
+1,8,371.2,0.4,12.0,0.0021
+2,8,373.9,0.4,,
+3,,402.5,0.5,,0.001
+"""
+
+
+def test_reads_the_format_of_the_documentation(tmp_path):
+    path = tmp_path / "rig.csv"
+    path.write_text(GOOD)
+    table = FrequencyTable.from_csv(path)
+    assert len(table) == 3
+    assert table.synthetic
+    assert table.card == ("SYNTHETIC: made for a test", "sensor: laser")
+    assert table.n.tolist() == [8, 8, -1]
+    assert table.freq_hz.tolist() == [371.2, 373.9, 402.5]
+    np.testing.assert_array_equal(table.angle_deg, [12.0, np.nan, np.nan])
+    np.testing.assert_array_equal(table.zeta, [0.0021, np.nan, 0.001])
+    assert repr(table).splitlines()[0] == "FrequencyTable(3 modes, SYNTHETIC, 1 doublet)"
+    assert repr(table).splitlines()[4].split() == ["3", "-", "402.5000", "0.5000", "-", "0.00100"]
+
+
+def test_optional_columns_may_be_absent_and_in_any_order(tmp_path):
+    path = tmp_path / "short.csv"
+    path.write_text("freq_hz,mode,sigma_hz\n20,2,0.1\n10,1,0.1\n")
+    table = FrequencyTable.from_csv(path)
+    assert table.mode.tolist() == [2, 1]
+    assert table.n.tolist() == [-1, -1]
+    assert not table.synthetic
+    assert np.isnan(table.zeta).all()
+
+
+HEAD = "mode,n,freq_hz,sigma_hz,angle_deg,zeta\n"
+ROW = "1,8,371.2,0.4,12.0,0.0021\n"
+BAD = {
+    "empty": ("", "no header row"),
+    "header only": (HEAD, "line 1: found no rows"),
+    "freq without unit": (
+        "mode,freq,sigma_hz\n1,2,1\n",
+        "line 1, column 'freq': .* expected freq_hz, unit and all",
+    ),
+    "frequency in kHz": (HEAD.replace("freq_hz", "freq_khz") + ROW, "column 'freq_khz': .* expected freq_hz"),
+    "sigma without unit": (HEAD.replace("sigma_hz", "sigma") + ROW, "column 'sigma': .* expected sigma_hz"),
+    "angle without unit": (HEAD.replace("angle_deg", "angle") + ROW, "expected angle_deg"),
+    "no sigma": ("mode,freq_hz\n1,2\n", "column 'sigma_hz': found no such column; .* add a column sigma_hz"),
+    "no frequencies": ("mode,sigma_hz\n1,2\n", "column 'freq_hz': found no such column"),
+    "no mode": ("freq_hz,sigma_hz\n2,1\n", "column 'mode': found no such column"),
+    "unknown column": (HEAD.replace("zeta", "colour") + ROW, "column 'colour': found an unknown column"),
+    "column beside its like": (HEAD.replace("zeta", "n_share") + ROW, "column 'n_share': .* expected only mode, n,"),
+    "column twice": (HEAD.replace("zeta", "n") + ROW, "line 1, column 'n': found this column twice"),
+    "unnamed column": (HEAD.strip() + ",\n" + ROW.strip() + ",\n", "no name for column 7"),
+    "no header": (ROW, "line 1: found numbers"),
+    "frequency 0": (HEAD + "1,8,0,0.4,,\n", "line 2, column 'freq_hz': found 0; expected a frequency > 0"),
+    "frequency < 0": (HEAD + ROW + "2,8,-371.2,0.4,,\n", "line 3, column 'freq_hz': found -371.2"),
+    "sigma 0": (HEAD + "1,8,371.2,0,,\n", "line 2, column 'sigma_hz': found 0; expected 0 < sigma_hz"),
+    "sigma < 0": (HEAD + "1,8,371.2,-0.4,,\n", "column 'sigma_hz': found -0.4"),
+    "columns swapped": (HEAD + "1,8,0.4,371.2,,\n", "column 'sigma_hz': found 371.2; .* < freq_hz"),
+    "NaN": (HEAD + "1,8,nan,0.4,,\n", "line 2, column 'freq_hz': found 'nan'"),
+    "NaN angle": (HEAD + "1,8,371.2,0.4,NaN,\n", "line 2, column 'angle_deg': found 'NaN'"),
+    "infinite": (HEAD + "1,8,inf,0.4,,\n", "column 'freq_hz': found 'inf'"),
+    "overflow": (HEAD + "1,8,1e400,0.4,,\n", "column 'freq_hz': found '1e400'"),
+    "blank frequency": (HEAD + "1,8,,0.4,,\n", "column 'freq_hz': found an empty cell"),
+    "blank sigma": (HEAD + "1,8,371.2,,,\n", "column 'sigma_hz': found an empty cell"),
+    "blank mode": (HEAD + ",8,371.2,0.4,,\n", "column 'mode': found an empty cell"),
+    "text after number": (HEAD + "1,8,371.2 Hz,0.4,,\n", "column 'freq_hz': found '371.2 Hz'"),
+    "thousands": (HEAD + "1,8,1_371.2,0.4,,\n", "column 'freq_hz': found '1_371.2'"),
+    "Fortran exponent": (HEAD + "1,8,3.712D2,0.4,,\n", "column 'freq_hz': found '3.712D2'"),
+    "hexadecimal": (HEAD + "1,8,0x17,0.4,,\n", "column 'freq_hz': found '0x17'"),
+    "foreign digits": (HEAD + "1,8,٣٧١,0.4,,\n", "column 'freq_hz'"),
+    "decimal comma": (HEAD + "1,8,371,2,0.4,,\n", "line 2: found 7 cells .* decimal point"),
+    "quoted decimal comma": (HEAD + '1,8,"371,2",0.4,,\n', "column 'freq_hz': found '371,2'"),
+    "semicolons": (HEAD.replace(",", ";"), "separated by semicolons"),
+    "tabs": (HEAD.replace(",", "\t"), "separated by tabs"),
+    "short row": (HEAD + ROW + "2,8,373.9\n", "line 3: found 3 cells in '2,8,373.9'; expected 6"),
+    "mode twice": (HEAD + ROW + ROW, "line 3, column 'mode': found 1 again; expected .* each once"),
+    "mode 0": (HEAD + "0,8,371.2,0.4,,\n", "column 'mode': found 0"),
+    "mode 1.0": (HEAD + "1.0,8,371.2,0.4,,\n", "column 'mode': found '1.0'; expected a whole number"),
+    "n fractional": (HEAD + "1,8.5,371.2,0.4,,\n", "column 'n': found '8.5'"),
+    "n negative": (HEAD + "1,-1,371.2,0.4,,\n", "column 'n': found -1"),
+    "n with m": (HEAD + '1,"8,1",371.2,0.4,,\n', "column 'n': found '8,1'"),
+    "angle 360": (HEAD + "1,8,371.2,0.4,360,\n", "column 'angle_deg': found 360; expected 0 <= angle_deg"),
+    "angle < 0": (HEAD + "1,8,371.2,0.4,-5,\n", "column 'angle_deg': found -5"),
+    "zeta in per cent": (HEAD + "1,8,371.2,0.4,,2.1\n", "column 'zeta': found 2.1; .* not per cent"),
+    "zeta negative": (HEAD + "1,8,371.2,0.4,,-0.1\n", "column 'zeta': found -0.1"),
+    "comment among rows": (HEAD + ROW + "# 2,8,373.9,0.4,,\n", "line 3: found a '#' line below"),
+    "open quote": (HEAD + '1,8,"371.2,0.4,,\n', "line 2: found quotes"),
+    "control character": (HEAD + "1,8,371.2\x0b,0.4,,\n", "line 2: found the character"),
+    "no-break space": (HEAD + "1,8,\u00a0371.2,0.4,,\n", "column 'freq_hz'"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_malformed_tables_are_refused_with_their_place(tmp_path, name):
+    text, message = BAD[name]
+    path = tmp_path / "bad.csv"
+    path.write_bytes(text.encode())
+    with pytest.raises(TableError, match=message) as caught:
+        FrequencyTable.from_csv(path)
+    assert "bad.csv" in str(caught.value)
+    assert caught.value.expected
+
+
+def test_bytes_that_are_not_utf8_name_their_line(tmp_path):
+    path = tmp_path / "latin.csv"
+    path.write_bytes(b"# ok\n# mesur\xe9\n" + (HEAD + ROW).encode())
+    with pytest.raises(TableError, match=r"line 2: found byte 0xe9"):
+        FrequencyTable.from_csv(path)
+    path.write_bytes(b"\xef\xbb\xbf" + (HEAD + ROW).replace("\n", "\r\n").encode())
+    assert len(FrequencyTable.from_csv(path)) == 1
+
+
+tables = st.integers(1, 8).flatmap(
+    lambda rows: st.fixed_dictionaries(
+        {
+            "freq_hz": st.lists(st.floats(1e-3, 1e6), min_size=rows, max_size=rows),
+            "n": st.lists(st.integers(-1, 40), min_size=rows, max_size=rows),
+            "angle_deg": st.lists(st.floats(0, 360, exclude_max=True) | st.just(np.nan), min_size=rows, max_size=rows),
+            "zeta": st.lists(st.floats(0, 0.5) | st.just(np.nan), min_size=rows, max_size=rows),
+            "sigma_hz": st.just(0.9e-3 / 7),
+            "card": st.lists(st.text(st.characters(categories=["L", "N", "P", "Zs"])), max_size=3),
+            "synthetic": st.booleans(),
+        }
+    )
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(tables)
+def test_round_trip_is_bit_identical(tmp_path_factory, arguments):
+    folder = tmp_path_factory.mktemp("round")
+    table = FrequencyTable.from_arrays(**arguments)
+    table.to_csv(folder / "a.csv")
+    again = FrequencyTable.from_csv(folder / "a.csv")
+    for name in COLUMNS:
+        assert getattr(again, name).tobytes() == getattr(table, name).tobytes(), name
+    assert again.card == table.card
+    assert again.synthetic == table.synthetic
+    again.to_csv(folder / "b.csv")
+    assert (folder / "a.csv").read_bytes() == (folder / "b.csv").read_bytes()
+
+
+@pytest.mark.parametrize("space", ["\u00a0", "\u1680", "\u2009", "\u3000"])
+def test_spaces_of_other_scripts_stand_in_a_card(tmp_path, space):
+    table = FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1, card=[f"5{space}mm wall"])
+    table.to_csv(tmp_path / "a.csv")
+    assert FrequencyTable.from_csv(tmp_path / "a.csv").card == table.card
+
+
+def test_writing_leaves_the_old_file_or_the_new_one(tmp_path, monkeypatch):
+    table = FrequencyTable.from_arrays(freq_hz=[100.0, 200.0], sigma_hz=0.1)
+    table.to_csv(tmp_path / "t.csv")
+    before = (tmp_path / "t.csv").read_bytes()
+
+    def fails(*_):
+        raise OSError("no space")
+
+    monkeypatch.setattr("os.replace", fails)
+    with pytest.raises(OSError, match="no space"):
+        table.without(1).to_csv(tmp_path / "t.csv")
+    assert (tmp_path / "t.csv").read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["t.csv"]
+
+
+def test_without_leaves_out_and_names_what_is_missing():
+    table = FrequencyTable.from_arrays(freq_hz=[1.0, 2.0, 3.0], sigma_hz=0.1, card=["lab"])
+    assert table.without(2).mode.tolist() == [1, 3]
+    assert table.without(1, 3).freq_hz.tolist() == [2.0]
+    assert table.without(2).card == ("lab",)
+    with pytest.raises(ValueError, match="has no mode 7"):
+        table.without(7)
+    with pytest.raises(TableError, match="length >= 1"):
+        table.without(1, 2, 3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"freq_hz": [1.0, -2.0]}, r"freq_hz = -2.0 in row 2; expected a frequency > 0"),
+        ({"freq_hz": [1.0, np.nan]}, "freq_hz = nan in row 2"),
+        ({"sigma_hz": [0.1]}, "one common length"),
+        ({"sigma_hz": np.nan}, "sigma_hz = nan"),
+        ({"mode": [1, 1]}, "each once"),
+        ({"n": [2, 2.5]}, "whole numbers"),
+        ({"n": -2}, "n = -2"),
+        ({"zeta": 1.0}, "not per cent"),
+        ({"freq_hz": []}, "one common length"),
+    ],
+)
+def test_arrays_are_checked_like_files(arguments, message):
+    with pytest.raises(TableError, match=message):
+        FrequencyTable.from_arrays(**({"freq_hz": [1.0, 2.0], "sigma_hz": 0.1} | arguments))
+
+
+def groups_of(n, freq, angle=np.nan):
+    return [g.rows for g in FrequencyTable.from_arrays(n=n, freq_hz=freq, sigma_hz=0.1, angle_deg=angle).groups()]
+
+
+def test_doublets_are_neighbours_of_one_n():
+    assert groups_of([8, 8, 4, 4], [368.0, 369.0, 655.0, 640.0]) == [(0, 1), (3, 2)]
+    assert groups_of([0, 0, -1, -1], [10.0, 10.1, 20.0, 20.1]) == [(0,), (1,), (2,), (3,)]
+    assert groups_of([4, 5], [100.0, 100.1]) == [(0,), (1,)]
+    assert groups_of([4, 4], [100.0, 130.0]) == [(0,), (1,)]
+    table = FrequencyTable.from_arrays(n=[4, 4, 0], freq_hz=[1.0, 1.01, 3.0], sigma_hz=0.1)
+    assert table.groups() == (Doublet((0, 1), 4), Single(2, 0))
+
+
+def test_the_closest_neighbours_pair_first():
+    assert groups_of([4, 4, 4], [100.0, 110.0, 111.0]) == [(0,), (1, 2)]
+    assert groups_of([4, 4, 4], [100.0, 101.0, 110.0]) == [(0, 1), (2,)]
+
+
+def test_orientations_decide_where_they_are_known():
+    assert groups_of([4, 4], [100.0, 101.0], [10.0, 32.0]) == [(0, 1)]  # 22.5 deg apart, within reason
+    assert groups_of([4, 4], [100.0, 101.0], [10.0, 57.0]) == [(0,), (1,)]  # alike modulo 45 deg
+    assert groups_of([4, 4], [100.0, 101.0], [2.0, 340.0]) == [(0, 1)]  # across zero
+    assert groups_of([1, 1], [100.0, 101.0], [5.0, 275.0]) == [(0, 1)]
+
+
+def test_the_measured_blade_reads():
+    table = FrequencyTable.from_csv(DATA / "experiments/olson_lindberg.csv")
+    assert table.freq_hz.tolist() == [86.6, 135.5, 258.9, 350.6, 395.2, 531.1, 743.2]
+    assert set(table.sigma_hz) == {1.0}
+    assert not table.synthetic
+    assert table.card[0].startswith("MEASURED")
+    assert any("AFFDL-TR-68-150" in line for line in table.card)
+
+
+@pytest.mark.parametrize(
+    ("name", "rows", "column", "first"),
+    [
+        ("reference_frustum", 21, "f1_3d", 1726.1051),
+        ("cyl_shear_diaphragm_exact", 650, "omega_3d", 0.954455779),
+        ("olson_lindberg_fan_blade", 12, "computed_love_ritz_hz", 85.90),
+    ],
+)
+def test_reference_tables_read_and_carry_their_card(name, rows, column, first):
+    table = read(DATA / f"reference/{name}.csv", CsvError)
+    values = table.numbers(column)
+    assert len(values) == rows
+    assert values[0] == first
+    assert (values > 0).all()
+    text = " ".join(table.card)
+    for word in ("nu = 0.3", "Boundary conditions", "How sure"):
+        assert word in text

@@ -1,0 +1,68 @@
+"""Modes for test software: what two readers find in the file is the model's own."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import casingfem as cf
+from casingfem.cli import main
+from casingfem.export.meshes import drawn_surface
+from casingfem.export.modes_uff import write_modes_uff
+from tests.casingfem.study.study_texts import PLATE, written
+
+pyuff = pytest.importorskip("pyuff")
+
+
+@pytest.fixture(scope="module")
+def casing(frustum, coarse) -> cf.Modes:
+    return cf.modes(frustum(mesh=coarse, radius_defect=cf.FourierField.of({8: 0.002})), 4)
+
+
+@pytest.fixture(scope="module")
+def path(casing, tmp_path_factory):
+    return write_modes_uff(casing, tmp_path_factory.mktemp("uff") / "modes.uff", nodes_set="2411")
+
+
+def test_the_file_holds_the_modes(casing, path):
+    found = cf.read_uff(path, strict=True)
+    assert np.array_equal(found.nodes.points, drawn_surface(casing).points)
+    assert [shape.freq_hz for shape in found.shapes] == pytest.approx(casing.freq, rel=1e-5)
+    for k, shape in enumerate(found.shapes):
+        assert shape.values == pytest.approx(casing.fields[:, :3, k], rel=1e-5, abs=1e-30)
+        assert shape.text[1] == f"n = {casing.nodal_diameters[k]}, m = 1"
+
+
+def test_every_side_is_drawn_once(casing, path):
+    (line,) = cf.read_uff(path).lines
+    sides = np.append(line.nodes, 0).reshape(-1, 3)
+    assert np.all(sides[:, 2] == 0)
+    assert len(np.unique(sides[:, :2], axis=0)) == len(sides)
+    rows, around = 6, 54  # quadrilaterals along the meridian and around
+    assert len(sides) == rows * around + (rows + 1) * around
+    points = drawn_surface(casing).points
+    assert np.linalg.norm(points[sides[:, 0] - 1] - points[sides[:, 1] - 1], axis=1).max() < 0.1
+
+
+def test_another_reader_finds_the_same_modes(casing, path):
+    sets = pyuff.UFF(str(path)).read_sets()
+    shapes = [one for one in sets if one["type"] == 55]
+    assert len(shapes) == 4
+    assert np.asarray(shapes[2]["r2"]) == pytest.approx(casing.fields[:, 1, 2], rel=1e-5, abs=1e-30)
+    assert shapes[2]["freq"] == pytest.approx(casing.freq[2], rel=1e-5)
+
+
+def test_modes_that_are_not_there_are_refused(casing, tmp_path):
+    with pytest.raises(ValueError, match="mode 5 is not among the 4"):
+        write_modes_uff(casing, tmp_path / "f.uff", [4])
+
+
+def test_the_command_writes_the_chosen_modes(tmp_path):
+    base = ["modes", str(written(tmp_path, PLATE))]
+    result = CliRunner().invoke(main, [*base, "--out", str(tmp_path / "out"), "--uff", "--modes", "1,3"])
+    assert result.exit_code == 0, result.stderr
+    shapes = cf.read_uff(tmp_path / "out" / "modes.uff").shapes
+    assert [shape.integers[1] for shape in shapes] == [1, 3]
+    assert not (tmp_path / "out" / "vtu").exists()
+    refused = CliRunner().invoke(main, [*base, "--uff"])
+    assert refused.exit_code == 2
+    assert "needs --out" in refused.stderr

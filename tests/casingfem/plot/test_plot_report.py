@@ -1,0 +1,176 @@
+"""The report: one page, nothing outside it, the same figures from pieces that others compose."""
+
+import base64
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import casingfem as cf
+from casingfem.cli import main
+from casingfem.io.outfiles import json_text, write_atomic, write_files
+from casingfem.plot.contact import figure_contact
+from casingfem.plot.page import Section, Table, render_page
+from casingfem.plot.style import embed, new_figure
+from tests.casingfem.study.study_texts import THICK
+
+UPDATE = """
+[update]
+table = "table.csv"
+[[update.parameter]]
+name = "material.E"
+lower = 150e9
+upper = 250e9
+[[update.parameter]]
+name = "radius.p8.cos"
+lower = 0.0
+upper = 0.01
+"""
+STUDY = THICK.replace("p = 6", "p = 8") + UPDATE
+
+
+class Page(HTMLParser):
+    """Tags, images and text of a page."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.open: list[str] = []
+        self.images: list[dict[str, str | None]] = []
+        self.links: list[str] = []
+        self.text = ""
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        values = dict(attrs)
+        self.tags.append(tag)
+        if tag not in ("meta", "img", "link"):
+            self.open.append(tag)
+        if tag == "img":
+            self.images.append(values)
+        self.links += [str(values[key]) for key in ("href", "src") if key in values]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
+    folder = tmp_path_factory.mktemp("report")
+    study = folder / "casing.toml"
+    study.write_text(STUDY)
+    shell = cf.Shell(
+        chart=cf.Frustum(r_base=0.50, r_top=0.45, height=0.25),
+        thickness=20e-3,
+        material=cf.Material(E=205e9, nu=0.3, rho=7800.0),
+        supports={"base": cf.ElasticEdge(k_face=1e12)},
+        radius_defect=cf.FourierField.of({8: 0.005}),
+        mesh=cf.ShellMesh(order=5, rows=1, around=9),
+    )
+    truth = cf.modes(shell, 6)
+    cf.FrequencyTable.from_arrays(
+        freq_hz=truth.freq, sigma_hz=0.5, n=truth.nodal_diameters, angle_deg=truth.angle_deg, synthetic=True
+    ).to_csv(folder / "table.csv")
+    result = CliRunner().invoke(main, ["report", str(study), "--out", str(folder / "out"), "--json"])
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["report"] == str(folder / "out" / "report.html")
+    assert [path.name for path in (folder / "out").iterdir()] == ["report.html"]
+    return Page((folder / "out" / "report.html").read_text(encoding="utf-8"))
+
+
+@pytest.mark.slow
+def test_the_page_is_well_formed_and_stands_alone(page):
+    assert page.open == []
+    outside = [link for link in page.links if not link.startswith(("data:image/", "#"))]
+    assert outside == []
+    assert not {"script", "link", "iframe"} & set(page.tags)
+
+
+@pytest.mark.slow
+def test_every_figure_is_there_and_has_words_for_those_who_cannot_see_it(page):
+    assert len(page.images) == 7  # frequencies, shapes moving and still, rims, comparison, errors, correlation
+    for image in page.images:
+        assert len(str(image["alt"])) > 40
+        kind, data = re.fullmatch(r"data:image/(png|svg\+xml);base64,(.*)", str(image["src"])).groups()
+        raw = base64.b64decode(data)
+        assert raw.startswith(b"\x89PNG" if kind == "png" else b"<?xml")
+
+
+@pytest.mark.slow
+def test_a_synthetic_table_is_called_so_above_all_else(page):
+    assert page.text.index("SYNTHETIC") < page.text.index("Inputs")
+    assert "nobody measured it" in page.text
+
+
+@pytest.mark.slow
+def test_the_page_has_the_parts_of_the_study(page):
+    for words in (
+        "Inputs", "Modes", "Update", "Reduction", "Provenance", "sha256", "numpy", "Run times",
+        "material.E", "radius.p8.cos", "RMS relative frequency error", "residual compliance", "Sturm count",
+    ):  # fmt: skip
+        assert words in page.text, words
+
+
+def test_a_table_cell_cannot_break_out_of_the_page():
+    table = Table("<b>caption</b>", ("a",), (("<script>alert(1)</script>",), (None,), (1.23456789,)))
+    html = render_page("A & B", [Section("S", ("x < y",), tables=(table,), preformatted="</pre>")])
+    assert "<script>" not in html
+    page = Page(html)
+    assert page.open == []
+    assert "1.23457" in page.text
+    assert "–" in page.text
+
+
+def test_figures_are_the_same_bits_twice():
+    first, second = (embed(new_figure(2.0, 1.0), "empty") for _ in range(2))
+    assert first == second
+
+
+def test_embed_escapes_and_refuses():
+    assert 'alt="a &quot;b&quot; &lt; c"' in embed(new_figure(1.0, 1.0), 'a "b" < c')
+    with pytest.raises(ValueError, match="svg"):
+        embed(new_figure(1.0, 1.0), "x", kind="gif")
+
+
+def test_contact_figure_shows_force_gap_and_the_largest_coordinates():
+    time = np.linspace(0.0, 1.0, 20_001)
+    force = np.where(np.abs(time - 0.4567) < 1e-4, 300.0, 0.0)[:, None]
+    state = np.outer(np.sin(20 * time), [0.1, 3.0, 1.0, 2.0, 0.2, 0.3])
+    result = SimpleNamespace(
+        time=time, gap=1e-3 - 1e-6 * force, state_time=time, state=state, windowed_force=lambda: force
+    )
+    axes = figure_contact(result).axes
+    assert len(axes) == 3
+    drawn = axes[0].lines[0]
+    assert len(drawn.get_xdata()) <= 6000
+    assert drawn.get_ydata().max() == 300.0
+    assert [line.get_label() for line in axes[2].lines] == ["2", "4", "3", "6"]
+    still = SimpleNamespace(**{**vars(result), "state_time": time[:0], "state": state[:0]})
+    assert len(figure_contact(still).axes) == 2
+
+
+def test_files_appear_together_or_not_at_all(tmp_path: Path):
+    (tmp_path / "a.txt").write_text("old")
+
+    def fails(path: Path) -> None:
+        path.write_text("half")
+        raise OSError("disk full")
+
+    with pytest.raises(OSError, match="disk full"):
+        write_files(tmp_path, {"a.txt": "new", "b.txt": fails})
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("a.txt", "old")]
+    assert write_atomic(tmp_path / "deep" / "c.txt", "é").read_text(encoding="utf-8") == "é"
+
+
+def test_json_has_no_nan():
+    assert json.loads(json_text({"a": [float("nan"), float("inf"), 1.5], "b": {"c": (2,)}})) == {
+        "a": [None, None, 1.5], "b": {"c": [2]},
+    }  # fmt: skip

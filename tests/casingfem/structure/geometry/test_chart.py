@@ -1,0 +1,184 @@
+"""Charts: exact derivatives by the complex step, and a user's own chart through the protocol."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from casingfem.linalg.eigen import solve_modes
+from casingfem.structure.edge.support import Clamped, ShearDiaphragm
+from casingfem.structure.field.fourier import FieldValues, FourierField
+from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate, Surface
+from casingfem.structure.geometry.revolved import Arc, Revolved, RevolvedPanel
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
+from tests.casingfem.structure.geometry.complex_step import assert_exact
+
+CHARTS = {
+    "frustum": Frustum(r_base=0.5, r_top=0.45, height=0.25),
+    "cylinder": Cylinder(radius=0.4, height=0.6),
+    "panel": Panel(radius=0.6, length=0.3, angle=0.5),
+    "plate": Plate(length=0.3, width=0.2),
+    "bowl": Revolved(profile=Arc(radius=0.4, start=-1.2, end=0.3, r0=0.05, z0=0.1)),
+    "dome": RevolvedPanel(profile=Arc(radius=0.4, start=0.2, end=-1.2), angle=0.9),
+}
+
+
+class Wave:
+    """f = .02 e^(2 z) cos 3 theta, analytic in both parameters."""
+
+    def derivatives(self, z, theta):
+        f, f_t = 0.02 * np.exp(2 * z) * np.cos(3 * theta), -0.06 * np.exp(2 * z) * np.sin(3 * theta)
+        return FieldValues(f, 2 * f, f_t, 4 * f, 2 * f_t, -9 * f)
+
+
+@pytest.mark.parametrize("name", CHARTS)
+def test_derivatives_equal_the_complex_step(name):
+    assert_exact(CHARTS[name])
+
+
+@pytest.mark.parametrize("name", ["frustum", "cylinder", "panel", "bowl", "dome"])
+def test_derivatives_with_a_radius_field_equal_the_complex_step(name):
+    assert_exact(CHARTS[name], Wave())
+
+
+@pytest.mark.parametrize("name", ["frustum", "cylinder", "panel", "bowl", "dome"])
+def test_derivatives_with_a_fourier_field_equal_central_differences(name):
+    chart, h = CHARTS[name], 1e-5
+    field = FourierField(p=[2, 5], cos=[[0.01, 0.02], [0.0, 0.01]], sin=[[0.0, 0.01], [0.02, 0.0]], z_half=0.2)
+    a, b = np.full(9, 0.1), np.linspace(-0.2, 0.2, 9)
+
+    def at(a, b):
+        return chart.surface(a, b, field.derivatives(a, b))
+
+    here = at(a, b)
+    differences = [(at(a + h, b), at(a - h, b)), (at(a, b + h), at(a, b - h))]
+    for k, first in enumerate([("x1", "x11", "x12"), ("x2", "x12", "x22")]):
+        plus, minus = differences[k]
+        for name_exact, name_value in zip(first, ("x", "x1", "x2"), strict=True):
+            numeric = (getattr(plus, name_value) - getattr(minus, name_value)) / (2 * h)
+            np.testing.assert_allclose(getattr(here, name_exact), numeric, atol=1e-8)
+
+
+def test_radius_of_a_defective_casing_is_r0_times_one_plus_f():
+    chart, field = CHARTS["frustum"], FourierField.of({8: 0.01})
+    z, theta = np.array([0.0, 0.1, 0.25]), np.array([0.0, 0.3, 1.0])
+    x = chart.surface(z, theta, field.derivatives(z, theta)).x
+    np.testing.assert_allclose(np.hypot(x[0], x[1]), chart.radius(z) * (1 + 0.01 * np.cos(8 * theta)), rtol=1e-14)
+
+
+@pytest.mark.parametrize("name", CHARTS)
+def test_spring_directions_are_orthonormal(name):
+    chart = CHARTS[name]
+    d = chart.directions(np.full(5, 0.1), np.linspace(-0.2, 0.2, 5))
+    np.testing.assert_allclose(np.einsum("aip,bip->pab", d, d), np.tile(np.eye(3), (5, 1, 1)), atol=1e-15)
+
+
+def test_a_plate_takes_no_radius_defect():
+    with pytest.raises(ValueError, match="no radius"):
+        CHARTS["plate"].surface(0.0, 0.0, FourierField.of({2: 0.1}).derivatives(0.0, 0.0))
+
+
+@pytest.mark.parametrize("name", CHARTS)
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
+def test_refuses_dimensions_that_are_not_positive(name, value):
+    chart = CHARTS[name]
+    for dimension in [name for name in chart.__dataclass_fields__ if name != "profile"]:
+        with pytest.raises(ValueError, match=rf"chart\.{dimension} must be positive"):
+            replace(chart, **{dimension: value})
+
+
+def test_a_panel_must_stay_open():
+    with pytest.raises(ValueError, match="closed panel is a Cylinder"):
+        Panel(radius=1.0, length=1.0, angle=2 * np.pi)
+
+
+@dataclass(frozen=True)
+class HelicalCylinder:
+    """The same cylinder with lines that wind around it: parameters that are not orthogonal."""
+
+    cylinder: Cylinder
+    winding: float
+
+    @property
+    def bounds(self):
+        return self.cylinder.bounds
+
+    @property
+    def periodic(self):
+        return True
+
+    @property
+    def edges(self):
+        return self.cylinder.edges
+
+    def surface(self, a, b, defect):
+        k, s = self.winding, self.cylinder.surface(a, b + self.winding * a, None)
+        x11 = s.x11 + 2 * k * s.x12 + k * k * s.x22
+        return Surface(s.x, s.x1 + k * s.x2, s.x2, x11, s.x12 + k * s.x22, s.x22)
+
+    def directions(self, a, b):
+        return self.cylinder.directions(a, b + self.winding * a)
+
+
+@dataclass(frozen=True)
+class Upturned:
+    """A chart read from its other end: the normal turns over."""
+
+    chart: Cylinder
+
+    @property
+    def bounds(self):
+        return self.chart.bounds
+
+    @property
+    def periodic(self):
+        return True
+
+    @property
+    def edges(self):
+        return {"base": (0, 1), "top": (0, 0)}
+
+    def surface(self, a, b, defect):
+        s = self.chart.surface(self.chart.height - a, b, None)
+        return Surface(s.x, -s.x1, s.x2, s.x11, -s.x12, s.x22)
+
+    def directions(self, a, b):
+        return self.chart.directions(self.chart.height - a, b)
+
+
+def lowest_frequencies(chart, steel, supports, mesh):
+    system = assemble(Shell(chart=chart, thickness=4e-3, material=steel, supports=supports, mesh=mesh))
+    return np.sqrt(np.maximum(solve_modes(system.K, system.mass, 8, shift=-1e3).eigenvalues, 0.0))
+
+
+@pytest.mark.parametrize("supports", [{"base": Clamped()}, {"base": ShearDiaphragm(), "top": ShearDiaphragm()}])
+def test_a_chart_that_runs_the_other_way_gives_the_same_shell(steel, supports):
+    cylinder, mesh = Cylinder(radius=0.3, height=0.4), ShellMesh(order=6, rows=1, around=7)
+    assert isinstance(Upturned(cylinder), Chart)
+    expected = lowest_frequencies(cylinder, steel, supports, mesh)
+    found = lowest_frequencies(Upturned(cylinder), steel, supports, mesh)
+    # between diaphragms the casing may slide along its axis: one frequency is round-off about zero
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-2)
+
+
+def test_a_chart_whose_lines_are_not_orthogonal_gives_the_same_shell(steel):
+    cylinder, mesh = Cylinder(radius=0.3, height=0.4), ShellMesh(order=8, rows=1, around=7)
+    expected = lowest_frequencies(cylinder, steel, {"base": Clamped()}, mesh)
+    helical = HelicalCylinder(cylinder, winding=0.5)
+    assert isinstance(helical, Chart)
+    np.testing.assert_allclose(lowest_frequencies(helical, steel, {"base": Clamped()}, mesh), expected, rtol=2e-4)
+
+
+def test_a_diaphragm_on_a_chart_whose_lines_are_not_orthogonal(steel):
+    cylinder, mesh = Cylinder(radius=0.3, height=0.4), ShellMesh(order=8, rows=1, around=7)
+    held = {"base": ShearDiaphragm(), "top": ShearDiaphragm()}
+    found = lowest_frequencies(HelicalCylinder(cylinder, winding=0.5), steel, held, mesh)
+    expected = lowest_frequencies(cylinder, steel, held, mesh)
+    np.testing.assert_allclose(found, expected, rtol=2e-3, atol=1e-2)
+
+
+def test_something_else_is_no_chart():
+    assert not isinstance(object(), Chart)
+    assert all(isinstance(chart, Chart) for chart in CHARTS.values())

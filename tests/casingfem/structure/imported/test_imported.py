@@ -1,0 +1,139 @@
+"""Studies of imported meshes: the command line on five formats, refusals with their key, warnings in words."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from casingfem.cli import main
+from casingfem.modal.mesh_modes import mesh_modes
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.solid import Solid
+from casingfem.structure.material import Material
+from casingfem.study import MeshStudy, StudyError, load_any, load_study
+from reports.modes.mesh_files import WRITERS, group_name
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
+
+STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
+MATERIAL = "[material]\nE = 210e9\nnu = 0.3\nrho = 7800.0\n"
+ENDS = {"base": (2, 0.0), "top": (2, 1.0)}
+WALL = revolved((0.5, 0.45), (0.0, 0.25), 0.03)
+RING = grid_mesh("hexahedron20", (1, 12, 2), WALL, groups=ENDS, wrap=1)
+SKIN = grid_mesh(
+    "quad8", (12, 2), lambda u: WALL(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0), "top": (1, 1.0)}, wrap=0
+)
+
+
+def study(folder, text, mesh=RING, name="Gmsh 2.2, text"):
+    file, write = WRITERS[name]
+    write(mesh, folder / file)
+    path = folder / "study.toml"
+    path.write_text(MATERIAL + text.replace("MESH", file))
+    return path
+
+
+SOLID = '[solid]\nmesh = "MESH"\n[support.base]\nkind = "clamped"\n[modes]\ncount = 6\n'
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_five_formats_on_the_command_line(name, tmp_path):
+    text = SOLID.replace("support.base", f'support."{group_name(name, "base", ["base", "top"])}"')
+    ran = CliRunner().invoke(main, ["modes", str(study(tmp_path, text, name=name)), "--json"])
+    assert ran.exit_code == 0, ran.stderr
+    found = json.loads(ran.stdout)
+    exact = mesh_modes(Solid(mesh=RING, material=STEEL, supports={"base": Clamped()}), 6)
+    np.testing.assert_allclose([mode["freq_hz"] for mode in found["modes"]], exact.freq, rtol=1e-9)
+    assert found["modes"][0]["n"] == exact.nodal_diameters[0]
+    assert found["sturm_count"] == exact.sturm_count
+
+
+def test_shell_meshes_and_millimetres(tmp_path):
+    text = '[shell]\nmesh = "MESH"\nscale = 1e-3\nthickness = 0.03\n'
+    text += '[support.base]\nkind = "fixed"\ndirections = ["x", "y", "z"]\n'
+    large = grid_mesh("quad8", (12, 2), lambda u: 1e3 * WALL(np.insert(u, 0, 0.5, axis=1)), groups=dict(
+        base=(1, 0.0)), wrap=0)  # fmt: skip
+    found = load_any(study(tmp_path, text, large))
+    assert isinstance(found, MeshStudy)
+    np.testing.assert_allclose(found.structure.mesh.points[: len(SKIN.points)], SKIN.points, atol=1e-12)
+    assert found.structure.supports["base"].held == (0, 1, 2)
+
+
+def test_materials_by_group_and_foundations(tmp_path):
+    text = (
+        '[solid]\nmesh = "MESH"\n[solid.material.body]\nE = 70e9\nnu = 0.33\nrho = 2700.0\n'
+        '[support.base]\nkind = "elastic"\nk_face = 1e12\n'
+    )
+    structure = load_any(study(tmp_path, text)).structure
+    assert structure.materials["body"].rho == 2700.0
+    assert structure.supports["base"].k_face == 1e12
+
+
+def test_the_hash_covers_the_mesh(tmp_path):
+    path = study(tmp_path, SOLID)
+    before = load_any(path).source["sha256"]
+    mesh = tmp_path / "gmsh22.msh"
+    mesh.write_text(mesh.read_text() + "\n")
+    assert load_any(path).source["sha256"] != before
+
+
+BAD = {
+    "no file": (SOLID.replace("MESH", "other.msh"), "solid.mesh: found .*other.msh.*expected a file that can be read"),
+    "no group": (SOLID.replace("support.base", "support.bsae"), "no group 'bsae' .did you mean 'base'"),
+    "chart beside": (SOLID + '[chart]\nkind = "cylinder"\nradius = 1.0\nheight = 1.0\n', r"no \[chart\] beside"),
+    "update beside": (SOLID + '[reduce]\ninterface = "top"\n', r"no \[reduce\] beside an imported mesh"),
+    "shell beside": (SOLID + "[shell]\nthickness = 0.01\n", "shell: found it beside"),
+    "springs": (SOLID.replace('"clamped"', '"elastic"\nk_r = 1e6'), "support.base: found k_r, expected k_face alone"),
+    "diaphragm": (SOLID.replace("clamped", "shear-diaphragm"), "expected clamped, fixed or elastic"),
+    "directions": (SOLID.replace('"clamped"', '"fixed"\ndirections = ["w"]'), "support.base.directions"),
+    "twice": (SOLID.replace('"clamped"', '"fixed"\ndirections = ["x", "x"]'), "each once"),
+    "scale": (SOLID.replace("MESH\"", "MESH\"\nscale = 0.0"), "solid.scale"),
+    "key": (SOLID.replace("MESH\"", "MESH\"\nscael = 1.0"), "did you mean scale"),
+    "scale without mesh": (SOLID.replace("solid", "shell").replace('mesh = "MESH"', "thickness = 1.0\nscale = 2.0"),
+                           "chart: found nothing"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_studies_name_the_key(name, tmp_path):
+    text, message = BAD[name]
+    path = study(tmp_path, text)
+    with pytest.raises(StudyError, match=message):
+        load_any(path)
+    ran = CliRunner().invoke(main, ["modes", str(path)])
+    assert ran.exit_code == 2
+
+
+@pytest.mark.parametrize("command", ["update", "reduce", "report"])
+def test_what_imported_meshes_cannot_is_refused_in_words(command, tmp_path):
+    path = study(tmp_path, SOLID)
+    ran = CliRunner().invoke(main, [command, str(path), "--out", str(tmp_path)])
+    assert ran.exit_code == 2
+    assert "solid: found an imported mesh, which has modes only" in ran.stderr
+    with pytest.raises(StudyError, match="imported mesh"):
+        load_study(path)
+
+
+def test_shapes_of_meshes_are_not_written(tmp_path):
+    ran = CliRunner().invoke(main, ["modes", str(study(tmp_path, SOLID)), "--vtu", "--out", str(tmp_path)])
+    assert ran.exit_code == 2
+    assert "not those of imported meshes" in ran.stderr
+
+
+@pytest.mark.filterwarnings("default::casingfem.errors.ModelWarning")
+def test_doubts_come_in_words_on_stderr(tmp_path):
+    linear = grid_mesh("hexahedron", (1, 12, 2), WALL, groups=ENDS, wrap=1)
+    ran = CliRunner().invoke(main, ["modes", str(study(tmp_path, SOLID, linear)), "--json"])
+    assert ran.exit_code == 0
+    assert "warning: gmsh22.msh: 24 cells of kind hexahedron" in ran.stderr
+    json.loads(ran.stdout)
+
+
+def test_fixed_is_refused_on_a_chart(tmp_path):
+    path = tmp_path / "study.toml"
+    chart = '[chart]\nkind = "cylinder"\nradius = 0.5\nheight = 0.3\n[shell]\nthickness = 0.01\n'
+    path.write_text(MATERIAL + chart + '[support.base]\nkind = "fixed"\ndirections = ["x"]\n')
+    with pytest.raises(StudyError, match=r"support.base: kind: found 'fixed', which is for imported meshes"):
+        load_study(path)

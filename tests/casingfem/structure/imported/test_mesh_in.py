@@ -1,0 +1,305 @@
+"""Meshes from files: five formats of the same part, hand-written files, and what readers drop or mistake."""
+
+import struct
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from casingfem.errors import ModelError, ModelWarning
+from casingfem.modal.mesh_modes import mesh_modes
+from casingfem.structure.edge.support import Clamped
+from casingfem.structure.imported.cell_kind import KINDS, SHELLS, SOLIDS
+from casingfem.structure.imported.draft import Block, Draft, build, joined
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.solid import Solid
+from reports.modes.mesh_files import BRICK20, GMSH_ORDER, WRITERS, group_name, writable
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
+
+WALL = revolved((0.5, 0.45), (0.0, 0.25), 0.03)
+ENDS = {"base": (2, 0.0), "top": (2, 1.0)}
+
+
+def part(kind):
+    if kind in SHELLS:
+        ends = {"base": (1, 0.0), "top": (1, 1.0)}
+        return grid_mesh(kind, (8, 2), lambda u: WALL(np.insert(u, 0, 0.5, axis=1)), groups=ends, wrap=0)
+    return grid_mesh(kind, (1, 8, 2), WALL, groups=ENDS, wrap=1)
+
+
+@pytest.mark.parametrize("kind", [*SOLIDS, *SHELLS])
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_part_comes_back_with_its_nodes_cells_and_groups(kind, name, tmp_path):
+    if not writable(kind, name):
+        return
+    mesh, (file, write) = part(kind), WRITERS[name]
+    write(mesh, tmp_path / file)
+    back = read_mesh(tmp_path / file)
+    assert back.kind == kind
+    np.testing.assert_array_equal(back.cells, mesh.cells)
+    np.testing.assert_allclose(back.points, mesh.points, atol=1e-13 if name.startswith("Nastran") else 0)
+    for group in mesh.groups:
+        found = group_name(name, group, list(mesh.groups))
+        np.testing.assert_array_equal(back.groups[found].nodes, mesh.groups[group].nodes)
+        assert len(back.group_facets(found)) == len(mesh.group_facets(group))
+
+
+def test_five_formats_give_the_same_frequencies(tmp_path, steel):
+    mesh = part("hexahedron20")
+    exact = mesh_modes(Solid(mesh=mesh, material=steel, supports={"base": Clamped()}), 6).freq
+    for name, (file, write) in WRITERS.items():
+        write(mesh, tmp_path / file)
+        group = group_name(name, "base", ["base", "top"])
+        back = Solid(mesh=read_mesh(tmp_path / file), material=steel, supports={group: Clamped()})
+        np.testing.assert_allclose(mesh_modes(back, 6).freq, exact, rtol=1e-11)
+
+
+def test_orders_of_gmsh_and_nastran_as_their_manuals_draw_them():
+    """Gmsh: edges 0-1 0-3 0-4 1-2 1-5 2-3 2-6 3-7 4-5 4-7 5-6 6-7; Nastran: lower ring, uprights, upper ring."""
+    places = KINDS["hexahedron27"].places
+    gmsh = [(0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)]
+    middles = [places[list(pair)].mean(axis=0) for pair in gmsh]
+    np.testing.assert_allclose(places[list(GMSH_ORDER["hexahedron20"])][8:20], middles)
+    faces = [(0, 1, 2, 3), (0, 1, 5, 4), (0, 3, 7, 4), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7), range(8)]
+    inner = [places[list(face)].mean(axis=0) for face in faces]
+    np.testing.assert_allclose(places[list(GMSH_ORDER["hexahedron27"])][20:], inner)
+    nastran = [(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 5), (2, 6), (3, 7), (4, 5), (5, 6), (6, 7), (7, 4)]
+    middles = [places[list(pair)].mean(axis=0) for pair in nastran]
+    np.testing.assert_allclose(places[list(BRICK20)][8:], middles)
+
+
+def write(path, text):
+    path.write_text(text)
+    return path
+
+
+INP = """*Heading
+** one tetrahedron in two node blocks, sets nested and generated
+*Part, name=P
+*Node, nset=First
+ 10, 0., 0., 0.
+ 20, 2., 0., 0.
+*NODE
+ 30, 0., 2., 0.
+ 40, 0., 0., 2.
+*Element, type=C3D4, elset=Body
+ 7, 10, 20, 30, 40
+*Nset, nset=Some, generate
+ 10, 30, 10
+*Nset, nset=All
+ Some, 40
+*Elset, elset=Everything
+ body
+*Surface, name=Floor, type=ELEMENT
+ Everything, S1
+*Material, name=steel
+*Elastic
+ 210e9, .3
+*End Part
+"""
+
+
+def test_inp_keeps_numbers_blocks_nested_sets_and_surfaces(tmp_path):
+    mesh = read_mesh(write(tmp_path / "a.inp", INP), scale=1e-3)
+    assert mesh.node_numbers.tolist() == [10, 20, 30, 40]
+    assert mesh.cell_numbers.tolist() == [7]
+    np.testing.assert_allclose(mesh.points.max(axis=0), 2e-3)
+    members = {name: group.nodes.tolist() for name, group in mesh.groups.items()}
+    assert members == {
+        "Body": [0, 1, 2, 3], "Everything": [0, 1, 2, 3], "Floor": [0, 1, 2], "First": [0, 1], "Some": [0, 1, 2],
+        "All": [0, 1, 2, 3],
+    }  # fmt: skip
+    assert mesh.groups["Everything"].cells.tolist() == [0]
+    assert mesh.groups["Floor"].facets.tolist() == [[0, 0]]
+
+
+BDF = """SOL 103
+SPC = 3
+BEGIN BULK
+$ one tetrahedron: small, large and free fields, short exponents
+GRID    1               0.      0.      0.
+GRID*   2                               20.-1           0.
+*       0.
+GRID,3,,0.,2.0D0,0.
+GRID,4,0,0.,
+,2.+0
+CTETRA  7       5       1       2       3       4
+SPC1    3       123     1       THRU    3
+SPC     4       4       3       0.
+MAT1,1,2.1+11,,.3,7800.
+ENDDATA
+GRID    99      0       9.      9.      9.
+"""
+
+
+def test_bdf_reads_all_three_field_widths(tmp_path):
+    text = BDF.replace("GRID,4,0,0.,\n,2.+0\n", "GRID,4,0,0.,0.,2.+0\n")
+    mesh = read_mesh(write(tmp_path / "a.bdf", text))
+    np.testing.assert_allclose(mesh.points, [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]])
+    assert mesh.cell_numbers.tolist() == [7]
+    assert mesh.groups["PID 5"].cells.tolist() == [0]
+    assert mesh.groups["SPC 3 123"].nodes.tolist() == [0, 1, 2]
+    assert mesh.groups["SPC 4"].nodes.tolist() == [3]
+
+
+GMSH_TWICE = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+3
+3 1 "body"
+3 2 "hot part"
+2 5 "floor"
+$EndPhysicalNames
+$Nodes
+4
+3 0 0 0
+9 1 0 0
+4 0 1 0
+6 0 0 1
+$EndNodes
+$Elements
+4
+1 4 2 1 1 3 9 4 6
+2 4 2 2 1 3 9 4 6
+3 2 2 5 1 3 4 9
+4 2 2 8 1 3 9 6
+$EndElements
+"""
+
+
+def test_gmsh_cells_in_two_groups_are_one_cell_and_numbers_without_names_are_groups(tmp_path):
+    mesh = read_mesh(write(tmp_path / "a.msh", GMSH_TWICE))
+    assert mesh.cells.tolist() == [[0, 1, 2, 3]]
+    assert {name: group.cells.tolist() for name, group in mesh.groups.items()} == {
+        "body": [0], "hot part": [0], "floor": [], "surface 8": [],
+    }  # fmt: skip
+    assert mesh.groups["floor"].nodes.tolist() == [0, 1, 2]
+    assert mesh.group_facets("surface 8").tolist() == [[0, 1]]
+
+
+def test_join_closes_a_seam(steel):
+    slit = grid_mesh("hexahedron20", (1, 8, 2), WALL, groups=ENDS)
+    with pytest.raises(ModelError, match="mesh-open-seam"):
+        Solid(mesh=slit, material=steel)
+    closed = joined(slit, 1e-6)
+    whole = mesh_modes(Solid(mesh=closed, material=steel, supports={"base": Clamped()}), 6).freq
+    wrapped = Solid(mesh=part("hexahedron20"), material=steel, supports={"base": Clamped()})
+    np.testing.assert_allclose(whole, mesh_modes(wrapped, 6).freq, rtol=1e-9)
+
+
+BROKEN = {
+    "a.txt": ("", "mesh-format"),
+    "empty.msh": ("", "cut short"),
+    "cut.msh": (GMSH_TWICE[:-20], "cut short"),
+    "fewer.msh": (GMSH_TWICE.replace("6 0 0 1\n$End", "$End"), "mesh-file"),
+    "node.msh": (GMSH_TWICE.replace("3 9 4 6\n2", "3 9 4 7\n2"), "names a node that is not given|cannot be read"),
+    "kind.msh": (GMSH_TWICE.replace("1 4 2 1 1 3 9 4 6", "1 444 2 1 1 3 9 4 6"), "mesh-file"),
+    "version.msh": (GMSH_TWICE.replace("2.2 0 8", "9.9 0 8"), "mesh-file"),
+    "wedge.inp": (
+        INP.replace(" Everything, S1\n", "").replace("C3D4", "C3D6").replace("30, 40\n", "30, 40, 10, 20\n", 1),
+        "mesh-unsupported-cell",
+    ),
+    "type.inp": (INP.replace("C3D4", "XYZ9"), "line 10: .ELEMENT of type 'XYZ9'"),
+    "twice.inp": (INP.replace(" 40, 0.", " 30, 0."), "node 30 is given twice"),
+    "missing.inp": (INP.replace("20, 30, 40\n", "20, 30, 41\n"), "node 41 is named but not given"),
+    "short.inp": (INP.replace("20, 30, 40\n", "20, 30\n"), "4 numbers, expected 5 an element"),
+    "word.inp": (INP.replace("2., 0., 0.", "2., 0., x"), "line 6: found '20, 2., 0., x'"),
+    "plane.inp": (INP.replace("2., 0., 0.", "2., 0."), "expected a node number and x, y, z"),
+    "include.inp": (INP + "*INCLUDE, INPUT=b.inp\n", "refers to another file"),
+    "set.inp": (INP.replace(" Some, 40", " Sum, 40"), "no set 'Sum' up to here"),
+    "face.inp": (INP.replace("S1\n", "S5\n"), "face 'S5' of tetra"),
+    "parts.inp": (INP + "*Part, name=Q\n", "several parts"),
+    "moved.inp": (INP + "*Instance, name=I, part=P\n 1., 0., 0.\n", "moved instance"),
+    "system.bdf": (BDF.replace("GRID    1       ", "GRID    1       7"), "coordinate system 7"),
+    "number.bdf": (BDF.replace("CTETRA  7", "CTETRA  x"), "found 'x', expected a whole number"),
+    "real.bdf": (BDF.replace("20.-1", "20.-x"), "expected a real number"),
+    "middle.bdf": (BDF.replace("3       4\n", "3       4       1\n"), "has 5 nodes"),
+    "nothing.bdf": ("BEGIN BULK\nENDDATA\n", "mesh-no-cells"),
+    "pieces.vtu": ("<VTKFile></VTKFile>", "0 pieces, expected one"),
+    "two.vtu": ("<VTKFile><Piece></Piece><Piece></Piece></VTKFile>", "2 pieces, expected one"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_files_are_refused_with_the_place(name, tmp_path):
+    text, message = BROKEN[name]
+    with pytest.raises(ModelError, match=message) as caught:
+        read_mesh(write(tmp_path / name, text))
+    assert name in str(caught.value)
+
+
+def test_what_meshio_drops_without_a_word_is_counted(tmp_path):
+    """A VTU with a cell of unknown kind: meshio leaves the cell out."""
+    mesh = part("hexahedron20")
+    WRITERS["VTU"][1](mesh, tmp_path / "a.vtu")
+    text = (tmp_path / "a.vtu").read_text().replace('"types" format="ascii">\n25', '"types" format="ascii">\n99')
+    with pytest.raises(ModelError, match="15 of 16 cells were read"):
+        read_mesh(write(tmp_path / "a.vtu", text))
+
+
+def test_kinds_that_nobody_knows_are_refused():
+    block = Block("VTK_LAGRANGE_TETRAHEDRON", np.arange(4)[None], np.array([1]))
+    with pytest.raises(ModelError, match=r"1 VTK_LAGRANGE_TETRAHEDRON.*mesh-unsupported-cell"):
+        build(Draft(points=np.eye(4, 3), node_numbers=np.arange(4), blocks=[block]), "a.vtu")
+
+
+def test_truncated_binary_is_refused(tmp_path):
+    WRITERS["Gmsh 4.1, binary"][1](part("tetra10"), tmp_path / "a.msh")
+    content = (tmp_path / "a.msh").read_bytes()
+    place = content.index(b"$Elements\n") + 40
+    (tmp_path / "a.msh").write_bytes(content[:place] + content[place + 400 :])
+    with pytest.raises(ModelError, match="mesh-file"):
+        read_mesh(tmp_path / "a.msh")
+
+
+def test_mixed_cells_and_loose_facets_are_named(tmp_path):
+    brick = "*ELEMENT, TYPE=C3D8\n9, 10, 20, 30, 40, 10, 20, 30, 40\n"
+    with pytest.raises(ModelError, match="1 tetra, 1 hexahedron"):
+        read_mesh(write(tmp_path / "a.inp", INP + brick))
+    loose = "*NODE\n50, 5., 5., 5.\n*ELEMENT, TYPE=CPS3, ELSET=Skin\n9, 10, 20, 50\n"
+    with pytest.warns(ModelWarning, match="'Skin' has 1 of 1 facets that belong to no cell"):
+        read_mesh(write(tmp_path / "b.inp", INP + loose))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        ("a.inp", INP + "*TIE, NAME=t\n a, b\n", r"\*TIE \(line 24\)"),
+        ("a.bdf", "RBE2,9,1,123,2", "1 RBE2"),
+        ("b.bdf", "RBE2,9,1,123,2\nMPC,3,1,1,1.,2,1,-1.\nRBE2,10,1,123,3\nRBE2,11,1,123,4", "3 RBE2, 1 MPC"),
+    ],
+)
+def test_constraints_that_are_not_taken_over_are_doubted(name, text, told, tmp_path):
+    if name.endswith("bdf"):
+        text = BDF.replace("GRID,4,0,0.,\n,2.+0\n", "GRID,4,,0.,0.,2.\n").replace("MAT1", text + "\nMAT1")
+    with pytest.warns(ModelWarning, match=f"{name}: {told}: .*mesh-left-out"):
+        read_mesh(write(tmp_path / name, text))
+
+
+@pytest.mark.parametrize("setting", [{"scale": 0.0}, {"scale": np.nan}, {"join": -1.0}])
+def test_scale_and_join_must_be_usable(setting, tmp_path):
+    with pytest.raises(ModelError, match="mesh-scale"):
+        read_mesh(write(tmp_path / "a.inp", INP), **setting)
+
+
+def test_negative_physical_numbers_are_not_lost(tmp_path):
+    """Gmsh 2.2 marks a reversed surface by a negative number."""
+    mesh = read_mesh(write(tmp_path / "a.msh", GMSH_TWICE.replace("3 2 2 5 1", "3 2 2 -5 1")))
+    assert mesh.groups["floor"].nodes.tolist() == [0, 1, 2]
+
+
+@pytest.mark.slow
+def test_a_shell_without_meshes_does_not_load_meshio():
+    code = "import sys; from casingfem import *; assert 'meshio' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_gmsh_41_bits_are_as_the_manual_has_them(tmp_path):
+    WRITERS["Gmsh 4.1, binary"][1](part("tetra"), tmp_path / "a.msh")
+    content = (tmp_path / "a.msh").read_bytes()
+    start = content.index(b"$Nodes\n") + 7
+    assert struct.unpack("<4Q", content[start : start + 32]) == (1, 48, 1, 48)

@@ -1,0 +1,207 @@
+"""Strips: exact solutions, the meridian against the shell, mass and springs side by side, and what is refused."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.errors import ModelError
+from casingfem.modal.fourier import harmonic_floor, lowest
+from casingfem.modal.mode_set import frequency_scale
+from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.shell.assembly import nodal_mass
+from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.edges import holding_forms
+from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
+from casingfem.updating.sensitivity import eigen_derivatives
+from reports.verification import strips as verify_strips
+from reports.verification.strips import ALUMINIUM, exact, found, refined, stepped
+
+STRIPS = (
+    cf.Strip(start=0.24, end=0.25, thickness=12e-3),
+    cf.Strip(start=0.1, end=0.15, thickness=5e-3, material=ALUMINIUM),
+)
+
+
+def uniform_of_strips(frustum, **changes):
+    """The whole wall made of strips of aluminium, on a shell whose own wall is nowhere."""
+    ends = (0.0, 0.1, 0.25)
+    strips = [cf.Strip(start=a, end=b, thickness=4e-3, material=ALUMINIUM) for a, b in pairwise(ends)]
+    return frustum(strips=strips, **changes)
+
+
+@pytest.mark.parametrize(("n", "m", "within"), [(0, 1, 1e-9), (2, 2, 1e-6), (5, 1, 1e-6)])
+def test_a_stepped_cylinder_is_its_exact_solution(n, m, within):
+    shell = refined(stepped(), 14)
+    omega = found(shell, n, m)[m - 1]
+    assert omega == pytest.approx(exact(n, m, omega), rel=within)
+
+
+def test_every_verification_row_passes_on_the_default_mesh():
+    rows = verify_strips.rows(quick=True)
+    assert {row["verdict"] for row in rows} == {"pass"}
+    assert len(rows) == 7
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "edge",
+    [cf.Clamped(), cf.ElasticEdge(k_face=1e12)],
+    ids=["clamped", "elastic"],
+)
+def test_the_shell_agrees_with_its_meridian(frustum, edge):
+    casing = frustum(
+        chart=cf.Frustum(r_base=0.2, r_top=0.18, height=0.3), thickness=10e-3, supports={"top": edge},
+        strips=(cf.Strip(start=0.2, end=0.3, thickness=14e-3, material=ALUMINIUM),),
+        mesh=ShellMesh(order=10, rows=(0.0, 2 / 3, 1.0), around=7),
+    )  # fmt: skip
+    shell, meridian = (cf.modes(casing, 6, method=method) for method in ("shell", "fourier"))
+    np.testing.assert_allclose(shell.freq, meridian.freq, rtol=1e-9)
+    np.testing.assert_array_equal(shell.nodal_diameters, meridian.nodal_diameters)
+
+
+def test_strips_all_alike_are_a_uniform_shell(frustum):
+    mesh = ShellMesh(order=6, rows=(0.0, 0.4, 1.0), around=9)
+    whole = frustum(thickness=4e-3, material=ALUMINIUM, mesh=mesh)
+    parts = uniform_of_strips(frustum, mesh=mesh)
+    found = [cf.modes(shell, 6, method="shell").freq for shell in (whole, parts)]
+    np.testing.assert_allclose(*found, rtol=1e-10)
+    assert frequency_scale(parts) == pytest.approx(frequency_scale(whole), rel=1e-14)
+    assert harmonic_floor(parts, 6) == pytest.approx(harmonic_floor(whole, 6), rel=1e-14)
+
+
+def test_mass_is_the_sum_of_the_strips_each_on_its_side(steel):
+    """Three bands of a plate; the nodes on their lines carry both sides."""
+    plate = cf.Shell(
+        chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel,
+        strips=(
+            cf.Strip(start=0.2, end=0.5, thickness=0.03),
+            cf.Strip(start=0.5, end=0.6, thickness=0.02, material=ALUMINIUM),
+        ),
+        mesh=ShellMesh(order=4, rows=(0.0, 0.2, 0.5, 0.6, 1.0), around=3),
+    )  # fmt: skip
+    grid = make_grid(plate.chart, plate.mesh)
+    mass, rotary = nodal_mass(plate, grid).T
+    bands = [(0.6, 0.01, 7800.0), (0.3, 0.03, 7800.0), (0.1, 0.02, 2700.0)]
+    assert mass.sum() == pytest.approx(sum(0.5 * length * t * rho for length, t, rho in bands), rel=1e-13)
+    assert rotary.sum() == pytest.approx(sum(0.5 * length * t**3 / 12 * rho for length, t, rho in bands), rel=1e-13)
+    left = mass[grid.nodes[0] < 0.2 - 1e-9].sum() + 0.5 * 0.2 * 0.01 * 7800.0 / 20  # the last node's Lobatto share
+    assert left == pytest.approx(0.5 * 0.2 * 0.01 * 7800.0, rel=1e-12)
+
+
+def test_a_foundation_along_a_side_feels_each_strips_wall(steel):
+    edge = cf.ElasticEdge(k_face=1e9)
+    plate = cf.Shell(
+        chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel, supports={"left": edge},
+        strips=(cf.Strip(start=0.25, end=0.5, thickness=0.03),), mesh=ShellMesh(order=3, rows=4, around=2),
+    )  # fmt: skip
+    (form,) = holding_forms(plate, make_grid(plate.chart, plate.mesh))
+    np.testing.assert_allclose(form.D[:, :3, :3].sum(axis=0), 1e9 * (0.75 * 0.01 + 0.25 * 0.03) * np.eye(3), rtol=1e-13)
+    assert form.D[:, 3, 3].sum() == pytest.approx(1e9 * (0.75 * 0.01**3 + 0.25 * 0.03**3) / 12.0, rel=1e-13)
+
+
+@pytest.fixture(scope="module")
+def uneven(frustum):
+    """A casing of strips with a radius field, and its modes."""
+    mesh = ShellMesh(order=5, rows=(0.0, 0.4, 0.6, 0.96, 1.0), around=9)
+    casing = frustum(strips=STRIPS, mesh=mesh, radius_defect=cf.FourierField.of({8: 0.002, 3: 0.001}))
+    return casing, cf.modes(casing, 6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["strip.1.thickness", "strip.2.thickness", "strip.2.material.E", "strip.2.material.rho", "material.E"]
+)
+def test_derivatives_equal_central_differences(uneven, name):
+    casing, found = uneven
+    exact = np.diag(eigen_derivatives(found, [Parameter(name=name, lower=1e-4, upper=1e12)])[0])
+    x = get_value(casing, name)
+    plus, minus = (cf.modes(with_value(casing, name, x * (1 + s)), 6).omega ** 2 for s in (1e-4, -1e-4))
+    numeric = (plus - minus) / (2e-4 * x)
+    pairs = np.arange(6).reshape(3, 2)
+    np.testing.assert_allclose(exact[pairs].mean(axis=1), numeric[pairs].mean(axis=1), rtol=2e-5)
+
+
+def test_floors_lie_below_every_mode(frustum):
+    casing = frustum(strips=(cf.Strip(start=0.1, end=0.2, thickness=0.8e-3), STRIPS[0]))
+    for n in (2, 5, 12, 30):
+        assert harmonic_floor(casing, n) < lowest(harmonic_matrices(casing, n), 1, 1e4)[0][0]
+    assert frequency_scale(casing) < cf.modes(casing, 1).omega[0]
+    free = cf.modes(frustum(supports={}, strips=STRIPS), 8)
+    assert free.rigid == 6
+
+
+def test_the_default_mesh_has_a_line_at_each_end(frustum, steel):
+    casing = frustum(strips=STRIPS)
+    assert {0.4, 0.6, 0.96} <= {round(x, 12) for x in casing.mesh.rows}
+    plate = cf.Shell(chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel,
+                     strips=(cf.Strip(start=0.0, end=0.1, thickness=0.02),))  # fmt: skip
+    assert plate.mesh.rows == pytest.approx((0.0, 0.1, 0.325, 0.55, 0.775, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("strips", "code"),
+    [
+        ([(0.2, 0.3)], "strip-outside"),
+        ([(-0.1, 0.1)], "strip-outside"),
+        ([(0.1, 0.2), (0.05, 0.11)], "strip-overlap"),
+        ([(0.1, 0.2), (0.1, 0.2)], "strip-overlap"),
+    ],
+)
+def test_refuses_strips_that_do_not_fit(frustum, strips, code):
+    with pytest.raises(ModelError, match=r"strip\[\d\] from") as caught:
+        frustum(strips=[cf.Strip(start=a, end=b, thickness=1e-3) for a, b in strips])
+    assert caught.value.code == code
+
+
+def test_refuses_a_mesh_that_would_smear_a_strip(frustum):
+    with pytest.raises(ModelError, match=r"strip\[2\] from 0.1 to 0.15 m: no element line at 0.1 m") as caught:
+        frustum(strips=STRIPS, mesh=ShellMesh(order=4, rows=4, around=9))
+    assert caught.value.code == "strip-off-line"
+
+
+@pytest.mark.parametrize("ends", [(0.2, 0.1), (0.1, 0.1), (np.nan, 0.1), (0.1, np.inf)])
+def test_refuses_ends_that_are_none(ends):
+    with pytest.raises(ModelError, match="strip: found start") as caught:
+        cf.Strip(start=ends[0], end=ends[1], thickness=1e-3)
+    assert caught.value.code == "strip-extent"
+
+
+@pytest.mark.parametrize("thickness", [0.0, -1e-3, np.nan])
+def test_refuses_a_strip_without_a_wall(thickness):
+    with pytest.raises(ModelError, match=r"strip\.thickness must be positive"):
+        cf.Strip(start=0.0, end=0.1, thickness=thickness)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("strip.3.thickness", "this shell has 2"),
+        ("strip.0.thickness", "this shell has 2"),
+        ("strip.x.thickness", "found strip 'x'"),
+        ("strip.1.start", "a strip has thickness, material.E"),
+        ("strip.2.material.G", "a strip has thickness, material.E"),
+        ("strip.1.material.E", "no material of its own"),
+    ],
+)
+def test_names_what_a_strip_has(frustum, name, message):
+    with pytest.raises(ParameterError, match=message):
+        get_value(frustum(strips=STRIPS), name)
+
+
+def test_a_strip_holds_its_place_when_the_casing_grows(frustum):
+    """Strips are absolute, mesh lines relative: a height that moves the lines off their ends is refused."""
+    casing = frustum(strips=STRIPS[1:])
+    with pytest.raises(ParameterError, match=r"chart\.height: its lower bound .* \[strip-off-line"):
+        check_parameters(casing, [Parameter(name="chart.height", lower=0.2, upper=0.3)])
+
+
+def test_a_strip_without_a_material_follows_the_wall(frustum):
+    stiff = with_value(frustum(strips=STRIPS), "material.E", 1e11)
+    at = stiff.geometry(np.array([0.05, 0.12, 0.245]), np.zeros(3))
+    assert at.E.tolist() == [1e11, ALUMINIUM.E, 1e11]
+    assert at.thickness.tolist() == [3e-3, 5e-3, 12e-3]
+    assert at.rho.tolist() == [7800.0, 2700.0, 7800.0]
+    assert replace(stiff, strips=()).geometry(np.array([0.12]), np.zeros(1)).nu.tolist() == [0.3]

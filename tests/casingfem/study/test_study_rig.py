@@ -1,0 +1,219 @@
+"""[rig] of a study file: what is made of it, the command, the pictures, what is refused."""
+
+import json
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import casingfem as cf
+from casingfem.cli import main
+from casingfem.experiment.circle.record import ScanRecord
+from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
+from casingfem.study import StudyError, load_study
+from casingfem.study.rig import run_rig
+from tests.casingfem.study.study_texts import STEEL, THIN, written
+
+CASING = (
+    THIN
+    + """
+[[imperfection]]
+of = "radius"
+harmonics = [{p = 12, cos = 0.001}]
+[support.base]
+kind = "clamped"
+[mesh]
+order = 6
+rows = 1
+around = 9
+[modes]
+count = 10
+[rig]
+seed = 4711
+zeta = 0.003
+zeta_spread = 0.2
+quantity = "mobility"
+[[rig.drive]]
+height = 0.25
+angle_deg = 17.0
+mass = 0.01
+[[rig.sensor]]
+height = 0.25
+count = 24
+"""
+)
+EXACT = """
+[rig.test]
+kind = "exact"
+band_hz = [360.0, 440.0]
+resolution_hz = 0.25
+snr_db = 60.0
+"""
+BURST = EXACT.replace('"exact"', '"burst-random"').replace("0.25", "0.5") + "blocks = 6\nbits = 20\n"
+SCAN = """
+[rig.scan]
+height = 0.25
+tones_hz = [370.1, 384.3]
+mirror_hz = 2.3
+seconds = 6.0
+fs = 1200.0
+orders = 10
+snr_db = 30.0
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    return partial(written, tmp_path)
+
+
+def test_exact_responses_carry_the_truth(study):
+    test = run_rig(load_study(study(CASING + EXACT)))
+    assert len(test.frfs) == 24
+    assert test.frfs.card[0].startswith("SYNTHETIC")
+    assert any("seed 4711" in line for line in test.frfs.card)
+    found = test.truth
+    assert found.card[0].startswith("SYNTHETIC")
+    bare = cf.modes(load_study(study(CASING)).shell, 10)
+    assert sorted(found.n.tolist()) == sorted(bare.nodal_diameters.tolist())
+    assert np.all(found.freq_hz <= bare.freq * (1.0 + 1e-12))
+    assert found.freq_hz[0] < bare.freq[0] * (1.0 - 1e-4)
+    size = np.linalg.norm(test.frfs.responses, axis=0)
+    lines = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] > size[2:])) + 1
+    for peak in test.frfs.x[lines[np.argsort(size[lines])[-3:]]]:
+        assert np.abs(found.freq_hz - peak).min() < 0.5
+
+
+def test_records_give_nearly_the_same_responses(study):
+    plain = CASING.replace("mass = 0.01", "")
+    exact = run_rig(load_study(study(plain + EXACT.replace("snr_db = 60.0", "").replace("0.25", "0.5")))).frfs
+    test = run_rig(load_study(study(plain + BURST)))
+    assert np.linalg.norm(test.frfs.responses - exact.responses) < 0.01 * np.linalg.norm(exact.responses)
+    assert np.median(test.coherence.responses.real) > 0.99
+
+
+def test_a_scan_finds_the_orders_of_the_modes(study):
+    test = run_rig(load_study(study(CASING + SCAN.replace("orders = 10", "orders = 11\npoints = 23"))))
+    largest = [np.abs(V).argmax() for V in test.waves.V]
+    seen = [abs(test.waves.n[k]) for k in largest]
+    nearest = [test.truth.n[np.abs(test.truth.freq_hz - tone).argmin()] for tone in (370.1, 384.3)]
+    assert seen == nearest
+    assert np.all(np.abs(test.waves.V - test.scan.V) < 6.0 * test.waves.sigma)
+
+
+def test_the_same_file_twice_is_the_same_to_the_last_bit(study):
+    one, two = (run_rig(load_study(study(CASING + EXACT + SCAN))) for _ in range(2))
+    assert np.array_equal(one.frfs.responses, two.frfs.responses)
+    assert np.array_equal(one.scan.record.velocity, two.scan.record.velocity)
+    other = run_rig(load_study(study((CASING + EXACT).replace("4711", "4712"))))
+    assert not np.array_equal(one.rig.zeta, other.rig.zeta)
+    assert not np.array_equal(one.frfs.responses, other.frfs.responses)
+
+
+@pytest.mark.slow
+def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_path):
+    out = tmp_path / "out"
+    path = study(CASING + BURST + "keep_records = true\n" + SCAN)
+    result = CliRunner().invoke(main, ["rig", str(path), "--json", "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    assert document["synthetic"] is True
+    assert document["source"]["sha256"]
+    assert {w["n"] for w in document["waves"]} >= {7, 8}
+    assert {p.name for p in out.iterdir()} == {
+        "rig.json", "truth.csv", "frfs.uff", "frfs.npz", "frfs.png", "coherence.npz", "scan.npz", "scan.png",
+        "deflections.png", "responses.uff", "forces.uff",
+    }  # fmt: skip
+    assert cf.FrfSet.from_uff(out / "frfs.uff").card[0].startswith("SYNTHETIC")
+    assert len(cf.FrfSet.from_uff(out / "responses.uff", "time")) == 24
+    assert cf.FrfSet.from_uff(out / "forces.uff", "time").unit == "N"
+    assert cf.FrfSet.load(out / "frfs.npz").card[0].startswith("SYNTHETIC")
+    assert ScanRecord.load(out / "scan.npz").card[0].startswith("SYNTHETIC")
+    assert cf.FrequencyTable.from_csv(out / "truth.csv").card[0].startswith("SYNTHETIC")
+    words = CliRunner().invoke(main, ["rig", str(path)]).output
+    assert words.startswith("SYNTHETIC")
+    assert "waves above 4 sigma" in words
+
+
+def test_pictures_of_what_nobody_measured_say_so(study):
+    test = run_rig(load_study(study(CASING + EXACT + SCAN)))
+    drawn = [
+        figure_responses(test.frfs, marks=test.truth.freq_hz),
+        figure_scan(test.scan.record, test.waves),
+        figure_deflections(test.waves, [(0, 8), (1, 0)]),
+    ]
+    for figure in drawn:
+        assert [text.get_text() for text in figure.texts] == ["SYNTHETIC"]
+    measured = replace(test.frfs, card=("measured",))
+    assert not figure_responses(measured).texts
+    lines = {tuple(np.round(line.get_xdata(), 9)) for line in drawn[0].axes[0].lines if len(line.get_xdata()) == 2}
+    inside = [f for f in test.truth.freq_hz.tolist() if 360.0 <= f <= 440.0]
+    assert {x[0] for x in lines} == {round(f, 9) for f in inside}
+    _, size = drawn[2].axes[0].lines[1].get_data()
+    assert size.max() == pytest.approx(1.45, abs=0.02)  # the largest deflection is drawn .45 beyond the circle
+
+
+def test_open_charts_give_places_by_their_parameters(study):
+    plate = (
+        STEEL
+        + """
+[chart]
+kind = "plate"
+length = 0.11
+width = 0.04
+[shell]
+thickness = 5e-3
+[support.root]
+kind = "clamped"
+[modes]
+count = 4
+[rig]
+seed = 3
+zeta = 0.002
+[[rig.drive]]
+at = [0.11, 0.0]
+direction = "normal"
+[[rig.sensor]]
+at = [0.08, 0.01]
+direction = "normal"
+[rig.test]
+kind = "impact"
+band_hz = [200.0, 1000.0]
+resolution_hz = 4.0
+blocks = 2
+"""
+    )
+    test = run_rig(load_study(study(plate)))
+    assert test.truth.n.tolist() == [-1] * 4
+    assert abs(test.frfs.x[np.abs(test.frfs.responses[0]).argmax()] - test.truth.freq_hz[0]) <= 4.0
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (CASING.partition("[rig]")[0], r"rig: found nothing, expected a table \[rig\]"),
+        (CASING.replace("zeta = 0.003", "zeta = 3.0"), "rig.zeta"),
+        (CASING.partition("[[rig.sensor]]")[0] + EXACT, "rig.sensor: found nothing"),
+        (CASING + EXACT.replace("[360.0, 440.0]", "[440.0, 360.0]"), "two frequencies in order"),
+        (CASING + EXACT + "bits = 12\n", "found bits with exact responses"),
+        (CASING + EXACT + "keep_records = true\n", "found keep_records with exact responses"),
+        (CASING + SCAN + "drive = 3\n", "rig.scan.drive: found 3, expected 1 to 1"),
+        (CASING + SCAN.replace("mirror_hz = 2.3", ""), "a spot that moves"),
+        (CASING + SCAN.replace("384.3", "372.4"), "fall together"),
+        (CASING + SCAN.replace("6.0", "0.3"), "too short"),
+        (CASING.replace("height = 0.25\nangle_deg", "height = 0.35\nangle_deg") + EXACT, "off the surface"),
+        (CASING.replace("height = 0.25\ncount", "at = [0.25, 0.0]\nheight = 0.25\ncount") + EXACT, "one of them"),
+        (CASING + SCAN + "wobble = 1\n", "unknown key"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_its_key(study, text, words):
+    with pytest.raises(StudyError, match=words):
+        run_rig(load_study(study(text)))
+
+
+def test_a_refusal_is_exit_code_2(study):
+    result = CliRunner().invoke(main, ["rig", str(study(CASING + SCAN.replace("6.0", "0.3")))])
+    assert result.exit_code == 2
+    assert "too short" in result.stderr

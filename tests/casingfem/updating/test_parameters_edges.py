@@ -1,0 +1,107 @@
+"""Rings and point masses as parameters: numbers by name, exact derivatives, and back into a study."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.structure.edge.section import Section
+from casingfem.study import load_study
+from casingfem.study.updated import updated_toml
+from casingfem.updating.parameters import get_value, with_value
+from casingfem.updating.sensitivity import eigen_derivatives
+from tests.casingfem.study.study_texts import THIN, written
+
+STUDY = (
+    THIN
+    + """
+[support.base]
+kind = "ring"
+width = 0.03
+depth = 0.02
+material = {E = 200e9, nu = 0.3, rho = 7800.0}
+[support.base.support]
+kind = "elastic"
+k_r = 3e8
+k_theta = 2e8
+k_z = 4e8
+[[mass]]
+edge = "base"
+angle_deg = 10.0
+mass = 0.1
+[[mass]]
+edge = "top"
+angle_deg = 20.0
+mass = 0.02
+"""
+)
+
+
+@pytest.fixture
+def study(tmp_path):
+    return load_study(written(tmp_path, STUDY))
+
+
+def test_a_rectangle_stays_one():
+    ring = Section.rectangle(width=0.03, depth=0.02).with_number("width", 0.04)
+    assert ring == Section.rectangle(width=0.04, depth=0.02)
+    assert Section.circle(diameter=0.02).with_number("diameter", 0.03) == Section.circle(diameter=0.03)
+
+
+def test_a_section_by_its_numbers_changes_one_of_them():
+    free = replace(Section.rectangle(width=0.03, depth=0.02), J=1e-8)
+    assert free.with_number("width", 0.04) == replace(free, width=0.04)
+    with pytest.raises(KeyError, match="a section has width, depth, area"):
+        free.number("diameter")
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("support.base.section.width", 0.035),
+        ("support.base.section.depth", 0.025),
+        ("support.base.material.E", 190e9),
+        ("support.base.k_r", 1e8),
+        ("mass.base.1.mass", 0.2),
+        ("mass.top.1.angle", 0.5),
+    ],
+)
+def test_numbers_go_in_and_back_into_a_study(study, tmp_path, name, value):
+    assert get_value(with_value(study.shell, name, value), name) == value
+    (tmp_path / "new.toml").write_text(updated_toml(study, {name: value}, tmp_path))
+    assert get_value(load_study(tmp_path / "new.toml").shell, name) == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("mass.top.2.mass", "this shell has masses: 1 on 'base', 1 on 'top'"),
+        ("mass.top.1.weight", "expected mass.<edge>.<number>.mass or .angle"),
+        ("support.base.section.colour", "a section has width"),
+        ("support.base.material.G", "this ring has section.width and the like, material.E"),
+    ],
+)
+def test_numbers_that_do_not_exist_are_refused(study, name, words):
+    with pytest.raises(cf.ParameterError) as caught:
+        get_value(study.shell, name)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["support.base.section.width", "support.base.section.area", "support.base.section.I_r", "support.base.section.I_z",
+     "support.base.section.J", "support.base.material.E", "support.base.material.rho", "mass.base.1.mass",
+     "mass.top.1.mass", "mass.top.1.angle"],
+)  # fmt: skip
+def test_derivatives_equal_central_differences(study, name):
+    """A number of the section reaches the ring's stiffness and its inertia, alone or with those that follow it."""
+    waves = cf.FourierField.of({8: (0.002, 0.001), 3: 0.001})
+    shell = replace(study.shell, radius_defect=waves, mesh=cf.ShellMesh(order=5, rows=1, around=9))
+    found = cf.modes(shell, 8)
+    exact = np.diag(eigen_derivatives(found, [cf.Parameter(name=name, lower=1e-30, upper=1e30)])[0])
+    x = float(get_value(shell, name))
+    h = 1e-4 * x
+    plus, minus = (cf.modes(with_value(shell, name, x + side), 8).omega ** 2 for side in (h, -h))
+    numeric = (plus - minus) / (2.0 * h)
+    assert np.abs(exact - numeric).max() < 1e-6 * np.abs(numeric).max()

@@ -1,0 +1,266 @@
+"""Closed contact: B6 and its neighbours by eigenvalues, by formula and by time; friction; split casings by Floquet."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.integrate import solve_ivp
+
+import contact as ct
+from casingfem.cli import main
+from contact.growth.closed_contact import growth
+from contact.growth.coincidence import coincidences, loaded
+from contact.growth.floquet import floquet_growth
+from contact.model.gaps.permanent import SplitError, disk_contact
+from tests.contact.synthetic_rim import blade, ring
+
+SCENE = Path(__file__).parents[3] / "data" / "scenes" / "pair.toml"
+B6 = ct.HandPair(
+    casing=ct.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5), blade=ct.ModalPair(freq_hz=120.0, modal_mass=0.4),
+    compliance=1e-4,
+)  # fmt: skip
+OTHERS = [
+    ct.HandPair(casing=ct.ModalPair(n=4, freq_hz=250.0, modal_mass=2.0, zeta=2e-4),
+                blade=ct.ModalPair(freq_hz=90.0, modal_mass=0.8, zeta=5e-4), compliance=1e-4),
+    ct.HandPair(casing=ct.ModalPair(n=12, freq_hz=800.0, modal_mass=0.9),
+                blade=ct.ModalPair(freq_hz=410.0, modal_mass=0.2, zeta=1e-4), compliance=2e-5),
+]  # fmt: skip
+
+
+def damped(pair, casing=1e-3, zeta=1e-3):
+    return replace(pair, casing=replace(pair.casing, zeta=casing), blade=replace(pair.blade, zeta=zeta))
+
+
+def stationary(pair, speed_hz):
+    """The 6-state matrix of the stationary frame, x, y of the rim and the blade, written out anew by hand."""
+    c, b, k, spin = pair.casing, pair.blade, 1.0 / pair.compliance, pair.casing.n * 2.0 * np.pi * speed_hz
+    d, e, drag = 2.0 * c.zeta * c.omega, k / c.modal_mass, pair.friction / c.n
+    push = pair.kappa * k
+    A = np.zeros((6, 6))
+    A[:3, 3:] = np.eye(3)
+    A[3] = [spin**2 - c.omega**2 - e, -d * spin, e, -d, -2.0 * spin, 0.0]
+    A[4] = [d * spin + drag * e, spin**2 - c.omega**2, -drag * e, 2.0 * spin, -d, 0.0]
+    A[5] = [push, 0.0, -(b.omega**2) - push, 0.0, 0.0, -2.0 * b.zeta * b.omega]
+    return A
+
+
+def marched(pair, speed_hz, rate):
+    """Growth [1/s] seen in time over the last 4 of 12 times 1/rate."""
+    A = stationary(pair, speed_hz)
+    times = np.linspace(0.0, 12.0 / rate, 6000)
+    start = [1e-3, 0.0, 0.0, 0.0, 0.0, 0.0]
+    found = solve_ivp(lambda _, s: A @ s, times[[0, -1]], start, t_eval=times, rtol=1e-7, atol=1e-13, method="DOP853")
+    level = np.abs(found.y[2]).reshape(60, -1).max(axis=1)
+    return np.polyfit(times.reshape(60, -1).mean(axis=1)[40:], np.log(level[40:]), 1)[0]
+
+
+def test_b6_from_its_scene_file():
+    result = CliRunner().invoke(main, ["stability", str(SCENE), "--json"])
+    assert result.exit_code == 0
+    document = json.loads(result.stdout)
+    assert document.keys() >= {"speed_hz", "growth", "peak", "bands_hz", "words"}
+    assert len(document["speed_hz"]) == len(document["growth"]) == 401
+    assert document["peak"]["growth"] == pytest.approx(3.7883, abs=5e-5)
+    assert document["peak"]["speed_hz"] == pytest.approx(52.844, abs=5e-4)
+    assert np.round(document["bands_hz"], 3) == pytest.approx(np.array([[52.693, 52.994]]), abs=1e-9)
+    assert "f_c + f_b = n f (n = 8) is met at 52.844 Hz" in document["words"]
+
+
+def test_b6_is_stable_at_the_difference_and_at_the_unloaded_sum():
+    assert np.all(growth(B6.contact(), np.array([22.5, 22.192, 52.5])) < 1e-5)
+
+
+def test_a_band_narrower_than_the_grid_is_found():
+    found = ct.stability(B6.contact(), np.linspace(0.0, 100.0, 11))
+    assert found.peak_growth == pytest.approx(3.7883, abs=1e-4)
+    assert np.allclose(found.bands_hz, [[52.693, 52.9945]], atol=2e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pair", [B6, damped(B6), *OTHERS], ids=["B6", "B6 damped", "n = 4", "n = 12"])
+def test_peak_by_formula_and_by_time(pair):
+    formula = loaded(pair)
+    speed = formula.speed_hz * np.linspace(0.98, 1.02, 41)
+    found = ct.stability(pair.contact(), speed)
+    assert found.peak_speed_hz == pytest.approx(formula.speed_hz, rel=5e-4)
+    assert found.peak_growth == pytest.approx(formula.growth, rel=0.01)
+    assert marched(pair, found.peak_speed_hz, found.peak_growth) == pytest.approx(found.peak_growth, rel=0.02)
+
+
+def test_damping_of_one_body_alone_slows_and_of_both_stops_the_growth():
+    s = loaded(B6).growth
+    a = 1e-3 * B6.blade.omega
+    one = damped(B6, casing=0.0)
+    assert loaded(one).growth == pytest.approx(-a / 2 + np.hypot(a / 2, s))
+    both = damped(B6, casing=0.02, zeta=0.02)
+    found = ct.stability(both.contact(), np.linspace(50.0, 55.0, 101))
+    assert loaded(both).growth < 0.0
+    assert not found.diverges
+    assert "damping holds down" in found.words
+
+
+def test_friction_beyond_the_lean_moves_the_growth_from_sum_to_difference():
+    for mu, lean, branch in ((0.3, 10.0, "backward"), (0.1, 10.0, "sum"), (0.3, -10.0, "sum")):
+        pair = damped(replace(B6, friction=mu, lean_deg=lean))
+        met = {c.branch: c for c in coincidences(pair.contact()) if c.speed_hz > 0.0}
+        grows = {name for name, c in met.items() if c.growth > 0.0}
+        assert grows == {branch}
+        for name, c in met.items():  # f_b = n f - f_c or f_c - n f, of the bodies without contact
+            assert c.free_hz == pytest.approx((300.0 + (120.0 if name == "sum" else -120.0)) / 8.0, rel=1e-9)
+        speeds = {name: np.linspace(c.speed_hz - c.half_hz, c.speed_hz + c.half_hz, 41) for name, c in met.items()}
+        peaks = {name: growth(pair.contact(), at).max() for name, at in speeds.items()}
+        assert peaks[branch] == pytest.approx(met[branch].growth, rel=0.05)
+        assert {name for name, value in peaks.items() if value > 0.0} == {branch}
+
+
+@pytest.mark.slow
+def test_digging_blade_grows_in_time_as_its_pole():
+    pair = damped(replace(B6, friction=0.3, lean_deg=10.0))
+    found = ct.stability(pair.contact(), np.linspace(22.0, 23.5, 61))
+    assert found.peak_growth > 1.5
+    assert marched(pair, found.peak_speed_hz, found.peak_growth) == pytest.approx(found.peak_growth, rel=0.02)
+    assert "f_b = f_c - n f (n = 8) is met at 22.751 Hz: flutter, mu > tan(lean)" in found.words
+
+
+def test_words_name_the_sum_that_a_slow_rig_cannot_meet():
+    rig = ct.HandPair(
+        casing=ct.ModalPair(n=10, freq_hz=426.0, modal_mass=1.5), blade=ct.ModalPair(freq_hz=380.0, modal_mass=0.4),
+        compliance=1e-4,
+    )  # fmt: skip
+    words = ct.stability(rig.contact(), np.linspace(4.0, 5.0, 11)).words
+    assert "n f = 50 Hz < f_c = 426 Hz: the sum condition f_c + f_b = n f cannot be met" in words
+    assert "no flutter unless mu > tan(lean)" in words
+
+
+def test_poles_come_in_conjugates_and_sum_to_the_damping():
+    found = ct.poles(damped(B6).contact(), np.array([10.0, 52.844]))
+    assert found.shape == (2, 6)
+    lost = 1e-3 * (2 * B6.casing.omega + B6.blade.omega)
+    assert np.allclose(found.sum(axis=1), -2.0 * lost, atol=1e-8)
+
+
+@pytest.mark.slow
+def test_disk_and_casing_by_their_pairs_meet_the_sum_condition():
+    """The two-dimensional literature model: unstable within 1 % of (f_c + f_b)/n, by eigenvalues and by time."""
+    casing, disk = ct.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0), ct.ModalPair(n=5, freq_hz=120.0, modal_mass=1.0)
+    contact = disk_contact(casing, disk, stiffness=1e3, blades=22)
+    found = ct.stability(contact, np.linspace(80.0, 88.0, 401))
+    assert found.peak_speed_hz == pytest.approx((300.0 + 120.0) / 5, rel=0.01)
+    spin, k = 5 * 2.0 * np.pi * found.peak_speed_hz, 1e3 * 22 / 2.0
+
+    A = np.zeros((4, 4), complex)  # z, y, z', y': complex amplitudes of casing and disk
+    A[:2, 2:] = np.eye(2)
+    A[2] = [spin**2 - casing.omega**2 - k / 2.0, k / 2.0, 2j * spin, 0.0]
+    A[3] = [k, -(disk.omega**2) - k, 0.0, 0.0]
+    times = np.linspace(0.0, 12.0 / found.peak_growth, 6000)
+    start = np.array([1e-3, 1e-3, 0.0, 0.0], complex)
+    march = solve_ivp(lambda _, s: A @ s, times[[0, -1]], start, t_eval=times, rtol=1e-7, atol=1e-13, method="DOP853")
+    slope = np.polyfit(times[4000:], np.log(np.abs(march.y[1][4000:])), 1)[0]
+    assert slope == pytest.approx(found.peak_growth, rel=0.02)
+
+
+def rim(speed_hz=20.0, **of_ring):
+    return ct.RotatingRim(ring(**of_ring), blade(), clearance=-1e-4, speed_hz=speed_hz, lean_deg=10.0)
+
+
+def test_floquet_agrees_with_eigenvalues_on_a_perfect_rim_and_converges_with_order_four():
+    speeds = np.array([5.0, -20.0])
+    exact = growth(ct.rim_contact(rim(), mu=0.3), speeds)
+    errors = [np.abs(floquet_growth(rim(), speeds, mu=0.3, phase=phase) / exact - 1.0).max() for phase in (0.8, 0.4)]
+    assert errors[1] < 2e-5
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.3)
+
+
+def test_a_rim_that_turns_is_the_same_wherever_it_starts():
+    turned = replace(rim(), angle_deg=37.0)
+    speeds = np.array([12.0])
+    assert growth(ct.rim_contact(turned, mu=0.2), speeds) == pytest.approx(
+        growth(ct.rim_contact(rim(), mu=0.2), speeds)
+    )
+
+
+def test_ripples_of_a_mesh_do_not_make_a_casing_split():
+    """Harmonics of 2e-4 beside a mode's own are left out of its turn, and change the growth by less."""
+    perfect = rim()
+    rows = perfect.casing.rows.copy()
+    rows[[5, 11], [0, 1]] += 2e-4
+    rippled = replace(perfect, casing=replace(perfect.casing, rows=rows))
+    speeds = np.array([12.0])
+    found = growth(ct.rim_contact(rippled, mu=0.3), speeds)
+    assert found == pytest.approx(floquet_growth(rippled, speeds, mu=0.3, phase=0.2), rel=1e-5)
+
+
+def test_a_split_casing_goes_to_floquet():
+    split = rim(imperfect=1e-2)
+    with pytest.raises(SplitError, match="expected a perfect casing"):
+        ct.rim_contact(split)
+    found = ct.rim_stability(split, np.array([18.0, 20.0, 22.0]), mu=0.3)
+    assert "Floquet" in found.words
+    assert found.growth == pytest.approx(floquet_growth(split, found.speed_hz, mu=0.3, phase=0.1), rel=1e-4)
+    with pytest.raises(ct.InputError, match="found 0 with a split casing"):
+        floquet_growth(split, np.array([0.0]))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("stiffness = 1e4", "", "contact: neither stiffness nor compliance given"),
+        ("stiffness = 1e4", "stiffness = 1e4\ncompliance = 1e-4", "stiffness and compliance both given"),
+        ("n = 8", "n = 0", "casing.n: found 0"),
+        ("steps = 401", "steps = 1", "speed.steps: found 1"),
+        ("from_hz = 52.0", "from_hz = 55.0", "speed: from_hz = 55.0 and to_hz = 54.0"),
+        ("lean_deg = 0.0", "lean_deg = 95.0", "contact.lean_deg: found 95.0"),
+        ("freq_hz = 120.0", "freq = 120.0", "blade.freq: unknown key"),
+    ],
+)
+def test_a_broken_pair_is_refused_with_file_and_key(tmp_path, old, new, words):
+    file = tmp_path / "pair.toml"
+    file.write_text(SCENE.read_text(encoding="utf-8").replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(ct.SceneError) as refused:
+        ct.load_stability(file)
+    assert any(str(file) in line and words in line for line in refused.value.problems)
+
+
+RIM_SCENE = """
+[scene]
+kind = "rim"
+t_end = 0.1
+[casing]
+basis = "casing.npz"
+[blade]
+basis = "blade.npz"
+lean_deg = 10.0
+[contact]
+clearance = 1e-4
+friction = 0.3
+[speed]
+hz = 20.0
+scan = {from_hz = 10.0, to_hz = 30.0, steps = 21}
+[scheme]
+kind = "exact-modal"
+dt = 1e-5
+"""
+
+
+def test_a_rim_scene_is_scanned_with_its_friction_and_runs_too(tmp_path):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    file = tmp_path / "rim.toml"
+    file.write_text(RIM_SCENE, encoding="utf-8")
+    found = ct.load_stability(file).solve()
+    exact = growth(ct.rim_contact(rim(), mu=0.3), np.linspace(10.0, 30.0, 21))
+    assert found.growth == pytest.approx(exact)
+    assert ct.load_scene(file).what.speed_hz == 20.0
+    file.write_text(RIM_SCENE.replace("scan = ", "# "), encoding="utf-8")
+    with pytest.raises(ct.SceneError, match=r"speed\.scan: missing"):
+        ct.load_stability(file)
+
+
+def test_a_pair_does_not_run_and_rods_have_no_poles():
+    with pytest.raises(ct.SceneError, match="found 'pair', which casingfem stability takes"):
+        ct.load_scene(SCENE)
+    with pytest.raises(ct.SceneError, match="found 'rods', expected 'pair' or 'rim'"):
+        ct.load_stability(SCENE.with_name("two_rods.toml"))

@@ -1,0 +1,166 @@
+"""The cache of machine code is named after everything that ends up in it, and reading it changes no result."""
+
+import ast
+import gc
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import PLACE, Groups
+
+import contact
+from contact.jit.compiled import OPTIONS, SOURCES, compiled, jit
+from contact.jit.progress import WORDS, Announcement, Uncollected
+from contact.solver.unilateral.scalar import scalar_force
+
+ROOT = Path(contact.__file__).parent
+# annotations and what is raised outside loops
+NOT_COMPILED = {"contact.jit.compiled", "contact.jit.progress", "contact.base.errors", "contact.base.arrays"}
+
+
+def imported(source: Path) -> set[str]:
+    """Modules of contact that a source takes names from."""
+    tree = ast.walk(ast.parse(source.read_text()))
+    return {
+        str(node.module) for node in tree if isinstance(node, ast.ImportFrom) and str(node.module).startswith("contact")
+    }
+
+
+def file_of(module: str) -> Path:
+    path = ROOT.parent.joinpath(*module.split("."))
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+def test_the_cache_watches_every_module_that_compiles() -> None:
+    compiling = {source for source in ROOT.rglob("*.py") if "contact.jit.compiled" in imported(source)}
+    assert len(compiling) > 25
+    assert compiling <= set(SOURCES)
+
+
+def test_the_cache_watches_what_compiled_modules_take_from_elsewhere() -> None:
+    taken = {module for source in SOURCES for module in imported(source)} - NOT_COMPILED
+    assert {file_of(module) for module in taken} <= set(SOURCES)
+
+
+# sums whose order depends on how often they were optimised, in a function too long to be drawn into its caller
+SUMS = """
+import hashlib
+import numpy as np
+from contact.jit.compiled import jit, jit_entry
+
+@jit
+def inner(a, b, c, n):
+    s = 0.0
+    for i in range(n):
+        s += a[i] * b[i]
+        c[i] = 0.5 * s + a[i]
+    for i in range(n):
+        s -= b[i] * c[i]
+        if s > 1e3:
+            s *= 0.1
+    for i in range(n):
+        s += a[i] * c[i] * b[i]
+    for i in range(n - 1):
+        s += (a[i] - b[i + 1]) * c[i]
+    for i in range(0, n, 2):
+        s += (a[i] - b[i + 1]) / (1.5 + c[i])
+    for i in range(n):
+        for j in range(n):
+            s += a[i] * b[j] * c[j]
+    return s
+
+@jit_entry
+def outer(a, b, c, n):
+    return inner(a, b, c, n) + inner(b, a, c, n - 1) + inner(c, a, b, n - 2)
+
+rng = np.random.default_rng(7)
+print(hashlib.sha256(np.array([outer(*rng.normal(size=(3, 64)), n) for n in range(3, 40)])).hexdigest())
+"""
+
+
+@pytest.mark.slow
+def test_the_run_that_compiles_and_the_next_one_agree_to_the_last_bit(tmp_path: Path) -> None:
+    (tmp_path / "sums.py").write_text(SUMS, encoding="utf-8")
+    paths = os.pathsep.join([str(tmp_path), str(ROOT.parent)])
+    there = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": paths}
+    command = [sys.executable, "-c", "import sums"]
+    first, second = (subprocess.run(command, env=there, capture_output=True, text=True, check=True) for _ in range(2))
+    assert len(list((tmp_path / "cache").rglob("*.nbc"))) == 1  # the part is in the machine code of its caller
+    assert len(first.stdout) > 60
+    assert first.stdout == second.stdout
+
+
+def test_a_part_of_a_loop_is_compiled_as_an_entry_when_python_calls_it() -> None:
+    """It has no way in of its own: without that the call would end the process."""
+    assert scalar_force(2.0, -1.0) == 0.5
+
+
+def test_long_compiling_is_said_once_and_short_not_at_all() -> None:
+    said: list[str] = []
+    patient, hasty = (Announcement(after=after, say=said.append) for after in (60.0, 0.0))
+    for listening in (patient, hasty, hasty):
+        for nested in (listening.on_start, listening.on_start):
+            nested(None)
+        if listening is hasty and listening.timer is not None:
+            listening.timer.join()
+        for nested in (listening.on_end, listening.on_end):
+            nested(None)
+    assert said == [WORDS]
+
+
+def test_garbage_is_collected_again_after_compiling() -> None:
+    running = []
+
+    class Seen(Uncollected):
+        def on_end(self, _: Any) -> None:
+            running.append(gc.isenabled())
+            super().on_end(_)
+            running.append(gc.isenabled())
+
+    listening = Seen()
+    listening.on_start(None)
+    listening.on_start(None)
+    listening.on_end(None)
+    listening.on_end(None)
+    assert running == [False, False, False, True]
+    gc.disable()
+    try:  # who has switched it off keeps it off
+        listening.on_start(None)
+        listening.on_end(None)
+        assert running[-2:] == [False, False]
+    finally:
+        gc.enable()
+
+
+@jit
+def following(k: int) -> int:
+    return k + 1
+
+
+def counted(n: int) -> int:
+    k = 0
+    for _ in range(n):
+        k = following(k)
+    return following(2) + k
+
+
+def test_a_part_is_compiled_once_for_the_number_zero_and_for_others() -> None:
+    assert compiled(counted, {**OPTIONS, "cache": False})(3) == 6  # from disk the caller would come without its parts
+    part: Any = following
+    assert len(part.overloads) == 1
+
+
+def test_the_files_that_go_first_are_there() -> None:
+    there = {path.name for path in Path(__file__).parents[2].rglob("test_*.py")}
+    assert set(PLACE) <= there
+
+
+def test_files_that_share_loops_go_to_one_process_and_others_by_themselves() -> None:
+    scope = object.__new__(Groups)._split_scope
+    assert scope("tests/contact/model/test_rub.py::test_a[b]") == scope("tests/contact/model/test_patch.py::test_c")
+    assert scope("tests/contact/model/test_rub.py::test_a") != scope("tests/contact/model/test_rim.py::test_a")
+    alone = "tests/casingfem/structure/field/test_field.py"
+    assert scope(f"{alone}::test_a") == alone

@@ -1,0 +1,129 @@
+"""Rows as sums of waves: the same in blocks, in lanes and as formulas."""
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.jit.compiled import jit_entry
+from contact.jit.vector import load, put
+from contact.loop.batch.batch import fill_lanes
+from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
+from contact.loop.modal.rows import fill, rotate
+from contact.model.gaps.modal_system import NOISE, rim_system
+from contact.model.waves import Terms
+from contact.scheme.modal.batch import WIDTH, Layout
+from contact.scheme.modal.modal_stepper import rim_rows
+from tests.contact.synthetic_rim import blade, ring
+
+
+def system(imperfect, cos=2.5e-4):
+    rim = ct.RotatingRim(
+        ring(S=4e-7, imperfect=imperfect), blade(S=1e-6), clearance=2e-4, speed_hz=20.0, lean_deg=25.0,
+        out_of_roundness=[{"p": 2, "cos": cos}, {"p": 5, "sin": 1e-5}],
+    )  # fmt: skip
+    return rim_system(rim)
+
+
+def rows_at(system, phi):
+    """Normal rows, then clearance, S_nn, S_nt, as formulas."""
+    found = [part(phi) for part in (system.clearance, system.S_nn, system.S_nt)]
+    return np.concatenate([system.table.rows(phi)[0], found])
+
+
+@jit_entry
+def both(phi, found):
+    """Cosines and sines of eight angles."""
+    turns = half_turns(load(phi, 0))
+    x, sign = within(load(phi, 0), turns), sign_of(turns)
+    put(found, 0, sign * cosine(x))
+    put(found, WIDTH, sign * sine(x))
+
+
+@jit_entry
+def turn_and_fill(rows, waves, phi, found):
+    """Rows at one angle."""
+    rotate(waves, phi)
+    fill(rows, waves, found)
+
+
+@jit_entry
+def sum_lanes(terms, waves, found):
+    """Rows of eight runs."""
+    fill_lanes(terms, waves, found)
+
+
+@pytest.mark.parametrize("largest", [1.0, 1e3, 1e6])
+def test_eight_cosines_and_sines_to_round_off(largest):
+    rng, found = np.random.default_rng(7), np.zeros((2, WIDTH))
+    for _ in range(500):
+        phi = rng.uniform(-largest, largest, WIDTH)
+        both(phi, found)
+        assert np.abs(found - [np.cos(phi), np.sin(phi)]).max() < 4e-16
+
+
+@pytest.mark.parametrize("imperfect", [0.0, 0.05])
+def test_blocks_of_a_rim_are_its_rows_its_clearance_and_its_compliance(imperfect):
+    one = system(imperfect)
+    rows, m = rim_rows(one, 0.2, *one.sums()), one.omega.size
+    found = np.zeros(8 * (rows.normal.start.size - 1))
+    for phi in (0.0, 1.234, -7.5):
+        turn_and_fill(rows.normal, rows.waves, phi, found)
+        assert np.allclose(found[: m + 3], rows_at(one, phi), rtol=0.0, atol=1e-14 * np.abs(found).max())
+        assert not found[m + 3 :].any()
+        turn_and_fill(rows.tangent, rows.waves, phi, found)
+        assert np.allclose(found[:m], one.table.rows(phi)[1], rtol=0.0, atol=1e-14 * np.abs(found).max())
+        assert not found[m:].any()
+
+
+def in_lanes(layout, lanes, sums, phi):
+    """Rows (sums + 1, 8) at one angle; the last is that of no sum."""
+    n = np.arange(layout.top // 2 + 1)
+    waves = np.repeat(np.stack([np.cos(n * phi), np.sin(n * phi)], axis=1)[:, :, None], WIDTH, axis=2)
+    found = np.full((sums + 1, WIDTH), np.nan)
+    sum_lanes(lanes, np.ascontiguousarray(waves), found)
+    return found
+
+
+def test_lanes_of_unlike_runs_hold_the_rows_of_each():
+    systems = [system(0.0), system(0.05), system(0.05, cos=1e-4)]
+    parts = [one.sums()[0] for one in systems]
+    layout = Layout.of(parts)
+    lanes, m, phi = layout.empty(parts[0]), systems[0].omega.size, 0.77
+    assert not layout.alike
+    assert lanes.row.size == lanes.start.size - 1 == m + 3
+    for k, part in enumerate(parts):
+        layout.load(lanes, part, k)
+    found = in_lanes(layout, lanes, m + 3, phi)
+    for k, one in enumerate(systems):
+        assert np.allclose(found[: m + 3, k], rows_at(one, phi), rtol=0.0, atol=1e-14)
+    assert not found[: m + 3, 3:].any()
+
+
+def test_like_runs_share_their_coefficients():
+    """In blocks of four rows, the last filled up with none."""
+    systems = [system(0.05), system(0.05, cos=1e-4)]
+    parts = [one.table.normal for one in systems]
+    layout = Layout.of(parts)
+    lanes, m, phi = layout.empty(parts[0]), systems[0].omega.size, 0.77
+    assert layout.alike
+    assert np.array_equal(np.sort(lanes.alike[lanes.alike != 0.0]), np.sort(parts[0].value))
+    assert lanes.row.size == 4 * (lanes.start.size - 1) >= m
+    found = in_lanes(layout, lanes, m, phi)
+    assert np.allclose(found[:m], systems[0].table.rows(phi)[0][:, None], rtol=0.0, atol=1e-14)
+    assert not found[m].any() or m % 4 == 0
+
+
+def test_rows_with_the_same_waves_stand_together():
+    """Sums 0, 3, 4 and 6 have wave 2, the others wave 5."""
+    wave = np.array([2, 5, 5, 2, 2, 5, 2])
+    layout = Layout.of([Terms(start=np.arange(8), wave=wave, value=np.ones(7))])
+    assert layout.row.tolist() == [8 * row for row in (0, 3, 4, 6, 1, 2, 5, 7)]
+    assert (layout.start.tolist(), layout.wave.tolist()) == ([0, 1, 2], [16, 40])
+    assert layout.place.tolist() == [0, 4, 5, 1, 2, 6, 3]
+
+
+def test_cosines_and_sines_below_the_noise_are_left_out():
+    one = system(0.0)
+    found = one.table.normal
+    assert np.abs(found.value).min() > NOISE * np.abs(found.value).max()
+    assert found.value.size == one.omega.size  # a mode of a perfect ring has one wave, a blade's mode too

@@ -1,0 +1,393 @@
+"""Several tips before one turning rim: against the one-contact run, closed forms and the laws themselves."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact import recovery
+from contact.model.trig import harmonics
+from contact.scheme.modal.propagator import propagator
+from contact.solver.friction.coulomb import coulomb
+from tests.contact.synthetic_rim import blade, ring
+from tests.contact.synthetic_rub import N_MAX, SIZE, nodes, rim3, tips
+
+WAVES = [{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]
+
+
+def law(mu):
+    return ct.Coulomb(mu=mu) if mu else ct.Unilateral()
+
+
+def one_tip(*, S=1e-8, imperfect=0.0, speed_hz=5.0):
+    """The same scene twice: as a RotatingRim and as a Rub with one tip."""
+    bodies = ring(S=S, imperfect=imperfect), blade(S=2.0 * S)
+    rim = ct.RotatingRim(
+        *bodies, clearance=-1e-5, speed_hz=speed_hz, lean_deg=25.0, out_of_roundness=WAVES, angle_deg=13.0
+    )
+    rub = ct.Rub(
+        bodies[0], bodies[1:], [ct.Tip(lean_deg=25.0, angle_deg=13.0)], clearance=-1e-5,
+        speed=ct.Speed.constant(speed_hz), profile=ct.Profile.fourier(WAVES),
+    )  # fmt: skip
+    return rim, rub
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("S", [0.0, 1e-8])
+@pytest.mark.parametrize("imperfect", [0.0, 0.05])
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_one_sliding_tip_is_the_rotating_rim(S, imperfect, mu):
+    record = ct.Record(state_every=1)
+    rim, rub = (
+        ct.run(scene, law=law(mu), t_end=0.05, dt=1e-5, record=record) for scene in one_tip(S=S, imperfect=imperfect)
+    )
+    assert ("averaged" in rim.scheme) == ("averaged" in rub.scheme) == (S > 0.0)
+    assert np.abs(rub.force - rim.force).max() <= 1e-10 * rim.force.max()
+    assert np.abs(rub.state[:, : -rub.state_of("tips").shape[1]] - rim.state).max() <= 1e-12 * np.abs(rim.state).max()
+    assert np.abs(rub.gap - rim.gap).max() <= 1e-16
+    assert len(rub.intervals[0]) == len(rim.intervals[0])
+    # a rub's friction bends S too, which is then the contact's loss
+    same = ("contact", "friction", "rotation", "damping") if mu == 0.0 or S == 0.0 else ("damping",)
+    for name in same:
+        value = getattr(rim.energy, name)
+        assert getattr(rub.energy, name) == pytest.approx(value, rel=1e-9, abs=1e-12 * rim.energy.scale), name
+    work, other = (e.contact + e.friction + e.rotation for e in (rub.energy, rim.energy))
+    assert work == pytest.approx(other, rel=1e-9)
+    assert rub.energy.rotation == pytest.approx(rim.energy.rotation, rel=2e-2)
+    for name in ("impulse", "peak_force", "contact_steps"):
+        assert getattr(rub, name) == pytest.approx(getattr(rim, name), rel=1e-9)
+    assert abs(rub.energy.unaccounted) <= 1e-11 * rub.energy.scale
+
+
+def rows_at(rub, t, dim):
+    """Rows and compliances of all tips in `dim` directions, from their definitions."""
+    first = np.cumsum([0, *(b.omega.size for b in rub.bodies)])
+    rows, at_rim, at_blades = [], [], []
+    for tip in rub.tips:
+        wave = harmonics(rub.casing.n_max, np.radians(tip.angle_deg) - rub.speed.angle(t))
+        weights, blade = tip.directions(rub.blades[tip.blade]), rub.blades[tip.blade]
+        for i in range(dim):
+            row, on_rim = np.zeros(first[-1]), np.zeros(len(rub.casing.channels))
+            begin = (tip.line * rub.casing.directions + i) * wave.size
+            on_rim[begin : begin + wave.size] = wave
+            row[: first[1]] = on_rim @ rub.casing.rows
+            row[first[tip.blade + 1] : first[tip.blade + 2]] = -weights[i] @ blade.rows
+            rows.append(row)
+            at_rim.append(on_rim)
+            at_blades.append((tip.blade, weights[i]))
+    S = np.array(at_rim) @ rub.casing.S @ np.array(at_rim).T
+    for a, (blade, left) in enumerate(at_blades):
+        for b, (other, right) in enumerate(at_blades):
+            if blade == other:
+                S[a, b] += left @ rub.blades[blade].S @ right
+    return np.array(rows), S
+
+
+def gaps_at(rub, t, q):
+    """Gaps of all tips at modal coordinates q, from their definitions."""
+    phi = [np.radians(tip.angle_deg) - rub.speed.angle(t) for tip in rub.tips]
+    rigid = [rub.clearance + tip.clearance + rub.profile(p) for tip, p in zip(rub.tips, phi, strict=True)]
+    return np.array(rigid) - rub.closing.at(t) + rows_at(rub, t, 1)[0] @ q
+
+
+def dense_step(rub, q, d, lam, n, h, mu, averaged):
+    """One step with rows and compliances from their definitions and all tips in the solve."""
+    bodies, t = rub.bodies, n * h
+    dim = rub.dimensions if mu else 1
+    omega = np.concatenate([b.omega for b in bodies])
+    parts = propagator(omega, np.concatenate([b.zeta for b in bodies]), np.zeros(omega.size), h)
+    now, S = rows_at(rub, t, dim)
+    tests = now.copy()
+    tests[::dim] = rows_at(rub, t + h, 1)[0]
+    free = parts.al * d - parts.be * q
+    b = tests @ free - (rows_at(rub, t - h, dim)[1] if n else 0.0 * S) @ lam
+    b[::dim] = gaps_at(rub, t + h, q + free)
+    if averaged:
+        b[::dim] = 0.25 * (b[::dim] + 2.0 * gaps_at(rub, t, q) + gaps_at(rub, t - h, q - d))
+        tests[::dim] *= 0.25
+    if dim > 1:
+        b[1::dim] += rub.casing.radius * rub.speed.omega(t) * h
+    W = (tests * parts.c) @ now.T + S
+    found = coulomb(W, b.reshape(-1, dim), mu).force.ravel() if dim > 1 else lcp(W, b)
+    d = free + parts.c * (now.T @ found)
+    return q + d, d, found
+
+
+def lcp(W, b):
+    """0 <= W x + b, x >= 0, complementary: every set of closed contacts is tried."""
+    for closed in itertools.product([False, True], repeat=b.size):
+        on = np.array(closed)
+        x = np.zeros(b.size)
+        x[on] = np.linalg.solve(W[np.ix_(on, on)], -b[on])
+        if (x >= 0.0).all() and ((W @ x + b)[~on] >= 0.0).all():
+            return x
+    raise AssertionError("no solution")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law_of", ["forward", "averaged"])
+@pytest.mark.parametrize("apart", [True, False])
+@pytest.mark.parametrize(("mu", "speed_hz"), [(0.0, 7.0), (0.25, 7.0), (0.0, 1e-3), (0.5, 1e-3)])
+def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz, apart, law_of):
+    """Two blades with two tip nodes each on two rim lines, everything coupled with everything.
+
+    Not apart: both blades' tips stand before the same two places of the rim, whose rows they share.
+    """
+    angles = (10.0, 14.0) if apart else (10.0, 10.0)
+    rub = ct.Rub(
+        rim3(), [nodes(2), nodes(2, seed=6)],
+        [*tips(2, angle=angles[0]), *tips(2, blade=1, angle=angles[1])], clearance=-3e-5,
+        closing=ct.Closing([0.0, 0.01], [0.0, 4e-4]),
+        speed=ct.Speed.constant(speed_hz), profile=ct.Profile.fourier(WAVES),
+    )  # fmt: skip
+    h, steps = 4e-5, 250
+    result = ct.run(
+        rub, law=law(mu), scheme=ct.ExactModal(law=law_of), t_end=steps * h, dt=h, record=ct.Record(state_every=1)
+    )
+    q, d, lam, worst = np.zeros(16), np.zeros(16), np.zeros(4 * (3 if mu else 1)), 0.0
+    for n in range(steps):
+        scale = np.abs(result.state_of("tips")).max()
+        q, d, lam = dense_step(rub, q, d, lam, n, h, mu, law_of == "averaged")
+        worst = max(worst, np.abs(result.state_of("tips")[n] - lam).max() / scale)
+    assert worst <= 1e-8
+    closed = result.contact_steps
+    assert closed.min() >= 3
+    assert np.median(closed) < steps
+    if mu and speed_hz < 1.0:
+        least = 10 if law_of == "forward" else 5  # the averaged law holds the tips for nine steps
+        assert sum(end - start for pairs in result.sticking for start, end in pairs) > least * h
+
+
+@pytest.mark.slow
+def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
+    """Drag R Omega t of a blade of tangential stiffness k pressed on with N: force k R Omega t up to mu N."""
+    flap, span, delta, mu, R = 2.0 * np.pi * 400.0, 2.0 * np.pi * 3000.0, 2e-6, 0.2, 0.45
+    S = 1e-9
+    tooth = ct.ModalBody(
+        omega=[span, flap], zeta=[0.7, 0.7], channels=("span", "flap"), rows=[[1.0, 0.0], [0.0, 2.0]],
+        S=[[S, 0.0], [0.0, S]],
+    )  # fmt: skip
+    casing = ring(S=0.0)
+    casing = ct.ModalBody(
+        omega=[1e4], zeta=[0.5], channels=casing.channels, rows=np.zeros((len(casing.channels), 1)), S=casing.S,
+        kind="rim", n_max=casing.n_max, radius=R,
+    )  # fmt: skip
+    N = delta / (1.0 / span**2 + S)
+    rub = ct.Rub(
+        casing, [tooth], clearance=-delta, speed=ct.Speed.constant(2e-5),
+        blade_starts=[ct.Start(displacement=[-N / span**2, 0.0])],
+    )  # fmt: skip
+    drag = R * rub.speed.omega(0.0)
+    slips = mu * N * (4.0 / flap**2 + S) / drag  # compliance of the flap mode and S: when the cone is full
+    h = 2e-5
+    result = ct.run(rub, law=ct.Coulomb(mu=mu), t_end=2.0 * slips, dt=h, record=ct.Record(state_every=1))
+    force = result.state_of("tips")
+    assert force[len(force) // 20 :, 0] == pytest.approx(N, rel=1e-6)
+    until = force[: int(0.9 * slips / h), 1]
+    t = result.state_time[: until.size]
+    late = t > 0.2 * slips
+    slope = np.polyfit(t[late], until[late], 1)
+    assert -slope[0] == pytest.approx(drag / (4.0 / flap**2 + S), rel=1e-4)
+    assert force[-1, 1] == pytest.approx(-mu * N, rel=1e-6)
+    (start, end) = result.sticking[0][0]
+    assert start <= 2.0 * h
+    assert end == pytest.approx(slips, rel=2e-2)
+    assert result.notes.heat[0] == pytest.approx(mu * N * drag * (2.0 * slips - end), rel=2e-2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("speed_hz", [5.0, -5.0])
+def test_works_heat_and_drive_are_those_of_the_recorded_motion(speed_hz):
+    """Each entry of the ledger and every tip's heat and drive, signed, from rows by their definitions; S = 0."""
+    rub = ct.Rub(
+        rim3(S=0.0), [nodes(2, S=0.0)], tips(2), clearance=5e-5, closing=ct.Closing([0.0, 0.01], [0.0, 4e-4]),
+        speed=ct.Speed.constant(speed_hz), profile=ct.Profile.fourier(WAVES),
+    )  # fmt: skip
+    mu, h, steps = 0.2, 2e-5, 400
+    result = ct.run(rub, law=law(mu), t_end=steps * h, dt=h)
+    longer = ct.run(rub, law=law(mu), t_end=(steps + 2) * h, dt=h, record=ct.Record(state_every=1))
+    q, forces = longer.state[:, :-6], longer.state_of("tips")[:steps]
+    contact, normal, friction, damping, heat, drive = 0.0, 0.0, 0.0, 0.0, np.zeros(2), np.zeros(2)
+    omega, zeta = (np.concatenate([getattr(b, name) for b in rub.bodies]) for name in ("omega", "zeta"))
+    slid = rub.casing.radius * rub.speed.omega(0.0) * h
+    for n in range(1, steps):
+        work = forces[n] * (rows_at(rub, n * h, 3)[0] @ (0.5 * (q[n + 1] - q[n - 1])))
+        widened = gaps_at(rub, (n + 1) * h, q[n + 1]) - gaps_at(rub, (n - 1) * h, q[n - 1])
+        contact += 0.5 * forces[n, ::3] @ widened
+        normal, friction = normal + work[::3].sum(), friction + work[1::3].sum() + work[2::3].sum()
+        damping -= np.sum(2.0 * zeta * omega * (0.5 * (q[n + 1] - q[n - 1])) ** 2) / h
+        slip = (rows_at(rub, n * h, 3)[0] @ (q[n + 1] - q[n])).reshape(2, 3)
+        slip[:, 1] += slid
+        pull = forces[n].reshape(2, 3)
+        heat -= np.sum(pull[:, 1:] * slip[:, 1:], axis=1)
+        drive -= pull[:, 1] * slid
+    energy, notes = result.energy, result.notes
+    assert energy.contact == pytest.approx(contact, rel=1e-9)
+    assert energy.rotation == pytest.approx(normal - contact, rel=1e-9)
+    assert energy.friction == pytest.approx(friction, rel=1e-9)
+    assert energy.damping == pytest.approx(damping, rel=2e-2)
+    assert notes.heat == pytest.approx(heat, rel=1e-9)
+    assert notes.drive == pytest.approx(drive, rel=1e-9)
+    assert min(heat) > 0.0
+    assert min(drive) > 0.0
+    assert np.array_equal(result.peak_force, result.force.max(axis=0))
+    assert np.array_equal(result.contact_steps, np.count_nonzero(result.force > 0.0, axis=0))
+    assert result.impulse == pytest.approx(result.force.sum(axis=0) * h, rel=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_the_energy_identity_of_the_moving_contact_closes_with_the_step(mu):
+    """With S > 0 no impact loses energy: what remains of the gap's work falls with the step."""
+    left, slip = [], []
+    for dt in (2e-5, 1e-5):
+        rub = ct.Rub(
+            rim3(S=2e-7), [nodes(3, S=1e-7)], tips(3), clearance=-2e-5, speed=ct.Speed.constant(5.0),
+            profile=ct.Profile.fourier(WAVES),
+        )  # fmt: skip
+        result = ct.run(rub, law=law(mu), scheme=ct.ExactModal(law="forward"), t_end=0.1, dt=dt)
+        energy = result.energy
+        assert abs(energy.unaccounted) <= 1e-11 * energy.scale
+        left.append(energy.lost_in_contact / abs(energy.rotation))
+        if mu:
+            heat, drive = result.notes.heat.sum(), result.notes.drive.sum()
+            assert heat > 0.0
+            slip.append(abs(energy.friction - (drive - heat)) / drive)
+    assert 0.0 < left[1] <= 0.6 * left[0]
+    if mu:
+        assert slip[1] <= 0.6 * slip[0]
+
+
+@pytest.mark.slow
+def test_the_rigid_gap_follows_its_laws():
+    """No contact: clearance, profile, closing, whirl and a ramp of the speed, from their definitions."""
+    theta = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    rub = ct.Rub(
+        rim3(), [nodes(3)], tips(3), clearance=3e-3,
+        speed=ct.Speed(time=[0.002, 0.01], hz=[1.0, 9.0]), closing=ct.Closing.exponential(4e-4, 0.01),
+        profile=ct.Profile(((3, 1e-4, -5e-5),), theta=theta, depth=1e-4 * np.cos(2.0 * theta)),
+        whirl=[ct.Whirl(amplitude=2e-4, per_rev=-1.0, phase_deg=20.0), ct.Whirl(amplitude=1e-4, hz=60.0)],
+    )  # fmt: skip
+    h, table = 1e-5, ct.Profile(theta=theta, depth=1e-4 * np.cos(2.0 * theta))
+    result = ct.run(
+        rub, scheme=ct.ExactModal(law="forward"), law=ct.Coulomb(mu=0.2), t_end=0.02, dt=h, record=ct.Record(every=20)
+    )
+    for n, t in enumerate(result.time + h):
+        turned = 2.0 * np.pi * (t + 0.5 * 8.0 / 0.008 * np.clip(t - 0.002, 0.0, 0.008) ** 2 + 8.0 * max(t - 0.01, 0.0))
+        assert rub.speed.angle(t) == pytest.approx(turned, rel=1e-12)
+        for j, tip in enumerate(rub.tips):
+            phi = np.radians(tip.angle_deg) - turned
+            exact = 3e-3 + tip.clearance + 1e-4 * np.cos(3.0 * phi) - 5e-5 * np.sin(3.0 * phi) + table(phi)
+            exact -= 4e-4 * (1.0 - np.exp(-t / 0.01))
+            exact += 2e-4 * np.cos(np.radians(tip.angle_deg) - np.radians(20.0)) + 1e-4 * np.cos(
+                phi - 120.0 * np.pi * t
+            )
+            assert result.gap[n, j] == pytest.approx(exact, abs=5e-8)
+    assert result.impulse.max() == 0.0
+
+
+def test_a_table_profile_is_smooth_and_stays_between_its_points():
+    theta = np.array([0.1, 0.5, 1.4, 3.0, 4.4, 5.9])
+    depth = np.array([0.0, 2e-4, 2e-4, -1e-4, 0.0, 1e-4])
+    profile = ct.Profile(theta=theta, depth=depth)
+    assert [profile(x) for x in theta] == pytest.approx(depth.tolist(), abs=1e-18)
+    phi = np.linspace(-7.0, 9.0, 4001)
+    values = np.array([profile(x) for x in phi])
+    assert values.min() >= depth.min()
+    assert values.max() <= depth.max() * (1.0 + 1e-14)
+    slope = np.diff(values) / np.diff(phi)
+    assert np.abs(np.diff(slope)).max() <= 0.05 * np.abs(slope).max()  # no kink: a polygon's would jump by all of it
+    assert profile(0.7 + 2.0 * np.pi) == pytest.approx(profile(0.7), abs=1e-17)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("at_hz", [0.0, 60.0])
+def test_a_turning_blade_is_stiffer(at_hz):
+    """Free modes of diag(omega^2) + (Omega^2 - at^2) K_omega, coupled ones too."""
+    K_omega = np.array([[1.7, 0.4, 0.0], [0.4, 6.0, 0.2], [0.0, 0.2, 9.0]])
+    rub = ct.Rub(
+        rim3(), [nodes(1)], tips(1, axial=False), clearance=0.03, speed=ct.Speed.constant(80.0),
+        stiffening=[ct.Stiffening(K_omega=K_omega, at_hz=at_hz)], blade_starts=[ct.Start(velocity=[1.0, 0.0, 0.0])],
+    )  # fmt: skip
+    errors = []
+    for h in (1e-5, 5e-6):
+        result = ct.run(rub, t_end=0.02, dt=h, record=ct.Record(every=100, state_every=100))
+        omega2, V = np.linalg.eigh(np.diag(rub.blades[0].omega ** 2) + 4.0 * np.pi**2 * (80.0**2 - at_hz**2) * K_omega)
+        omega, t = np.sqrt(omega2), result.state_time
+        exact = (np.sin(np.outer(t, omega)) / omega * V[0]) @ V.T
+        undamped = np.abs(result.state_of("blade")[:, 0] - exact[:, 0]).max() / np.abs(exact[:, 0]).max()
+        errors.append(undamped)
+        assert abs(result.energy.unaccounted) <= 1e-11 * result.energy.scale
+        assert result.energy.external != 0.0
+    assert max(errors) <= 0.05  # damping of .2 % over 14 ms
+
+
+@pytest.mark.slow
+def test_deflection_beyond_linear_theory_is_flagged():
+    rub = ct.Rub(rim3(), [nodes(2)], tips(2), clearance=-5e-5, speed=ct.Speed.constant(5.0), thickness=1e-5)
+    result = ct.run(rub, law=ct.Coulomb(mu=0.2), t_end=0.01, dt=2e-5)
+    assert "linear theory carries 0.5 of it" in result.flags[0]
+    assert "FLAG: rim deflected by" in repr(result)
+    thick = ct.run(ct.Rub(rim3(), [nodes(2)], tips(2), clearance=-5e-5, thickness=1e-2), t_end=0.01, dt=2e-5)
+    assert thick.flags == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_recovered_surfaces_touch(mu):
+    """Clearance + profile + u_r(phi) - n.u_tip = 0 at closed tips, with the residual term of every force."""
+    rub = ct.Rub(
+        rim3(S=2e-7), [nodes(3, S=1e-7)], tips(3), clearance=-2e-5, speed=ct.Speed.constant(5.0),
+        profile=ct.Profile.fourier(WAVES),
+    )  # fmt: skip
+    result = ct.run(rub, law=law(mu), t_end=0.02, dt=5e-6, record=ct.Record(every=4, state_every=4))
+    t, on_casing = recovery.rub_forces(rub, result, "casing")
+    _, on_blade = recovery.rub_forces(rub, result, "blade")
+    casing = recovery.at_channels(rub.casing, result.state_of("casing"), on_casing)
+    blade = recovery.at_channels(rub.blades[0], result.state_of("blade"), on_blade)
+    d = 3 if mu else 1
+    for j, tip in enumerate(rub.tips):
+        begin, gaps = tip.line * 3 * SIZE, []
+        for n in np.flatnonzero(result.state_of("tips")[:, j * d] > 0.2 * result.peak_force[j]):
+            phi = np.radians(tip.angle_deg) - rub.speed.angle(t[n])
+            radial = harmonics(N_MAX, phi) @ casing[n, begin : begin + SIZE]
+            share = tip.directions(rub.blades[0])[0] @ blade[n]
+            gaps.append(rub.clearance + tip.clearance + rub.profile(phi) + radial - share)
+        assert len(gaps) > 20
+        assert np.abs(gaps).max() <= 5e-3 * np.abs(blade).max()
+    with pytest.raises(ct.InputError, match="expected one of casing, blade"):
+        recovery.rub_forces(rub, result, "blade 2")
+
+
+def test_bad_rubs_are_refused():
+    def rub(**more):
+        return ct.Rub(more.pop("casing", rim3()), [nodes(2)], more.pop("tips", tips(2)), **more)
+
+    for bad, match in (
+        ({"tips": [ct.Tip(span="node9.span", flap="node0.flap")]}, r"tips\[0\]: channel: found 'node9.span'"),
+        ({"tips": [ct.Tip(line=2, span="node0.span", flap="node0.flap")]}, r"tips\[0\].line: found 2, expected 0 .. 1"),
+        ({"tips": [ct.Tip(blade=1)]}, r"tips\[0\].blade: found 1"),
+        ({"tips": [*tips(1), *tips(1, axial=False)]}, "expected all or none"),
+        ({"casing": ring(), "tips": tips(1)}, "without axial channels"),
+        ({"clearance": 0.05}, "at most a tenth"),
+        ({"stiffening": [ct.Stiffening(K_omega=np.eye(2))]}, r"K_omega: found shape \(2, 2\), expected \(3, 3\)"),
+        ({"blade_starts": [ct.Start(velocity=[1.0])]}, r"blade.velocity: found shape \(1,\), expected \(3,\)"),
+        ({"thickness": 0.0}, "thickness: found 0.0"),
+    ):
+        with pytest.raises(ct.InputError, match=match):
+            rub(**bad)
+    with pytest.raises(
+        ct.InputError, match=r"found 2 rim lines in 3 directions, expected one .*\(Rub takes them all\)"
+    ):
+        ct.RotatingRim(rim3(), blade(), clearance=0.0, speed_hz=1.0)
+    with pytest.raises(ct.InputError, match="found 1 after 2, expected ascending"):
+        ct.Speed(time=[0.0, 2.0, 1.0], hz=[1.0, 1.0, 1.0])
+    with pytest.raises(ct.InputError, match="expected three or more within one turn"):
+        ct.Profile(theta=[0.0, 3.0, 6.3], depth=[0.0, 1.0, 0.0])
+    with pytest.raises(ct.LimitError, match=r"n_max Omega dt = 0.3142 rad with n_max = 5"):
+        ct.run(rub(speed=ct.Speed([0.0, 1.0], [0.0, 1000.0])), t_end=0.1, dt=1e-5)
+    with pytest.raises(ct.LimitError, match="the blade jams"):
+        ct.run(rub(speed=ct.Speed.constant(1.0)), law=ct.Coulomb(mu=50.0), t_end=0.1, dt=1e-5)
+    with pytest.raises(ct.LimitError, match=r"omega_max dt = 4\.5"):
+        ct.run(rub(), t_end=0.1, dt=5e-4)

@@ -1,0 +1,86 @@
+"""Linear bodies whose band is wide: matrices kept as entries give what bands give, and refuse what bands refuse."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_array, diags_array, eye_array, kron
+
+import contact as ct
+from contact.model.bodies import linear_system as packing
+from contact.model.bodies.band import band, combine, factor, fill_order, pairs, solve, sparse_form
+from reports.contact.cases import methods
+
+LINE = diags_array([np.full(6, -1.0), np.full(7, 2.0), np.full(6, -1.0)], offsets=[-1, 0, 1])
+NET = csr_array(kron(LINE, eye_array(7)) + kron(eye_array(7), LINE))  # 49 masses in a plane
+CONSISTENT = csr_array(eye_array(49) + 0.05 * NET)
+
+
+def thrown(**change):
+    Q = csr_array((np.array([1.0, 1.0, -0.5]), ([0, 1, 1], [48, 3, 20])), shape=(2, 49))
+    given = {"M": np.linspace(1.0, 2.0, 49), "K": NET, "C": 0.01 * NET, "Q": Q, "gap0": np.array([0.05, 0.02]),
+             "velocity": -np.linspace(0.5, 1.5, 49), "load": np.full(49, -0.01),
+             "forcing": (ct.Forcing(shape=np.linspace(0.0, 1.0, 49), amplitude=np.sin),)}  # fmt: skip
+    return ct.LinearBody(**(given | change))
+
+
+def kept(monkeypatch, empty, body, method, **more):
+    monkeypatch.setattr(packing, "EMPTY", empty)
+    return ct.run(
+        body, law=method.law, scheme=method.scheme, t_end=8.0, dt=0.1, record=ct.Record(state_every=1), **more
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", methods(5.0), ids=lambda method: method.name)
+def test_every_scheme_runs_on_entries_as_on_bands(method, monkeypatch):
+    lumped = {"C": np.full(49, 0.02), "M": np.ones(49)} if isinstance(method.scheme, ct.MasslessBoundary) else {}
+    bands, lists = (kept(monkeypatch, empty, thrown(**lumped), method) for empty in (10**9, 0))
+    assert bands.contact_steps.min() > 3
+    np.testing.assert_allclose(lists.state, bands.state, atol=1e-11 * np.abs(bands.state).max())
+    np.testing.assert_allclose(lists.force, bands.force, atol=1e-9 * bands.force.max())
+    assert abs(lists.energy.unaccounted) <= 1e-12 * lists.energy.scale
+
+
+def test_a_consistent_mass_matrix_too(monkeypatch):
+    bands, lists = (
+        kept(monkeypatch, empty, thrown(M=CONSISTENT), next(m for m in methods(1.0) if "Moreau" in m.name))
+        for empty in (10**9, 0)
+    )
+    np.testing.assert_allclose(lists.state, bands.state, atol=1e-11 * np.abs(bands.state).max())
+
+
+def test_narrow_bodies_keep_their_band_and_wide_ones_do_not():
+    chain = ct.LinearBody(M=np.ones(7), K=LINE, Q=np.eye(7)[:1], gap0=[0.1])
+    assert packing.linear_system(chain).K.sparse.start.size == 0
+    points = 24
+    line = diags_array([np.full(points - 1, -1.0), np.full(points, 2.0), np.full(points - 1, -1.0)], offsets=[-1, 0, 1])
+    K = csr_array(kron(line, eye_array(points)) + kron(eye_array(points), line))
+    wide = ct.LinearBody(M=np.ones(points**2), K=K, Q=np.eye(points**2)[:1], gap0=[0.1])
+    assert packing.linear_system(wide).K.sparse.value.size == (K.nnz - points**2) // 2
+
+
+def test_the_highest_frequency_is_not_underestimated(monkeypatch):
+    for mass in (np.linspace(1.0, 2.0, 49), CONSISTENT):
+        found = []
+        for empty in (10**9, 0):
+            monkeypatch.setattr(packing, "EMPTY", empty)
+            found.append(packing.omega_max(packing.linear_system(thrown(M=mass))))
+        assert found[0] <= found[1] <= found[0] * (1.0 + 1e-6)
+
+
+def test_packed_entries_are_the_matrix_and_its_factor_solves():
+    order = fill_order(NET)
+    A = band(NET, order, wide=True)
+    np.testing.assert_array_equal(sparse_form(A).toarray(), NET.toarray()[np.ix_(order, order)])
+    both = combine((2.0, A), (3.0, band(eye_array(49), order, wide=True)))
+    dense = 2.0 * NET.toarray()[np.ix_(order, order)] + 3.0 * np.eye(49)
+    np.testing.assert_allclose(sparse_form(both).toarray(), dense, atol=1e-14)
+    right = np.random.default_rng(3).standard_normal((49, 3))
+    np.testing.assert_allclose(solve(factor(both, "A"), right), np.linalg.solve(dense, right), atol=1e-13)
+    assert all(np.all(column > row) for row, column, _ in [pairs(both)])
+
+
+def test_an_indefinite_matrix_is_refused(monkeypatch):
+    monkeypatch.setattr(packing, "EMPTY", 0)
+    bad = csr_array(eye_array(49) - 0.3 * NET + 1.2 * eye_array(49))
+    with pytest.raises(ct.InputError, match="M: found"):
+        ct.run(thrown(M=bad), scheme=ct.MoreauJean(), t_end=1.0, dt=0.1)

@@ -1,0 +1,96 @@
+"""Scene files of kind "patch": the shipped oscillator against its closed form, basis files, broken tables."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import contact as ct
+from casingfem.cli import main
+
+SCENES = Path(__file__).parents[3] / "data" / "scenes"
+OSCILLATOR = (SCENES / "coulomb_oscillator.toml").read_text()
+
+
+@pytest.mark.slow
+def test_the_shipped_oscillator_rests_where_and_when_the_closed_form_says():
+    result = ct.run(ct.load_scene(SCENES / "coulomb_oscillator.toml"))
+    x = result.state[:, 0]
+    assert x[result.state_time > 5.0 * np.pi + 0.02] == pytest.approx(0.0, abs=1e-6)
+    turning = x[np.searchsorted(result.state_time, np.pi * np.arange(1, 5))]
+    np.testing.assert_allclose(turning, [-0.8, 0.6, -0.4, 0.2], atol=1e-4)
+    assert result.sticking[0][-1] == (pytest.approx(5.0 * np.pi, abs=5e-3), pytest.approx(20.0, abs=1e-9))
+    assert result.energy.friction == pytest.approx(-0.5, abs=1e-6)
+
+
+@pytest.mark.slow
+def test_the_command_line_runs_it():
+    done = CliRunner().invoke(main, ["contact", str(SCENES / "coulomb_oscillator.toml"), "--json"])
+    assert done.exit_code == 0
+    document = json.loads(done.stdout)
+    assert document["contacts"][0]["impulse"] == pytest.approx(20.0, rel=1e-3)
+    assert document["energy"]["friction"] == pytest.approx(-0.5, abs=1e-6)
+
+
+def of_basis(folder, contacts, more=""):
+    rows = np.array([[1.0, 0.0, 0.2], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    ct.ModalBody(omega=[0.0, 1.0, 2.0], zeta=[0.0, 0.0, 0.1], channels=("n", "s", "t"), rows=rows,
+                 S=np.zeros((3, 3))).save(folder / "block.npz")  # fmt: skip
+    file = folder / "scene.toml"
+    file.write_text(
+        f'[scene]\nkind = "patch"\nt_end = 1.0\n[body]\nbasis = "block.npz"\nload = {{n = -2.0, s = 0.5}}\n'
+        f'{contacts}{more}\n[scheme]\nkind = "exact-modal"\ndt = 1e-2\n'
+    )
+    return ct.load_scene(file)
+
+
+@pytest.mark.slow
+def test_a_basis_file_in_a_plane_dragged_by_the_ground(tmp_path):
+    contact = '[[contact]]\nnormal = "n"\ntangent = ["s", "t"]\nslide = [0.1, -0.2]\nclearance = 0.01\n'
+    scene = of_basis(tmp_path, contact, "[ground]\nfriction = 0.4")
+    assert scene.law == ct.Coulomb(mu=0.4)
+    assert (scene.what.dimensions, scene.what.slide.tolist(), scene.what.clearance.tolist()) == (
+        3, [[0.1, -0.2]], [0.01],
+    )  # fmt: skip
+    np.testing.assert_allclose(scene.what.load, [-2.0, 0.5, -0.4])
+    assert ct.run(scene).impulse[0] > 0.5
+
+
+def test_contacts_without_tangents_have_no_friction(tmp_path):
+    scene = of_basis(tmp_path, '[[contact]]\nnormal = "n"\n[[contact]]\nnormal = "t"\nclearance = 0.5\n')
+    assert scene.law == ct.Unilateral()
+    assert (scene.what.contacts, scene.what.dimensions) == (2, 1)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('normal = "y"', 'normal = "z"', "body: channel: found 'z', expected one of x, y"),
+        ("load = {y = -1.0}", "load = {z = -1.0}", "body: channel: found 'z'"),
+        ('channels = ["x", "y"]', "", "expected a basis, or omega, channels and rows"),
+        ("omega = [1.0, 0.0]", 'basis = "x.npz"\nomega = [1.0, 0.0]', "basis, omega, channels, rows found"),
+        (
+            "rows = [[1.0, 0.0], [0.0, 1.0]]",
+            "rows = [[1.0], [0.0, 1.0]]",
+            "body: rows: found rows of different lengths",
+        ),
+        ("slide = [0.0]", "slide = [0.0, 1.0]", "contact[1]: 2 slide found, expected 1"),
+        ('tangent = ["x"]', 'tangent = ["x", "x", "x"]', "contact[1].tangent"),
+        ('tangent = ["x"]', "tangent = []\n#", "ground.friction found without tangents"),
+        ("clearance = 0.0", "clearance = -0.1", "body: clearance: contact 1 penetrates"),
+        ("displacement = [1.0, 0.0]", "displacement = [1.0]", "body: displacement"),
+        ('kind = "exact-modal"', 'kind = "newmark"', "scheme.kind: found 'newmark', expected 'exact-modal'"),
+        ("friction = 0.1", "mu = 0.1", "ground.mu: unknown key"),
+    ],
+)
+def test_broken_tables_name_their_key(tmp_path, old, new, words):
+    assert old in OSCILLATOR
+    text = OSCILLATOR.replace(old, new, 1)
+    if new == "tangent = []\n#":
+        text = text.replace("slide = [0.0]", "slide = []")
+    (tmp_path / "scene.toml").write_text(text)
+    with pytest.raises(ct.SceneError) as caught:
+        ct.load_scene(tmp_path / "scene.toml")
+    assert words in str(caught.value)

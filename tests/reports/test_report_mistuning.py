@@ -1,0 +1,30 @@
+"""Reports on loose bolts and on restarted modes of mistuned casings run small."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from reports.modes import loose_bolts, mistuning
+
+
+@pytest.mark.campaign
+def test_two_loose_bolts_settle_and_lead_the_lowest_mode(tmp_path):
+    rows = loose_bolts.main(tmp_path, quick=True)
+    assert [row["worst"] for row in rows] == sorted((row["worst"] for row in rows), reverse=True)
+    assert rows[1]["worst"] < 3e-3
+    first = pd.read_csv(tmp_path / "loose_bolts.csv")
+    assert first["shift %"][0] < -10.0
+    assert np.all(first["shift %"] < 0.0)  # springs were only taken away
+    ratio = pd.read_csv(tmp_path / "bolt_meshes.csv")["estimate/computed"]
+    assert np.all((ratio > 0.1) & (ratio < 10.0))
+
+
+@pytest.mark.campaign
+def test_mistuning_restarts_gain_digits_with_each_step(tmp_path):
+    rows = mistuning.main(tmp_path, quick=True)
+    krylov, subspace = (
+        [row["worst error"] for row in rows if row["space"] == space] for space in ("Krylov", "subspace")
+    )
+    assert krylov[2] < 1e-7
+    assert krylov[1] < subspace[1] / 50
+    assert len(pd.read_csv(tmp_path / "mistuning.csv")) == 6

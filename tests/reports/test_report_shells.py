@@ -1,0 +1,59 @@
+"""Reports on casings, cones, plates and rings run small, and find the numbers the README quotes."""
+
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+
+from reports.modes import frustum as frustum_convergence
+from reports.modes import steel_ring
+from reports.verification import cone, cylinder, splitting, twisted_plate
+
+
+@pytest.mark.campaign
+def test_frustum_convergence_marks_the_default_mesh_and_finds_it_good(tmp_path, capsys):
+    rows = frustum_convergence.main(tmp_path, quick=True)
+    table = pd.read_csv(tmp_path / "frustum_convergence.csv")
+    assert len(table) == len(rows) >= 4
+    default = [row for row in rows if row[""]]
+    assert {row["method"] for row in default} == {"shell", "fourier"}
+    assert all(row["worst error"] < 2e-4 and row["sturm"] == 40 and row["doublet gap"] < 1e-10 for row in default)
+    assert "<- default" in capsys.readouterr().out
+    assert frustum_convergence.exact_frequencies()[[0, -1]].tolist() == [367.9087, 980.6034]
+
+
+@pytest.mark.slow
+def test_cylinder_counts_rows_within_a_thousandth(tmp_path, capsys):
+    rows = cylinder.main(tmp_path, quick=True)
+    assert [row["within .1 %"] for row in rows[:3]] == [40, 40, 38]
+    assert rows[2]["worst %"] < 0.19
+    assert len(pd.read_csv(tmp_path / "cylinder.csv")) == 200
+    assert "118 of 120 rows within .1 %" in capsys.readouterr().out
+
+
+@pytest.mark.campaign
+def test_quick_tables_of_cones_and_twisted_plates(tmp_path, capsys):
+    assert len(cone.main(tmp_path, quick=True)) == 20
+    assert len(pd.read_csv(tmp_path / "cone.csv")) == 240
+    assert len(twisted_plate.main(tmp_path, quick=True)) == 10
+    printed = capsys.readouterr().out
+    assert "without shear and rotary inertia 240" in printed
+    assert "75 of 80 rows within .5 %" in printed
+
+
+@pytest.mark.slow
+def test_a_split_that_the_rule_forbids_is_seen():
+    """The same frustum, judged by a wrong p: what must part does."""
+    name, parts = next(iter(splitting.fields().items()))
+    shell = frustum_convergence.reference_frustum(splitting.ODD)
+    row = splitting.stays_double(name, replace(shell, **parts), 5, "a wrong rule")
+    assert row["verdict"] == "FAIL"
+
+
+@pytest.mark.slow
+def test_a_ring_as_strip_and_as_beam_agree(tmp_path):
+    rows = steel_ring.main(tmp_path, quick=True)
+    gaps = [abs(row["beam/strip - 1 %"]) for row in rows]
+    assert max(gaps) < 1.0
+    assert max(abs(row["strip Hz"] / row["no ring Hz"] - 1.0) for row in rows) > 0.08  # the ring matters more
+    assert len(pd.read_csv(tmp_path / "steel_ring_bolts.csv")) == 6

@@ -1,0 +1,34 @@
+"""Reports on speed run small: their tables are whole, no time is asserted: it is the machine's."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from reports.speed import steps as speed
+from reports.speed import sweeps as sweep_speed
+
+
+@pytest.mark.campaign
+def test_speed_gives_ratios_and_steps(tmp_path):
+    rows = speed.main(tmp_path, quick=True)
+    steps = pd.read_csv(tmp_path / "speed.csv").set_index("step")
+    assert steps.loc["assemble, 10290 dofs", "over assembly"] == 1.0
+    assert {"40 modes", "40 modes, perfect casing by harmonics"} <= set(steps.index)
+    assert np.all(steps["seconds"] > 0.0)
+    runs = pd.read_csv(tmp_path / "speed_contact.csv")
+    assert np.all(runs["us/step"] > 0.0)
+    assert len(rows) == len(steps) + len(runs)
+
+
+@pytest.mark.campaign
+def test_speed_tables_are_whole_and_leaps_change_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(sweep_speed, "RUNS", 8)
+    rows = sweep_speed.main(tmp_path, quick=True)
+    names = ("us/step alone", "tips", "speed-up alone", "cores")
+    speeds, several, leaps, swept = ([row for row in rows if name in row] for name in names)
+    assert all(row["% of peak flops"] > 0.0 for row in (*speeds, *several))
+    assert len(several) == 9
+    assert speeds[-1]["terms of the rows"] > 1.5 * speeds[0]["terms of the rows"]
+    assert max(row["state differs by"] for row in leaps) <= 1e-12
+    assert leaps[-1]["contact fraction"] < 0.1 < leaps[0]["contact fraction"]
+    assert [row["failed"] for row in swept] == [0, 0]

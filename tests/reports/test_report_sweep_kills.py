@@ -1,0 +1,16 @@
+"""A sweep on a local Dask cluster whose workers and driver are killed."""
+
+import pytest
+
+from reports.robustness import sweep_kills
+
+
+@pytest.mark.campaign
+def test_a_sweep_under_kill_9_loses_nothing(tmp_path):
+    pytest.importorskip("distributed")
+    (row,) = sweep_kills.main(tmp_path, quick=True)
+    assert (row["workers killed"], row["drivers killed"], row["failed"]) == (2, 1, 0)
+    assert row["finished before the table was asked for"] == 200
+    assert row["unreadable files"] == 0
+    assert row["table identical"]
+    assert row["identical from a new index"]
