@@ -1,9 +1,10 @@
-"""How the two packages are built: modules, folders, names, arrows of the import graph, lines that stand twice.
+"""How the project is built: modules, folders, names, arrows of the import graph, lines that stand twice.
 
 `python -m reports.structure [CHECKOUT] [--out DIR]`. Read from the sources of this checkout, or of another one beside
-it in a second column; nothing is imported. Lines are not blank. An arrow is an import, those inside functions and those
-for types alone too; a circle is a set of modules, or of folders, that reach each other along arrows. Two folders of
-which each imports the other stand on no order of floors.
+it in a second column; nothing is imported. Figures are those of the two packages; of reports and tests, modules and
+folders are counted. Lines are not blank. An arrow is an import, those inside functions and those for types alone too; a
+circle is a set of modules, or of folders, that reach each other along arrows. Two folders of which each imports the
+other stand on no order of floors.
 """
 
 import argparse
@@ -19,6 +20,7 @@ from statistics import median
 from reports.tables import OUT, ROOT, Row, show, write
 
 PACKAGES = ("casingfem", "contact")
+BESIDE = ("reports", "tests")  # of which modules and folders are counted, no more
 TOGETHER = 6  # lines, one below the other, that stand in two places: a duplicate
 Graph = Mapping[str, frozenset[str]]
 
@@ -136,11 +138,18 @@ def calls(tree: ast.AST, name: str) -> int:
     return sum(isinstance(n, ast.Call) and isinstance(n.func, ast.Name) and n.func.id == name for n in ast.walk(tree))
 
 
+def modules_of(root: Path, top: str) -> Counter[str]:
+    """Modules in each folder below a top folder of a checkout; results of reports left out."""
+    paths = [path.relative_to(root) for path in (root / top).rglob("*.py")]
+    return Counter(path.parent.as_posix() for path in paths if "out" not in path.parts)
+
+
 def measures(structure: Structure) -> dict[str, str]:
     """Every figure by its name."""
     code = {name: len(lines) for name, lines in structure.lines.items()}
     largest = max(code, key=lambda name: code[name])
-    per_folder = Counter(path.parent.relative_to(structure.root).as_posix() for path in structure.files.values())
+    folders = {top: modules_of(structure.root, top) for top in (*PACKAGES, *BESIDE)}
+    per_folder = sum((folders[package] for package in PACKAGES), Counter[str]())
     folder, count = per_folder.most_common(1)[0]
     importers: dict[str, set[str]] = defaultdict(set)
     for name, targets in structure.imports.items():
@@ -164,6 +173,11 @@ def measures(structure: Structure) -> dict[str, str]:
         "circles of modules": f"{len(loops)}: {sum(map(len, loops))} modules",
         "pairs of folders that import each other": str(both),
         "largest circle of folders": str(max(map(len, circles(structure.folders)), default=0)),
+        **{f"modules of {top}": str(folders[top].total()) for top in BESIDE},
+        **{
+            f"largest folder of {top}": " ".join(f"{n} {name}" for name, n in folders[top].most_common(1))
+            for top in BESIDE
+        },
     }
 
 
@@ -174,7 +188,7 @@ def main(checkouts: Iterable[Path], out: Path = OUT) -> list[Row]:
         {"figure": name, **{where: figures[name] for where, figures in found.items()}}
         for name in next(iter(found.values()))
     ]
-    show("How casingfem and contact are built", rows)
+    show("How the project is built", rows)
     write(out / "structure.csv", rows)
     return rows
 

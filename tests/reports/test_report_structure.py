@@ -11,6 +11,10 @@ FILES = {
     "casingfem/a/mesh.py": "def later():\n    from casingfem.a.shell import Shell\n    import casingfem.b\n",
     "casingfem/b.py": "import math\nfrom casingfem.a.mesh import later\n",
     "contact/__init__.py": "x = isinstance(1, int)\n\n\ny = isinstance(x, str)\n",
+    "reports/a/__init__.py": "",
+    "reports/a/one.py": "",
+    "reports/out/copy.py": "",
+    "reports/tables.py": "",
 }
 
 
@@ -28,7 +32,8 @@ def test_figures_of_a_small_house(tmp_path):
         "largest folder": "3 casingfem/a", "folders over 25 modules": "0", "names of casingfem": "2",
         "names of contact": "0", "isinstance in contact": "2", "modules with one importer": "0", "duplicates": "0",
         "circles of modules": "1: 3 modules", "pairs of folders that import each other": "1",
-        "largest circle of folders": "2",
+        "largest circle of folders": "2", "modules of reports": "3", "modules of tests": "0",
+        "largest folder of reports": "2 reports/a", "largest folder of tests": "",
     }  # fmt: skip
 
 
