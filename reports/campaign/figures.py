@@ -1,9 +1,10 @@
 """Figures that pages quote: kept in docs/figures.csv as a run printed them, found again in the pages, renewed there.
 
-A page marks where it quotes a run by a comment, which no reader sees: `<!-- cylinder: 0.005 -->` behind a row of a
-table or within a paragraph says that the figures of that row of the store stand in this line of the table, or in this
-paragraph, in that order; `<!-- bladed_disk: 2 @ off [%] -->` names some of them. A figure stands there if a number of
-the page equals it at the precision printed, or bounds it, as `< 1e-12` does. `reports.campaign` writes store and pages.
+A page marks where it quotes a run by a comment, which no reader sees: `<!-- verification.cylinder: 0.005 -->` behind a
+row of a table or within a paragraph says that the figures of that row of the store stand in this line of the table, or
+in this paragraph, in that order; `<!-- rub.bladed_disk: 2 @ off [%] -->` names some of them. A figure stands there if a
+number of the page equals it at the precision printed, or bounds it, as `< 1e-12` does. `reports.campaign` writes store
+and pages.
 """
 
 import csv

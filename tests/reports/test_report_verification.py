@@ -11,7 +11,7 @@ def test_verification_passes_or_says_why_not(tmp_path, capsys):
     rows = verification.main(tmp_path, quick=True)
     verdicts = [row["verdict"] for row in rows]
     assert "FAIL" not in verdicts
-    assert len(verdicts) == 227  # those of every verify_ module among them, which have no test of their own
+    assert len(verdicts) == 227  # those of every module of the room among them
     assert verdicts.count("pass") >= 180
     for row in rows:
         error = 100.0 * (row["computed"] / row["reference"] - 1.0 if row["reference"] else row["computed"])
