@@ -80,10 +80,16 @@ def store(sums: Tally, out: Samples, step: int, time: float, force: Array, gap: 
 
 
 @jit_inside
+def state_due(sums: Tally, out: Samples, step: int) -> bool:
+    """Whether the displacements at the start of this step are to be recorded."""
+    return bool((out.every == 0 or out.state_every > 0) and due(step, out.state_every, out.at, sums.filled[1]))
+
+
+@jit_inside
 def store_state(sums: Tally, out: Samples, step: int, time: float, state: Array) -> None:
     """Store the displacements at the start of this step, or their channels, when they are to be recorded."""
     row = sums.filled[1]
-    if (out.every == 0 or out.state_every > 0) and due(step, out.state_every, out.at, row):
+    if state_due(sums, out, step):
         out.state_time[row] = time
         if out.rows.shape[0] == 0:
             for i in range(state.size):

@@ -14,7 +14,7 @@ from contact.jit.compiled import jit, jit_entry, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
 from contact.loop.modal.leap import FOREVER, PAUSE, Leap, discrete_energy, leap_ahead
 from contact.loop.modal.modal import ModalState
-from contact.loop.modal.rows import RowBlocks, fill, product, rotate
+from contact.loop.modal.rows import RowBlocks, fill, move, product, rotate
 from contact.loop.tally import note_contact, store, store_state
 from contact.record.record import Samples, Tally
 from contact.solver.abradable.one_tip import Coating, crush, first_bar, machined, surface
@@ -107,17 +107,6 @@ def push(s: ModalState, Q: Array, T: Array, old: Array, new: Array, force: float
         normal = normal + row * both
         tangent = tangent + along * both
     return total(normal), total(tangent)
-
-
-@jit_inside
-def move(s: ModalState, old: Array, new: Array) -> float:
-    """Add D to q; returns the work of modal damping, -sum (1 - al) D_n (D_n + D_{n+1})/(2 c)."""
-    part = same(0.0)
-    for i in range(0, s.q.size, WIDTH):
-        step, before = load(new, i), load(old, i)
-        part = part + load(s.weight, i) * before * (before + step)
-        put(s.q, i, load(s.q, i) + step)
-    return -total(part)  # type: ignore[no-any-return]
 
 
 @jit_entry

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from contact.base.arrays import Array, Indices
-from contact.jit.compiled import jit_inside
-from contact.jit.vector import WIDTH, entry, load, put, same, total
+from contact.jit.compiled import jit, jit_inside
+from contact.jit.vector import WIDTH, entry, larger, load, put, same, total
 
 
 class RowBlocks(NamedTuple):
@@ -45,11 +45,24 @@ def rotate(waves: Array, phi: float) -> None:
 def fill(rows: RowBlocks, waves: Array, row: Array) -> None:
     """All sums at the angle of `waves`."""
     for k in range(rows.start.size - 1):
-        even, odd = same(0.0), same(0.0)
-        for j in range(entry(rows.start, k), entry(rows.start, k + 1), 2):
-            even = even + load(rows.value, WIDTH * j) * same(entry(waves, entry(rows.wave, j)))
-            odd = odd + load(rows.value, WIDTH * j + WIDTH) * same(entry(waves, entry(rows.wave, j + 1)))
-        put(row, WIDTH * k, even + odd)
+        put(row, WIDTH * k, eight(rows, waves, k))
+
+
+@jit
+def fill_some(rows: RowBlocks, waves: Array, first: int, row: Array) -> None:
+    """As many sums as `row` has places, from block `first`."""
+    for k in range(row.size // WIDTH):
+        put(row, WIDTH * k, eight(rows, waves, first + k))
+
+
+@jit_inside
+def eight(rows: RowBlocks, waves: Array, block: int) -> Any:
+    """The sums of one block."""
+    even, odd = same(0.0), same(0.0)
+    for j in range(entry(rows.start, block), entry(rows.start, block + 1), 2):
+        even = even + load(rows.value, WIDTH * j) * same(entry(waves, entry(rows.wave, j)))
+        odd = odd + load(rows.value, WIDTH * j + WIDTH) * same(entry(waves, entry(rows.wave, j + 1)))
+    return even + odd
 
 
 @jit_inside
@@ -60,3 +73,45 @@ def product(a: Array, b: Array) -> float:
         part = part + load(a, i) * load(b, i)
     result: float = total(part)
     return result
+
+
+@jit_inside
+def product_of_sum(a: Array, b: Array, c: Array) -> float:
+    """Sum of a (b + c) over whole blocks."""
+    part = same(0.0)
+    for i in range(0, a.size, WIDTH):
+        part = part + load(a, i) * (load(b, i) + load(c, i))
+    result: float = total(part)
+    return result
+
+
+@jit_inside
+def weighted(a: Array, c: Array, b: Array) -> float:
+    """Sum of a c b over whole blocks."""
+    part = same(0.0)
+    for i in range(0, a.size, WIDTH):
+        part = part + load(a, i) * load(c, i) * load(b, i)
+    result: float = total(part)
+    return result
+
+
+@jit_inside
+def bound(a: Array, b: Array, c: Array) -> float:
+    """Sum of a |b + c| over whole blocks."""
+    part, none = same(0.0), same(0.0)
+    for i in range(0, a.size, WIDTH):
+        both = load(b, i) + load(c, i)
+        part = part + load(a, i) * larger(both, none - both)
+    result: float = total(part)
+    return result
+
+
+@jit_inside
+def move(s: Any, old: Array, new: Array) -> float:
+    """Add D to q; returns the work of modal damping, -sum (1 - al) D_n (D_n + D_{n+1})/(2 c)."""
+    part = same(0.0)
+    for i in range(0, s.q.size, WIDTH):
+        step, before = load(new, i), load(old, i)
+        part = part + load(s.weight, i) * before * (before + step)
+        put(s.q, i, load(s.q, i) + step)
+    return -total(part)  # type: ignore[no-any-return]

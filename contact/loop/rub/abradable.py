@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 from contact.jit.compiled import jit
-from contact.loop.rub.rows import RubLaws, RubRows, hermite, polynomial, turn
+from contact.loop.modal.rows import rotate
+from contact.loop.rub.rows import RubLaws, RubRows, hermite, polynomial
 from contact.loop.rub.state import RubState, Work
 from contact.solver.abradable.one_tip import first_bar, machined, surface, wear
 from contact.solver.abradable.tips import Coats, coating_of
 
 
 @jit
-def stand(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats, dim: int, angle: float) -> int:
+def stand(s: RubState, laws: RubLaws, rows: RubRows, w: Work, coats: Coats, dim: int, angle: float) -> int:
     """Bars under the tips that are near; their gaps become those of the surface. How many no longer close."""
     apart = 0
     for j in range(s.mu.size):
@@ -21,8 +22,8 @@ def stand(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats, dim: int, ang
             continue
         tip, phi, cut = coating_of(coats, j), rows.angle[j] - angle, 0.0
         if tip.round > -math.inf:
-            turn(rows.waves, phi)
-            cut = machined(tip, polynomial(laws.terms, rows.waves) + hermite(laws.table, phi))
+            rotate(w.turn, phi)
+            cut = machined(tip, polynomial(laws.terms, w.turn) + hermite(laws.table, phi))
         coats.first[j], coats.cut[j] = first_bar(tip, phi / (2.0 * math.pi)), cut
         s.skin[j] = surface(tip, coats.first[j], cut)
         s.test[j] += s.skin[j]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from contact.jit.compiled import jit
+from contact.loop.modal.rows import move, product, product_of_sum
 from contact.loop.modal.stick import INSIDE
 from contact.loop.rub.rows import RubRows, blade_dot
 from contact.loop.rub.state import RubState, Work
@@ -21,14 +22,14 @@ def book(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float,
     back; what S stores because the point moves is the turning point's.
     """
     for a in range(w.slots[0] * dim):
-        w.along[a] = dot(w.rows[a], s.old, w.spare.size) + dot(w.rows[a], s.d, w.spare.size)
+        w.along[a] = product_of_sum(w.rows[a], s.old, s.d)
     for n in range(count):
         j = w.chosen[n]
         for i in range(dim):
             row = j * dim + i
             along = w.along[w.column[n * dim + i]] + blade_dot(rows, row, j, s.old)
             along = 0.5 * s.lam[row] * (along + blade_dot(rows, row, j, s.d))
-            moved = 0.5 * s.lam[row] * (w.strain[row] - strain_before(s, rows, w, row))
+            moved = 0.5 * s.lam[row] * (w.strain[row] - dot(w.S_old[row], s.lam, s.lam.size)) if rows.S_turns else 0.0
             sums.work[j] += moved
             sums.rotation[j] -= moved
             if i == 0:
@@ -42,18 +43,6 @@ def book(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float,
             s.heat[j] -= s.lam[row] * s.motion[row]
             if i == 1:
                 s.drive[j] -= s.lam[row] * rows.radius[j] * slid
-
-
-@jit
-def strain_before(s: RubState, rows: RubRows, w: Work, row: int) -> float:
-    """One row of S(phi_{n-1}) lam."""
-    if rows.S_harmonic.size == 1:
-        return float(w.strain[row])
-    total = 0.0
-    for p in range(rows.S_harmonic.size):
-        cos, sin = dot(rows.S_cos[p, row], s.lam, s.lam.size), dot(rows.S_sin[p, row], s.lam, s.lam.size)
-        total += w.waves_old[0, p] * cos + w.waves_old[1, p] * sin
-    return total
 
 
 @jit
@@ -72,13 +61,11 @@ def settle(s: RubState, sums: Tally) -> None:
     """Add the increments, and the work of damping, of the stiffening, of gravity and whirl."""
     for i in range(s.body.size):
         sums.body_force[0] += 0.5 * s.body[i] * (s.old[i] + s.d[i])
-    lost, given = 0.0, 0.0
-    for i in range(s.q.size):
-        lost -= s.weight[i] * s.old[i] * (s.old[i] + s.d[i])
+    given = 0.0
+    for i in range(s.push.size - s.stiff.shape[0], s.push.size):
         given += 0.5 * s.push[i] * (s.old[i] + s.d[i])
-        s.q[i] += s.d[i]
-    sums.damping[0] += lost
     sums.external[0] += given
+    sums.damping[0] += move(s, s.old, s.d)
 
 
 @jit
@@ -93,7 +80,7 @@ def note(s: RubState, rows: RubRows, w: Work, dim: int, sums: Tally, out: Sample
             before, predicted = s.now[j] + s.skin[j], s.test[j]
             s.last[j], s.now[j], s.known[j] = s.now[j], s.free[j], 1
         if s.inside[j] == 2:
-            s.peaks[0] = max(s.peaks[0], abs(dot(w.ahead[rows.place[j]], s.q, w.spare.size)))
+            s.peaks[0] = max(s.peaks[0], abs(product(w.normal[1 - w.side[0], rows.place[j]], s.q)))
             if dim > 1:
                 s.peaks[1] = max(s.peaks[1], abs(blade_dot(rows, R + 1, j, s.q)))
         note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)

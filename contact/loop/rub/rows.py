@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit
+from contact.jit.vector import WIDTH
+from contact.loop.modal.rows import RowBlocks, fill_some, product, rotate
 from contact.loop.rub.body_force import Pulls
-from contact.solver.dense import dot
 
 
 class Terms(NamedTuple):
@@ -17,16 +18,6 @@ class Terms(NamedTuple):
     harmonic: Indices
     cos: Array
     sin: Array
-
-
-@jit
-def turn(waves: Array, phi: float) -> None:
-    """Cos n phi and sin n phi from one sine and cosine by the addition theorem: no drift over steps."""
-    c, s = math.cos(phi), math.sin(phi)
-    waves[0, 0], waves[1, 0] = 1.0, 0.0
-    for n in range(1, waves.shape[1]):
-        waves[0, n] = c * waves[0, n - 1] - s * waves[1, n - 1]
-        waves[1, n] = s * waves[0, n - 1] + c * waves[1, n - 1]
 
 
 @jit
@@ -52,15 +43,14 @@ class RubLaws(NamedTuple):
 
 
 class RubRows(NamedTuple):
-    """Casing rows by harmonic and block = directions line + direction; the tips; residual compliance by angle."""
+    """Casing rows by harmonic and block = directions line + direction; the tips; residual compliance by angle.
 
-    start: Indices
-    harmonic: Indices
-    cos: Array  # (B, entries)
-    sin: Array
-    cos_table: Array  # (B, harmonics, m), empty when few entries matter
-    sin_table: Array
-    reach: Array  # (lines, m): bound of |normal row| over the angle
+    Rows over the casing's modes are filled up with zeros to whole blocks of eight, `width` in all.
+    """
+
+    casing: RowBlocks
+    width: int
+    reach: Array  # (lines, width): bound of |normal row| over the angle
     directions: int
     line: Indices  # (K,)
     place: Indices  # (K,) number of the tip's (line, angle): tips at one place share their rows
@@ -70,10 +60,10 @@ class RubRows(NamedTuple):
     blade: Array  # (K d, widest blade)
     own: Indices  # (K, 2)
     fixed: Array  # (K d, K d): what the blades' modes yield to a force within a step
-    S_harmonic: Indices
-    S_cos: Array  # (P, K d, K d)
-    S_sin: Array
-    waves: Array  # (2, degree + 1) work space
+    S: RowBlocks  # rows of the residual compliance, K d sums each and zeros to whole blocks
+    S_turns: bool
+    harmonics: int  # waves that the rows and the profile take, in whole blocks
+    S_harmonics: int
 
 
 @jit
@@ -128,34 +118,20 @@ def hermite(table: Array, phi: float) -> float:
 
 
 @jit
-def fill_block(rows: RubRows, block: int, row: Array) -> None:
+def fill_block(rows: RubRows, block: int, waves: Array, row: Array) -> None:
     """One row of the casing at the angle of `waves`."""
-    if rows.cos_table.shape[0] > 0:
-        for i in range(row.size):
-            row[i] = 0.0
-        for n in range(rows.cos_table.shape[1]):
-            c, s = rows.waves[0, n], rows.waves[1, n]
-            cos, sin = rows.cos_table[block, n], rows.sin_table[block, n]
-            for i in range(row.size):
-                row[i] += c * cos[i] + s * sin[i]
-        return
-    for i in range(row.size):
-        total = 0.0
-        for e in range(rows.start[i], rows.start[i + 1]):
-            n = rows.harmonic[e]
-            total += rows.cos[block, e] * rows.waves[0, n] + rows.sin[block, e] * rows.waves[1, n]
-        row[i] = total
+    fill_some(rows.casing, waves, block * (rows.width // WIDTH), row)
 
 
 @jit
-def rigid_gap(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float) -> float:
+def rigid_gap(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float, waves: Array) -> float:
     """Gap at the place of tip j without its own clearance and without deflection, the casing turned by `angle`.
 
     Leaves `waves` at the tip.
     """
     phi = rows.angle[j] - angle
-    turn(rows.waves, phi)
-    gap = polynomial(laws.terms, rows.waves) + hermite(laws.table, phi) - straight(laws.closing, t)
+    rotate(waves, phi)
+    gap = polynomial(laws.terms, waves) + hermite(laws.table, phi) - straight(laws.closing, t)
     for w in range(laws.whirl.shape[0]):
         beta = laws.whirl[w, 3] + laws.whirl[w, 1] * angle + laws.whirl[w, 2] * t
         gap += laws.whirl[w, 0] * math.cos(phi - beta)
@@ -182,8 +158,9 @@ def blade_dot(rows: RubRows, row: int, j: int, values: Array) -> float:
 
 
 @jit
-def gap_of(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float, dim: int, q: Array, row: Array) -> float:
+def gap_of(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float, dim: int, q: Array, waves: Array,
+           row: Array) -> float:  # fmt: skip
     """Gap of tip j for the modal coordinates q, without residual compliance; leaves its casing row in `row`."""
-    rigid = rows.clearance[j] + rigid_gap(laws, rows, j, t, angle)
-    fill_block(rows, rows.line[j] * rows.directions, row)
-    return float(rigid + dot(row, q, row.size) + blade_dot(rows, j * dim, j, q))
+    rigid = rows.clearance[j] + rigid_gap(laws, rows, j, t, angle, waves)
+    fill_block(rows, rows.line[j] * rows.directions, waves, row)
+    return float(rigid + product(row, q) + blade_dot(rows, j * dim, j, q))

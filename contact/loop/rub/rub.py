@@ -6,13 +6,15 @@ Two loops come of it: with `coats` None tips meet a rigid surface, else they pre
 from __future__ import annotations
 
 from contact.jit.compiled import jit_entry
+from contact.jit.vector import WIDTH, put, same
 from contact.loop.rub.abradable import flow, stand
+from contact.loop.rub.alone import alone
 from contact.loop.rub.ledger import book, note, settle, strains
 from contact.loop.rub.predict import look, propagate
 from contact.loop.rub.rows import RubLaws, RubRows, turned
 from contact.loop.rub.solve import drawn_in, gather, push, relax, soften, solve
 from contact.loop.rub.state import RubState, Work
-from contact.loop.tally import due, store, store_state
+from contact.loop.tally import due, state_due, store, store_state
 from contact.record.record import Samples, Tally
 from contact.solver.abradable.tips import Coats
 from contact.solver.dense import assign
@@ -27,22 +29,25 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
     angle, omega = turned(laws.speed, first * h)
     for step in range(first, first + steps):
         t = step * h
-        ahead, omega_ahead = turned(laws.speed, t + h)
+        ahead, omega_ahead = turned(laws.speed, (step + 1) * h)  # not t + h, which is rounded: runs may be split
         propagate(s, laws, t, angle, omega)
         every = due(step, out.every, out.at, sums.filled[0])
         closing = look(s, laws, rows, w, dim, share, every, t, h, before, angle, ahead)
         if coats is not None:
-            closing -= stand(s, laws, rows, coats, dim, angle)
-        for i in range(s.contact.size):
-            s.contact[i] = 0.0
+            closing -= stand(s, laws, rows, w, coats, dim, angle)
+        for i in range(0, s.contact.size, WIDTH):
+            put(s.contact, i, same(0.0))
         count = 0
         while closing > 0:
-            count = gather(s, rows, w, dim, share, angle)
-            soften(rows, w, count * dim, before, angle)
-            if not solve(s, rows, w, coats, count, dim, share, omega * h):
-                return step
+            count = 1
+            if closing > 1 or coats is not None or not alone(s, rows, w, dim, share, omega * h, step, before, angle):
+                count = gather(s, rows, w, dim, share, angle)
+                soften(rows, w, count * dim, step, before, angle)
+                if not solve(s, rows, w, coats, count, dim, share, omega * h):
+                    return step
             if not drawn_in(s, rows, w, count * dim, dim, share):
                 break
+            closing = s.mu.size  # one or more than were solved for
         if closing > 0 or pressed:
             strains(s, w, count * dim)
         if closing > 0:
@@ -55,12 +60,15 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if closing > 0 or pressed:
             assign(s.strain, w.strain, w.strain.size)
         pressed = closing > 0
-        assign(s.seen, s.q, s.q.size)
-        for i in range(s.lam.size):
-            s.seen[s.q.size + i] = s.lam[i]
-        store_state(sums, out, step, t, s.seen)
+        if state_due(sums, out, step):
+            modes = s.seen.size - s.lam.size
+            assign(s.seen, s.q, modes)
+            for i in range(s.lam.size):
+                s.seen[modes + i] = s.lam[i]
+            store_state(sums, out, step, t, s.seen)
         settle(s, sums)
         note(s, rows, w, dim, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)
         before, angle, omega = angle, ahead, omega_ahead
+        w.side[0] = 1 - w.side[0]
     return -1

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import math
-
 from contact.base.arrays import Array
-from contact.jit.compiled import jit
+from contact.jit.compiled import jit, jit_inside
+from contact.jit.vector import WIDTH, load, put, same
 from contact.loop.modal.patch import ROUGH
-from contact.loop.rub.rows import RubRows, blade_dot, fill_block, turn
+from contact.loop.modal.rows import fill_some, product, rotate, weighted
+from contact.loop.rub.rows import RubRows, blade_dot, fill_block
 from contact.loop.rub.state import RubState, Work
 from contact.solver.abradable.tips import Coats, crush_tips
 from contact.solver.dense import affine, dot
 from contact.solver.friction.coulomb import friction_forces
 from contact.solver.friction.newton import TOLERANCE
+from contact.solver.friction.one_contact import one_contact
 
 
 @jit
@@ -39,31 +40,67 @@ def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float, angle: f
 @jit
 def fill_slot(s: RubState, rows: RubRows, w: Work, j: int, dim: int, share: float, angle: float) -> None:
     """The next slot becomes the place of tip j."""
-    p, slot = rows.place[j], w.slots[0]
+    p, slot, now = rows.place[j], w.slots[0], w.side[0]
     w.slot[p], w.slots[0] = slot, slot + 1
-    turn(rows.waves, rows.angle[j] - angle)
+    place_now(rows, w, j, angle)
     for i in range(dim):
-        a = slot * dim + i
-        fill_block(rows, rows.line[j] * rows.directions + i, w.rows[a])
-        w.along[a] = dot(w.rows[a], s.d, w.pushed.size)
-        for k in range(w.pushed.size):
-            w.tests[a, k] = s.c[k] * (share * w.ahead[p, k] if i == 0 else w.rows[a, k])
+        row, test = w.rows[slot * dim + i], w.tests[slot * dim + i]
+        if i > 0:
+            fill_block(rows, rows.line[j] * rows.directions + i, w.waves[now, p], row)
+            law(s.c, row, 1.0, test)
+        else:
+            copy(w.normal[now, p], row)
+            law(s.c, w.normal[1 - now, p], share, test)
+        w.along[slot * dim + i] = product(row, s.d)
 
 
 @jit
-def soften(rows: RubRows, w: Work, size: int, before: float, angle: float) -> None:
-    """Residual compliance of the chosen tips at phi_n, and the waves of that at phi_{n-1}."""
-    if rows.S_harmonic.size == 1:
+def place_now(rows: RubRows, w: Work, j: int, angle: float) -> None:
+    """Waves and normal row where tip j is at t_n; they are there if it was near in the last step."""
+    p, now = rows.place[j], w.side[0]
+    if w.fresh[now, p] == 0:
+        w.fresh[now, p] = 1
+        rotate(w.waves[now, p], rows.angle[j] - angle)
+        fill_block(rows, rows.line[j] * rows.directions, w.waves[now, p], w.normal[now, p])
+
+
+@jit_inside
+def law(c: Array, row: Array, share: float, out: Array) -> None:
+    """Fill out = share c row."""
+    part = same(share)
+    for i in range(0, out.size, WIDTH):
+        put(out, i, part * load(c, i) * load(row, i))
+
+
+@jit_inside
+def copy(row: Array, out: Array) -> None:
+    """Put `row` into `out`, which may be longer."""
+    for i in range(0, row.size, WIDTH):
+        put(out, i, load(row, i))
+
+
+@jit
+def soften(rows: RubRows, w: Work, size: int, step: int, before: float, angle: float) -> None:
+    """Residual compliance of the chosen tips at phi_n and at phi_{n-1}."""
+    if not rows.S_turns:
         return
-    for p in range(rows.S_harmonic.size):
-        n = rows.S_harmonic[p]
-        c, s = math.cos(n * angle), math.sin(n * angle)
-        w.waves_old[0, p], w.waves_old[1, p] = math.cos(n * before), math.sin(n * before)
-        for a in range(size):
-            r = w.row[a]
-            for k in range(w.strain.size):
-                last = w.S[r, k] if p > 0 else 0.0
-                w.S[r, k] = last + c * rows.S_cos[p, r, k] + s * rows.S_sin[p, r, k]
+    blocks, turned = w.S.shape[1] // WIDTH, False
+    for a in range(size):
+        r = w.row[a]
+        if w.S_at[r] == step:  # solved for a second time
+            continue
+        if w.S_at[r] == step - 1:
+            copy(w.S[r], w.S_old[r])
+            continue
+        if not turned:
+            rotate(w.S_waves, before)
+            turned = True
+        fill_some(rows.S, w.S_waves, r * blocks, w.S_old[r])
+    rotate(w.S_waves, angle)
+    for a in range(size):
+        if w.S_at[w.row[a]] != step:
+            w.S_at[w.row[a]] = step
+            fill_some(rows.S, w.S_waves, w.row[a] * blocks, w.S[w.row[a]])
 
 
 @jit
@@ -73,12 +110,14 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, 
     size = count * dim
     assemble(s, rows, w, count, dim, share, slid)
     if coats is None:
-        if dim > 1 and count > 1:
-            w.glide(w.W, w.b, w.mu, dim, count, w.lam, w.room)
-        iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
-        s.counts[0] = max(s.counts[0], float(iterations))
-        s.counts[1] += float(iterations)
-        solved = miss <= TOLERANCE
+        solved = count == 1 and one_contact(w.W, w.b, w.mu[0], dim, w.lam)
+        if not solved:
+            if dim > 1 and count > 1:
+                w.glide(w.W, w.b, w.mu, dim, count, w.lam, w.room)
+            iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
+            s.counts[0] = max(s.counts[0], float(iterations))
+            s.counts[1] += float(iterations)
+            solved = miss <= TOLERANCE
     else:
         solved = crush_tips(coats, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.glide, w.room)
     if not solved:
@@ -99,7 +138,7 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
     size, used = count * dim, w.slots[0] * dim
     for a in range(used):
         for k in range(used):
-            w.casing[a, k] = dot(w.tests[a], w.rows[k], w.pushed.size)
+            w.casing[a, k] = product(w.tests[a], w.rows[k])
     for n in range(count):
         j = w.chosen[n]
         w.mu[n] = s.mu[j]
@@ -126,11 +165,11 @@ def hand_over(s: RubState, w: Work, size: int, dim: int) -> None:
     for a in range(size):
         s.lam[w.row[a]], s.motion[w.row[a]] = w.lam[a], w.motion[a]
         w.pull[w.column[a]] += w.lam[a]
-    for k in range(w.pushed.size):
-        w.pushed[k] = 0.0
-    for a in range(used):
-        for k in range(w.pushed.size):
-            w.pushed[k] += w.pull[a] * w.rows[a, k]
+    for k in range(0, w.pushed.size, WIDTH):
+        total = same(0.0)
+        for a in range(used):
+            total = total + same(w.pull[a]) * load(w.rows, a * w.pushed.size + k)
+        put(w.pushed, k, total)
 
 
 @jit
@@ -141,7 +180,8 @@ def drawn_in(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: fl
         if s.inside[j] != 1:
             continue
         R = j * dim
-        gap = s.test[j] + share * (dot_c(w.ahead[rows.place[j]], s.c, w.pushed) + dot(rows.fixed[R], s.lam, s.lam.size))
+        casing = weighted(w.normal[1 - w.side[0], rows.place[j]], s.c, w.pushed)
+        gap = s.test[j] + share * (casing + dot(rows.fixed[R], s.lam, s.lam.size))
         for a in range(size):
             gap += w.S[w.row[a], R] * w.lam[a]
         s.motion[R] = gap
@@ -153,33 +193,24 @@ def drawn_in(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: fl
 @jit
 def push(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
     """Forces on the modes, and what they add to the increments."""
-    for k in range(w.pushed.size):
-        s.contact[k] = w.pushed[k]
+    copy(w.pushed, s.contact)
     for n in range(count):
         j = w.chosen[n]
         begin = rows.own[j, 0]
         for row in range(j * dim, (j + 1) * dim):
             for k in range(begin, rows.own[j, 1]):
                 s.contact[k] += rows.blade[row, k - begin] * s.lam[row]
-    for i in range(s.d.size):
-        s.d[i] += s.c[i] * s.contact[i]
+    for i in range(0, s.d.size, WIDTH):
+        put(s.d, i, load(s.d, i) + load(s.c, i) * load(s.contact, i))
 
 
 @jit
 def relax(s: RubState, rows: RubRows, w: Work, dim: int) -> None:
     """Add the forces' share to the gaps of q at t_{n+1}, for every tip near enough to be looked at."""
-    for p in range(w.fresh.size):
-        if w.fresh[p] == 1:
-            w.moved[p] = dot_c(w.ahead[p], s.c, w.pushed)
+    ahead = 1 - w.side[0]
+    for p in range(w.moved.size):
+        if w.fresh[ahead, p] == 1:
+            w.moved[p] = weighted(w.normal[ahead, p], s.c, w.pushed)
     for j in range(s.mu.size):
         if s.inside[j] > 0:
             s.free[j] += w.moved[rows.place[j]] + dot(rows.fixed[j * dim], s.lam, s.lam.size)
-
-
-@jit
-def dot_c(a: Array, c: Array, b: Array) -> float:
-    """Sum of a c b over the entries of a."""
-    total = 0.0
-    for i in range(a.size):
-        total += a[i] * c[i] * b[i]
-    return total

@@ -7,13 +7,17 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.base.arrays import Array, Indices
+from contact.jit.vector import WIDTH
 from contact.loop.rub.rows import RubRows
 from contact.solver.friction.gliding import Glide
 from contact.solver.friction.room import Room, friction_room
 
 
 class RubState(NamedTuple):
-    """Modes (m,), tips (K,) and their d directions each (K d,), normal first."""
+    """Modes (m,), those of the casing first, tips (K,) and their d directions each (K d,), normal first.
+
+    Loops take the arrays over the modes filled up with zeros to whole blocks of eight, `push` and `body` excepted.
+    """
 
     q: Array
     d: Array
@@ -45,7 +49,7 @@ class RubState(NamedTuple):
     seen: Array  # (m + K d,) what `Result.state` holds: q and lam of one instant
     heat: Array  # dissipated by slip
     drive: Array  # work of the drive against friction
-    peaks: Array  # largest |u_r| of the rim at a tip, tangential motion of a tip; bound of |u_r| now, by line
+    peaks: Array  # largest |u_r| of the rim at a tip, tangential motion of a tip
     counts: Array  # most iterations of one step, their sum, steps with contact, fault
 
 
@@ -56,15 +60,19 @@ class Work(NamedTuple):
     have a slot each, row `column` of `rows`.
     """
 
-    ahead: Array  # (P, m_casing) normal rows at t_{n+1}, where `fresh`
-    fresh: Indices  # (P,)
-    rigid: Array  # (P,) gap of the rigid casing there
+    side: Indices  # (1,) which half of the next three is that of t_n, the other that of t_{n+1}
+    normal: Array  # (2, P, width) normal rows, where `fresh`
+    waves: Array  # (2, P, 2, harmonics) and the waves at the places
+    fresh: Indices  # (2, P)
+    bound: Array  # (lines,) of |u_r| at t_{n+1}, negative where not asked for
+    rigid: Array  # (P,) gap of the rigid casing at t_{n+1}
     moved: Array  # (P,) motion of the casing there
-    spare: Array  # (m_casing,) any other row
+    spare: Array  # (width,) any other row
+    turn: Array  # (2, harmonics) and its waves
     slot: Indices  # (P,) -1 for a place without a chosen tip
     slots: Indices  # (1,) how many
-    rows: Array  # (P d, m_casing) all rows at t_n, by slot
-    tests: Array  # (P d, m_casing) those the law is stated with, times c
+    rows: Array  # (P d, width) all rows at t_n, by slot
+    tests: Array  # (P d, width) those the law is stated with, times c
     along: Array  # (P d,) motion of the casing along them
     pull: Array  # (P d,) sum of the forces of one place
     chosen: Indices  # (K,)
@@ -77,30 +85,35 @@ class Work(NamedTuple):
     motion: Array
     mu: Array  # (K,)
     depth: Array  # (K,) of the tips in a coating
-    pushed: Array  # (m_casing,)
-    S: Array  # (K d, K d) residual compliance at phi_n; rows of tips that are not solved for may be stale
+    pushed: Array  # (width,)
+    S: Array  # (K d, K d and zeros) residual compliance at phi_n; rows of tips that are not solved for may be stale
+    S_old: Array  # at phi_{n-1}
+    S_at: Indices  # (K d,) the step in which a row of S was filled
+    S_waves: Array  # (2, harmonics of S)
     strain: Array  # (K d,) S lam
-    waves_old: Array  # (2, harmonics of S) at phi_{n-1}
     glide: Glide
     room: Room  # of the friction solver
 
 
-def work_space(s: RubState, rows: RubRows) -> Work:
-    """Buffers; a residual compliance that does not turn is put there for good."""
-    K, R, m = s.mu.size, s.lam.size, rows.start.size - 1
-    P = int(rows.place.max()) + 1
+def work_space(s: RubState, rows: RubRows, compliance: Array) -> Work:
+    """Buffers; `compliance` (K d, K d) is the residual one, which stays there unless it turns."""
+    K, R, width, n = s.mu.size, s.lam.size, rows.width, rows.harmonics
+    P, wide = int(rows.place.max()) + 1, -(-R // WIDTH) * WIDTH
     D = P * (R // K)
 
     def none(*shape: int) -> Array:
         return np.zeros(shape)
 
-    def whole(size: int) -> Indices:
-        return np.zeros(size, dtype=np.int64)
+    def whole(*shape: int) -> Indices:
+        return np.zeros(shape, dtype=np.int64)
 
+    S = np.zeros((R, wide))
+    S[:, :R] = compliance
     return Work(
-        ahead=none(P, m), fresh=whole(P), rigid=none(P), moved=none(P), spare=none(m), slot=whole(P), slots=whole(1),
-        rows=none(D, m), tests=none(D, m), along=none(D), pull=none(D), chosen=whole(K), row=whole(R), column=whole(R),
-        casing=none(D, D), W=none(R, R), b=none(R), lam=none(R), motion=none(R), mu=none(K), depth=none(K),
-        pushed=none(m), S=np.array(rows.S_cos[0]), strain=none(R), waves_old=none(2, rows.S_harmonic.size),
-        glide=Glide(used=R > K > 1), room=friction_room(K, R // K),
+        side=whole(1), normal=none(2, P, width), waves=none(2, P, 2, n), fresh=whole(2, P), bound=none(len(rows.reach)),
+        rigid=none(P), moved=none(P), spare=none(width), turn=none(2, n), slot=whole(P), slots=whole(1),
+        rows=none(D, width), tests=none(D, width), along=none(D), pull=none(D), chosen=whole(K), row=whole(R),
+        column=whole(R), casing=none(D, D), W=none(R, R), b=none(R), lam=none(R), motion=none(R), mu=none(K),
+        depth=none(K), pushed=none(width), S=S, S_old=S.copy(), S_at=whole(R) - 2, S_waves=none(2, rows.S_harmonics),
+        strain=none(R), glide=Glide(used=R > K > 1), room=friction_room(K, R // K),
     )  # fmt: skip

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contact.base.arrays import Array, Indices, aligned
+from contact.base.arrays import Array, aligned
 from contact.model.gaps.modal_system import ModalSystem
 from contact.model.law import Abradable
 from contact.model.waves import Terms
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
+from contact.scheme.modal.blocks import narrowed, row_blocks, whole, widened
 from contact.scheme.modal.leap import rim_leap
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 from contact.scheme.modal.propagator import Propagator
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from contact.loop.modal.modal import ModalState
     from contact.loop.modal.rim import RimRows
 
-OF_MODES = ("q", "d", "old", "al", "be", "c", "kick", "weight")
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
 
 
@@ -42,7 +42,7 @@ def modal_stepper(
     else:
         normal, tangent = system.sums()
         rows, leap = rim_rows(system, mu, normal, tangent), rim_leap(system, parts, normal, skip=skip)
-        wide = widened(state)
+        wide = widened(state, padded(q.size))
         state = narrowed(wide, q.size)
         rim = RimRun(
             state=state, wide=wide, rows=rows, normal=normal, tangent=tangent, leap=leap, averaged=averaged,
@@ -96,20 +96,6 @@ def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalS
     )  # fmt: skip
 
 
-def widened(state: ModalState) -> ModalState:
-    """The same with its arrays over the modes in whole blocks, zero beyond them."""
-    found = {}
-    for name in OF_MODES:
-        found[name] = aligned(padded(state.q.size))
-        found[name][: state.q.size] = getattr(state, name)
-    return state._replace(**found)
-
-
-def narrowed(state: ModalState, modes: int) -> ModalState:
-    """Views of the modes alone."""
-    return state._replace(**{name: getattr(state, name)[:modes] for name in OF_MODES})
-
-
 def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: bool) -> Loop:
     from contact.loop.modal.modal import advance_modal
 
@@ -141,7 +127,7 @@ def _rim_loop(rim: RimRun, h: float, tracks: Tracks | None) -> Loop:
 
 def padded(modes: int) -> int:
     """Modes, clearance, S_nn and S_nt in whole blocks of eight."""
-    return -(-(modes + 3) // 8) * 8
+    return whole(modes + 3)
 
 
 def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms) -> RimRows:
@@ -150,7 +136,7 @@ def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms) -> R
     from contact.loop.modal.rows import RowBlocks
 
     m = system.omega.size
-    count = -(-(max(int(part.wave.max(initial=0)) for part in (normal, tangent)) // 2 + 1) // 8) * 8
+    count = whole(max(int(part.wave.max(initial=0)) for part in (normal, tangent)) // 2 + 1)
     blocks = np.zeros((2, padded(m), 2 * count))
     for block, part in zip(blocks, (normal, tangent), strict=True):
         block[: part.sums] = part.full(2 * count)
@@ -159,28 +145,3 @@ def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms) -> R
         S_turns=max(system.S_nn.degree, system.S_nt.degree) > 0, angle=system.angle, speed=system.speed,
         surface=system.radius * system.speed, mu=mu, waves=aligned(2, count), waves_next=aligned(2, count),
     )  # fmt: skip
-
-
-def row_blocks(table: Array) -> tuple[Indices, Indices, Array]:
-    """Sums of waves (8 blocks, waves), by blocks of eight: starts, waves, coefficients (entries, 8).
-
-    A block has an even number of entries; columns are cos 0, sin 0, cos 1, ..., but the waves found are counted as
-    cos 0, cos 1, ..., sin 0, sin 1, ...
-
-    >>> table = np.zeros((8, 8))
-    >>> table[0, 2], table[1, [1, 7]] = 1.0, (2.0, 3.0)
-    >>> start, wave, value = row_blocks(table)
-    >>> start.tolist(), wave.tolist(), value[:, :2].tolist()
-    ([0, 4], [4, 1, 7, 0], [[0.0, 2.0], [1.0, 0.0], [0.0, 3.0], [0.0, 0.0]])
-    """
-    count = table.shape[1] // 2
-    start, waves, values = [0], [], []
-    for block in table.reshape(-1, 8, table.shape[1]):
-        present = np.flatnonzero(block.any(axis=0))
-        spare = present.size % 2
-        waves.append(np.concatenate([present // 2 + present % 2 * count, np.zeros(spare)]))
-        values.append(np.concatenate([block[:, present].T, np.zeros((spare, 8))]))
-        start.append(start[-1] + present.size + spare)
-    value = aligned(start[-1], 8)
-    value[:] = np.concatenate(values)
-    return np.array(start, dtype=np.int64), np.concatenate(waves).astype(np.int64), value

@@ -14,10 +14,11 @@ from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_forces import force_at_start, plane_participation
 from contact.model.gaps.rub_system import RubSystem, rub_system
 from contact.model.law import Abradable
-from contact.model.trig import Trig, fourier
+from contact.model.trig import fourier
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.record.wear import Wear
+from contact.scheme.modal.blocks import OF_MODES, narrowed, row_blocks, rows_of_waves, whole, widened
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.rub_tracks import rub_tracks
 from contact.scheme.modal.wear_track import Tracks
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
 FOLLOWED = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
-FULL = 0.15  # share of entries above which full tables are faster (they vectorise)
+NAMES = (*OF_MODES, "contact")  # arrays over the modes that loops take in whole blocks
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -40,7 +41,8 @@ class RubStepper:
     rub: Rub
     system: RubSystem
     parts: Propagator
-    state: RubState
+    state: RubState  # views of `wide`
+    wide: RubState  # in whole blocks of eight
     laws: RubLaws
     rows: RubRows
     work: Work
@@ -89,7 +91,7 @@ class RubStepper:
         from contact.loop.rub.rub import advance_rub
 
         if not self.given:
-            self.given.extend(map(bundled, (self.state, self.laws, self.rows, coats, self.work, self.sums)))
+            self.given.extend(map(bundled, (self.wide, self.laws, self.rows, coats, self.work, self.sums)))
         state, laws, rows, coating, work, sums = self.given
         failed = advance_rub(
             state, laws, rows, coating, work, self.dimensions, self.averaged, sums, out, self.dt, first, steps
@@ -132,11 +134,12 @@ def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, di
     """Stepper at t = 0; without friction only the normal rows take part; `law` a coating. Raises as `rub_tracks`."""
     from contact.loop.rub.state import work_space
 
-    state, rows = _state(rub, system, parts, mu, dimensions), _rows(rub, system, parts, dimensions)
+    m, rows = system.omega.size, _rows(rub, system, parts)
+    wide = widened(_state(rub, system, parts, mu, dimensions), whole(m), NAMES)
     return RubStepper(
-        rub=rub, system=system, parts=parts, state=state, laws=_laws(rub, system), rows=rows,
-        work=work_space(state, rows), dimensions=dimensions, averaged=averaged, sums=tally(system.contacts),
-        label=label, steps=[0], worn=None if law is None else rub_tracks(rub, law),
+        rub=rub, system=system, parts=parts, state=narrowed(wide, m, NAMES), wide=wide, laws=_laws(rub, system),
+        rows=rows, work=work_space(wide, rows, system.compliance(0.0)), dimensions=dimensions, averaged=averaged,
+        sums=tally(system.contacts), label=label, steps=[0], worn=None if law is None else rub_tracks(rub, law),
     )  # fmt: skip
 
 
@@ -159,7 +162,7 @@ def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions
         scale=none(K), now=none(K),
         last=none(K), known=np.zeros(K, dtype=np.int64), inside=np.zeros(K, dtype=np.int64), free=none(K),
         test=none(K), skin=none(K), force=none(K), gap=none(K), seen=none(m + R), heat=none(K), drive=none(K),
-        peaks=none(2 + rub.casing.rim_lines), counts=none(4),
+        peaks=none(2), counts=none(4),
     )  # fmt: skip
 
 
@@ -193,25 +196,27 @@ def _laws(rub: Rub, system: RubSystem) -> RubLaws:
     )  # fmt: skip
 
 
-def _rows(rub: Rub, system: RubSystem, parts: Propagator, dimensions: int) -> RubRows:
+def _rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
+    from contact.loop.modal.rows import RowBlocks
     from contact.loop.rub.rows import RubRows
 
     rim, m = system.rim, int(system.first[1])
-    top = int(rim.harmonic.max(initial=0))
-    profile: Trig = fourier(list(rub.profile.terms))
-    full = rim.harmonic.size > FULL * (top + 1) * m
-    empty = np.zeros((0, 0, 0))
+    top = max([int(rim.harmonic.max(initial=0)), *(p for p, _, _ in rub.profile.terms)])
     size = np.hypot(rim.cos, rim.sin)[:: system.directions]
     _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
-    reach = np.stack([np.bincount(np.repeat(np.arange(m), np.diff(rim.start)), line, m) for line in size])
+    reach = np.zeros((len(size), whole(m)))
+    reach[:, :m] = [np.bincount(np.repeat(np.arange(m), np.diff(rim.start)), line, m) for line in size]
+    cos, sin = rim.by_harmonic(rim.cos), rim.by_harmonic(rim.sin)
+    harmonics, S_harmonics = whole(top + 1), whole(int(system.S_harmonic.max()) + 1)
+    casing = rows_of_waves(np.arange(cos.shape[1]), cos, sin, harmonics)
+    S_cos, S_sin = (part.transpose(1, 0, 2) for part in (system.S_cos, system.S_sin))
+    S = rows_of_waves(system.S_harmonic, S_cos, S_sin, S_harmonics)
     return RubRows(
-        start=rim.start, harmonic=rim.harmonic, cos=rim.cos, sin=rim.sin,
-        cos_table=rim.by_harmonic(rim.cos) if full else empty, sin_table=rim.by_harmonic(rim.sin) if full else empty,
-        reach=np.asarray(reach, float), directions=system.directions, line=system.line,
-        place=place.reshape(-1).astype(np.int64), radius=system.radius, angle=system.angle,
+        casing=RowBlocks(*row_blocks(casing)), width=whole(m), reach=reach, directions=system.directions,
+        line=system.line, place=place.reshape(-1).astype(np.int64), radius=system.radius, angle=system.angle,
         clearance=system.clearance, blade=system.blade_rows, own=system.own, fixed=blade_delassus(system, parts),
-        S_harmonic=system.S_harmonic, S_cos=system.S_cos, S_sin=system.S_sin,
-        waves=np.zeros((2, max(top, profile.degree) + 1)),
+        S=RowBlocks(*row_blocks(S)), S_turns=system.S_harmonic.size > 1, harmonics=harmonics,
+        S_harmonics=S_harmonics,
     )  # fmt: skip
 
 

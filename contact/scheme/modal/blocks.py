@@ -1,0 +1,72 @@
+"""Arrays over modes and sums of waves as the compiled loops take them: in whole blocks of eight."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+
+from contact.base.arrays import Array, Indices, aligned
+
+BLOCK = 8
+OF_MODES = ("q", "d", "old", "al", "be", "c", "kick", "weight")
+State = TypeVar("State", bound=Any)
+
+
+def whole(size: int) -> int:
+    """The next multiple of eight.
+
+    >>> whole(8), whole(9)
+    (8, 16)
+    """
+    return -(-size // BLOCK) * BLOCK
+
+
+def widened(state: State, size: int, names: Sequence[str] = OF_MODES) -> State:
+    """The same with its arrays over the modes of this size, zero beyond them."""
+    found = {}
+    for name in names:
+        found[name] = aligned(size)
+        found[name][: state.q.size] = getattr(state, name)
+    return state._replace(**found)  # type: ignore[no-any-return]
+
+
+def narrowed(state: State, modes: int, names: Sequence[str] = OF_MODES) -> State:
+    """Views of the modes alone."""
+    return state._replace(**{name: getattr(state, name)[:modes] for name in names})  # type: ignore[no-any-return]
+
+
+def rows_of_waves(harmonic: Indices, cos: Array, sin: Array, harmonics: int) -> Array:
+    """Table (B w, 2 harmonics) for `row_blocks` of rows (B, k) that are sums of waves; w is k in whole blocks.
+
+    `cos` and `sin` (B, P, k), of `harmonic` (P,).
+    """
+    B, _, k = cos.shape
+    table = np.zeros((B, whole(k), 2 * harmonics))
+    table[:, :k, 2 * harmonic] = cos.transpose(0, 2, 1)
+    table[:, :k, 2 * harmonic + 1] = sin.transpose(0, 2, 1)
+    return table.reshape(-1, 2 * harmonics)
+
+
+def row_blocks(table: Array) -> tuple[Indices, Indices, Array]:
+    """Sums of waves (8 blocks, waves), by blocks of eight: starts, waves, coefficients (entries, 8).
+
+    A block has an even number of entries; columns are cos 0, sin 0, cos 1, ..., but the waves found are counted as
+    cos 0, cos 1, ..., sin 0, sin 1, ...
+
+    >>> table = np.zeros((8, 8))
+    >>> table[0, 2], table[1, [1, 7]] = 1.0, (2.0, 3.0)
+    >>> start, wave, value = row_blocks(table)
+    >>> start.tolist(), wave.tolist(), value[:, :2].tolist()
+    ([0, 4], [4, 1, 7, 0], [[0.0, 2.0], [1.0, 0.0], [0.0, 3.0], [0.0, 0.0]])
+    """
+    blocks = table.reshape(-1, BLOCK, table.shape[1])
+    owner, column = np.nonzero(blocks.any(axis=1))
+    count = np.bincount(owner, minlength=len(blocks))
+    start = np.concatenate(([0], np.cumsum(count + count % 2)))
+    place = np.arange(owner.size) + (start[:-1] - np.cumsum(count) + count)[owner]
+    wave, value = np.zeros(start[-1], dtype=np.int64), aligned(int(start[-1]), BLOCK)
+    wave[place] = column // 2 + column % 2 * (table.shape[1] // 2)
+    value[place] = blocks[owner, :, column]
+    return start.astype(np.int64), wave, value
