@@ -1,0 +1,52 @@
+"""One contact in closed form, against the solver for many."""
+
+import numpy as np
+import pytest
+
+from contact.solver.friction.coulomb import coulomb
+from contact.solver.friction.one_contact import one_contact
+
+SEED = 20263
+
+
+def in_closed_form(W, b, mu):
+    force = np.full(len(b), np.nan)
+    return bool(one_contact(W, b, mu, len(b), force)), force
+
+
+def test_it_finds_what_newtons_method_finds():
+    rng, states = np.random.default_rng(SEED), set()
+    for _ in range(300):
+        root = rng.standard_normal((2, 2))
+        W, b, mu = root @ root.T + 0.1 * np.eye(2), rng.standard_normal(2), float(rng.uniform(0.0, 1.5))
+        solved, force = in_closed_form(W, b, mu)
+        if not solved:
+            assert W[0, 0] <= mu * abs(W[0, 1])
+            continue
+        expected = coulomb(W, b[None], mu).force[0]
+        assert force == pytest.approx(expected, rel=1e-9, abs=1e-11)
+        sticks = abs(force[1]) < mu * force[0] * (1.0 - 1e-9)
+        states.add("open" if force[0] == 0.0 else "sticks" if sticks else "slips ahead" if force[1] < 0.0 else "back")
+    assert states == {"open", "sticks", "slips ahead", "back"}
+
+
+def test_one_direction_is_a_division():
+    W = np.array([[2.0]])
+    assert in_closed_form(W, np.array([-3.0]), 0.4) == (True, pytest.approx([1.5]))
+    assert in_closed_form(W, np.array([3.0]), 0.4) == (True, pytest.approx([0.0]))
+
+
+@pytest.mark.parametrize(
+    ("W", "b", "mu"),
+    [
+        (np.array([[1.0, 0.9], [0.9, 1.0]]), [-1.0, 0.5], 1.2),  # steep: two answers there may be
+        (np.eye(3), [-1.0, 0.1, 0.1], 0.3),  # a cone, not a line
+        (np.array([[1.0, 0.0], [0.0, 0.0]]), [-1.0, 0.5], 0.3),  # no tangential compliance
+        (np.array([[-1.0]]), [-1.0], 0.0),
+        (np.array([[np.nan]]), [-1.0], 0.0),
+        (np.array([[1.0]]), [np.nan], 0.0),
+    ],
+)
+def test_what_it_does_not_know_is_left_to_others(W, b, mu):
+    solved, _ = in_closed_form(W, np.array(b), mu)
+    assert not solved
