@@ -1,4 +1,4 @@
-"""Speed of many rubs: one run, eight in lanes, leaps over contact-free time, and what the core's limits are.
+"""Speed of many rubs: one run, eight in lanes, contact-free time skipped, and what the core's limits are.
 
 `python -m reports.speed.sweeps [--quick] [--out DIR]`. Times are processor seconds, the best of several, all of one
 process on one core unless the row says two; on a machine that others use they are upper bounds, ratios within the
@@ -151,10 +151,10 @@ def contacts(steps: int, repeats: int, peak: dict[str, float]) -> list[Row]:
 CLEARANCES = (-3e-4, -1e-4, -5e-5, -2e-5, -5e-6, -5e-7)  # [m], past the first touch
 
 
-def leaps(
+def skips(
     pair: tuple[ct.ModalBody, ct.ModalBody], turns: int, repeats: int, clearances: Sequence[float] = CLEARANCES
 ) -> list[Row]:
-    """Speed-up by leaps over the contact fraction, and the largest difference of the end state."""
+    """Speed-up by skipping over the contact fraction, and the largest difference of the end state."""
     rows: list[Row] = []
     for clearance in clearances:
         plain, leaping = (
@@ -236,8 +236,8 @@ def main(out: Path, quick: bool = False) -> Sequence[Row]:
     write(out / "sweep_tips.csv", several)
     write(out / "sweep_speed.csv", rows)
     few = CLEARANCES[::5] if quick else CLEARANCES
-    skipped = leaps(bodies(folder, 42), 2 if quick else 4, 1 if quick else 3, few)
-    show("Leaps over contact-free time", skipped)
+    skipped = skips(bodies(folder, 42), 2 if quick else 4, 1 if quick else 3, few)
+    show("Skips over contact-free time", skipped)
     write(out / "sweep_leaps.csv", skipped)
     swept = rig_sweep(folder, 8 if quick else 100, 1 if quick else 100)
     show("A sweep of the rig over its speed", swept)

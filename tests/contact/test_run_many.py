@@ -27,7 +27,7 @@ def scene(
 
 
 def different():
-    """More runs than lanes, no two alike, one without contact, one without leaps, two lengths, two steps."""
+    """More runs than lanes, no two alike, one without contact, one that skips nothing, two lengths, two steps."""
     return [
         scene(), scene(speed_hz=15.0, mu=0.2, clearance=1.5e-4, imperfect=0.05), scene(clearance=1e-2),
         scene(speed_hz=30.0, clearance=1e-4, t_end=0.05), scene(mu=0.1, clearance=-1e-5, imperfect=0.05, lean_deg=10.0),

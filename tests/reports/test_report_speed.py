@@ -21,14 +21,14 @@ def test_speed_gives_ratios_and_steps(tmp_path):
 
 
 @pytest.mark.campaign
-def test_speed_tables_are_whole_and_leaps_change_nothing(tmp_path, monkeypatch):
+def test_speed_tables_are_whole_and_skipping_changes_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(sweep_speed, "RUNS", 8)
     rows = sweep_speed.main(tmp_path, quick=True)
     names = ("us/step alone", "tips", "speed-up alone", "cores")
-    speeds, several, leaps, swept = ([row for row in rows if name in row] for name in names)
+    speeds, several, flights, swept = ([row for row in rows if name in row] for name in names)
     assert all(row["% of peak flops"] > 0.0 for row in (*speeds, *several))
     assert len(several) == 9
     assert speeds[-1]["terms of the rows"] > 1.5 * speeds[0]["terms of the rows"]
-    assert max(row["state differs by"] for row in leaps) <= 1e-12
-    assert leaps[-1]["contact fraction"] < 0.1 < leaps[0]["contact fraction"]
+    assert max(row["state differs by"] for row in flights) <= 1e-12
+    assert flights[-1]["contact fraction"] < 0.1 < flights[0]["contact fraction"]
     assert [row["failed"] for row in swept] == [0, 0]

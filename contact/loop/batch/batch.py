@@ -1,6 +1,6 @@
 """Compiled step loop of eight rotating rims at once: `advance_rim` with the runs, lanes, as innermost index.
 
-Lanes do not wait for each other: each has its own step, leaps alone, and ends alone. No sum runs across lanes, so that
+Lanes do not wait for each other: each has its own step, skips alone, and ends alone. No sum runs across lanes, so that
 a run's numbers do not depend on its neighbours.
 """
 
@@ -13,12 +13,12 @@ from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_entry, jit_inside
 from contact.jit.vector import WIDTH, below_zero, entry, larger, load, put, same
 from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
-from contact.loop.modal.leap import PAUSE, Leap, discrete_energy, leap_ahead
+from contact.loop.modal.free_flight import PAUSE, FreeFlight, discrete_energy, skip_free_flight
 from contact.loop.tally import note_event
 from contact.record.record import Samples, Tally
 
 
-class LaneTerms(NamedTuple):
+class BatchTerms(NamedTuple):
     """Sums of waves: block b of rows has those at wave[start[b]] .. wave[start[b + 1] - 1]; all count single numbers.
 
     Where all lanes have the same coefficients a block is four rows with most of their waves in common, so that a wave
@@ -32,8 +32,8 @@ class LaneTerms(NamedTuple):
     alike: Array  # (terms,), empty where lanes differ: an eighth of the memory
 
 
-class LaneLeaps(NamedTuple):
-    """The fields of `Leap`, one row a lane."""
+class BatchFreeFlight(NamedTuple):
+    """The fields of `FreeFlight`, one row a lane."""
 
     powers: Array
     fade: Array
@@ -47,7 +47,7 @@ class LaneLeaps(NamedTuple):
     taken: Indices
 
 
-class LaneSamples(NamedTuple):
+class BatchSamples(NamedTuple):
     """What lanes store: samples (rows, 8), states (states, m, 8); `due` (2, 8) the next steps that are stored."""
 
     time: Array
@@ -61,7 +61,7 @@ class LaneSamples(NamedTuple):
     filled: Indices  # (2, 8)
 
 
-class Lanes(NamedTuple):
+class BatchState(NamedTuple):
     """State and coefficients of eight runs (m, 8), what differs between them (8,), and work space."""
 
     q: Array
@@ -72,8 +72,8 @@ class Lanes(NamedTuple):
     c: Array
     weight: Array
     alike: Array  # (4, m): al, be, c, weight where all runs have the same, else empty
-    normal: LaneTerms  # rows of the modes, then clearance, S_nn, S_nt
-    tangent: LaneTerms
+    normal: BatchTerms  # rows of the modes, then clearance, S_nn, S_nt
+    tangent: BatchTerms
     angle: Array
     speed: Array
     surface: Array
@@ -100,13 +100,13 @@ FREE, TEST, FORCE, PULL, DRAG, H_, SCALE, NORMAL, TANGENT, DAMPING, SLIDE, ANGLE
 
 
 @jit_inside
-def angle_after(s: Lanes, k: int, step: int) -> float:
+def angle_after(s: BatchState, k: int, step: int) -> float:
     """Contact angle of lane k at a step."""
     return float(s.angle[k] - s.speed[k] * step * s.h[k])
 
 
 @jit_inside
-def rotate_lanes(s: Lanes, waves: Array, ahead: int) -> None:
+def rotate_lanes(s: BatchState, waves: Array, ahead: int) -> None:
     """Cos n phi, sin n phi of every lane, `ahead` steps from where it is."""
     for k in range(s.step.size):
         s.work[ANGLE, k] = angle_after(s, k, s.step[k] + ahead)
@@ -135,7 +135,7 @@ def turn_on(waves: Array, begin: int, end: int, by: int, c: float, s1: float) ->
 
 
 @jit_inside
-def fill_lanes(terms: LaneTerms, waves: Array, rows: Array) -> None:
+def fill_lanes(terms: BatchTerms, waves: Array, rows: Array) -> None:
     """Rows in every lane. Terms of a row are added one by one: zeros, of other rows or lanes, change no bit."""
     if terms.alike.size > 0:
         fill_fours(terms, waves, rows)
@@ -148,7 +148,7 @@ def fill_lanes(terms: LaneTerms, waves: Array, rows: Array) -> None:
 
 
 @jit_inside
-def fill_fours(terms: LaneTerms, waves: Array, rows: Array) -> None:
+def fill_fours(terms: BatchTerms, waves: Array, rows: Array) -> None:
     """Four rows at once, of coefficients that all lanes share."""
     for b in range(terms.start.size - 1):
         one, two, three, four = same(0.0), same(0.0), same(0.0), same(0.0)
@@ -165,7 +165,7 @@ def fill_fours(terms: LaneTerms, waves: Array, rows: Array) -> None:
 
 
 @jit
-def land(s: Lanes, waves: Array, Q: Array, k: int, step: int, back: float, d: Array) -> float:
+def land(s: BatchState, waves: Array, Q: Array, k: int, step: int, back: float, d: Array) -> float:
     """Gap of lane k at a step, its waves and rows there; q - back D is its displacement.
 
     The other lanes' rows are formed again from their waves: the same to the bit.
@@ -184,15 +184,17 @@ def land(s: Lanes, waves: Array, Q: Array, k: int, step: int, back: float, d: Ar
 
 
 @jit
-def leap_lane(s: Lanes, leaps: LaneLeaps, sums: Tally, Q: Array, waves: Array, d: Array, k: int, room: int) -> int:
-    """Leap lane k over steps without contact, as `leap_rim`. Negative: wait."""
-    leap = Leap(
-        leaps.powers[k], leaps.fade[k], leaps.cos[k], leaps.sin[k], leaps.start[k], leaps.wave[k], leaps.row[k],
-         leaps.floor[k], leaps.reach, leaps.taken[k],
+def skip_in_batch(
+    s: BatchState, flights: BatchFreeFlight, sums: Tally, Q: Array, waves: Array, d: Array, k: int, room: int
+) -> int:
+    """Skip in lane k over steps without contact, as `skip_on_rim`. Negative: wait."""
+    flight = FreeFlight(
+        flights.powers[k], flights.fade[k], flights.cos[k], flights.sin[k], flights.start[k], flights.wave[k],
+        flights.row[k], flights.floor[k], flights.reach, flights.taken[k],
     )  # fmt: skip
     q, own, be, c = s.q[:, k], d[:, k], s.be[:, k], s.c[:, k]
     before = discrete_energy(q, own, be, c)
-    steps = leap_ahead(leap, q, own, angle_after(s, k, s.step[k] + 1), -s.speed[k] * s.h[k], room)
+    steps = skip_free_flight(flight, q, own, angle_after(s, k, s.step[k] + 1), -s.speed[k] * s.h[k], room)
     if steps > 0:
         sums.damping[k] += discrete_energy(q, own, be, c) - before
         s.step[k] += steps
@@ -204,14 +206,14 @@ def leap_lane(s: Lanes, leaps: LaneLeaps, sums: Tally, Q: Array, waves: Array, d
 
 
 @jit_inside
-def coefficient(s: Lanes, alike: bool, k: int, values: Array, i: int) -> float:
+def coefficient(s: BatchState, alike: bool, k: int, values: Array, i: int) -> float:
     """One of al, be, c, weight (k = 0 .. 3) of mode i, in every lane."""
     found: float = same(entry(s.alike, k * s.q.shape[0] + i)) if alike else load(values, i * WIDTH)
     return found
 
 
 @jit_inside
-def fly(s: Lanes, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
+def fly(s: BatchState, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
     """Free motion over a step into `new`, the rows ahead, and the gaps; whether one would close."""
     fill_lanes(s.normal, ahead, Q_next)
     alike = s.alike.size > 0
@@ -232,7 +234,7 @@ def fly(s: Lanes, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
 
 
 @jit_inside
-def touch(s: Lanes, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: bool) -> None:
+def touch(s: BatchState, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: bool) -> None:
     """Slip, Delassus numbers and forces of the lanes whose gap would close."""
     H, H_t, slide, m = same(0.0), same(0.0), same(0.0), s.q.shape[0]
     alike = s.alike.size > 0
@@ -267,7 +269,7 @@ def touch(s: Lanes, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: boo
 
 
 @jit_inside
-def move_lanes(s: Lanes, Q: Array, old: Array, new: Array, touching: bool, rubs: bool) -> None:
+def move_lanes(s: BatchState, Q: Array, old: Array, new: Array, touching: bool, rubs: bool) -> None:
     """Add the forces to D and D to q; what forces and damping do along D_n + D_{n+1}."""
     normal, tangent, damping = same(0.0), same(0.0), same(0.0)
     alike = s.alike.size > 0
@@ -292,7 +294,7 @@ def move_lanes(s: Lanes, Q: Array, old: Array, new: Array, touching: bool, rubs:
 
 
 @jit_inside
-def add_up(s: Lanes, sums: Tally, Q: Array) -> None:
+def add_up(s: BatchState, sums: Tally, Q: Array) -> None:
     """Sums of one step of every lane, and the gaps the next one needs; where no force is, it does no work."""
     force, H = load(s.work, FORCE * WIDTH), load(s.work, H_ * WIDTH)
     scale, pull = load(s.work, SCALE * WIDTH), load(s.work, PULL * WIDTH)
@@ -321,7 +323,7 @@ def add_up(s: Lanes, sums: Tally, Q: Array) -> None:
 
 
 @jit_inside
-def note_lane(s: Lanes, sums: Tally, out: Samples, kept: LaneSamples, before: float, k: int) -> None:
+def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, before: float, k: int) -> None:
     """Events and samples of one step of lane k; the gap was `before`."""
     force, h, step = s.work[FORCE, k], s.h[k], s.step[k]
     if force > 0.0:
@@ -343,7 +345,7 @@ def note_lane(s: Lanes, sums: Tally, out: Samples, kept: LaneSamples, before: fl
 
 
 @jit_inside
-def keep_state(s: Lanes, kept: LaneSamples, k: int) -> None:
+def keep_state(s: BatchState, kept: BatchSamples, k: int) -> None:
     """Store the displacements of lane k at the start of a step that is due."""
     if s.step[k] == kept.due[1, k]:
         row = kept.filled[1, k]
@@ -355,25 +357,25 @@ def keep_state(s: Lanes, kept: LaneSamples, k: int) -> None:
 
 
 @jit_entry
-def advance_lanes(
-    s: Lanes, leaps: LaneLeaps, sums: Tally, out: Samples, kept: LaneSamples, rubs: bool, budget: int
+def advance_batch(
+    s: BatchState, flights: BatchFreeFlight, sums: Tally, out: Samples, kept: BatchSamples, rubs: bool, budget: int
 ) -> None:
     """Step all live lanes, until one is at its end or has failed, or `budget` steps are taken."""
     old, new, Q, Q_next, waves, ahead = s.old, s.d, s.Q, s.Q_next, s.waves, s.waves_next
     for k in range(s.step.size):
         if s.live[k] == 1 and s.step[k] == 0:
             land(s, waves, Q, k, 0, 0.0, new)
-    skips, swapped = leaps.powers.shape[1] > 0, False
+    skips, swapped = flights.powers.shape[1] > 0, False
     for _ in range(budget):
         stop = False
         for k in range(s.step.size):
             if s.live[k] == 1:
                 if skips and s.step[k] >= s.retry[k] and s.memory[0, k] > 0.0 and s.memory[1, k] > 0.0:
                     room = min(s.end[k], kept.due[0, k], kept.due[1, k]) - s.step[k]
-                    leapt = -1 if room <= 0 or sums.closed[k] == 1 else 0
-                    if leapt == 0:
-                        leapt = leap_lane(s, leaps, sums, Q, waves, new, k, room)
-                    s.retry[k] = s.step[k] + max(1, -leapt)  # not twice at a step, should the loop be left here
+                    skipped = -1 if room <= 0 or sums.closed[k] == 1 else 0
+                    if skipped == 0:
+                        skipped = skip_in_batch(s, flights, sums, Q, waves, new, k, room)
+                    s.retry[k] = s.step[k] + max(1, -skipped)  # not twice at a step, should the loop be left here
                 if s.step[k] == s.end[k]:
                     stop = True
                 else:

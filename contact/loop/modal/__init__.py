@@ -1,1 +1,1 @@
-"""Exact-modal step loops: one contact, several, leaps over free flight."""
+"""Exact-modal step loops: one contact, several; free flight skipped."""

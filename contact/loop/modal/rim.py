@@ -12,7 +12,7 @@ from typing import NamedTuple
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_entry, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
-from contact.loop.modal.leap import FOREVER, PAUSE, Leap, discrete_energy, leap_ahead
+from contact.loop.modal.free_flight import FOREVER, PAUSE, FreeFlight, discrete_energy, skip_free_flight
 from contact.loop.modal.modal import ModalState
 from contact.loop.modal.rows import RowBlocks, fill, move, product, rotate
 from contact.loop.tally import note_contact, store, store_state
@@ -47,15 +47,15 @@ def untouched(out: Samples, sums: Tally, step: int) -> int:
 
 
 @jit
-def leap_rim(
-    s: ModalState, rows: RimRows, leap: Leap, Q: Array, d: Array, damped: bool, sums: Tally, h: float, step: int,
-    room: int,
+def skip_on_rim(
+    s: ModalState, rows: RimRows, flight: FreeFlight, Q: Array, d: Array, damped: bool, sums: Tally, h: float,
+    step: int, room: int,
 ) -> int:  # fmt: skip
-    """Leap from `step` over steps without contact; sets `memory` and `waves` where it lands. Negative: wait."""
+    """Skip from `step` over steps without contact; sets `memory` and `waves` where it lands. Negative: wait."""
     m = rows.modes
     q, own, be, c = s.q[:m], d[:m], s.be[:m], s.c[:m]
     before = discrete_energy(q, own, be, c) if damped else 0.0
-    steps = leap_ahead(leap, q, own, rows.angle - rows.speed * (step + 1) * h, -rows.speed * h, room)
+    steps = skip_free_flight(flight, q, own, rows.angle - rows.speed * (step + 1) * h, -rows.speed * h, room)
     if steps <= 0:
         return steps
     if damped:
@@ -111,18 +111,17 @@ def push(s: ModalState, Q: Array, T: Array, old: Array, new: Array, force: float
 
 @jit_entry
 def advance_rim(
-    s: ModalState, rows: RimRows, leap: Leap, coating: Coating, Q: Array, Q_next: Array, T: Array, averaged: bool,
-    damped: bool,
-    sums: Tally, out: Samples, h: float, first: int, steps: int,
+    s: ModalState, rows: RimRows, flight: FreeFlight, coating: Coating, Q: Array, Q_next: Array, T: Array,
+    averaged: bool, damped: bool, sums: Tally, out: Samples, h: float, first: int, steps: int,
 ) -> int:  # fmt: skip
     """Exact-modal steps at the moving point phi = phi_0 - Omega t: force at phi_n, gap at phi_{n+1}.
 
-    Contact-free time is leapt over to the next step that is stored; what a coating has lost only widens the gap.
+    Contact-free time is skipped to the next step that is stored; what a coating has lost only widens the gap.
     """
     old, new, m = s.old, s.d, rows.modes
     coated, rubs = coating.worn.size > 0, rows.mu > 0.0
     bar, cut, skin = 0, 0.0, 0.0  # first bar under the tip, depths there of the cut and of the surface
-    end, step, taken, retry = first + steps, first, 0, first if leap.powers.shape[0] else first + steps
+    end, step, taken, retry = first + steps, first, 0, first if flight.powers.shape[0] else first + steps
     waves, ahead = rows.waves, rows.waves_next
     rotate(waves, rows.angle - rows.speed * first * h)
     fill(rows.normal, waves, Q)
@@ -130,10 +129,10 @@ def advance_rim(
     while step < end:
         if step >= retry and now > 0.0 and last > 0.0 and sums.closed[0] == 0:
             room = min(end - step, untouched(out, sums, step))
-            leapt = leap_rim(s, rows, leap, Q, new, damped, sums, h, step, room) if room > 0 else -1
-            retry = step - leapt
-            if leapt > 0:
-                step += leapt
+            skipped = skip_on_rim(s, rows, flight, Q, new, damped, sums, h, step, room) if room > 0 else -1
+            retry = step - skipped
+            if skipped > 0:
+                step += skipped
                 retry = step
                 now, last, S_last = s.memory[0], s.memory[1], s.memory[4]
                 s.memory[2], s.memory[3] = 0.0, 0.0

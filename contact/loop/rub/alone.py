@@ -1,6 +1,6 @@
 """The forces of a step in which one tip closes, without friction or with one slip direction: one pass over the modes.
 
-What `gather`, `soften` and `solve` do for many tips; nearly every step of a single tip.
+What `gather`, `fill_compliance` and `solve` do for many tips; nearly every step of a single tip.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from contact.jit.compiled import jit
 from contact.jit.vector import WIDTH, load, put, same, total
 from contact.loop.rub.rows import RubRows, blade_dot, fill_block
-from contact.loop.rub.solve import place_now, soften
+from contact.loop.rub.solve import fill_compliance, place_now
 from contact.loop.rub.state import RubState, Work
 from contact.solver.friction.one_contact import one_contact
 
@@ -29,7 +29,7 @@ def alone(s: RubState, rows: RubRows, w: Work, dim: int, share: float, slid: flo
         w.row[i], w.column[i] = R + i, i
     if dim > 2:
         return False
-    soften(rows, w, dim, step, before, angle)
+    fill_compliance(rows, w, dim, step, before, angle)
     place_now(rows, w, j, angle)
     normal, ahead, tangent = w.normal[w.side[0], p], w.normal[1 - w.side[0], p], w.rows[dim - 1]
     if dim == 2:

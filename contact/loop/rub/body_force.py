@@ -18,7 +18,7 @@ class Pulls(NamedTuple):
 
 
 @jit
-def pull(pulls: Pulls, speed: Array, t: float, angle: float, omega: float, out: Array) -> None:
+def body_force(pulls: Pulls, speed: Array, t: float, angle: float, omega: float, out: Array) -> None:
     """Modal forces at t, when the casing has turned by `angle`; the blades' axes turn against it."""
     segment = speed.shape[0] - 1
     while segment > 0 and t < speed[segment, 0]:

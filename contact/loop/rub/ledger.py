@@ -15,7 +15,7 @@ from contact.solver.dense import dot
 
 
 @jit
-def book(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float, sums: Tally) -> None:
+def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float, sums: Tally) -> None:
     """Work of the forces along (D_n + D_{n+1})/2: by the gap, by the turning point, by friction; heat and drive.
 
     What the tangential compliance takes up is friction's work on the bodies, and the contact's loss until S gives it
@@ -57,7 +57,7 @@ def strains(s: RubState, w: Work, size: int) -> None:
 
 
 @jit
-def settle(s: RubState, sums: Tally) -> None:
+def advance_modes(s: RubState, sums: Tally) -> None:
     """Add the increments, and the work of damping, of the stiffening, of gravity and whirl."""
     for i in range(s.body.size):
         sums.body_force[0] += 0.5 * s.body[i] * (s.old[i] + s.d[i])

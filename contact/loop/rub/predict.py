@@ -5,7 +5,7 @@ from __future__ import annotations
 from contact.jit.compiled import jit
 from contact.jit.vector import WIDTH, load, put
 from contact.loop.modal.rows import bound, product, product_of_sum
-from contact.loop.rub.body_force import pull
+from contact.loop.rub.body_force import body_force
 from contact.loop.rub.rows import (
     RubLaws,
     RubRows,
@@ -34,13 +34,13 @@ def propagate(s: RubState, laws: RubLaws, t: float, angle: float, omega: float) 
         s.push[begin + i] = total
         s.d[begin + i] += s.c[begin + i] * total
     if s.body.size > 0:
-        pull(laws.pulls, laws.speed, t, angle, omega, s.body)
+        body_force(laws.pulls, laws.speed, t, angle, omega, s.body)
         for i in range(s.body.size):
             s.d[i] += s.c[i] * s.body[i]
 
 
 @jit
-def look(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, share: float, every: bool,
+def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, share: float, every: bool,
          t: float, h: float, before: float, angle: float, ahead: float) -> int:  # fmt: skip
     """Free gaps of the tips that could touch; marks those that are solved for and returns how many."""
     inside, side = 0, 1 - w.side[0]

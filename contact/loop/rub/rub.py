@@ -9,10 +9,10 @@ from contact.jit.compiled import jit_entry
 from contact.jit.vector import WIDTH, put, same
 from contact.loop.rub.abradable import flow, stand
 from contact.loop.rub.alone import alone
-from contact.loop.rub.ledger import book, note, settle, strains
-from contact.loop.rub.predict import look, propagate
+from contact.loop.rub.ledger import add_works, advance_modes, note, strains
+from contact.loop.rub.predict import find_near, propagate
 from contact.loop.rub.rows import RubLaws, RubRows, turned
-from contact.loop.rub.solve import drawn_in, gather, push, relax, soften, solve
+from contact.loop.rub.solve import fill_compliance, gather, others_close, push, solve, update_gaps
 from contact.loop.rub.state import RubState, Work
 from contact.loop.tally import due, state_due, store, store_state
 from contact.record.record import Samples, Tally
@@ -32,7 +32,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         ahead, omega_ahead = turned(laws.speed, (step + 1) * h)  # not t + h, which is rounded: runs may be split
         propagate(s, laws, t, angle, omega)
         every = due(step, out.every, out.at, sums.filled[0])
-        closing = look(s, laws, rows, w, dim, share, every, t, h, before, angle, ahead)
+        closing = find_near(s, laws, rows, w, dim, share, every, t, h, before, angle, ahead)
         if coats is not None:
             closing -= stand(s, laws, rows, w, coats, dim, angle)
         for i in range(0, s.contact.size, WIDTH):
@@ -42,10 +42,10 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             count = 1
             if closing > 1 or coats is not None or not alone(s, rows, w, dim, share, omega * h, step, before, angle):
                 count = gather(s, rows, w, dim, share, angle)
-                soften(rows, w, count * dim, step, before, angle)
+                fill_compliance(rows, w, count * dim, step, before, angle)
                 if not solve(s, rows, w, coats, count, dim, share, omega * h):
                     return step
-            if not drawn_in(s, rows, w, count * dim, dim, share):
+            if not others_close(s, rows, w, count * dim, dim, share):
                 break
             closing = s.mu.size  # one or more than were solved for
         if closing > 0 or pressed:
@@ -54,8 +54,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             if coats is not None:
                 flow(s, w, coats, count, dim)
             push(s, rows, w, count, dim)
-            relax(s, rows, w, dim)
-            book(s, rows, w, count, dim, omega * h, sums)
+            update_gaps(s, rows, w, dim)
+            add_works(s, rows, w, count, dim, omega * h, sums)
             s.counts[2] += 1.0
         if closing > 0 or pressed:
             assign(s.strain, w.strain, w.strain.size)
@@ -66,7 +66,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             for i in range(s.lam.size):
                 s.seen[modes + i] = s.lam[i]
             store_state(sums, out, step, t, s.seen)
-        settle(s, sums)
+        advance_modes(s, sums)
         note(s, rows, w, dim, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)
         before, angle, omega = angle, ahead, omega_ahead

@@ -80,7 +80,7 @@ def copy(row: Array, out: Array) -> None:
 
 
 @jit
-def soften(rows: RubRows, w: Work, size: int, step: int, before: float, angle: float) -> None:
+def fill_compliance(rows: RubRows, w: Work, size: int, step: int, before: float, angle: float) -> None:
     """Residual compliance of the chosen tips at phi_n and at phi_{n-1}."""
     if not rows.S_turns:
         return
@@ -113,13 +113,13 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, 
         solved = count == 1 and one_contact(w.W, w.b, w.mu[0], dim, w.lam)
         if not solved:
             if dim > 1 and count > 1:
-                w.glide(w.W, w.b, w.mu, dim, count, w.lam, w.room)
+                w.all_sliding(w.W, w.b, w.mu, dim, count, w.lam, w.room)
             iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
             s.counts[0] = max(s.counts[0], float(iterations))
             s.counts[1] += float(iterations)
             solved = miss <= TOLERANCE
     else:
-        solved = crush_tips(coats, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.glide, w.room)
+        solved = crush_tips(coats, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.all_sliding, w.room)
     if not solved:
         s.counts[3] = ROUGH
         return False
@@ -173,7 +173,7 @@ def hand_over(s: RubState, w: Work, size: int, dim: int) -> None:
 
 
 @jit
-def drawn_in(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: float) -> bool:
+def others_close(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: float) -> bool:
     """Whether the forces close tips that were left out; these are marked, the gaps of the others noted."""
     grown = False
     for j in range(s.mu.size):
@@ -205,7 +205,7 @@ def push(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
 
 
 @jit
-def relax(s: RubState, rows: RubRows, w: Work, dim: int) -> None:
+def update_gaps(s: RubState, rows: RubRows, w: Work, dim: int) -> None:
     """Add the forces' share to the gaps of q at t_{n+1}, for every tip near enough to be looked at."""
     ahead = 1 - w.side[0]
     for p in range(w.moved.size):

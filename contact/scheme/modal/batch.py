@@ -19,7 +19,7 @@ from contact.record.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 
 if TYPE_CHECKING:
-    from contact.loop.batch.batch import LaneLeaps, Lanes, LaneSamples, LaneTerms
+    from contact.loop.batch.batch import BatchFreeFlight, BatchSamples, BatchState, BatchTerms
     from contact.loop.modal.modal import ModalState
 
 WIDTH = 8
@@ -55,7 +55,7 @@ class Job:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Layout:
-    """Where the terms that any of some runs has stand in the blocks of `LaneTerms`; keys tell sum and wave."""
+    """Where the terms that any of some runs has stand in the blocks of `BatchTerms`; keys tell sum and wave."""
 
     top: int  # waves
     keys: Indices
@@ -89,17 +89,17 @@ class Layout:
             wave=np.concatenate(waves).astype(np.int64) * WIDTH, alike=alike,
         )  # fmt: skip
 
-    def empty(self, one: Terms) -> LaneTerms:
+    def empty(self, one: Terms) -> BatchTerms:
         """Terms with the values that all runs have in common, or without any as yet."""
-        from contact.loop.batch.batch import LaneTerms
+        from contact.loop.batch.batch import BatchTerms
 
         if not self.alike:
-            return LaneTerms(self.row, self.start, self.wave, aligned(self.wave.size, WIDTH), np.zeros(0))
+            return BatchTerms(self.row, self.start, self.wave, aligned(self.wave.size, WIDTH), np.zeros(0))
         alike = np.zeros(FOUR * self.wave.size)
         alike[self.place] = one.value
-        return LaneTerms(self.row, self.start, self.wave, aligned(0, WIDTH), alike)
+        return BatchTerms(self.row, self.start, self.wave, aligned(0, WIDTH), alike)
 
-    def load(self, lanes: LaneTerms, own: Terms, k: int) -> None:
+    def load(self, lanes: BatchTerms, own: Terms, k: int) -> None:
         """Put one run's coefficients into lane k, where lanes differ."""
         if self.alike:
             return
@@ -122,23 +122,23 @@ def _blocks(has: NDArray[np.bool_], many: int) -> list[Indices]:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Batch:
-    """Lanes, their sums and what they store; `rubs`: some run has friction."""
+    """BatchState, their sums and what they store; `rubs`: some run has friction."""
 
-    lanes: Lanes
+    lanes: BatchState
     layouts: dict[str, Layout]
-    leaps: LaneLeaps
+    flights: BatchFreeFlight
     sums: Tally
     events: Samples
-    kept: LaneSamples
+    kept: BatchSamples
     rubs: bool
 
     def advance(self) -> None:
         """Step until a lane is at its end, has failed, or the room for events is used up."""
-        from contact.loop.batch.batch import advance_lanes
+        from contact.loop.batch.batch import advance_batch
 
         self.sums.filled[:] = 0
-        advance_lanes(
-            self.lanes, self.leaps, self.sums, self.events, self.kept, self.rubs, BUDGET
+        advance_batch(
+            self.lanes, self.flights, self.sums, self.events, self.kept, self.rubs, BUDGET
         )  # fmt: skip
 
     def load(self, k: int, job: Job) -> None:
@@ -154,30 +154,30 @@ class Batch:
         for name, value in own.items():
             getattr(lanes, name)[k] = value
         lanes.memory[:, k] = rim.state.memory
-        self._load_leap(k, job)
+        self._load_free_flight(k, job)
         for name in SUMS:
             getattr(self.sums, name)[k] = 0
         states = job.record.state_every
         self.kept.every[:, k] = job.record.every, states or NEVER
         self.kept.due[:, k], self.kept.filled[:, k] = (0, 0 if states else NEVER), 0
 
-    def _load_leap(self, k: int, job: Job) -> None:
-        leap = job.rim.leap
+    def _load_free_flight(self, k: int, job: Job) -> None:
+        flight = job.rim.flight
         for name in ("fade", "cos", "sin", "floor"):
-            getattr(self.leaps, name)[k] = getattr(leap, name)
-        if leap.powers.size:
-            self.leaps.powers[k] = leap.powers
+            getattr(self.flights, name)[k] = getattr(flight, name)
+        if flight.powers.size:
+            self.flights.powers[k] = flight.powers
         else:
             self.lanes.retry[k] = NEVER
-        self.leaps.start[k] = leap.start
-        self.leaps.wave[k, : leap.wave.size], self.leaps.row[k, : leap.row.size] = leap.wave, leap.row
-        self.leaps.taken[k] = 0
+        self.flights.start[k] = flight.start
+        self.flights.wave[k, : flight.wave.size], self.flights.row[k, : flight.row.size] = flight.wave, flight.row
+        self.flights.taken[k] = 0
 
     def unload(self, k: int, job: Job, events: Samples) -> Samples:
         """Write lane k's state and sums back into its run; what it stored, with its `events`."""
         rim, lanes, kept = job.rim, self.lanes, self.kept
         rim.state.q[:], rim.state.d[:], rim.state.memory[:] = lanes.q[:, k], lanes.d[:, k], lanes.memory[:, k]
-        rim.leap.taken[:] = self.leaps.taken[k]
+        rim.flight.taken[:] = self.flights.taken[k]
         for name in SUMS:
             getattr(job.run.sums, name)[0] = getattr(self.sums, name)[k]
         job.run.steps[0] = job.steps
@@ -192,7 +192,7 @@ class Batch:
 
 def batch(jobs: Sequence[Job]) -> Batch:
     """Empty lanes for runs of one number of modes."""
-    from contact.loop.batch.batch import Lanes
+    from contact.loop.batch.batch import BatchState
 
     m = jobs[0].run.size
     layouts = {name: Layout.of([getattr(job.rim, name) for job in jobs]) for name in TERMS}
@@ -206,9 +206,10 @@ def batch(jobs: Sequence[Job]) -> Batch:
         name: aligned(max(layout.top for layout in layouts.values()) // 2 + 1, 2, WIDTH)
         for name in ("waves", "waves_next")
     }
-    lanes = Lanes(away=np.full(WIDTH, AWAY), memory=aligned(5, WIDTH), work=aligned(15, WIDTH), **arrays)
+    lanes = BatchState(away=np.full(WIDTH, AWAY), memory=aligned(5, WIDTH), work=aligned(15, WIDTH), **arrays)
     return Batch(
-        lanes=lanes, layouts=layouts, leaps=_leaps(jobs, m), sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
+        lanes=lanes, layouts=layouts, flights=_free_flights(jobs, m),
+        sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
         events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs, m),
         rubs=any(job.rim.rows.mu > 0.0 for job in jobs),
     )  # fmt: skip
@@ -222,25 +223,25 @@ def _alike(states: Sequence[ModalState]) -> Array:
     return np.zeros((len(SHARED), 0))
 
 
-def _leaps(jobs: Sequence[Job], m: int) -> LaneLeaps:
-    from contact.loop.batch.batch import LaneLeaps
+def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
+    from contact.loop.batch.batch import BatchFreeFlight
 
-    kinds = [job.rim.leap for job in jobs]
-    bits, size = max(leap.powers.shape[0] for leap in kinds), max(leap.row.size for leap in kinds)
+    kinds = [job.rim.flight for job in jobs]
+    bits, size = max(flight.powers.shape[0] for flight in kinds), max(flight.row.size for flight in kinds)
     arrays: dict[str, Any] = {name: np.zeros((WIDTH, m)) for name in ("fade", "cos", "sin")}
-    return LaneLeaps(
+    return BatchFreeFlight(
         powers=np.zeros((WIDTH, bits, 4, m)), floor=np.zeros((WIDTH, kinds[0].floor.size)),
         start=np.zeros((WIDTH, m + 1), dtype=np.int64), wave=np.zeros((WIDTH, size), dtype=np.int64),
-        row=np.zeros((WIDTH, size)), reach=np.zeros(max(leap.reach.size for leap in kinds)),
+        row=np.zeros((WIDTH, size)), reach=np.zeros(max(flight.reach.size for flight in kinds)),
         taken=np.zeros((WIDTH, 2), dtype=np.int64), **arrays,
     )  # fmt: skip
 
 
-def _kept(jobs: Sequence[Job], m: int) -> LaneSamples:
-    from contact.loop.batch.batch import LaneSamples
+def _kept(jobs: Sequence[Job], m: int) -> BatchSamples:
+    from contact.loop.batch.batch import BatchSamples
 
     rows = max(job.steps // job.record.every + 1 for job in jobs)
     states = max(job.steps // job.record.state_every + 1 if job.record.state_every else 0 for job in jobs)
     arrays: dict[str, Any] = {name: np.zeros((rows, WIDTH)) for name in ("time", "force", "gap", "impulse")}
     arrays |= {name: np.zeros((2, WIDTH), dtype=np.int64) for name in ("due", "every", "filled")}
-    return LaneSamples(state_time=np.zeros((states, WIDTH)), state=np.zeros((states, m, WIDTH)), **arrays)
+    return BatchSamples(state_time=np.zeros((states, WIDTH)), state=np.zeros((states, m, WIDTH)), **arrays)

@@ -19,7 +19,7 @@ from contact.scheme.modal.wear_track import Tracks
 from contact.scheme.protocol import Block, Motion
 
 if TYPE_CHECKING:
-    from contact.loop.modal.leap import Leap
+    from contact.loop.modal.free_flight import FreeFlight
     from contact.loop.modal.modal import ModalState
     from contact.loop.modal.rim import RimRows
 
@@ -33,7 +33,7 @@ class RimRun:
     rows: RimRows
     normal: Terms  # what the rows are sums of: Q, clearance, S_nn and S_nt
     tangent: Terms
-    leap: Leap
+    flight: FreeFlight
     averaged: bool
     damped: bool
 

@@ -14,7 +14,7 @@ from contact.model.waves import Terms
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.blocks import narrowed, row_blocks, whole, widened
-from contact.scheme.modal.leap import rim_leap
+from contact.scheme.modal.free_flight import rim_free_flight
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.wear_track import Tracks, bare
@@ -41,11 +41,11 @@ def modal_stepper(
         loop = _point_loop(system, parts, averaged, damped)
     else:
         normal, tangent = system.sums()
-        rows, leap = rim_rows(system, mu, normal, tangent), rim_leap(system, parts, normal, skip=skip)
+        rows, flight = rim_rows(system, mu, normal, tangent), rim_free_flight(system, parts, normal, skip=skip)
         wide = widened(state, padded(q.size))
         state = narrowed(wide, q.size)
         rim = RimRun(
-            state=state, wide=wide, rows=rows, normal=normal, tangent=tangent, leap=leap, averaged=averaged,
+            state=state, wide=wide, rows=rows, normal=normal, tangent=tangent, flight=flight, averaged=averaged,
             damped=damped,
         )  # fmt: skip
         loop = _rim_loop(rim, parts.h, tracks)
@@ -115,7 +115,7 @@ def _rim_loop(rim: RimRun, h: float, tracks: Tracks | None) -> Loop:
 
     def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
         return advance_rim(
-            rim.wide, rim.rows, rim.leap, coating, Q, Q_next, T, rim.averaged, rim.damped, sums, out, h, first, steps
+            rim.wide, rim.rows, rim.flight, coating, Q, Q_next, T, rim.averaged, rim.damped, sums, out, h, first, steps
         )
 
     def watched(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:

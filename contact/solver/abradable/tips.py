@@ -17,8 +17,8 @@ from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit
 from contact.solver.abradable.one_tip import Coating, borne, settled, surface
 from contact.solver.dense import affine, assign
+from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import friction_forces
-from contact.solver.friction.gliding import Glide
 from contact.solver.friction.newton import TOLERANCE
 from contact.solver.friction.room import BEHIND, GUESS, MOTION, SOFT, Room
 
@@ -62,7 +62,7 @@ def coating_of(c: Coats, j: int) -> Coating:
 
 @jit
 def crush_tips(c: Coats, tips: Indices, W: Array, b: Array, mu: Array, dim: int, count: int, force: Array,
-               depth: Array, glide: Glide, room: Room) -> bool:  # fmt: skip
+               depth: Array, start: AllSliding, room: Room) -> bool:  # fmt: skip
     """Improve `force` (d n,) of n = `count` tips and find `depth` (n,) so that both laws hold; False where they do not.
 
     Nothing flows yet.
@@ -97,7 +97,7 @@ def crush_tips(c: Coats, tips: Indices, W: Array, b: Array, mu: Array, dim: int,
             part = min(LONGER * part, 1.0)
         last = miss
         if dim > 1 and count > 1:
-            glide(soft, short, mu, dim, count, trial, room)
+            start(soft, short, mu, dim, count, trial, room)
         _, left = friction_forces(soft, short, mu, dim, count, trial, room)
         if not left <= TOLERANCE:
             return False

@@ -5,9 +5,9 @@
 
 W (d c, d c) the Delassus matrix of c contacts in d = 2 or 3 dimensions, normal component first; u the gap and the
 slip of one step. `friction_newton` solves nearly all. Where contacts are coupled so closely that W is conditioned to
-1e6 and more, its path may end at a kink: then Lemke's pivoting on faceted cones (`faceted`), which has no such trap,
-gives another start. The facets close in on the direction of slip that the last ones found; where pivoting ends on a ray
-or Newton at a kink again, another covering vector takes another path.
+1e6 and more, its path may end at a kink: then Lemke's pivoting on polyhedral cones (`polyhedral_cone`), which has no
+such trap, gives another start. The facets close in on the direction of slip that the last ones found; where pivoting
+ends on a ray or Newton at a kink again, another covering vector takes another path.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
 from contact.jit.compiled import jit
-from contact.solver.friction.faceted import GOLDEN, faceted
 from contact.solver.friction.newton import MOST_ITERATIONS, TOLERANCE, newton, otherwise
+from contact.solver.friction.polyhedral_cone import GOLDEN, polyhedral_cone
 from contact.solver.friction.room import Room, friction_room
 
 DRAWS, ROUNDS = 24, 8  # covering vectors, and closer facets with each
@@ -104,7 +104,7 @@ def pivoted(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[Arra
     for draw in range(min(DRAWS, max(1, MOST_CONTACTS // k))):
         turn: Array = 2.0 * math.pi * GOLDEN * draw * np.arange(1.0, k + 1.0)
         for closer in range(ROUNDS if dim == 3 else 1):
-            near = faceted(scaled, short, mu, dim, turn, SPREAD * CLOSER**closer, draw)
+            near = polyhedral_cone(scaled, short, mu, dim, turn, SPREAD * CLOSER**closer, draw)
             if near is None:
                 break
             trial = near.copy()

@@ -24,14 +24,14 @@ MOST_ITERATIONS = 50  # Newton steps and bursts of sweeps together
 SWEEPS = 8  # Gauss-Seidel sweeps in the first burst
 HAIR = 1e-11  # regularisation of Newton's matrix, whose entries are of order one
 HALVINGS = 8
-LEAPS = 8
+UNDAMPED = 8
 
 
 @jit
 def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> tuple[int, float]:
     """Improve `force` until F is below TOLERANCE of the largest force; returns (iterations, residual).
 
-    Steps that reduce |F| while there are such; then bursts of sweeps, each followed by LEAPS undamped steps, because
+    Steps that reduce |F| while there are such; then bursts of sweeps, each followed by UNDAMPED undamped steps, because
     beyond a kink |F| may have to rise before it falls. `count` contacts, the first of the arrays.
     """
     size = count * dim
@@ -40,36 +40,36 @@ def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
     J, inside, closed = room.matrices[JACOBIAN], room.matrices[INNER], room.whole[CLOSED]
     steps_in(W, dim, count, rho)
     found = law_residual(W, b, mu, rho, dim, count, force, u, miss)
-    leaps, sweeps, reached, part = 0, SWEEPS, found, 1.0
+    undamped, sweeps, reached, part = 0, SWEEPS, found, 1.0
     for iteration in range(MOST_ITERATIONS + 1):
         scale = force_scale(b, rho, dim, count, force)
         if found <= TOLERANCE * scale or iteration == MOST_ITERATIONS:
             release(rho, dim, count, u, force)
             return iteration, found / scale if scale > 0.0 else found
-        if leaps == 0:
+        if undamped == 0:
             assign(base, force, size)
         n = law_slope(W, mu, rho, dim, count, force, u, J, closed)
         newton_step(J, closed, n, miss, inside, room.vectors[RIGHT], step, size)
         part = 1.0
-        for _ in range(1 if leaps > 0 else HALVINGS):
+        for _ in range(1 if undamped > 0 else HALVINGS):
             for i in range(size):
                 trial[i] = force[i] - part * step[i]
             reached = law_residual(W, b, mu, rho, dim, count, trial, u, trial_miss)
-            if reached < found * (1.0 - 1e-4 * part) or leaps > 0:
+            if reached < found * (1.0 - 1e-4 * part) or undamped > 0:
                 break
             part *= 0.5
-        if leaps > 1 or reached < found * (1.0 - 1e-4 * part):
+        if undamped > 1 or reached < found * (1.0 - 1e-4 * part):
             assign(force, trial, size)
             assign(miss, trial_miss, size)
             found = reached
-            leaps = max(leaps - 1, 0)
+            undamped = max(undamped - 1, 0)
             continue
         assign(force, base, size)
         if not otherwise(W, b, mu, dim, count, force, room, sweeps) == 0.0:
             return MOST_ITERATIONS, math.nan
         assign(base, force, size)
         found = law_residual(W, b, mu, rho, dim, count, force, u, miss)
-        leaps, sweeps = LEAPS, 2 * sweeps
+        undamped, sweeps = UNDAMPED, 2 * sweeps
     return MOST_ITERATIONS, found
 
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from contact.base.errors import InputError, NumericsError
+from contact.solver.friction.all_sliding import all_sliding_start
 from contact.solver.friction.coulomb import coulomb
-from contact.solver.friction.faceted import covering, faceted
-from contact.solver.friction.faceted import lemke as pivoting
-from contact.solver.friction.gliding import glide
 from contact.solver.friction.newton import MOST_ITERATIONS
+from contact.solver.friction.polyhedral_cone import covering, polyhedral_cone
+from contact.solver.friction.polyhedral_cone import lemke as pivoting
 from contact.solver.friction.room import INNER, MISS, STEP, TRIAL, friction_room
 from contact.solver.unilateral.active_set import delassus_rows, unilateral
 from tests.contact.solver.lemke import lemke
@@ -170,7 +170,7 @@ def test_two_facets_are_exact_in_two_dimensions(mu):
     rng = np.random.default_rng(28)
     for _ in range(50):
         A, b = np.eye(8) + 0.15 * rng.standard_normal((8, 8)), rng.standard_normal(8)
-        force = faceted(A @ A.T, b, np.full(4, mu), 2, np.zeros(4), 0.0, 0)
+        force = polyhedral_cone(A @ A.T, b, np.full(4, mu), 2, np.zeros(4), 0.0, 0)
         np.testing.assert_allclose(force, coulomb(A @ A.T, b.reshape(4, 2), mu).force.ravel(), atol=1e-9)
 
 
@@ -181,7 +181,7 @@ def test_facets_close_to_the_slip_converge_with_the_square_of_their_distance():
     slip = -exact.motion[0, 1:]
     errors = []
     for spread in (0.2, 0.1, 0.05):
-        force = faceted(W, b, mu, 3, np.array([np.arctan2(slip[1], slip[0]) + 0.5 * spread]), spread, 0)
+        force = polyhedral_cone(W, b, mu, 3, np.array([np.arctan2(slip[1], slip[0]) + 0.5 * spread]), spread, 0)
         errors.append(np.abs(force - exact.force[0]).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.2)
     assert np.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.2)
@@ -211,7 +211,7 @@ def test_bad_friction_problems_are_named(W, b, mu, word):
 
 
 @pytest.mark.parametrize("dim", [2, 3])
-def test_gliding_contacts_are_solved_by_their_normals_alone(dim):
+def test_sliding_contacts_are_solved_by_their_normals_alone(dim):
     """All slide fast: the start is the solution; something sticks: the start is left alone."""
     rng = np.random.default_rng(23)
     for _ in range(20):
@@ -220,13 +220,13 @@ def test_gliding_contacts_are_solved_by_their_normals_alone(dim):
         b = rng.standard_normal((8, dim))
         b[:, 1] += 1e5
         force = np.zeros(8 * dim)
-        glide(W, b.ravel(), np.full(8, 0.1), dim, 8, force, friction_room(8, dim))
+        all_sliding_start(W, b.ravel(), np.full(8, 0.1), dim, 8, force, friction_room(8, dim))
         exact = coulomb(W, b, 0.1)
         assert exact.force[:, 0].max() > 0.0
         assert np.allclose(force, exact.force.ravel(), rtol=0.0, atol=1e-10 * np.abs(exact.force).max())
     stuck = np.full(dim, -1.0)
     start = np.zeros(dim)
-    glide(np.eye(dim), stuck, np.array([9.0]), dim, 1, start, friction_room(1, dim))
+    all_sliding_start(np.eye(dim), stuck, np.array([9.0]), dim, 1, start, friction_room(1, dim))
     assert np.array_equal(start, np.zeros(dim))
 
 
@@ -241,7 +241,7 @@ def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
         b = np.array([-1.0, 0.5 * np.cos(to), 0.5 * np.sin(to)]) + 0.01 * rng.standard_normal((6, 3))
         start = np.tile([0.3, -0.06 * np.cos(old), -0.06 * np.sin(old)], 6)
         force = start.copy()
-        glide(W, b.ravel(), np.full(6, 0.2), 3, 6, force, friction_room(6, 3))
+        all_sliding_start(W, b.ravel(), np.full(6, 0.2), 3, 6, force, friction_room(6, 3))
         led, alone = (coulomb(W, b, 0.2, one.reshape(6, 3)) for one in (force, start))
         assert led.iterations <= 3 < alone.iterations
         assert np.abs(led.force - alone.force).max() <= 1e-9 * alone.force.max()

@@ -8,12 +8,12 @@ from contact.model.gaps.rub_system import rub_system
 from contact.scheme.modal.rub_tracks import track_tips
 from contact.solver.abradable.one_tip import borne
 from contact.solver.abradable.tips import Coats, coating_of, crush_tips
-from contact.solver.friction.gliding import Glide
+from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.room import friction_room
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
-GLIDE = Glide(used=True)
+GLIDE = AllSliding(used=True)
 WAVES = [{"p": 2, "cos": 4e-5}]
 SOFT = {"E": 1e9, "yield_stress": 2e4, "hardening": 1e6, "thickness": 1e-3, "width": 0.02, "tip": 6e-3, "bars": 2}
 

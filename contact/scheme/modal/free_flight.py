@@ -1,7 +1,7 @@
-"""Skip-ahead over contact-free time: what its compiled leaps need of a rim.
+"""Free flight of a rim: what skipping it needs.
 
-A leap over k steps is the k-th power of the modal map (q, D) -> (q + al D - be q, al D - be q). The powers are formed
-in extended precision from the very coefficients that the steps use, so that a run with leaps and a run without differ
+A skip over k steps is the k-th power of the modal map (q, D) -> (q + al D - be q, al D - be q). The powers are formed
+in extended precision from the very coefficients that the steps use, so that a run with skips and a run without differ
 by the round-off of the steps alone.
 """
 
@@ -18,20 +18,20 @@ from contact.model.waves import Terms
 from contact.scheme.modal.propagator import Propagator
 
 if TYPE_CHECKING:
-    from contact.loop.modal.leap import Leap
+    from contact.loop.modal.free_flight import FreeFlight
 
-BITS = 24  # a leap is shorter than 2^BITS steps
+BITS = 24  # a skip is shorter than 2^BITS steps
 CELLS = 720  # of the contact angle
 POINTS = 8  # where the clearance is looked at in each cell
 
 
-def rim_leap(system: ModalSystem, parts: Propagator, normal: Terms, *, skip: bool) -> Leap:
-    """Powers (none, so no leaps, unless `skip`), amplitudes (those of `normal`) and clearances of a rim."""
-    from contact.loop.modal.leap import Leap
+def rim_free_flight(system: ModalSystem, parts: Propagator, normal: Terms, *, skip: bool) -> FreeFlight:
+    """Powers (none, so nothing is skipped, unless `skip`), amplitudes (those of `normal`) and clearances of a rim."""
+    from contact.loop.modal.free_flight import FreeFlight
 
     m = system.omega.size
     rows = normal.first(m)
-    return Leap(
+    return FreeFlight(
         powers=powers(parts.al, parts.be) if skip else readonly(np.zeros((0, 4, m))), fade=parts.fade,
         cos=np.cos(parts.turn), sin=np.sin(parts.turn), start=rows.start, wave=rows.wave,
         row=rows.value, floor=least_clearance(system.clearance),

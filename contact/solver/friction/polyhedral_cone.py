@@ -1,4 +1,4 @@
-"""Coulomb friction with a faceted cone: a linear complementarity problem, solved by Lemke's pivoting.
+"""Coulomb friction with a polyhedral_cone cone: a linear complementarity problem, solved by Lemke's pivoting.
 
 With force_T = D beta, D (d - 1, m) unit directions around the ground, beta >= 0, and sigma the slip speed,
 
@@ -34,7 +34,7 @@ def directions(dim: int, turn: float, spread: float) -> Array:
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def faceted(W: Array, b: Array, mu: Array, dim: int, turn: Array, spread: float, draw: int) -> Array | None:
+def polyhedral_cone(W: Array, b: Array, mu: Array, dim: int, turn: Array, spread: float, draw: int) -> Array | None:
     """Forces with facets, the first of contact k at turn[k]; None when no pivot is left."""
     k = mu.size
     D = [directions(dim, float(angle), spread) for angle in turn]

@@ -1,4 +1,4 @@
-"""Compiled leaps over contact-free time: how far the gap is surely open, and the state beyond.
+"""Compiled: contact-free time is skipped: how far the gap is surely open, and the state beyond.
 
 The modes' share of the gap is at most B = sum_n hypot(sum_i |cos_in| A_i, sum_i |sin_in| A_i) at every angle and for
 all time until the next force, A_i the amplitude of mode i now. Where the clearance exceeds B no contact is possible.
@@ -12,13 +12,13 @@ from typing import NamedTuple
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_entry
 
-LEAST = 6  # steps: what a shorter leap saves, looking for it costs
-PAUSE = 16  # steps after a contact before a leap is tried
+LEAST = 6  # steps: what a shorter skip saves, looking for it costs
+PAUSE = 16  # steps after a contact before a skip is tried
 WAIT = 512  # steps at most between two tries: amplitudes decay meanwhile
 FOREVER = 1 << 40
 
 
-class Leap(NamedTuple):
+class FreeFlight(NamedTuple):
     """Map over 2^j steps, amplitudes' coefficients, least clearance by angle; `powers` is empty where none is taken."""
 
     powers: Array  # (bits, 4, m): (q, D) -> (q, D), entries 11, 12, 21, 22
@@ -30,7 +30,7 @@ class Leap(NamedTuple):
     row: Array
     floor: Array  # (cells,) least clearance of each cell of the contact angle
     reach: Array  # (2 (highest harmonic + 1),), work space
-    taken: Indices  # (2,): leaps taken, steps in them
+    taken: Indices  # (2,): skips taken, steps in them
 
 
 @jit
@@ -43,14 +43,14 @@ def amplitude(q: float, d: float, fade: float, cos: float, sin: float) -> float:
 
 
 @jit_entry
-def largest_share(leap: Leap, q: Array, d: Array) -> float:
+def largest_share(flight: FreeFlight, q: Array, d: Array) -> float:
     """Bound B of the modes' share of the gap at any angle and any later time without force."""
-    reach = leap.reach
+    reach = flight.reach
     reach[:] = 0.0
     for i in range(q.size):
-        A = amplitude(q[i], d[i], leap.fade[i], leap.cos[i], leap.sin[i])
-        for j in range(leap.start[i], leap.start[i + 1]):
-            reach[leap.wave[j]] += A * abs(leap.row[j])
+        A = amplitude(q[i], d[i], flight.fade[i], flight.cos[i], flight.sin[i])
+        for j in range(flight.start[i], flight.start[i + 1]):
+            reach[flight.wave[j]] += A * abs(flight.row[j])
     total = 0.0
     for n in range(0, reach.size, 2):
         total += math.sqrt(reach[n] * reach[n] + reach[n + 1] * reach[n + 1])
@@ -101,7 +101,7 @@ def propagate(q: Array, d: Array, powers: Array, steps: int) -> None:
 
 @jit
 def discrete_energy(q: Array, d: Array, be: Array, c: Array) -> float:
-    """D^T D/(2 c) + omega^2 q_{n-1} q_n/2: what damping takes of it during a leap is its work."""
+    """D^T D/(2 c) + omega^2 q_{n-1} q_n/2: what damping takes of it during a skip is its work."""
     total = 0.0
     for i in range(q.size):
         total += 0.5 * (d[i] * d[i] + be[i] * (q[i] - d[i]) * q[i]) / c[i]
@@ -109,18 +109,18 @@ def discrete_energy(q: Array, d: Array, be: Array, c: Array) -> float:
 
 
 @jit
-def leap_ahead(leap: Leap, q: Array, d: Array, phi: float, turn: float, room: int) -> int:
-    """Leap as far as no contact is possible, at most `room` steps; phi the angle of the next gap.
+def skip_free_flight(flight: FreeFlight, q: Array, d: Array, phi: float, turn: float, room: int) -> int:
+    """Skip as far as no contact is possible, at most `room` steps; phi the angle of the next gap.
 
     The steps taken, or minus those to wait before another try.
     """
-    bound = largest_share(leap, q, d)
-    steps: int = min(open_steps(leap.floor, bound, phi, turn), room, (1 << leap.powers.shape[0]) - 1)
+    bound = largest_share(flight, q, d)
+    steps: int = min(open_steps(flight.floor, bound, phi, turn), room, (1 << flight.powers.shape[0]) - 1)
     if steps < 0:
         return steps
     if steps < LEAST:
         return -(steps + 1)
-    propagate(q, d, leap.powers, steps)
-    leap.taken[0] += 1
-    leap.taken[1] += steps
+    propagate(q, d, flight.powers, steps)
+    flight.taken[0] += 1
+    flight.taken[1] += steps
     return steps

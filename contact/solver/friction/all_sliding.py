@@ -3,7 +3,8 @@
 With force_T = -mu force_N d, d = u_T/|u_T| as it was, what remains is complementarity of the normals,
 0 <= (W_NN - W_NT mu d) force_N + b_N, in a third of the unknowns; then d follows and it is solved again. Where a rim
 turns fast, d hardly moves and two or three rounds end at round-off. Where the bodies slip as slowly as friction can
-turn them round, d is led along instead: `lead`. Where something sticks, the start is left alone.
+turn them round, d is continued in small steps instead: `continue_direction`. Where something sticks, the start is
+left alone.
 """
 
 from __future__ import annotations
@@ -36,13 +37,16 @@ from contact.solver.friction.room import (
 )
 
 ROUNDS = 8
-LED, NEAR = 9, 0.3  # rounds of `lead`; the angle [rad] to the slip's direction from where Newton's method goes on
+CONTINUED, NEAR = (
+    9,
+    0.3,
+)  # rounds of `continue_direction`; the angle [rad] to the slip's direction from where Newton's method goes on
 SHORT_STEP, LONG_STEP = 0.1, 2.0  # bounds of Aitken's factor
 STILL = 1e-13  # change of direction at which the rounds end
 MOST_CHANGES = 20  # of the set of closed contacts
 
 
-def glide(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> bool:
+def all_sliding_start(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> bool:
     """Improve `force` for contacts that all slide; False, `force` as it was, where one does not or no set settles."""
     size = count * dim
     trial, u, gap, closed, d = room.vectors[TRIAL], room.vectors[U], room.vectors[GAP], room.whole[CLOSED], room.pairs
@@ -54,7 +58,7 @@ def glide(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, roo
         affine(W, trial, b, u, size)
         moved = follow(u, dim, count, d, turn == 0)
         if moved > 1.0:
-            if dim == 3 and lead(W, b, mu, count, force, room):
+            if dim == 3 and continue_direction(W, b, mu, count, force, room):
                 break
             return False
         if moved <= STILL:
@@ -65,13 +69,13 @@ def glide(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, roo
     return True
 
 
-class Glide(ByAddress):
-    """`glide` as loops call it: a start for several tips, which loops of one tip need not contain."""
+class AllSliding(ByAddress):
+    """`all_sliding_start` as loops call it: a start for several tips, which loops of one tip need not contain."""
 
     kind: Any = types.boolean(
         MATRIX, VECTOR, VECTOR, types.int64, types.int64, VECTOR, Bundle(friction_room(1, 1)).kind
     )  # fmt: skip
-    function = staticmethod(glide)
+    function = staticmethod(all_sliding_start)
 
 
 @jit
@@ -93,7 +97,7 @@ def slide(W: Array, mu: Array, dim: int, count: int, room: Room) -> bool:
 
 
 @jit
-def lead(W: Array, b: Array, mu: Array, count: int, force: Array, room: Room) -> bool:
+def continue_direction(W: Array, b: Array, mu: Array, count: int, force: Array, room: Room) -> bool:
     """Directions in a plane where following the slip would turn them round; whether the last ones are near it.
 
     d aims at u_T + g d, g = -d . W_TT force_T what friction itself takes away of the slip: tips that move together and
@@ -106,7 +110,7 @@ def lead(W: Array, b: Array, mu: Array, count: int, force: Array, room: Room) ->
     assign(trial, force, size)
     for k in range(count):
         last[k] = 0.0
-    for turn in range(LED):
+    for turn in range(CONTINUED):
         affine(W, trial, b, u, size)
         dragged(W, trial, size, own)
         worst, product, square = 0.0, 0.0, 0.0
