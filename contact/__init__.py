@@ -1,8 +1,9 @@
 """contact: dynamic unilateral contact on rods, linear structures, modal bodies and rotating rims.
 
-Bodies (Rod, PointMass, Wall, LinearBody, ModalBody, HingedBeam), gaps (PointGap, RotatingRim, Rub, BeamInCircle,
-Patch), laws (Unilateral, Penalty, AugmentedLagrangian, Coulomb) and schemes (one file each in `contact.scheme`) are
-frozen values; `run` brings them together and returns a Result. Scene files: `load_scene`.
+Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRim, Rub, BeamInCircle, Patch), laws
+(Unilateral, Penalty, AugmentedLagrangian, Coulomb) and schemes (one file each in `contact.scheme`) are frozen values;
+`run` brings them together and returns a Result. Scene files: `load_scene`. What is needed less often stands in rooms:
+`ct.bodies`, `ct.gaps`, `ct.scheme`, `ct.growth`, `ct.scene`, `ct.record`.
 
 >>> import contact as ct
 >>> left = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=20, x=-1.1, velocity=1.0)
@@ -14,5 +15,13 @@ frozen values; `run` brings them together and returns a Result. Scene files: `lo
 
 import lazy_loader
 
+from contact.former_names import FORMER
+from contact.io.former import former
+
 # what the package exports stands in __init__.pyi, and each name is loaded when it is first used
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_exported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> object:
+    """A name of the stub, or one that stood here once."""
+    return former(__name__, FORMER, name) if name in FORMER else _exported(name)

@@ -47,9 +47,9 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 
 def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None:
     """Load, run, deliver."""
-    from contact import RotatingRim, Rub, SceneError, load_scene
+    from contact import RotatingRim, Rub, load_scene
     from contact import run as run_contact
-    from contact.scene.load import read_scene
+    from contact.scene.load import SceneError, read_scene
 
     scene = load_scene(file)
     if command == "rub" and not isinstance(scene.what, RotatingRim | Rub):

@@ -13,7 +13,7 @@ from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
 from contact.model.gaps.permanent import ModalPair
 from contact.model.gaps.rub import Rub, Start
-from contact.model.gaps.rub_laws import Profile, Speed
+from contact.model.gaps.rub_laws import RimProfile, Speed
 from contact.scene.coating import CoatingTable
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness
@@ -118,6 +118,6 @@ class DiskFile(Table):
         kick[0] = 0.0 if self.casing.pair is None else self.casing.pair.kick
         return Rub(
             casing, (disk.body(),), disk.tips(), clearance=self.contact.clearance,
-            speed=Speed.constant(self.speed.hz), profile=Profile.fourier(self.contact.terms()),
+            speed=Speed.constant(self.speed.hz), profile=RimProfile.fourier(self.contact.terms()),
             casing_start=Start(velocity=readonly(kick)),
         )  # fmt: skip

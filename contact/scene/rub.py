@@ -13,9 +13,9 @@ from contact.base.arrays import readonly
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
-from contact.model.gaps.rub import Rub, Stiffening, Tip
+from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
 from contact.model.gaps.rub_forces import settled
-from contact.model.gaps.rub_laws import Closing, Profile, Speed, Whirl
+from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 from contact.scene.coating import CoatingTable
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness
@@ -185,7 +185,7 @@ class RubFile(Table):
     def rub(self, folder: Path) -> Rub:
         """The rub; basis and profile files are found in `folder`. Raises InputError."""
         blades: list[ModalBody] = []
-        tips: list[Tip] = []
+        tips: list[ContactPoint] = []
         stiff: list[Stiffening] = []
         for table in self.blade:
             body = ModalBody.load(folder / table.basis)
@@ -195,7 +195,7 @@ class RubFile(Table):
                     stiff.append(Stiffening.of(body, len(blades)))
                 for node in table.nodes(body):
                     given = node.model_dump() | {"angle_deg": angle + node.angle_deg}
-                    tips.append(Tip(blade=len(blades), lean_deg=table.lean_deg, **given))
+                    tips.append(ContactPoint(blade=len(blades), lean_deg=table.lean_deg, **given))
                 blades.append(body)
         rub = Rub(
             ModalBody.load(folder / self.casing.basis), tuple(blades), tuple(tips), clearance=self.contact.clearance,
@@ -215,12 +215,12 @@ class RubFile(Table):
             forces.append(BodyForce.gravity(turning=turning, **self.gravity.model_dump(exclude={"settled"})))
         return tuple(forces)
 
-    def _profile(self, folder: Path) -> Profile:
-        terms = Profile.fourier(self.contact.terms()).terms
+    def _profile(self, folder: Path) -> RimProfile:
+        terms = RimProfile.fourier(self.contact.terms()).terms
         if self.contact.profile is None:
-            return Profile(terms)
+            return RimProfile(terms)
         theta, depth = read_profile(folder / self.contact.profile)
-        return Profile(terms, theta=readonly(np.radians(theta)), depth=readonly(depth))
+        return RimProfile(terms, theta=readonly(np.radians(theta)), depth=readonly(depth))
 
 
 def read_profile(path: Path) -> tuple[list[float], list[float]]:

@@ -167,7 +167,7 @@ def _bar_drop(size: str, periods: int, step: float, *, elements: int, **options:
 def _bar_drop_modal(law: str, modes: int, steps: int) -> Iterator[Row]:
     """Ten periods; one row over the first two, one over the last two."""
     bar, dt = ct.Rod(**BAR), 10 * PERIOD / steps
-    basis = ct.rod_modes(bar, modes=modes, end="left")
+    basis = ct.gaps.rod_modes(bar, modes=modes, end="left")
     scheme = ct.ExactModal(law=law, modes=modes, omega_h_limit=3.05)
     run = _runner(
         [bar, ct.Wall(x=0.0)], t_end=10 * PERIOD, dt=dt, gravity=10.0, scheme=scheme,

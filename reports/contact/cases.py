@@ -56,23 +56,23 @@ def methods(stiffness: float) -> list[Method]:
     """Every scheme; `stiffness` [N/m] for those with a contact spring, a thousand times that where it is iterated."""
     return [
         Method(name="forward Lagrange", scheme=ct.CentralDifference()),
-        Method(name="massless boundary", scheme=ct.MasslessBoundary()),
-        Method(name="CD-Lagrange", scheme=ct.CDLagrange()),
-        Method(name="Paoli-Schatzman, e = 0", scheme=ct.PaoliSchatzman()),
+        Method(name="massless boundary", scheme=ct.scheme.MasslessBoundary()),
+        Method(name="CD-Lagrange", scheme=ct.scheme.CDLagrange()),
+        Method(name="Paoli-Schatzman, e = 0", scheme=ct.scheme.PaoliSchatzman()),
         Method(name="Moreau-Jean, theta = 1/2", scheme=ct.MoreauJean()),
-        Method(name="stabilised Newmark", scheme=ct.StabilisedNewmark()),
-        Method(name="nonsmooth alpha, .8", scheme=ct.NonsmoothAlpha(rho_inf=0.8)),
-        Method(name="projected alpha, .8", scheme=ct.ProjectedAlpha(rho_inf=0.8)),
-        Method(name="HHT (-.3)", scheme=ct.HHT(alpha=-0.3)),
+        Method(name="stabilised Newmark", scheme=ct.scheme.StabilisedNewmark()),
+        Method(name="nonsmooth alpha, .8", scheme=ct.scheme.NonsmoothAlpha(rho_inf=0.8)),
+        Method(name="projected alpha, .8", scheme=ct.scheme.ProjectedAlpha(rho_inf=0.8)),
+        Method(name="HHT (-.3)", scheme=ct.scheme.HHT(alpha=-0.3)),
         Method(
             name="HHT (-.3), augmented",
-            scheme=ct.HHT(alpha=-0.3),
+            scheme=ct.scheme.HHT(alpha=-0.3),
             law=ct.AugmentedLagrangian(stiffness=1e3 * stiffness),
         ),
         Method(name="Newmark (.5, .55)", scheme=ct.Newmark(beta=0.5, gamma=0.55)),
         Method(name="Newmark (.25, .55)", scheme=ct.Newmark(beta=0.25, gamma=0.55)),
         Method(name="Newmark (.25, .5)", scheme=ct.Newmark()),
-        Method(name="HHT (-.3), penalty", scheme=ct.HHT(alpha=-0.3), law=ct.Penalty(stiffness=stiffness)),
+        Method(name="HHT (-.3), penalty", scheme=ct.scheme.HHT(alpha=-0.3), law=ct.Penalty(stiffness=stiffness)),
         Method(name="explicit penalty", scheme=ct.PenaltyDifference(), law=ct.Penalty(stiffness=stiffness)),
     ]
 

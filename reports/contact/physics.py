@@ -47,8 +47,8 @@ def loaded(statement: str) -> str:
 
 def ring(zeta: float = 0.0) -> ct.ModalBody:
     """A steel ring of radius .5 m on an elastic bed, n to 20."""
-    return ct.ring_modes(
-        ct.ThinRing(radius=0.5, width=0.02, height=3e-3, E=210e9, rho=7800.0, k_r=1e7, k_t=1e7, zeta=zeta), 20
+    return ct.bodies.ring_modes(
+        ct.bodies.ThinRing(radius=0.5, width=0.02, height=3e-3, E=210e9, rho=7800.0, k_r=1e7, k_t=1e7, zeta=zeta), 20
     )
 
 
@@ -111,7 +111,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     rows, steps = [], 5_000 if quick else 50_000
     for name, (bodies, gravity) in scenes().items():
         row: Row = {"run": name}
-        for label, scheme in (("explicit", ct.CentralDifference()), ("massless", ct.MasslessBoundary()),
+        for label, scheme in (("explicit", ct.CentralDifference()), ("massless", ct.scheme.MasslessBoundary()),
                               ("Moreau-Jean", ct.MoreauJean())):  # fmt: skip
             best = 0.0
             for _ in range(3):

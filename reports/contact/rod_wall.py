@@ -23,7 +23,7 @@ def compared() -> list[Method]:
     return [
         *newmark,
         Method(name="forward Lagrange", scheme=ct.CentralDifference()),
-        Method(name="massless boundary", scheme=ct.MasslessBoundary()),
+        Method(name="massless boundary", scheme=ct.scheme.MasslessBoundary()),
         Method(name="explicit penalty 1e4", scheme=ct.PenaltyDifference(), law=ct.Penalty(stiffness=1e4)),
     ]
 

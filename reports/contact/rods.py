@@ -25,7 +25,7 @@ def lagrange() -> list[Method]:
     """Schemes with multipliers that a user would choose from."""
     return [
         Method(name="forward Lagrange", scheme=ct.CentralDifference()),
-        Method(name="massless boundary", scheme=ct.MasslessBoundary()),
+        Method(name="massless boundary", scheme=ct.scheme.MasslessBoundary()),
         Method(name="Moreau-Jean", scheme=ct.MoreauJean()),
         Method(name="Newmark (.5, .55)", scheme=ct.Newmark(beta=0.5, gamma=0.55)),
     ]

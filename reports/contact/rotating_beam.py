@@ -22,9 +22,9 @@ from contact.scheme.beam.beam_implicit import ImplicitBeamStepper
 from contact.scheme.beam.beam_stepper import BeamStepper
 from reports.tables import Row, command_line, show, write
 
-BEAM = ct.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0)
+BEAM = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0)
 CIRCLE = ct.BeamInCircle(BEAM, radius=0.502, offset=6e-3)
-RING = ct.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
+RING = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
 EXPLICIT = ct.CentralDifference()
 PAIRS = ((0.5, 0.55), (0.25, 0.55), (0.25, 0.5))
 
@@ -115,16 +115,19 @@ def flexible(quick: bool) -> Iterator[Row]:
     """The circle as an elastic ring: modes, finite elements, and stiffening towards the rigid circle."""
     scene = replace(CIRCLE, beam=replace(BEAM, elements=10 if quick else 20))
     t_end = 1.2 * scene.first_contact_time
-    rings: list[tuple[str, ct.ModalBody | None]] = [("rigid", None), ("ring, modes to n = 20", ct.ring_modes(RING, 20))]
+    rings: list[tuple[str, ct.ModalBody | None]] = [
+        ("rigid", None),
+        ("ring, modes to n = 20", ct.bodies.ring_modes(RING, 20)),
+    ]
     if not quick:
         rings += [
-            ("ring, modes to n = 40", ct.ring_modes(RING, 40)),
-            ("ring, 60 elements seen to n = 20", ct.ring_elements(RING, 60, 20)),
-            ("ring, 90 elements seen to n = 40", ct.ring_elements(RING, 90, 40)),
+            ("ring, modes to n = 40", ct.bodies.ring_modes(RING, 40)),
+            ("ring, 60 elements seen to n = 20", ct.bodies.ring_elements(RING, 60, 20)),
+            ("ring, 90 elements seen to n = 40", ct.bodies.ring_elements(RING, 90, 40)),
         ]
     for factor in (1e4,) if quick else (1e1, 1e2, 1e4, 1e6):
         stiff = replace(RING, E=factor * RING.E, k_r=factor * RING.k_r, k_t=factor * RING.k_t)
-        rings.append((f"ring {factor:g} times as stiff, modes to n = 20", ct.ring_modes(stiff, 20)))
+        rings.append((f"ring {factor:g} times as stiff, modes to n = 20", ct.bodies.ring_modes(stiff, 20)))
     for name, ring in rings:
         changed = replace(scene, ring=ring)
         yield row_of(name, changed, run(changed, EXPLICIT, t_end, courant=0.5))

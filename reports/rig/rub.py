@@ -126,9 +126,9 @@ def growing_band(casing: cf.ModalBasis, blade: cf.ModalBasis, plan: RubPlan) -> 
     )
     S += float(casing.S[0, 0] + 0.5 * np.trace(casing.S[1 : 2 * N + 1, 1 : 2 * N + 1]))
     S += float(np.sum(kappa[1:] / (blade.omega[1:] ** 2 - nu**2))) + float(normal @ blade.S @ normal)
-    hand = ct.HandPair(
-        casing=ct.ModalPair(n=n, freq_hz=w_c / (2.0 * np.pi), modal_mass=1.0 / float(mobility[n, pair].mean())),
-        blade=ct.ModalPair(freq_hz=nu / (2.0 * np.pi), modal_mass=1.0 / float(pressing[0]) ** 2),
+    hand = ct.gaps.HandPair(
+        casing=ct.gaps.ModalPair(n=n, freq_hz=w_c / (2.0 * np.pi), modal_mass=1.0 / float(mobility[n, pair].mean())),
+        blade=ct.gaps.ModalPair(freq_hz=nu / (2.0 * np.pi), modal_mass=1.0 / float(pressing[0]) ** 2),
         compliance=S,
         friction=plan.friction,
         lean_deg=plan.lean_deg,

@@ -79,8 +79,8 @@ values = [0.005]
 def write_scene(folder: Path, draws: int, t_end: float) -> Path:
     """A steel ring and a blade of two modes, and the sweep over them."""
     folder.mkdir(parents=True, exist_ok=True)
-    ring = ct.ThinRing(radius=0.25, width=0.05, height=4e-3, E=210e9, rho=7800.0, k_r=2e7, k_t=2e6, zeta=0.005)
-    ct.ring_modes(ring, 8).truncated(8e4).save(folder / "casing.npz")
+    ring = ct.bodies.ThinRing(radius=0.25, width=0.05, height=4e-3, E=210e9, rho=7800.0, k_r=2e7, k_t=2e6, zeta=0.005)
+    ct.bodies.ring_modes(ring, 8).truncated(8e4).save(folder / "casing.npz")
     ct.ModalBody(
         omega=[2.0 * np.pi * 380.0, 2.0 * np.pi * 2400.0], zeta=[0.002, 0.002], channels=("span", "flap"),
         rows=[[0.1, 0.2], [2.0, 0.5]], S=[[2e-8, 0.0], [0.0, 6e-8]],

@@ -30,11 +30,11 @@ KICK = 1e-6  # m/s of the casing: all else is symmetric
 STRONG_KICK = 5e-3  # modal velocity, above what mistuned blades excite by turning
 
 
-def pairs(n: int) -> tuple[ct.ModalPair, ct.ModalPair]:
+def pairs(n: int) -> tuple[ct.gaps.ModalPair, ct.gaps.ModalPair]:
     """Casing and disk, undamped."""
     return (
-        ct.ModalPair(n=n, freq_hz=CASING_HZ[n], modal_mass=2.0),
-        ct.ModalPair(n=n, freq_hz=DISK_HZ[n], modal_mass=1.0),
+        ct.gaps.ModalPair(n=n, freq_hz=CASING_HZ[n], modal_mass=2.0),
+        ct.gaps.ModalPair(n=n, freq_hz=DISK_HZ[n], modal_mass=1.0),
     )
 
 
@@ -80,7 +80,7 @@ def two_modes_each(n_values: tuple[int, ...], spread: FloatArray, out: Path) -> 
         speed = free * (1.0 + spread)
         rates = seen(n, speed)
         contact = disk_contact(*pairs(n), stiffness=STIFFNESS, blades=BLADES)
-        found = ct.stability(contact, np.linspace(speed[0], speed[-1], 401))
+        found = ct.growth.stability(contact, np.linspace(speed[0], speed[-1], 401))
         at, most = peak(speed, rates)
         rows.append(
             {
@@ -131,8 +131,8 @@ def run_rate(rub: ct.Rub, mu: float, waves: IntArray, speed_hz: float, pole: flo
     kick = np.zeros(m)
     kick[waves[0]] = STRONG_KICK
     started = replace(
-        rub, speed=ct.Speed.constant(speed_hz), blade_starts=(ct.Start(displacement=rest[m:]),),
-        casing_start=ct.Start(displacement=rest[:m], velocity=kick),
+        rub, speed=ct.Speed.constant(speed_hz), blade_starts=(ct.gaps.Start(displacement=rest[m:]),),
+        casing_start=ct.gaps.Start(displacement=rest[:m], velocity=kick),
     )  # fmt: skip
     law = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
     result = ct.run(started, law=law, t_end=3.0 / pole, dt=2.5e-5, record=ct.Record(every=20, state_every=20))

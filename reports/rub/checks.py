@@ -48,11 +48,12 @@ def rub(rim: ct.ModalBody, blade: ct.ModalBody, nodes: int, *, advance: float = 
     theta = np.linspace(0.0, 2.0 * np.pi, 3601)
     depth = sum(term["cos"] * np.cos(term["p"] * theta) for term in ROUGH)
     tips = [
-        ct.Tip(span=f"node{k}.span", flap=f"node{k}.flap", axial=f"node{k}.chord", lean_deg=LEAN) for k in range(nodes)
+        ct.ContactPoint(span=f"node{k}.span", flap=f"node{k}.flap", axial=f"node{k}.chord", lean_deg=LEAN)
+        for k in range(nodes)
     ]
     return ct.Rub(
         rim, (blade,), tuple(tips), clearance=-float(np.min(depth)) - advance, speed=ct.Speed.constant(SPEED),
-        profile=ct.Profile.fourier(ROUGH), thickness=3e-3,
+        profile=ct.RimProfile.fourier(ROUGH), thickness=3e-3,
     )  # fmt: skip
 
 

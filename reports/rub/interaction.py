@@ -26,7 +26,7 @@ from reports.verification.interaction import B6, OTHERS, around, digging
 SMALL = 0.05  # 1/s
 
 
-def as_rim(pair: ct.HandPair, speed_hz: float) -> ct.RotatingRim:
+def as_rim(pair: ct.gaps.HandPair, speed_hz: float) -> ct.RotatingRim:
     """The hand calculation as bases for a run, pressed together by 1 mm; a leaning blade moves along its flap alone."""
     x, a = pair.blade.modal_mass**-0.5, math.radians(pair.lean_deg)
     blade = ct.ModalBody(
@@ -38,7 +38,7 @@ def as_rim(pair: ct.HandPair, speed_hz: float) -> ct.RotatingRim:
     )
 
 
-def seen_growth(pair: ct.HandPair, speed_hz: float, rate: float) -> float:
+def seen_growth(pair: ct.gaps.HandPair, speed_hz: float, rate: float) -> float:
     """Growth [1/s] of the energy's square root about the run's end, nan if the contact opened."""
     t_end = float(np.clip(6.0 / max(abs(rate), 1e-3), 0.6, 2.0))
     rim, law = as_rim(pair, speed_hz), ct.Coulomb(mu=pair.friction) if pair.friction else ct.Unilateral()

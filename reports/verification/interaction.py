@@ -16,11 +16,11 @@ from reports.tables import Row, check
 
 def hand(
     n: int, casing: tuple[float, float, float], blade: tuple[float, float, float], stiffness: float
-) -> ct.HandPair:
+) -> ct.gaps.HandPair:
     """A hand calculation: (Hz, kg, zeta) of casing pair and blade mode, contact stiffness [N/m]."""
-    return ct.HandPair(
-        casing=ct.ModalPair(n=n, freq_hz=casing[0], modal_mass=casing[1], zeta=casing[2]),
-        blade=ct.ModalPair(freq_hz=blade[0], modal_mass=blade[1], zeta=blade[2]), compliance=1.0 / stiffness,
+    return ct.gaps.HandPair(
+        casing=ct.gaps.ModalPair(n=n, freq_hz=casing[0], modal_mass=casing[1], zeta=casing[2]),
+        blade=ct.gaps.ModalPair(freq_hz=blade[0], modal_mass=blade[1], zeta=blade[2]), compliance=1.0 / stiffness,
     )  # fmt: skip
 
 
@@ -31,14 +31,14 @@ OTHERS = {
 }
 
 
-def around(pair: ct.HandPair, steps: int = 401) -> StabilityMap:
+def around(pair: ct.gaps.HandPair, steps: int = 401) -> StabilityMap:
     """Growth map within 2 % of the loaded sum."""
-    return ct.stability(pair.contact(), loaded(pair).speed_hz * np.linspace(0.98, 1.02, steps))
+    return ct.growth.stability(pair.contact(), loaded(pair).speed_hz * np.linspace(0.98, 1.02, steps))
 
 
 def rows(quick: bool) -> list[Row]:
     """B6 and its neighbours; all are quick."""
-    found = ct.stability(B6.contact(), np.linspace(52.0, 54.0, 401))
+    found = ct.growth.stability(B6.contact(), np.linspace(52.0, 54.0, 401))
     six = "6-state eigenvalues"
     low, high = found.bands_hz[0]
     lines = [
@@ -57,17 +57,18 @@ def rows(quick: bool) -> list[Row]:
         )
         lines.append(check(f"B6 pair {name}, speed [Hz]", "closed form", formula.speed_hz, peak.peak_speed_hz, 5e-4))
     disk = disk_contact(
-        ct.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0), ct.ModalPair(n=5, freq_hz=120.0, modal_mass=1.0),
+        ct.gaps.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0), ct.gaps.ModalPair(n=5, freq_hz=120.0,
+        modal_mass=1.0),
         stiffness=1e3, blades=22,
     )  # fmt: skip
-    peak = ct.stability(disk, np.linspace(80.0, 88.0, 401))
+    peak = ct.growth.stability(disk, np.linspace(80.0, 88.0, 401))
     lines.append(
         check("Legrand disk in casing, n = 5, unstable speed [Hz]", "f_c + f_b = n f", 84.0, peak.peak_speed_hz, 0.5)
     )
     return lines
 
 
-def digging(friction: float, lean_deg: float, zeta: float = 1e-3) -> ct.HandPair:
+def digging(friction: float, lean_deg: float, zeta: float = 1e-3) -> ct.gaps.HandPair:
     """B6, damped, with friction and lean."""
     return replace(
         B6,

@@ -35,7 +35,7 @@ def nodes(count, *, S=3e-8, seed=5):
 def tips(count, *, blade=0, angle=10.0, lean=15.0, axial=True):
     """Tip nodes of one blade, side by side, alternately on the two rim lines."""
     return [
-        ct.Tip(
+        ct.ContactPoint(
             blade=blade, line=k % 2, span=f"node{k}.span", flap=f"node{k}.flap",
             axial=f"node{k}.chord" if axial else None, angle_deg=angle + 0.5 * k, lean_deg=lean, clearance=1e-6 * k,
         )

@@ -1,1 +1,5 @@
 """What touches: rods, masses, beams, bodies by their modes or matrices."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

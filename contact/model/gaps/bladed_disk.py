@@ -11,7 +11,7 @@ from contact.base.arrays import Array, readonly, require_finite, require_not_neg
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody, rim_channels
 from contact.model.gaps.permanent import ModalPair, require_waves
-from contact.model.gaps.rub import Rub, Start, Tip
+from contact.model.gaps.rub import ContactPoint, Rub, Start
 from contact.model.gaps.rub_laws import Speed
 
 FEWEST = 2  # blades: one has no neighbour
@@ -80,10 +80,12 @@ class BladedDisk:
             S=self.compliance * np.eye(2 * N),
         )  # fmt: skip
 
-    def tips(self) -> tuple[Tip, ...]:
+    def tips(self) -> tuple[ContactPoint, ...]:
         """A contact at the tip of every blade, evenly around."""
         return tuple(
-            Tip(span=f"span{j}", flap=f"flap{j}", angle_deg=360.0 * j / self.blades, lean_deg=self.lean_deg, track=0)
+            ContactPoint(
+                span=f"span{j}", flap=f"flap{j}", angle_deg=360.0 * j / self.blades, lean_deg=self.lean_deg, track=0
+            )
             for j in range(self.blades)
         )
 
@@ -131,7 +133,7 @@ def two_dimensional(
         S=np.eye(2 * blades) / stiffness,
     )  # fmt: skip
     tips = tuple(
-        Tip(span=f"span{j}", flap=f"flap{j}", angle_deg=math.degrees(angle[j]), track=0) for j in range(blades)
+        ContactPoint(span=f"span{j}", flap=f"flap{j}", angle_deg=math.degrees(angle[j]), track=0) for j in range(blades)
     )
     start = Start(velocity=readonly([velocity * math.sqrt(casing.modal_mass), 0.0]))
     return Rub(

@@ -12,11 +12,11 @@ from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.gap import FAR
-from contact.model.gaps.rub_laws import Closing, Profile, Speed, Whirl
+from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tip:
+class ContactPoint:
     """One contact candidate: a place of blade number `blade` before rim line number `line` of the casing.
 
     `span`, `flap` and `axial` name channels of the blade: radial at no lean, along +theta, along the casing's axis
@@ -25,7 +25,7 @@ class Tip:
     coating that it wears on its rim line, so that tips at one axial place share one; left out, its place among its
     blade's tips on that line.
 
-    >>> Tip(angle_deg=90.0).span
+    >>> ContactPoint(angle_deg=90.0).span
     'span'
     """
 
@@ -107,11 +107,11 @@ class Rub:
 
     casing: ModalBody
     blades: tuple[ModalBody, ...]
-    tips: tuple[Tip, ...] = (Tip(),)
+    tips: tuple[ContactPoint, ...] = (ContactPoint(),)
     _: KW_ONLY
     clearance: float = 0.0
     speed: Speed = field(default_factory=lambda: Speed.constant(0.0))
-    profile: Profile = field(default_factory=Profile)
+    profile: RimProfile = field(default_factory=RimProfile)
     closing: Closing = field(default_factory=Closing.none)
     whirl: tuple[Whirl, ...] = ()
     stiffening: tuple[Stiffening, ...] = ()
@@ -156,7 +156,7 @@ class Rub:
                     "casingfem reduce"
                 )
 
-    def _require_tip(self, j: int, tip: Tip) -> None:
+    def _require_tip(self, j: int, tip: ContactPoint) -> None:
         if not 0 <= tip.blade < len(self.blades):
             raise InputError(f"tips[{j}].blade: found {tip.blade}, expected 0 .. {len(self.blades) - 1}")
         if not 0 <= tip.line < self.casing.rim_lines:

@@ -127,14 +127,14 @@ class Whirl:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Profile:
+class RimProfile:
     """Out-of-roundness d(theta) in the casing's frame [m], positive where the radius is larger.
 
     `terms` {p, cos, sin} are summed; the table (`theta` [rad], `depth` [m]) is read by a periodic piecewise cubic
     with continuous slope that stays between neighbouring points (Fritsch & Butland, SIAM J. Sci.
     Stat. Comput. 5, 1984, 300).
 
-    >>> round(Profile(theta=[0.0, 2.0, 4.0], depth=[0.0, 1e-4, 0.0])(2.0), 12)
+    >>> round(RimProfile(theta=[0.0, 2.0, 4.0], depth=[0.0, 1e-4, 0.0])(2.0), 12)
     0.0001
     """
 
@@ -158,13 +158,13 @@ class Profile:
             )
 
     @staticmethod
-    def fourier(terms: Sequence[Mapping[str, float]]) -> Profile:
+    def fourier(terms: Sequence[Mapping[str, float]]) -> RimProfile:
         """Profile of terms as `RotatingRim.out_of_roundness` has them."""
         from contact.model.gaps.gap import require_term
 
         for term in terms:
             require_term(term)
-        return Profile(tuple((int(t["p"]), float(t.get("cos", 0.0)), float(t.get("sin", 0.0))) for t in terms))
+        return RimProfile(tuple((int(t["p"]), float(t.get("cos", 0.0)), float(t.get("sin", 0.0))) for t in terms))
 
     @property
     def table(self) -> Array:

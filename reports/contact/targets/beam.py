@@ -40,8 +40,10 @@ def _impulse(ring: ct.ModalBody | None) -> float:
 
 
 def _ring() -> list[Row]:
-    rigid, modal, elements = (_impulse(r) for r in (None, ct.ring_modes(RING, 20), ct.ring_elements(RING, 60, 20)))
-    stiff = _impulse(ct.ring_modes(replace(RING, E=1e6 * RING.E, k_r=1e6 * RING.k_r, k_t=1e6 * RING.k_t), 20))
+    rigid, modal, elements = (
+        _impulse(r) for r in (None, ct.bodies.ring_modes(RING, 20), ct.bodies.ring_elements(RING, 60, 20))
+    )
+    stiff = _impulse(ct.bodies.ring_modes(replace(RING, E=1e6 * RING.E, k_r=1e6 * RING.k_r, k_t=1e6 * RING.k_t), 20))
     return [
         target("flexible ring: modes against finite elements, impulse", 0.01, abs(elements / modal - 1.0)),
         target("flexible ring: 1e6 times as stiff against rigid, impulse", 0.01, abs(stiff / rigid - 1.0)),

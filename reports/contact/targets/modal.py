@@ -45,7 +45,7 @@ def _ten_periods() -> list[Row]:
     result = _dropped("energy", modes, 10 * PERIOD / steps, 10 * PERIOD, record)
     bar, exact = ct.Rod(**BAR), bouncing_bar(20)
     history = bar_by_characteristics(bar, gravity=10.0, t_end=10 * PERIOD + 1.0, cells=300)
-    tip = np.maximum(5.0 + result.state @ ct.rod_modes(bar, modes=modes, end="left").rows[0], 0.0)
+    tip = np.maximum(5.0 + result.state @ ct.gaps.rod_modes(bar, modes=modes, end="left").rows[0], 0.0)
     error = np.abs(tip - np.interp(result.state_time, history.time, history.gap)) / 5.0
     lines = []
     for name, part, far, strong in (

@@ -33,7 +33,7 @@ def _orders() -> list[Row]:
     lines, steps = [], 1.0 / np.array([128, 256, 512, 1024])
     for method in methods(1.0):
         exact = _exact()
-        if isinstance(method.scheme, ct.MasslessBoundary):  # it moves the masses: another structure
+        if isinstance(method.scheme, ct.scheme.MasslessBoundary):  # it moves the masses: another structure
             exact = _free(method, 1.0 / 8192)
         errors = [float(np.abs(_free(method, float(dt)) - exact).max()) for dt in steps]
         slope = float(np.polyfit(np.log(steps), np.log(errors), 1)[0])

@@ -18,15 +18,15 @@ from contact.model.gaps.permanent import SplitError, disk_contact
 from tests.contact.synthetic_rim import blade, ring
 
 SCENE = Path(__file__).parents[3] / "data" / "scenes" / "pair.toml"
-B6 = ct.HandPair(
-    casing=ct.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5), blade=ct.ModalPair(freq_hz=120.0, modal_mass=0.4),
-    compliance=1e-4,
+B6 = ct.gaps.HandPair(
+    casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+    blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4,
 )  # fmt: skip
 OTHERS = [
-    ct.HandPair(casing=ct.ModalPair(n=4, freq_hz=250.0, modal_mass=2.0, zeta=2e-4),
-                blade=ct.ModalPair(freq_hz=90.0, modal_mass=0.8, zeta=5e-4), compliance=1e-4),
-    ct.HandPair(casing=ct.ModalPair(n=12, freq_hz=800.0, modal_mass=0.9),
-                blade=ct.ModalPair(freq_hz=410.0, modal_mass=0.2, zeta=1e-4), compliance=2e-5),
+    ct.gaps.HandPair(casing=ct.gaps.ModalPair(n=4, freq_hz=250.0, modal_mass=2.0, zeta=2e-4),
+                blade=ct.gaps.ModalPair(freq_hz=90.0, modal_mass=0.8, zeta=5e-4), compliance=1e-4),
+    ct.gaps.HandPair(casing=ct.gaps.ModalPair(n=12, freq_hz=800.0, modal_mass=0.9),
+                blade=ct.gaps.ModalPair(freq_hz=410.0, modal_mass=0.2, zeta=1e-4), compliance=2e-5),
 ]  # fmt: skip
 
 
@@ -74,7 +74,7 @@ def test_b6_is_stable_at_the_difference_and_at_the_unloaded_sum():
 
 
 def test_a_band_narrower_than_the_grid_is_found():
-    found = ct.stability(B6.contact(), np.linspace(0.0, 100.0, 11))
+    found = ct.growth.stability(B6.contact(), np.linspace(0.0, 100.0, 11))
     assert found.peak_growth == pytest.approx(3.7883, abs=1e-4)
     assert np.allclose(found.bands_hz, [[52.693, 52.9945]], atol=2e-4)
 
@@ -84,7 +84,7 @@ def test_a_band_narrower_than_the_grid_is_found():
 def test_peak_by_formula_and_by_time(pair):
     formula = loaded(pair)
     speed = formula.speed_hz * np.linspace(0.98, 1.02, 41)
-    found = ct.stability(pair.contact(), speed)
+    found = ct.growth.stability(pair.contact(), speed)
     assert found.peak_speed_hz == pytest.approx(formula.speed_hz, rel=5e-4)
     assert found.peak_growth == pytest.approx(formula.growth, rel=0.01)
     assert marched(pair, found.peak_speed_hz, found.peak_growth) == pytest.approx(found.peak_growth, rel=0.02)
@@ -96,7 +96,7 @@ def test_damping_of_one_body_alone_slows_and_of_both_stops_the_growth():
     one = damped(B6, casing=0.0)
     assert loaded(one).growth == pytest.approx(-a / 2 + np.hypot(a / 2, s))
     both = damped(B6, casing=0.02, zeta=0.02)
-    found = ct.stability(both.contact(), np.linspace(50.0, 55.0, 101))
+    found = ct.growth.stability(both.contact(), np.linspace(50.0, 55.0, 101))
     assert loaded(both).growth < 0.0
     assert not found.diverges
     assert "damping holds down" in found.words
@@ -119,24 +119,25 @@ def test_friction_beyond_the_lean_moves_the_growth_from_sum_to_difference():
 @pytest.mark.slow
 def test_digging_blade_grows_in_time_as_its_pole():
     pair = damped(replace(B6, friction=0.3, lean_deg=10.0))
-    found = ct.stability(pair.contact(), np.linspace(22.0, 23.5, 61))
+    found = ct.growth.stability(pair.contact(), np.linspace(22.0, 23.5, 61))
     assert found.peak_growth > 1.5
     assert marched(pair, found.peak_speed_hz, found.peak_growth) == pytest.approx(found.peak_growth, rel=0.02)
     assert "f_b = f_c - n f (n = 8) is met at 22.751 Hz: flutter, mu > tan(lean)" in found.words
 
 
 def test_words_name_the_sum_that_a_slow_rig_cannot_meet():
-    rig = ct.HandPair(
-        casing=ct.ModalPair(n=10, freq_hz=426.0, modal_mass=1.5), blade=ct.ModalPair(freq_hz=380.0, modal_mass=0.4),
+    rig = ct.gaps.HandPair(
+        casing=ct.gaps.ModalPair(n=10, freq_hz=426.0, modal_mass=1.5), blade=ct.gaps.ModalPair(freq_hz=380.0,
+        modal_mass=0.4),
         compliance=1e-4,
     )  # fmt: skip
-    words = ct.stability(rig.contact(), np.linspace(4.0, 5.0, 11)).words
+    words = ct.growth.stability(rig.contact(), np.linspace(4.0, 5.0, 11)).words
     assert "n f = 50 Hz < f_c = 426 Hz: the sum condition f_c + f_b = n f cannot be met" in words
     assert "no flutter unless mu > tan(lean)" in words
 
 
 def test_poles_come_in_conjugates_and_sum_to_the_damping():
-    found = ct.poles(damped(B6).contact(), np.array([10.0, 52.844]))
+    found = ct.growth.poles(damped(B6).contact(), np.array([10.0, 52.844]))
     assert found.shape == (2, 6)
     lost = 1e-3 * (2 * B6.casing.omega + B6.blade.omega)
     assert np.allclose(found.sum(axis=1), -2.0 * lost, atol=1e-8)
@@ -145,9 +146,12 @@ def test_poles_come_in_conjugates_and_sum_to_the_damping():
 @pytest.mark.slow
 def test_disk_and_casing_by_their_pairs_meet_the_sum_condition():
     """The two-dimensional literature model: unstable within 1 % of (f_c + f_b)/n, by eigenvalues and by time."""
-    casing, disk = ct.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0), ct.ModalPair(n=5, freq_hz=120.0, modal_mass=1.0)
+    casing, disk = (
+        ct.gaps.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0),
+        ct.gaps.ModalPair(n=5, freq_hz=120.0, modal_mass=1.0),
+    )
     contact = disk_contact(casing, disk, stiffness=1e3, blades=22)
-    found = ct.stability(contact, np.linspace(80.0, 88.0, 401))
+    found = ct.growth.stability(contact, np.linspace(80.0, 88.0, 401))
     assert found.peak_speed_hz == pytest.approx((300.0 + 120.0) / 5, rel=0.01)
     spin, k = 5 * 2.0 * np.pi * found.peak_speed_hz, 1e3 * 22 / 2.0
 
@@ -168,7 +172,7 @@ def rim(speed_hz=20.0, **of_ring):
 
 def test_floquet_agrees_with_eigenvalues_on_a_perfect_rim_and_converges_with_order_four():
     speeds = np.array([5.0, -20.0])
-    exact = growth(ct.rim_contact(rim(), mu=0.3), speeds)
+    exact = growth(ct.gaps.rim_contact(rim(), mu=0.3), speeds)
     errors = [np.abs(floquet_growth(rim(), speeds, mu=0.3, phase=phase) / exact - 1.0).max() for phase in (0.8, 0.4)]
     assert errors[1] < 2e-5
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.3)
@@ -177,8 +181,8 @@ def test_floquet_agrees_with_eigenvalues_on_a_perfect_rim_and_converges_with_ord
 def test_a_rim_that_turns_is_the_same_wherever_it_starts():
     turned = replace(rim(), angle_deg=37.0)
     speeds = np.array([12.0])
-    assert growth(ct.rim_contact(turned, mu=0.2), speeds) == pytest.approx(
-        growth(ct.rim_contact(rim(), mu=0.2), speeds)
+    assert growth(ct.gaps.rim_contact(turned, mu=0.2), speeds) == pytest.approx(
+        growth(ct.gaps.rim_contact(rim(), mu=0.2), speeds)
     )
 
 
@@ -189,15 +193,15 @@ def test_ripples_of_a_mesh_do_not_make_a_casing_split():
     rows[[5, 11], [0, 1]] += 2e-4
     rippled = replace(perfect, casing=replace(perfect.casing, rows=rows))
     speeds = np.array([12.0])
-    found = growth(ct.rim_contact(rippled, mu=0.3), speeds)
+    found = growth(ct.gaps.rim_contact(rippled, mu=0.3), speeds)
     assert found == pytest.approx(floquet_growth(rippled, speeds, mu=0.3, phase=0.2), rel=1e-5)
 
 
 def test_a_split_casing_goes_to_floquet():
     split = rim(imperfect=1e-2)
     with pytest.raises(SplitError, match="expected a perfect casing"):
-        ct.rim_contact(split)
-    found = ct.rim_stability(split, np.array([18.0, 20.0, 22.0]), mu=0.3)
+        ct.gaps.rim_contact(split)
+    found = ct.growth.rim_stability(split, np.array([18.0, 20.0, 22.0]), mu=0.3)
     assert "Floquet" in found.words
     assert found.growth == pytest.approx(floquet_growth(split, found.speed_hz, mu=0.3, phase=0.1), rel=1e-4)
     with pytest.raises(ct.InputError, match="found 0 with a split casing"):
@@ -219,8 +223,8 @@ def test_a_split_casing_goes_to_floquet():
 def test_a_broken_pair_is_refused_with_file_and_key(tmp_path, old, new, words):
     file = tmp_path / "pair.toml"
     file.write_text(SCENE.read_text(encoding="utf-8").replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(ct.SceneError) as refused:
-        ct.load_stability(file)
+    with pytest.raises(ct.scene.SceneError) as refused:
+        ct.scene.load_stability(file)
     assert any(str(file) in line and words in line for line in refused.value.problems)
 
 
@@ -250,17 +254,17 @@ def test_a_rim_scene_is_scanned_with_its_friction_and_runs_too(tmp_path):
     blade().save(tmp_path / "blade.npz")
     file = tmp_path / "rim.toml"
     file.write_text(RIM_SCENE, encoding="utf-8")
-    found = ct.load_stability(file).solve()
-    exact = growth(ct.rim_contact(rim(), mu=0.3), np.linspace(10.0, 30.0, 21))
+    found = ct.scene.load_stability(file).solve()
+    exact = growth(ct.gaps.rim_contact(rim(), mu=0.3), np.linspace(10.0, 30.0, 21))
     assert found.growth == pytest.approx(exact)
     assert ct.load_scene(file).what.speed_hz == 20.0
     file.write_text(RIM_SCENE.replace("scan = ", "# "), encoding="utf-8")
-    with pytest.raises(ct.SceneError, match=r"speed\.scan: missing"):
-        ct.load_stability(file)
+    with pytest.raises(ct.scene.SceneError, match=r"speed\.scan: missing"):
+        ct.scene.load_stability(file)
 
 
 def test_a_pair_does_not_run_and_rods_have_no_poles():
-    with pytest.raises(ct.SceneError, match="found 'pair', which casingfem stability takes"):
+    with pytest.raises(ct.scene.SceneError, match="found 'pair', which casingfem stability takes"):
         ct.load_scene(SCENE)
-    with pytest.raises(ct.SceneError, match="found 'rods', expected 'pair' or 'rim'"):
-        ct.load_stability(SCENE.with_name("two_rods.toml"))
+    with pytest.raises(ct.scene.SceneError, match="found 'rods', expected 'pair' or 'rim'"):
+        ct.scene.load_stability(SCENE.with_name("two_rods.toml"))

@@ -48,7 +48,7 @@ def test_mistuning_splits_the_pairs_by_its_harmonic_2n():
 
 
 def pairs(n=5):
-    return ct.ModalPair(n=n, freq_hz=300.0, modal_mass=2.0), ct.ModalPair(n=n, freq_hz=120.0, modal_mass=1.0)
+    return ct.gaps.ModalPair(n=n, freq_hz=300.0, modal_mass=2.0), ct.gaps.ModalPair(n=n, freq_hz=120.0, modal_mass=1.0)
 
 
 def test_tips_in_a_row_are_the_closed_form_of_the_disk_in_its_casing():
@@ -64,7 +64,7 @@ def test_tips_in_a_row_are_the_closed_form_of_the_disk_in_its_casing():
 def test_one_tip_is_the_blade_before_a_rim(mu):
     blade = disk(2, coupling=0.0, compliance=1e-6).body()
     casing = ring()
-    one = ct.Rub(casing, (blade,), (ct.Tip(span="span0", flap="flap0", lean_deg=20.0),))
+    one = ct.Rub(casing, (blade,), (ct.ContactPoint(span="span0", flap="flap0", lean_deg=20.0),))
     point = replace(blade, channels=("span", "flap", "span1", "flap1"))
     rim = ct.RotatingRim(casing, point, clearance=0.0, speed_hz=5.0, lean_deg=20.0)
     speed = np.linspace(1.0, 60.0, 31)
@@ -135,12 +135,12 @@ def test_bad_disks(tmp_path):
         ("clearance = -1e-3", "clearance = -1.0", r"clearance: found -1 m at tip 0"),
     ):
         file.write_text(text.replace(old, new))
-        with pytest.raises(ct.SceneError, match=words):
+        with pytest.raises(ct.scene.SceneError, match=words):
             ct.load_scene(file)
 
 
 def test_a_pair_as_a_rim_moves_inextensionally():
-    rim = pair_rim(ct.ModalPair(n=3, freq_hz=100.0, modal_mass=4.0), radius=0.3)
+    rim = pair_rim(ct.gaps.ModalPair(n=3, freq_hz=100.0, modal_mass=4.0), radius=0.3)
     radial, tangential = rim.rows[:7], rim.rows[7:]
     assert radial[3, 0] == radial[6, 1] == 0.5
     theta = 0.4

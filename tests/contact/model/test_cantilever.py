@@ -7,7 +7,7 @@ import pytest
 
 import contact as ct
 
-BEAM = ct.Cantilever(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, zeta=0.02)
+BEAM = ct.gaps.Cantilever(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, zeta=0.02)
 
 
 def test_modes_are_the_published_ones_and_static_compliance_is_whole():

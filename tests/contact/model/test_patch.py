@@ -71,7 +71,7 @@ def test_one_frictionless_contact_is_the_point_gap():
     rows = np.array([[1.0, 0.7, 0.4]])
     bar = body([0.0, 30.0, 70.0], rows, ("tip",), S=np.array([[1e-5]]))
     velocity = np.array([-2.0, 0.3, 0.0])
-    side = ct.Side(body=bar, channel="tip", sign=1, velocity=velocity)
+    side = ct.gaps.Side(body=bar, channel="tip", sign=1, velocity=velocity)
     one = ct.run(ct.PointGap(sides=(side,), clearance=0.05), scheme=ct.ExactModal(law="forward"), t_end=1.0, dt=1e-3)
     many = run(ct.Patch(body=bar, normal=("tip",), clearance=0.05, velocity=velocity), 0.0, 1.0, 1e-3)
     assert one.impulse[0] > 1.0

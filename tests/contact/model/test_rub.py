@@ -27,8 +27,8 @@ def one_tip(*, S=1e-8, imperfect=0.0, speed_hz=5.0):
         *bodies, clearance=-1e-5, speed_hz=speed_hz, lean_deg=25.0, out_of_roundness=WAVES, angle_deg=13.0
     )
     rub = ct.Rub(
-        bodies[0], bodies[1:], [ct.Tip(lean_deg=25.0, angle_deg=13.0)], clearance=-1e-5,
-        speed=ct.Speed.constant(speed_hz), profile=ct.Profile.fourier(WAVES),
+        bodies[0], bodies[1:], [ct.ContactPoint(lean_deg=25.0, angle_deg=13.0)], clearance=-1e-5,
+        speed=ct.Speed.constant(speed_hz), profile=ct.RimProfile.fourier(WAVES),
     )  # fmt: skip
     return rim, rub
 
@@ -138,8 +138,8 @@ def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz
     rub = ct.Rub(
         rim3(), [nodes(2), nodes(2, seed=6)],
         [*tips(2, angle=angles[0]), *tips(2, blade=1, angle=angles[1])], clearance=-3e-5,
-        closing=ct.Closing([0.0, 0.01], [0.0, 4e-4]),
-        speed=ct.Speed.constant(speed_hz), profile=ct.Profile.fourier(WAVES),
+        closing=ct.gaps.Closing([0.0, 0.01], [0.0, 4e-4]),
+        speed=ct.Speed.constant(speed_hz), profile=ct.RimProfile.fourier(WAVES),
     )  # fmt: skip
     h, steps = 4e-5, 250
     result = ct.run(
@@ -176,7 +176,7 @@ def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
     N = delta / (1.0 / span**2 + S)
     rub = ct.Rub(
         casing, [tooth], clearance=-delta, speed=ct.Speed.constant(2e-5),
-        blade_starts=[ct.Start(displacement=[-N / span**2, 0.0])],
+        blade_starts=[ct.gaps.Start(displacement=[-N / span**2, 0.0])],
     )  # fmt: skip
     drag = R * rub.speed.omega(0.0)
     slips = mu * N * (4.0 / flap**2 + S) / drag  # compliance of the flap mode and S: when the cone is full
@@ -201,8 +201,8 @@ def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
 def test_works_heat_and_drive_are_those_of_the_recorded_motion(speed_hz):
     """Each entry of the ledger and every tip's heat and drive, signed, from rows by their definitions; S = 0."""
     rub = ct.Rub(
-        rim3(S=0.0), [nodes(2, S=0.0)], tips(2), clearance=5e-5, closing=ct.Closing([0.0, 0.01], [0.0, 4e-4]),
-        speed=ct.Speed.constant(speed_hz), profile=ct.Profile.fourier(WAVES),
+        rim3(S=0.0), [nodes(2, S=0.0)], tips(2), clearance=5e-5, closing=ct.gaps.Closing([0.0, 0.01], [0.0, 4e-4]),
+        speed=ct.Speed.constant(speed_hz), profile=ct.RimProfile.fourier(WAVES),
     )  # fmt: skip
     mu, h, steps = 0.2, 2e-5, 400
     result = ct.run(rub, law=law(mu), t_end=steps * h, dt=h)
@@ -244,7 +244,7 @@ def test_the_energy_identity_of_the_moving_contact_closes_with_the_step(mu):
     for dt in (2e-5, 1e-5):
         rub = ct.Rub(
             rim3(S=2e-7), [nodes(3, S=1e-7)], tips(3), clearance=-2e-5, speed=ct.Speed.constant(5.0),
-            profile=ct.Profile.fourier(WAVES),
+            profile=ct.RimProfile.fourier(WAVES),
         )  # fmt: skip
         result = ct.run(rub, law=law(mu), scheme=ct.ExactModal(law="forward"), t_end=0.1, dt=dt)
         energy = result.energy
@@ -265,11 +265,11 @@ def test_the_rigid_gap_follows_its_laws():
     theta = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
     rub = ct.Rub(
         rim3(), [nodes(3)], tips(3), clearance=3e-3,
-        speed=ct.Speed(time=[0.002, 0.01], hz=[1.0, 9.0]), closing=ct.Closing.exponential(4e-4, 0.01),
-        profile=ct.Profile(((3, 1e-4, -5e-5),), theta=theta, depth=1e-4 * np.cos(2.0 * theta)),
-        whirl=[ct.Whirl(amplitude=2e-4, per_rev=-1.0, phase_deg=20.0), ct.Whirl(amplitude=1e-4, hz=60.0)],
+        speed=ct.Speed(time=[0.002, 0.01], hz=[1.0, 9.0]), closing=ct.gaps.Closing.exponential(4e-4, 0.01),
+        profile=ct.RimProfile(((3, 1e-4, -5e-5),), theta=theta, depth=1e-4 * np.cos(2.0 * theta)),
+        whirl=[ct.gaps.Whirl(amplitude=2e-4, per_rev=-1.0, phase_deg=20.0), ct.gaps.Whirl(amplitude=1e-4, hz=60.0)],
     )  # fmt: skip
-    h, table = 1e-5, ct.Profile(theta=theta, depth=1e-4 * np.cos(2.0 * theta))
+    h, table = 1e-5, ct.RimProfile(theta=theta, depth=1e-4 * np.cos(2.0 * theta))
     result = ct.run(
         rub, scheme=ct.ExactModal(law="forward"), law=ct.Coulomb(mu=0.2), t_end=0.02, dt=h, record=ct.Record(every=20)
     )
@@ -290,7 +290,7 @@ def test_the_rigid_gap_follows_its_laws():
 def test_a_table_profile_is_smooth_and_stays_between_its_points():
     theta = np.array([0.1, 0.5, 1.4, 3.0, 4.4, 5.9])
     depth = np.array([0.0, 2e-4, 2e-4, -1e-4, 0.0, 1e-4])
-    profile = ct.Profile(theta=theta, depth=depth)
+    profile = ct.RimProfile(theta=theta, depth=depth)
     assert [profile(x) for x in theta] == pytest.approx(depth.tolist(), abs=1e-18)
     phi = np.linspace(-7.0, 9.0, 4001)
     values = np.array([profile(x) for x in phi])
@@ -308,7 +308,8 @@ def test_a_turning_blade_is_stiffer(at_hz):
     K_omega = np.array([[1.7, 0.4, 0.0], [0.4, 6.0, 0.2], [0.0, 0.2, 9.0]])
     rub = ct.Rub(
         rim3(), [nodes(1)], tips(1, axial=False), clearance=0.03, speed=ct.Speed.constant(80.0),
-        stiffening=[ct.Stiffening(K_omega=K_omega, at_hz=at_hz)], blade_starts=[ct.Start(velocity=[1.0, 0.0, 0.0])],
+        stiffening=[ct.gaps.Stiffening(K_omega=K_omega, at_hz=at_hz)], blade_starts=[ct.gaps.Start(velocity=[1.0,
+        0.0, 0.0])],
     )  # fmt: skip
     errors = []
     for h in (1e-5, 5e-6):
@@ -339,7 +340,7 @@ def test_recovered_surfaces_touch(mu):
     """Clearance + profile + u_r(phi) - n.u_tip = 0 at closed tips, with the residual term of every force."""
     rub = ct.Rub(
         rim3(S=2e-7), [nodes(3, S=1e-7)], tips(3), clearance=-2e-5, speed=ct.Speed.constant(5.0),
-        profile=ct.Profile.fourier(WAVES),
+        profile=ct.RimProfile.fourier(WAVES),
     )  # fmt: skip
     result = ct.run(rub, law=law(mu), t_end=0.02, dt=5e-6, record=ct.Record(every=4, state_every=4))
     t, on_casing = recovery.rub_forces(rub, result, "casing")
@@ -365,14 +366,17 @@ def test_bad_rubs_are_refused():
         return ct.Rub(more.pop("casing", rim3()), [nodes(2)], more.pop("tips", tips(2)), **more)
 
     for bad, match in (
-        ({"tips": [ct.Tip(span="node9.span", flap="node0.flap")]}, r"tips\[0\]: channel: found 'node9.span'"),
-        ({"tips": [ct.Tip(line=2, span="node0.span", flap="node0.flap")]}, r"tips\[0\].line: found 2, expected 0 .. 1"),
-        ({"tips": [ct.Tip(blade=1)]}, r"tips\[0\].blade: found 1"),
+        ({"tips": [ct.ContactPoint(span="node9.span", flap="node0.flap")]}, r"tips\[0\]: channel: found 'node9.span'"),
+        (
+            {"tips": [ct.ContactPoint(line=2, span="node0.span", flap="node0.flap")]},
+            r"tips\[0\].line: found 2, expected 0 .. 1",
+        ),
+        ({"tips": [ct.ContactPoint(blade=1)]}, r"tips\[0\].blade: found 1"),
         ({"tips": [*tips(1), *tips(1, axial=False)]}, "expected all or none"),
         ({"casing": ring(), "tips": tips(1)}, "without axial channels"),
         ({"clearance": 0.05}, "at most a tenth"),
-        ({"stiffening": [ct.Stiffening(K_omega=np.eye(2))]}, r"K_omega: found shape \(2, 2\), expected \(3, 3\)"),
-        ({"blade_starts": [ct.Start(velocity=[1.0])]}, r"blade.velocity: found shape \(1,\), expected \(3,\)"),
+        ({"stiffening": [ct.gaps.Stiffening(K_omega=np.eye(2))]}, r"K_omega: found shape \(2, 2\), expected \(3, 3\)"),
+        ({"blade_starts": [ct.gaps.Start(velocity=[1.0])]}, r"blade.velocity: found shape \(1,\), expected \(3,\)"),
         ({"thickness": 0.0}, "thickness: found 0.0"),
     ):
         with pytest.raises(ct.InputError, match=match):
@@ -384,7 +388,7 @@ def test_bad_rubs_are_refused():
     with pytest.raises(ct.InputError, match="found 1 after 2, expected ascending"):
         ct.Speed(time=[0.0, 2.0, 1.0], hz=[1.0, 1.0, 1.0])
     with pytest.raises(ct.InputError, match="expected three or more within one turn"):
-        ct.Profile(theta=[0.0, 3.0, 6.3], depth=[0.0, 1.0, 0.0])
+        ct.RimProfile(theta=[0.0, 3.0, 6.3], depth=[0.0, 1.0, 0.0])
     with pytest.raises(ct.LimitError, match=r"n_max Omega dt = 0.3142 rad with n_max = 5"):
         ct.run(rub(speed=ct.Speed([0.0, 1.0], [0.0, 1000.0])), t_end=0.1, dt=1e-5)
     with pytest.raises(ct.LimitError, match="the blade jams"):

@@ -31,7 +31,7 @@ def blade(zeta=0.02):
 
 def rub(forces, *, zeta=0.02, hz=7.0, speed=None, lean=20.0, angle=35.0, clearance=0.03, **more):
     return ct.Rub(
-        casing(zeta), [blade(zeta)], [ct.Tip(angle_deg=angle, lean_deg=lean)], clearance=clearance,
+        casing(zeta), [blade(zeta)], [ct.ContactPoint(angle_deg=angle, lean_deg=lean)], clearance=clearance,
         speed=speed or ct.Speed.constant(hz), forces=forces, **more,
     )  # fmt: skip
 
@@ -54,7 +54,7 @@ def answer(body, load, t):
 @pytest.mark.parametrize("turning", ["blades", "casing"])
 def test_gravity_on_what_turns_is_a_steady_oscillation_of_the_exact_amplitude(turning):
     """Whoever turns sees gravity go round: q = Re F e^(i W t)/(w^2 - W^2 + 2 i z w W); the other sags and stays."""
-    result = ran(rub([ct.BodyForce.gravity(turning=turning, down_deg=-90.0)], zeta=0.06), 1.2)
+    result = ran(rub([ct.gaps.BodyForce.gravity(turning=turning, down_deg=-90.0)], zeta=0.06), 1.2)
     omega, late = 2.0 * np.pi * 7.0, result.state_time > 0.9
     t, phi, a = result.state_time[late], np.radians(35.0), np.radians(20.0)
     down = np.radians(-90.0)
@@ -82,12 +82,12 @@ def test_gravity_on_what_turns_is_a_steady_oscillation_of_the_exact_amplitude(tu
 @pytest.mark.slow
 def test_a_settled_rub_stays_where_gravity_holds_it():
     """Speed 0: q = P^T a/w^2 from the first step to the last; from zero it gets there by its damping."""
-    still = rub([ct.BodyForce.gravity(turning="blades", axial=-3.0)], hz=0.0, angle=0.0, lean=0.0)
+    still = rub([ct.gaps.BodyForce.gravity(turning="blades", axial=-3.0)], hz=0.0, angle=0.0, lean=0.0)
     exact = np.concatenate([
         (casing().participation.T @ [0.0, -G, -3.0]) / casing().omega**2,
         (blade().participation.T @ [0.0, -G, -3.0]) / blade().omega**2,
     ])  # fmt: skip
-    rest = ran(ct.settled(still), 0.1).state[:, :5]
+    rest = ran(ct.gaps.settled(still), 0.1).state[:, :5]
     assert np.abs(rest - exact).max() <= 1e-13 * np.abs(exact).max()
     later = ran(still, 2.0).state[-1, :5]
     assert np.abs(later - exact).max() <= 1e-4 * np.abs(exact).max()
@@ -98,8 +98,8 @@ def test_a_settled_rub_stays_where_gravity_holds_it():
 def test_an_unbalance_that_runs_up_is_the_acceleration_of_its_frame(on, turning):
     """The second derivative of where the frame's origin is, by differences: w^2 r, w' r and who turns."""
     speed = ct.Speed(time=[0.0, 0.05, 0.2], hz=[20.0, 20.0, 45.0])
-    whirl = ct.Whirl(amplitude=2e-3, per_rev=0.7, hz=-3.0, phase_deg=50.0)
-    scene = rub([ct.BodyForce.of_whirl(whirl, on, turning=turning)], zeta=0.05, speed=speed)
+    whirl = ct.gaps.Whirl(amplitude=2e-3, per_rev=0.7, hz=-3.0, phase_deg=50.0)
+    scene = rub([ct.gaps.BodyForce.of_whirl(whirl, on, turning=turning)], zeta=0.05, speed=speed)
     result = ran(scene, 0.2, h=2e-5, every=25)
     body, other = (casing(0.05), "blade") if on == "casing" else (blade(0.05), "casing")
 
@@ -129,15 +129,15 @@ def test_an_unbalance_that_runs_up_is_the_acceleration_of_its_frame(on, turning)
 def test_energy_of_gravity_has_its_own_entry_and_the_ledger_closes_with_contact():
     """In a rub too; a settled undamped body that nothing touches gets as much as it stores, half of it at rest."""
     pressed = rub(
-        [ct.BodyForce.gravity(), ct.BodyForce.of_whirl(ct.Whirl(amplitude=1e-4, hz=30.0), "blades")],
-        clearance=-2e-5, whirl=[ct.Whirl(amplitude=1e-4, hz=30.0)],
+        [ct.gaps.BodyForce.gravity(), ct.gaps.BodyForce.of_whirl(ct.gaps.Whirl(amplitude=1e-4, hz=30.0), "blades")],
+        clearance=-2e-5, whirl=[ct.gaps.Whirl(amplitude=1e-4, hz=30.0)],
     )  # fmt: skip
     energy = ct.run(pressed, law=ct.Coulomb(mu=0.1), t_end=0.1, dt=2e-5).energy
     assert energy.body_force != 0.0
     assert energy.external == 0.0
     assert energy.contact != 0.0
     assert abs(energy.unaccounted) <= 1e-11 * energy.scale
-    still = rub([ct.BodyForce.gravity(turning="blades")], hz=0.0, zeta=0.0)
+    still = rub([ct.gaps.BodyForce.gravity(turning="blades")], hz=0.0, zeta=0.0)
     energy = ct.run(still, t_end=0.01, dt=2e-5).energy
     assert energy.body_force == pytest.approx(energy.end.total - energy.start.total, rel=1e-3)
     assert "gravity and whirl" in repr(ran(pressed, 0.01))
@@ -145,16 +145,18 @@ def test_energy_of_gravity_has_its_own_entry_and_the_ledger_closes_with_contact(
 
 def test_forces_that_make_no_sense_are_refused():
     with pytest.raises(ct.InputError, match="found 'rotor', expected one of casing, blades, both"):
-        ct.BodyForce(on="rotor")
+        ct.gaps.BodyForce(on="rotor")
     with pytest.raises(ct.InputError, match="turning: found 'rim', expected casing or blades"):
-        ct.BodyForce.gravity(turning="rim")
+        ct.gaps.BodyForce.gravity(turning="rim")
     bare = ct.ModalBody(omega=[1.0], zeta=[0.0], channels=("span", "flap"), rows=[[0.1], [1.0]], S=np.zeros((2, 2)))
     with pytest.raises(ct.InputError, match="blade: found a basis without participation"):
-        ct.Rub(casing(), [bare], forces=[ct.BodyForce.gravity()])
-    ct.Rub(casing(), [bare], forces=[ct.BodyForce(on="casing", acceleration=1.0)])
-    apart = [ct.Tip(angle_deg=0.0), ct.Tip(angle_deg=90.0)]
+        ct.Rub(casing(), [bare], forces=[ct.gaps.BodyForce.gravity()])
+    ct.Rub(casing(), [bare], forces=[ct.gaps.BodyForce(on="casing", acceleration=1.0)])
+    apart = [ct.ContactPoint(angle_deg=0.0), ct.ContactPoint(angle_deg=90.0)]
     with pytest.raises(ct.InputError, match="tips of blade 0 over 90 degrees"):
-        ct.run(ct.Rub(casing(), [blade()], apart, clearance=0.01, forces=[ct.BodyForce.gravity()]), t_end=0.1, dt=1e-4)
+        ct.run(
+            ct.Rub(casing(), [blade()], apart, clearance=0.01, forces=[ct.gaps.BodyForce.gravity()]), t_end=0.1, dt=1e-4
+        )
     with pytest.raises(ct.InputError, match=r"participation: found shape \(2, 2\), expected \(3, 2\)"):
         ct.ModalBody(
             omega=[1.0, 2.0], zeta=[0.0] * 2, channels=("span",), rows=[[0.1, 0.1]], S=[[0.0]],
@@ -165,4 +167,4 @@ def test_forces_that_make_no_sense_are_refused():
         participation=[[1.0], [0.0], [0.0]],
     )  # fmt: skip
     with pytest.raises(ct.InputError, match="blade: found rigid modes"):
-        ct.settled(ct.Rub(casing(), [floating], forces=[ct.BodyForce.gravity()]))
+        ct.gaps.settled(ct.Rub(casing(), [floating], forces=[ct.gaps.BodyForce.gravity()]))

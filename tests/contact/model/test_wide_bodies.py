@@ -18,7 +18,7 @@ def thrown(**change):
     Q = csr_array((np.array([1.0, 1.0, -0.5]), ([0, 1, 1], [48, 3, 20])), shape=(2, 49))
     given = {"M": np.linspace(1.0, 2.0, 49), "K": NET, "C": 0.01 * NET, "Q": Q, "gap0": np.array([0.05, 0.02]),
              "velocity": -np.linspace(0.5, 1.5, 49), "load": np.full(49, -0.01),
-             "forcing": (ct.Forcing(shape=np.linspace(0.0, 1.0, 49), amplitude=np.sin),)}  # fmt: skip
+             "forcing": (ct.bodies.Forcing(shape=np.linspace(0.0, 1.0, 49), amplitude=np.sin),)}  # fmt: skip
     return ct.LinearBody(**(given | change))
 
 
@@ -32,7 +32,7 @@ def kept(monkeypatch, empty, body, method, **more):
 @pytest.mark.slow
 @pytest.mark.parametrize("method", methods(5.0), ids=lambda method: method.name)
 def test_every_scheme_runs_on_entries_as_on_bands(method, monkeypatch):
-    lumped = {"C": np.full(49, 0.02), "M": np.ones(49)} if isinstance(method.scheme, ct.MasslessBoundary) else {}
+    lumped = {"C": np.full(49, 0.02), "M": np.ones(49)} if isinstance(method.scheme, ct.scheme.MasslessBoundary) else {}
     bands, lists = (kept(monkeypatch, empty, thrown(**lumped), method) for empty in (10**9, 0))
     assert bands.contact_steps.min() > 3
     np.testing.assert_allclose(lists.state, bands.state, atol=1e-11 * np.abs(bands.state).max())

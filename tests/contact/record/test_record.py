@@ -198,6 +198,6 @@ def test_scene_files_have_both(tmp_path):
 )
 def test_broken_tables_name_their_key(tmp_path, lines, words):
     (tmp_path / "scene.toml").write_text(f"{SCENE}{lines}\n")
-    with pytest.raises(ct.SceneError) as caught:
+    with pytest.raises(ct.scene.SceneError) as caught:
         ct.load_scene(tmp_path / "scene.toml")
     assert words in str(caught.value)

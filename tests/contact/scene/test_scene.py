@@ -64,7 +64,7 @@ dt = 1e-5
 def problems(tmp_path, text):
     file = tmp_path / "scene.toml"
     file.write_text(text)
-    with pytest.raises(ct.SceneError) as caught:
+    with pytest.raises(ct.scene.SceneError) as caught:
         ct.load_scene(file)
     assert all("scene.toml" in problem for problem in caught.value.problems)
     return caught.value.problems
@@ -224,12 +224,12 @@ def test_swapped_bases(tmp_path):
 
 
 def test_no_such_file(tmp_path):
-    with pytest.raises(ct.SceneError, match=r"none.toml: cannot be read"):
+    with pytest.raises(ct.scene.SceneError, match=r"none.toml: cannot be read"):
         ct.load_scene(tmp_path / "none.toml")
 
 
 def test_schema_is_there_for_every_kind():
-    schema = ct.scene_schema()
+    schema = ct.scene.scene_schema()
     assert set(schema) == {"rods", "rim", "rub", "disk", "patch", "beam", "cantilever", "pair"}
     assert "scheme" in schema["rods"]["properties"]
 
@@ -244,7 +244,9 @@ def test_a_beam_in_a_ring_runs_from_its_file(tmp_path):
     assert scene.what.ring.omega.size == 82
     result = ct.run(scene)
     assert result.intervals[-1][0][0] == pytest.approx(scene.what.first_contact_time, rel=0.02)
-    ct.ring_modes(ct.ThinRing(radius=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0), 5).save(tmp_path / "ring.npz")
+    ct.bodies.ring_modes(ct.bodies.ThinRing(radius=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0), 5).save(
+        tmp_path / "ring.npz"
+    )
     start, end = BEAM.index("[ring]"), BEAM.index("[scheme]")
     (tmp_path / "scene.toml").write_text(BEAM[:start] + '[ring]\nbasis = "ring.npz"\n' + BEAM[end:])
     assert ct.load_scene(tmp_path / "scene.toml").what.ring.n_max == 5
@@ -279,5 +281,5 @@ def test_a_coated_rim_from_a_file(tmp_path):
     )
     assert scene.law.mu == 0.3
     file.write_text(RIM + coating + "machined = 2e-3\n")
-    with pytest.raises(ct.SceneError, match=r"coating: machined: found 0\.002 m, expected at most the thickness"):
+    with pytest.raises(ct.scene.SceneError, match=r"coating: machined: found 0\.002 m, expected at most the thickness"):
         ct.load_scene(file)

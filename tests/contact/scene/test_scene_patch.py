@@ -91,6 +91,6 @@ def test_broken_tables_name_their_key(tmp_path, old, new, words):
     if new == "tangent = []\n#":
         text = text.replace("slide = [0.0]", "slide = []")
     (tmp_path / "scene.toml").write_text(text)
-    with pytest.raises(ct.SceneError) as caught:
+    with pytest.raises(ct.scene.SceneError) as caught:
         ct.load_scene(tmp_path / "scene.toml")
     assert words in str(caught.value)

@@ -137,7 +137,7 @@ def test_gravity_and_whirl_of_the_file_are_those_of_the_rub(write, tmp_path):
 )  # fmt: skip
 def test_broken_rub_scenes(write, old, new, words):
     assert old in RUB
-    with pytest.raises(ct.SceneError) as caught:
+    with pytest.raises(ct.scene.SceneError) as caught:
         ct.load_scene(write(RUB.replace(old, new, 1)))
     assert words.replace("\\", "") in str(caught.value)
     assert "scene.toml" in str(caught.value)
@@ -154,7 +154,7 @@ def test_broken_rub_scenes(write, old, new, words):
     ],
 )
 def test_broken_profiles(write, table, words):
-    with pytest.raises(ct.SceneError, match=words):
+    with pytest.raises(ct.scene.SceneError, match=words):
         ct.load_scene(write(table=table))
 
 
@@ -168,7 +168,7 @@ def test_a_speed_and_a_closing_may_be_one_number_or_a_table(write):
 
 
 def test_a_missing_profile_is_named_once(write, tmp_path):
-    with pytest.raises(ct.SceneError) as caught:
+    with pytest.raises(ct.scene.SceneError) as caught:
         ct.load_scene(write(RUB.replace("round.csv", "gone.csv")))
     assert str(caught.value).count("gone.csv") == 1
     assert "No such file or directory, expected a CSV file theta_deg,depth_m" in str(caught.value)
@@ -220,7 +220,7 @@ def test_a_coating_of_the_file_wears(write):
 def test_broken_coatings(write, old, new, words):
     text = (RUB + COATING).replace("tip = 6e-3", "tip = 3.5e-2" if "0.0314" in words else "tip = 6e-3")
     assert old in text
-    with pytest.raises(ct.SceneError) as caught:
+    with pytest.raises(ct.scene.SceneError) as caught:
         ct.load_scene(write(text.replace(old, new, 1)))
     assert words in str(caught.value)
     assert "scene.toml" in str(caught.value)

@@ -12,9 +12,9 @@ from contact.record.record import Record, samples
 from contact.scheme.beam.beam_implicit import prepare_beam_newmark
 from contact.scheme.beam.beam_stepper import prepare_beam
 
-BEAM = ct.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=20)
+BEAM = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=20)
 CIRCLE = ct.BeamInCircle(BEAM, radius=0.502, offset=6e-3)
-RING = ct.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
+RING = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
 
 
 def advanced(stepper, t_end, record=Record(every=1)):  # noqa: B008
@@ -111,14 +111,16 @@ def test_ring_modes_are_those_of_a_ring_and_elements_converge_to_them():
         bending = math.sqrt(EI / (free.line_mass * R**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1)) / (2.0 * math.pi)
         assert free.frequencies(n)[0] == pytest.approx(bending, rel=1e-3)
     assert free.frequencies(1)[0] == pytest.approx(0.0, abs=1e-3)
-    exact = ct.ring_modes(RING, 8)
-    errors = [np.abs(ct.ring_elements(RING, e, 8).omega[:13] / exact.omega[:13] - 1.0).max() for e in (16, 32, 64)]
+    exact = ct.bodies.ring_modes(RING, 8)
+    errors = [
+        np.abs(ct.bodies.ring_elements(RING, e, 8).omega[:13] / exact.omega[:13] - 1.0).max() for e in (16, 32, 64)
+    ]
     assert errors[2] < 1e-4
     assert errors[0] > 8.0 * errors[1] > 64.0 * errors[2]
 
 
 def test_finite_element_rows_are_those_of_the_modes():
-    exact, found = ct.ring_modes(RING, 4), ct.ring_elements(RING, 60, 4)
+    exact, found = ct.bodies.ring_modes(RING, 4), ct.bodies.ring_elements(RING, 60, 4)
     kept = found.omega < 0.9 * exact.omega[exact.omega > 5e3].min()
     low = exact.omega < 0.9 * exact.omega[exact.omega > 5e3].min()
     # mobilities between all channels, with their signs, summed over modes: indifferent to how doublets are turned
@@ -132,7 +134,7 @@ def test_finite_element_rows_are_those_of_the_modes():
 
 def test_bending_of_a_ring_does_not_stretch_it():
     """w + v' = 0: W cos n theta goes with v = -W/n sin n theta, W sin n theta with v = W/n cos n theta."""
-    body = ct.ring_modes(replace(RING, k_r=0.0, k_t=0.0), 3)
+    body = ct.bodies.ring_modes(replace(RING, k_r=0.0, k_t=0.0), 3)
     for n in (2, 3):
         for radial, hoop, ratio in ((f"cos{n}", f"sin{n}", -1.0 / n), (f"sin{n}", f"cos{n}", 1.0 / n)):
             w, v = body.rows[body.channel(f"radial.{radial}")], body.rows[body.channel(f"tangential.{hoop}")]
@@ -154,14 +156,14 @@ def impulse(ring, t_end):
 @pytest.mark.slow
 def test_modal_and_finite_element_rings_give_one_impulse():
     t_end = 1.15 * CIRCLE.first_contact_time
-    modal = impulse(ct.ring_modes(RING, 20), t_end)
-    assert impulse(ct.ring_elements(RING, 60, 20), t_end) == pytest.approx(modal, rel=1e-2)
+    modal = impulse(ct.bodies.ring_modes(RING, 20), t_end)
+    assert impulse(ct.bodies.ring_elements(RING, 60, 20), t_end) == pytest.approx(modal, rel=1e-2)
 
 
 @pytest.mark.slow
 def test_residual_compliance_of_the_ring_yields_with_its_modes():
     """Every node that presses lies on the rim, moved by its modes and by S times all forces."""
-    modes = ct.ring_modes(RING, 4)
+    modes = ct.bodies.ring_modes(RING, 4)
     mixing = np.random.default_rng(3).standard_normal((18, 18))
     ring = replace(modes, S=1e-9 * mixing @ mixing.T)
     beam = replace(BEAM, elements=10, angle_deg=108.0, spin=30.0)
@@ -188,7 +190,7 @@ def test_a_stiffening_ring_becomes_the_rigid_circle():
     t_end = 1.15 * CIRCLE.first_contact_time
     rigid = impulse(None, t_end)
     gaps = [
-        abs(impulse(ct.ring_modes(replace(RING, E=E, k_r=k, k_t=k), 10), t_end) / rigid - 1.0)
+        abs(impulse(ct.bodies.ring_modes(replace(RING, E=E, k_r=k, k_t=k), 10), t_end) / rigid - 1.0)
         for E, k in ((210e9, 1e6), (21e12, 1e9), (21e14, 1e12))
     ]
     assert gaps[0] > 3.0 * gaps[2]
@@ -200,7 +202,7 @@ def test_a_stiffening_ring_becomes_the_rigid_circle():
     [
         ({"offset": -1e-3}, "offset"),
         ({"radius": 0.49}, "starts"),
-        ({"ring": ct.ring_modes(replace(RING, radius=0.4), 3)}, "ring"),
+        ({"ring": ct.bodies.ring_modes(replace(RING, radius=0.4), 3)}, "ring"),
         ({"ring": ct.ModalBody(omega=[1.0], zeta=[0.0], channels=("span",), rows=[[1.0]], S=[[0.0]])}, "rim"),
     ],
 )
@@ -218,7 +220,10 @@ def test_steps_beyond_the_limit_and_meaningless_loads_are_refused():
         replace(BEAM, elements=0)
     with pytest.raises(ct.InputError, match="flexible ring"):
         ct.run(
-            replace(CIRCLE, ring=ct.ring_modes(RING, 2)), scheme=ct.Newmark(beta=0.5, gamma=0.55), t_end=0.1, dt=1e-4
+            replace(CIRCLE, ring=ct.bodies.ring_modes(RING, 2)),
+            scheme=ct.Newmark(beta=0.5, gamma=0.55),
+            t_end=0.1,
+            dt=1e-4,
         )
     with pytest.raises(ct.InputError, match="law"):
         ct.run(CIRCLE, law=ct.Penalty(stiffness=1e9), scheme=ct.CentralDifference(), t_end=0.1, courant=0.5)

@@ -43,7 +43,7 @@ def test_free_motion_is_exact_for_any_step(zeta):
     omega, h, steps = np.array([0.0, 3.0, 70.0]), 0.02, 57
     velocity, load = np.array([1.0, -2.0, 30.0]), np.array([0.5, 4.0, -900.0])
     body = ct.ModalBody(omega=omega, zeta=[0.0, zeta, zeta], channels=("x",), rows=[[0.0, 1.0, 1.0]], S=[[0.0]])
-    side = ct.Side(body=body, channel="x", sign=1, velocity=velocity, load=load)
+    side = ct.gaps.Side(body=body, channel="x", sign=1, velocity=velocity, load=load)
     gap = ct.PointGap(sides=(side,), clearance=1e3)
     result = ct.run(gap, t_end=steps * h, dt=h, record=ct.Record(state_every=1))
     for i in range(3):
@@ -82,7 +82,7 @@ def test_rho_is_the_size_of_the_modes_share_whatever_its_sign():
 @pytest.mark.parametrize("end_mass", [0.0, 3.0])
 def test_rod_modes_and_their_residual_compliance(fixed, end_mass):
     rod = ct.Rod(length=2.0, area=0.5, E=8.0, rho=2.0, fixed=fixed, end_mass=end_mass)
-    few, many = ct.rod_modes(rod, modes=10, end="left"), ct.rod_modes(rod, modes=4000, end="left")
+    few, many = ct.gaps.rod_modes(rod, modes=10, end="left"), ct.gaps.rod_modes(rod, modes=4000, end="left")
     tail = np.sum((many.rows[0, 10:] / many.omega[10:]) ** 2)
     assert few.S[0, 0] == pytest.approx(tail + many.S[0, 0], rel=1e-9)
     assert many.S[0, 0] < few.S[0, 0] / 100.0
@@ -129,7 +129,7 @@ def test_bouncing_bar_averaged_law_ten_periods():
     """150 modes at omega_max h = .99: the displacement target of ten periods, at three times the steps."""
     result = drop(150, 0.99, 160.0 / 3.0, record=ct.Record(state_every=1))
     bar = ct.Rod(**BAR)
-    basis = ct.rod_modes(bar, modes=150, end="left")
+    basis = ct.gaps.rod_modes(bar, modes=150, end="left")
     history = bar_by_characteristics(bar, gravity=10.0, t_end=54.0, cells=300)
     tip = 5.0 + result.state @ basis.rows[0] + basis.S[0, 0] * result.force[:, 0]
     error = np.abs(tip - np.interp(result.state_time, history.time, history.gap)) / 5.0
@@ -157,7 +157,7 @@ def test_bouncing_bar_energy_law_ten_periods():
     result = drop(150, 10 * period / steps * omega_max(150), 10 * period, law="energy", record=ct.Record(state_every=1))
     bar, exact = ct.Rod(**BAR), bouncing_bar(20)
     history = bar_by_characteristics(bar, gravity=10.0, t_end=54.0, cells=300)
-    tip = 5.0 + result.state @ ct.rod_modes(bar, modes=150, end="left").rows[0]
+    tip = 5.0 + result.state @ ct.gaps.rod_modes(bar, modes=150, end="left").rows[0]
     error = np.abs(np.maximum(tip, 0.0) - np.interp(result.state_time, history.time, history.gap)) / 5.0
     for part, distance, force in (
         (result.time < 2 * period, 0.01, 0.02),
@@ -173,7 +173,7 @@ def test_energy_law_says_what_it_is_not_for():
     side = {"omega": [3.0], "channels": ("x",), "rows": [[1.0]]}
     for zeta, S, message in ((0.1, 1.0, "damped modes"), (0.0, 0.0, "residual compliance > 0")):
         body = ct.ModalBody(**side, zeta=[zeta], S=[[S]])
-        gap = ct.PointGap(sides=(ct.Side(body=body, channel="x", sign=1),), clearance=1.0)
+        gap = ct.PointGap(sides=(ct.gaps.Side(body=body, channel="x", sign=1),), clearance=1.0)
         with pytest.raises(ct.InputError, match=message):
             ct.run(gap, t_end=1.0, dt=0.1, scheme=ct.ExactModal(law="energy"))
 
@@ -198,7 +198,7 @@ def test_mass_on_fixed_modal_rod():
 def test_static_push_is_exact():
     """A heavily damped pair pressed together: force = overlap/(sum Q^2/omega^2 + S)."""
     body = ct.ModalBody(omega=[40.0, 90.0], zeta=[0.7, 0.7], channels=("x",), rows=[[1.0, 2.0]], S=[[1e-4]])
-    side = ct.Side(body=body, channel="x", sign=-1, load=np.array([3.0, 0.0]))
+    side = ct.gaps.Side(body=body, channel="x", sign=-1, load=np.array([3.0, 0.0]))
     gap = ct.PointGap(sides=(side,), clearance=0.0)
     for law in ("forward", "averaged"):
         result = ct.run(gap, t_end=3.0, dt=2e-4, scheme=ct.ExactModal(law=law))

@@ -16,19 +16,25 @@ from contact.record.record import samples
 from contact.reference.exact import force_error, two_rods
 
 CARPENTER = {"length": 10.0, "area": 1.0, "E": 30e6, "rho": 7.34e-4}
-LEAPFROG = [ct.CentralDifference(), ct.CDLagrange(), ct.PaoliSchatzman(restitution=0.3), ct.MasslessBoundary()]
+LEAPFROG = [
+    ct.CentralDifference(),
+    ct.scheme.CDLagrange(),
+    ct.scheme.PaoliSchatzman(restitution=0.3),
+    ct.scheme.MasslessBoundary(),
+]
 IMPLICIT = [
-    ct.Newmark(), ct.Newmark(beta=0.25, gamma=0.55), ct.Newmark(beta=0.5, gamma=0.55), ct.HHT(alpha=-0.3),
-    ct.MoreauJean(), ct.MoreauJean(theta=0.7, restitution=0.5), ct.StabilisedNewmark(),
-    ct.NonsmoothAlpha(rho_inf=0.6), ct.NonsmoothAlpha(rho_inf=1.0, restitution=0.5),
-    ct.ProjectedAlpha(rho_inf=0.6), ct.ProjectedAlpha(rho_inf=1.0, restitution=0.5),
+    ct.Newmark(), ct.Newmark(beta=0.25, gamma=0.55), ct.Newmark(beta=0.5, gamma=0.55), ct.scheme.HHT(alpha=-0.3),
+    ct.MoreauJean(), ct.MoreauJean(theta=0.7, restitution=0.5), ct.scheme.StabilisedNewmark(),
+    ct.scheme.NonsmoothAlpha(rho_inf=0.6), ct.scheme.NonsmoothAlpha(rho_inf=1.0, restitution=0.5),
+    ct.scheme.ProjectedAlpha(rho_inf=0.6), ct.scheme.ProjectedAlpha(rho_inf=1.0, restitution=0.5),
 ]  # fmt: skip
 SCHEMES = [*LEAPFROG, *IMPLICIT]
 # with 2 beta <= gamma a closed contact chatters: the last bit of a speed decides how often a light mass is struck
 ROUGH = [ct.Newmark(), ct.Newmark(beta=0.25, gamma=0.55)]
 GOOD = [
-    ct.CentralDifference(), ct.CDLagrange(), ct.PaoliSchatzman(), ct.MasslessBoundary(), ct.MoreauJean(),
-    ct.StabilisedNewmark(), ct.NonsmoothAlpha(), ct.ProjectedAlpha(), ct.HHT(alpha=-0.3),
+    ct.CentralDifference(), ct.scheme.CDLagrange(), ct.scheme.PaoliSchatzman(), ct.scheme.MasslessBoundary(),
+    ct.MoreauJean(),
+    ct.scheme.StabilisedNewmark(), ct.scheme.NonsmoothAlpha(), ct.scheme.ProjectedAlpha(), ct.scheme.HHT(alpha=-0.3),
     ct.Newmark(beta=0.5, gamma=0.55),
 ]  # fmt: skip
 
@@ -47,7 +53,7 @@ def frame(**options):
         "M": np.array([1.0, 2.0, 0.5]), "K": K, "C": np.diag([0.3, 0.0, 0.1]), "load": np.array([0.0, -1.0, 0.5]),
         "Q": np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]), "gap0": np.array([0.05, 0.1]),
         "velocity": np.array([1.0, 0.0, 2.0]),
-        "forcing": (ct.Forcing(shape=np.array([0.0, 3.0, 0.0]), amplitude=lambda t: np.sin(4.0 * t)),),
+        "forcing": (ct.bodies.Forcing(shape=np.array([0.0, 3.0, 0.0]), amplitude=lambda t: np.sin(4.0 * t)),),
     }  # fmt: skip
     return ct.LinearBody(**(given | options))
 
@@ -70,14 +76,14 @@ def test_two_rods_by_every_good_scheme(scheme):
     momentum = sum(motion.momentum for motion in result.motions)
     assert momentum == pytest.approx(7.34e-3 * 202.2, rel=1e-12)
     assert force_error(result.time, result.force[:, 0], result.dt, exact) <= (
-        0.1 if isinstance(scheme, ct.Newmark | ct.HHT) else 0.018
+        0.1 if isinstance(scheme, ct.Newmark | ct.scheme.HHT) else 0.018
     )
     assert result.impulse[0] == pytest.approx(exact.impulse, rel=0.025)
     assert result.intervals[0][0][0] == pytest.approx(exact.intervals[0, 0], rel=0.03)
     assert result.intervals[0][-1][1] == pytest.approx(exact.intervals[0, 1], rel=0.03)
     assert abs(result.energy.unaccounted) <= 1e-10 * result.energy.start.total
     gained = result.energy.end.total / result.energy.start.total - 1.0
-    assert gained <= (1e-5 if isinstance(scheme, ct.MasslessBoundary) else 0.0)
+    assert gained <= (1e-5 if isinstance(scheme, ct.scheme.MasslessBoundary) else 0.0)
 
 
 FREE = {"C": None, "gap0": np.array([50.0, 50.0]), "forcing": ()}
@@ -97,7 +103,7 @@ def test_order_in_smooth_motion(scheme):
     A[:3, 3:6] = np.eye(3)
     A[3:6, :3], A[3:6, 6] = -body.K / body.M.diagonal()[:, None], body.load / body.M.diagonal()
     exact = (expm(A) @ np.concatenate([np.zeros(3), body.velocity, [1.0]]))[:3]
-    if isinstance(scheme, ct.MasslessBoundary):  # it moves the masses: another frame
+    if isinstance(scheme, ct.scheme.MasslessBoundary):  # it moves the masses: another frame
         exact = smooth(scheme, 1.0 / 8192)
     errors = [np.abs(smooth(scheme, dt) - exact).max() for dt in (1.0 / 256, 1.0 / 512, 1.0 / 1024)]
     slopes = np.log2(np.array(errors[:-1]) / errors[1:])
@@ -116,7 +122,7 @@ def test_energies_and_works_are_those_of_the_motion(scheme):
     v = (u[n + 1] - u[n - 1]) / (2.0 * dt)
     moved, rate = np.diff(u[: n + 1], axis=0), np.diff(u[: n + 1], axis=0) / dt
     drive = np.sin(4.0 * (t[:n] + 0.5 * dt))
-    if not isinstance(scheme, ct.MasslessBoundary):  # it moves the masses
+    if not isinstance(scheme, ct.scheme.MasslessBoundary):  # it moves the masses
         assert energy.end.kinetic == pytest.approx(0.5 * v @ (body.M.diagonal() * v), rel=1e-2)
         assert energy.start.kinetic == pytest.approx(0.5 * (1.0 + 0.5 * 4.0), rel=1e-2)
         assert energy.damping == pytest.approx(-dt * np.sum(rate**2 @ body.C.diagonal()), rel=1e-2)
@@ -147,7 +153,7 @@ def test_a_driven_oscillator_follows_its_equation():
 def test_a_mass_on_a_contact_spring_bounces_as_half_an_oscillation():
     """Contact for pi sqrt(m/k), peak v sqrt(k m) pushing out, impulse 2 m v."""
     ball = [ct.PointMass(mass=2.0, x=0.1, velocity=-3.0), ct.Wall(x=0.0)]
-    for scheme in (ct.PenaltyDifference(), ct.HHT(alpha=0.0)):
+    for scheme in (ct.PenaltyDifference(), ct.scheme.HHT(alpha=0.0)):
         result = ct.run(ball, scheme=scheme, law=ct.Penalty(stiffness=5e3), t_end=0.2, dt=1e-4)
         ((begin, end),) = result.intervals[0]
         assert begin == pytest.approx(0.1 / 3.0, abs=1e-4)
@@ -160,8 +166,8 @@ def test_a_mass_on_a_contact_spring_bounces_as_half_an_oscillation():
 
 @pytest.mark.parametrize(
     "scheme",
-    [ct.Newmark(), ct.MoreauJean(), ct.StabilisedNewmark(), ct.NonsmoothAlpha(rho_inf=1.0),
-     ct.ProjectedAlpha(rho_inf=1.0)],
+    [ct.Newmark(), ct.MoreauJean(), ct.scheme.StabilisedNewmark(), ct.scheme.NonsmoothAlpha(rho_inf=1.0),
+     ct.scheme.ProjectedAlpha(rho_inf=1.0)],
     ids=str,
 )  # fmt: skip
 def test_energy_is_kept_between_impacts(scheme):
@@ -178,8 +184,8 @@ def test_moreau_jean_keeps_the_energy_through_elastic_impacts():
 
 @pytest.mark.parametrize(
     "scheme",
-    [ct.MoreauJean(restitution=0.8), ct.CDLagrange(restitution=0.8), ct.PaoliSchatzman(restitution=0.8),
-     ct.NonsmoothAlpha(restitution=0.8), ct.ProjectedAlpha(restitution=0.8)],
+    [ct.MoreauJean(restitution=0.8), ct.scheme.CDLagrange(restitution=0.8), ct.scheme.PaoliSchatzman(restitution=0.8),
+     ct.scheme.NonsmoothAlpha(restitution=0.8), ct.scheme.ProjectedAlpha(restitution=0.8)],
     ids=str,
 )  # fmt: skip
 def test_bouncing_ball(scheme):
@@ -199,17 +205,17 @@ def test_projecting_positions_leaves_no_penetration():
     """The velocity form alone stays inside the stop by what it came in with; with nu every gap is >= 0."""
     deep, shallow = (
         ct.run(frame(), scheme=kind(restitution=0.3), t_end=20.0, dt=0.01).max_penetration
-        for kind in (ct.NonsmoothAlpha, ct.ProjectedAlpha)
+        for kind in (ct.scheme.NonsmoothAlpha, ct.scheme.ProjectedAlpha)
     )
     assert deep.min() > 1e-4
     assert shallow.max() <= 1e-15
 
 
 def test_a_massless_boundary_whose_contact_has_no_answer_stops_at_that_step():
-    stepper = ct.MasslessBoundary().prepare(linear(assemble(pair(10))), ct.Unilateral(), dt=2e-6, courant=None)
+    stepper = ct.scheme.MasslessBoundary().prepare(linear(assemble(pair(10))), ct.Unilateral(), dt=2e-6, courant=None)
     law, static = stepper.method
     bad = replace(stepper, method=(law, static._replace(S=-static.S)))  # a contact that its own force draws in
-    result = ct.run(pair(10), scheme=ct.MasslessBoundary(), t_end=2e-4, dt=2e-6)
+    result = ct.run(pair(10), scheme=ct.scheme.MasslessBoundary(), t_end=2e-4, dt=2e-6)
     closes = round(result.time[result.force[:, 0] > 0.0][0] / result.dt)
     out = samples(ct.Record(), 100, 1, bad.size)
     assert bad.advance(out, 0, 100) == closes - 1  # the step that would end with it closed
@@ -217,16 +223,16 @@ def test_a_massless_boundary_whose_contact_has_no_answer_stops_at_that_step():
 
 @pytest.mark.parametrize("courant", [0.05, 0.1, 0.2, 0.5, 0.7, 0.9])
 def test_massless_boundary_has_no_first_spike(courant):
-    result = ct.run(pair(100), scheme=ct.MasslessBoundary(), t_end=2e-4, courant=courant)
+    result = ct.run(pair(100), scheme=ct.scheme.MasslessBoundary(), t_end=2e-4, courant=courant)
     assert result.peak_force[0] <= 1.35 * 15002.0
     assert abs(result.energy.end.total / result.energy.start.total - 1.0) <= 1e-3
 
 
 def test_augmented_lagrangian_gives_the_multiplier():
-    rigid = ct.run(pair(), scheme=ct.HHT(alpha=-0.3), t_end=2e-4, courant=0.5)
+    rigid = ct.run(pair(), scheme=ct.scheme.HHT(alpha=-0.3), t_end=2e-4, courant=0.5)
     law = ct.AugmentedLagrangian(stiffness=1e8, updates=200, tolerance=1e-13)
-    soft = ct.run(pair(), scheme=ct.HHT(alpha=-0.3), law=law, t_end=2e-4, courant=0.5)
-    penalty = ct.run(pair(), scheme=ct.HHT(alpha=-0.3), law=ct.Penalty(stiffness=1e8), t_end=2e-4, courant=0.5)
+    soft = ct.run(pair(), scheme=ct.scheme.HHT(alpha=-0.3), law=law, t_end=2e-4, courant=0.5)
+    penalty = ct.run(pair(), scheme=ct.scheme.HHT(alpha=-0.3), law=ct.Penalty(stiffness=1e8), t_end=2e-4, courant=0.5)
     assert np.abs(soft.force - rigid.force).max() <= 1e-6 * rigid.force.max()
     assert soft.max_penetration[0] <= 1e-13
     assert penalty.max_penetration[0] >= 1e-5
@@ -235,7 +241,8 @@ def test_augmented_lagrangian_gives_the_multiplier():
 
 def test_an_augmented_lagrangian_that_does_not_settle_says_so():
     few, many = (
-        repr(ct.run(pair(), scheme=ct.HHT(alpha=-0.3), law=ct.AugmentedLagrangian(stiffness=1e8, updates=updates),
+        repr(ct.run(pair(), scheme=ct.scheme.HHT(alpha=-0.3), law=ct.AugmentedLagrangian(stiffness=1e8,
+        updates=updates),
                     t_end=2e-4, courant=0.5))
         for updates in (5, 500)
     )  # fmt: skip
@@ -291,7 +298,7 @@ def test_a_mass_between_two_rods(scheme):
         assert 0.9 < result.impulse[1] / (7.34e-3 * 202.2) < 1.0
 
 
-@pytest.mark.parametrize("scheme", [ct.CentralDifference(), ct.HHT()], ids=str)
+@pytest.mark.parametrize("scheme", [ct.CentralDifference(), ct.scheme.HHT()], ids=str)
 def test_the_order_of_coordinates_does_not_matter(scheme):
     body = linear(assemble(pair(10)))
     mixed = np.random.default_rng(7).permutation(body.size)
@@ -313,15 +320,16 @@ def test_a_mass_matrix_that_is_not_positive_is_refused():
 
 def test_a_consistent_mass_matrix_runs_in_implicit_schemes():
     M = np.array([[2.0, 0.5, 0.0], [0.5, 2.0, 0.5], [0.0, 0.5, 1.0]])
-    result = ct.run(frame(M=M), scheme=ct.StabilisedNewmark(), t_end=10.0, dt=0.01)
+    result = ct.run(frame(M=M), scheme=ct.scheme.StabilisedNewmark(), t_end=10.0, dt=0.01)
     assert abs(result.energy.unaccounted) <= 1e-12 * result.energy.scale
     with pytest.raises(ct.InputError, match="coupled coordinates"):
-        ct.run(frame(M=M), scheme=ct.MasslessBoundary(), t_end=1.0, dt=0.01)
+        ct.run(frame(M=M), scheme=ct.scheme.MasslessBoundary(), t_end=1.0, dt=0.01)
 
 
 @pytest.mark.parametrize(
     ("scheme", "dt", "limit"),
-    [(ct.CDLagrange(), 0.5, "2"), (ct.PaoliSchatzman(), 0.5, "2"), (ct.MasslessBoundary(), 1.0, "2"),
+    [(ct.scheme.CDLagrange(), 0.5, "2"), (ct.scheme.PaoliSchatzman(), 0.5, "2"), (ct.scheme.MasslessBoundary(), 1.0,
+    "2"),
      (ct.Newmark(beta=0.25, gamma=0.55), 1.2, "6.325")],
     ids=str,
 )  # fmt: skip
@@ -353,7 +361,7 @@ def test_linear_bodies_that_cannot_be(given, message):
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 def test_a_load_that_turns_nan_is_named_and_the_run_kept(scheme):
-    forcing = ct.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.505, np.nan, 1.0))
+    forcing = ct.bodies.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.505, np.nan, 1.0))
     with pytest.raises(ct.NumericsError, match=r"step 50 .* forcing 1: found nan at t = 0.51 s, expected") as caught:
         ct.run(frame(forcing=(forcing,)), scheme=scheme, t_end=1.0, dt=0.01)
     assert caught.value.result.steps == 50
@@ -362,7 +370,7 @@ def test_a_load_that_turns_nan_is_named_and_the_run_kept(scheme):
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 def test_a_motion_that_overflows_stops_the_run_and_keeps_it(scheme):
-    forcing = ct.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.5, 1e308 * np.sin(1e3 * t), 0.0))
+    forcing = ct.bodies.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.5, 1e308 * np.sin(1e3 * t), 0.0))
     with pytest.raises(ct.NumericsError, match=r"step \d+ .*(not a finite number|no common answer)") as caught:
         ct.run(frame(forcing=(forcing,)), scheme=scheme, t_end=50.0, dt=0.01)
     assert caught.value.result.steps >= 50
@@ -372,15 +380,17 @@ def test_a_motion_that_overflows_stops_the_run_and_keeps_it(scheme):
     ("make", "message"),
     [
         (lambda: ct.Newmark(beta=0.0), "beta"), (lambda: ct.Newmark(gamma=0.4), "energy grows"),
-        (lambda: ct.HHT(alpha=0.1), "alpha"), (lambda: ct.MoreauJean(theta=0.4), "theta"),
-        (lambda: ct.CDLagrange(restitution=1.1), "restitution"), (lambda: ct.NonsmoothAlpha(rho_inf=2.0), "rho_inf"),
-        (lambda: ct.ProjectedAlpha(rho_inf=-0.1), "rho_inf"),
+        (lambda: ct.scheme.HHT(alpha=0.1), "alpha"), (lambda: ct.MoreauJean(theta=0.4), "theta"),
+        (lambda: ct.scheme.CDLagrange(restitution=1.1), "restitution"),
+        (lambda: ct.scheme.NonsmoothAlpha(rho_inf=2.0), "rho_inf"),
+        (lambda: ct.scheme.ProjectedAlpha(rho_inf=-0.1), "rho_inf"),
         (lambda: ct.run(pair(), scheme=ct.MoreauJean(), law=ct.Penalty(stiffness=1.0), t_end=1.0, courant=0.5), "law"),
-        (lambda: ct.run([ct.PointMass(mass=1.0, x=1.0), ct.Wall()], scheme=ct.MasslessBoundary(), t_end=1.0, dt=0.1),
+        (lambda: ct.run([ct.PointMass(mass=1.0, x=1.0), ct.Wall()], scheme=ct.scheme.MasslessBoundary(), t_end=1.0,
+        dt=0.1),
          "contact 1 has no elastic side"),
         (lambda: ct.run(frame(), scheme=ct.ExactModal(), t_end=1.0, dt=0.1), "ExactModal for LinearBody"),
-        (lambda: ct.run(frame(), scheme=ct.HHT(), t_end=1.0, courant=0.5), "courant"),
-        (lambda: ct.run(frame(), scheme=ct.HHT(), t_end=1.0, dt=-0.5), "dt: found -0.5"),
+        (lambda: ct.run(frame(), scheme=ct.scheme.HHT(), t_end=1.0, courant=0.5), "courant"),
+        (lambda: ct.run(frame(), scheme=ct.scheme.HHT(), t_end=1.0, dt=-0.5), "dt: found -0.5"),
     ],
 )  # fmt: skip
 def test_schemes_that_cannot_be(make, message):

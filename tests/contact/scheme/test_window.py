@@ -24,10 +24,12 @@ def rim(*omega):
 
 
 SCENES = {
-    "point": lambda *omega: ct.PointGap(sides=(ct.Side(body=body(*omega), channel="span", sign=1),), clearance=1.0),
+    "point": lambda *omega: ct.PointGap(
+        sides=(ct.gaps.Side(body=body(*omega), channel="span", sign=1),), clearance=1.0
+    ),
     "patch": lambda *omega: ct.Patch(body=body(*omega), normal=("span",), tangent=(("flap",),)),
     "rub": lambda *omega: ct.Rub(
-        rim(*omega), (body(*omega),), [ct.Tip()], clearance=0.01, speed=ct.Speed.constant(1.0)
+        rim(*omega), (body(*omega),), [ct.ContactPoint()], clearance=0.01, speed=ct.Speed.constant(1.0)
     ),
 }
 

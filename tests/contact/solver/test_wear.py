@@ -174,7 +174,7 @@ def test_bad_coatings():
     with pytest.raises(ct.InputError, match="tip: found 1 m, expected at most a quarter of the rim"):
         ct.run(rim(), law=coating(tip=1.0), t_end=0.01, dt=1e-5)
     body = ct.ModalBody(omega=[10.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[1e-6]])
-    point = ct.PointGap(sides=(ct.Side(body=body, channel="x", sign=1),))
+    point = ct.PointGap(sides=(ct.gaps.Side(body=body, channel="x", sign=1),))
     with pytest.raises(ct.InputError, match="Abradable on PointGap, expected a RotatingRim"):
         ct.run(point, law=coating(), t_end=0.1, dt=1e-3)
     with pytest.raises(ct.InputError, match="Abradable"):

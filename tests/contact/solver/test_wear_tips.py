@@ -25,8 +25,8 @@ def coating(**changes):
 def one_blade(*angles, S=1e-8, speed_hz=5.0, **options):
     """Blades of one tip each on a ring with two lobes, at these angles."""
     bodies = [blade(S=2.0 * S, zeta=0.01) for _ in angles]
-    stand = [ct.Tip(blade=b, lean_deg=20.0, angle_deg=angle) for b, angle in enumerate(angles)]
-    given = {"clearance": -2e-5, "profile": ct.Profile.fourier(WAVES), **options}
+    stand = [ct.ContactPoint(blade=b, lean_deg=20.0, angle_deg=angle) for b, angle in enumerate(angles)]
+    given = {"clearance": -2e-5, "profile": ct.RimProfile.fourier(WAVES), **options}
     return ct.Rub(ring(S=S, zeta=0.01), bodies, stand, speed=ct.Speed.constant(speed_hz), **given)
 
 
@@ -107,7 +107,7 @@ def test_two_blades_wear_one_track_and_the_second_cuts_what_the_first_left(deepe
         omega=[1e4], zeta=[0.5], channels=body.channels, rows=np.zeros((len(body.channels), 1)), S=0.0 * body.S,
         kind="rim", n_max=body.n_max, radius=0.45,
     )  # fmt: skip
-    stand = [ct.Tip(lean_deg=20.0), ct.Tip(blade=1, lean_deg=20.0, angle_deg=90.0, clearance=-deeper)]
+    stand = [ct.ContactPoint(lean_deg=20.0), ct.ContactPoint(blade=1, lean_deg=20.0, angle_deg=90.0, clearance=-deeper)]
     rub = ct.Rub(still, [blade(psi=0.0)] * 2, stand, clearance=-3e-5, speed=ct.Speed.constant(5.0))
     (track,) = ct.run(rub, law=law, scheme=ct.ExactModal(law="forward"), t_end=0.1, dt=5e-5).tracks
     S, area = rub_system(rub, 1).compliance(0.0)[0, 0], law.width * 2.0 * np.pi * 0.45 / 942
@@ -133,7 +133,8 @@ def test_each_place_along_the_tip_wears_its_own_track():
     """Two blades with three places each: the k-th of both share the k-th track; the sums close for each."""
     rub = ct.Rub(
         rim3(), [nodes(3), nodes(3, seed=6)], [*tips(3), *tips(3, blade=1, angle=50.0)], clearance=-3e-5,
-        closing=ct.Closing([0.0, 0.01], [0.0, 3e-4]), speed=ct.Speed.constant(7.0), profile=ct.Profile.fourier(WAVES),
+        closing=ct.gaps.Closing([0.0, 0.01], [0.0, 3e-4]), speed=ct.Speed.constant(7.0),
+        profile=ct.RimProfile.fourier(WAVES),
     )  # fmt: skip
     law = coating(mu=0.2)
     result = ct.run(rub, law=law, t_end=0.04, dt=4e-5)
@@ -162,7 +163,7 @@ def test_at_rest_what_the_contact_takes_is_what_the_bars_took():
     for dt in (2e-5, 1e-5):
         rub = ct.Rub(
             rim3(S=2e-7), [nodes(3, S=1e-7)], tips(3, axial=False), clearance=1e-6,
-            closing=ct.Closing([0.0, 0.02], [0.0, 4e-4]),
+            closing=ct.gaps.Closing([0.0, 0.02], [0.0, 4e-4]),
         )  # fmt: skip
         result = ct.run(rub, law=coating(hardening=1e6), scheme=ct.ExactModal(law="forward"), t_end=0.03, dt=dt)
         assert result.wear.dissipated > 1e-5
@@ -202,7 +203,7 @@ def test_a_disk_wears_one_track_with_all_its_tips():
 )  # fmt: skip
 def test_tips_that_cannot_share_a_track(changes, words):
     base = {"span": "node0.span", "flap": "node0.flap", "angle_deg": 10.0}
-    rub = ct.Rub(rim3(), [nodes(1)], [ct.Tip(**{**base, **change}) for change in changes])
+    rub = ct.Rub(rim3(), [nodes(1)], [ct.ContactPoint(**{**base, **change}) for change in changes])
     with pytest.raises(ct.InputError, match=words):
         ct.run(rub, law=coating(), t_end=0.01, dt=4e-5)
 
@@ -210,7 +211,7 @@ def test_tips_that_cannot_share_a_track(changes, words):
 def test_bad_tracks():
     for track in (-1, 0.5):
         with pytest.raises(ct.InputError, match=f"track: found {track}, expected a whole number >= 0"):
-            ct.Tip(track=track)
+            ct.ContactPoint(track=track)
     rub = ct.Rub(rim3(), [nodes(1)], tips(1))
     with pytest.raises(ct.InputError, match="tip: found 1 m, expected at most a quarter of the rim"):
         ct.run(rub, law=coating(tip=1.0), t_end=0.01, dt=4e-5)

@@ -233,7 +233,7 @@ def test_draws_have_the_rms_and_the_quantiles_they_are_given():
 ])  # fmt: skip
 def test_broken_random_roundness_is_refused(scene, old, new, words):
     assert old in DRAWS
-    with pytest.raises(ct.SceneError) as error:
+    with pytest.raises(ct.scene.SceneError) as error:
         drawn(scene, [0], DRAWS.replace(old, new, 1))
     assert words in str(error.value)
 
@@ -321,7 +321,7 @@ values = [1.0, 2.0]
     ('[sweep]\nvary = [{key = "casing.basis", values = ["none.npz"]}]', "none.npz"),
 ])  # fmt: skip
 def test_bad_sweeps_are_refused_with_their_key(scene, table, words):
-    with pytest.raises(ct.SceneError) as error:
+    with pytest.raises(ct.scene.SceneError) as error:
         load_sweep(scene(table))
     assert words in str(error.value)
     assert "scene.toml" in str(error.value)

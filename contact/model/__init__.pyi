@@ -1,0 +1,6 @@
+from . import bodies, gaps
+
+__all__ = [
+    "bodies",
+    "gaps",
+]

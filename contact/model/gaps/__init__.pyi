@@ -1,0 +1,31 @@
+from .bladed_disk import BladedDisk
+from .body_force import BodyForce
+from .cantilever import Cantilever
+from .gap import PointGap, RotatingRim, Side
+from .permanent import HandPair, ModalPair, rim_contact
+from .rod_modes import rod_modes
+from .rub import ContactPoint, Rub, Start, Stiffening
+from .rub_forces import settled
+from .rub_laws import Closing, RimProfile, Speed, Whirl
+
+__all__ = [
+    "BladedDisk",
+    "BodyForce",
+    "Cantilever",
+    "Closing",
+    "ContactPoint",
+    "HandPair",
+    "ModalPair",
+    "PointGap",
+    "RimProfile",
+    "RotatingRim",
+    "Rub",
+    "Side",
+    "Speed",
+    "Start",
+    "Stiffening",
+    "Whirl",
+    "rim_contact",
+    "rod_modes",
+    "settled",
+]
