@@ -1,3 +1,4 @@
+from .errors import EigenError
 from .experiment.circle.lines import ScanError
 from .experiment.circle.record import ScanRecord
 from .experiment.circle.scan import CircleScan, demodulate
@@ -14,7 +15,6 @@ from .experiment.rig.rig import Probe, Rig, RigError
 from .experiment.rig.structure import Place, rig_of
 from .experiment.uff.read import UniversalFile, read_uff
 from .experiment.uff.split import UffError
-from .linalg.eigen import EigenError
 from .locate.localisation import locate
 from .locate.located import Localisation
 from .modal.basis import BasisError, ModalBasis
@@ -49,10 +49,11 @@ from .structure.imported.solid import Solid
 from .structure.imported.support import Fixed
 from .structure.material import Material
 from .structure.mesh.shell_mesh import ShellMesh
-from .structure.shell.assembly import System, assemble
+from .structure.shell.assembly import assemble
 from .structure.shell.load import EdgeLoad, Gravity, PointLoad, Pressure, SurfaceLoad
 from .structure.shell.shell import Shell
 from .structure.shell.static import Deflection, solve_static
+from .structure.shell.system import System
 from .updating.parameters import Parameter, ParameterError
 from .updating.posterior import Laplace, laplace
 from .updating.prediction import LeftOut, leave_one_out

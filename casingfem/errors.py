@@ -24,6 +24,10 @@ class ModelError(ValueError):
         super().__init__(sentence(code, message))
 
 
+class EigenError(RuntimeError):
+    """The matrix could not be factorised, or the eigenproblem not be solved or certified."""
+
+
 class ModelWarning(UserWarning):
     """A model that is computed although its result may mislead; same form as `ModelError`."""
 

@@ -6,10 +6,10 @@ from typing import TypeAlias
 import numpy as np
 from scipy.sparse import csc_array
 
-from casingfem.errors import sentence
+from casingfem.errors import EigenError, sentence
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.certificate import doubt_count, round_off, stands_clear
-from casingfem.linalg.factor import Direct, EigenError, factorise
+from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
 from casingfem.linalg.pencil import Mass, Pencil, make_pencil
 from casingfem.linalg.slicing import CLEAR, CLEARER, slices

@@ -14,17 +14,14 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
-from casingfem.errors import ModelError
+from casingfem.errors import EigenError, ModelError
 from casingfem.extras import remedy
 from casingfem.io.arrays import FloatArray
+from casingfem.linalg.pardiso import PardisoFactor
 
 Direct: TypeAlias = Literal["superlu", "pardiso"]
 
 BALANCE = 1e-3  # relative error of u K u = u f beyond which K is singular; 1e-5 is round-off at t/L 3e-4
-
-
-class EigenError(RuntimeError):
-    """The matrix could not be factorised, or the eigenproblem not be solved or certified."""
 
 
 class Factor(Protocol):
@@ -69,8 +66,6 @@ def superlu(A: csc_array) -> Factor:
 
 def pardiso(A: csc_array) -> Factor:
     """Factorise by pypardiso, an optional package."""
-    from casingfem.linalg.pardiso import PardisoFactor
-
     try:
         factor: Factor = PardisoFactor(A)
     except ImportError as error:

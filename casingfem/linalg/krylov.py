@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.linalg import eigh
 
+from casingfem.errors import EigenError
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.linalg.factor import EigenError
 from casingfem.linalg.pencil import Pencil
 
 NOISE = 1e-13  # of a block's size: what is left after orthogonalisation below this is round-off

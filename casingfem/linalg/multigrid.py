@@ -15,10 +15,9 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.linalg import lobpcg
 
-from casingfem.errors import doubt
+from casingfem.errors import EigenError, doubt
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import EigenResult, gap_after, result, solve_modes
-from casingfem.linalg.factor import EigenError
 from casingfem.linalg.krylov import START_SEED, ConvergenceError
 from casingfem.linalg.multigrid_cycle import Hierarchy, make_hierarchy
 from casingfem.linalg.pencil import Mass, Pencil, make_pencil

@@ -5,8 +5,8 @@ import weakref
 import numpy as np
 from scipy.sparse import csc_array, csr_matrix, triu
 
+from casingfem.errors import EigenError
 from casingfem.io.arrays import FloatArray
-from casingfem.linalg.factor import EigenError
 
 SYMMETRIC_INDEFINITE = -2  # Pardiso's matrix type: L D L^T with Bunch-Kaufman pivots
 NEGATIVE, ZERO_PIVOTS = 23, 14  # where its output parameters stand, counted from one

@@ -6,8 +6,9 @@ from typing import TypeAlias
 import numpy as np
 from scipy.sparse import csc_array
 
+from casingfem.errors import EigenError
 from casingfem.io.arrays import FloatArray
-from casingfem.linalg.factor import Direct, EigenError, factorise
+from casingfem.linalg.factor import Direct, factorise
 
 Mass: TypeAlias = FloatArray | csc_array  # the diagonal of M, or M itself
 

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from casingfem.errors import EigenError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.certificate import doubt_count, round_off, stands_clear
-from casingfem.linalg.factor import Direct, EigenError, factorise
+from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.krylov import BLOCKS, ConvergenceError, RitzPairs, nearest
 from casingfem.linalg.pencil import Pencil
 

@@ -26,9 +26,10 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.point_mass import PointMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.mesh.edge_form import EdgeForm, spring_form
-from casingfem.structure.shell.assembly import System, on_free
+from casingfem.structure.shell.assembly import on_free
 from casingfem.structure.shell.edges import edge_line, mass_forms, own_dofs
 from casingfem.structure.shell.ring_form import foothold_form
+from casingfem.structure.shell.system import System
 from casingfem.structure.shell.variation import grips
 
 ANSWERS, FEWEST = 120, 5  # static answers kept for all changes together, and for each

@@ -7,17 +7,19 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
 
+from casingfem.errors import EigenError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.certificate import doubt_count, round_off, stands_clear
-from casingfem.linalg.eigen import EigenError, gap_after
+from casingfem.linalg.eigen import gap_after
 from casingfem.linalg.slicing import CLEAR
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.axisymmetric import HOOP, Meridian, harmonic_matrices
+from casingfem.structure.shell.parts import sampled_geometry
 from casingfem.structure.shell.ring_form import outward, ties
-from casingfem.structure.shell.shell import Shell, sampled_geometry
+from casingfem.structure.shell.shell import Shell
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of `frequency_scale`
 

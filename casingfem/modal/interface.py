@@ -10,7 +10,7 @@ from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.harmonics import ring_transform
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.place import interpolation
-from casingfem.structure.shell.assembly import System
+from casingfem.structure.shell.system import System
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from casingfem.errors import EigenError
 from casingfem.io.arrays import FloatArray, IntArray, frozen
-from casingfem.linalg.eigen import EigenError
 from casingfem.modal.mode_set import Modes
 from casingfem.modal.modes import modes
 from casingfem.modal.warm_start import guarded, restarted_modes

@@ -9,8 +9,9 @@ import numpy as np
 from casingfem.io.arrays import FloatArray, IntArray, frozen
 from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
 from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.shell.parts import sampled_geometry
 from casingfem.structure.shell.rigid import rigid_modes
-from casingfem.structure.shell.shell import Shell, sampled_geometry
+from casingfem.structure.shell.shell import Shell
 
 RIGID = 0.05  # below this part of `frequency_scale` nothing elastic moves
 

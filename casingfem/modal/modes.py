@@ -16,9 +16,10 @@ from casingfem.modal.ritz import RitzModes, ritz_modes
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
-from casingfem.structure.shell.assembly import System, assemble
+from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
 
 __all__ = ["MeshModes", "ModeSet", "Modes", "count_below", "modes"]
 

@@ -25,8 +25,9 @@ from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
 from casingfem.modal.modes import modes
 from casingfem.modal.ritz import RitzModes, ritz_modes
-from casingfem.structure.shell.assembly import System, assemble
+from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
 
 TOL = 1e-7  # of an eigenvalue, still to fall before the last block is taken in
 FAR = 1e-5  # more than this to fall, an old factor takes more blocks than a new one is worth

@@ -12,7 +12,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.mesh.kinematics import DOFS, frame, strain_slots
 from casingfem.structure.mesh.place import place_jets
-from casingfem.structure.shell.assembly import System
+from casingfem.structure.shell.system import System
 
 DIRECTIONS = ("x", "y", "z", "normal", "radial", "tangential")
 STRAINS = {"11": 0, "22": 1, "12": 2}

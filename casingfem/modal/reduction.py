@@ -25,10 +25,11 @@ from casingfem.modal.interface import Rim, Tip, TipNodes, interface_rows, rim_li
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.modal.output import Output, output_rows
 from casingfem.structure.mesh.kinematics import DOFS
-from casingfem.structure.shell.assembly import System, assemble, spin
+from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.rigid import free_motions
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
 
 METHODS = ("free", "craig-bampton")
 

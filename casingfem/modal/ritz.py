@@ -6,8 +6,8 @@ import numpy as np
 from scipy.linalg import eigh
 
 from casingfem.io.arrays import FloatArray
-from casingfem.structure.shell.assembly import System
 from casingfem.structure.shell.energies import modal_products, point_fields
+from casingfem.structure.shell.system import System
 
 
 class RitzModes(NamedTuple):

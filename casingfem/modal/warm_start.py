@@ -11,8 +11,9 @@ import time
 import numpy as np
 from scipy.linalg import eigh, qr
 
+from casingfem.errors import EigenError
 from casingfem.io.arrays import FloatArray
-from casingfem.linalg.eigen import EigenError, gap_after
+from casingfem.linalg.eigen import gap_after
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal.fourier import SHIFT

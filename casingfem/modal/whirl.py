@@ -13,14 +13,15 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs
 
-from casingfem.errors import ModelError
+from casingfem.errors import EigenError, ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.linalg.eigen import START_SEED, gap_after
-from casingfem.linalg.factor import EigenError, factorise
+from casingfem.linalg.factor import factorise
 from casingfem.modal.harmonics import ring_content
 from casingfem.modal.mode_set import frequency_scale
-from casingfem.structure.shell.assembly import System, assemble, spin
+from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

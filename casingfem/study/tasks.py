@@ -5,8 +5,8 @@ from dataclasses import replace
 
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.reduction import reduce
-from casingfem.structure.shell.assembly import System
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
 from casingfem.study.load import Study
 from casingfem.study.problems import StudyError
 from casingfem.updating.posterior import Laplace, laplace

@@ -12,7 +12,8 @@ from typing import Any
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge, Support, grip
-from casingfem.structure.shell.shell import DEFECTS, Shell
+from casingfem.structure.shell.parts import DEFECTS
+from casingfem.structure.shell.shell import Shell
 from casingfem.study.load import Study
 from casingfem.updating.parameters import get_value
 

@@ -22,7 +22,8 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge, grip
 from casingfem.structure.field.fourier import Field, FourierField
-from casingfem.structure.shell.shell import DEFECTS, Shell
+from casingfem.structure.shell.parts import DEFECTS
+from casingfem.structure.shell.shell import Shell
 
 HARMONIC = re.compile(r"p(\d+)$")
 NUMBERS = (int, float, complex, np.number, tuple)  # what may be varied; a law has one a station

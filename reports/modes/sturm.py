@@ -14,9 +14,8 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import eigvalsh
 
-from casingfem.errors import ModelWarning
+from casingfem.errors import EigenError, ModelWarning
 from casingfem.io.arrays import FloatArray
-from casingfem.linalg.eigen import EigenError
 from casingfem.linalg.pencil import make_pencil
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.modal.modes import modes
@@ -26,8 +25,9 @@ from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, 
 from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.assembly import System, assemble
+from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
 from reports.tables import Row, command_line, show, write
 
 SEED = 2207

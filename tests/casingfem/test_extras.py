@@ -14,8 +14,9 @@ from scipy.sparse import csc_array
 
 from casingfem import extras
 from casingfem.cli import main
+from casingfem.errors import EigenError
 from casingfem.extras import EXTRAS, remedy
-from casingfem.linalg.factor import EigenError, pardiso
+from casingfem.linalg.factor import pardiso
 
 ROOT = Path(__file__).parents[2]
 

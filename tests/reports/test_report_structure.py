@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from reports.structure import Structure, circles, duplicates, exported, measures
+from reports.structure import ROOT, Structure, circles, duplicates, exported, measures
 
 FILES = {
     "casingfem/__init__.py": "from casingfem.a.shell import Shell\nfrom casingfem.b import modes as modes, _hidden\n",
@@ -47,6 +47,11 @@ def test_imports_inside_functions_count_and_names_stand_for_their_module(tmp_pat
 def test_circles_are_the_sets_that_reach_each_other():
     graph = {"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": {"e"}, "e": {"d"}, "f": {"a"}}
     assert circles({name: frozenset(targets) for name, targets in graph.items()}) == [["a", "b", "c"], ["d", "e"]]
+
+
+def test_no_modules_of_casingfem_import_each_other_in_a_circle():
+    found = circles(Structure(ROOT).imports)
+    assert [circle for circle in found if circle[0].startswith("casingfem")] == []
 
 
 def test_a_duplicate_is_six_lines_that_stand_twice():

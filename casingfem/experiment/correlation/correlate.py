@@ -18,7 +18,7 @@ from casingfem.experiment.correlation.pairing import Match, Pairing
 from casingfem.experiment.correlation.sensors import Sensors, sensors_of
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.shell.assembly import System
+from casingfem.structure.shell.system import System
 
 DIFFERENT = 0.9  # COMAC below this is worth a look
 SHOWN = 12  # sensors named on a line; the document has all

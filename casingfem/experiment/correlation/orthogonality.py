@@ -15,7 +15,7 @@ from casingfem.experiment.correlation.mac import mac
 from casingfem.experiment.correlation.sensors import Sensors
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import factorise
-from casingfem.structure.shell.assembly import System
+from casingfem.structure.shell.system import System
 
 CHANNELS = 1e-10  # least ratio of the static compliance's eigenvalues: channels that are no repetition of others
 

@@ -13,8 +13,8 @@ from casingfem.modal.mode_set import Modes
 from casingfem.structure.mesh.kinematics import DOFS, dot
 from casingfem.structure.mesh.place import interpolation
 from casingfem.structure.mesh.shell_mesh import Grid
-from casingfem.structure.shell.assembly import System
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
 
 FAR = 0.02  # of the shell's size: a sensor further from the surface is refused
 SAMPLES = 97  # places along each parameter among which the search for the nearest begins

@@ -14,7 +14,8 @@ from casingfem.linalg.factor import factorise
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.place import interpolation
-from casingfem.structure.shell.assembly import System, assemble
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.system import System
 
 CYLINDRICAL = ("radial", "hoop", "axial")
 CARTESIAN = ("x", "y", "z")

@@ -4,7 +4,7 @@ Dofs are numbered node by node, `dofs` of them on each: u_x, u_y, u_z, and on sh
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array
@@ -13,11 +13,18 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.imported.cell_kind import KINDS, rule
 from casingfem.structure.imported.mesh_data import MeshData
 
-if TYPE_CHECKING:
-    from casingfem.structure.imported.shell import MeshShell
-    from casingfem.structure.imported.solid import Solid
-
 CHUNK = 4_000_000  # entries of a strain table held at a time
+
+
+class MeshStructure(Protocol):
+    """What can be assembled: `Solid` or `MeshShell`."""
+
+    @property
+    def mesh(self) -> MeshData:
+        """Cells and nodes."""
+
+    def density(self) -> FloatArray:
+        """Mass per volume or area of each cell, (cells,)."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -40,7 +47,7 @@ class MeshSystem:
         Bending frequency c t/size^2 [rad/s] of the body taken as flat: a floor for its elastic modes.
     """
 
-    structure: "Solid | MeshShell"
+    structure: MeshStructure
     K: csc_array
     M: csc_array
     free: IntArray

@@ -1,9 +1,6 @@
 """The mesh that a shell takes where none is given."""
 
-from __future__ import annotations
-
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,13 +11,11 @@ from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.strip import breaks_between
 from casingfem.structure.mesh.edge_form import Sprung
 from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.variation import around_period, finest_harmonic, grips
 
-if TYPE_CHECKING:
-    from casingfem.structure.shell.shell import Shell
 
-
-def default_mesh(shell: Shell) -> ShellMesh:
+def default_mesh(shell: ShellParts) -> ShellMesh:
     """The mesh used when none is given; `python -m reports.modes.frustum` measures the choice.
 
     Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
@@ -65,7 +60,7 @@ def default_mesh(shell: Shell) -> ShellMesh:
     return ShellMesh(order=order, rows=divided(shell, longest, (layers[0], layers[1])), around=around)
 
 
-def divided(shell: Shell, longest: float, layers: tuple[float, float] = (0.0, 0.0)) -> tuple[float, ...]:
+def divided(shell: ShellParts, longest: float, layers: tuple[float, float] = (0.0, 0.0)) -> tuple[float, ...]:
     """Breaks of the rows: a layer at either end, and stretches between strip ends in equal rows below `longest`.
 
     A layer wider than half of its stretch is left out.

@@ -1,15 +1,13 @@
 """How large, how curved and how thick a shell is; walls that no surface can carry are refused."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.geometry.chart_checks import real
-
-if TYPE_CHECKING:
-    from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import ShellParts
 
 
 class Extent(NamedTuple):
@@ -21,7 +19,7 @@ class Extent(NamedTuple):
     thickness: FloatArray
 
 
-def extent(shell: "Shell", counts: tuple[int, int] = (9, 361)) -> Extent:
+def extent(shell: ShellParts, counts: tuple[int, int] = (9, 361)) -> Extent:
     """Sizes on a lattice of points; curvature and thickness at each, (points,)."""
     (a0, a1), (b0, b1) = np.real(np.array(shell.chart.bounds))
     a, b = np.meshgrid(np.linspace(a0, a1, counts[0]), np.linspace(b0, b1, counts[1]), indexing="ij")
@@ -43,7 +41,7 @@ def extent(shell: "Shell", counts: tuple[int, int] = (9, 361)) -> Extent:
     )
 
 
-def check_wall(shell: "Shell") -> None:
+def check_wall(shell: ShellParts) -> None:
     """Refuse a wall as thick as its radius of curvature, or as the structure is long and wide."""
     size = extent(shell)
     bent = float((size.thickness * size.curvature).max())

@@ -4,7 +4,6 @@ Nothing here refuses; each doubt has its code in `casingfem.errors` and a thresh
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +11,7 @@ from casingfem.errors import doubt
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.material import Material
 from casingfem.structure.shell.extent import extent
-
-if TYPE_CHECKING:
-    from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.shell import Shell
 
 SOUND = (200.0, 20_000.0)  # m/s: sqrt(E/rho) from hard rubber to diamond
 DENSITY = (1.0, 25_000.0)  # kg/m^3: from aerogel to osmium
@@ -33,13 +30,13 @@ DEFECT = {"radius": 0.1}  # relative; others 1: a wall half or twice as thick is
 Doubt = tuple[str, str]  # code, message
 
 
-def warn_of(shell: "Shell") -> None:
+def warn_of(shell: Shell) -> None:
     """Warn of all that is doubtful about a shell."""
     for code, message in (*material_doubts(shell), *chart_doubts(shell), *wall_doubts(shell), *spring_doubts(shell)):
         doubt(code, message, stacklevel=4)
 
 
-def material_doubts(shell: "Shell") -> Iterator[Doubt]:
+def material_doubts(shell: Shell) -> Iterator[Doubt]:
     """Materials no part is made of."""
     others = [strip.material for strip in shell.strips if strip.material is not None]
     for material in dict.fromkeys([shell.material, *others]):
@@ -60,7 +57,7 @@ def doubts_of(material: Material) -> Iterator[Doubt]:
         yield "material-poisson-negative", f"material.nu = {nu:g}"
 
 
-def chart_doubts(shell: "Shell") -> Iterator[Doubt]:
+def chart_doubts(shell: Shell) -> Iterator[Doubt]:
     """Sizes and shapes that hint at other units, and fields that are no imperfections."""
     size = extent(shell)
     unitless = shell.material.E == shell.material.rho == 1.0
@@ -82,7 +79,7 @@ def chart_doubts(shell: "Shell") -> Iterator[Doubt]:
             yield "field-large", f"{quantity}_defect reaches {largest:.3g} of the {quantity}"
 
 
-def wall_doubts(shell: "Shell") -> Iterator[Doubt]:
+def wall_doubts(shell: Shell) -> Iterator[Doubt]:
     """Walls that are not those of a shell."""
     size = extent(shell)
     bent = float((size.thickness * size.curvature).max())
@@ -99,7 +96,7 @@ def wall_doubts(shell: "Shell") -> Iterator[Doubt]:
         yield "shear-correction", f"shell.shear_correction = {factor:g}"
 
 
-def spring_doubts(shell: "Shell") -> Iterator[Doubt]:
+def spring_doubts(shell: Shell) -> Iterator[Doubt]:
     """Springs that hold nothing beside such a wall."""
     E, t = float(np.real(shell.material.E)), float(np.real(shell.thickness))
     for edge, support in shell.supports.items():

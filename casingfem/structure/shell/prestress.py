@@ -22,7 +22,6 @@ Dynamics of Rotating Systems, 2005.)
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -36,9 +35,7 @@ from casingfem.structure.mesh.scatter import scatter_blocks, scatter_elements
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.strains import constitutive, point_jets
-
-if TYPE_CHECKING:
-    from casingfem.structure.shell.assembly import System
+from casingfem.structure.shell.system import System
 
 JET = 3 * DOFS  # U, d_1 U, d_2 U
 LINEAR = 0.3  # quadratic strains of the steady state above this part of the linear ones call for a warning
@@ -79,7 +76,7 @@ class Spin:
         return csc_array(omega**2 * self.K1 + omega**4 * self.K2)
 
 
-def spin_matrices(system: "System", rotation: Rotation, mass: FloatArray) -> Spin:
+def spin_matrices(system: System, rotation: Rotation, mass: FloatArray) -> Spin:
     """K1, K2, G and the static state of a shell at rest, for rotation about an axis.
 
     Parameters

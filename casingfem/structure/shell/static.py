@@ -10,9 +10,10 @@ from casingfem.io.arrays import FloatArray, frozen
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.mesh.place import interpolation
 from casingfem.structure.mesh.shell_mesh import Grid
-from casingfem.structure.shell.assembly import System, assemble
+from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.load import Load
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

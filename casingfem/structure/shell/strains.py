@@ -11,7 +11,8 @@ from casingfem.io.arrays import Array
 from casingfem.structure.material import plane_stress
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, strain_slots
 from casingfem.structure.mesh.shell_mesh import Grid
-from casingfem.structure.shell.shell import Shell, ShellGeometry
+from casingfem.structure.shell.parts import ShellGeometry
+from casingfem.structure.shell.shell import Shell
 
 
 def constitutive(shell: Shell, geometry: ShellGeometry) -> Array:

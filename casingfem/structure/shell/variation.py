@@ -1,9 +1,6 @@
 """What varies around a shell: harmonics of its fields, and the period that all of it shares."""
 
-from __future__ import annotations
-
 from itertools import chain
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +9,10 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.support import ElasticEdge, grip
 from casingfem.structure.field.fourier import Field
 from casingfem.structure.field.random import typical
-
-if TYPE_CHECKING:
-    from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import ShellParts
 
 
-def grips(shell: Shell) -> dict[str, object]:
+def grips(shell: ShellParts) -> dict[str, object]:
     """Edge -> what holds it from outside, a ring's own support under a ring."""
     return {edge: grip(support) for edge, support in shell.supports.items()}
 
@@ -27,7 +22,7 @@ def field_samples(defect: Field) -> int:
     return 4 * max(64, 1 + int(getattr(defect, "max_harmonic", None) or 0))
 
 
-def harmonic_amplitudes(shell: Shell, defect: Field) -> Array:
+def harmonic_amplitudes(shell: ShellParts, defect: Field) -> Array:
     """Largest amplitude of each harmonic 1, 2, ... around of a field over five heights; random parts are typical."""
     (a0, a1), _ = shell.chart.bounds
     points = field_samples(defect)
@@ -36,7 +31,7 @@ def harmonic_amplitudes(shell: Shell, defect: Field) -> Array:
     return np.asarray(np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1 : points // 2])
 
 
-def around_period(shell: Shell, floor: float = 1e-3) -> int:
+def around_period(shell: ShellParts, floor: float = 1e-3) -> int:
     """The greatest common divisor of all that varies around: a mesh of as many elements shares its symmetry."""
     period = 0
     springs = [s.patterns.values() for s in grips(shell).values() if isinstance(s, ElasticEdge)]
@@ -49,7 +44,7 @@ def around_period(shell: Shell, floor: float = 1e-3) -> int:
     return period
 
 
-def finest_harmonic(shell: Shell, defect: Field, floor: float = 0.02) -> int:
+def finest_harmonic(shell: ShellParts, defect: Field, floor: float = 0.02) -> int:
     """The highest circumferential harmonic of a field above `floor` times its largest, by sampling."""
     amplitude = harmonic_amplitudes(shell, defect)
     above = np.flatnonzero(amplitude > floor * amplitude.max())

@@ -5,9 +5,9 @@ import pytest
 from scipy.sparse import csc_array
 
 import casingfem as cf
-from casingfem.errors import ModelWarning
+from casingfem.errors import EigenError, ModelWarning
 from casingfem.linalg.certificate import UNIT, round_off, stands_clear
-from casingfem.linalg.eigen import EigenError, gap_after, solve_band, solve_modes
+from casingfem.linalg.eigen import gap_after, solve_band, solve_modes
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal import fourier
 

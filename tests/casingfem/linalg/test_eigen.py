@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 from scipy.sparse import csc_array, diags_array
 
+from casingfem.errors import EigenError
 from casingfem.linalg import eigen
-from casingfem.linalg.eigen import EigenError, factorise, gap_after, solve_modes, sturm_count
+from casingfem.linalg.eigen import factorise, gap_after, solve_modes, sturm_count
 from casingfem.linalg.krylov import RitzPairs, nearest
 from casingfem.linalg.pencil import make_pencil
 from casingfem.structure.shell.assembly import assemble

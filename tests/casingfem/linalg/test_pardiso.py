@@ -12,7 +12,8 @@ import pytest
 from scipy.sparse import csc_array, triu
 from test_slicing import with_spectrum
 
-from casingfem.linalg.eigen import EigenError, solve_modes
+from casingfem.errors import EigenError
+from casingfem.linalg.eigen import solve_modes
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.pencil import make_pencil
 

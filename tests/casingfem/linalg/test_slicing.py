@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csc_array
 
+from casingfem.errors import EigenError
 from casingfem.linalg import slicing
-from casingfem.linalg.eigen import EigenError, solve_band, solve_modes
+from casingfem.linalg.eigen import solve_band, solve_modes
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.krylov import nearest
 

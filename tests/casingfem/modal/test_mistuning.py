@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
-from casingfem.linalg.eigen import EigenError
+from casingfem.errors import EigenError
 from casingfem.modal import mistuning
 from casingfem.modal.mistuning import Mistuning, Pair, drawn_modes, mean_modes, mean_shell, mistune, redrawn_shell
 from casingfem.modal.modes import modes

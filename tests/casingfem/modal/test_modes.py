@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelWarning
-from casingfem.linalg.eigen import EigenError
+from casingfem.errors import EigenError, ModelWarning
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.modes import count_below, modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge

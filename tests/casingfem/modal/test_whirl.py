@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.linalg.eigen import EigenError
+from casingfem.errors import EigenError
 from casingfem.modal import whirl
 from casingfem.structure.shell.assembly import assemble, spin
 from reports.verification import rotation as verify_rotation

@@ -1,0 +1,118 @@
+"""Checks of what a shell is made of: parts that cannot belong together, fields that its mesh cannot carry."""
+
+import numpy as np
+
+from casingfem.errors import ModelError, doubt
+from casingfem.structure.edge.bolt_mesh import SEEN, following, springs_per_wave, spurious_split
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry, grip
+from casingfem.structure.field.fourier import Field
+from casingfem.structure.geometry.chart import require_positive
+from casingfem.structure.geometry.chart_checks import check_chart, check_symmetry
+from casingfem.structure.geometry.strip import check_strips
+from casingfem.structure.geometry.survey_check import check_survey, surveys
+from casingfem.structure.shell.extent import check_wall
+from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.variation import field_samples, finest_harmonic, grips
+
+SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bolts, Ring)
+
+
+def check_parts(shell: ShellParts) -> None:
+    """Refuse parts that cannot belong together: what there is to say before a mesh is chosen."""
+    require_positive("shell", thickness=shell.thickness, shear_correction=shell.shear_correction)
+    check_chart(shell.chart)
+    known = shell.chart.edges
+    for edge, support in shell.supports.items():
+        if edge not in known:
+            raise ModelError(
+                "support-edge", f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}"
+            )
+        if not isinstance(support, SUPPORTS):
+            raise ModelError(
+                "support-kind",
+                f"support.{edge}: expected {', '.join(kind.__name__ for kind in SUPPORTS)}, "
+                f"found {type(support).__name__}",
+            )
+        held, _ = known[edge]
+        if isinstance(support, Ring) and held != 0:
+            raise ModelError("ring-edge", f"support.{edge}: a ring on an edge that runs along the axis")
+        across = [other for other in shell.supports if known[other][0] != 0 and shell.supports[other].held]
+        if isinstance(support, Ring) and across:  # nothing would hold the ring's own turn at the corner
+            raise ModelError("ring-edge", f"support.{edge}: a ring ends on the held edge {across[0]!r}")
+        if isinstance(support, Symmetry):
+            check_symmetry(shell.chart, edge)
+        holding = grip(support)
+        if isinstance(holding, Bolts):
+            low, high = (float(np.real(end)) for end in shell.chart.bounds[1 - held])
+            holding.require_on((low, high), shell.chart.periodic and held == 0, edge)
+    for edge, masses in shell.masses.items():
+        if edge not in known or not all(isinstance(mass, PointMass) for mass in masses):
+            raise ModelError("mass-edge", f"masses.{edge}: expected masses on one of {', '.join(known)}")
+    check_strips(shell.strips, shell.chart.bounds[0], None)
+
+
+def check_on_mesh(shell: ShellParts) -> None:
+    """Refuse strips, fields, walls and springs that the meshed shell cannot carry; warn of bolts it does not follow."""
+    start, end = shell.chart.bounds[0]
+    check_strips(shell.strips, (start, end), start + (end - start) * shell.mesh.breaks)
+    for quantity, defect in shell.defects.items():
+        check_field(shell, f"{quantity}_defect", defect)
+        for survey in surveys(defect):
+            check_survey(survey, quantity, shell.chart, float(np.real(shell.thickness)))
+    check_wall(shell)
+    for edge, holding in grips(shell).items():
+        if isinstance(holding, ElasticEdge) and holding.patterns:
+            check_springs(shell, edge, holding)
+        if isinstance(holding, Bolts) and shell.chart.periodic:
+            check_bolt_mesh(shell, edge, holding)
+
+
+def check_bolt_mesh(shell: ShellParts, edge: str, bolts: Bolts) -> None:
+    """Warn where bolts on a mesh that does not follow them split pairs that equal bolts keep whole."""
+    if shell.mesh.around == following(shell.mesh.around, bolts.count):
+        return
+    wall, steel = shell.thickness, shell.material
+    if isinstance(ring := shell.supports[edge], Ring):
+        wall, steel = ring.section.width, ring.material or steel
+    ratio = springs_per_wave(bolts, float(np.real(steel.E)), float(np.real(steel.nu)), float(np.real(wall)))
+    split = spurious_split(bolts, shell.mesh, ratio)
+    if split > SEEN:
+        doubt(
+            "bolt-mesh",
+            f"support.{edge}: {bolts.count} bolts on {shell.mesh.around} elements around split pairs that equal "
+            f"bolts keep whole by some {split:.0e}",
+            stacklevel=6,
+        )
+
+
+def check_springs(shell: ShellParts, edge: str, support: ElasticEdge) -> None:
+    """Refuse springs that their patterns make negative."""
+    held, end = shell.chart.edges[edge]
+    points = max(361, *(2 * field_samples(field) + 1 for field in support.patterns.values()))
+    ends = [np.linspace(*span, points) for span in shell.chart.bounds]
+    ends[held] = np.full(points, shell.chart.bounds[held][end])
+    for spring in (name for name in support.patterns if getattr(support, name)):
+        lowest = float(np.real(support.factor(spring, *ends)).min())
+        if not lowest >= 0.0:
+            raise ModelError("springs-negative", f"support.{edge}.around makes {spring} negative (factor {lowest:.3g})")
+
+
+def check_field(shell: ShellParts, name: str, defect: Field) -> None:
+    """Refuse a field that is not finite, as large as what it varies, or finer than the mesh."""
+    counts = (9, max(361, 2 * field_samples(defect) + 1))
+    a, b = (np.linspace(*ends, count) for ends, count in zip(shell.chart.bounds, counts, strict=True))
+    values = np.real(defect.derivatives(a[:, None], b[None, :]).value)
+    if not np.all(np.isfinite(values)):
+        raise ModelError("field-not-finite", f"{name}: the field is not finite everywhere on the surface")
+    if values.min() <= -0.9 or values.max() > 9.0:
+        reached = values.min() if values.min() <= -0.9 else values.max()
+        raise ModelError("field-range", f"{name}: the field reaches {reached:.3g}, it may run from -0.9 to 9")
+    nodes = shell.mesh.order * shell.mesh.around
+    finest = finest_harmonic(shell, defect) if shell.chart.periodic else 0
+    if 2 * finest > nodes:
+        raise ModelError(
+            "field-mesh", f"{name}: {finest} waves on {nodes} nodes around; the mesh resolves {nodes // 2} at most"
+        )

@@ -1,0 +1,104 @@
+"""What a shell is made of, as given: chart, wall, material, supports and imperfection fields."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.io.arrays import Array
+from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.support import Support
+from casingfem.structure.field.fourier import Field, relative
+from casingfem.structure.geometry.chart import Chart, Surface
+from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.strip import Strip, spread
+from casingfem.structure.geometry.taper import Taper
+from casingfem.structure.material import Material
+from casingfem.structure.mesh.edge_form import Sprung
+from casingfem.structure.mesh.shell_mesh import ShellMesh
+
+DEFECTS = ("radius", "thickness", "modulus", "density")  # quantity -> Shell.<quantity>_defect
+
+
+class ShellGeometry(NamedTuple):
+    """Mid-surface, thickness and material at points."""
+
+    surface: Surface
+    thickness: Array
+    E: Array
+    nu: Array
+    rho: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ShellParts:
+    """The fields of a `Shell`, which documents them: nothing is checked, no mesh is chosen."""
+
+    chart: Chart
+    thickness: float
+    material: Material
+    supports: Mapping[str, Support] = field(default_factory=dict)
+    radius_defect: Field | None = None
+    thickness_defect: Field | None = None
+    modulus_defect: Field | None = None
+    density_defect: Field | None = None
+    shear_correction: float = 5.0 / 6.0
+    strips: tuple[Strip, ...] = ()
+    taper: Taper | None = None
+    rotation: Rotation | None = None
+    masses: Mapping[str, Sequence[PointMass]] = field(default_factory=dict)
+    mesh: ShellMesh = None  # type: ignore[assignment]  # `Shell` chooses one where left out
+
+    @property
+    def defects(self) -> dict[str, Field]:
+        """The imperfection fields there are, by quantity: radius, thickness, modulus, density."""
+        fields = {quantity: getattr(self, f"{quantity}_defect") for quantity in DEFECTS}
+        return {quantity: field for quantity, field in fields.items() if field is not None}
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether nothing varies around: no fields, springs equal all along their edges, and at rest."""
+        even = all(support.uniform for support in self.supports.values() if isinstance(support, Sprung | Ring))
+        even = even and (self.taper is None or self.taper.even)
+        return self.chart.periodic and even and not self.defects and not self.masses and self.rotation is None
+
+    @property
+    def thinnest(self) -> float:
+        """The least thickness of wall and strips [m], taper included, imperfections not."""
+        taper = 1.0 if self.taper is None else self.taper.lowest
+        return taper * float(np.real([self.thickness, *(strip.thickness for strip in self.strips)]).min())
+
+    def geometry(self, a: Array, b: Array, inside: Array | None = None) -> ShellGeometry:
+        """Mid-surface, thickness and material at parameters (a, b).
+
+        `inside` is a value of the first parameter that tells whose side of a strip's end a point belongs to: the
+        middle of its element. Without it a point on such a line is the strip's.
+        """
+        defect = None if self.radius_defect is None else self.radius_defect.derivatives(a, b)
+        where = np.broadcast_arrays(a if inside is None else inside, a, b)[0]
+        thickness = spread(self.strips, where, self.thickness, [strip.thickness for strip in self.strips])
+        if self.taper is not None:
+            thickness = thickness * self.taper.factor(self.chart.bounds, a, b)
+        materials = [strip.material or self.material for strip in self.strips]
+        E, nu, rho = (
+            spread(self.strips, where, getattr(self.material, name), [getattr(m, name) for m in materials])
+            for name in ("E", "nu", "rho")
+        )
+        return ShellGeometry(
+            surface=self.chart.surface(a, b, defect),
+            thickness=thickness * relative(self.thickness_defect, a, b),
+            E=E * relative(self.modulus_defect, a, b),
+            nu=nu,
+            rho=rho * relative(self.density_defect, a, b),
+        )
+
+
+def sampled_geometry(shell: ShellParts, around: int) -> ShellGeometry:
+    """The shell at five places along each row of its mesh and `around` places across: every strip has its share."""
+    (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
+    lines = a0 + (a1 - a0) * shell.mesh.breaks
+    along = lines[:-1, None] + np.diff(lines)[:, None] * np.linspace(0.0, 1.0, 5)
+    middle = 0.5 * (lines[:-1] + lines[1:])
+    return shell.geometry(along[:, :, None], np.linspace(b0, b1, around), middle[:, None, None])

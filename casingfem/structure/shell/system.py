@@ -1,0 +1,82 @@
+"""The assembled shell: its matrices on the free dofs, and the way from free dofs to nodal fields and back."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.structure.mesh.kinematics import DOFS
+from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.shell.shell import Shell
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Matrices of a supported shell on its free dofs.
+
+    Attributes
+    ----------
+    shell, grid
+        What was assembled, and on which mesh.
+    K
+        Stiffness, (free, free), symmetric [SI].
+    mass
+        The diagonal of M, (free,).
+    free
+        Numbers of the free dofs among 5 * nodes and those that rings bring after them.
+    frames
+        Rotation of the dofs at nodes held in an edge's frame, (nodes, 5, 5); identity elsewhere.
+    change
+        What makes M diagonal where rings or masses couple it: the free dofs are change @ those of K and `mass`,
+        (free, free); None where nothing is coupled.
+    own
+        Number of dofs that rings bring: turns about the normal at the nodes of their edges.
+    """
+
+    shell: Shell
+    grid: Grid
+    K: csc_array
+    mass: FloatArray
+    free: IntArray
+    frames: FloatArray
+    change: csc_array | None = None
+    own: int = 0
+
+    @property
+    def size(self) -> int:
+        """Number of free dofs."""
+        return len(self.free)
+
+    @cached_property
+    def points(self) -> FloatArray:
+        """Positions of the nodes, (nodes, 3)."""
+        return np.asarray(self.shell.geometry(*self.grid.nodes).surface.x.T)
+
+    def expand(self, vectors: Array) -> Array:
+        """Free dofs (free, columns) -> nodal fields in Cartesian axes, (nodes, 5, columns)."""
+        fields = self._spread(vectors)[: len(self.frames) * DOFS].reshape(len(self.frames), DOFS, -1)
+        return np.asarray(np.einsum("nij,njk->nik", self.frames, fields))
+
+    def expand_own(self, vectors: Array) -> Array:
+        """Free dofs (free, columns) -> the rings' own dofs, (own, columns)."""
+        return self._spread(vectors)[len(self.frames) * DOFS :]
+
+    def restrict(self, forces: Array) -> Array:
+        """Nodal forces in Cartesian axes (nodes, 5, columns) -> work-conjugate free dofs (free, columns)."""
+        turned = np.einsum("nji,njk->nik", self.frames, forces).reshape(len(self.frames) * DOFS, -1)
+        felt = np.vstack([turned, np.zeros((self.own, turned.shape[1]))])[self.free]
+        return np.asarray(felt if self.change is None else self.change.T @ felt)
+
+    def collect(self, fields: Array, own: Array) -> Array:
+        """Back from `expand` and `expand_own`: motions (nodes, 5, columns), (own, columns) -> (free, columns)."""
+        turned = np.einsum("nji,njk->nik", self.frames, fields).reshape(len(self.frames) * DOFS, -1)
+        motions = np.vstack([turned, own])[self.free]
+        return np.asarray(motions if self.change is None else splu(self.change).solve(motions))
+
+    def _spread(self, vectors: Array) -> Array:
+        full = np.zeros((len(self.frames) * DOFS + self.own, vectors.shape[1]), dtype=vectors.dtype)
+        full[self.free] = vectors if self.change is None else self.change @ vectors
+        return full
