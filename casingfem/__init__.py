@@ -9,5 +9,12 @@ print(cf.modes(casing, count=40))
 
 import lazy_loader
 
+from casingfem.former_names import FORMER, former
+
 # what the package exports stands in __init__.pyi, and each name is loaded when it is first used
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_exported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> object:
+    """A name of the stub, or one that stood here once."""
+    return former(name) if name in FORMER else _exported(name)

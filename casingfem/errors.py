@@ -12,7 +12,41 @@ from casingfem.faults import CATALOGUE
 CODE = re.compile(r"\[([a-z0-9-]+)\]$")
 
 
-class ModelError(ValueError):
+class InputError(ValueError):
+    """Input that cannot be used: where, what was found, what is expected; each is an attribute where it is known.
+
+    >>> str(InputError("rig.csv", line=7, column="n", found="'x'", expected="a whole number"))
+    "rig.csv, line 7, column 'n': found 'x'; expected a whole number"
+    """
+
+    def __init__(
+        self,
+        path: str,
+        *,
+        found: str = "",
+        expected: str = "",
+        line: int | None = None,
+        column: str | None = None,
+        where: str = "",
+    ) -> None:
+        self.path, self.line, self.column, self.where, self.found, self.expected = (
+            path, line, column, where, found, expected
+        )  # fmt: skip
+        place = [path, f"line {line}" if line else "", f"column {column!r}" if column is not None else "", where]
+        super().__init__(
+            ", ".join(filter(None, place)) + (f": found {found}; expected {expected}" if found or expected else "")
+        )
+
+
+class MissingExtraError(InputError):
+    """A package that an optional part needs is not installed; the message says how it is."""
+
+
+class NumericsError(RuntimeError):
+    """A computation that failed: a matrix that cannot be factorised, modes that cannot be found or certified."""
+
+
+class ModelError(InputError):
     """A model that is refused: `code` names the fault in the catalogue, the message ends with remedy and code.
 
     >>> str(ModelError("shell-thickness", "shell.thickness must be above 0, found -3.0"))
@@ -22,10 +56,6 @@ class ModelError(ValueError):
     def __init__(self, code: str, message: str) -> None:
         self.code = code
         super().__init__(sentence(code, message))
-
-
-class EigenError(RuntimeError):
-    """The matrix could not be factorised, or the eigenproblem not be solved or certified."""
 
 
 class ModelWarning(UserWarning):

@@ -21,7 +21,7 @@ def main() -> None:
     fit = run_update(study)
     ideal = cf.modes(perfect(study.start), len(fit.before))
     models = {
-        "perfect": Paired(ideal, cf.pair(ideal, fit.table)),
+        "perfect": Paired(ideal, cf.correlation.pair(ideal, fit.table)),
         "imperfect": Paired(fit.before, fit.pairing_before),
         "updated": Paired(fit.after, fit.pairing),
     }

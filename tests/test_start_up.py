@@ -2,13 +2,21 @@
 
 import ast
 import importlib
+from operator import attrgetter
 from pathlib import Path
 
 import pytest
 
 import casingfem
-import contact
+from casingfem.former_names import FORMER
 from reports.speed.start_up import HEAVY, HELP, loaded, main
+
+ROOT = Path(__file__).parents[1]
+STUBS = sorted(
+    ".".join(stub.parent.relative_to(ROOT).parts)
+    for package in ("casingfem", "contact")
+    for stub in (ROOT / package).rglob("__init__.pyi")
+)
 
 
 @pytest.mark.parametrize("code", [HELP, "import casingfem", "import contact"], ids=["help", "casingfem", "contact"])
@@ -25,15 +33,36 @@ def test_a_name_is_loaded_when_it_is_used_and_what_it_does_not_need_stays_away()
     assert not modules & {"contact.result", "contact.model.gaps.rub", "scipy", "numba", "pydantic"}
 
 
-@pytest.mark.parametrize("package", [casingfem, contact])
-def test_every_name_of_the_stub_is_there_and_comes_from_its_module(package):
+@pytest.mark.parametrize("name", STUBS)
+def test_every_name_of_a_stub_is_there_and_comes_from_its_module(name):
+    package = importlib.import_module(name)
     stub = Path(package.__file__).with_suffix(".pyi")
     parts = ast.parse(stub.read_text(encoding="utf-8")).body
     home = {alias.name: part.module for part in parts if isinstance(part, ast.ImportFrom) for alias in part.names}
     stated = ast.literal_eval(parts[-1].value)
     assert sorted(stated) == sorted(home) == sorted(package.__all__) == sorted(dir(package))
-    for name, module in home.items():
-        assert getattr(package, name) is getattr(importlib.import_module(f"{package.__name__}.{module}"), name)
+    for one, module in home.items():
+        where = importlib.import_module(f"{name}.{module or one}")
+        assert getattr(package, one) is (getattr(where, one) if module else where)
+
+
+def test_the_top_of_casingfem_is_short():
+    assert len(casingfem.__all__) <= 60
+
+
+@pytest.mark.parametrize(("old", "new"), FORMER.items())
+def test_a_name_that_has_left_the_top_still_works_and_says_where_it_is(old, new):
+    assert old not in dir(casingfem)
+    with pytest.warns(DeprecationWarning, match=f"casingfem.{old} is casingfem.{new} now") as caught:
+        found = getattr(casingfem, old)
+    assert found is attrgetter(new)(casingfem)
+    assert [warning.filename for warning in caught] == [__file__]
+
+
+def test_a_name_that_has_left_the_top_can_be_imported():
+    with pytest.warns(DeprecationWarning, match=r"casingfem.uff.read_uff now"):
+        from casingfem import read_uff
+    assert read_uff is casingfem.uff.read_uff
 
 
 def test_a_module_loaded_first_does_not_take_the_place_of_a_function_of_its_name():

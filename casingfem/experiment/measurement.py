@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from casingfem.errors import InputError
 from casingfem.experiment.grouping import Doublet, Group, grouped
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.io.strict_csv import CsvError, StrictCsv, read
+from casingfem.io.strict_csv import StrictCsv, read
 
 COLUMNS = ("mode", "n", "freq_hz", "sigma_hz", "angle_deg", "zeta")
 COMPUTED = ("n_purity", "m", "doublet", "split_rel", "rigid")
@@ -36,10 +37,6 @@ _EXPECTED = {
 }
 
 
-class TableError(CsvError):
-    """A frequency table that cannot be used: names file, line, column, found and expected."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FrequencyTable:
     """Measured modes: arrays (rows,), read-only.
@@ -56,7 +53,7 @@ class FrequencyTable:
 
     Raises
     ------
-    TableError
+    InputError
         Values out of range, repeated mode numbers, arrays of different lengths, no rows.
 
     Examples
@@ -87,10 +84,10 @@ class FrequencyTable:
         shapes = {getattr(self, name).shape for name in COLUMNS}
         if len(shapes) != 1 or self.mode.ndim != 1 or self.mode.size == 0:
             found = ", ".join(f"{name} {getattr(self, name).shape}" for name in COLUMNS)
-            raise TableError(self.path, found=found, expected="arrays of one common length >= 1")
+            raise InputError(self.path, found=found, expected="arrays of one common length >= 1")
         for row, name in _faults({name: getattr(self, name) for name in COLUMNS})[:1]:
             found = f"{name} = {getattr(self, name)[row]} in row {row + 1}"
-            raise TableError(self.path, found=found, expected=_EXPECTED[name])
+            raise InputError(self.path, found=found, expected=_EXPECTED[name])
 
     @classmethod
     def from_arrays(
@@ -114,7 +111,7 @@ class FrequencyTable:
         whole = {"mode": np.arange(1, freq.size + 1) if mode is None else mode, "n": n}
         for name, values in whole.items():
             if np.any(np.asarray(values) != np.trunc(values)):
-                raise TableError(path, found=f"{name} = {values!r}", expected="whole numbers")
+                raise InputError(path, found=f"{name} = {values!r}", expected="whole numbers")
         numbers = whole | {"sigma_hz": sigma_hz, "angle_deg": angle_deg, "zeta": zeta}
         rest: dict[str, Any] = {
             name: np.broadcast_to(values, freq.shape) if np.ndim(values) == 0 else values
@@ -130,10 +127,10 @@ class FrequencyTable:
 
         Raises
         ------
-        TableError
+        InputError
             Everything that is not exactly such a table, with file, line and column.
         """
-        csv = read(path, TableError)
+        csv = read(path)
         _check_columns(csv)
         rows = len(csv.lines)
         columns: dict[str, Array] = {}
@@ -232,10 +229,10 @@ def _check_columns(csv: StrictCsv) -> None:
             absent = [c for c in COLUMNS if c not in csv.header]
             near = [c for c in absent if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))]
             expected = f"{near[0]}, unit and all" if near else f"only {', '.join(COLUMNS)}"
-            raise csv.error(csv.path, line=csv.header_line, column=name, found="an unknown column", expected=expected)
+            raise InputError(csv.path, line=csv.header_line, column=name, found="an unknown column", expected=expected)
     for name, meaning in _REQUIRED.items():
         if name not in csv.header:
-            raise csv.error(csv.path, line=csv.header_line, column=name, found="no such column", expected=meaning)
+            raise InputError(csv.path, line=csv.header_line, column=name, found="no such column", expected=meaning)
 
 
 def _check_values(csv: StrictCsv, columns: dict[str, Array]) -> None:

@@ -45,7 +45,7 @@ EDGES = {
     ),
     "mass-edge": Fault(
         "masses stand on the edges of the shell",
-        "name an edge of the chart and give PointMass values",
+        "name an edge of the chart and give EdgeMass values",
     ),
     "mass-value": Fault(
         "a mass that is negative or not finite, or at no angle",

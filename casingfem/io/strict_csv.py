@@ -19,22 +19,10 @@ from unicodedata import category
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, IntArray
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
-
-
-class CsvError(ValueError):
-    """A table that cannot be read as it stands: says where, what was found, what was expected."""
-
-    def __init__(
-        self, path: str, *, found: str, expected: str, line: int | None = None, column: str | None = None
-    ) -> None:
-        self.path, self.line, self.column, self.found, self.expected = path, line, column, found, expected
-        where = path if line is None else f"{path}, line {line}"
-        if column is not None:
-            where += f", column {column!r}"
-        super().__init__(f"{where}: found {found}; expected {expected}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,7 +31,7 @@ class StrictCsv:
 
     Examples
     --------
-    >>> table = parse("# rig, 2024\nz_m,theta_deg\n0.1,30\n", "survey.csv", CsvError)
+    >>> table = parse("# rig, 2024\nz_m,theta_deg\n0.1,30\n", "survey.csv")
     >>> table.card, table.header, table.numbers("z_m")
     (('rig, 2024',), ('z_m', 'theta_deg'), array([0.1]))
     """
@@ -54,12 +42,11 @@ class StrictCsv:
     header_line: int
     cells: Mapping[str, tuple[str, ...]]
     lines: IntArray
-    error: type[CsvError]
 
-    def refuse(self, *, found: str, expected: str, row: int | None = None, column: str | None = None) -> CsvError:
+    def refuse(self, *, found: str, expected: str, row: int | None = None, column: str | None = None) -> InputError:
         """Return the reader's error for a row (from 0) and column, to be raised."""
         line = None if row is None else int(self.lines[row])
-        return self.error(self.path, found=found, expected=expected, line=line, column=column)
+        return InputError(self.path, found=found, expected=expected, line=line, column=column)
 
     def numbers(self, column: str, *, blank: float | None = None) -> FloatArray:
         """Return a column as finite numbers; ``blank`` stands for empty cells, refused when None."""
@@ -93,11 +80,13 @@ class StrictCsv:
         return values
 
 
-def read(path: str | os.PathLike[str], error: type[CsvError]) -> StrictCsv:
-    """Read a table from a file; ``error`` is the class raised for everything that does not fit.
+def read(path: str | os.PathLike[str]) -> StrictCsv:
+    """Read a table from a file; everything that does not fit is refused.
 
     Raises
     ------
+    InputError
+        With the line, what was found and what is expected.
     FileNotFoundError
         When there is no such file.
     """
@@ -107,79 +96,79 @@ def read(path: str | os.PathLike[str], error: type[CsvError]) -> StrictCsv:
     except UnicodeDecodeError as reason:
         line = data.count(b"\n", 0, reason.start) + 1
         found = f"byte 0x{data[reason.start]:02x}, which is not UTF-8"
-        raise error(str(path), line=line, found=found, expected="a UTF-8 text file") from None
-    return parse(text, str(path), error)
+        raise InputError(str(path), line=line, found=found, expected="a UTF-8 text file") from None
+    return parse(text, str(path))
 
 
-def parse(text: str, path: str, error: type[CsvError]) -> StrictCsv:
+def parse(text: str, path: str) -> StrictCsv:
     """Parse a table from text; ``path`` is only named in errors."""
     card: list[str] = []
     header: tuple[str, ...] = ()
     header_line = 0
     rows: list[tuple[str, ...]] = []
     lines: list[int] = []
-    for number, line in _significant_lines(text, path, error):
+    for number, line in _significant_lines(text, path):
         if line.lstrip().startswith("#"):
             if header:
                 found, expected = "a '#' line below the header", "card lines above the header only"
-                raise error(path, line=number, found=found, expected=expected)
+                raise InputError(path, line=number, found=found, expected=expected)
             card.append(line.strip()[1:].strip())
             continue
-        cells = _split(line, number, path, error)
+        cells = _split(line, number, path)
         if not header:
-            header, header_line = _checked_header(cells, number, path, error), number
+            header, header_line = _checked_header(cells, number, path), number
         elif len(cells) != len(header):
             found = f"{len(cells)} cells in {line.strip()!r}"
             expected = f"{len(header)}, one for each of {','.join(header)}"
             if len(cells) > len(header):
                 expected += " (numbers take a decimal point, not a comma)"
-            raise error(path, line=number, found=found, expected=expected)
+            raise InputError(path, line=number, found=found, expected=expected)
         else:
             rows.append(cells)
             lines.append(number)
     if not header:
-        raise error(path, found="no header row", expected="a header with the names of the columns")
+        raise InputError(path, found="no header row", expected="a header with the names of the columns")
     if not rows:
-        raise error(path, line=header_line, found="no rows below the header", expected="at least one row")
+        raise InputError(path, line=header_line, found="no rows below the header", expected="at least one row")
     columns = dict(zip(header, zip(*rows, strict=True), strict=True))
     return StrictCsv(
         path=path, card=tuple(card), header=header, header_line=header_line, cells=columns,
-        lines=np.array(lines), error=error,
+        lines=np.array(lines),
     )  # fmt: skip
 
 
-def _significant_lines(text: str, path: str, error: type[CsvError]) -> Iterator[tuple[int, str]]:
+def _significant_lines(text: str, path: str) -> Iterator[tuple[int, str]]:
     """Yield numbered lines that are not blank; a control character means the file is not a text table."""
     for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1):
         odd = [c for c in line if not (c.isprintable() or c == "\t" or category(c) == "Zs")]
         if odd:
             found = f"the character {odd[0]!r}"
-            raise error(path, line=number, found=found, expected="printable text")
+            raise InputError(path, line=number, found=found, expected="printable text")
         if line.strip():
             yield number, line
 
 
-def _split(line: str, number: int, path: str, error: type[CsvError]) -> tuple[str, ...]:
+def _split(line: str, number: int, path: str) -> tuple[str, ...]:
     try:
         cells = next(csv.reader([line], strict=True, skipinitialspace=True))
     except csv.Error:
         found = f"quotes that do not pair in {line.strip()!r}"
-        raise error(path, line=number, found=found, expected="cells on one line, quoted or not") from None
+        raise InputError(path, line=number, found=found, expected="cells on one line, quoted or not") from None
     return tuple(cell.strip(" \t") for cell in cells)
 
 
-def _checked_header(cells: tuple[str, ...], number: int, path: str, error: type[CsvError]) -> tuple[str, ...]:
+def _checked_header(cells: tuple[str, ...], number: int, path: str) -> tuple[str, ...]:
     for separator, name in ((";", "semicolons"), ("\t", "tabs")):
         if len(cells) == 1 and separator in cells[0]:
             found = f"a header separated by {name}"
-            raise error(path, line=number, found=found, expected="commas, with decimal points in numbers")
+            raise InputError(path, line=number, found=found, expected="commas, with decimal points in numbers")
     if _NUMBER.fullmatch(cells[0]):
         found = f"numbers ({cells[0]}) in the first row"
-        raise error(path, line=number, found=found, expected="a header with the names of the columns")
+        raise InputError(path, line=number, found=found, expected="a header with the names of the columns")
     for index, cell in enumerate(cells):
         if not cell:
             found = f"no name for column {index + 1}"
-            raise error(path, line=number, found=found, expected="a name for every column")
+            raise InputError(path, line=number, found=found, expected="a name for every column")
         if cell in cells[:index]:
-            raise error(path, line=number, column=cell, found="this column twice", expected="distinct columns")
+            raise InputError(path, line=number, column=cell, found="this column twice", expected="distinct columns")
     return cells

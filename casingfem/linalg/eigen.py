@@ -6,7 +6,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.sparse import csc_array
 
-from casingfem.errors import EigenError, sentence
+from casingfem.errors import NumericsError, sentence
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.certificate import doubt_count, round_off, stands_clear
 from casingfem.linalg.factor import Direct, factorise
@@ -18,8 +18,8 @@ __all__ = [
     "START_SEED",
     "Band",
     "CountError",
-    "EigenError",
     "EigenResult",
+    "NumericsError",
     "factorise",
     "gap_after",
     "solve",
@@ -32,7 +32,7 @@ __all__ = [
 Band: TypeAlias = tuple[float, float]
 
 
-class CountError(EigenError, ValueError):
+class CountError(NumericsError, ValueError):
     """More modes were asked for than the model has."""
 
 
@@ -92,7 +92,7 @@ def gap_after(
     """
     found = gaps(eigenvalues, count, floor, clear)
     if not len(found):
-        raise EigenError(f"no gap among eigenvalues {count} to {len(eigenvalues)}: ask for more modes")
+        raise NumericsError(f"no gap among eigenvalues {count} to {len(eigenvalues)}: ask for more modes")
     wide = found[np.diff(eigenvalues)[count - 1 :][found] > 2.0 * noise]
     found = wide if len(wide) else found
     below = count + int(found[0])
@@ -121,7 +121,7 @@ def solve_modes(
     ------
     CountError
         If more modes are asked for than there are.
-    EigenError
+    NumericsError
         If the solver fails, or the count shows that modes are missing.
 
     Warns
@@ -166,7 +166,7 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
     if certified is None:
         doubt_count(sigma, values, noise)
         return result(pencil, values[:below], vectors[:, :below], None, products, abs(shift))
-    raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
+    raise NumericsError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
 
 
 def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direct = "superlu") -> EigenResult:
@@ -186,7 +186,7 @@ def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direc
 
     Raises
     ------
-    EigenError
+    NumericsError
         If a slice does not show as many modes as its ends count.
 
     Warns
@@ -196,7 +196,7 @@ def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direc
     """
     low, high = band
     if not 0.0 <= low < high < np.inf:
-        raise EigenError(f"a band runs from 0 or above to a higher end, found {low:.6g} to {high:.6g}")
+        raise NumericsError(f"a band runs from 0 or above to a higher end, found {low:.6g} to {high:.6g}")
     pencil = make_pencil(K, mass)
     parts = list(slices(pencil, low, high, shift, direct))
     values = np.concatenate([part.values for part in parts])

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
-from casingfem.errors import EigenError, ModelError
+from casingfem.errors import ModelError, NumericsError
 from casingfem.extras import remedy
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.pardiso import PardisoFactor
@@ -32,7 +32,7 @@ class Factor(Protocol):
         ...
 
     def negative(self) -> int:
-        """Number of negative eigenvalues of A; EigenError where the pivots do not tell."""
+        """Number of negative eigenvalues of A; NumericsError where the pivots do not tell."""
         ...
 
 
@@ -47,9 +47,9 @@ class SuperLUFactor:
         return np.asarray(self.lu.solve(rhs))
 
     def negative(self) -> int:
-        """Negative pivots, real for a Hermitian matrix too; EigenError if pivots left the diagonal."""
+        """Negative pivots, real for a Hermitian matrix too; NumericsError if pivots left the diagonal."""
         if not np.array_equal(self.lu.perm_r, self.lu.perm_c):
-            raise EigenError("pivots left the diagonal")
+            raise NumericsError("pivots left the diagonal")
         return int(np.count_nonzero(np.real(self.lu.U.diagonal()) < 0.0))
 
 
@@ -58,7 +58,7 @@ def superlu(A: csc_array) -> Factor:
     try:
         lu = splu(csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
-        raise EigenError(
+        raise NumericsError(
             "the matrix is singular: the structure is not supported, or the shift is an eigenvalue"
         ) from error
     return SuperLUFactor(lu)
@@ -69,7 +69,7 @@ def pardiso(A: csc_array) -> Factor:
     try:
         factor: Factor = PardisoFactor(A)
     except ImportError as error:
-        raise EigenError(f'direct = "pardiso" needs the package pypardiso: {remedy("direct")}') from error
+        raise NumericsError(f'direct = "pardiso" needs the package pypardiso: {remedy("direct")}') from error
     return factor
 
 
@@ -81,7 +81,7 @@ def factorise(A: csc_array, direct: Direct = "superlu") -> Factor:
 
     Raises
     ------
-    EigenError
+    NumericsError
         If the matrix is singular, or the solver is not installed.
 
     >>> factor = factorise(csc_array(np.diag([2.0, -4.0])))
@@ -89,7 +89,7 @@ def factorise(A: csc_array, direct: Direct = "superlu") -> Factor:
     ([0.5, -0.25], 1)
     """
     if direct not in SOLVERS:
-        raise EigenError(f"direct must be one of {', '.join(SOLVERS)}, found {direct!r}")
+        raise NumericsError(f"direct must be one of {', '.join(SOLVERS)}, found {direct!r}")
     return SOLVERS[direct](A)
 
 
@@ -103,7 +103,7 @@ def solve_held(K: csc_array, f: FloatArray) -> FloatArray:
     """
     try:
         u = np.asarray(factorise(K).solve(f))
-    except EigenError as error:
+    except NumericsError as error:
         raise ModelError("static-loose", "static solution: found a singular stiffness") from error
     work, strain = float(u @ f), float(u @ (K @ u))
     if not abs(work - strain) <= BALANCE * abs(work):

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.linalg import eigh
 
-from casingfem.errors import EigenError
+from casingfem.errors import NumericsError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.pencil import Pencil
 
@@ -28,7 +28,7 @@ START_SEED = 7391  # the first block is fixed: same input, same bits
 Solve = Callable[[FloatArray], FloatArray]
 
 
-class ConvergenceError(EigenError):
+class ConvergenceError(NumericsError):
     """The basis was restarted too often."""
 
 

@@ -5,7 +5,7 @@ import weakref
 import numpy as np
 from scipy.sparse import csc_array, csr_matrix, triu
 
-from casingfem.errors import EigenError
+from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray
 
 SYMMETRIC_INDEFINITE = -2  # Pardiso's matrix type: L D L^T with Bunch-Kaufman pivots
@@ -26,9 +26,9 @@ class PardisoFactor:
         try:
             self.solver.factorize(self.upper)
         except (PyPardisoError, ValueError) as error:
-            raise EigenError(f"Pardiso could not factorise the matrix: {error}") from error
+            raise NumericsError(f"Pardiso could not factorise the matrix: {error}") from error
         if self.solver.get_iparm(ZERO_PIVOTS):
-            raise EigenError("the matrix is singular: the structure is not supported, or the shift is an eigenvalue")
+            raise NumericsError("the matrix is singular: the structure is not supported, or the shift is an eigenvalue")
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """A^-1 rhs."""

@@ -6,7 +6,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.sparse import csc_array
 
-from casingfem.errors import EigenError
+from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import Direct, factorise
 
@@ -50,13 +50,13 @@ class Pencil:
 
         Raises
         ------
-        EigenError
+        NumericsError
             If sigma is an eigenvalue.
         """
         try:
             return factorise(self.shifted(sigma), direct).negative()
-        except EigenError as error:
-            raise EigenError(f"no Sturm count at shift {sigma:.6g}: {error}") from error
+        except NumericsError as error:
+            raise NumericsError(f"no Sturm count at shift {sigma:.6g}: {error}") from error
 
     def residuals(self, values: FloatArray, vectors: FloatArray, floor: float) -> FloatArray:
         """|A x - lambda B x| / max(|lambda|, floor), (modes,)."""
@@ -75,7 +75,7 @@ def make_pencil(K: csc_array, mass: Mass) -> Pencil:
 
     Raises
     ------
-    EigenError
+    NumericsError
         If the sizes do not fit, or the diagonal of M is not positive.
 
     >>> make_pencil(csc_array(np.diag([8.0, 2.0])), np.array([2.0, 1.0])).count_below(3.0)
@@ -85,8 +85,10 @@ def make_pencil(K: csc_array, mass: Mass) -> Pencil:
     """
     diagonal = mass if isinstance(mass, np.ndarray) else mass.diagonal()
     if diagonal.shape != (K.shape[0],):
-        raise EigenError(f"the mass is of {diagonal.shape[0]} unknowns, the stiffness of {K.shape[0]}")
+        raise NumericsError(f"the mass is of {diagonal.shape[0]} unknowns, the stiffness of {K.shape[0]}")
     if not np.all(diagonal > 0.0):
-        raise EigenError("the mass has a diagonal that is not positive: a density, a thickness or an element is wrong")
+        raise NumericsError(
+            "the mass has a diagonal that is not positive: a density, a thickness or an element is wrong"
+        )
     scale = 1.0 / np.sqrt(diagonal)
     return Pencil(A=scaled(K, scale), B=None if isinstance(mass, np.ndarray) else scaled(mass, scale), scale=scale)

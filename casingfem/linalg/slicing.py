@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.errors import EigenError
+from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.certificate import doubt_count, round_off, stands_clear
 from casingfem.linalg.factor import Direct, factorise
@@ -67,7 +67,7 @@ class Counter:
             there = place + way * step * self.width(place)
             try:
                 return End(there, self.pencil.count_below(there, self.direct))
-            except EigenError as error:
+            except NumericsError as error:
                 singular = error
         raise singular
 
@@ -92,7 +92,7 @@ def slices(pencil: Pencil, low: float, high: float, shift: float, direct: Direct
 
     Raises
     ------
-    EigenError
+    NumericsError
         If a slice does not show as many eigenvalues as its ends count.
     """
     counter = Counter(pencil, abs(shift), direct)
@@ -132,7 +132,7 @@ def solve_slice(counter: Counter, start: End, end: End) -> Slice:
         doubt_count(reached[-1], values, noise)
         return part
     ends = [f"{np.sqrt(max(place, 0.0)) / 2 / np.pi:.6g}" for place in (low.place, high.place)]
-    raise EigenError(f"{high.below - low.below} modes lie in {ends[0]} to {ends[1]} Hz, {between.sum()} were found")
+    raise NumericsError(f"{high.below - low.below} modes lie in {ends[0]} to {ends[1]} Hz, {between.sum()} were found")
 
 
 def around_middle(counter: Counter, start: End, end: End, block: int, clear: float) -> RitzPairs:
@@ -143,7 +143,7 @@ def around_middle(counter: Counter, start: End, end: End, block: int, clear: flo
         radius = max(high - sigma + 10.0 * counter.width(high, clear), sigma - low + 10.0 * counter.width(low, clear))
         try:
             factor = factorise(pencil.shifted(sigma), counter.direct)
-        except EigenError:
+        except NumericsError:
             continue
         wanted, products = end.below - start.below + 4, 0
         while True:
@@ -158,4 +158,4 @@ def around_middle(counter: Counter, start: End, end: End, block: int, clear: flo
             if wanted >= pencil.size or reach[-1] > radius:
                 return RitzPairs(values=found.values, vectors=found.vectors, products=products)
             wanted += max(8, wanted // 2)
-    raise EigenError(f"no shift between {low:.6g} and {high:.6g} [rad^2/s^2] lies clear of the modes")
+    raise NumericsError(f"no shift between {low:.6g} and {high:.6g} [rad^2/s^2] lies clear of the modes")

@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.experiment.correlation.correlate import seen_mac
 from casingfem.experiment.correlation.correlation import pair
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.sensors import sensors_on
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.localisation import factors_of
@@ -44,7 +45,7 @@ def judged_by_shapes(
     ------
     ModelError
         sensor-far; locate-bolts for masses.
-    ShapeError
+    InputError
         No shape pairs with a mode.
     """
     grid = model.system.grid
@@ -68,6 +69,6 @@ def unlike(
     matches = pair(modes, shapes.table(), reach=reach, shape_mac=likeness).matches
     if not matches:
         near = f"one within {reach:.2g} of a mode's frequency and like it"
-        raise ShapeError(shapes.path, found="no shape that pairs with a mode", expected=near)
+        raise InputError(shapes.path, found="no shape that pairs with a mode", expected=near)
     macs = [likeness[row, mode] for match in matches for row, mode in zip(match.rows, match.modes, strict=True)]
     return float(1.0 - np.mean(macs))

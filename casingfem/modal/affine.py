@@ -23,7 +23,7 @@ from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, 
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, ranks
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.mesh.edge_form import EdgeForm, spring_form
 from casingfem.structure.shell.assembly import on_free
@@ -64,7 +64,7 @@ def bolt_changes(system: System, edge: str) -> list[Change]:
 
 def mass_changes(system: System, edge: str, angles: FloatArray) -> list[Change]:
     """One kilogram at each of some angles [rad] of an edge."""
-    shells = [replace(system.shell, masses={edge: [PointMass(angle=float(a), mass=1.0)]}) for a in angles]
+    shells = [replace(system.shell, masses={edge: [EdgeMass(angle=float(a), mass=1.0)]}) for a in angles]
     return [Change(mass=mass_forms(shell, system.grid)[0]) for shell in shells]
 
 

@@ -16,13 +16,10 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, frozen
 
 FORMAT = "casingfem-modal-basis-1"
-
-
-class BasisError(ValueError):
-    """A modal basis, or a file said to hold one, that is not in order."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -85,13 +82,13 @@ class ModalBasis:
         shapes = {"zeta": (modes,), "rows": (channels, modes), "S": (channels, channels)}
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:
-                raise BasisError(f"{name} must have shape {shape}, found {getattr(self, name).shape}")
+                raise InputError(f"{name} must have shape {shape}, found {getattr(self, name).shape}")
         for name in ("omega", "zeta", "rows", "S"):
             if not np.all(np.isfinite(getattr(self, name))):
-                raise BasisError(f"{name} holds values that are not finite")
+                raise InputError(f"{name} holds values that are not finite")
             object.__setattr__(self, name, frozen(getattr(self, name)))
         if self.kind not in ("rim", "point"):
-            raise BasisError(f'kind must be "rim" or "point", found {self.kind!r}')
+            raise InputError(f'kind must be "rim" or "point", found {self.kind!r}')
 
     def __len__(self) -> int:
         """Return the number of modes."""
@@ -145,19 +142,19 @@ class ModalBasis:
 
         Raises
         ------
-        BasisError
+        InputError
             If the file is missing, is no modal basis, or lacks an array.
         """
         try:
             with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
                 data = {name: stored[name] for name in stored.files}
         except (OSError, ValueError, EOFError, BadZipFile, zlib.error) as error:
-            raise BasisError(f"{path}: not a readable npz file ({error})") from error
+            raise InputError(f"{path}: not a readable npz file ({error})") from error
         if str(data.get("format")) != FORMAT:
-            raise BasisError(f"{path}: expected format {FORMAT!r}, found {str(data.get('format'))!r}")
+            raise InputError(f"{path}: expected format {FORMAT!r}, found {str(data.get('format'))!r}")
         missing = {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys()
         if missing:
-            raise BasisError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
+            raise InputError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
         wanted = (
             "recovery",
             "recovery_S",
@@ -172,7 +169,7 @@ class ModalBasis:
         try:
             provenance = json.loads(str(data.get("provenance", "{}")))
         except ValueError as error:
-            raise BasisError(f"{path}: the provenance is not JSON ({error})") from error
+            raise InputError(f"{path}: the provenance is not JSON ({error})") from error
         return cls(
             omega=data["omega"],
             zeta=data["zeta"],

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
 
-from casingfem.errors import EigenError
+from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.certificate import doubt_count, round_off, stands_clear
 from casingfem.linalg.eigen import gap_after
@@ -43,7 +43,7 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
 
     Raises
     ------
-    EigenError
+    NumericsError
         If the inertia disagrees with what was found.
 
     Warns
@@ -73,7 +73,7 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
         return revolved(shell, meridians, found[:below], count, None, started)
     counted = sum((1 + (m.n > 0)) * inertia_below(m, sigma) for m in meridians)
     if counted != below:
-        raise EigenError(f"{counted} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
+        raise NumericsError(f"{counted} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
     return revolved(shell, meridians, found[:below], count, counted, started)
 
 
@@ -82,7 +82,7 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
 
     Raises
     ------
-    EigenError
+    NumericsError
         If a harmonic does not show as many modes as its inertia counts.
 
     Warns
@@ -110,7 +110,7 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
             doubt_count(reached[-1], values, noise)
         counted = counted and not reached
         if not reached and np.count_nonzero(inside) != end - start:
-            raise EigenError(f"n = {n}: {end - start} modes lie in the band, {inside.sum()} were found")
+            raise NumericsError(f"n = {n}: {end - start} modes lie in the band, {inside.sum()} were found")
         found += members(meridian, values[inside], vectors[:, inside])
     found.sort(key=lambda item: item[:3])
     return revolved(shell, meridians, found, len(found), len(found) if counted else None, started)

@@ -35,10 +35,10 @@ WAVES = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BladedDisk:
+class DiskFrequencies:
     """A disk of equal blades: frequencies [Hz] by its nodal diameters 0 .. blades/2.
 
-    >>> BladedDisk(blades=22, freq={3: (110.0,), 5: (120.0,)}).of(19)
+    >>> DiskFrequencies(blades=22, freq={3: (110.0,), 5: (120.0,)}).of(19)
     (110.0,)
     """
 
@@ -113,7 +113,7 @@ class Interactions:
 
 def interactions(
     casing: ModeSet | Mapping[int, Sequence[float]],
-    blade: Sequence[float] | FloatArray | Campbell | BladedDisk,
+    blade: Sequence[float] | FloatArray | Campbell | DiskFrequencies,
     *,
     speed_hz: tuple[float, float],
     turning: Turning = "blade",
@@ -178,7 +178,7 @@ def casing_pairs(casing: ModeSet | Mapping[int, Sequence[float]]) -> tuple[tuple
 
 
 def blade_over_speed(
-    blade: Sequence[float] | FloatArray | Campbell | BladedDisk, n: int, low: float, high: float
+    blade: Sequence[float] | FloatArray | Campbell | DiskFrequencies, n: int, low: float, high: float
 ) -> tuple[FloatArray, FloatArray]:
     """Speeds [Hz] (k,) and the blade's frequencies at them [Hz] (k, modes), for a casing pair of n diameters."""
     if isinstance(blade, Campbell):
@@ -188,7 +188,7 @@ def blade_over_speed(
         freq = np.array([np.interp(speed, blade.speed_hz, column) for column in blade.freq.T]).T
     else:
         speed = np.array([low, high])
-        freq = np.tile(np.asarray(blade.of(n) if isinstance(blade, BladedDisk) else blade, dtype=float), (2, 1))
+        freq = np.tile(np.asarray(blade.of(n) if isinstance(blade, DiskFrequencies) else blade, dtype=float), (2, 1))
     if not np.all(np.isfinite(freq)) or freq.min(initial=1.0) <= 0.0:
         raise ModelError("interaction-blade", f"interactions: found blade frequencies {freq[0]}")
     return speed, freq
@@ -196,7 +196,7 @@ def blade_over_speed(
 
 def _meetings(
     pair: tuple[int, int, float],
-    blade: Sequence[float] | FloatArray | Campbell | BladedDisk,
+    blade: Sequence[float] | FloatArray | Campbell | DiskFrequencies,
     low: float,
     high: float,
     waves: Mapping[str, str],

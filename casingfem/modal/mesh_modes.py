@@ -48,7 +48,7 @@ def mesh_modes(
 
     Raises
     ------
-    EigenError
+    NumericsError
         If the modes cannot be computed or certified.
 
     Examples

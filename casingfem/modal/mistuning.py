@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from casingfem.errors import EigenError
+from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray, IntArray, frozen
 from casingfem.modal.mode_set import Modes
 from casingfem.modal.modes import modes
@@ -74,7 +74,7 @@ def drawn_modes(shell: Shell, mean: Modes, count: int, draw: int) -> tuple[Modes
     drawn = redrawn_shell(shell, draw)
     try:
         return restarted_modes(drawn, mean, count), True
-    except EigenError:
+    except NumericsError:
         return modes(drawn, count, method="shell"), False
 
 
@@ -162,8 +162,8 @@ def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[in
 
     Examples
     --------
-    >>> from casingfem import Clamped, Cylinder, Material, RandomField, Shell, ShellMesh
-    >>> lab = RandomField.example(thickness=0.01, radius=0.5, seed=7, scale=0.1, p_max=8)
+    >>> from casingfem import Clamped, Cylinder, Material, Shell, ShellMesh, field
+    >>> lab = field.RandomField.example(thickness=0.01, radius=0.5, seed=7, scale=0.1, p_max=8)
     >>> tube = Shell(chart=Cylinder(radius=0.5, height=0.3), thickness=0.01, supports={"base": Clamped()},
     ...              material=Material(E=210e9, nu=0.3, rho=7800.0), radius_defect=lab,
     ...              mesh=ShellMesh(order=5, rows=1, around=9))

@@ -83,7 +83,7 @@ def modes(
         Unknown method, count below 1, or "fourier" asked of a casing that is not axisymmetric.
     ModelError
         `rotation-unstable` where a rotating shell softens more than it is held.
-    EigenError
+    NumericsError
         If the modes cannot be computed or certified.
 
     Examples

@@ -70,7 +70,7 @@ def reduce(
     ------
     ValueError
         Unknown method, negative damping, an interface the shell does not have, or rigid motions.
-    EigenError
+    NumericsError
         If the stiffness is singular.
     """
     if method not in METHODS:

@@ -11,7 +11,7 @@ import time
 import numpy as np
 from scipy.linalg import eigh, qr
 
-from casingfem.errors import EigenError
+from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import gap_after
 from casingfem.linalg.factor import factorise
@@ -47,7 +47,7 @@ def restarted_modes(shell: Shell, known: Modes, count: int, *, steps: int = STEP
     ------
     ValueError
         If the meshes differ, or too few modes are known.
-    EigenError
+    NumericsError
         If the inertia finds a mode that the space does not hold.
     """
     if known.shell.mesh != shell.mesh or len(known) < count + EXTRA:
@@ -62,7 +62,7 @@ def restarted_modes(shell: Shell, known: Modes, count: int, *, steps: int = STEP
     below, sigma = gap_after(values[: count + EXTRA], count)
     certified = pencil.count_below(sigma)
     if certified != below:
-        raise EigenError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
+        raise NumericsError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
     ritz = ritz_modes(system, pencil.scale[:, None] * vectors[:, :below])
     solved = time.perf_counter()
     return labelled(

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs
 
-from casingfem.errors import EigenError, ModelError
+from casingfem.errors import ModelError, NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.linalg.eigen import START_SEED, gap_after
 from casingfem.linalg.factor import factorise
@@ -74,7 +74,7 @@ def whirl_modes(shell: Shell, count: int = 10) -> WhirlModes:
     ------
     ModelError
         `rotation-none` for a shell at rest, `rotation-unstable` if K(Omega) is not positive definite.
-    EigenError
+    NumericsError
         If the modes cannot be computed or certified.
 
     Examples
@@ -119,7 +119,7 @@ def gyroscopic_modes(
     """Frequencies [rad/s] ascending and complex shapes of x'' + G x' + A x = 0, up to a gap at or after `count`."""
     size = A.shape[0]
     if not 1 <= count < size // 2 - extra:
-        raise EigenError(f"count must lie between 1 and {size // 2 - extra - 1}, found {count}")
+        raise NumericsError(f"count must lie between 1 and {size // 2 - extra - 1}, found {count}")
     factor = factorise(A)
     if factor.negative():
         raise ModelError("rotation-unstable", f"whirl_modes: found {factor.negative()} negative stiffnesses")
@@ -133,7 +133,7 @@ def gyroscopic_modes(
     try:
         found, states = eigs(operator, 2 * (count + extra), v0=start)
     except ArpackError as error:
-        raise EigenError(f"ARPACK did not converge on {count + extra} rotating modes: {error}") from error
+        raise NumericsError(f"ARPACK did not converge on {count + extra} rotating modes: {error}") from error
     upper = np.flatnonzero(found.imag < 0.0)  # 1/(i omega), omega > 0
     upper = upper[np.argsort(-np.abs(found[upper]))]
     omega = 1.0 / np.abs(found[upper])
@@ -141,7 +141,7 @@ def gyroscopic_modes(
     shifted = csc_array(A + 1j * sigma * G - sigma**2 * diags_array(np.ones(size)))
     certified = factorise(shifted).negative()
     if certified != below:
-        raise EigenError(f"{certified} modes lie below {sigma / 2 / np.pi:.6g} Hz, {below} were found")
+        raise NumericsError(f"{certified} modes lie below {sigma / 2 / np.pi:.6g} Hz, {below} were found")
     return omega[:below], states[:size, upper[:below]], certified
 
 

@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell
-from casingfem.modal.interaction import BladedDisk, Interactions, blade_over_speed
+from casingfem.modal.interaction import DiskFrequencies, Interactions, blade_over_speed
 from casingfem.plot.style import AFTER, BEFORE, MEASURED, PERFECT, SKY, new_figure, styled
 
-Blade = Sequence[float] | FloatArray | Campbell | BladedDisk
+Blade = Sequence[float] | FloatArray | Campbell | DiskFrequencies
 
 
 @styled
@@ -49,11 +49,11 @@ def figure_zzenf(found: Interactions, blade: Blade, speed_hz: float) -> Figure:
 
     Left (SAFE) nodal diameters of the casing; for a bladed disk of N blades also (ZZENF) the line n f folded at N/2.
     """
-    disk = isinstance(blade, BladedDisk)
+    disk = isinstance(blade, DiskFrequencies)
     figure = new_figure(8.6 if disk else 7.6, 4.4)
     panels: Any = figure.subplots(1, 2 if disk else 1, squeeze=False)[0]
     _safe(panels[0], found, blade, speed_hz)
-    if isinstance(blade, BladedDisk):
+    if isinstance(blade, DiskFrequencies):
         _zigzag(panels[1], found, blade, speed_hz)
     figure.legend(loc="outside upper left", ncols=3)
     return figure
@@ -97,7 +97,7 @@ def _safe(axes: Any, found: Interactions, blade: Blade, speed_hz: float) -> None
     axes.xaxis.get_major_locator().set_params(integer=True)
 
 
-def _zigzag(axes: Any, found: Interactions, disk: BladedDisk, speed_hz: float) -> None:
+def _zigzag(axes: Any, found: Interactions, disk: DiskFrequencies, speed_hz: float) -> None:
     """The disk's families, and the line n f folded at half the number of blades."""
     most = max(n for n, _, _ in found.pairs)
     order = np.arange(most + 1)

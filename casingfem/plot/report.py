@@ -23,7 +23,7 @@ def study_report(study: Study, say: Callable[[str], None] = lambda words: None) 
 
     Raises
     ------
-    StudyError, EigenError
+    StudyError, NumericsError
         As the update, reduction and modes themselves do.
     """
     clock = Clock(say)

@@ -6,13 +6,13 @@ import numpy as np
 
 from casingfem.errors import doubt
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
 from casingfem.structure.field.fourier import Field, FourierField
 from casingfem.structure.field.random import RAYLEIGH, RandomField, Spectrum
-from casingfem.structure.field.survey.survey import SampledField
+from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.blade import Blade
 from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.geometry.revolved import Arc, Revolved
@@ -211,16 +211,16 @@ def build_ring(table: RingTable, edge: str, chart: Chart | None) -> Ring:
     )
 
 
-def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problems) -> dict[str, list[PointMass]]:
+def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problems) -> dict[str, list[EdgeMass]]:
     """Point masses by edge; edges the chart does not have are noted."""
-    masses: dict[str, list[PointMass]] = {}
+    masses: dict[str, list[EdgeMass]] = {}
     for k, table in enumerate(tables):
         if chart is not None and table.edge not in chart.edges:
             problems.add(f"mass[{k + 1}].edge", repr(table.edge), f"one of the chart's edges {', '.join(chart.edges)}")
             continue
         with problems.at(f"mass[{k + 1}]"):
             require_angle(chart, table.edge, "angle_deg")
-            place = PointMass(angle=float(np.radians(table.angle_deg)), mass=table.mass)
+            place = EdgeMass(angle=float(np.radians(table.angle_deg)), mass=table.mass)
             masses.setdefault(table.edge, []).append(place)
     return masses
 
@@ -269,7 +269,7 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
             return build_random(table, int(key.partition("[")[2][:-1]), tables)
     elif table.survey is not None:
         with problems.at(f"{key}.survey"):
-            survey = SampledField.from_csv(
+            survey = SurveyField.from_csv(
                 problems.file.parent / table.survey, table.n_max, table.degree, robust=bool(table.robust)
             )
             chart = None if tables.chart is None else build_chart(tables.chart)

@@ -74,7 +74,7 @@ def run_mistune(
     ------
     StudyError
         If nothing of the study is random, its chart is open, or the folder holds draws of another study.
-    EigenError
+    NumericsError
         If the modes of a draw cannot be computed.
     """
     try:

@@ -8,7 +8,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from casingfem.errors import code_of, coded
+from casingfem.errors import InputError, code_of, coded
 from casingfem.study.schema import StudyFile
 
 KEYS = {  # the code of a value that the schema refuses, by table and key, or by table
@@ -34,7 +34,7 @@ KEYS = {  # the code of a value that the schema refuses, by table and key, or by
 KINDS = {"extra_forbidden": "study-key", "missing": "study-missing", "too_short": "study-missing"}
 
 
-class StudyError(ValueError):
+class StudyError(InputError):
     """A study that cannot be used: `problems` lists them all, one line each, with file, key and code."""
 
     def __init__(self, problems: Sequence[str]) -> None:

@@ -14,7 +14,7 @@ from casingfem.updating.prediction import LeftOut, leave_one_out
 from casingfem.updating.problem import Progress
 from casingfem.updating.regularisation import Regularisation
 from casingfem.updating.result import UpdateResult
-from casingfem.updating.sampling import Sampled, sampled
+from casingfem.updating.sampling import PosteriorSamples, sample_posterior
 from casingfem.updating.updating import update
 
 
@@ -49,7 +49,7 @@ def run_update(study: Study, progress: Progress | None = None) -> UpdateResult:
 
 def judge_update(
     study: Study, fit: UpdateResult, *, left_out: bool, posterior: str | None, say: Callable[[str], None]
-) -> dict[str, LeftOut | Laplace | Sampled]:
+) -> dict[str, LeftOut | Laplace | PosteriorSamples]:
     """What was asked for beyond the fit, by its key in the JSON document.
 
     Raises
@@ -57,14 +57,14 @@ def judge_update(
     StudyError
         If it cannot be had: too few rows, a fit that is no minimum, no emcee.
     """
-    found: dict[str, LeftOut | Laplace | Sampled] = {}
+    found: dict[str, LeftOut | Laplace | PosteriorSamples] = {}
     try:
         if left_out:
             say("predicting rows left out")
             found["leave_one_out"] = leave_one_out(fit)
         if posterior is not None:
             say(f"posterior by {posterior}")
-            found["posterior"] = laplace(fit) if posterior == "laplace" else sampled(fit)
+            found["posterior"] = laplace(fit) if posterior == "laplace" else sample_posterior(fit)
     except ValueError as error:
         raise StudyError([f"{study.path}: update: {error}"]) from error
     return found

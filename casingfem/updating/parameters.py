@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge, grip
@@ -28,10 +29,6 @@ from casingfem.structure.shell.shell import Shell
 HARMONIC = re.compile(r"p(\d+)$")
 NUMBERS = (int, float, complex, np.number, tuple)  # what may be varied; a law has one a station
 SHARED = "around"  # in the place of a spring: all springs of an edge
-
-
-class ParameterError(ValueError):
-    """A parameter that does not exist on this structure, or whose bounds make no sense."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,13 +58,13 @@ class Parameter:
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.lower) and np.isfinite(self.upper) and self.lower < self.upper):
-            raise ParameterError(
+            raise InputError(
                 f"{self.name}: bounds must be finite with lower < upper, found {self.lower!r}, {self.upper!r}"
             )
         if self.log and self.lower <= 0.0:
-            raise ParameterError(f"{self.name}: a log parameter needs lower > 0, found {self.lower!r}")
+            raise InputError(f"{self.name}: a log parameter needs lower > 0, found {self.lower!r}")
         if self.sigma is not None and not self.sigma > 0.0:
-            raise ParameterError(f"{self.name}: sigma must be positive, found {self.sigma!r}")
+            raise InputError(f"{self.name}: sigma must be positive, found {self.sigma!r}")
 
     def to_internal(self, value: Any) -> Any:
         """Value -> the number the solver sees (log10 for a log parameter)."""
@@ -81,7 +78,7 @@ class Parameter:
 def _split(name: str) -> list[str]:
     parts = name.split(".")
     if len(parts) < 2:
-        raise ParameterError(f"{name!r} is no parameter name; expected a path such as material.E")
+        raise InputError(f"{name!r} is no parameter name; expected a path such as material.E")
     return parts
 
 
@@ -92,7 +89,7 @@ def _path(shell: Shell, name: str) -> list[str]:
         return parts
     bolted = [edge for edge, support in shell.supports.items() if isinstance(grip(support), Bolts)]
     if len(bolted) != 1:
-        raise ParameterError(f"{name!r}: {len(bolted)} edges have bolts; name one as support.<edge>.{name}")
+        raise InputError(f"{name!r}: {len(bolted)} edges have bolts; name one as support.<edge>.{name}")
     return ["support", bolted[0], *parts]
 
 
@@ -106,13 +103,13 @@ def _number(support: Bolts | Ring, name: str, parts: list[str]) -> Any:
     try:
         return support.number(tuple(parts[2:]))
     except KeyError as error:
-        raise ParameterError(f"{name!r}: {error.args[0]}") from None
+        raise InputError(f"{name!r}: {error.args[0]}") from None
 
 
 def _harmonic(name: str, parts: list[str]) -> tuple[int, str]:
     match = HARMONIC.match(parts[0]) if len(parts) == 2 else None
     if match is None or parts[1] not in ("cos", "sin"):
-        raise ParameterError(f"{name!r}: expected a harmonic such as p8.cos, found {'.'.join(parts)!r}")
+        raise InputError(f"{name!r}: expected a harmonic such as p8.cos, found {'.'.join(parts)!r}")
     return int(match[1]), parts[1]
 
 
@@ -120,10 +117,10 @@ def _edge(shell: Shell, name: str, parts: list[str]) -> tuple[str, ElasticEdge]:
     support = shell.supports.get(parts[1])
     if not isinstance(support, ElasticEdge):
         found = "no support" if support is None else type(support).__name__
-        raise ParameterError(f"{name!r}: edge {parts[1]!r} has {found}; only elastic edges have stiffnesses")
+        raise InputError(f"{name!r}: edge {parts[1]!r} has {found}; only elastic edges have stiffnesses")
     known = ElasticEdge.stiffness_names + ((SHARED,) if len(parts) == 5 else ())
     if len(parts) not in (3, 5) or parts[2] not in known:
-        raise ParameterError(f"{name!r}: an elastic edge has {', '.join(known)}")
+        raise InputError(f"{name!r}: an elastic edge has {', '.join(known)}")
     return parts[1], support
 
 
@@ -140,7 +137,7 @@ def _series(name: str, field: Field | None) -> FourierField:
     """The Fourier series behind a field; an empty one without a field."""
     series = FourierField.of({}) if field is None else getattr(field, "fit", field)
     if not isinstance(series, FourierField):
-        raise ParameterError(f"{name!r}: the field is no Fourier series but {type(field).__name__}")
+        raise InputError(f"{name!r}: the field is no Fourier series but {type(field).__name__}")
     return series
 
 
@@ -152,7 +149,7 @@ def _springs(parts: list[str]) -> tuple[str, ...]:
 def _pattern_value(support: ElasticEdge, name: str, parts: list[str]) -> Any:
     values = [_coefficient(name, support.pattern(spring), *_harmonic(name, parts[3:])) for spring in _springs(parts)]
     if any(value != values[0] for value in values):
-        raise ParameterError(f"{name!r}: the springs of this edge differ there; name one of them")
+        raise InputError(f"{name!r}: the springs of this edge differ there; name one of them")
     return values[0]
 
 
@@ -168,14 +165,14 @@ def _strip(shell: Shell, name: str, parts: list[str]) -> tuple[int, Any, str]:
     """Index of the strip, the value that owns the number (the strip or its material), and the number's name."""
     place = int(parts[1]) if parts[1].isdecimal() else 0
     if not 1 <= place <= len(shell.strips):
-        raise ParameterError(f"{name!r}: found strip {parts[1]!r}; this shell has {len(shell.strips)}, counted from 1")
+        raise InputError(f"{name!r}: found strip {parts[1]!r}; this shell has {len(shell.strips)}, counted from 1")
     strip = shell.strips[place - 1]
     if parts[2:] == ["thickness"]:
         return place - 1, strip, "thickness"
     if len(parts) != 4 or parts[2] != "material" or parts[3] not in ("E", "nu", "rho"):
-        raise ParameterError(f"{name!r}: a strip has thickness, material.E, material.nu, material.rho")
+        raise InputError(f"{name!r}: a strip has thickness, material.E, material.nu, material.rho")
     if strip.material is None:
-        raise ParameterError(f"{name!r}: strip {place} has no material of its own; vary material.{parts[3]}")
+        raise InputError(f"{name!r}: strip {place} has no material of its own; vary material.{parts[3]}")
     return place - 1, strip.material, parts[3]
 
 
@@ -185,7 +182,7 @@ def _mass(shell: Shell, name: str, parts: list[str]) -> tuple[str, int]:
     place = int(parts[2]) if known and parts[2].isdecimal() else 0
     if not 1 <= place <= len(known):
         has = ", ".join(f"{len(masses)} on {edge!r}" for edge, masses in shell.masses.items()) or "none"
-        raise ParameterError(f"{name!r}: expected mass.<edge>.<number>.mass or .angle; this shell has masses: {has}")
+        raise InputError(f"{name!r}: expected mass.<edge>.<number>.mass or .angle; this shell has masses: {has}")
     return parts[1], place - 1
 
 
@@ -195,11 +192,11 @@ def _plain(shell: Shell, name: str, parts: list[str]) -> tuple[Any, str]:
     owner = owners.get(parts[0])
     if owner is None or len(parts) not in (2, 3):
         starts = ", ".join([*owners, *DEFECTS])
-        raise ParameterError(f"{name!r}: a parameter starts with {starts}, strip, mass or support")
+        raise InputError(f"{name!r}: a parameter starts with {starts}, strip, mass or support")
     known = [f.name for f in fields(owner)] if is_dataclass(owner) else []
     numbers = ["thickness"] if owner is shell else [k for k in known if isinstance(getattr(owner, k), NUMBERS)]
     if parts[1] not in numbers:
-        raise ParameterError(f"{name!r}: {parts[0]} has {', '.join(numbers) or 'no numbers'}, not {parts[1]!r}")
+        raise InputError(f"{name!r}: {parts[0]} has {', '.join(numbers) or 'no numbers'}, not {parts[1]!r}")
     return owner, parts[1]
 
 
@@ -211,7 +208,7 @@ def _station(name: str, law: Any, parts: list[str]) -> int | None:
     place = int(parts[0]) if len(parts) == 1 and parts[0].isdecimal() else 0
     if not 1 <= place <= count:
         wanted = f"the number of a station, 1 to {count}, after it" if count else "nothing after it: it is one number"
-        raise ParameterError(f"{name!r}: expected {wanted}")
+        raise InputError(f"{name!r}: expected {wanted}")
     return place - 1
 
 
@@ -220,7 +217,7 @@ def get_value(shell: Shell, name: str) -> Any:
 
     Raises
     ------
-    ParameterError
+    InputError
         If the structure has no such number.
     """
     parts = _path(shell, name)
@@ -265,7 +262,7 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
         try:
             renewed = numbered.with_number(tuple(parts[2:]), value)
         except KeyError as error:
-            raise ParameterError(f"{name!r}: {error.args[0]}") from None
+            raise InputError(f"{name!r}: {error.args[0]}") from None
         return replace(shell, supports={**shell.supports, parts[1]: renewed})
     if parts[0] == "support" and len(parts) > 2:
         edge, support = _edge(shell, name, parts)
@@ -297,7 +294,7 @@ def check_parameters(shell: Shell, vary: Sequence[Parameter]) -> None:
 
     Raises
     ------
-    ParameterError
+    InputError
         Naming the parameter.
     """
     seen: dict[str, str] = {}
@@ -308,17 +305,15 @@ def check_parameters(shell: Shell, vary: Sequence[Parameter]) -> None:
             numbers = [".".join([*parts[:2], spring, *parts[3:]]) for spring in _springs(parts)]
         for other in {seen[number] for number in numbers if number in seen}:
             alias = "" if other == parameter.name else f": {other} moves the same number"
-            raise ParameterError(f"{parameter.name} is varied twice{alias}")
+            raise InputError(f"{parameter.name} is varied twice{alias}")
         seen |= dict.fromkeys(numbers, parameter.name)
         start = get_value(shell, parameter.name)
         if not parameter.lower <= start <= parameter.upper:
-            raise ParameterError(
+            raise InputError(
                 f"{parameter.name}: the start {start:.6g} lies outside [{parameter.lower:.6g}, {parameter.upper:.6g}]"
             )
         for side in ("lower", "upper"):
             try:
                 with_value(shell, parameter.name, getattr(parameter, side))
-            except ParameterError:
-                raise
             except ValueError as error:
-                raise ParameterError(f"{parameter.name}: its {side} bound is no possible value: {error}") from error
+                raise InputError(f"{parameter.name}: its {side} bound is no possible value: {error}") from error

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray
-from casingfem.updating.problem import Problem, UpdateError
+from casingfem.updating.problem import Problem
 from casingfem.updating.result import UpdateResult
 
 STEP = 0.5  # of a standard deviation
@@ -106,7 +107,7 @@ def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
 
     Raises
     ------
-    UpdateError
+    InputError
         If the solution is no minimum: the Hessian has a direction that falls (a fit that stopped early).
     """
     near = parabolas(fit) if near is None else near
@@ -116,7 +117,7 @@ def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
     scaled = hessian * np.outer(unit, unit)
     lowest = float(np.linalg.eigvalsh(scaled)[0])
     if lowest <= 0.0:
-        raise UpdateError(f"posterior: the fit is no minimum (lowest curvature {lowest:.2g}): {weakest(fit, scaled)}")
+        raise InputError(f"posterior: the fit is no minimum (lowest curvature {lowest:.2g}): {weakest(fit, scaled)}")
     C = np.linalg.inv(scaled) * np.outer(unit, unit)
     bend = np.array([0.5 * np.abs(near.H[:, k, k]).max() * fit.sigma[k] ** 2 for k in range(len(fit.x))])
     return Laplace(

@@ -83,7 +83,7 @@ def leave_one_out(fit: UpdateResult, max_iterations: int = 30) -> LeftOut:
 
     Raises
     ------
-    UpdateError
+    InputError
         If what is left cannot determine the parameters.
     """
     rows: list[Prediction] = []

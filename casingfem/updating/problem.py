@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.experiment.correlation.correlation import Pairing, pair
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.io.arrays import FloatArray
@@ -19,10 +20,6 @@ from casingfem.updating.shapes import SensorShapes, shape_jacobian, shape_values
 from casingfem.updating.targets import jacobian, rates, values
 
 Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted residuals)
-
-
-class UpdateError(ValueError):
-    """An update that cannot be set up: nothing pairs, no data for the parameters, start outside the bounds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -186,7 +183,7 @@ class Problem:
         pairing = pair(found, self.table, reach=self.reach, shape_mac=alike)
         self.seconds["pairing"] += time.perf_counter() - started
         if not pairing.matches:
-            raise UpdateError(
+            raise InputError(
                 f"no row of {self.table.path} pairs with a computed mode within {self.reach:.0%}: "
                 f"measured {self.table.freq_hz.min():.1f} to {self.table.freq_hz.max():.1f} Hz, "
                 f"computed {found.freq[0]:.1f} to {found.freq[-1]:.1f} Hz"

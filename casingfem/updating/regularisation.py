@@ -16,9 +16,10 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.identifiability import widths
-from casingfem.updating.parameters import HARMONIC, Parameter, ParameterError
+from casingfem.updating.parameters import HARMONIC, Parameter
 
 Rule = Literal["discrepancy", "l-curve"]
 WEIGHTS = np.logspace(-4.0, 4.0, 321)
@@ -37,7 +38,7 @@ class Regularisation:
 
     Raises
     ------
-    ParameterError
+    InputError
         Another rule.
 
     >>> Regularisation(rule="l-curve").names
@@ -49,23 +50,23 @@ class Regularisation:
 
     def __post_init__(self) -> None:
         if self.rule not in get_args(Rule):
-            raise ParameterError(f"regularise: found {self.rule!r}, expected {' or '.join(get_args(Rule))}")
+            raise InputError(f"regularise: found {self.rule!r}, expected {' or '.join(get_args(Rule))}")
 
     def among(self, vary: Sequence[Parameter]) -> FloatArray:
         """One over the width of the regularised parameters, 0 for the others, (parameters,).
 
         Raises
         ------
-        ParameterError
+        InputError
             A name that is not varied; nothing to regularise.
         """
         known = [p.name for p in vary]
         for name in self.names:
             if name not in known:
-                raise ParameterError(f"regularise: {name!r} is not varied; varied are {', '.join(known)}")
+                raise InputError(f"regularise: {name!r} is not varied; varied are {', '.join(known)}")
         chosen = [p.name in self.names if self.names else is_harmonic(p.name) for p in vary]
         if not any(chosen):
-            raise ParameterError("regularise: no harmonic is varied; name the parameters to regularise")
+            raise InputError("regularise: no harmonic is varied; name the parameters to regularise")
         return np.where(chosen, 1.0 / widths(vary), 0.0)
 
 

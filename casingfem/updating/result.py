@@ -57,7 +57,7 @@ class UpdateResult:
         The weight of the regularisation and the rule that chose it; None without.
     x, lower, upper, problem
         Solution and bounds in the solver's variables, and the problem, for what comes after the fit: `leave_one_out`,
-        `laplace`, `sampled`.
+        `laplace`, `sample_posterior`.
     """
 
     structure: Shell

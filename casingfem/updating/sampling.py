@@ -10,17 +10,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from casingfem.errors import InputError, MissingExtraError
 from casingfem.extras import remedy
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.posterior import Parabolas, evaluated, parabolas, varied_names
-from casingfem.updating.problem import UpdateError
 from casingfem.updating.result import UpdateResult
 
 LEVELS = (0.025, 0.5, 0.975)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sampled:
+class PosteriorSamples:
     """Samples of a posterior in the solver's variables (decades for log parameters).
 
     Attributes
@@ -84,7 +84,7 @@ class Sampled:
         return "\n".join(lines)
 
 
-def sampled(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, checks: int = 4) -> Sampled:
+def sample_posterior(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, checks: int = 4) -> PosteriorSamples:
     """Sample the posterior of an update.
 
     Parameters
@@ -100,13 +100,15 @@ def sampled(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, checks: int
 
     Raises
     ------
-    UpdateError
-        Without emcee, or if the chains are too short to forget where they began.
+    MissingExtraError
+        Without emcee.
+    InputError
+        If the chains are too short to forget where they began.
     """
     try:
         import emcee
     except ImportError as error:
-        raise UpdateError(f'posterior = "emcee" needs the package emcee: {remedy("sampling")}') from error
+        raise MissingExtraError(f'posterior = "emcee" needs the package emcee: {remedy("sampling")}') from error
     near = parabolas(fit)
     random = np.random.default_rng(seed)
     walkers = 4 * len(fit.x) + 8
@@ -117,9 +119,9 @@ def sampled(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, checks: int
     sampler.run_mcmc(emcee.State(first, random_state=state), steps, skip_initial_state_check=True)
     forgotten = float(np.max(sampler.get_autocorr_time(quiet=True, tol=0)))
     if not steps > 20.0 * forgotten:
-        raise UpdateError(f"posterior: chains of {steps} steps forget their start after {forgotten:.0f}; take more")
+        raise InputError(f"posterior: chains of {steps} steps forget their start after {forgotten:.0f}; take more")
     samples = sampler.get_chain(discard=steps // 3, thin=max(1, int(forgotten / 2.0)), flat=True)
-    return Sampled(
+    return PosteriorSamples(
         names=tuple(p.name for p in fit.parameters),
         log=tuple(p.log for p in fit.parameters),
         samples=samples,

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.errors import InputError
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray
 
@@ -28,7 +29,7 @@ def rows_of_shapes(measured: MeasuredShapes, table: FrequencyTable, *, reach: fl
 
     Raises
     ------
-    ShapeError
+    InputError
         No shape is near a row; shapes that could belong to more than one row, or rows to more than one shape.
 
     Examples
@@ -53,7 +54,7 @@ def rows_of_shapes(measured: MeasuredShapes, table: FrequencyTable, *, reach: fl
     return rows
 
 
-def nothing_near(measured: MeasuredShapes, table: FrequencyTable, reach: float) -> ShapeError:
+def nothing_near(measured: MeasuredShapes, table: FrequencyTable, reach: float) -> InputError:
     """The error where no shape belongs to a row: another test, or other units."""
     gaps = np.abs(np.log(measured.freq_hz[:, None] / table.freq_hz))
     shape, row = np.unravel_index(int(gaps.argmin()), gaps.shape)

@@ -120,7 +120,7 @@ class SensorShapes:
 
         Raises
         ------
-        ShapeError
+        InputError
             No noise is known; shapes that belong to no row or could belong to several.
         ModelError
             sensor-far.

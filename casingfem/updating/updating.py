@@ -10,14 +10,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import count_below
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.following import paired_rows
 from casingfem.updating.levenberg import levenberg_marquardt
-from casingfem.updating.parameters import Parameter, ParameterError, check_parameters
-from casingfem.updating.problem import Problem, Progress, State, UpdateError
+from casingfem.updating.parameters import Parameter, check_parameters
+from casingfem.updating.problem import Problem, Progress, State
 from casingfem.updating.regularisation import Regularisation, Regularised, chosen_weight, trade_off
 from casingfem.updating.result import UpdateResult, weak_priors
 from casingfem.updating.shapes import SensorShapes
@@ -75,19 +76,19 @@ def update(
 
     Raises
     ------
-    ParameterError
+    InputError
         A parameter that does not exist, is named twice, or starts outside its bounds.
-    UpdateError
+    InputError
         Nothing pairs, fewer residuals than parameters, rigid motions among the modes, shapes of another table.
     """
     if not vary:
-        raise ParameterError("vary: name at least one parameter")
+        raise InputError("vary: name at least one parameter")
     if not 0.0 <= model_error < 1.0:
-        raise UpdateError(f"model_error must lie in [0, 1), found {model_error!r}")
+        raise InputError(f"model_error must lie in [0, 1), found {model_error!r}")
     check_parameters(structure, vary)
     count = count or mode_count(table, structure)
     if shapes is not None and shapes.shapes.shape[1] != len(table):
-        raise UpdateError(
+        raise InputError(
             f"shapes: found {shapes.shapes.shape[1]} columns, expected {len(table)}, one a row of the table"
         )
     problem = Problem(structure, allowing(table, model_error), vary, count, reach, progress, shapes)
@@ -95,9 +96,9 @@ def update(
     upper = np.array([p.to_internal(p.upper) for p in vary])
     before = problem.state(problem.start)
     if before.modes.rigid:
-        raise UpdateError(f"the structure has {before.modes.rigid} rigid motions: support it before updating")
+        raise InputError(f"the structure has {before.modes.rigid} rigid motions: support it before updating")
     if len(problem.fun(problem.start)) < len(vary):
-        raise UpdateError(
+        raise InputError(
             f"{len(problem.fun(problem.start))} residuals cannot determine {len(vary)} parameters: "
             "measure more modes, vary less, or give priors"
         )

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import eigvalsh
 
-from casingfem.errors import EigenError, ModelWarning
+from casingfem.errors import ModelWarning, NumericsError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.pencil import make_pencil
 from casingfem.modal.mode_set import frequency_scale
@@ -102,7 +102,7 @@ def fault_of(system: System, count: int, place: float) -> tuple[int, str]:
             top = max(float(found.freq[-1]), frequency_scale(shell) / (2.0 * np.pi))
             band = modes(shell, band=(place * top, 1.1 * top), method="shell", system=system)
         doubted = any(isinstance(doubt.message, ModelWarning) for doubt in doubts)
-    except EigenError as error:
+    except NumericsError as error:
         return 0, str(error)
     off = np.abs(found.omega**2 - np.maximum(exact[:count], 0.0)) > noise + 1e-6 * found.omega**2
     low, high = ((2.0 * np.pi * f) ** 2 for f in (place * top, 1.1 * top))

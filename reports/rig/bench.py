@@ -33,7 +33,7 @@ COARSE, FEW = cf.ShellMesh(order=6, rows=1, around=24), 6  # quick: a bolt to ea
 class BladeTest:
     """A blade's responses to a hammer at its tip, and what they are made of."""
 
-    frfs: cf.FrfSet
+    frfs: cf.frf.FrfSet
     truth: cf.FrequencyTable
 
 
@@ -60,7 +60,9 @@ def scan_at(test: RigTest, snr_db: float | None, tones: list[float], seed: int =
     """A scan of the casing at other tones and noise: the first shaker, the study's circle, a rate that suits."""
     rate = clear_rate(tones, np.arange(-ORDERS, ORDERS + 1), TURNS, SECONDS, FS)
     if rate is None:
-        raise cf.ScanError(f"no rate near {TURNS} turns/s keeps the lines of {len(tones)} tones apart in {SECONDS:g} s")
+        raise cf.errors.InputError(
+            f"no rate near {TURNS} turns/s keeps the lines of {len(tones)} tones apart in {SECONDS:g} s"
+        )
     return scan(
         test.rig,
         Turning(mirror=rate),
@@ -80,7 +82,7 @@ def pair_from_scan(test: RigTest, n: int, snr_db: float) -> Pair:
     freq = test.truth.freq_hz[members]
     beyond = 3.0 * float(np.max(freq * test.truth.zeta[members]))  # 1.5 half-power bandwidths
     tones = np.round(np.linspace(freq[0] - beyond, freq[1] + beyond, 13), 3)
-    return split_pair(cf.demodulate(scan_at(test, snr_db, tones.tolist()).record, ORDERS), n)
+    return split_pair(cf.circle.demodulate(scan_at(test, snr_db, tones.tolist()).record, ORDERS), n)
 
 
 def true_blade() -> cf.Shell:
@@ -99,13 +101,13 @@ def blade_test() -> BladeTest:
     """A hammer at a corner of the tip, 27 laser spots, eight taps; modes in the blade's plane stay unseen."""
     modes = cf.modes(true_blade(), BLADE_MODES)
     spots = [
-        cf.Place(at=(float(a), float(b)), direction="normal")
+        cf.rig.Place(at=(float(a), float(b)), direction="normal")
         for a in np.linspace(0.02, 0.11, 9)
         for b in (-0.019, 0.0, 0.019)
     ]
-    rig = cf.rig_of(
+    rig = cf.rig.rig_of(
         modes,
-        [cf.Place(at=(0.108, 0.017), direction="normal"), *spots],
+        [cf.rig.Place(at=(0.108, 0.017), direction="normal"), *spots],
         zeta=damping_spread(0.003, 0.25, BLADE_MODES, seed=SEED),
     )
     test = record(

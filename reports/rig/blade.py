@@ -6,7 +6,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.io.strict_csv import CsvError, read
+from casingfem.io.strict_csv import read
 from casingfem.plot.fit import update_section
 from casingfem.plot.page import Section, Table
 from casingfem.study import Study
@@ -23,7 +23,7 @@ class BladeFit:
     """
 
     nominal: cf.Modes
-    fit: cf.UpdateResult
+    fit: cf.updating.UpdateResult
     left_out: FloatArray
     thin: FloatArray
 
@@ -47,7 +47,7 @@ def run(study: Study, *, quick: bool = False) -> BladeFit:
     rows = range(1) if quick else range(len(table))
     left_out = [prediction(replace(study, table=table.without(int(table.mode[row]))), table, row) for row in rows]
     nominal = cf.modes(replace(study.shell, supports={"root": cf.Clamped()}), study.file.modes.count)
-    reference = read(DATA / "reference" / "olson_lindberg_fan_blade.csv", CsvError)
+    reference = read(DATA / "reference" / "olson_lindberg_fan_blade.csv")
     thin = np.asarray(reference.numbers("computed_love_ritz_hz"))[: len(table)]
     return BladeFit(nominal=nominal, fit=fit, left_out=np.array(left_out), thin=thin)
 
@@ -55,7 +55,7 @@ def run(study: Study, *, quick: bool = False) -> BladeFit:
 def prediction(study: Study, table: cf.FrequencyTable, row: int) -> float:
     """Relative error at one row of the whole table, of the model updated without it."""
     after = run_update(study).after
-    mode = next(match.modes[0] for match in cf.pair(after, table).matches if row in match.rows)
+    mode = next(match.modes[0] for match in cf.correlation.pair(after, table).matches if row in match.rows)
     return float(after.freq[mode] / table.freq_hz[row] - 1.0)
 
 

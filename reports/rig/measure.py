@@ -87,8 +87,8 @@ def scan_accuracy(test: RigTest, quick: bool) -> list[Row]:
         off: dict[str, list[float]] = {"angle": [], "sigma": [], "amplitude": [], "travel": [], "rate": []}
         for draw in range(2 if quick else DRAWS):
             made = scan_at(test, snr, sorted(tones), seed=SEED + draw)
-            found = cf.demodulate(made.record, ORDERS)
-            clean = cf.CircleScan(tones=found.tones, n=made.n, V=made.V, sigma=np.ones(made.V.shape),
+            found = cf.circle.demodulate(made.record, ORDERS)
+            clean = cf.circle.CircleScan(tones=found.tones, n=made.n, V=made.V, sigma=np.ones(made.V.shape),
                                   floor=np.ones(made.V.shape), rate=found.rate, left=1.0)  # fmt: skip
             for tone, n in enumerate(n for _, n in sorted(zip(tones, pairs, strict=True))):
                 got, true = found.wave(tone, n), clean.wave(tone, n)

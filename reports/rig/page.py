@@ -30,7 +30,7 @@ def shortened(plan: RubPlan) -> RubPlan:
     return replace(plan, t_end=1.2 / plan.speed_hz)
 
 
-def overview(blade: BladeFit, fit: cf.UpdateResult, rubs: list[Rub], plan: RubPlan) -> Section:
+def overview(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], plan: RubPlan) -> Section:
     """The figures an engineer asks for first."""
     rows = (
         ("measured blade, RMS frequency error of the nominal model", f"{100 * rms(blade.errors_nominal):.2f} %"),
@@ -49,7 +49,7 @@ def overview(blade: BladeFit, fit: cf.UpdateResult, rubs: list[Rub], plan: RubPl
     return Section("In short", tables=(Table("From the test bench to the rub.", ("what", "value"), rows),))
 
 
-def casing_section(study: Study, fit: cf.UpdateResult, ideal: cf.Modes) -> Section:
+def casing_section(study: Study, fit: cf.updating.UpdateResult, ideal: cf.Modes) -> Section:
     """Survey, update, and the updated casing's shapes."""
     given = inputs_section(study)
     base = update_section(fit, ideal)

@@ -32,7 +32,9 @@ def casing_models(quick: bool) -> dict[str, tuple[cf.Shell, list[cf.Parameter]]]
     study = load_study(DATA / "studies" / "rig_casing.toml")
     start = replace(study.start, mesh=cf.ShellMesh(order=6, rows=1, around=23)) if quick else study.start
     steel = [p for p in study.parameters if p.name in ("material.E", "shell.thickness")]
-    ring = cf.Ring(section=cf.Section.rectangle(width=0.04, depth=0.03), support=cf.Bolts(count=24, k=3e8, k_rot=2e5))
+    ring = cf.Ring(
+        section=cf.edge.Section.rectangle(width=0.04, depth=0.03), support=cf.Bolts(count=24, k=3e8, k_rot=2e5)
+    )
     mesh = cf.ShellMesh(order=6, rows=2, around=24)
     bolts = [
         P(name="support.base.k", log=True, lower=1e7, upper=1e11),
@@ -58,7 +60,7 @@ def blade_model() -> tuple[cf.Shell, list[cf.Parameter]]:
 
 def in_sigma(modes: cf.Modes, table: cf.FrequencyTable) -> list[tuple[int, float, float, float]]:
     """(row, measured, computed, error over sigma) of every row that finds its mode."""
-    found = cf.pair(modes, table)
+    found = cf.correlation.pair(modes, table)
     return [
         (row, measured, computed, (computed - measured) / float(table.sigma_hz[row]))
         for match in found.matches
@@ -73,7 +75,7 @@ def rms(values: Sequence[float]) -> float:
 
 def predict(
     name: str, start: cf.Shell, vary: list[cf.Parameter], table: cf.FrequencyTable, used: BoolArray, count: int
-) -> tuple[list[Row], Row, cf.UpdateResult]:
+) -> tuple[list[Row], Row, cf.updating.UpdateResult]:
     """Update on some rows and predict the others: a row for each, the summary, the fit."""
     unseen = rows_of(table, ~used)
     fit = cf.update(start, rows_of(table, used), vary, count=count, model_error=MODEL_ERROR)

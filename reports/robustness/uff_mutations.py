@@ -17,9 +17,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from casingfem.errors import ModelWarning
+from casingfem.errors import InputError, ModelWarning
 from casingfem.experiment.uff.read import UniversalFile, parse_uff
-from casingfem.experiment.uff.split import UffError
 from casingfem.experiment.uff.write import write_uff
 from reports.robustness.uff_samples import Count, Sample, samples
 from reports.tables import Row, command_line, show, write
@@ -128,7 +127,7 @@ def judged(mutant: bytes, whole: UniversalFile) -> str:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             found = parse_uff(mutant, "mutant.uff")
-    except UffError as error:
+    except InputError as error:
         placed = "set" in error.where and f"line {error.line}" in str(error)
         return "refused" if placed else "BAD MESSAGE"
     if time.perf_counter() - started > SLOW:

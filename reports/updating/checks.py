@@ -87,7 +87,7 @@ def blade(quick: bool) -> list[Row]:
             for name in names
         ]
         fit = cf.update(shell, table, [*vary, ROOT] if clamp else vary, model_error=0.01)
-        left = cf.leave_one_out(fit)
+        left = cf.updating.leave_one_out(fit)
         rows.append(
             {
                 "varied": ", ".join(names) + (", clamp" if clamp else ""),

@@ -38,7 +38,7 @@ def elastic() -> cf.Shell:
     return cf.Shell(
         chart=FRUSTUM, thickness=3e-3, material=STEEL, supports={"base": edge}, radius_defect=WAVES,
         thickness_defect=cf.FourierField.of({4: 0.05}), strips=(cf.Strip(start=0.1, end=0.15, thickness=5e-3),),
-        masses={"top": [cf.PointMass(angle=0.4, mass=0.05)]},
+        masses={"top": [cf.edge.EdgeMass(angle=0.4, mass=0.05)]},
         mesh=ShellMesh(order=5, rows=(0.0, 0.4, 0.6, 1.0), around=9),
     )  # fmt: skip
 

@@ -26,10 +26,10 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     fit = cf.update(blade, table, vary, model_error=0.01)
     print(fit)  # values, sigma, before and after, bounds, what the model itself is off by
     print(fit.identifiability)  # which directions the table determines
-    print(cf.laplace(fit))  # whether the sigma are those of a Gaussian
+    print(cf.updating.laplace(fit))  # whether the sigma are those of a Gaussian
     rows: list[Row] = [{"RMS before": fit.rms_before, "RMS after": fit.rms_after, "own error": fit.model_floor}]
     if not quick:
-        left = cf.leave_one_out(fit)
+        left = cf.updating.leave_one_out(fit)
         print(left)  # every row, predicted by an update that has not seen it
         rows[0]["RMS left out"] = left.rms
     out.mkdir(parents=True, exist_ok=True)

@@ -32,7 +32,7 @@ from casingfem.modal.affine import AffineModel, affine_model, bolt_changes
 from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.mesh.shell_mesh import ShellMesh
@@ -195,7 +195,7 @@ def masses(draws: int) -> list[Row]:
     rows: list[Row] = []
     for _ in range(draws):
         angle, mass = float(rng.uniform(0.0, 360.0)), float(rng.uniform(0.005, 0.05))
-        heavy = replace(made, masses={"top": [PointMass(angle=float(np.radians(angle)), mass=mass)]})
+        heavy = replace(made, masses={"top": [EdgeMass(angle=float(np.radians(angle)), mass=mass)]})
         now = tested(modes(heavy, MODES), 1e-4, rng)
         found = locate(shell, now, baseline=before, among="mass", model=model, angle_sigma=PHASE)
         one = found.found[0] if found.found else None

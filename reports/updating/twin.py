@@ -102,7 +102,7 @@ def noisy(table: cf.FrequencyTable, seed: int) -> cf.FrequencyTable:
     return cf.FrequencyTable.from_arrays(freq_hz=freq, angle_deg=angle, synthetic=True, **numbers)
 
 
-def drawn(fit: cf.UpdateResult, table: cf.FrequencyTable, far: bool) -> Draw:
+def drawn(fit: cf.updating.UpdateResult, table: cf.FrequencyTable, far: bool) -> Draw:
     """The update of one draw, from the far start or from the noise-free solution."""
     whole = fit.problem
     problem = Problem(whole.shell, table, whole.vary, whole.count, whole.reach)

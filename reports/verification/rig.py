@@ -18,7 +18,7 @@ FS = 2000.0
 def oscillator() -> Row:
     """One degree of freedom, burst-random record of .25 Hz resolution, at its resonance: 1/(2 zeta omega^2 m)."""
     omega, zeta, m = 2.0 * np.pi * 150.0, 0.01, 2.0
-    rig = cf.Rig.of(omega=[omega], zeta=zeta, rows=[[1.0 / np.sqrt(m)]])
+    rig = cf.rig.Rig.of(omega=[omega], zeta=zeta, rows=[[1.0 / np.sqrt(m)]])
     burst = BurstRandom(rms=1.0, band=(20.0, 300.0), part=0.3)
     test = record(rig, [burst], drives=[0], sensors=[0], fs=1024.0, block=4096, blocks=4, seed=SEED,
                   quantity="receptance")  # fmt: skip
@@ -29,7 +29,7 @@ def oscillator() -> Row:
 
 def sensor_mass() -> Row:
     """A sensor of 1 % of the mass: f sqrt(m/(m + m_a))."""
-    rig = cf.Rig.of(omega=[700.0], zeta=0.01, rows=[[1.0]])
+    rig = cf.rig.Rig.of(omega=[700.0], zeta=0.01, rows=[[1.0]])
     found = float(loaded(rig, [0], [0.01]).omega[0])
     return check("rig: a sensor of 1 % of the mass", "exact", 700.0 / np.sqrt(1.01), found, 1e-9)
 
@@ -48,7 +48,7 @@ def travelling() -> list[Row]:
     theta = turning(2.3, FS, 12_000)
     phase = 2.0 * np.pi * tone * np.arange(12_000) / FS
     seen = np.cos(n * (theta - psi)) * np.cos(phase) + extra * np.cos(phase - n * (theta - psi))
-    found = cf.demodulate(cf.ScanRecord(fs=FS, velocity=seen, angle=theta, tones=(tone,)), 10).wave(0, n)
+    found = cf.circle.demodulate(cf.circle.ScanRecord(fs=FS, velocity=seen, angle=theta, tones=(tone,)), 10).wave(0, n)
     source = "closed form"
     return [
         check("circle scan: antinode [deg]", source, float(np.degrees(psi)), found.angle_deg, 1e-6),
@@ -66,7 +66,9 @@ def bound(quick: bool) -> Row:
     errors = []
     for _ in range(100 if quick else 400):
         noisy = clean + level * rng.standard_normal(count)
-        found = cf.demodulate(cf.ScanRecord(fs=FS, velocity=noisy, angle=theta, tones=(371.3,)), [n]).wave(0, n)
+        found = cf.circle.demodulate(
+            cf.circle.ScanRecord(fs=FS, velocity=noisy, angle=theta, tones=(371.3,)), [n]
+        ).wave(0, n)
         errors.append(found.angle_deg - np.degrees(psi))
     limit = float(np.degrees(2.0 * level / (n * np.sqrt(count))))
     scatter = float(np.sqrt(np.mean(np.square(errors))))

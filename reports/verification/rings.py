@@ -13,7 +13,7 @@ from scipy.linalg import eigh
 from casingfem.io.arrays import IntArray
 from casingfem.modal.modes import Modes, modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.geometry.chart import Cylinder
@@ -107,7 +107,7 @@ def fox(n: int, bare: float) -> tuple[float, float]:
 
 def point_masses(quick: bool) -> list[Row]:
     """A ring of radius 0.3 m, 6 mm x 20 mm, with three masses: Fox's formula for n = 2 to 5."""
-    half = [PointMass(angle=float(np.radians(angle)), mass=0.5 * mass) for angle, mass in FOX]
+    half = [EdgeMass(angle=float(np.radians(angle)), mass=0.5 * mass) for angle, mass in FOX]
     shell = Shell(chart=Cylinder(radius=0.3, height=0.02), thickness=0.006, material=STEEL,
                   mesh=ShellMesh(order=8, rows=1, around=13))  # fmt: skip
     bare = modes(shell, 34, method="shell")

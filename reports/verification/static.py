@@ -17,7 +17,7 @@ from casingfem.structure.geometry.revolved import Arc, RevolvedPanel
 from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.load import EdgeLoad, PointLoad, SurfaceLoad
+from casingfem.structure.shell.loads import EdgeLoad, PointLoad, SurfaceLoad
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.static import solve_static
 from reports.tables import DATA, Row, check, command_line, show, write

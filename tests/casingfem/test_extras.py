@@ -14,7 +14,7 @@ from scipy.sparse import csc_array
 
 from casingfem import extras
 from casingfem.cli import main
-from casingfem.errors import EigenError
+from casingfem.errors import NumericsError
 from casingfem.extras import EXTRAS, remedy
 from casingfem.linalg.factor import pardiso
 
@@ -63,6 +63,6 @@ def test_doctor_says_which_are_there_and_what_installs_the_others(monkeypatch):
 
 def test_a_missing_solver_is_named_with_what_installs_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "pypardiso", None)
-    with pytest.raises(EigenError) as refused:
+    with pytest.raises(NumericsError) as refused:
         pardiso(csc_array(np.eye(2)))
     assert str(refused.value).endswith(remedy("direct"))

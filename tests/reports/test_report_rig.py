@@ -25,7 +25,7 @@ def test_the_chain_from_records_to_predictions(tmp_path, capsys):
     assert capsys.readouterr().out.startswith("SYNTHETIC")
     table = cf.FrequencyTable.from_csv(tmp_path / "rig_measure_casing.csv")
     assert table.card[0].startswith("SYNTHETIC")
-    assert cf.FrfSet.from_uff(tmp_path / "rig_measure_casing.uff").card[0].startswith("SYNTHETIC")
+    assert cf.frf.FrfSet.from_uff(tmp_path / "rig_measure_casing.uff").card[0].startswith("SYNTHETIC")
     assert len(pd.read_csv(tmp_path / "rig_measure.csv")) == prediction["predicted"]
     for name in ("responses", "scan", "deflections"):
         assert (tmp_path / f"rig_measure_{name}.png").stat().st_size > 10_000

@@ -60,7 +60,7 @@ def test_the_survey_in_the_repository_is_the_one_the_generator_makes():
 
 
 def test_the_survey_stays_below_one_per_cent():
-    field = cf.SampledField.from_csv(DATA / "surveys" / "rig_casing.csv", n_max=26, degree=2)
+    field = cf.SurveyField.from_csv(DATA / "surveys" / "rig_casing.csv", n_max=26, degree=2)
     z, theta = np.linspace(0.0, 0.25, 5)[:, None], np.linspace(0.0, 6.28, 400)[None, :]
     assert np.abs(field.derivatives(z, theta).value).max() < 0.01
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from casingfem.experiment.circle.lines import ScanError
+from casingfem.errors import InputError
 from casingfem.experiment.circle.record import ScanRecord
 from casingfem.io.arrays import Array, FloatArray
 
@@ -40,7 +40,7 @@ def fit_lines(record: ScanRecord, omega: FloatArray, order: FloatArray) -> LineF
     correlations = G[np.ix_(live, live)] / np.sqrt(np.multiply.outer(np.diag(G)[live], np.diag(G)[live]))
     least = float(np.linalg.eigvalsh(correlations)[0])
     if least < APART:
-        raise ScanError(
+        raise InputError(
             f"the record does not tell its lines apart (least eigenvalue {least:.1e}): a longer one, fewer orders"
         )
     factor = cho_factor(G[np.ix_(live, live)])

@@ -6,15 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, IntArray
 
 TURNS = 1.5  # of the spot in a record, at least
 RESOLVED = 1.0  # bins (1/T) between two lines, at least
 TRIED = np.linspace(0.7, 1.4, 281)  # rates tried, over the one that failed
-
-
-class ScanError(ValueError):
-    """A circle scan that cannot be demodulated: says which lines or what length, and what helps."""
 
 
 def line_frequencies(tones: Sequence[float], n: IntArray, rate: float, runout: int = 0) -> FloatArray:
@@ -51,23 +48,25 @@ def require_clear(tones: Sequence[float], n: IntArray, rate: float, seconds: flo
 
     Raises
     ------
-    ScanError
+    InputError
         Too few turns; lines above fs/2; two lines closer than one bin.
     """
     turns = abs(rate) * seconds
     if turns < TURNS:
         need = f"{TURNS / abs(rate):.3g} s" if rate else "a spot that turns"
-        raise ScanError(f"the record is too short: found {turns:.2f} turns of the spot, expected {TURNS} ({need})")
+        raise InputError(f"the record is too short: found {turns:.2f} turns of the spot, expected {TURNS} ({need})")
     freq = line_frequencies(tones, n, rate, runout)
     if freq.max() >= 0.5 * fs:
-        raise ScanError(f"found a line at {freq.max():.2f} Hz, expected all below fs/2 = {0.5 * fs:g} Hz: lower orders")
+        raise InputError(
+            f"found a line at {freq.max():.2f} Hz, expected all below fs/2 = {0.5 * fs:g} Hz: lower orders"
+        )
     low, high, gap = closest(freq)
     if gap * seconds >= RESOLVED:
         return
     one, other = (name(k, tones, n) for k in sorted((low, high)))
     better = clear_rate(tones, n, rate, seconds, fs, runout)
     help_ = f"turn at {better:.4g} turns/s" if better else "excite fewer tones at a time, or look for fewer orders"
-    raise ScanError(
+    raise InputError(
         f"lines fall together: {one} and {other} stand {gap:.3g} Hz apart at {freq[low]:.3f} Hz, "
         f"a record of {seconds:g} s tells {RESOLVED / seconds:.3g} Hz: {help_}"
     )

@@ -17,7 +17,7 @@ from itertools import product
 import numpy as np
 from scipy.optimize import least_squares
 
-from casingfem.experiment.circle.lines import ScanError
+from casingfem.errors import InputError
 from casingfem.experiment.circle.scan import CircleScan
 from casingfem.io.arrays import Array, FloatArray
 
@@ -57,13 +57,13 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
 
     Raises
     ------
-    ScanError
+    InputError
         Too few tones, an order that was not fitted, or data that do not tell two members apart.
     """
     if n < 1 or n not in scan.n:
-        raise ScanError(f"order n = {n}: expected one of the orders fitted, 1 or more")
+        raise InputError(f"order n = {n}: expected one of the orders fitted, 1 or more")
     if len(scan.tones) < TONES:
-        raise ScanError(f"the pair n = {n}: found {len(scan.tones)} tones, expected {TONES} or more across it")
+        raise InputError(f"the pair n = {n}: found {len(scan.tones)} tones, expected {TONES} or more across it")
     up, down = (int(np.flatnonzero(scan.n == k)[0]) for k in (n, -n))
     sigma = np.sqrt(scan.sigma[:, up] ** 2 + scan.sigma[:, down] ** 2)
     cosine, sine = scan.V[:, up] + scan.V[:, down], 1j * (scan.V[:, up] - scan.V[:, down])
@@ -75,7 +75,9 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     J = jacobian(scan.tones, poles, parts, sigma)
     scaled = J / np.linalg.norm(J, axis=0)
     if np.linalg.cond(scaled) > 1e8:
-        raise ScanError(f"the pair n = {n}: the tones do not tell two members apart: more of them, closer to the peaks")
+        raise InputError(
+            f"the pair n = {n}: the tones do not tell two members apart: more of them, closer to the peaks"
+        )
     covariance = np.linalg.inv(scaled.T @ scaled) / np.multiply.outer(*[np.linalg.norm(J, axis=0)] * 2)
     return described(n, poles, parts, covariance * max(misfit, 1.0) ** 2, misfit)
 

@@ -10,7 +10,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.experiment.circle.lines import ScanError
+from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, frozen
 from casingfem.io.outfiles import write_atomic
 
@@ -49,12 +49,12 @@ class ScanRecord:
                 continue
             array = frozen(np.asarray(values, np.float64))
             if array.ndim != 1 or array.size != np.size(self.velocity) or not np.isfinite(array).all():
-                raise ScanError(f"{name}: found shape {array.shape}, expected finite numbers, one for each velocity")
+                raise InputError(f"{name}: found shape {array.shape}, expected finite numbers, one for each velocity")
             object.__setattr__(self, name, array)
         if not self.tones or min(self.tones) <= 0.0 or np.any(np.diff(self.tones) <= 0.0):
-            raise ScanError(f"tones: found {self.tones!r}, expected frequencies above 0 Hz, ascending")
+            raise InputError(f"tones: found {self.tones!r}, expected frequencies above 0 Hz, ascending")
         if not self.fs > 0.0:
-            raise ScanError(f"fs: found {self.fs!r}, expected samples a second")
+            raise InputError(f"fs: found {self.fs!r}, expected samples a second")
 
     @property
     def seconds(self) -> float:
@@ -88,7 +88,7 @@ class ScanRecord:
 
         Raises
         ------
-        ScanError
+        InputError
             A file that lacks an array, or is no npz file.
         """
         wanted = {"fs", "velocity", "angle", "tones", "card"}
@@ -96,9 +96,9 @@ class ScanRecord:
             with np.load(path, allow_pickle=False) as stored:
                 data = {name: stored[name] for name in stored.files}
         except (ValueError, EOFError, BadZipFile) as error:
-            raise ScanError(f"{path}: not a readable npz file ({error})") from error
+            raise InputError(f"{path}: not a readable npz file ({error})") from error
         if missing := wanted - data.keys():
-            raise ScanError(f"{path}: found no array {min(missing)!r}, expected {', '.join(sorted(wanted))}")
+            raise InputError(f"{path}: found no array {min(missing)!r}, expected {', '.join(sorted(wanted))}")
         return cls(
             fs=float(data["fs"]),
             velocity=data["velocity"],
@@ -140,7 +140,7 @@ def from_tacho(
 
     Raises
     ------
-    ScanError
+    InputError
         Pulses that do not ascend, or do not span the record.
 
     Examples
@@ -151,9 +151,9 @@ def from_tacho(
     at = np.asarray(pulses, np.float64)
     time = np.arange(count) / fs
     if at.ndim != 1 or len(at) < 2 or not np.isfinite(at).all() or np.any(np.diff(at) <= 0.0):
-        raise ScanError("tacho: expected the instants of two pulses or more, ascending")
+        raise InputError("tacho: expected the instants of two pulses or more, ascending")
     if at[0] > time[0] or at[-1] < time[-1]:
         found = f"pulses from {at[0]:g} to {at[-1]:g} s"
-        raise ScanError(f"tacho: found {found}, expected them to span the record, 0 to {time[-1]:g} s")
+        raise InputError(f"tacho: found {found}, expected them to span the record, 0 to {time[-1]:g} s")
     turns = np.interp(time, at, np.arange(len(at)) / per_turn)
     return np.asarray(first_angle + direction * 2.0 * np.pi * turns)

@@ -19,8 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from casingfem.errors import InputError
 from casingfem.experiment.circle.fit import fit_lines
-from casingfem.experiment.circle.lines import ScanError, require_clear
+from casingfem.experiment.circle.lines import require_clear
 from casingfem.experiment.circle.record import ScanRecord
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
@@ -94,11 +95,11 @@ class CircleScan:
 
         Raises
         ------
-        ScanError
+        InputError
             An order that was not fitted.
         """
         if n not in self.n or n < 0:
-            raise ScanError(f"order n = {n}: expected one of {sorted({abs(k) for k in self.n.tolist()})}")
+            raise InputError(f"order n = {n}: expected one of {sorted({abs(k) for k in self.n.tolist()})}")
         up, down = (int(np.flatnonzero(self.n == k)[0]) for k in (n, -n))
         return one_wave(float(self.tones[tone]), n, self.V[tone, [up, down]], self.sigma[tone, [up, down]])
 
@@ -178,7 +179,7 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
 
     Raises
     ------
-    ScanError
+    InputError
         Lines of different waves that fall together, a record too short to tell lines W apart, lines above fs/2.
 
     Examples
@@ -194,7 +195,7 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
     """
     asked = range(orders + 1) if isinstance(orders, int) else orders
     if not asked or min(asked) < 0:
-        raise ScanError(f"orders: found {orders!r}, expected numbers of nodal diameters, 0 or more")
+        raise InputError(f"orders: found {orders!r}, expected numbers of nodal diameters, 0 or more")
     n = np.array(sorted({k for order in asked for k in (order, -order)}))
     require_clear(record.tones, n, record.rate, record.seconds, record.fs, runout)
     tones = np.asarray(record.tones)

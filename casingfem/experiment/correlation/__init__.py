@@ -1,1 +1,5 @@
 """Measured modes against computed ones: pairing, assurance criteria, expansion."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

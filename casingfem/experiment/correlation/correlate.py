@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.experiment.correlation.comac import comac, ecomac, nearest_in_plane
 from casingfem.experiment.correlation.correlation import pair
 from casingfem.experiment.correlation.expansion import Expansion, expand
 from casingfem.experiment.correlation.mac import mac, subspace_mac
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.correlation.pairing import Match, Pairing
 from casingfem.experiment.correlation.sensors import Sensors, sensors_of
@@ -148,7 +149,7 @@ def correlate(
     ------
     ModelError
         sensor-far, sensor-twice, expansion-modes.
-    ShapeError
+    InputError
         Nothing pairs.
     ValueError
         A mass that is neither, or Guyan's without a system.
@@ -181,7 +182,7 @@ def correlate(
     pairing = pair(modes, measured.table(), reach=reach, shape_mac=likeness)
     if not pairing.matches:
         near = f"one within {reach:.2g} of a mode's frequency and like it"
-        raise ShapeError(measured.path, found="no shape that pairs with a mode", expected=near)
+        raise InputError(measured.path, found="no shape that pairs with a mode", expected=near)
     expansion = expand(shapes, computed, measured.labels)
     if mass == "Guyan" and system is not None:
         reduced = guyan_mass(system, sensors)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from casingfem.errors import InputError
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.experiment.uff.read import UniversalFile, read_uff
 from casingfem.experiment.uff.set_55 import COMPLEX_MODE, COMPLEX_MODE_2, NORMAL_MODE, Shape
@@ -15,13 +16,6 @@ from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
 SILENT = 1e-9  # of the largest value: a channel no shape ever exceeds was not measured
 AXES = np.eye(3)
-
-
-class ShapeError(ValueError):
-    """Measured shapes that cannot be used: names the file, what was found, what is expected."""
-
-    def __init__(self, path: str, *, found: str, expected: str) -> None:
-        super().__init__(f"{path}: found {found}, expected {expected}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -47,7 +41,7 @@ class MeasuredShapes:
 
     Raises
     ------
-    ShapeError
+    InputError
         Arrays that do not fit, values that are not finite, a shape that is zero, frequencies not ascending.
 
     Examples
@@ -93,9 +87,9 @@ class MeasuredShapes:
             mode = int(np.argmin(np.any(self.values, axis=0)))
             raise self.error(f"mode {mode + 1} zero everywhere", "shapes that the sensors see")
 
-    def error(self, found: str, expected: str) -> ShapeError:
+    def error(self, found: str, expected: str) -> InputError:
         """An error that names this file, to be raised."""
-        return ShapeError(self.path, found=found, expected=expected)
+        return InputError(self.path, found=found, expected=expected)
 
     @classmethod
     def from_arrays(
@@ -116,9 +110,9 @@ class MeasuredShapes:
         order = np.argsort(freq, kind="stable")
         lengths = np.linalg.norm(towards, axis=-1, keepdims=True)
         if np.any(lengths == 0.0):
-            raise ShapeError(path, found="a direction of no length", expected="directions that point somewhere")
+            raise InputError(path, found="a direction of no length", expected="directions that point somewhere")
         if shapes.ndim != 2 or shapes.shape[1] != len(freq):
-            raise ShapeError(path, found=f"values {shapes.shape}", expected=f"(channels, {len(freq)} modes)")
+            raise InputError(path, found=f"values {shapes.shape}", expected=f"(channels, {len(freq)} modes)")
         return cls(
             freq_hz=freq[order],
             values=shapes[:, order],
@@ -138,9 +132,9 @@ class MeasuredShapes:
 
         Raises
         ------
-        UffError
+        InputError
             A file that is damaged.
-        ShapeError
+        InputError
             No modes, no nodes, nodes in a coordinate system of their own, shapes of different nodes.
         """
         return uff_shapes(read_uff(path))
@@ -180,20 +174,20 @@ def uff_shapes(file: UniversalFile) -> MeasuredShapes:
     modes = [shape for shape in file.shapes if shape.analysis in kinds and np.isfinite(shape.freq_hz)]
     modes = [shape for shape in modes if shape.freq_hz > 0.0]
     if not modes:
-        raise ShapeError(file.path, found=f"{len(file.shapes)} shapes, none of a mode", expected="modes in sets 55")
+        raise InputError(file.path, found=f"{len(file.shapes)} shapes, none of a mode", expected="modes in sets 55")
     if file.nodes is None:
-        raise ShapeError(file.path, found="no nodes", expected="a set 15 or 2411 with the points of the shapes")
+        raise InputError(file.path, found="no nodes", expected="a set 15 or 2411 with the points of the shapes")
     first = modes[0].nodes
     if any(not np.array_equal(shape.nodes, first) for shape in modes):
-        raise ShapeError(file.path, found="shapes with values at different nodes", expected="one set of nodes")
+        raise InputError(file.path, found="shapes with values at different nodes", expected="one set of nodes")
     place = {label: k for k, label in enumerate(file.nodes.labels.tolist())}
     missing = [label for label in first.tolist() if label not in place]
     if missing:
-        raise ShapeError(file.path, found=f"values at node {missing[0]}, which has no point", expected="its point")
+        raise InputError(file.path, found=f"values at node {missing[0]}, which has no point", expected="its point")
     at = np.array([place[label] for label in first.tolist()])
     if np.any(file.nodes.motions[at]):
         system = int(file.nodes.motions[at].max())
-        raise ShapeError(file.path, found=f"motions in coordinate system {system}", expected="global motions, 0")
+        raise InputError(file.path, found=f"motions in coordinate system {system}", expected="global motions, 0")
     values = np.stack([translations(shape, file.path) for shape in modes], axis=-1)  # (nodes, 3, modes)
     moved = np.abs(values).max(axis=-1) > SILENT * np.abs(values).max()
     node, axis = np.nonzero(moved)
@@ -211,5 +205,5 @@ def translations(shape: Shape, path: str) -> Array:
     """The translations of a shape, (nodes, 3)."""
     if shape.characteristic not in (2, 3):
         found = f"data characteristic {shape.characteristic}"
-        raise ShapeError(path, found=found, expected="2 or 3: translations x, y, z at each node")
+        raise InputError(path, found=found, expected="2 or 3: translations x, y, z at each node")
     return shape.values[:, :3]

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from casingfem.experiment.correlation.measured_shapes import AXES, MeasuredShapes, ShapeError
+from casingfem.errors import InputError
+from casingfem.experiment.correlation.measured_shapes import AXES, MeasuredShapes
 from casingfem.experiment.frf.files import UNIVERSAL
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified import Identified
@@ -21,7 +22,7 @@ def read_shapes(path: str | os.PathLike[str]) -> MeasuredShapes:
 
     Raises
     ------
-    ShapeError, UffError, FrfError
+    InputError, InputError, InputError
         Another ending; what the readers refuse; an identification whose sensors have no places.
     """
     ending = Path(path).suffix.lower()
@@ -30,7 +31,7 @@ def read_shapes(path: str | os.PathLike[str]) -> MeasuredShapes:
     if ending in UNIVERSAL:
         return MeasuredShapes.from_uff(path)
     expected = f"{', '.join(UNIVERSAL)} with mode shapes (sets 55), or {IDENTIFIED} of casingfem identify --out"
-    raise ShapeError(str(path), found=f"ending {ending!r}", expected=expected)
+    raise InputError(str(path), found=f"ending {ending!r}", expected=expected)
 
 
 def identified_shapes(found: Identified, path: str = "identified") -> MeasuredShapes:
@@ -41,7 +42,7 @@ def identified_shapes(found: Identified, path: str = "identified") -> MeasuredSh
 
     Raises
     ------
-    ShapeError
+    InputError
         No modes, sensors without places or without a direction.
 
     Examples
@@ -58,12 +59,12 @@ def identified_shapes(found: Identified, path: str = "identified") -> MeasuredSh
     MeasuredShapes(1 modes, 8 channels at 8 points, 100 to 100 Hz)
     """
     if not len(found):
-        raise ShapeError(path, found="no mode", expected="at least one")
+        raise InputError(path, found="no mode", expected="at least one")
     sensors = found.sensors
     lost = sensors.points[np.isnan(sensors.places).any(axis=1)]
     if lost.size:
         expected = "positions: responses in a universal file with geometry, or --angles with radius_m and z_m"
-        raise ShapeError(path, found=f"no position of point {lost[0]}", expected=expected)
+        raise InputError(path, found=f"no position of point {lost[0]}", expected=expected)
     return MeasuredShapes.from_arrays(
         freq_hz=found.freq,
         values=found.shapes,
@@ -83,7 +84,7 @@ def unit_vectors(sensors: SensorGrid, path: str) -> FloatArray:
     if wrong.size:
         found = f"direction {codes[wrong[0]]} of point {sensors.points[wrong[0]]}"
         expected = "1, 2, 3 (radial, hoop, axial around an axis, else x, y, z), signed"
-        raise ShapeError(path, found=found, expected=expected)
+        raise InputError(path, found=found, expected=expected)
     theta = np.where(np.isnan(sensors.theta), 0.0, sensors.theta)
     c, s, zero = np.cos(theta), np.sin(theta), np.zeros(len(theta))
     frames = np.stack([np.stack([c, s, zero]), np.stack([-s, c, zero]), np.tile(AXES[2][:, None], len(theta))])

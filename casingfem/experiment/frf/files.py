@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.errors import InputError
+from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.hdf5 import read_hdf5
 from casingfem.experiment.uff.read import read_uff
 from casingfem.io.arrays import FloatArray
@@ -23,7 +24,7 @@ def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
 
     Raises
     ------
-    FrfError, UffError
+    InputError, InputError
         An unknown ending; what the readers refuse.
     """
     ending = Path(path).suffix.lower()
@@ -35,7 +36,7 @@ def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
         return read_hdf5(path)
     if ending == ".csv":
         return FrfSet.from_csv(path)
-    raise FrfError(str(path), found=f"ending {ending!r}", expected=f"one of {KINDS}")
+    raise InputError(str(path), found=f"ending {ending!r}", expected=f"one of {KINDS}")
 
 
 def file_places(path: str | os.PathLike[str]) -> dict[int, FloatArray] | None:
@@ -53,13 +54,13 @@ def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[in
 
     Raises
     ------
-    FrfError
+    InputError
         Other columns, a point twice, cells that are no numbers.
     """
-    csv = read(path, FrfError)
+    csv = read(path)
     if set(csv.header) not in ({"point", "angle_deg"}, {"point", "angle_deg", "radius_m", "z_m"}):
         expected = "point,angle_deg, or point,angle_deg,radius_m,z_m"
-        raise csv.error(csv.path, line=csv.header_line, found=",".join(csv.header), expected=expected)
+        raise InputError(csv.path, line=csv.header_line, found=",".join(csv.header), expected=expected)
     points, angles = csv.integers("point").tolist(), csv.numbers("angle_deg")
     for row, point in enumerate(points):
         if point in points[:row]:

@@ -12,11 +12,12 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import ArrayLike
 
+from casingfem.errors import InputError
 from casingfem.experiment.uff.read import read_uff
 from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.io.outfiles import write_atomic
-from casingfem.io.strict_csv import CsvError, StrictCsv, read
+from casingfem.io.strict_csv import StrictCsv, read
 
 Kind = Literal["frf", "time", "spectrum"]
 PLACES = ("response_point", "response_direction", "reference_point", "reference_direction")
@@ -24,10 +25,6 @@ TIME, FREQUENCY = 17, 18  # what an abscissa shows, in universal files
 _KINDS: dict[Kind, tuple[int, ...]] = {"frf": (4,), "time": (1,), "spectrum": (2, 3, 9, 10, 12)}
 _UNITS = {"hz": "frequency", "s": "time", "sec": "time"}
 _EVEN = 1e-9  # steps equal to this part are written as an even abscissa
-
-
-class FrfError(CsvError):
-    """Measured functions that cannot be used: names file, line, column, found and expected."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -48,7 +45,7 @@ class FrfSet:
 
     Raises
     ------
-    FrfError
+    InputError
         Arrays that do not belong together, values that are not finite, an abscissa that does not ascend.
 
     Examples
@@ -72,7 +69,7 @@ class FrfSet:
         forms: dict[str, Any] = {"x": np.float64, "responses": np.float64 if self.kind == "time" else np.complex128}
         for name in ("x", "responses", *PLACES):
             if name == "responses" and self.kind == "time" and np.iscomplexobj(self.responses):
-                raise FrfError(self.path, found="a complex time record", expected="real values")
+                raise InputError(self.path, found="a complex time record", expected="real values")
             array = np.array(getattr(self, name), forms.get(name, np.int64))
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -85,15 +82,15 @@ class FrfSet:
         fit = self.responses.ndim == 2 and self.responses.size and self.x.shape == self.responses.shape[1:]
         if not fit or any(getattr(self, name).shape != channels for name in PLACES):
             found = ", ".join(f"{name} {getattr(self, name).shape}" for name in ("x", "responses", *PLACES))
-            raise FrfError(
+            raise InputError(
                 self.path, found=found, expected="x (lines,), responses (channels, lines), places (channels,)"
             )
         if not (np.isfinite(self.x).all() and np.isfinite(self.responses).all()):
-            raise FrfError(self.path, found="nan or infinity", expected="finite numbers")
+            raise InputError(self.path, found="nan or infinity", expected="finite numbers")
         if np.any(np.diff(self.x) <= 0.0):
             index = int(np.argmax(np.diff(self.x) <= 0.0))
             found = f"{self.x[index + 1]:g} after {self.x[index]:g}"
-            raise FrfError(self.path, found=found, expected="an abscissa that ascends")
+            raise InputError(self.path, found=found, expected="an abscissa that ascends")
 
     @classmethod
     def from_arrays(
@@ -126,7 +123,7 @@ class FrfSet:
 
         Raises
         ------
-        UffError, FrfError
+        InputError, InputError
             A file that cannot be read whole; no such functions; functions that do not belong in one set.
         """
         file = read_uff(path)
@@ -134,7 +131,7 @@ class FrfSet:
         chosen = [function for function in found if function.kind in _KINDS[kind]]
         if not chosen:
             there = ", ".join(sorted({function.word for function in found})) or "no functions"
-            raise FrfError(str(path), found=there, expected=f"functions of kind {kind!r}")
+            raise InputError(str(path), found=there, expected=f"functions of kind {kind!r}")
         card = tuple(line for line in file.header if line)
         return replace(cls.from_functions(chosen, kind, str(path)), card=card)
 
@@ -146,9 +143,9 @@ class FrfSet:
         for k, function in enumerate(functions):
             _check_abscissa(function, kind, k, path)
             if not np.array_equal(function.x, first.x):
-                raise FrfError(path, found=f"function {k + 1} over other abscissas", expected="those of the first")
+                raise InputError(path, found=f"function {k + 1} over other abscissas", expected="those of the first")
             if units[k] != units[0]:
-                raise FrfError(path, found=f"function {k + 1} in {units[k]!r}", expected=f"{units[0]!r} as the first")
+                raise InputError(path, found=f"function {k + 1} in {units[k]!r}", expected=f"{units[0]!r} as the first")
         ends = [(f.response.node, f.response.direction, f.reference.node, f.reference.direction) for f in functions]
         places = dict(zip(PLACES, np.array(ends, np.int64).T, strict=True))
         values = np.stack([function.values for function in functions])
@@ -162,10 +159,10 @@ class FrfSet:
 
         Raises
         ------
-        FrfError
+        InputError
             Everything that is not exactly such a table, with file, line and column.
         """
-        csv = read(path, FrfError)
+        csv = read(path)
         said = dict(part.split(":", 1) for part in csv.card if ":" in part)
         said = {key.strip(): value.strip() for key, value in said.items()}
         if "unit" not in said:
@@ -176,7 +173,7 @@ class FrfSet:
         for name in (*csv.header, *columns):
             if name not in csv.header or name not in columns:
                 found = "no such column" if name in columns else "an unknown column"
-                raise csv.error(csv.path, line=csv.header_line, column=name, found=found, expected=",".join(columns))
+                raise InputError(csv.path, line=csv.header_line, column=name, found=found, expected=",".join(columns))
         x, values = csv.numbers(columns[0]), csv.numbers("real")
         complete = values if timed else values + 1j * csv.numbers("imag")
         places = np.column_stack([csv.integers(name) for name in PLACES])
@@ -212,12 +209,12 @@ class FrfSet:
             with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
                 stored = {name: archive[name] for name in archive.files}
         except (OSError, ValueError, EOFError, AttributeError, BadZipFile) as error:
-            raise FrfError(
+            raise InputError(
                 str(path), found=f"no readable npz file ({error})", expected="what FrfSet.save wrote"
             ) from error
         missing = wanted - stored.keys()
         if missing:
-            raise FrfError(str(path), found=f"no array {min(missing)!r}", expected=", ".join(sorted(wanted)))
+            raise InputError(str(path), found=f"no array {min(missing)!r}", expected=", ".join(sorted(wanted)))
         arrays = {name: stored[name] for name in ("x", "responses", *PLACES)}
         kind, unit, card = _kind(str(stored["kind"]), str(path)), str(stored["unit"]), tuple(stored["card"].tolist())
         return cls(kind=kind, unit=unit, card=card, path=str(path), **arrays)
@@ -269,7 +266,7 @@ def _kind(word: str, path: str) -> Kind:
     for kind in _KINDS:
         if kind == word:
             return kind
-    raise FrfError(path, found=f"kind {word!r}", expected=" or ".join(_KINDS))
+    raise InputError(path, found=f"kind {word!r}", expected=" or ".join(_KINDS))
 
 
 def _common_lines(csv: StrictCsv, x: FloatArray, starts: IntArray) -> int:
@@ -298,4 +295,4 @@ def _check_abscissa(function: Function, kind: Kind, k: int, path: str) -> None:
     known = axis.kind in (0, number) and axis.unit.lower() in ("", "none", *(u for u in _UNITS if _UNITS[u] == wanted))
     if not known:
         found = f"function {k + 1} over {axis.label!r} in {axis.unit!r} (kind {axis.kind})"
-        raise FrfError(path, found=found, expected=f"{wanted} in {unit}")
+        raise InputError(path, found=found, expected=f"{wanted} in {unit}")

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from casingfem.experiment.frf.frf_set import PLACES, FrfError, FrfSet
+from casingfem.errors import InputError
+from casingfem.experiment.frf.frf_set import PLACES, FrfSet
 from casingfem.extras import remedy
 from casingfem.io.outfiles import write_atomic
 
@@ -23,7 +24,7 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
 
     Raises
     ------
-    FrfError
+    InputError
         h5py is not installed; a file that is no HDF5, lacks a data set or the unit; what `FrfSet` refuses.
     """
     h5py = _h5py(path)
@@ -32,15 +33,15 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
             arrays = {name: np.asarray(file[name]) for name in ARRAYS if isinstance(file.get(name), h5py.Dataset)}
             said = dict(file.attrs)
     except OSError as error:
-        raise FrfError(str(path), found=f"no readable HDF5 file ({error})", expected="HDF5") from error
+        raise InputError(str(path), found=f"no readable HDF5 file ({error})", expected="HDF5") from error
     for name in ("x", "responses"):
         if name not in arrays:
             found = f"no data set {name!r}"
-            raise FrfError(str(path), found=found, expected=f"data sets {', '.join(ARRAYS)}")
+            raise InputError(str(path), found=found, expected=f"data sets {', '.join(ARRAYS)}")
         if not np.issubdtype(arrays[name].dtype, np.number):
-            raise FrfError(str(path), found=f"{name} of type {arrays[name].dtype}", expected="numbers")
+            raise InputError(str(path), found=f"{name} of type {arrays[name].dtype}", expected="numbers")
     if "unit" not in said:
-        raise FrfError(str(path), found="no attribute 'unit'", expected="the unit, such as '(m/s^2)/N'")
+        raise InputError(str(path), found="no attribute 'unit'", expected="the unit, such as '(m/s^2)/N'")
     card = tuple(str(line) for line in np.atleast_1d(said.get("card", ())).tolist())
     kind: Any = str(said.get("kind", "frf"))
     return FrfSet.from_arrays(kind=kind, unit=str(said["unit"]), card=card, path=str(path), **arrays)
@@ -67,5 +68,5 @@ def _h5py(path: str | os.PathLike[str]) -> Any:
         import h5py
     except ImportError as error:
         expected = f"the package h5py: {remedy('test-data')}"
-        raise FrfError(str(path), found="an HDF5 file", expected=expected) from error
+        raise InputError(str(path), found="an HDF5 file", expected=expected) from error
     return h5py

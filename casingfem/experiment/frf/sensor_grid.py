@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.errors import InputError
+from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
 FORMS = {"receptance": 0, "mobility": 1, "accelerance": 2}
@@ -47,7 +48,7 @@ def sensor_grid(
 
     Raises
     ------
-    FrfError
+    InputError
         A sensor without a channel to one of the references, a channel twice, a sensor without angle.
     """
     responses = np.column_stack([frfs.response_point, frfs.response_direction])
@@ -58,17 +59,17 @@ def sensor_grid(
     for k, at in enumerate(zip(sensor.ravel().tolist(), base.ravel().tolist(), strict=True)):
         if channels[at] >= 0:
             found = f"channels {channels[at] + 1} and {k + 1} from the same sensor to the same reference"
-            raise FrfError(frfs.path, found=found, expected="each once")
+            raise InputError(frfs.path, found=found, expected="each once")
         channels[at] = k
     if np.any(channels < 0):
         row, column = np.argwhere(channels < 0)[0]
         found = f"no channel from point {sensors[row, 0]} to reference {bases[column, 0]}"
-        raise FrfError(frfs.path, found=found, expected="every sensor with every reference")
+        raise InputError(frfs.path, found=found, expected="every sensor with every reference")
     theta = np.full(len(sensors), np.nan)
     if angles is not None:
         for k, point in enumerate(sensors[:, 0].tolist()):
             if point not in angles:
-                raise FrfError(frfs.path, found=f"no angle for point {point}", expected="an angle of every sensor")
+                raise InputError(frfs.path, found=f"no angle for point {point}", expected="an angle of every sensor")
             theta[k] = np.radians(angles[point])
     nowhere = np.full(3, np.nan)
     known = {} if places is None else places
@@ -96,14 +97,16 @@ def form_of(frfs: FrfSet, form: str | None) -> int:
     """
     if form is not None:
         if form not in FORMS:
-            raise FrfError(frfs.path, found=f"form {form!r}", expected=" or ".join(FORMS))
+            raise InputError(frfs.path, found=f"form {form!r}", expected=" or ".join(FORMS))
         return FORMS[form]
     above = frfs.unit.replace(" ", "").replace("(", "").replace(")", "")
     above = re.sub(r"/(k|m)?(N|lbf|V)$", "", above)
     for power, pattern in ((2, _ACCELERATION), (1, _VELOCITY), (0, _LENGTH)):
         if re.fullmatch(pattern, above, flags=re.IGNORECASE):
             return power
-    raise FrfError(frfs.path, found=f"unit {frfs.unit!r}", expected="one such as (m/s^2)/N, or form=" + "|".join(FORMS))
+    raise InputError(
+        frfs.path, found=f"unit {frfs.unit!r}", expected="one such as (m/s^2)/N, or form=" + "|".join(FORMS)
+    )
 
 
 def radial_signs(grid: SensorGrid) -> Array:

@@ -12,12 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from casingfem.errors import MissingExtraError
 from casingfem.extras import remedy
 from casingfem.io.arrays import Array, FloatArray
-
-
-class MissingExtraError(ValueError):
-    """A package that an optional part needs is not installed."""
 
 
 def lscf_poles(freq: FloatArray, H: Array, order: int) -> list[Array]:

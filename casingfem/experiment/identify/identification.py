@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
-from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid, form_of, radial_signs, sensor_grid
 from casingfem.experiment.identify.band_fits import BandFits, Responses, core_of, fit_bands
 from casingfem.experiment.identify.bands import find_bands, line_noise
@@ -61,7 +62,7 @@ def identify(
 
     Raises
     ------
-    FrfError
+    InputError
         No frequency responses, uneven or too few lines, dead channels, sensors without angle or reference.
     MissingExtraError
         sdypy-EMA is not installed.
@@ -104,21 +105,21 @@ def identify(
 def _lines(frfs: FrfSet, band: tuple[float, float] | None) -> tuple[FloatArray, Array]:
     """Lines of the band and the responses there, refused where they cannot be used."""
     if frfs.kind != "frf":
-        raise FrfError(frfs.path, found=f"kind {frfs.kind!r}", expected="frequency responses")
+        raise InputError(frfs.path, found=f"kind {frfs.kind!r}", expected="frequency responses")
     low, high = band or (0.0, np.inf)
     if not 0.0 <= low < high:
-        raise FrfError(frfs.path, found=f"band {low:g} to {high:g} Hz", expected="0 <= from < to")
+        raise InputError(frfs.path, found=f"band {low:g} to {high:g} Hz", expected="0 <= from < to")
     kept = (frfs.x >= low) & (frfs.x <= high) & (frfs.x > 0.0)
     freq, H = np.array(frfs.x[kept]), np.array(frfs.responses[:, kept])
     if len(freq) < LEAST_LINES:
-        raise FrfError(frfs.path, found=f"{len(freq)} lines in the band", expected=f"at least {LEAST_LINES}")
+        raise InputError(frfs.path, found=f"{len(freq)} lines in the band", expected=f"at least {LEAST_LINES}")
     steps = np.diff(freq)
     if np.ptp(steps) > EVEN * freq[-1]:
-        raise FrfError(frfs.path, found=f"steps from {steps.min():g} to {steps.max():g} Hz", expected="even steps")
+        raise InputError(frfs.path, found=f"steps from {steps.min():g} to {steps.max():g} Hz", expected="even steps")
     dead = np.flatnonzero(np.abs(H).max(axis=1) == 0.0)
     if dead.size:
         place = f"channel {dead[0] + 1} (point {frfs.response_point[dead[0]]})"
-        raise FrfError(frfs.path, found=f"{place} is zero on every line", expected="a signal, or leave it out")
+        raise InputError(frfs.path, found=f"{place} is zero on every line", expected="a signal, or leave it out")
     return freq, H
 
 

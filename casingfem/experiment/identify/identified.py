@@ -140,7 +140,7 @@ class Identified:
 
         Raises
         ------
-        FrfError
+        InputError
             Another file, arrays that are missing or do not belong together, shapes that are not finite.
         """
         return cls(**read_fields(path, {field.name for field in fields(cls)}))

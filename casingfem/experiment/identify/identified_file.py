@@ -11,7 +11,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from casingfem.experiment.frf.frf_set import FrfError
+from casingfem.errors import InputError
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.stabilisation import Stabilisation
 from casingfem.io.arrays import Array
@@ -45,7 +45,7 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
 
     Raises
     ------
-    FrfError
+    InputError
         Another file, arrays that are missing or do not belong together, numbers that are not finite.
     OSError
         No such file.
@@ -57,11 +57,11 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
     except FileNotFoundError:
         raise
     except (OSError, ValueError, EOFError, AttributeError, BadZipFile) as error:
-        raise FrfError(str(path), found=f"no readable npz file ({error})", expected=WANTED) from error
+        raise InputError(str(path), found=f"no readable npz file ({error})", expected=WANTED) from error
     missing = (names - PARTS.keys()) | inner
     missing -= stored.keys()
     if missing:
-        raise FrfError(str(path), found=f"an npz without {min(missing)!r}", expected=WANTED)
+        raise InputError(str(path), found=f"an npz without {min(missing)!r}", expected=WANTED)
     check(stored, str(path))
     values: dict[str, Any] = {name: stored[name] for name in names - PARTS.keys()}
     for name, part in PARTS.items():
@@ -85,11 +85,11 @@ def check(stored: Mapping[str, Array], path: str) -> None:
     for name, shape in shapes.items():
         if stored[name].shape != shape:
             expected = f"{shape} for {modes} modes at {sensors} sensors"
-            raise FrfError(path, found=f"{name} of shape {stored[name].shape}", expected=expected)
+            raise InputError(path, found=f"{name} of shape {stored[name].shape}", expected=expected)
     for name in ("freq", "sigma_freq", "zeta", "shapes", "sigma_shapes"):
         if not np.all(np.isfinite(stored[name])):
-            raise FrfError(path, found=f"{name} with nan or infinity", expected="finite numbers")
+            raise InputError(path, found=f"{name} with nan or infinity", expected="finite numbers")
     at = np.concatenate([stored["doublets"].ravel(), stored["unresolved"].ravel()]).astype(int)
     if at.size and not (at.min() >= 0 and at.max() < modes):
         wrong = int(at[(at < 0) | (at >= modes)][0])
-        raise FrfError(path, found=f"mode {wrong + 1} in a pair", expected=f"modes 1 to {modes}")
+        raise InputError(path, found=f"mode {wrong + 1} in a pair", expected=f"modes 1 to {modes}")

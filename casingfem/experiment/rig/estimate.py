@@ -14,9 +14,10 @@ from typing import Literal, get_args
 import numpy as np
 from scipy.signal.windows import hann
 
+from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.record import Record
-from casingfem.experiment.rig.rig import UNITS, RigError
+from casingfem.experiment.rig.rig import UNITS
 from casingfem.io.arrays import Array, FloatArray
 
 Window = Literal["hann", "rectangular"]
@@ -53,7 +54,7 @@ def estimate(
 
     Raises
     ------
-    RigError
+    InputError
         Fewer averages than drives, H2 with several drives, unknown words.
 
     Examples
@@ -77,7 +78,7 @@ def estimate(
     x, f, freq = x[..., lines], f[..., lines], freq[lines]
     averages = x.shape[1]
     if averages < len(f) or not lines.any():
-        raise RigError(f"estimate: found {averages} averages, {len(freq)} lines, expected {len(f)} averages, a line")
+        raise InputError(f"estimate: found {averages} averages, {len(freq)} lines, expected {len(f)} averages, a line")
     g_ff, g_xf = cross(f, f), cross(x, f)
     g_xx = np.mean(np.abs(x) ** 2, axis=1).T
     first = np.linalg.solve(g_ff.transpose(0, 2, 1), g_xf.transpose(0, 2, 1)).transpose(0, 2, 1)
@@ -109,13 +110,13 @@ def estimate(
 def check(record: Record, window: str, estimator: str, overlap: float) -> None:
     """Refuse what no estimate is made of."""
     if window not in get_args(Window):
-        raise RigError(f"window: found {window!r}, expected {' or '.join(get_args(Window))}")
+        raise InputError(f"window: found {window!r}, expected {' or '.join(get_args(Window))}")
     if estimator not in get_args(Estimator):
-        raise RigError(f"estimator: found {estimator!r}, expected {' or '.join(get_args(Estimator))}")
+        raise InputError(f"estimator: found {estimator!r}, expected {' or '.join(get_args(Estimator))}")
     if not 0.0 <= overlap <= 0.9:
-        raise RigError(f"overlap: found {overlap!r}, expected 0 to 0.9")
+        raise InputError(f"overlap: found {overlap!r}, expected 0 to 0.9")
     if estimator == "H2" and len(record.force) > 1:
-        raise RigError(f"estimator: found H2 with {len(record.force)} drives, expected H1, or one drive")
+        raise InputError(f"estimator: found H2 with {len(record.force)} drives, expected H1, or one drive")
 
 
 def spectra(values: FloatArray, record: Record, window: Window, overlap: float) -> Array:

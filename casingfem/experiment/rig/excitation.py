@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from casingfem.experiment.rig.rig import RigError
+from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray
 
 RAMP = 0.05  # part of a burst, or of a dwell's step, in which it rises and falls
@@ -32,13 +32,13 @@ class Excitation(Protocol):
 def require(name: str, value: float, least: float = 0.0) -> None:
     """Refuse what is not a finite number above `least`."""
     if not (np.isfinite(value) and value > least):
-        raise RigError(f"{name}: found {value!r}, expected a number above {least:g}")
+        raise InputError(f"{name}: found {value!r}, expected a number above {least:g}")
 
 
 def require_band(band: tuple[float, float]) -> None:
     """Refuse a band that does not ascend from 0 or more."""
     if not 0.0 <= band[0] < band[1] < np.inf:
-        raise RigError(f"band: found {band[0]!r} to {band[1]!r} Hz, expected from lower to higher")
+        raise InputError(f"band: found {band[0]!r} to {band[1]!r} Hz, expected from lower to higher")
 
 
 def band_noise(count: int, step: float, band: tuple[float, float], rng: np.random.Generator) -> FloatArray:
@@ -46,7 +46,7 @@ def band_noise(count: int, step: float, band: tuple[float, float], rng: np.rando
     freq = np.fft.rfftfreq(count, step)
     lines = (freq >= band[0]) & (freq <= band[1]) & (freq > 0.0)
     if not lines.any():
-        raise RigError(f"band: found no line of a record of {count * step:g} s in {band[0]:g} to {band[1]:g} Hz")
+        raise InputError(f"band: found no line of a record of {count * step:g} s in {band[0]:g} to {band[1]:g} Hz")
     spectrum = np.zeros(len(freq), complex)
     parts = rng.standard_normal((2, int(lines.sum())))
     spectrum[lines] = parts[0] + 1j * parts[1]
@@ -101,7 +101,7 @@ class BurstRandom:
         require("rms", self.rms)
         require_band(self.band)
         if not 0.0 < self.part < 1.0:
-            raise RigError(f"part: found {self.part!r}, expected a part of the block between 0 and 1")
+            raise InputError(f"part: found {self.part!r}, expected a part of the block between 0 and 1")
 
     @property
     def highest(self) -> float:
@@ -161,7 +161,7 @@ class StepSine:
     def __post_init__(self) -> None:
         require("amplitude", self.amplitude)
         if not self.freq or min(self.freq) <= 0.0:
-            raise RigError(f"freq: found {self.freq!r}, expected frequencies above 0 Hz")
+            raise InputError(f"freq: found {self.freq!r}, expected frequencies above 0 Hz")
 
     @property
     def highest(self) -> float:

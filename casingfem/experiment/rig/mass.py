@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
-from casingfem.experiment.rig.rig import Rig, RigError
+from casingfem.errors import InputError
+from casingfem.experiment.rig.rig import Rig
 from casingfem.io.arrays import FloatArray
 
 RANK = 1e-12  # of the largest residual compliance: below it there is none
@@ -27,7 +28,7 @@ def loaded(rig: Rig, probes: Sequence[int], mass: ArrayLike) -> Rig:
 
     Raises
     ------
-    RigError
+    InputError
         A probe that is not there, a mass that is negative or not finite.
 
     Examples
@@ -39,7 +40,7 @@ def loaded(rig: Rig, probes: Sequence[int], mass: ArrayLike) -> Rig:
     at = rig.checked(probes)
     m = np.broadcast_to(np.asarray(mass, np.float64), (len(at),))
     if not (np.isfinite(m).all() and m.min() >= 0.0):
-        raise RigError(f"mass: found {m.min()!r}, expected masses of 0 kg or more")
+        raise InputError(f"mass: found {m.min()!r}, expected masses of 0 kg or more")
     beyond = residual_shapes(rig.S, at)
     rows = np.hstack([rig.rows, beyond])
     added = rows[at].T @ (m[:, None] * rows[at])

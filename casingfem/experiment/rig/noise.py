@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
-from casingfem.experiment.rig.rig import RigError
 from casingfem.io.arrays import Array, FloatArray
 
 BITS = (4, 32)
@@ -21,7 +21,7 @@ def noise(values: Array, snr_db: float, rng: np.random.Generator) -> Array:
     0.1
     """
     if not np.isfinite(snr_db):
-        raise RigError(f"snr_db: found {snr_db!r}, expected the ratio of signal to noise in dB")
+        raise InputError(f"snr_db: found {snr_db!r}, expected the ratio of signal to noise in dB")
     rms = np.sqrt(np.mean(np.abs(values) ** 2, axis=-1, keepdims=True)) * 10.0 ** (-snr_db / 20.0)
     if not np.iscomplexobj(values):
         return np.asarray(rms * rng.standard_normal(values.shape))
@@ -58,9 +58,9 @@ class Converter:
 
     def __post_init__(self) -> None:
         if not BITS[0] <= self.bits <= BITS[1]:
-            raise RigError(f"bits: found {self.bits!r}, expected {BITS[0]} to {BITS[1]}")
+            raise InputError(f"bits: found {self.bits!r}, expected {BITS[0]} to {BITS[1]}")
         if not (np.isfinite(self.full_scale) and self.full_scale > 0.0):
-            raise RigError(f"full_scale: found {self.full_scale!r}, expected the largest value the converter takes")
+            raise InputError(f"full_scale: found {self.full_scale!r}, expected the largest value the converter takes")
 
     @property
     def lsb(self) -> float:

@@ -16,10 +16,11 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.signal import lfilter, resample_poly
 
+from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.excitation import Excitation
 from casingfem.experiment.rig.noise import Converter, noise
-from casingfem.experiment.rig.rig import DERIVATIVES, SYNTHETIC, UNITS, Quantity, Rig, RigError
+from casingfem.experiment.rig.rig import DERIVATIVES, SYNTHETIC, UNITS, Quantity, Rig
 from casingfem.io.arrays import FloatArray, frozen
 
 FINER = 8
@@ -112,7 +113,7 @@ def record(
 
     Raises
     ------
-    RigError
+    InputError
         Excitations that do not match the drives, or reach above fs/2.56; too few samples; probes that are not there.
 
     Examples
@@ -125,12 +126,14 @@ def record(
     """
     to, by = rig.checked(sensors), rig.checked(drives)
     if len(excitations) != len(by):
-        raise RigError(f"excitations: found {len(excitations)}, expected one for each of {len(by)} drives")
+        raise InputError(f"excitations: found {len(excitations)}, expected one for each of {len(by)} drives")
     if block < 16 or blocks < 1:
-        raise RigError(f"block {block}, blocks {blocks}: expected 16 samples or more, one block or more")
+        raise InputError(f"block {block}, blocks {blocks}: expected 16 samples or more, one block or more")
     highest = max(excitation.highest for excitation in excitations)
     if not fs >= BAND * highest:
-        raise RigError(f"fs: found {fs:g} Hz, expected {BAND} times the highest frequency of the force, {highest:g} Hz")
+        raise InputError(
+            f"fs: found {fs:g} Hz, expected {BAND} times the highest frequency of the force, {highest:g} Hz"
+        )
     rng = np.random.default_rng(seed)
     fine = np.arange(block * blocks * FINER) / (fs * FINER)
     force = np.array([excitation.force(fine, block / fs, rng) for excitation in excitations])

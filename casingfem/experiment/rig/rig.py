@@ -16,6 +16,7 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.io.arrays import Array, FloatArray, frozen
 
@@ -23,10 +24,6 @@ Quantity = Literal["receptance", "mobility", "accelerance"]
 UNITS: dict[Quantity, str] = {"receptance": "m/N", "mobility": "(m/s)/N", "accelerance": "(m/s^2)/N"}
 DERIVATIVES: dict[Quantity, int] = {"receptance": 0, "mobility": 1, "accelerance": 2}
 SYNTHETIC = "SYNTHETIC: made by casingfem's virtual test rig, not measured"
-
-
-class RigError(ValueError):
-    """A rig, or something asked of it, that cannot be: says what was found and what is expected."""
 
 
 class Probe(NamedTuple):
@@ -58,7 +55,7 @@ class Rig:
 
     Raises
     ------
-    RigError
+    InputError
         Arrays that do not belong together, frequencies or damping out of range.
 
     Examples
@@ -83,12 +80,12 @@ class Rig:
             array = getattr(self, name)
             if array.shape != shape or not np.isfinite(array).all():
                 found = f"shape {array.shape}" if array.shape != shape else "nan or infinity"
-                raise RigError(f"{name}: found {found}, expected finite numbers of shape {shape}")
+                raise InputError(f"{name}: found {found}, expected finite numbers of shape {shape}")
         if modes == 0 or self.omega.min() <= 0.0 or np.any(np.diff(self.omega) < 0.0):
-            raise RigError("omega: expected at least one frequency, all above 0 (a body that is held), ascending")
+            raise InputError("omega: expected at least one frequency, all above 0 (a body that is held), ascending")
         if self.zeta.min() <= 0.0 or self.zeta.max() >= 1.0:
             found = self.zeta[(self.zeta <= 0.0) | (self.zeta >= 1.0)][0]
-            raise RigError(f"zeta: found {found:g}, expected damping ratios between 0 and 1, not per cent")
+            raise InputError(f"zeta: found {found:g}, expected damping ratios between 0 and 1, not per cent")
 
     @classmethod
     def of(
@@ -103,7 +100,7 @@ class Rig:
         """Build from plain arrays; without probes they are numbered from 1, without S nothing is left out."""
         values = np.asarray(rows, np.float64)
         if values.ndim != 2:
-            raise RigError(f"rows: found shape {values.shape}, expected (probes, modes)")
+            raise InputError(f"rows: found shape {values.shape}, expected (probes, modes)")
         count = len(values)
         named = tuple(probes) or tuple(Probe(k + 1, 0, (0.0, 0.0, 0.0), 0.0) for k in range(count))
         rest: Any = np.zeros((count, count)) if S is None else S
@@ -129,7 +126,7 @@ class Rig:
         """Indices of probes, refused where there is none."""
         chosen = [int(k) for k in probes]
         if not chosen or not all(0 <= k < len(self.probes) for k in chosen):
-            raise RigError(f"probes {chosen}: expected at least one, each from 0 to {len(self.probes) - 1}")
+            raise InputError(f"probes {chosen}: expected at least one, each from 0 to {len(self.probes) - 1}")
         return chosen
 
     def receptance(self, sensors: Sequence[int], drives: Sequence[int], freq: ArrayLike) -> Array:
@@ -152,11 +149,11 @@ class Rig:
 
         Raises
         ------
-        RigError
+        InputError
             A probe that is not there, an unknown quantity.
         """
         if quantity not in get_args(Quantity):
-            raise RigError(f"quantity: found {quantity!r}, expected {' or '.join(get_args(Quantity))}")
+            raise InputError(f"quantity: found {quantity!r}, expected {' or '.join(get_args(Quantity))}")
         at = np.asarray(freq, np.float64)
         H = self.receptance(sensors, drives, at) * (2j * np.pi * at) ** DERIVATIVES[quantity]
         return FrfSet.from_arrays(

@@ -18,9 +18,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.experiment.circle.record import ScanRecord, turning
 from casingfem.experiment.rig.noise import noise
-from casingfem.experiment.rig.rig import SYNTHETIC, Rig, RigError, resonances
+from casingfem.experiment.rig.rig import SYNTHETIC, Rig, resonances
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 EVEN = 1e-9  # rad: how evenly a circle's probes stand
@@ -65,9 +66,9 @@ class Turning:
     def __post_init__(self) -> None:
         values = (self.mirror, self.casing, self.first_angle, self.wander, self.speckle)
         if not np.isfinite(values).all() or self.spot == 0.0:
-            raise RigError(f"turning: mirror {self.mirror!r}, casing {self.casing!r}: expected a spot that moves")
+            raise InputError(f"turning: mirror {self.mirror!r}, casing {self.casing!r}: expected a spot that moves")
         if self.wander < 0.0 or self.wander > 0.1 or self.speckle < 0.0 or (self.wander and self.casing):
-            raise RigError(f"wander {self.wander!r}, speckle {self.speckle!r}: expected wander 0 to .1 (0 where the "
+            raise InputError(f"wander {self.wander!r}, speckle {self.speckle!r}: expected wander 0 to .1 (0 where the "
                            "casing turns), speckle 0 or more")  # fmt: skip
 
     @property
@@ -90,7 +91,7 @@ def circle_content(rig: Rig, circle: Sequence[int]) -> tuple[IntArray, Array]:
 
     Raises
     ------
-    RigError
+    InputError
         Probes that are not evenly spaced around, or fewer than three.
     """
     chosen = rig.checked(circle)
@@ -98,7 +99,7 @@ def circle_content(rig: Rig, circle: Sequence[int]) -> tuple[IntArray, Array]:
     count = len(angles)
     even = angles[0] + 2.0 * np.pi * np.arange(count) / count
     if count < 3 or np.abs(angles - even).max() > EVEN:
-        raise RigError(f"circle: found {count} probes at uneven angles, expected 3 or more, evenly spaced around")
+        raise InputError(f"circle: found {count} probes at uneven angles, expected 3 or more, evenly spaced around")
     n = np.arange(-((count - 1) // 2), (count - 1) // 2 + 1)
     return n, np.exp(-1j * np.multiply.outer(n, even)) / count
 
@@ -148,14 +149,14 @@ def scan(
 
     Raises
     ------
-    RigError
+    InputError
         Neither or both kinds of drive; probes that are not there or not evenly spaced.
     """
     if (drive is None) == (not drive_circle):
-        raise RigError("drive: expected a probe fixed to the casing, or a circle for a force fixed in space")
+        raise InputError("drive: expected a probe fixed to the casing, or a circle for a force fixed in space")
     count = round(fs * seconds)
     if not (fs > 0.0 and count > 1):
-        raise RigError(f"fs {fs!r}, seconds {seconds!r}: expected a record of two samples or more")
+        raise InputError(f"fs {fs!r}, seconds {seconds!r}: expected a record of two samples or more")
     rng = np.random.default_rng(seed)
     n, _ = circle_content(rig, circle)
     if drive is not None:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.experiment.rig.mass import loaded
-from casingfem.experiment.rig.rig import Probe, Rig, RigError
+from casingfem.experiment.rig.rig import Probe, Rig
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import factorise
 from casingfem.modal.mode_set import Modes
@@ -38,9 +39,9 @@ class Place:
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.mass < np.inf:
-            raise RigError(f"mass: found {self.mass!r} kg, expected 0 or more")
+            raise InputError(f"mass: found {self.mass!r} kg, expected 0 or more")
         if self.direction not in DIRECTIONS:
-            raise RigError(f"direction: found {self.direction!r}, expected one of {', '.join(DIRECTIONS)}")
+            raise InputError(f"direction: found {self.direction!r}, expected one of {', '.join(DIRECTIONS)}")
 
 
 def circle(
@@ -52,7 +53,7 @@ def circle(
     [0.0, 1.5708, 3.1416, 4.7124]
     """
     if count < 1:
-        raise RigError(f"count: found {count}, expected at least one place")
+        raise InputError(f"count: found {count}, expected at least one place")
     angles = (first_angle + 2.0 * np.pi * np.arange(count) / count).tolist()
     return [Place(at=(height, angle), direction=direction, mass=mass) for angle in angles]
 
@@ -79,13 +80,13 @@ def rig_of(
 
     Raises
     ------
-    RigError
+    InputError
         Rigid motions; places off the surface.
     """
     if modes.rigid:
-        raise RigError(f"modes: found {modes.rigid} rigid motions, expected a supported structure")
+        raise InputError(f"modes: found {modes.rigid} rigid motions, expected a supported structure")
     if not places:
-        raise RigError("places: found none, expected at least one")
+        raise InputError("places: found none, expected at least one")
     system = system or assemble(modes.shell)
     heavy = [place for place in places if place.mass]
     under = [Place(at=place.at, direction=d) for place in heavy for d in CARTESIAN]
@@ -107,7 +108,7 @@ def probe_rows(modes: Modes, places: Sequence[Place], first: int) -> tuple[Float
     try:
         nodes, weights = interpolation(modes.grid, *at)
     except ValueError as error:
-        raise RigError(f"places: {error}") from error
+        raise InputError(f"places: {error}") from error
     surface = modes.shell.geometry(*at).surface
     points, normals = np.real(surface.x).T, frame(surface).normal.T
     closed = modes.shell.chart.periodic
@@ -142,5 +143,5 @@ def damping_spread(zeta: float, spread: float, count: int, *, seed: int) -> Floa
     [0.002, 0.002]
     """
     if not (0.0 < zeta < 1.0 and 0.0 <= spread < 2.0):
-        raise RigError(f"zeta {zeta!r}, spread {spread!r}: expected 0 < zeta < 1 and 0 <= spread < 2")
+        raise InputError(f"zeta {zeta!r}, spread {spread!r}: expected 0 < zeta < 1 and 0 <= spread < 2")
     return np.asarray(zeta * np.exp(spread * np.random.default_rng(seed).standard_normal(count)))

@@ -80,7 +80,7 @@ def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> Universal
 
     Raises
     ------
-    UffError
+    InputError
         A set that is not as its format and header say, with set, line, found and expected.
     FileNotFoundError
         When there is no such file.

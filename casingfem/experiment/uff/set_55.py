@@ -63,7 +63,7 @@ def read_shape(raw: RawSet) -> Shape:
 
     Raises
     ------
-    UffError
+    InputError
         Anything that is not exactly as the format and the shape's own header say.
     """
     check_lines(raw, 0, TEXTS + 3, "header")

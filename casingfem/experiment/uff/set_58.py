@@ -117,7 +117,7 @@ def read_function(raw: RawSet) -> Function:
 
     Raises
     ------
-    UffError
+    InputError
         Anything that is not exactly as the format and the function's own header say.
     """
     check_lines(raw, 0, TEXTS + 6, "header")

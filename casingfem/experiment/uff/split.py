@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
+from casingfem.errors import InputError
+
 KINDS = {
     "15": "nodes",
     "18": "coordinate systems",
@@ -47,14 +49,6 @@ BINARY_LINES = 11  # the header of a binary function
 _BINARY_ENDS = (7, 13, 19, 31, 43)  # ends of the columns of the line "58b ..."
 
 
-class UffError(ValueError):
-    """A universal file that cannot be read as it stands: says set, line, what was found, what was expected."""
-
-    def __init__(self, path: str, *, where: str, line: int, found: str, expected: str) -> None:
-        self.path, self.where, self.line, self.found, self.expected = path, where, line, found, expected
-        super().__init__(f"{path}, line {line}, {where}: found {found}; expected {expected}")
-
-
 class BinaryHeader(NamedTuple):
     """What the first line of a binary function says: byte order ("<" or ">") and number of bytes."""
 
@@ -78,9 +72,9 @@ class RawSet:
         """Number and kind, as errors have it."""
         return named(self.number)
 
-    def error(self, index: int, found: str, expected: str) -> UffError:
+    def error(self, index: int, found: str, expected: str) -> InputError:
         """The error for a line, counted from 0 below the set's number."""
-        return UffError(self.path, where=self.name, line=self.first + index, found=found, expected=expected)
+        return InputError(self.path, where=self.name, line=self.first + index, found=found, expected=expected)
 
     def line(self, index: int, meaning: str) -> str:
         """One line, which must be there."""
@@ -103,7 +97,7 @@ def split(data: bytes, path: str) -> list[RawSet]:
 
     Raises
     ------
-    UffError
+    InputError
         No set; text outside sets; a set that does not end; binary data of another length than its header says.
 
     Examples
@@ -115,13 +109,13 @@ def split(data: bytes, path: str) -> list[RawSet]:
     sets: list[RawSet] = []
     position = scan.skip_blank(0)
     if position >= len(data):
-        raise UffError(path, where="before the first set", line=1, found="nothing", expected="a universal file")
+        raise InputError(path, where="before the first set", line=1, found="nothing", expected="a universal file")
     while position < len(data):
         before = f"after {sets[-1].name}" if sets else "before the first set"
         text, following = scan.text(position)
         if not is_mark(text):
             found, expected = repr(text.strip()[:40]), "-1 in columns 5 and 6, which opens a set"
-            raise UffError(path, where=before, line=scan.number(position), found=found, expected=expected)
+            raise InputError(path, where=before, line=scan.number(position), found=found, expected=expected)
         raw, position = _one_set(scan, following, before)
         sets.append(raw)
         position = scan.skip_blank(position)
@@ -185,7 +179,7 @@ def _one_set(scan: _Scan, position: int, before: str) -> tuple[RawSet, int]:
     if number is None or len(text.rstrip()) > 6:
         found = repr(text.strip()[:40]) if position < len(scan.data) else "the end of the file"
         expected = "the number of a set in columns 1 to 6"
-        raise UffError(scan.path, where=before, line=start, found=found, expected=expected)
+        raise InputError(scan.path, where=before, line=start, found=found, expected=expected)
     name = number.group()
     lines: list[str] = []
     while following < len(scan.data):
@@ -196,12 +190,12 @@ def _one_set(scan: _Scan, position: int, before: str) -> tuple[RawSet, int]:
             if len(lines) >= TEXT_LINES.get(name, 0):
                 found = "-1, and neither another -1 nor the end of the file below it"
                 expected = "-1 where a set ends, and again where the next begins"
-                raise UffError(
+                raise InputError(
                     scan.path, where=named(name), line=scan.number(following), found=found, expected=expected
                 )
         lines.append(text)
         following = after
-    raise UffError(
+    raise InputError(
         scan.path, where=named(name), line=start + len(lines), found="the end of the file", expected="-1, the set's end"
     )
 
@@ -213,7 +207,7 @@ def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawS
     for _ in range(BINARY_LINES):
         if position >= len(scan.data):
             found, expected = "the end of the file", f"{BINARY_LINES} lines of header"
-            raise UffError(scan.path, where=named("58b"), line=start + len(lines) + 1, found=found, expected=expected)
+            raise InputError(scan.path, where=named("58b"), line=start + len(lines) + 1, found=found, expected=expected)
         line, position = scan.text(position)
         lines.append(line)
     payload = scan.data[position : position + header.size]
@@ -221,13 +215,13 @@ def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawS
     end = position + header.size
     if len(payload) < header.size:
         found, expected = f"{len(payload)} bytes of data", f"{header.size}, as line {start} says"
-        raise UffError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
+        raise InputError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
     behind = next(end + len(mark) for mark in (b"\r\n", b"\n", b"") if scan.data.startswith(mark, end))
     mark, after = scan.text(behind)
     swallowed = header.order == "<" and behind == end and payload.endswith(b"\n")  # a number of 1e-33 at most
     if mark.rstrip() != "    -1" or not scan.closes(after) or swallowed:
         found, expected = f"no closing -1 behind {header.size} bytes of data", f"it there, as line {start} says"
-        raise UffError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
+        raise InputError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
     raw = RawSet(path=scan.path, number="58b", lines=tuple(lines), first=start + 1, binary=header, payload=payload)
     return raw, after
 
@@ -237,7 +231,7 @@ def _binary_header(path: str, text: str, start: int) -> BinaryHeader:
     cells = [text[low:high] for low, high in pairwise(_BINARY_ENDS)]
     if not all(re.fullmatch(r" *[0-9]+", cell) for cell in cells):
         found, expected = repr(text.strip()), "58b, byte order, floating format, lines of header, bytes of data"
-        raise UffError(path, where=named("58b"), line=start, found=found, expected=expected)
+        raise InputError(path, where=named("58b"), line=start, found=found, expected=expected)
     order, form, lines, size = map(int, cells)
     for what, value, good in (
         ("byte order", order, {1: "little endian", 2: "big endian"}),
@@ -246,5 +240,5 @@ def _binary_header(path: str, text: str, start: int) -> BinaryHeader:
     ):
         if value not in good:
             expected = ", ".join(f"{key} ({word})" for key, word in good.items())
-            raise UffError(path, where=named("58b"), line=start, found=f"{what} {value}", expected=expected)
+            raise InputError(path, where=named("58b"), line=start, found=f"{what} {value}", expected=expected)
     return BinaryHeader("<" if order == 1 else ">", size)

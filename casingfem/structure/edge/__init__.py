@@ -1,1 +1,5 @@
 """What holds an edge: clamps, springs, bolts, rings, point masses."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

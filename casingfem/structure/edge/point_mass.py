@@ -8,7 +8,7 @@ from casingfem.errors import ModelError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PointMass:
+class EdgeMass:
     """A mass [kg] on an edge at an angle [rad]; on the section's centre line where the edge carries a ring.
 
     On a straight edge `angle` is its own parameter: the width of a plate [m], for example.
@@ -21,7 +21,7 @@ class PointMass:
     ModelError
         mass-value: a mass that is negative or not finite, an angle that is not finite.
 
-    >>> PointMass(angle=0.0, mass=0.012).mass
+    >>> EdgeMass(angle=0.0, mass=0.012).mass
     0.012
     """
 

@@ -34,7 +34,7 @@ class MeridianPoints(NamedTuple):
     z2: Array
 
 
-class Profile(Protocol):
+class Meridian(Protocol):
     """A meridian: what `Revolved` and `RevolvedPanel` turn about the z axis."""
 
     @property
@@ -97,7 +97,7 @@ class Arc:
         )
 
 
-def revolved_surface(profile: Profile, s: Array, theta: Array, defect: FieldValues | None) -> Surface:
+def revolved_surface(profile: Meridian, s: Array, theta: Array, defect: FieldValues | None) -> Surface:
     """Position and derivatives of a meridian turned about z."""
     s, theta = np.broadcast_arrays(s, theta)
     at = profile.at(s)
@@ -113,7 +113,7 @@ class Revolved(Closed):
     True
     """
 
-    profile: Profile
+    profile: Meridian
 
     @property
     def bounds(self) -> Bounds:
@@ -135,7 +135,7 @@ class RevolvedPanel(Open):
     False
     """
 
-    profile: Profile
+    profile: Meridian
     angle: float
 
     def __post_init__(self) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.structure.field.fourier import Field, SumField
-from casingfem.structure.field.survey.survey import SampledField
+from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.chart import Chart
 
 ALIKE = 0.1  # a survey's mean and the nominal radius or thickness may differ by this part
@@ -19,16 +19,16 @@ def mean_radius(chart: Chart) -> float:
     return float(np.real(np.linalg.norm(chart.surface(*middle, None).x[:2])))
 
 
-def surveys(field: Field) -> Iterator[SampledField]:
+def surveys(field: Field) -> Iterator[SurveyField]:
     """The surveys in a field, be it one or a sum."""
     if isinstance(field, SumField):
         for term in field.fields:
             yield from surveys(term)
-    elif isinstance(field, SampledField):
+    elif isinstance(field, SurveyField):
         yield field
 
 
-def check_survey(survey: SampledField, quantity: str, chart: Chart | None, thickness: float | None) -> None:
+def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickness: float | None) -> None:
     """Refuse a survey of another quantity or of another casing; what is None is not looked at."""
     name = Path(survey.path).name
     if survey.quantity != quantity:

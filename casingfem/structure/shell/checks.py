@@ -5,7 +5,7 @@ import numpy as np
 from casingfem.errors import ModelError, doubt
 from casingfem.structure.edge.bolt_mesh import SEEN, following, springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry, grip
 from casingfem.structure.field.fourier import Field
@@ -49,7 +49,7 @@ def check_parts(shell: ShellParts) -> None:
             low, high = (float(np.real(end)) for end in shell.chart.bounds[1 - held])
             holding.require_on((low, high), shell.chart.periodic and held == 0, edge)
     for edge, masses in shell.masses.items():
-        if edge not in known or not all(isinstance(mass, PointMass) for mass in masses):
+        if edge not in known or not all(isinstance(mass, EdgeMass) for mass in masses):
             raise ModelError("mass-edge", f"masses.{edge}: expected masses on one of {', '.join(known)}")
     check_strips(shell.strips, shell.chart.bounds[0], None)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.io.arrays import Array
-from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import Support
 from casingfem.structure.field.fourier import Field, relative
@@ -48,7 +48,7 @@ class ShellParts:
     strips: tuple[Strip, ...] = ()
     taper: Taper | None = None
     rotation: Rotation | None = None
-    masses: Mapping[str, Sequence[PointMass]] = field(default_factory=dict)
+    masses: Mapping[str, Sequence[EdgeMass]] = field(default_factory=dict)
     mesh: ShellMesh = None  # type: ignore[assignment]  # `Shell` chooses one where left out
 
     @property

@@ -11,7 +11,7 @@ from casingfem.linalg.factor import solve_held
 from casingfem.structure.mesh.place import interpolation
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.load import Load
+from casingfem.structure.shell.loads import Load
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 
@@ -61,7 +61,7 @@ def solve_static(shell: Shell, loads: Sequence[Load], *, system: System | None =
     Examples
     --------
     >>> from casingfem.structure.geometry.chart import Plate
-    >>> from casingfem.structure.shell.load import EdgeLoad
+    >>> from casingfem.structure.shell.loads import EdgeLoad
     >>> from casingfem.structure.material import Material
     >>> from casingfem.structure.edge.support import Clamped
     >>> steel = Material(E=210e9, nu=0.0, rho=7800.0)

@@ -100,7 +100,7 @@ def bricks(
     """Modes of a clamped beam of bricks with cells or points changed."""
     changed = {"cells": cells(BRICKS.cells.copy()) if cells else BRICKS.cells}
     changed["points"] = points(BRICKS.points.copy()) if points else BRICKS.points
-    mesh = cf.MeshData(kind=BRICKS.kind, groups=BRICKS.groups, source="part.msh", **changed)
+    mesh = cf.imported.MeshData(kind=BRICKS.kind, groups=BRICKS.groups, source="part.msh", **changed)
     solid = {"material": steel(), "supports": {"root": cf.Clamped()}} | parts
     return cf.modes(cf.Solid(mesh=mesh, **solid), 2)
 

@@ -165,7 +165,8 @@ def charts() -> list[Broken]:
         Broken("twist nan", lambda: blade(chart=cf.TwistedPlate(length=0.2, width=0.1, twist=NAN)), "chart-twist"),
         Broken("blade without chord", lambda: blade(chart=cf.Blade(length=0.2, chord=(0.1, -0.1))), "blade-shape"),
         Broken("dome up to its pole",
-               lambda: casing(chart=cf.Revolved(profile=cf.Arc(radius=0.5, start=0.0, end=1.571))), "meridian-axis"),
+               lambda: casing(chart=cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=0.0, end=1.571))),
+               "meridian-axis"),
         Broken("own chart, slope of another surface", own("slope"), "chart-derivatives"),
         Broken("own chart, curvature left out", own("bend"), "chart-derivatives"),
         Broken("own chart, nan", own("nan"), "chart-not-finite"),
@@ -220,7 +221,7 @@ def fields() -> list[Broken]:
                "field-harmonics"),
         Broken("harmonic 40 on 54 nodes around", lambda: wavy({40: 1e-3}), "field-mesh"),
         Broken("radius field on a flat plate", lambda: blade(radius_defect=survey), "field-no-radius"),
-        Broken("spectrum with high below median", lambda: cf.Spectrum(p=[2], median=[0.2], high=[0.1]),
+        Broken("spectrum with high below median", lambda: cf.field.Spectrum(p=[2], median=[0.2], high=[0.1]),
                "field-spectrum"),
     ]  # fmt: skip
 

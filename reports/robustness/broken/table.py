@@ -26,7 +26,7 @@ def outcome(model: Broken) -> tuple[str, list[str]]:
         warnings.simplefilter("always")
         try:
             model.make()
-        except (ValueError, cf.EigenError) as error:
+        except (ValueError, cf.errors.NumericsError) as error:
             happened, refusal = "refused", str(error).splitlines()
     said = [str(entry.message) for entry in caught if isinstance(entry.message, ModelWarning)]
     return happened or ("warned" if said else "silent"), said + refusal

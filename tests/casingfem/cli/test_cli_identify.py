@@ -53,7 +53,7 @@ def test_a_universal_file_gives_table_pictures_and_a_document(uff, tmp_path):
     table = cf.FrequencyTable.from_csv(tmp_path / "out" / "identified.csv")
     assert table.n.tolist() == [3, 3, 0]
     assert table.angle_deg[0] == pytest.approx(np.degrees(0.1), abs=0.5)
-    shapes = cf.read_shapes(tmp_path / "out" / "identified.npz")
+    shapes = cf.correlation.read_shapes(tmp_path / "out" / "identified.npz")
     np.testing.assert_allclose(np.hypot(*shapes.points[:, :2].T), 0.5)  # at the nodes of the file
     np.testing.assert_allclose(shapes.freq_hz, table.freq_hz)
     for name in ("stabilisation.png", "responses.png"):
@@ -79,7 +79,9 @@ def test_a_table_of_sensors_places_the_shapes(frfs, tmp_path):
 def test_an_open_part_has_no_n(uff, tmp_path):
     result = invoke(uff, "--open", "--json", "--out", tmp_path)
     assert [mode["n"] for mode in json.loads(result.stdout)["modes"]] == [None, None, None]
-    np.testing.assert_array_equal(np.abs(cf.read_shapes(tmp_path / "identified.npz").directions[0]), [1.0, 0.0, 0.0])
+    np.testing.assert_array_equal(
+        np.abs(cf.correlation.read_shapes(tmp_path / "identified.npz").directions[0]), [1.0, 0.0, 0.0]
+    )
     (tmp_path / "angles.csv").write_text("point,angle_deg\n1,0\n")
     assert "--open is for parts" in invoke(uff, "--open", "--angles", tmp_path / "angles.csv").stderr
 

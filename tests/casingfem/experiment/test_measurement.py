@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from casingfem.errors import InputError
 from casingfem.experiment.grouping import Doublet, Single
-from casingfem.experiment.measurement import COLUMNS, FrequencyTable, TableError
-from casingfem.io.strict_csv import CsvError, read
+from casingfem.experiment.measurement import COLUMNS, FrequencyTable
+from casingfem.io.strict_csv import read
 
 DATA = Path(__file__).resolve().parents[3] / "data"
 
@@ -112,7 +113,7 @@ def test_malformed_tables_are_refused_with_their_place(tmp_path, name):
     text, message = BAD[name]
     path = tmp_path / "bad.csv"
     path.write_bytes(text.encode())
-    with pytest.raises(TableError, match=message) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         FrequencyTable.from_csv(path)
     assert "bad.csv" in str(caught.value)
     assert caught.value.expected
@@ -121,7 +122,7 @@ def test_malformed_tables_are_refused_with_their_place(tmp_path, name):
 def test_bytes_that_are_not_utf8_name_their_line(tmp_path):
     path = tmp_path / "latin.csv"
     path.write_bytes(b"# ok\n# mesur\xe9\n" + (HEAD + ROW).encode())
-    with pytest.raises(TableError, match=r"line 2: found byte 0xe9"):
+    with pytest.raises(InputError, match=r"line 2: found byte 0xe9"):
         FrequencyTable.from_csv(path)
     path.write_bytes(b"\xef\xbb\xbf" + (HEAD + ROW).replace("\n", "\r\n").encode())
     assert len(FrequencyTable.from_csv(path)) == 1
@@ -186,7 +187,7 @@ def test_without_leaves_out_and_names_what_is_missing():
     assert table.without(2).card == ("lab",)
     with pytest.raises(ValueError, match="has no mode 7"):
         table.without(7)
-    with pytest.raises(TableError, match="length >= 1"):
+    with pytest.raises(InputError, match="length >= 1"):
         table.without(1, 2, 3)
 
 
@@ -205,7 +206,7 @@ def test_without_leaves_out_and_names_what_is_missing():
     ],
 )
 def test_arrays_are_checked_like_files(arguments, message):
-    with pytest.raises(TableError, match=message):
+    with pytest.raises(InputError, match=message):
         FrequencyTable.from_arrays(**({"freq_hz": [1.0, 2.0], "sigma_hz": 0.1} | arguments))
 
 
@@ -252,7 +253,7 @@ def test_the_measured_blade_reads():
     ],
 )
 def test_reference_tables_read_and_carry_their_card(name, rows, column, first):
-    table = read(DATA / f"reference/{name}.csv", CsvError)
+    table = read(DATA / f"reference/{name}.csv")
     values = table.numbers(column)
     assert len(values) == rows
     assert values[0] == first

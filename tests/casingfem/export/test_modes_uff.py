@@ -24,7 +24,7 @@ def path(casing, tmp_path_factory):
 
 
 def test_the_file_holds_the_modes(casing, path):
-    found = cf.read_uff(path, strict=True)
+    found = cf.uff.read_uff(path, strict=True)
     assert np.array_equal(found.nodes.points, drawn_surface(casing).points)
     assert [shape.freq_hz for shape in found.shapes] == pytest.approx(casing.freq, rel=1e-5)
     for k, shape in enumerate(found.shapes):
@@ -33,7 +33,7 @@ def test_the_file_holds_the_modes(casing, path):
 
 
 def test_every_side_is_drawn_once(casing, path):
-    (line,) = cf.read_uff(path).lines
+    (line,) = cf.uff.read_uff(path).lines
     sides = np.append(line.nodes, 0).reshape(-1, 3)
     assert np.all(sides[:, 2] == 0)
     assert len(np.unique(sides[:, :2], axis=0)) == len(sides)
@@ -60,7 +60,7 @@ def test_the_command_writes_the_chosen_modes(tmp_path):
     base = ["modes", str(written(tmp_path, PLATE))]
     result = CliRunner().invoke(main, [*base, "--out", str(tmp_path / "out"), "--uff", "--modes", "1,3"])
     assert result.exit_code == 0, result.stderr
-    shapes = cf.read_uff(tmp_path / "out" / "modes.uff").shapes
+    shapes = cf.uff.read_uff(tmp_path / "out" / "modes.uff").shapes
     assert [shape.integers[1] for shape in shapes] == [1, 3]
     assert not (tmp_path / "out" / "vtu").exists()
     refused = CliRunner().invoke(main, [*base, "--uff"])

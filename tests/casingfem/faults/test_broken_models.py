@@ -88,7 +88,7 @@ def sound() -> dict[str, object]:
         "small blade": cf.Shell(chart=cf.Plate(length=0.02, width=0.01), thickness=5e-4, **blade),
         "twisted blade": cf.Shell(chart=cf.TwistedPlate(length=0.3, width=0.1, twist=1.2), thickness=3e-3, **blade),
         "dome with a hole": cf.Shell(
-            chart=cf.Revolved(profile=cf.Arc(radius=0.5, start=0.0, end=1.4)), thickness=3e-3, **casing
+            chart=cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=0.0, end=1.4)), thickness=3e-3, **casing
         ),
         "aluminium on springs": cf.Shell(
             chart=cf.Cylinder(radius=0.5, height=0.3), thickness=3e-3,

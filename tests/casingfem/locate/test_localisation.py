@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.stats import f
 
-from casingfem.errors import ModelError
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.errors import InputError, ModelError
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.sensors import sensors_of
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.locate.localisation import locate, search_model
 from casingfem.locate.shape_check import judged_by_shapes
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.field.fourier import FourierField
@@ -139,7 +139,7 @@ def test_a_calibrated_model_has_its_baseline(casing, model):
 
 @pytest.mark.slow
 def test_masses_between_candidates_are_recovered(casing):
-    added = [PointMass(angle=np.radians(angle), mass=mass) for angle, mass in ((20.0, 0.02), (111.0, 0.03))]
+    added = [EdgeMass(angle=np.radians(angle), mass=mass) for angle, mass in ((20.0, 0.02), (111.0, 0.03))]
     heavy = replace(casing, masses={"top": added})
     found = locate(casing, table_of(heavy), among="mass")
     said = (found.best, *found.others)
@@ -225,5 +225,5 @@ def test_shapes_tell_a_bolt_from_the_opposite_one(casing, model):
     assert right.explanation.places == {4}
     assert wrong.explanation.places == {10}
     assert right.unlike < 0.3 * wrong.unlike
-    with pytest.raises(ShapeError, match="found no shape that pairs with a mode"):
+    with pytest.raises(InputError, match="found no shape that pairs with a mode"):
         judged_by_shapes(model[0], found, replace(shapes, freq_hz=3.0 * shapes.freq_hz))

@@ -8,7 +8,7 @@ import pytest
 from casingfem.modal.affine import affine_model, bolt_changes, mass_changes
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.geometry.chart import Plate
@@ -70,7 +70,7 @@ def test_masses_are_as_in_full_solutions(casing):
     system = assemble(casing)
     angles = np.array([0.4, 2.5])
     model = affine_model(system, mass_changes(system, "top", angles), 30)
-    heavy = [PointMass(angle=a, mass=m) for a, m in zip(angles, (0.02, 0.05), strict=True)]
+    heavy = [EdgeMass(angle=a, mass=m) for a, m in zip(angles, (0.02, 0.05), strict=True)]
     full = modes(replace(casing, masses={"top": heavy}), 10)
     found = model.modes(np.array([0.02, 0.05]), 10)
     np.testing.assert_allclose(found.freq, full.freq, rtol=1e-5)

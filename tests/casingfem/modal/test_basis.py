@@ -6,7 +6,8 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from casingfem.modal.basis import FORMAT, BasisError, ModalBasis
+from casingfem.errors import InputError
+from casingfem.modal.basis import FORMAT, ModalBasis
 
 
 def basis(**changes):
@@ -114,7 +115,7 @@ def test_repr_tells_modes_band_and_the_share_of_S():
     ],
 )
 def test_refuses_arrays_that_do_not_fit(changes, message):
-    with pytest.raises(BasisError, match=message):
+    with pytest.raises(InputError, match=message):
         basis(**changes)
 
 
@@ -127,17 +128,17 @@ def stored_without(path, *names, **replaced):
 
 def test_refuses_files_that_hold_no_basis(tmp_path):
     path = basis().save(tmp_path / "casing.npz")
-    with pytest.raises(BasisError, match="arrays missing: S, rows"):
+    with pytest.raises(InputError, match="arrays missing: S, rows"):
         ModalBasis.load(stored_without(path, "rows", "S"))
-    with pytest.raises(BasisError, match=f"expected format '{FORMAT}', found 'other'"):
+    with pytest.raises(InputError, match=f"expected format '{FORMAT}', found 'other'"):
         ModalBasis.load(stored_without(path, format=np.array("other")))
-    with pytest.raises(BasisError, match="found 'None'"):
+    with pytest.raises(InputError, match="found 'None'"):
         ModalBasis.load(stored_without(path, "format"))
-    with pytest.raises(BasisError, match="not a readable npz"):
+    with pytest.raises(InputError, match="not a readable npz"):
         ModalBasis.load(tmp_path / "absent.npz")
     text = tmp_path / "text.npz"
     text.write_text("omega, zeta")
-    with pytest.raises(BasisError, match="not a readable npz"):
+    with pytest.raises(InputError, match="not a readable npz"):
         ModalBasis.load(text)
 
 
@@ -145,7 +146,7 @@ def test_refuses_files_that_hold_no_basis(tmp_path):
 def test_refuses_a_file_cut_short(tmp_path, kept):
     path = basis().save(tmp_path / "casing.npz")
     path.write_bytes(path.read_bytes()[:kept])
-    with pytest.raises(BasisError):
+    with pytest.raises(InputError):
         ModalBasis.load(path)
 
 
@@ -155,11 +156,11 @@ def test_refuses_a_file_with_a_flipped_byte_in_an_array(tmp_path):
     place = data.find(np.float64(250.0).tobytes())
     data[place + 3] ^= 0xFF
     path.write_bytes(data)
-    with pytest.raises(BasisError):
+    with pytest.raises(InputError):
         ModalBasis.load(path)
 
 
 def test_refuses_provenance_that_is_not_json(tmp_path):
     path = stored_without(basis().save(tmp_path / "casing.npz"), provenance=np.array("{not json"))
-    with pytest.raises(BasisError):
+    with pytest.raises(InputError):
         ModalBasis.load(path)

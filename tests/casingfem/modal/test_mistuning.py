@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
-from casingfem.errors import EigenError
+from casingfem.errors import NumericsError
 from casingfem.modal import mistuning
 from casingfem.modal.mistuning import Mistuning, Pair, drawn_modes, mean_modes, mean_shell, mistune, redrawn_shell
 from casingfem.modal.modes import modes
@@ -92,13 +92,13 @@ def test_the_inertia_sees_what_a_restart_cannot_reach(frustum, coarse, mean):
     half = modes(mean_shell(frustum(mesh=coarse)), 40, method="shell")
     low = [pair[0] for pair in half.doublets]
     known = replace(half, freq=half.freq[::2], fields=half.fields[:, :, low], own=half.own[:, low])
-    with pytest.raises(EigenError, match="modes lie below"):
+    with pytest.raises(NumericsError, match="modes lie below"):
         restarted_modes(frustum(mesh=coarse, radius_defect=FourierField.of({8: 0.002})), known, COUNT)
 
 
 def test_a_draw_whose_restart_fails_is_solved_from_nothing(casing, mean, monkeypatch):
     def fails(*arguments):
-        raise EigenError("13 modes lie below, 12 were found")
+        raise NumericsError("13 modes lie below, 12 were found")
 
     restarted = drawn_modes(casing, mean, COUNT, 1)
     monkeypatch.setattr(mistuning, "restarted_modes", fails)

@@ -42,7 +42,7 @@ def test_the_table_says_when_the_sum_is_out_of_reach():
 
 
 def test_a_disk_meets_only_its_own_diameters_folded():
-    disk = cf.BladedDisk(blades=12, freq={3: (110.0,), 4: (140.0,)})
+    disk = cf.modal.DiskFrequencies(blades=12, freq={3: (110.0,), 4: (140.0,)})
     found = cf.interactions({3: [200.0], 5: [250.0], 8: [300.0], 9: [320.0]}, disk, speed_hz=(0.0, 200.0))
     met = {(c.n, c.blade_hz) for c in found.meetings}
     assert met == {(3, 110.0), (8, 140.0), (9, 110.0)}
@@ -51,7 +51,9 @@ def test_a_disk_meets_only_its_own_diameters_folded():
 def test_a_blade_that_stiffens_with_speed_is_met_where_it_then_is():
     speed = np.linspace(0.0, 100.0, 201)
     freq = np.sqrt(120.0**2 + 1.7 * speed**2)
-    data = cf.Campbell(omega=2.0 * np.pi * speed, freq=freq[:, None], southwell=np.zeros(1), overlap=np.ones((201, 1)))
+    data = cf.modal.Campbell(
+        omega=2.0 * np.pi * speed, freq=freq[:, None], southwell=np.zeros(1), overlap=np.ones((201, 1))
+    )
     found = cf.interactions({8: [300.0]}, data, speed_hz=(0.0, 90.0)).of("sum")[0]
     # (8 f - 300)^2 = 120^2 + 1.7 f^2
     exact = max(np.roots([64.0 - 1.7, -4800.0, 300.0**2 - 120.0**2]).real)
@@ -89,7 +91,7 @@ def test_bad_input_is_refused(casing, blade, speeds, turning, code):
 
 def test_a_disk_cannot_have_more_diameters_than_half_its_blades():
     with pytest.raises(ModelError, match="interaction-blade"):
-        cf.BladedDisk(blades=12, freq={7: (100.0,)})
+        cf.modal.DiskFrequencies(blades=12, freq={7: (100.0,)})
 
 
 def test_pictures_mark_each_coincidence_and_draw_engine_orders():
@@ -99,7 +101,7 @@ def test_pictures_mark_each_coincidence_and_draw_engine_orders():
     drawn = by_label["f_c + f_b = n f: flutter"]
     assert drawn.get_xdata() == pytest.approx([c.speed_hz for c in found.of("sum")])
     assert sum(line.get_linestyle() == ":" and len(line.get_xdata()) > 2 for line in axes.lines) == 5
-    disk = cf.BladedDisk(blades=14, freq={k: (100.0 + 5.0 * k,) for k in range(8)})
+    disk = cf.modal.DiskFrequencies(blades=14, freq={k: (100.0 + 5.0 * k,) for k in range(8)})
     panels = figure_zzenf(cf.interactions(CASING, disk, speed_hz=(0.0, 90.0)), disk, 80.0).axes
     assert len(panels) == 2
     zigzag = panels[1].lines[0].get_xdata()

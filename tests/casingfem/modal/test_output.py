@@ -8,7 +8,7 @@ import pytest
 import casingfem as cf
 from casingfem.modal.campbell import campbell
 from casingfem.modal.harmonic_basis import harmonic_basis
-from casingfem.structure.shell.load import EdgeLoad
+from casingfem.structure.shell.loads import EdgeLoad
 from casingfem.structure.shell.static import solve_static
 
 LENGTH, WIDTH, THICKNESS = 0.11, 0.04, 5e-3
@@ -24,10 +24,10 @@ def strip():
 
 
 OUTPUTS = (
-    cf.Strain(name="root strain", at=(0.02, 0.0)),
-    cf.Strain(name="below", at=(0.02, 0.0), side=-1.0),
-    cf.Displacement(name="middle", at=(0.5 * LENGTH, 0.01)),
-    cf.Displacement(name="tip x", at=(LENGTH, 0.0), direction="x"),
+    cf.modal.Strain(name="root strain", at=(0.02, 0.0)),
+    cf.modal.Strain(name="below", at=(0.02, 0.0), side=-1.0),
+    cf.modal.Displacement(name="middle", at=(0.5 * LENGTH, 0.01)),
+    cf.modal.Displacement(name="tip x", at=(LENGTH, 0.0), direction="x"),
 )
 
 
@@ -93,10 +93,10 @@ def test_the_axial_channels_of_a_perfect_casing_agree_with_the_shell(frustum):
 
 def test_bad_outputs_are_refused(strip):
     for output, match in (
-        (cf.Displacement(name="a", at=(0.0, 0.0), direction="up"), "found direction 'up'"),
-        (cf.Strain(name="a", at=(0.0, 0.0), component="33"), "component '33'"),
-        (cf.Strain(name="a", at=(0.0, 0.0), side=2.0), r"side 2\.0"),
-        (cf.Displacement(name="a", at=(0.2, 0.0)), "off the surface"),
+        (cf.modal.Displacement(name="a", at=(0.0, 0.0), direction="up"), "found direction 'up'"),
+        (cf.modal.Strain(name="a", at=(0.0, 0.0), component="33"), "component '33'"),
+        (cf.modal.Strain(name="a", at=(0.0, 0.0), side=2.0), r"side 2\.0"),
+        (cf.modal.Displacement(name="a", at=(0.2, 0.0)), "off the surface"),
     ):
         with pytest.raises(ValueError, match=match):
             cf.reduce(strip, cf.Tip(), modes=2, outputs=[output])

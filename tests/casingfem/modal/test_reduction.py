@@ -15,7 +15,7 @@ from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.load import Gravity
+from casingfem.structure.shell.loads import Gravity
 from casingfem.structure.shell.shell import Shell
 
 RIM = Rim("top", n_max=8)

@@ -123,7 +123,7 @@ def test_random_imperfections_of_one_seed_are_not_one_field(tmp_path):
     more += '[[imperfection]]\nof = "thickness"\nrandom = [{p = 2, median = 0.01}, {p = 5, median = 0.002}]\nseed = 7\n'
     shell = load_study(written(tmp_path, FRUSTUM + more)).shell
     random = shell.radius_defect.fields[1]
-    assert isinstance(random, cf.RandomField)
+    assert isinstance(random, cf.field.RandomField)
     # .24 t at n = 2, over the mean radius, halved
     assert random.spectrum.median[0] == pytest.approx(0.5 * 0.24 * 3e-3 / 0.475, rel=1e-12)
     wall = shell.thickness_defect

@@ -24,8 +24,8 @@ def test_the_studies_of_the_rub_name_their_interfaces(tmp_path):
     blade = load_study(SCENES / "blade.toml")
     assert blade.interface == cf.TipNodes("tip", count=5)
     outputs = [table.output() for table in blade.file.reduce.output]
-    assert outputs[0] == cf.Strain(name="root strain", at=(0.004, 0.0))
-    assert outputs[1] == cf.Displacement(name="tip flap", at=(0.110, 0.0), direction="normal")
+    assert outputs[0] == cf.modal.Strain(name="root strain", at=(0.004, 0.0))
+    assert outputs[1] == cf.modal.Displacement(name="tip flap", at=(0.110, 0.0), direction="normal")
 
 
 @pytest.mark.parametrize(

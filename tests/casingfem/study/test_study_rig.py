@@ -126,10 +126,10 @@ def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_p
         "rig.json", "truth.csv", "frfs.uff", "frfs.npz", "frfs.png", "coherence.npz", "scan.npz", "scan.png",
         "deflections.png", "responses.uff", "forces.uff",
     }  # fmt: skip
-    assert cf.FrfSet.from_uff(out / "frfs.uff").card[0].startswith("SYNTHETIC")
-    assert len(cf.FrfSet.from_uff(out / "responses.uff", "time")) == 24
-    assert cf.FrfSet.from_uff(out / "forces.uff", "time").unit == "N"
-    assert cf.FrfSet.load(out / "frfs.npz").card[0].startswith("SYNTHETIC")
+    assert cf.frf.FrfSet.from_uff(out / "frfs.uff").card[0].startswith("SYNTHETIC")
+    assert len(cf.frf.FrfSet.from_uff(out / "responses.uff", "time")) == 24
+    assert cf.frf.FrfSet.from_uff(out / "forces.uff", "time").unit == "N"
+    assert cf.frf.FrfSet.load(out / "frfs.npz").card[0].startswith("SYNTHETIC")
     assert ScanRecord.load(out / "scan.npz").card[0].startswith("SYNTHETIC")
     assert cf.FrequencyTable.from_csv(out / "truth.csv").card[0].startswith("SYNTHETIC")
     words = CliRunner().invoke(main, ["rig", str(path)]).output

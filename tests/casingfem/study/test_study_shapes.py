@@ -120,7 +120,7 @@ def test_keys_are_checked(folder, keys, words):
     ("name", "content", "words"),
     [
         ("nowhere.uff", None, "update.shapes: found"),
-        ("shapes.csv", b"", "found ending '.csv', expected .uff"),
+        ("shapes.csv", b"", "found ending '.csv'; expected .uff"),
         ("shapes.npz", b"PK", "no readable npz file"),
         ("shapes2.uff", b"    -1\n   151\n" + b"x\n" * 7 + b"    -1\n", "expected modes in sets 55"),
     ],
@@ -153,7 +153,7 @@ ALIKE = {"points": np.eye(3), "directions": np.eye(3)}
 
 def shapes_at(freq, n=-1):
     values = np.random.default_rng(5).standard_normal((3, len(freq)))
-    return cf.MeasuredShapes.from_arrays(freq_hz=freq, values=values, n=n, path="test.uff", **ALIKE)
+    return cf.correlation.MeasuredShapes.from_arrays(freq_hz=freq, values=values, n=n, path="test.uff", **ALIKE)
 
 
 def rows(freq, n=-1):
@@ -163,7 +163,7 @@ def rows(freq, n=-1):
 def test_n_settles_what_frequency_does_not():
     table = rows([100.0, 100.02], n=[3, 7])
     assert rows_of_shapes(shapes_at([100.01, 100.011], n=[7, 3]), table).tolist() == [1, 0]
-    with pytest.raises(cf.ShapeError, match=r"modes 1 and 2 of table.csv, 100 and 100.02 Hz"):
+    with pytest.raises(cf.errors.InputError, match=r"modes 1 and 2 of table.csv, 100 and 100.02 Hz"):
         rows_of_shapes(shapes_at([100.0101]), table)
 
 
@@ -173,13 +173,13 @@ def test_members_of_a_doublet_share_a_plane():
 
 
 def test_two_shapes_for_one_row_are_refused():
-    with pytest.raises(cf.ShapeError, match=r"two shapes, 99.99 and 100.01 Hz, near mode 1"):
+    with pytest.raises(cf.errors.InputError, match=r"two shapes, 99.99 and 100.01 Hz, near mode 1"):
         rows_of_shapes(shapes_at([99.99, 100.01]), rows([100.0]))
     assert rows_of_shapes(shapes_at([99.95, 100.001]), rows([100.0])).tolist() == [-1, 0]
 
 
 def test_another_test_is_refused_by_its_nearest():
-    with pytest.raises(cf.ShapeError, match=r"the nearest has 101 Hz, mode 1 of table.csv at 100 Hz"):
+    with pytest.raises(cf.errors.InputError, match=r"the nearest has 101 Hz, mode 1 of table.csv at 100 Hz"):
         rows_of_shapes(shapes_at([101.0, 200.0]), rows([100.0, 300.0]))
-    with pytest.raises(cf.ShapeError, match=r"\(n = 4\), mode 1 of table.csv at 100 Hz \(n = 3\)"):
+    with pytest.raises(cf.errors.InputError, match=r"\(n = 4\), mode 1 of table.csv at 100 Hz \(n = 3\)"):
         rows_of_shapes(shapes_at([100.0], n=4), rows([100.0], n=3))

@@ -5,13 +5,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from casingfem.errors import InputError
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.fourier import FieldValues, FourierField
-from casingfem.structure.field.survey.survey import SampledField
+from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
+from casingfem.updating.parameters import Parameter, check_parameters, get_value, with_value
 
 PATHS = {
     "material.E": 210e9,
@@ -80,7 +81,7 @@ def test_a_spring_leaves_the_pattern_it_shared(casing):
     changed = with_value(casing, "support.base.k_r.p4.cos", 0.5)
     values = [get_value(changed, f"support.base.{k}.p4.cos") for k in ("k_r", "k_face", "k_z")]
     assert values == [0.5, 0.2, 0.2]
-    with pytest.raises(ParameterError, match="the springs of this edge differ there; name one"):
+    with pytest.raises(InputError, match="the springs of this edge differ there; name one"):
         get_value(changed, "support.base.around.p4.cos")
     both = with_value(changed, "support.base.around.p4.sin", 0.3)
     assert get_value(both, "support.base.around.p4.sin") == get_value(both, "support.base.k_z.p4.sin") == 0.3
@@ -89,7 +90,7 @@ def test_a_spring_leaves_the_pattern_it_shared(casing):
 @pytest.mark.parametrize("pair", [("around", "k_r"), ("k_r", "around"), ("k_r", "k_r")])
 def test_one_number_is_varied_once(casing, pair):
     vary = [Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in pair]
-    with pytest.raises(ParameterError, match="is varied twice"):
+    with pytest.raises(InputError, match="is varied twice"):
         check_parameters(casing, vary)
     apart = [Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in ("k_r", "k_face")]
     check_parameters(casing, apart)
@@ -107,7 +108,7 @@ def test_a_survey_is_varied_through_its_fit(frustum):
     theta = np.tile(np.arange(0, 360, 5.0), 2)
     z = np.repeat([0.0, 0.25], 72)
     radius = (0.5 - 0.2 * z) * (1 + 0.002 * np.cos(np.radians(4 * theta)))
-    survey = SampledField.from_points(np.radians(theta), z, radius)
+    survey = SurveyField.from_points(np.radians(theta), z, radius)
     shell = frustum(radius_defect=survey)
     assert get_value(shell, "radius.p4.cos") == pytest.approx(0.002, rel=1e-6)
     assert get_value(with_value(shell, "radius.p4.cos", 0.003), "radius.p4.cos") == 0.003
@@ -141,9 +142,9 @@ def test_complex_values_pass(casing):
     ],
 )
 def test_names_that_are_none(casing, name, message):
-    with pytest.raises(ParameterError, match=message):
+    with pytest.raises(InputError, match=message):
         get_value(casing, name)
-    with pytest.raises(ParameterError, match=message):
+    with pytest.raises(InputError, match=message):
         with_value(casing, name, 1.0)
 
 
@@ -158,7 +159,7 @@ class Ripple:
 
 def test_a_field_that_is_no_series_has_no_harmonics(frustum):
     shell = frustum(radius_defect=Ripple())
-    with pytest.raises(ParameterError, match="no Fourier series but Ripple"):
+    with pytest.raises(InputError, match="no Fourier series but Ripple"):
         get_value(shell, "radius.p8.cos")
 
 
@@ -176,7 +177,7 @@ def test_a_field_that_is_no_series_has_no_harmonics(frustum):
     ],
 )
 def test_refuses_bounds_and_priors_that_are_none(values, message):
-    with pytest.raises(ParameterError, match=message):
+    with pytest.raises(InputError, match=message):
         Parameter(name="material.E", **values)
 
 
@@ -192,5 +193,5 @@ def test_log_parameters_are_varied_in_decades(value):
 def test_a_profile_is_no_number(steel):
     """It was handed on as one, and the program ended in a traceback."""
     bowl = Shell(chart=Revolved(profile=Arc(radius=0.5, start=0.0, end=1.0)), thickness=3e-3, material=steel)
-    with pytest.raises(ParameterError, match="chart has no numbers, not 'profile'"):
+    with pytest.raises(InputError, match="chart has no numbers, not 'profile'"):
         get_value(bowl, "chart.profile")

@@ -83,7 +83,7 @@ def test_numbers_go_in_and_back_into_a_study(study, tmp_path, name, value):
     ],
 )
 def test_numbers_that_do_not_exist_are_refused(study, name, words):
-    with pytest.raises(cf.ParameterError) as caught:
+    with pytest.raises(cf.errors.InputError) as caught:
         get_value(study.shell, name)
     assert words in str(caught.value)
 

@@ -30,14 +30,14 @@ def fit(frustum):
     seen = [*range(ROWS - 1), 11]
     out = np.column_stack([np.cos(THETA), np.sin(THETA), 0.0 * THETA])
     points = np.real(truth.geometry(np.full(20, 0.25), THETA).surface.x).T
-    blank = cf.SensorShapes.on_edge(truth, "top", THETA, np.ones((20, 1)), 0.01)
+    blank = cf.updating.SensorShapes.on_edge(truth, "top", THETA, np.ones((20, 1)), 0.01)
     values = blank.readings(found)[:, seen]
     values[LOOSE] *= np.random.default_rng(3).uniform(-1.0, 1.0, len(seen))
-    measured = cf.MeasuredShapes.from_arrays(
+    measured = cf.correlation.MeasuredShapes.from_arrays(
         freq_hz=found.freq[seen], values=values, points=points, directions=out, labels=np.arange(101, 121), sigma=0.05
     )
     start = with_value(truth, "support.base.around.p3.cos", 0.1)
-    shapes = cf.SensorShapes.of(measured, start, table)
+    shapes = cf.updating.SensorShapes.of(measured, start, table)
     return cf.update(
         start, table, [cf.Parameter(name="support.base.around.p3.cos", lower=-0.5, upper=0.7)], shapes=shapes
     )
@@ -53,7 +53,7 @@ def test_macs_rise_and_the_lying_sensor_is_named(fit):
     for match in fit.pairing.matches:  # the plane of a doublet is both its modes, though one row alone has a shape
         rows = [row for row in match.rows if row in of]
         plane = next((pair for pair in fit.after.doublets if match.modes[0] in pair), match.modes)
-        alike = cf.subspace_mac(found.shapes.shapes[:, rows], readings[:, list(plane)])
+        alike = cf.correlation.subspace_mac(found.shapes.shapes[:, rows], readings[:, list(plane)])
         assert [of[row].plane for row in rows] == pytest.approx([alike] * len(rows))
     assert found.after.rows.tolist() == list(range(ROWS - 1))
     assert found.worst_sensors(1)[0][0] == 101 + LOOSE

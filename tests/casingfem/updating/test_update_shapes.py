@@ -27,7 +27,7 @@ def measured(shell, turn=0.0, noise=0.0):
     table = cf.FrequencyTable.from_arrays(
         freq_hz=found.freq[:ROWS], sigma_hz=1e-3 * found.freq[:ROWS], n=found.nodal_diameters[:ROWS]
     )
-    blank = cf.SensorShapes.on_edge(shell, "top", THETA, np.ones((len(THETA), 1)), 0.01)
+    blank = cf.updating.SensorShapes.on_edge(shell, "top", THETA, np.ones((len(THETA), 1)), 0.01)
     shapes = blank.readings(found)[:, :ROWS].copy()
     random = np.random.default_rng(31)
     for low, high in found.doublets:
@@ -36,7 +36,7 @@ def measured(shell, turn=0.0, noise=0.0):
             shapes[:, [low, high]] = shapes[:, [low, high]] @ np.array([[c, -s], [s, c]])
     shapes = shapes / np.linalg.norm(shapes, axis=0) * random.choice([-3.0, 2.0], ROWS)
     shapes += noise * np.linalg.norm(shapes, axis=0) * random.standard_normal(shapes.shape)
-    return table, cf.SensorShapes.on_edge(shell, "top", THETA, shapes, noise or 0.01)
+    return table, cf.updating.SensorShapes.on_edge(shell, "top", THETA, shapes, noise or 0.01)
 
 
 def matched(solution, table):
@@ -93,11 +93,11 @@ def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
 def test_shapes_that_do_not_fit_are_refused(frustum):
     table, shapes = measured(casing(frustum))
     vary = [cf.Parameter(name="material.E", lower=1e11, upper=3e11)]
-    with pytest.raises(cf.UpdateError, match="found 3 columns, expected 8"):
+    with pytest.raises(cf.errors.InputError, match="found 3 columns, expected 8"):
         cf.update(casing(frustum), table, vary, shapes=shapes.only([0, 1, 2]))
     with pytest.raises(ValueError, match="column 2 is zero or partly nan"):
-        cf.SensorShapes.on_edge(casing(frustum), "top", THETA, np.tile([1.0, 0.0], (24, 1)), 0.01)
+        cf.updating.SensorShapes.on_edge(casing(frustum), "top", THETA, np.tile([1.0, 0.0], (24, 1)), 0.01)
     with pytest.raises(ValueError, match="'middle' is no closed edge"):
-        cf.SensorShapes.on_edge(casing(frustum), "middle", THETA, np.ones((24, 1)), 0.01)
+        cf.updating.SensorShapes.on_edge(casing(frustum), "middle", THETA, np.ones((24, 1)), 0.01)
     with pytest.raises(ValueError, match="sigma must be positive"):
-        cf.SensorShapes.on_edge(casing(frustum), "top", THETA, np.ones((24, 1)), 0.0)
+        cf.updating.SensorShapes.on_edge(casing(frustum), "top", THETA, np.ones((24, 1)), 0.0)

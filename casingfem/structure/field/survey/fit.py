@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.field.survey.points import SurveyError, SurveyPoints
+from casingfem.structure.field.survey.points import SurveyPoints
 from casingfem.structure.field.survey.robust import robust_weights
 
 _MOST_HARMONICS = 40
@@ -49,7 +50,7 @@ def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robu
 
     Raises
     ------
-    SurveyError
+    InputError
         A gap in theta wider than 90 deg or than half a wave of n_max, too few or badly placed points.
     ValueError
         n_max or degree that are not whole numbers.
@@ -66,18 +67,18 @@ def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robu
             n -= 1
         else:
             expected = f"more points, or less than n_max = {n}, degree = {d}"
-            raise SurveyError(points.path, found=problem.weakness(), expected=expected)
+            raise InputError(points.path, found=problem.weakness(), expected=expected)
     if not robust:
         return SurveyFit(*problem.solved(), np.ones(len(points), bool), gap, heights)
     weights = robust_weights(lambda w: problem.solved(w)[2], *problem.design(1.0).shape)
     kept = weights > 0.0
     if np.mean(kept) < _LEAST_KEPT:
         found = f"{np.sum(~kept)} of {len(points)} points far off any smooth surface"
-        raise SurveyError(points.path, found=found, expected=f"at least {_LEAST_KEPT:.0%} of them on one")
+        raise InputError(points.path, found=found, expected=f"at least {_LEAST_KEPT:.0%} of them on one")
     remaining = points.at(kept)
     if not _Problem(remaining, heights, n, d).determined(margin=False):
         found = f"{np.sum(~kept)} points set aside, and too few left where they were"
-        raise SurveyError(points.path, found=found, expected=f"points enough for n_max = {n}, degree = {d}")
+        raise InputError(points.path, found=found, expected=f"points enough for n_max = {n}, degree = {d}")
     return SurveyFit(*problem.solved(weights), kept, remaining.coverage()[0], heights)
 
 
@@ -88,13 +89,13 @@ def _check_coverage(points: SurveyPoints, gap: float, n_max: int | None, degree:
     if gap > _WIDEST_GAP_DEG:
         hint = " (are these radians?)" if gap > 350.0 else ""
         found = f"a gap of {gap:.4g} deg in theta{hint}"
-        raise SurveyError(
+        raise InputError(
             points.path, found=found, expected=f"a survey around the circle, gaps <= {_WIDEST_GAP_DEG:g} deg"
         )
     if n_max is not None and gap > 360.0 / (2 * n_max) * (1 + 1e-9):
         expected = f"at most {180.0 / n_max:.4g} deg for n_max = {n_max}"
         expected += f" (these points resolve harmonic {resolved_harmonic(gap)})"
-        raise SurveyError(points.path, found=f"a gap of {gap:.4g} deg in theta", expected=expected)
+        raise InputError(points.path, found=f"a gap of {gap:.4g} deg in theta", expected=expected)
 
 
 class _Problem:

@@ -8,8 +8,9 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
-from casingfem.io.strict_csv import CsvError, StrictCsv, read
+from casingfem.io.strict_csv import StrictCsv, read
 
 Quantity: TypeAlias = Literal["radius", "thickness"]
 
@@ -23,17 +24,13 @@ _MOST_RINGS = 20  # more heights than that are a scan, not rings
 _RING_POINTS = 8
 
 
-class SurveyError(CsvError):
-    """A survey that cannot be used: names the file, the line and column where there is one."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SurveyPoints:
     """Where a surface was measured and what was found; arrays (points,) in rad and m.
 
     Raises
     ------
-    SurveyError
+    InputError
         Values that are not finite or positive, arrays of different lengths.
     """
 
@@ -48,12 +45,12 @@ class SurveyPoints:
         arrays = {name: np.array(getattr(self, name), float) for name in ("theta", "z", "value")}
         if len({array.shape for array in arrays.values()}) != 1 or arrays["z"].ndim != 1 or not len(self):
             found = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-            raise SurveyError(self.path, found=found, expected="arrays of one common length >= 1")
+            raise InputError(self.path, found=found, expected="arrays of one common length >= 1")
         for name, array in arrays.items():
             bad = ~np.isfinite(array) | ((array <= 0.0) if name == "value" else False)
             if np.any(bad):
                 found, expected = f"{name} = {array[bad][0]}", f"finite numbers, {self.quantity} > 0"
-                raise SurveyError(self.path, found=found, expected=expected)
+                raise InputError(self.path, found=found, expected=expected)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
 
@@ -107,18 +104,18 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
 
     Raises
     ------
-    SurveyError
+    InputError
         Malformed tables (see strict_csv), missing, unknown or unit-less columns, values
         that are not positive, values that look like another unit than the column's.
     """
-    table = read(path, SurveyError)
+    table = read(path)
     theta_name, theta_scale = _column(table, _THETA)
     z_name, z_scale = _column(table, _Z)
     value_name, value_scale = _column(table, _RADIUS | _THICKNESS)
     for name in table.header:
         if name not in (theta_name, z_name, value_name):
             expected = f"only {theta_name}, {z_name} and {value_name}"
-            raise SurveyError(
+            raise InputError(
                 table.path, line=table.header_line, column=name, found="an unknown column", expected=expected
             )
     quantity: Quantity = "radius" if value_name in _RADIUS else "thickness"
@@ -153,7 +150,7 @@ def _column(table: StrictCsv, choices: dict[str, float]) -> tuple[str, float]:
         what, column = "a column without a known unit in its name", near[0]
     else:
         what, column = f"no such column among {','.join(table.header)}", None
-    raise SurveyError(table.path, line=table.header_line, column=column, found=what, expected=f"one column {wanted}")
+    raise InputError(table.path, line=table.header_line, column=column, found=what, expected=f"one column {wanted}")
 
 
 def _check_angle_unit(table: StrictCsv, name: str, theta: FloatArray) -> None:
@@ -170,7 +167,7 @@ def _check_length_unit(table: StrictCsv, name: str, quantity: Quantity, median: 
         other = name.removesuffix("_m") + "_mm" if name.endswith("_m") else name.removesuffix("_mm") + "_m"
         expected = f"{low:g} to {high:g} m; does the column hold {other}?"
         found = f"a median {quantity} of {median:.4g} m"
-        raise SurveyError(table.path, line=table.header_line, column=name, found=found, expected=expected)
+        raise InputError(table.path, line=table.header_line, column=name, found=found, expected=expected)
 
 
 def _check_height_unit(table: StrictCsv, name: str, z: FloatArray, value: float, quantity: Quantity) -> None:
@@ -179,4 +176,4 @@ def _check_height_unit(table: StrictCsv, name: str, z: FloatArray, value: float,
     if span > high or (name == "z_mm" and 0.0 < span < low):
         expected = f"{low:.3g} to {high:.3g} m; does the column hold {'z_m' if name == 'z_mm' else 'z_mm'}?"
         found = f"heights over {span:.4g} m"
-        raise SurveyError(table.path, line=table.header_line, column=name, found=found, expected=expected)
+        raise InputError(table.path, line=table.header_line, column=name, found=found, expected=expected)

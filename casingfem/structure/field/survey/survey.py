@@ -14,14 +14,14 @@ from casingfem.errors import doubt
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.field.fourier import Field, FourierField, SeriesBehind
 from casingfem.structure.field.survey.fit import fit_points, resolved_harmonic
-from casingfem.structure.field.survey.points import Quantity, SurveyError, SurveyPoints, read_points
+from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points
 from casingfem.structure.field.survey.robust import pure_error
 
-__all__ = ["SampledField", "SurveyError", "SurveyPoints"]
+__all__ = ["SurveyField", "SurveyPoints"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class SampledField(SeriesBehind):
+class SurveyField(SeriesBehind):
     """The relative defect of a measured surface, by least squares on scattered points.
 
     r(z, theta) = (a + b z) (1 + f),  f = sum_{p >= 1} (cos_pd cos p theta + sin_pd sin p theta) zeta^d
@@ -45,7 +45,7 @@ class SampledField(SeriesBehind):
     Examples
     --------
     >>> theta = np.radians(np.arange(0.0, 360.0, 5.0))
-    >>> survey = SampledField.from_points(theta, 0.0 * theta, 0.5 * (1 + 0.004 * np.cos(8 * theta)), n_max=12)
+    >>> survey = SurveyField.from_points(theta, 0.0 * theta, 0.5 * (1 + 0.004 * np.cos(8 * theta)), n_max=12)
     >>> round(survey.fit.amplitude(8), 9), round(float(survey.mean_radius(0.0)), 9), survey.n_resolved
     (0.004, 0.5, 35)
     """
@@ -68,7 +68,7 @@ class SampledField(SeriesBehind):
     @classmethod
     def from_csv(
         cls, path: str | os.PathLike[str], n_max: int | None = None, degree: int | None = None, *, robust: bool = False
-    ) -> SampledField:
+    ) -> SurveyField:
         """Read and fit a survey CSV: theta_deg|theta_rad, z_m|z_mm, radius_m|radius_mm (or thickness).
 
         Parameters
@@ -86,7 +86,7 @@ class SampledField(SeriesBehind):
 
         Raises
         ------
-        SurveyError
+        InputError
             Malformed or implausible tables, a circle not covered for the n_max asked, too few points.
         """
         return cls.fitted(read_points(path), n_max=n_max, degree=degree, robust=robust)
@@ -102,7 +102,7 @@ class SampledField(SeriesBehind):
         n_max: int | None = None,
         degree: int | None = None,
         robust: bool = False,
-    ) -> SampledField:
+    ) -> SurveyField:
         """Fit points given as arrays (points,): theta [rad], z [m], radius or thickness [m]."""
         theta, z, value = (np.asarray(array, float) for array in (theta, z, value))
         points = SurveyPoints(theta=theta, z=z, value=value, quantity=quantity)
@@ -111,7 +111,7 @@ class SampledField(SeriesBehind):
     @classmethod
     def fitted(
         cls, points: SurveyPoints, *, n_max: int | None = None, degree: int | None = None, robust: bool = False
-    ) -> SampledField:
+    ) -> SurveyField:
         """Fit points already read; n_max, degree and robust as in from_csv."""
         fit = fit_points(points, n_max, degree, robust)
         stray = ~fit.kept
@@ -167,7 +167,7 @@ class SampledField(SeriesBehind):
         (a, b), (low, high) = self.mean, self.z_range
         mean = f"{a:.6g} m" + (f" {b:+.6g} z" if b else "")
         lines = [
-            f"SampledField({self.quantity}, {self.points} points, {self.heights} heights, {Path(self.path).name})",
+            f"SurveyField({self.quantity}, {self.points} points, {self.heights} heights, {Path(self.path).name})",
             f"  mean      {mean} for z from {low:g} to {high:g} m",
             f"  fit       to harmonic {self.max_harmonic}, degree {self.fit.cos.shape[1] - 1} along z",
             f"  coverage  largest gap {self.coverage_deg:.3g} deg, resolves harmonic {self.n_resolved}",

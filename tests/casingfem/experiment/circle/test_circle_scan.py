@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from casingfem.experiment.circle.lines import ScanError, clear_rate, line_frequencies
+from casingfem.errors import InputError
+from casingfem.experiment.circle.lines import clear_rate, line_frequencies
 from casingfem.experiment.circle.pair import split_pair
 from casingfem.experiment.circle.record import ScanRecord, from_tacho, turning
 from casingfem.experiment.circle.scan import CircleScan, demodulate
-from casingfem.experiment.rig.rig import Probe, Rig, RigError
+from casingfem.experiment.rig.rig import Probe, Rig
 from casingfem.experiment.rig.scan import Tone, Turning, scan
 from casingfem.experiment.rig.truth import truth
 
@@ -181,7 +182,7 @@ def test_a_force_fixed_in_space_excites_a_perfect_casing_at_rest_in_space():
     np.testing.assert_allclose(found.V, truth, atol=1e-6 * np.abs(truth).max())
     still = scan(rig, Turning(casing=0.5), [Tone(369.9)], circle=circle, drive_circle=circle, fs=FS, seconds=40.0,
                  seed=SEED, highest=8)  # fmt: skip
-    with pytest.raises(ScanError, match="fall together"):
+    with pytest.raises(InputError, match="fall together"):
         demodulate(still.record, 8)
 
 
@@ -277,7 +278,9 @@ def test_uncertainties_of_a_pair_are_the_scatter_of_repeated_scans():
 def test_lines_that_fall_together_are_named_and_a_better_rate_works():
     n = np.arange(-9, 10)
     tones = (370.0, 383.0)  # 13 Hz apart: 13 W at 1 turn/s
-    with pytest.raises(ScanError, match=r"fall together: n = \d of 3\d\d.000 Hz .* turn at ([\d.]+) turns/s") as caught:
+    with pytest.raises(
+        InputError, match=r"fall together: n = \d of 3\d\d.000 Hz .* turn at ([\d.]+) turns/s"
+    ) as caught:
         demodulate(ScanRecord(fs=FS, velocity=np.ones(20000), angle=turning(1.0, FS, 20000), tones=tones), 9)
     better = float(str(caught.value).split("turn at ")[1].split()[0])
     freq = np.sort(line_frequencies(tones, n, better))
@@ -298,9 +301,9 @@ def test_what_cannot_be_demodulated_is_refused():
         (record(), [-1], "orders"),
         (record(), [], "orders"),
     ):
-        with pytest.raises(ScanError, match=words):
+        with pytest.raises(InputError, match=words):
             demodulate(given, orders)
-    with pytest.raises(ScanError, match="run-out's harmonic"):
+    with pytest.raises(InputError, match="run-out's harmonic"):
         demodulate(record(tones=(4.6,)), 3, runout=4)
     found = demodulate(record(), 8)
     for call, words in (
@@ -314,7 +317,7 @@ def test_what_cannot_be_demodulated_is_refused():
         (lambda: from_tacho([0.0, 1.0], FS, 5000), "span the record"),
         (lambda: from_tacho([0.0, 0.0], FS, 5), "ascending"),
     ):
-        with pytest.raises(ScanError, match=words):
+        with pytest.raises(InputError, match=words):
             call()
 
 
@@ -328,8 +331,8 @@ def test_what_cannot_be_scanned_is_refused():
         (Turning(mirror=1.0), {"seconds": 0.0}, "two samples"),
         (Turning(mirror=1.0), {"drive": 99}, "each from 0 to 47"),
     ):
-        with pytest.raises(RigError, match=words):
+        with pytest.raises(InputError, match=words):
             scan(rig, turn, [Tone(370.0)], **(asked | changes))
     for bad in ({}, {"mirror": np.inf}, {"mirror": 1.0, "wander": 0.5}, {"mirror": 1.0, "casing": 1.0}):
-        with pytest.raises(RigError):
+        with pytest.raises(InputError):
             Turning(**bad)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
 
-from casingfem.errors import ModelError
+from casingfem.errors import InputError, ModelError
 from casingfem.experiment.correlation.comac import comac, ecomac
 from casingfem.experiment.correlation.correlate import correlate
 from casingfem.experiment.correlation.expansion import expand, well_conditioned
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, ShapeError
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.correlation.sensors import nearest, sensors_of, sensors_on
 from casingfem.export.modes_uff import write_modes_uff
@@ -246,5 +246,5 @@ def test_complex_shapes_are_made_real():
 )
 def test_bad_shapes_are_named(changes, words):
     good = {"freq_hz": [100.0], "values": np.ones((4, 1)), "points": np.ones((4, 3)), "directions": np.ones((4, 3))}
-    with pytest.raises(ShapeError, match=words):
+    with pytest.raises(InputError, match=words):
         MeasuredShapes.from_arrays(**(good | changes))

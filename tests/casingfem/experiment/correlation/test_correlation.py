@@ -14,7 +14,7 @@ from casingfem.experiment.correlation.alignment import align
 from casingfem.experiment.correlation.correlation import ModeSet, mac, pair, subspace_mac
 from casingfem.experiment.measurement import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.io.strict_csv import CsvError, read
+from casingfem.io.strict_csv import read
 
 DATA = Path(__file__).resolve().parents[4] / "data"
 
@@ -28,7 +28,7 @@ class Computed:
 
 def frustum(scale=1.0, split=1e-3, count=40) -> Computed:
     """The reference frustum's branches as doublets, split and scaled."""
-    table = read(DATA / "reference/reference_frustum.csv", CsvError)
+    table = read(DATA / "reference/reference_frustum.csv")
     n, branches = table.integers("n"), [table.numbers(f"f{k}_3d") for k in (1, 2, 3)]
     labels = np.concatenate([n, n, n])
     freq = scale * np.concatenate(branches)
@@ -42,7 +42,7 @@ def frustum(scale=1.0, split=1e-3, count=40) -> Computed:
 
 
 def blade(column="computed_love_ritz_hz") -> Computed:
-    freq = read(DATA / "reference/olson_lindberg_fan_blade.csv", CsvError).numbers(column)
+    freq = read(DATA / "reference/olson_lindberg_fan_blade.csv").numbers(column)
     return Computed(freq, np.full(freq.size, -1))
 
 

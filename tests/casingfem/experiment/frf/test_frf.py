@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.errors import InputError
+from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.uff.write import write_uff
 
 
@@ -36,7 +37,7 @@ def test_three_formats_hold_every_bit(three, tmp_path):
     assert same(FrfSet.from_csv(three.to_csv(tmp_path / "f.csv")), three)
     assert same(FrfSet.load(three.save(tmp_path / "f.npz")), three)
     path = write_uff(tmp_path / "f.uff", functions=three.functions(), binary=True)
-    assert same(cf.FrfSet.from_uff(path), three)
+    assert same(cf.frf.FrfSet.from_uff(path), three)
     assert FrfSet.load(tmp_path / "f.npz").card == three.card
     assert not three.responses.flags.writeable
 
@@ -49,7 +50,7 @@ def test_time_records_and_spectra_too(kind, three, tmp_path):
     path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
     assert same(FrfSet.from_uff(path, kind), given)
     assert ("time_s" in (tmp_path / "f.csv").read_text()) == (kind == "time")
-    with pytest.raises(FrfError, match="expected functions of kind 'frf'"):
+    with pytest.raises(InputError, match="expected functions of kind 'frf'"):
         FrfSet.from_uff(path)
 
 
@@ -67,7 +68,7 @@ def test_functions_that_do_not_belong_together_are_refused(three):
         (replace(second, axes=second.axes._replace(ordinate=ordinate)), "function 2 in 'm/s'"),
         (replace(second, axes=second.axes._replace(abscissa=ordinate)), "expected frequency in Hz"),
     ):
-        with pytest.raises(FrfError, match=words):
+        with pytest.raises(InputError, match=words):
             FrfSet.from_functions([first, odd], "frf")
 
 
@@ -101,7 +102,7 @@ def test_a_table_written_by_hand(tmp_path):
 def test_broken_tables_are_refused(old, new, words, tmp_path):
     assert old in CSV
     (tmp_path / "f.csv").write_text(CSV.replace(old, new))
-    with pytest.raises(FrfError, match=words):
+    with pytest.raises(InputError, match=words):
         FrfSet.from_csv(tmp_path / "f.csv")
 
 
@@ -113,5 +114,5 @@ def test_arrays_that_do_not_fit_are_refused(three):
         ({"kind": "time"}, "complex time record"),
         ({"kind": "other"}, "kind 'other'"),
     ):
-        with pytest.raises(FrfError, match=words):
+        with pytest.raises(InputError, match=words):
             replace(three, **change)

@@ -4,8 +4,9 @@ import h5py
 import numpy as np
 import pytest
 
+from casingfem.errors import InputError
 from casingfem.experiment.frf.files import read_frfs
-from casingfem.experiment.frf.frf_set import FrfError, FrfSet
+from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.hdf5 import ARRAYS, read_hdf5, write_hdf5
 
 
@@ -47,7 +48,7 @@ def change(path, edit):
 def test_what_does_not_fit_is_refused(edit, said, two, tmp_path):
     path = write_hdf5(two, tmp_path / "f.hdf5")
     change(path, edit)
-    with pytest.raises(FrfError, match=said):
+    with pytest.raises(InputError, match=said):
         read_hdf5(path)
 
 
@@ -60,11 +61,11 @@ def test_places_may_be_missing(two, tmp_path):
 @pytest.mark.parametrize("ending", [".h5", ".npz"])
 def test_other_bytes_and_no_file(ending, tmp_path):
     path = tmp_path / f"f{ending}"
-    with pytest.raises(FrfError, match="no readable"):
+    with pytest.raises(InputError, match="no readable"):
         read_frfs(path)
     path.write_bytes(b"freq_hz,real,imag\n")
-    with pytest.raises(FrfError, match="no readable"):
+    with pytest.raises(InputError, match="no readable"):
         read_frfs(path)
     path.write_bytes(b"PK\x03\x04")
-    with pytest.raises(FrfError, match="no readable"):
+    with pytest.raises(InputError, match="no readable"):
         read_frfs(path)

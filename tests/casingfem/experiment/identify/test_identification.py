@@ -107,7 +107,7 @@ def test_noise_alone_has_no_modes():
     rng = np.random.default_rng(SEED)
     H = rng.standard_normal((8, 900)) + 1j * rng.standard_normal((8, 900))
     x = 100 + 0.1 * np.arange(900)
-    frfs = cf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=range(8))
+    frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=range(8))
     found = cf.identify(frfs)
     assert len(found) == 0
     with pytest.raises(ValueError, match="no mode"):
@@ -126,7 +126,7 @@ def test_the_table_carries_sigma_and_says_synthetic():
 def _frfs(**changes):
     values = {"kind": "frf", "x": 100 + 0.1 * np.arange(90), "responses": np.ones((2, 90)), "unit": "m/N"}
     values |= {"response_point": [1, 2]}
-    return cf.FrfSet.from_arrays(**(values | changes))
+    return cf.frf.FrfSet.from_arrays(**(values | changes))
 
 
 @pytest.mark.parametrize(
@@ -145,7 +145,7 @@ def _frfs(**changes):
     ],
 )
 def test_refuses_what_cannot_be_identified(frfs, options, words):
-    with pytest.raises(cf.FrfError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         cf.identify(frfs, **options)
 
 

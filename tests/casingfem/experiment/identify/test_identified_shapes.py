@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.frf.frf_set import FrfError
+from casingfem.errors import InputError
 
 THETA = 0.2 + 2.0 * np.pi * np.arange(12) / 12
 COUNT = len(THETA)
@@ -22,7 +22,7 @@ def responses(direction=1):
     H = np.concatenate([np.sign(direction) * rows * drive @ seen for drive in drives])
     random = np.random.default_rng(77)
     H = H + 1e-3 * np.abs(H).max() * (random.standard_normal(H.shape) + 1j * random.standard_normal(H.shape))
-    return cf.FrfSet.from_arrays(
+    return cf.frf.FrfSet.from_arrays(
         kind="frf", x=x, responses=H, unit="m/N", response_point=np.tile(np.arange(1, COUNT + 1), 2),
         response_direction=direction, reference_point=np.repeat([101, 102], COUNT), card=("SYNTHETIC: for a test",),
     )  # fmt: skip
@@ -82,25 +82,25 @@ def spoilt(path, found, **arrays):
 )
 def test_a_file_that_does_not_fit_is_refused(found, tmp_path, arrays, words):
     path = spoilt(tmp_path / "found.npz", found, **arrays)
-    with pytest.raises(FrfError, match=words) as caught:
+    with pytest.raises(InputError, match=words) as caught:
         cf.Identified.load(path)
     assert str(path) in str(caught.value)
 
 
 def test_other_files_are_refused(found, tmp_path):
     (tmp_path / "text.npz").write_text("mode,freq_hz\n", encoding="utf-8")
-    with pytest.raises(FrfError, match="no readable npz file"):
+    with pytest.raises(InputError, match="no readable npz file"):
         cf.Identified.load(tmp_path / "text.npz")
-    with pytest.raises(FrfError, match="casingfem identify --out"):
+    with pytest.raises(InputError, match="casingfem identify --out"):
         cf.Identified.load(responses().save(tmp_path / "frfs.npz"))
     with pytest.raises(OSError, match="nowhere"):
         cf.Identified.load(tmp_path / "nowhere.npz")
-    with pytest.raises(cf.ShapeError, match=r"found ending '\.csv'"):
-        cf.read_shapes(tmp_path / "found.csv")
+    with pytest.raises(cf.errors.InputError, match=r"found ending '\.csv'"):
+        cf.correlation.read_shapes(tmp_path / "found.csv")
 
 
 def test_shapes_stand_at_their_sensors_with_n_and_noise(found, tmp_path):
-    shapes = cf.read_shapes(found.save(tmp_path / "found.npz"))
+    shapes = cf.correlation.read_shapes(found.save(tmp_path / "found.npz"))
     np.testing.assert_allclose(shapes.points, list(PLACES.values()))
     np.testing.assert_allclose(shapes.directions[:, 0], np.cos(THETA), atol=1e-12)
     np.testing.assert_allclose(shapes.directions[:, 1], np.sin(THETA), atol=1e-12)
@@ -111,30 +111,32 @@ def test_shapes_stand_at_their_sensors_with_n_and_noise(found, tmp_path):
 
 
 def test_hoop_axial_and_turned_sensors_have_their_directions():
-    hoop = cf.identified_shapes(cf.identify(responses(2), angles=ANGLES, places=PLACES))
+    hoop = cf.correlation.identified_shapes(cf.identify(responses(2), angles=ANGLES, places=PLACES))
     np.testing.assert_allclose(hoop.directions[:, 0], -np.sin(THETA), atol=1e-12)
-    axial = cf.identified_shapes(cf.identify(responses(3), angles=ANGLES, places=PLACES))
+    axial = cf.correlation.identified_shapes(cf.identify(responses(3), angles=ANGLES, places=PLACES))
     np.testing.assert_allclose(axial.directions, np.tile([0.0, 0.0, 1.0], (COUNT, 1)))
-    inward = cf.identified_shapes(cf.identify(responses(-1), angles=ANGLES, places=PLACES))
+    inward = cf.correlation.identified_shapes(cf.identify(responses(-1), angles=ANGLES, places=PLACES))
     np.testing.assert_allclose(inward.directions[:, 0], -np.cos(THETA), atol=1e-12)
-    flat = cf.identified_shapes(cf.identify(responses(-2), places=PLACES))  # no circle: x, y, z
+    flat = cf.correlation.identified_shapes(cf.identify(responses(-2), places=PLACES))  # no circle: x, y, z
     np.testing.assert_allclose(flat.directions, np.tile([0.0, -1.0, 0.0], (COUNT, 1)))
 
 
 def test_sensors_without_place_or_direction_are_named(found):
     bare = cf.identify(responses(), angles=ANGLES)
-    with pytest.raises(cf.ShapeError, match="no position of point 1, expected positions: responses in a universal"):
-        cf.identified_shapes(bare)
+    with pytest.raises(
+        cf.errors.InputError, match="no position of point 1; expected positions: responses in a universal"
+    ):
+        cf.correlation.identified_shapes(bare)
     blind = replace(found, sensors=replace(found.sensors, directions=np.r_[1, 1, 0, np.ones(COUNT - 3, int)]))
-    with pytest.raises(cf.ShapeError, match="direction 0 of point 3"):
-        cf.identified_shapes(blind, "found.npz")
+    with pytest.raises(cf.errors.InputError, match="direction 0 of point 3"):
+        cf.correlation.identified_shapes(blind, "found.npz")
 
 
 def test_sigma_and_n_of_shapes_are_checked():
     points = np.eye(3)
     common = {"values": np.ones((3, 2)), "points": points, "directions": points}
-    shapes = cf.MeasuredShapes.from_arrays(freq_hz=[20.0, 10.0], sigma=[0.2, 0.1], n=[4, 3], **common)
+    shapes = cf.correlation.MeasuredShapes.from_arrays(freq_hz=[20.0, 10.0], sigma=[0.2, 0.1], n=[4, 3], **common)
     assert (shapes.sigma.tolist(), shapes.n.tolist()) == ([0.1, 0.2], [3, 4])  # in the order of the frequencies
-    assert np.isnan(cf.MeasuredShapes.from_arrays(freq_hz=[10.0, 20.0], **common).sigma).all()
-    with pytest.raises(cf.ShapeError, match="a sigma above 0"):
-        cf.MeasuredShapes.from_arrays(freq_hz=[10.0, 20.0], sigma=[0.1, 0.0], **common)
+    assert np.isnan(cf.correlation.MeasuredShapes.from_arrays(freq_hz=[10.0, 20.0], **common).sigma).all()
+    with pytest.raises(cf.errors.InputError, match="a sigma above 0"):
+        cf.correlation.MeasuredShapes.from_arrays(freq_hz=[10.0, 20.0], sigma=[0.1, 0.0], **common)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.experiment.circle.lines import ScanError
+from casingfem.errors import InputError
 from casingfem.experiment.circle.record import ScanRecord, turning
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.excitation import Random
@@ -79,10 +79,10 @@ def test_scans_come_back(tmp_path):
 
 def test_files_that_are_no_scans_are_refused(tmp_path, frfs):
     path = frfs.save(tmp_path / "frfs.npz")
-    with pytest.raises(ScanError, match="no array 'angle'"):
+    with pytest.raises(InputError, match="no array 'angle'"):
         ScanRecord.load(path)
     path.write_bytes(b"no zip")
-    with pytest.raises(ScanError, match="not a readable npz"):
+    with pytest.raises(InputError, match="not a readable npz"):
         ScanRecord.load(path)
 
 

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from casingfem.errors import InputError
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
 from casingfem.experiment.rig.record import BAND, FINER, measured, record, respond, sharpened
-from casingfem.experiment.rig.rig import Rig, RigError
+from casingfem.experiment.rig.rig import Rig
 
 SEED = 8123
 FS = 2048.0
@@ -134,7 +135,7 @@ def test_stepped_sine_settles_on_the_phasor():
 def test_what_cannot_be_recorded_is_refused(change, words):
     asked = {"excitations": [Random(rms=1.0, band=(60.0, 700.0))], "drives": [0], "sensors": [0], "fs": FS,
              "block": 256, "blocks": 1, "seed": SEED} | change  # fmt: skip
-    with pytest.raises(RigError, match=words):
+    with pytest.raises(InputError, match=words):
         record(RIG, asked.pop("excitations"), **asked)
 
 
@@ -148,13 +149,13 @@ def test_what_cannot_be_estimated_is_refused():
         ({"overlap": 1.0}, "overlap"),
         ({}, "1 averages"),
     ):
-        with pytest.raises(RigError, match=words):
+        with pytest.raises(InputError, match=words):
             estimate(test, **keys)
-    with pytest.raises(RigError, match="width"):
+    with pytest.raises(InputError, match="width"):
         Impact(peak=1.0, width=0.0)
-    with pytest.raises(RigError, match="freq"):
+    with pytest.raises(InputError, match="freq"):
         StepSine(amplitude=1.0, freq=())
-    with pytest.raises(RigError, match="part"):
+    with pytest.raises(InputError, match="part"):
         BurstRandom(rms=1.0, band=(1.0, 2.0), part=1.0)
-    with pytest.raises(RigError, match="band"):
+    with pytest.raises(InputError, match="band"):
         Random(rms=1.0, band=(3.0, 2.0))

@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelWarning
+from casingfem.errors import InputError, ModelWarning
 from casingfem.experiment.uff.nodes import Nodes, Units
 from casingfem.experiment.uff.read import parse_uff, read_uff
 from casingfem.experiment.uff.set_58 import Axes, Axis
-from casingfem.experiment.uff.split import UffError
 from casingfem.experiment.uff.write import write_uff
 from reports.robustness import uff_mutations
 from reports.robustness.uff_mutations import content
@@ -174,7 +173,7 @@ def test_errors_name_set_line_and_what_was_found(case, tmp_path):
     name, old, new, line, found = case
     data = written(tmp_path, **SAMPLES[name].parts)
     assert old in data
-    with pytest.raises(UffError) as caught:
+    with pytest.raises(InputError) as caught:
         parse_uff(data.replace(old, new, 1), "rig.uff")
     assert f"rig.uff, line {line}, " in str(caught.value)
     assert found in str(caught.value)
@@ -208,7 +207,7 @@ def test_sets_that_are_not_read_are_listed_or_refused(tmp_path):
     found = parse_uff(data, "rig.uff")
     assert [tuple(one) for one in found.skipped] == [("18", "coordinate systems", 2)]
     assert "set 18 (coordinate systems) at line 2 skipped" in repr(found)
-    with pytest.raises(UffError, match=r"line 2, set 18 \(coordinate systems\)"):
+    with pytest.raises(InputError, match=r"line 2, set 18 \(coordinate systems\)"):
         parse_uff(data, "rig.uff", strict=True)
     with pytest.warns(ModelWarning, match="set 5.*uff-unknown"):
         parse_uff(data.replace(b"    18", b"     5", 1), "rig.uff")
@@ -228,7 +227,7 @@ def test_what_looks_incomplete_is_doubted(tmp_path):
 
 
 def test_references_to_missing_nodes_are_refused(tmp_path):
-    with pytest.raises(UffError, match=r"set 2412 .*node 13 and 7 more, not among"):
+    with pytest.raises(InputError, match=r"set 2412 .*node 13 and 7 more, not among"):
         read_uff(write_uff(tmp_path / "f.uff", nodes=nodes(), **SAMPLES["2412"].parts))
 
 
@@ -236,13 +235,13 @@ def test_one_node_in_two_sets_must_lie_at_one_place(tmp_path):
     coarse, fine = written(tmp_path, nodes=nodes(), nodes_set="15"), written(tmp_path, nodes=nodes())
     assert np.array_equal(parse_uff(coarse + fine, "f").nodes.points, nodes().points)
     moved = replace(nodes(), points=nodes().points + 1e-3)
-    with pytest.raises(UffError, match="node 1 at another place"):
+    with pytest.raises(InputError, match="node 1 at another place"):
         parse_uff(fine + written(tmp_path, nodes=moved, nodes_set="15"), "f")
 
 
 def test_bytes_in_the_other_order_are_seen(tmp_path):
     data = written(tmp_path, functions=[function(even=True, is_complex=False, double=True)], binary=True)
-    with pytest.raises(UffError, match="byte order"):
+    with pytest.raises(InputError, match="byte order"):
         parse_uff(data.replace(b"    58b     1", b"    58b     2"), "f")
     given = function(even=True, is_complex=False, double=True)
     swapped = data.replace(given.values.tobytes(), given.values.byteswap().tobytes())

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
+from casingfem.errors import InputError, ModelError, ModelWarning
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolt_mesh import following, springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
@@ -14,7 +14,7 @@ from casingfem.structure.geometry.chart import Cylinder, Panel
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
+from casingfem.updating.parameters import Parameter, check_parameters, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 
 QUIET = ShellMesh(order=5, rows=1, around=8)
@@ -154,12 +154,12 @@ def test_parameters_of_bolts_are_independent_and_checked(frustum):
         assert get_value(changed, "support.base.k") == pytest.approx(1e8)
         assert get_value(changed, "support.base.bolts.3.k") == pytest.approx(5e7)
     for name in ("bolts.9.k", "support.base.k_face", "bolts.x.k", "support.base.bolts.3"):
-        with pytest.raises(ParameterError, match="bolts have k, k_rot and bolts"):
+        with pytest.raises(InputError, match="bolts have k, k_rot and bolts"):
             get_value(shell, name)
-    with pytest.raises(ParameterError, match="0 edges have bolts"):
+    with pytest.raises(InputError, match="0 edges have bolts"):
         get_value(frustum(), "bolts.3.k")
     twice = [Parameter(name=name, lower=0.0, upper=1e9) for name in ("bolts.3.k", "support.base.bolts.3.k")]
-    with pytest.raises(ParameterError, match="varied twice"):
+    with pytest.raises(InputError, match="varied twice"):
         check_parameters(shell, twice)
 
 

@@ -14,7 +14,7 @@ from casingfem.modal.interface import Rim
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import PointMass
+from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import Clamped, ElasticEdge
@@ -139,7 +139,7 @@ def test_modes_of_a_tube_on_what_outweighs_it_are_not_rigid(steel, heavy):
     lead = replace(steel, rho=10.0 * steel.rho)
     parts = {
         "ring": {"supports": {"base": Ring(section=Section.rectangle(width=0.05, depth=0.6), material=lead)}},
-        "masses": {"masses": {"base": [PointMass(angle=angle, mass=400.0) for angle in (0.0, 2.1, 4.2)]}},
+        "masses": {"masses": {"base": [EdgeMass(angle=angle, mass=400.0) for angle in (0.0, 2.1, 4.2)]}},
     }
     tube = Shell(
         chart=Cylinder(radius=0.05, height=2.0),
@@ -154,7 +154,7 @@ def test_modes_of_a_tube_on_what_outweighs_it_are_not_rigid(steel, heavy):
 
 
 def test_mass_is_diagonal_and_vectors_go_there_and_back(frustum):
-    system = assemble(frustum(supports={"base": HELD}, mesh=COARSE, masses={"top": [PointMass(angle=0.3, mass=0.5)]}))
+    system = assemble(frustum(supports={"base": HELD}, mesh=COARSE, masses={"top": [EdgeMass(angle=0.3, mass=0.5)]}))
     vectors = np.random.default_rng(17).normal(size=(system.size, 2))
     back = system.collect(system.expand(vectors), system.expand_own(vectors))
     np.testing.assert_allclose(back, vectors, atol=1e-10 * np.abs(vectors).max())
@@ -189,7 +189,7 @@ def test_a_mass_without_diagonal_is_refused():
 @pytest.fixture(scope="module")
 def heavy(frustum):
     """A casing on a ring whose masses part all pairs, and its modes."""
-    masses = {"base": [PointMass(angle=0.2, mass=3.0), PointMass(angle=1.1, mass=2.0)]}
+    masses = {"base": [EdgeMass(angle=0.2, mass=3.0), EdgeMass(angle=1.1, mass=2.0)]}
     casing = frustum(supports={"base": HELD}, mesh=COARSE, masses=masses)
     return casing, modes(casing, 6)
 
@@ -249,8 +249,8 @@ def test_bolts_under_a_ring_split_only_what_their_number_allows(frustum):
         (lambda: Ring(section=BAR, offset=(0.0, float("inf"))), "ring-offset"),
         (lambda: Ring(section=BAR, foot=(0.0,)), "ring-offset"),
         (lambda: Ring(section=BAR, support=Clamped()), "ring-support"),
-        (lambda: PointMass(angle=0.0, mass=-1.0), "mass-value"),
-        (lambda: PointMass(angle=float("nan"), mass=1.0), "mass-value"),
+        (lambda: EdgeMass(angle=0.0, mass=-1.0), "mass-value"),
+        (lambda: EdgeMass(angle=float("nan"), mass=1.0), "mass-value"),
     ],
 )
 def test_refuses_rings_and_masses_that_are_none(make, code):
@@ -266,4 +266,4 @@ def test_rings_and_masses_stand_on_edges_that_run_around(steel, frustum):
     with pytest.raises(ModelError, match="ends on the held edge 'left'"):
         Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": Ring(section=BAR), "left": Clamped()})
     with pytest.raises(ModelError, match="mass-edge"):
-        frustum(masses={"rim": [PointMass(angle=0.0, mass=1.0)]})
+        frustum(masses={"rim": [EdgeMass(angle=0.0, mass=1.0)]})

@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.errors import ModelWarning
-from casingfem.io.strict_csv import CsvError, parse
+from casingfem.errors import InputError, ModelWarning
+from casingfem.io.strict_csv import parse
 from casingfem.modal.modes import modes
 from casingfem.structure.field.fourier import Field, FieldValues, FourierField
 from casingfem.structure.field.survey.robust import robust_weights
-from casingfem.structure.field.survey.survey import SampledField, SurveyError
+from casingfem.structure.field.survey.survey import SurveyField
 
 DEFECT = FourierField(
     p=np.array([2, 8, 20]),
@@ -43,7 +43,7 @@ def floats(row):
 
 def test_rings_give_back_the_cone_and_the_defect():
     theta, z = rings()
-    survey = SampledField.from_points(theta, z, casing(theta, z))
+    survey = SurveyField.from_points(theta, z, casing(theta, z))
     assert survey.mean == pytest.approx((0.5, -0.2), rel=1e-12)
     np.testing.assert_allclose(survey.mean_radius([0.0, 0.25]), [0.5, 0.45], rtol=1e-12)
     assert survey.residual_rms < 1e-14
@@ -62,7 +62,7 @@ def test_scattered_points_with_repeats_give_back_their_own_field(seed, degree):
     theta, z = np.append(theta, theta[:50]), np.append(z, z[:50])
     cos, sin = rng.normal(scale=1e-3, size=(2, 8, degree + 1))
     made = FourierField(p=np.arange(1, 9), cos=cos, sin=sin, z_mid=z.mean(), z_half=0.2)
-    survey = SampledField.from_points(theta, z, casing(theta, z, made), n_max=10, degree=degree)
+    survey = SurveyField.from_points(theta, z, casing(theta, z, made), n_max=10, degree=degree)
     got, exact = survey.derivatives(z, theta), made.derivatives(z, theta)
     np.testing.assert_allclose(got.value, exact.value, atol=1e-11)
     assert survey.mean == pytest.approx((0.5, -0.2), rel=1e-9)
@@ -70,8 +70,8 @@ def test_scattered_points_with_repeats_give_back_their_own_field(seed, degree):
 
 def test_turning_the_survey_turns_the_fit():
     theta, z = rings()
-    turned = SampledField.from_points(theta + 0.7, z, casing(theta, z))
-    still = SampledField.from_points(theta, z, casing(theta, z)).rotated(0.7)
+    turned = SurveyField.from_points(theta + 0.7, z, casing(theta, z))
+    still = SurveyField.from_points(theta, z, casing(theta, z)).rotated(0.7)
     for a, b in zip(turned.derivatives(z, theta), still.derivatives(z, theta), strict=True):
         np.testing.assert_allclose(a, b, atol=1e-9)
 
@@ -79,7 +79,7 @@ def test_turning_the_survey_turns_the_fit():
 def test_residual_is_the_noise_that_was_put_in():
     theta, z = rings(points=180)
     noise = np.random.default_rng(31).normal(scale=2e-5, size=z.size)
-    survey = SampledField.from_points(theta, z, casing(theta, z) + noise, n_max=30, degree=1)
+    survey = SurveyField.from_points(theta, z, casing(theta, z) + noise, n_max=30, degree=1)
     free = 1 - 122 / z.size
     assert survey.residual_rms_m == pytest.approx(2e-5 * np.sqrt(free), rel=0.1)
     left = (casing(theta, z) + noise) / survey.mean_radius(z) - 1.0 - survey.derivatives(z, theta).value
@@ -91,9 +91,9 @@ def test_residual_is_the_noise_that_was_put_in():
 def test_csv_units_card_and_repr(tmp_path):
     theta, z = rings()
     radius = casing(theta, z)
-    plain = SampledField.from_csv(write(tmp_path / "a.csv", theta, z, radius))
-    milli = SampledField.from_csv(write(tmp_path / "b.csv", theta, 1e3 * z, 1e3 * radius, "theta_deg,z_mm,radius_mm"))
-    radian = SampledField.from_csv(write(tmp_path / "c.csv", np.radians(theta), z, radius, "theta_rad,z_m,radius_m"))
+    plain = SurveyField.from_csv(write(tmp_path / "a.csv", theta, z, radius))
+    milli = SurveyField.from_csv(write(tmp_path / "b.csv", theta, 1e3 * z, 1e3 * radius, "theta_deg,z_mm,radius_mm"))
+    radian = SurveyField.from_csv(write(tmp_path / "c.csv", np.radians(theta), z, radius, "theta_rad,z_m,radius_m"))
     for other in (milli, radian):
         np.testing.assert_allclose(other.fit.cos, plain.fit.cos, atol=1e-13)
         assert other.mean == pytest.approx(plain.mean)
@@ -110,7 +110,7 @@ def test_thickness_survey_keeps_its_taper_in_the_field(tmp_path):
     zeta = (z - 0.1) / 0.1
     thickness = 3e-3 * (1 + 0.02 * zeta + 0.01 * np.cos(2 * theta))
     path = write(tmp_path / "t.csv", theta, z, 1e3 * thickness, "theta_deg,z_m,thickness_mm")
-    survey = SampledField.from_csv(path)
+    survey = SurveyField.from_csv(path)
     assert survey.quantity == "thickness"
     assert survey.mean_thickness == pytest.approx(3e-3, rel=1e-12)
     np.testing.assert_allclose(survey.derivatives(z, theta).value, thickness / 3e-3 - 1, atol=1e-12)
@@ -121,29 +121,29 @@ def test_thickness_survey_keeps_its_taper_in_the_field(tmp_path):
 def test_one_height_has_no_slope_even_when_the_probe_wobbles():
     theta, z = rings(heights=(0.2,))
     z = z + 1e-5 * np.sin(9 * theta)
-    survey = SampledField.from_points(theta, z, casing(theta, z, FourierField.of({8: 4e-3})))
+    survey = SurveyField.from_points(theta, z, casing(theta, z, FourierField.of({8: 4e-3})))
     assert (survey.heights, survey.mean[1], survey.fit.cos.shape[1]) == (1, 0.0, 1)
     assert survey.fit.amplitude(8) == pytest.approx(4e-3, rel=1e-4)
 
 
 def test_few_points_lower_the_default_fit_instead_of_overfitting():
     theta, z = rings(heights=(0.0, 0.1, 0.2, 0.3), points=12)
-    survey = SampledField.from_points(theta, z, 0.5 + 0.0 * z)
+    survey = SurveyField.from_points(theta, z, 0.5 + 0.0 * z)
     unknowns = 2 + 2 * survey.max_harmonic * survey.fit.cos.shape[1]
     assert unknowns <= 0.8 * 48
     assert survey.max_harmonic == 4
     staggered = np.arange(28) * 2 * np.pi / 28
-    survey = SampledField.from_points(staggered, 0.1 * (np.arange(28) % 4), np.full(28, 0.5))
+    survey = SurveyField.from_points(staggered, 0.1 * (np.arange(28) % 4), np.full(28, 0.5))
     assert (survey.n_resolved, survey.max_harmonic, survey.fit.cos.shape[1]) == (13, 10, 1)
 
 
 def test_one_bad_ring_decides_the_coverage():
     theta, z = rings()
     hole = (z == 0.125) & (theta > 1.0) & (theta < 2.0)
-    survey = SampledField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=3, degree=0)
+    survey = SurveyField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=3, degree=0)
     assert survey.coverage_deg == pytest.approx(60.0)
-    with pytest.raises(SurveyError, match="gap of 60 deg"):
-        SampledField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=4)
+    with pytest.raises(InputError, match="gap of 60 deg"):
+        SurveyField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=4)
 
 
 # --- outliers, repeats, resolution ----------------------------------------------------------------------------
@@ -160,10 +160,10 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     stray = np.random.default_rng(3).choice(z.size, 9, replace=False)
     chipped = radius.copy()
     chipped[stray] -= 5e-4
-    clean = SampledField.from_points(theta, z, radius, n_max=24, degree=1)
-    plain = SampledField.from_points(theta, z, chipped, n_max=24, degree=1)
+    clean = SurveyField.from_points(theta, z, radius, n_max=24, degree=1)
+    plain = SurveyField.from_points(theta, z, chipped, n_max=24, degree=1)
     with pytest.warns(ModelWarning, match=r"survey: .* of 360 points set aside .*survey-outliers") as caught:
-        robust = SampledField.from_points(theta, z, chipped, n_max=24, degree=1, robust=True)
+        robust = SurveyField.from_points(theta, z, chipped, n_max=24, degree=1, robust=True)
     assert caught[0].filename == __file__
     named = {round(theta, 6) for theta, _, r in robust.set_aside if r < -5e-4}
     assert named == {round(float(np.degrees(theta[k])), 6) for k in stray}
@@ -188,16 +188,16 @@ def test_robust_weights_are_those_of_tukeys_bisquare():
 
 def test_a_robust_fit_of_clean_points_is_the_plain_one():
     theta, z = rings()
-    robust = SampledField.from_points(theta, z, casing(theta, z), robust=True)
+    robust = SurveyField.from_points(theta, z, casing(theta, z), robust=True)
     assert robust.set_aside == ()
-    np.testing.assert_allclose(robust.fit.cos, SampledField.from_points(theta, z, casing(theta, z)).fit.cos, atol=1e-12)
+    np.testing.assert_allclose(robust.fit.cos, SurveyField.from_points(theta, z, casing(theta, z)).fit.cos, atol=1e-12)
 
 
 def test_a_robust_fit_does_not_believe_a_minority():
     theta, z, radius = noisy()
     radius[np.random.default_rng(5).random(z.size) < 0.34] += 0.02
-    with pytest.raises(SurveyError, match=r"points far off any smooth surface.* at least 70% of them"):
-        SampledField.from_points(theta, z, radius, n_max=20, degree=0, robust=True)
+    with pytest.raises(InputError, match=r"points far off any smooth surface.* at least 70% of them"):
+        SurveyField.from_points(theta, z, radius, n_max=20, degree=0, robust=True)
 
 
 def test_repeats_give_the_noise_whatever_the_fit():
@@ -206,17 +206,17 @@ def test_repeats_give_the_noise_whatever_the_fit():
     again = np.random.default_rng(8).choice(z.size, 200, replace=False)
     theta, z = np.append(theta, theta[again] + 2 * np.pi), np.append(z, z[again])
     radius = casing(theta, z) + np.random.default_rng(31).normal(scale=2e-5, size=z.size)
-    survey = SampledField.from_points(theta, z, radius, n_max=12)
+    survey = SurveyField.from_points(theta, z, radius, n_max=12)
     assert survey.repeats == 200
     assert survey.pure_error == pytest.approx(2e-5, rel=0.15)
     assert survey.residual_rms_m > 20 * survey.pure_error
     assert "repeats   200, pure error" in repr(survey)
-    assert SampledField.from_points(*rings(), 0.5 + 0 * rings()[0]).pure_error is None
+    assert SurveyField.from_points(*rings(), 0.5 + 0 * rings()[0]).pure_error is None
 
 
 def test_modes_beyond_the_surveys_resolution_are_doubted(frustum, coarse):
     theta, z = rings(points=24)  # every 15 degrees: resolves harmonic 11, splits to n = 5
-    survey = SampledField.from_points(theta, z, (0.5 - 0.2 * z) * (1 + 1e-3 * np.cos(4 * theta)))
+    survey = SurveyField.from_points(theta, z, (0.5 - 0.2 * z) * (1 + 1e-3 * np.cos(4 * theta)))
     assert survey.n_resolved == 11
     for field in (survey, survey.fit + RandomlyNothing() + survey):
         with pytest.warns(ModelWarning, match=r"modes to n = .* resolves 11.*field-resolution") as caught:
@@ -224,7 +224,7 @@ def test_modes_beyond_the_surveys_resolution_are_doubted(frustum, coarse):
         assert len(caught) == 1
     modes(frustum(mesh=coarse, radius_defect=survey.fit), 6)  # given by hand: exact, nothing to say
     theta, z = rings(points=72)
-    modes(frustum(mesh=coarse, radius_defect=SampledField.from_points(theta, z, 0.5 - 0.2 * z, n_max=20)), 6)
+    modes(frustum(mesh=coarse, radius_defect=SurveyField.from_points(theta, z, 0.5 - 0.2 * z, n_max=20)), 6)
 
 
 class RandomlyNothing:
@@ -293,30 +293,30 @@ def test_bad_surveys_are_refused_with_their_place(tmp_path, name):
     content, message = BAD[name]
     path = tmp_path / "bad.csv"
     path.write_bytes(content)
-    with pytest.raises(SurveyError, match=message) as caught:
-        SampledField.from_csv(path)
+    with pytest.raises(InputError, match=message) as caught:
+        SurveyField.from_csv(path)
     assert "bad.csv" in str(caught.value)
 
 
 def test_fits_beyond_the_points_are_refused():
     theta, z = rings(heights=(0.0,), points=24)
-    SampledField.from_points(theta, z, 0.5 + 0 * z, n_max=11)
-    with pytest.raises(SurveyError, match="24 points for 25 unknowns"):
-        SampledField.from_points(theta, z, 0.5 + 0 * z, n_max=12)
-    with pytest.raises(SurveyError, match="gap of 15 deg"):
-        SampledField.from_points(theta, z, 0.5 + 0 * z, n_max=13)
-    with pytest.raises(SurveyError, match="24 points for 45 unknowns"):
-        SampledField.from_points(theta, z, 0.5 + 0 * z, n_max=11, degree=1)
+    SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=11)
+    with pytest.raises(InputError, match="24 points for 25 unknowns"):
+        SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=12)
+    with pytest.raises(InputError, match="gap of 15 deg"):
+        SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=13)
+    with pytest.raises(InputError, match="24 points for 45 unknowns"):
+        SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=11, degree=1)
     with pytest.raises(ValueError, match="n_max must be a whole number >= 1"):
-        SampledField.from_points(theta, z, 0.5 + 0 * z, n_max=0)
-    with pytest.raises(SurveyError, match="one common length"):
-        SampledField.from_points(theta, z[:-1], z)
-    with pytest.raises(SurveyError, match="value = nan"):
-        SampledField.from_points(theta, z, np.where(theta > 3, np.nan, 0.5))
+        SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=0)
+    with pytest.raises(InputError, match="one common length"):
+        SurveyField.from_points(theta, z[:-1], z)
+    with pytest.raises(InputError, match="value = nan"):
+        SurveyField.from_points(theta, z, np.where(theta > 3, np.nan, 0.5))
 
 
 def test_strict_csv_accepts_what_spreadsheets_write():
-    table = parse('"a","b"\r\n 1 ,2.\r\n\r\n+.5,-3e2\r\n', "sheet.csv", CsvError)
+    table = parse('"a","b"\r\n 1 ,2.\r\n\r\n+.5,-3e2\r\n', "sheet.csv")
     np.testing.assert_array_equal(table.numbers("a"), [1.0, 0.5])
     np.testing.assert_array_equal(table.numbers("b"), [2.0, -300.0])
     assert table.lines.tolist() == [2, 4]
@@ -326,4 +326,4 @@ def test_strict_csv_accepts_what_spreadsheets_write():
 @given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=5))
 def test_strict_csv_reads_back_every_float_bit_for_bit(values):
     text = "x\n" + "".join(f"{v!r}\n" for v in values)
-    assert [v.hex() for v in parse(text, "t", CsvError).numbers("x").tolist()] == [v.hex() for v in values]
+    assert [v.hex() for v in parse(text, "t").numbers("x").tolist()] == [v.hex() for v in values]

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
+from casingfem.errors import InputError, ModelError
 from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.geometry.jet import SMALL, jets, sinc
 from casingfem.structure.geometry.stations import along, coefficients
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.assembly import nodal_mass
-from casingfem.updating.parameters import Parameter, ParameterError, get_value, with_value
+from casingfem.updating.parameters import Parameter, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports.verification import blades as verify_blades
 from reports.verification.tapered_beam import cantilever, wedge
@@ -164,12 +164,12 @@ def test_derivatives_equal_central_differences(name):
     ],
 )
 def test_names_what_a_law_has(name, message):
-    with pytest.raises(ParameterError, match=message):
+    with pytest.raises(InputError, match=message):
         get_value(verify_blades.fan_blade(), name)
 
 
 def test_a_shell_without_a_taper_has_none_to_vary(frustum):
-    with pytest.raises(ParameterError, match="starts with material, chart, shell"):
+    with pytest.raises(InputError, match="starts with material, chart, shell"):
         get_value(frustum(), "taper.along.1")
 
 

@@ -18,7 +18,7 @@ def shell(chart, **changes):
 
 def test_mass_of_a_spherical_band_is_that_of_its_height():
     """Archimedes: area 2 pi R H."""
-    band = shell(cf.Revolved(profile=cf.Arc(radius=0.3, start=-0.4, end=1.1)), supports={})
+    band = shell(cf.Revolved(profile=cf.geometry.Arc(radius=0.3, start=-0.4, end=1.1)), supports={})
     height = 0.3 * (np.sin(1.1) + np.sin(0.4))
     mass = nodal_mass(band, make_grid(band.chart, band.mesh))[:, 0].sum()
     assert mass == pytest.approx(7800.0 * 2e-3 * 2 * np.pi * 0.3 * height, rel=1e-9)
@@ -31,14 +31,14 @@ def test_a_meridian_of_great_radius_is_a_cylinder():
     bows = []
     for radius in (1e3, 1e4):
         half = 0.1 / radius
-        chart = cf.Revolved(profile=cf.Arc(radius=radius, start=-half, end=half, r0=0.3 - radius))
+        chart = cf.Revolved(profile=cf.geometry.Arc(radius=radius, start=-half, end=half, r0=0.3 - radius))
         bows.append(np.abs(cf.modes(shell(chart, mesh=mesh), 6).freq / straight - 1.0).max())
     assert bows[0] < 2e-3
     assert bows[0] / bows[1] == pytest.approx(10.0, rel=0.05)
 
 
 def test_bowl_by_harmonics_and_as_a_whole_agree():
-    chart = cf.Revolved(profile=cf.Arc(radius=0.1, start=0.0, end=-1.3))
+    chart = cf.Revolved(profile=cf.geometry.Arc(radius=0.1, start=0.0, end=-1.3))
     bowl = shell(chart, supports={"top": cf.Clamped()}, mesh=cf.ShellMesh(order=7, rows=2, around=15))
     by_n, whole = (cf.modes(bowl, 8, method=method) for method in ("fourier", "shell"))
     np.testing.assert_allclose(whole.freq, by_n.freq, rtol=1e-7)
@@ -46,7 +46,7 @@ def test_bowl_by_harmonics_and_as_a_whole_agree():
 
 
 def test_the_sense_of_the_meridian_does_not_matter():
-    down, up = cf.Arc(radius=0.1, start=0.0, end=-1.2), cf.Arc(radius=0.1, start=-1.2, end=0.0)
+    down, up = cf.geometry.Arc(radius=0.1, start=0.0, end=-1.2), cf.geometry.Arc(radius=0.1, start=-1.2, end=0.0)
     found = [
         cf.modes(shell(cf.Revolved(profile=arc), supports={edge: cf.Clamped()}), 6).freq
         for arc, edge in ((down, "top"), (up, "base"))
@@ -83,5 +83,5 @@ def test_symmetry_plane_of_a_closed_shell_keeps_its_even_modes():
 )
 def test_arcs_refused(start, end, code):
     with pytest.raises(ModelError) as caught:
-        cf.Arc(radius=1.0, start=start, end=end)
+        cf.geometry.Arc(radius=1.0, start=start, end=end)
     assert caught.value.code == code

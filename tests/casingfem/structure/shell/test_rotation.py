@@ -192,7 +192,7 @@ def test_campbell_equals_the_modes_of_each_speed():
 def test_reduced_rotating_blade_answers_a_push_with_its_stiffened_compliance():
     shell = blade()
     basis = cf.reduce(shell, cf.Tip(), modes=4)
-    push = [cf.EdgeLoad(edge="tip", force=(0.0, 0.0, 1.0 / 0.04))]
+    push = [cf.loads.EdgeLoad(edge="tip", force=(0.0, 0.0, 1.0 / 0.04))]
     moved = cf.solve_static(shell, push).fields
     system = assemble(shell)
     edge = system.grid.edges["tip"]

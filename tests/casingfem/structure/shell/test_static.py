@@ -26,11 +26,11 @@ def strip(**changes):
 @pytest.mark.parametrize(
     ("load", "total"),
     [
-        (cf.SurfaceLoad(force=(1.0, 2.0, -3.0)), (0.1, 0.2, -0.3)),
-        (cf.Pressure(pressure=5.0), (0.0, 0.0, 0.5)),
-        (cf.Gravity(acceleration=(0.0, -2.0, 0.0)), (0.0, -2.0 * 7800.0 * 1e-3, 0.0)),
-        (cf.EdgeLoad(edge="left", force=(0.0, 4.0, 0.0)), (0.0, 4.0, 0.0)),
-        (cf.PointLoad(at=(0.37, 0.021), force=(0.0, 0.0, 7.0)), (0.0, 0.0, 7.0)),
+        (cf.loads.SurfaceLoad(force=(1.0, 2.0, -3.0)), (0.1, 0.2, -0.3)),
+        (cf.loads.Pressure(pressure=5.0), (0.0, 0.0, 0.5)),
+        (cf.loads.Gravity(acceleration=(0.0, -2.0, 0.0)), (0.0, -2.0 * 7800.0 * 1e-3, 0.0)),
+        (cf.loads.EdgeLoad(edge="left", force=(0.0, 4.0, 0.0)), (0.0, 4.0, 0.0)),
+        (cf.loads.PointLoad(at=(0.37, 0.021), force=(0.0, 0.0, 7.0)), (0.0, 0.0, 7.0)),
     ],
     ids=["surface", "pressure", "gravity", "edge", "point"],
 )
@@ -41,7 +41,7 @@ def test_loads_add_up(load, total):
 
 def test_moment_of_a_point_load_is_that_of_its_place():
     system = assemble(strip(supports={}))
-    nodal = cf.PointLoad(at=(0.37, 0.021), force=(0.0, 0.0, 1.0)).nodal(system.shell, system.grid)
+    nodal = cf.loads.PointLoad(at=(0.37, 0.021), force=(0.0, 0.0, 1.0)).nodal(system.shell, system.grid)
     np.testing.assert_allclose(nodal[:, 2] @ system.points, [0.37, 0.021, 0.0], atol=1e-13)
 
 
@@ -49,7 +49,7 @@ def test_beam_under_its_own_weight():
     """q L^4/(8 E I) + q L^2/(2 kappa G A)."""
     q, inertia, area = 7800.0 * 9.80665 * 1e-3, 0.1 * 0.01**3 / 12, 1e-3
     exact = q / (8 * 210e9 * inertia) + q / (2 * 5 / 6 * 105e9 * area)
-    assert cf.solve_static(strip(), [cf.Gravity()]).at(1.0, 0.0)[2] == pytest.approx(-exact, rel=1e-7)
+    assert cf.solve_static(strip(), [cf.loads.Gravity()]).at(1.0, 0.0)[2] == pytest.approx(-exact, rel=1e-7)
 
 
 @pytest.mark.slow
@@ -62,14 +62,17 @@ def test_tube_under_pressure():
         supports={"base": cf.ShearDiaphragm(), "top": cf.ElasticEdge(k_z=1e3)},
         mesh=cf.ShellMesh(order=8, rows=4, around=5),
     )
-    moved = cf.solve_static(tube, [cf.Pressure(pressure=-1e5)]).at(1.0, 0.7)
+    moved = cf.solve_static(tube, [cf.loads.Pressure(pressure=-1e5)]).at(1.0, 0.7)
     assert np.hypot(*moved[:2]) == pytest.approx(1e5 * 0.25 / (210e9 * 5e-3), rel=2e-4)
     assert moved[:2] @ [np.cos(0.7), np.sin(0.7)] > 0.0
 
 
 def test_loads_superpose_and_work_both_ways():
     """Betti: the work of one load on the other's displacement is the same both ways."""
-    one, two = cf.PointLoad(at=(0.6, 0.03), force=(0.0, 0.0, 3.0)), cf.EdgeLoad(edge="tip", force=(0.0, 1.0, 2.0))
+    one, two = (
+        cf.loads.PointLoad(at=(0.6, 0.03), force=(0.0, 0.0, 3.0)),
+        cf.loads.EdgeLoad(edge="tip", force=(0.0, 1.0, 2.0)),
+    )
     shell = strip(chart=cf.TwistedPlate(length=1.0, width=0.1, twist=0.5), material=STEEL)
     a, b, both = (cf.solve_static(shell, loads) for loads in ([one], [two], [one, two]))
     np.testing.assert_allclose(both.fields, a.fields + b.fields, rtol=1e-6, atol=1e-9 * np.abs(both.fields).max())
@@ -92,7 +95,7 @@ def test_half_a_structure_on_its_symmetry_plane_is_the_whole():
         supports={"root": cf.ShearDiaphragm(), "tip": cf.Symmetry()},
         mesh=cf.ShellMesh(order=6, rows=2, around=2),
     )
-    load = cf.SurfaceLoad(force=(-1e4, 0.0, 0.0))
+    load = cf.loads.SurfaceLoad(force=(-1e4, 0.0, 0.0))
     places = [(0.3, 0.6), (0.3, 0.0), (0.1, -0.4)]
     found = [np.array([cf.solve_static(shell, [load]).at(*place) for place in places]) for shell in (whole, half)]
     found[0][:, 2] -= cf.solve_static(whole, [load]).at(0.3, 0.0)[2]  # the whole may slide along its axis
@@ -122,10 +125,10 @@ def test_interpolation_is_exact_for_polynomials_and_closes_around():
     ("supports", "loads", "code"),
     [
         ({"root": cf.Clamped()}, [], "load-none"),
-        ({"root": cf.Clamped()}, [cf.EdgeLoad(edge="rim", force=(0.0, 0.0, 1.0))], "load-edge"),
-        ({"root": cf.Clamped()}, [cf.PointLoad(at=(1.01, 0.0), force=(0.0, 0.0, 1.0))], "load-place"),
-        ({}, [cf.Gravity()], "static-loose"),
-        ({"left": cf.Symmetry()}, [cf.Gravity()], "static-loose"),
+        ({"root": cf.Clamped()}, [cf.loads.EdgeLoad(edge="rim", force=(0.0, 0.0, 1.0))], "load-edge"),
+        ({"root": cf.Clamped()}, [cf.loads.PointLoad(at=(1.01, 0.0), force=(0.0, 0.0, 1.0))], "load-place"),
+        ({}, [cf.loads.Gravity()], "static-loose"),
+        ({"left": cf.Symmetry()}, [cf.loads.Gravity()], "static-loose"),
     ],
 )
 def test_refused(supports, loads, code):
@@ -137,7 +140,7 @@ def test_refused(supports, loads, code):
 def test_point_load_on_an_element_that_closes_on_itself():
     grid = make_grid(cf.Cylinder(radius=1.0, height=1.0), MESH)
     tube = cf.Shell(chart=cf.Cylinder(radius=1.0, height=1.0), thickness=0.01, material=STEEL, mesh=MESH)
-    assert cf.PointLoad(at=(0.3, 0.0), force=(2.0, 0.0, 0.0)).nodal(tube, grid)[:, 0].sum() == pytest.approx(2.0)
+    assert cf.loads.PointLoad(at=(0.3, 0.0), force=(2.0, 0.0, 0.0)).nodal(tube, grid)[:, 0].sum() == pytest.approx(2.0)
 
 
 def test_a_ring_carries_loads_and_its_weight_is_refused():
@@ -145,11 +148,11 @@ def test_a_ring_carries_loads_and_its_weight_is_refused():
     parts = {"chart": cf.Cylinder(radius=0.2, height=0.1), "thickness": 2e-3, "material": STEEL, "mesh": ROUND}
     ring = Ring(section=Section.rectangle(width=0.02, depth=0.02))
     plain, ringed = (cf.Shell(**parts, supports={"base": cf.Clamped()} | top) for top in ({}, {"top": ring}))
-    push = [cf.PointLoad(at=(0.1, 0.0), force=(1.0, 0.0, 0.0))]
+    push = [cf.loads.PointLoad(at=(0.1, 0.0), force=(1.0, 0.0, 0.0))]
     bare, stiff = (cf.solve_static(shell, push).at(0.1, 0.0)[0] for shell in (plain, ringed))
     assert 0.0 < stiff < 0.2 * bare
     with pytest.raises(ModelError, match="load-ring"):
-        cf.solve_static(ringed, [cf.Gravity()])
+        cf.solve_static(ringed, [cf.loads.Gravity()])
 
 
 @pytest.mark.slow
@@ -171,7 +174,7 @@ def test_a_wrong_twist_sense_is_not_the_twisted_beam():
 def test_a_cone_has_no_plane_of_symmetry_at_its_rim(frustum):
     with pytest.raises(ModelError, match="symmetry-slanted"):
         frustum(supports={"base": cf.Symmetry()})
-    bowl = cf.Revolved(profile=cf.Arc(radius=0.5, start=0.0, end=1.0))  # at the equator it has one
+    bowl = cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=0.0, end=1.0))  # at the equator it has one
     cf.Shell(chart=bowl, thickness=3e-3, material=STEEL, supports={"base": cf.Symmetry(), "top": cf.Clamped()})
     with pytest.raises(ModelError, match="symmetry-slanted"):
         cf.Shell(chart=bowl, thickness=3e-3, material=STEEL, supports={"top": cf.Symmetry()})

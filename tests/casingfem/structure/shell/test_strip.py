@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
+from casingfem.errors import InputError, ModelError
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.assembly import nodal_mass
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.edges import holding_forms
-from casingfem.updating.parameters import Parameter, ParameterError, check_parameters, get_value, with_value
+from casingfem.updating.parameters import Parameter, check_parameters, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports.verification import strips as verify_strips
 from reports.verification.strips import ALUMINIUM, exact, found, refined, stepped
@@ -187,14 +187,14 @@ def test_refuses_a_strip_without_a_wall(thickness):
     ],
 )
 def test_names_what_a_strip_has(frustum, name, message):
-    with pytest.raises(ParameterError, match=message):
+    with pytest.raises(InputError, match=message):
         get_value(frustum(strips=STRIPS), name)
 
 
 def test_a_strip_holds_its_place_when_the_casing_grows(frustum):
     """Strips are absolute, mesh lines relative: a height that moves the lines off their ends is refused."""
     casing = frustum(strips=STRIPS[1:])
-    with pytest.raises(ParameterError, match=r"chart\.height: its lower bound .* \[strip-off-line"):
+    with pytest.raises(InputError, match=r"chart\.height: its lower bound .* \[strip-off-line"):
         check_parameters(casing, [Parameter(name="chart.height", lower=0.2, upper=0.3)])
 
 

@@ -1,0 +1,5 @@
+from .frf_set import FrfSet
+
+__all__ = [
+    "FrfSet",
+]

@@ -1,0 +1,6 @@
+from .read import UniversalFile, read_uff
+
+__all__ = [
+    "UniversalFile",
+    "read_uff",
+]

@@ -1,0 +1,9 @@
+from . import edge, field, geometry, imported, shell
+
+__all__ = [
+    "edge",
+    "field",
+    "geometry",
+    "imported",
+    "shell",
+]

@@ -1,0 +1,14 @@
+from .fourier import Field, FourierField, SumField
+from .random import RandomField, Spectrum
+from .spline import Spline
+from .survey.survey import SurveyField
+
+__all__ = [
+    "Field",
+    "FourierField",
+    "RandomField",
+    "Spectrum",
+    "Spline",
+    "SumField",
+    "SurveyField",
+]

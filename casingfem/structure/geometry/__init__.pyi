@@ -1,0 +1,24 @@
+from .blade import Blade
+from .chart import Chart, Cylinder, Frustum, Panel, Plate
+from .revolved import Arc, Meridian, Revolved, RevolvedPanel
+from .rotation import Rotation
+from .strip import Strip
+from .taper import Taper
+from .twisted import TwistedPlate
+
+__all__ = [
+    "Arc",
+    "Blade",
+    "Chart",
+    "Cylinder",
+    "Frustum",
+    "Meridian",
+    "Panel",
+    "Plate",
+    "Revolved",
+    "RevolvedPanel",
+    "Rotation",
+    "Strip",
+    "Taper",
+    "TwistedPlate",
+]
