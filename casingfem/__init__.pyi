@@ -1,9 +1,9 @@
 from . import errors, modal, updating
 from .experiment import circle, correlation, frf, rig, uff
 from .experiment.correlation.correlate import correlate
+from .experiment.frequency_table import FrequencyTable
 from .experiment.identify.identification import identify
 from .experiment.identify.identified import Identified
-from .experiment.measurement import FrequencyTable
 from .locate.localisation import locate
 from .locate.located import Localisation
 from .modal.basis import ModalBasis

@@ -66,7 +66,7 @@ class ModelWarning(UserWarning):
         super().__init__(sentence(code, message))
 
 
-def doubt(code: str, message: str, *, stacklevel: int = 3) -> None:
+def warn(code: str, message: str, *, stacklevel: int = 3) -> None:
     """Warn of a catalogued fault that does not stop the computation."""
     warnings.warn(ModelWarning(code, message), stacklevel=stacklevel)
 
@@ -76,10 +76,10 @@ def sentence(code: str, message: str) -> str:
     return f"{message}: {CATALOGUE[code].remedy} [{code}]"
 
 
-def coded(code: str, message: str) -> str:
+def with_code(code: str, message: str) -> str:
     """A message that says itself what helps, with its code; one that ends with a code keeps that.
 
-    >>> coded("study-value", "material.nu: found 0.7, expected less than 0.5")
+    >>> with_code("study-value", "material.nu: found 0.7, expected less than 0.5")
     'material.nu: found 0.7, expected less than 0.5 [study-value]'
     """
     return message if code_of(message) else f"{message} [{code}]"

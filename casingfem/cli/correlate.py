@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from casingfem.cli.model_warnings import collected
 from casingfem.cli.running import Working, deliver, options
 from casingfem.cli.study import STUDY
-from casingfem.cli.warned import noted
 from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, 
         count = study.file.modes.wanted.get("count") or 40
         found = modes(study.shell, max(count, len(measured) + 4), method="shell", system=system)
         result = compare(found, measured, reach=reach, mass=mass, system=system)
-    document = {**result.to_json(), "seconds": working.seconds, "warnings": noted(), "source": study.source}
+    document = {**result.to_json(), "seconds": working.seconds, "warnings": collected(), "source": study.source}
     files: dict[str, Content] = {} if out is None else result_files(result, document)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)
 

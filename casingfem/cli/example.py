@@ -14,7 +14,7 @@ from casingfem.io.outfiles import json_text, write_files
 if TYPE_CHECKING:
     from casingfem.examples import Example
 
-WIDTH = 80  # of what is said about an example in the list
+WIDTH = 80  # of the text about an example in the list
 
 
 @click.command()

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
+from casingfem.cli.model_warnings import collected
 from casingfem.cli.running import Working, deliver, options
 from casingfem.cli.study import STUDY
-from casingfem.cli.warned import noted
 from casingfem.io.outfiles import Content, json_text
 
 
@@ -38,10 +38,10 @@ def locate(
 ) -> None:
     """Find loose bolts or added masses of STUDY from a frequency TABLE with nodal diameters and orientations."""
     from casingfem.experiment.correlation.shape_files import read_shapes
-    from casingfem.experiment.measurement import FrequencyTable
+    from casingfem.experiment.frequency_table import FrequencyTable
     from casingfem.locate.localisation import locate as find
     from casingfem.locate.localisation import search_model
-    from casingfem.locate.shape_check import judged_by_shapes
+    from casingfem.locate.shape_check import checked_by_shapes
     from casingfem.plot.locate import figure_located
     from casingfem.plot.style import png
     from casingfem.study import load_study
@@ -57,10 +57,11 @@ def locate(
         found = find(
             study.shell, now, baseline=before, among=among, edge=edge, most=most, model_error=model_error, model=model
         )
-        judged = [] if seen is None else judged_by_shapes(model[0], found, seen)
+        judged = [] if seen is None else checked_by_shapes(model[0], found, seen)
     order = [{"places": sorted(one.explanation.places), "unlike": one.unlike} for one in judged]
     document = {
-        **found.to_json(), "by_shapes": order, "seconds": working.seconds, "warnings": noted(), "source": study.source
+        **found.to_json(), "by_shapes": order, "seconds": working.seconds, "warnings": collected(),
+        "source": study.source,
     }  # fmt: skip
     lines = [f"bolts {one['places']}: the shapes differ by {one['unlike']:.2g}" for one in order]
     text = "\n".join([repr(found), *(["by the measured shapes, the likeliest first:"] if lines else []), *lines])

@@ -11,7 +11,7 @@ from typing import Any, NoReturn, ParamSpec, TypeVar
 
 import click
 
-from casingfem.cli.warned import noted, noting
+from casingfem.cli.model_warnings import collected, collecting
 from casingfem.io.outfiles import Content, json_text, write_files
 
 BAD_INPUT, NUMERICS_FAILED = 2, 3
@@ -36,7 +36,7 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
     @wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
-            with noting():
+            with collecting():
                 return command(*args, **kwargs)
         except (ValueError, RuntimeError) as error:
             if not known(error):
@@ -79,7 +79,7 @@ def deliver(
     """Write the files, then print the document or the text and where the files went."""
     written = write_files(out, files) if out is not None and files else []
     if as_json:
-        click.echo(json_text({**document, "warnings": noted()}), nl=False)
+        click.echo(json_text({**document, "warnings": collected()}), nl=False)
         return
     click.echo(text)
     for path in written:

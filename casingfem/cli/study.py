@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from casingfem.cli.model_warnings import collected
 from casingfem.cli.running import Working, deliver, options
-from casingfem.cli.warned import noted
 from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def modes(
         "seconds": found.seconds,
         "sturm_count": found.sturm_count,
         "rigid": found.rigid,
-        "warnings": noted(),
+        "warnings": collected(),
         "source": study.source,
     }
     files: dict[str, Content] = {
@@ -104,7 +104,7 @@ def indices(found: "Modes", shown: tuple[int, ...] | None) -> list[int] | None:
 
 def modes_csv(found: "ModeSet", study: "Study | MeshStudy", sigma: float) -> str:
     """The modes as a frequency table with its card, and beyond it what only a model knows."""
-    from casingfem.experiment.measurement import COLUMNS, COMPUTED
+    from casingfem.experiment.frequency_table import COLUMNS, COMPUTED
 
     source = study.source
     versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())
@@ -146,7 +146,7 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
         "shapes": None if compared is None else compared.to_json(),
         **{name: part.to_json() for name, part in further.items()},
         "seconds": fit_seconds,
-        "warnings": noted(),
+        "warnings": collected(),
         "source": study.source,
     }
     files = {"update.json": json_text(document, indent=1)}

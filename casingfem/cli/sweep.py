@@ -72,9 +72,9 @@ def words(found: "SweepResult", seconds: float) -> str:
         at = ", ".join(f"{key} = {value}" for key, value in zip(plan.keys, run.values, strict=True))
         lines.append(f"largest growth {most:.4g} 1/s at {at}")
     for status in ("refused", "failed"):
-        told = [row["why"] for row in rows if row["status"] == status]
-        if told:
-            lines.append(f"{len(told)} of {counted(len(rows))} {status}, the first: {told[0]}")
+        reasons = [row["why"] for row in rows if row["status"] == status]
+        if reasons:
+            lines.append(f"{len(reasons)} of {counted(len(rows))} {status}, the first: {reasons[0]}")
     flagged = sum(bool(row["flags"]) for row in rows)
     if flagged:
         lines.append(f"{counted(flagged)} {'has' if flagged == 1 else 'have'} flags: read their column")

@@ -9,7 +9,7 @@ processor, and so do the modes; equal or not, they prove nothing.
 import numpy as np
 from scipy.sparse import csc_array
 
-from casingfem.errors import doubt
+from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray
 
 UNIT = float(np.finfo(float).eps)
@@ -25,15 +25,15 @@ def round_off(K: csc_array | FloatArray, vectors: FloatArray) -> FloatArray:
     return np.asarray(UNIT * np.einsum("ij,ij->j", size, abs(K) @ size))
 
 
-def stands_clear(place: float, values: FloatArray, noise: FloatArray) -> bool:
+def clear_of_eigenvalues(place: float, values: FloatArray, noise: FloatArray) -> bool:
     """Whether a place on the axis of eigenvalues is farther from each than round-off moves it."""
     return bool(np.all(np.abs(values - place) > noise))
 
 
-def doubt_count(place: float, values: FloatArray, noise: FloatArray) -> None:
+def warn_of_count(place: float, values: FloatArray, noise: FloatArray) -> None:
     """Say that eigenvalues near a place [rad^2/s^2] cannot be counted, and how far round-off moves them."""
     nearest = int(np.argmin(np.abs(values - place)))
     base = max(place, 0.0)
     freq, moves = np.sqrt(base) / 2 / np.pi, (np.sqrt(base + noise[nearest]) - np.sqrt(base)) / 2 / np.pi
     found = f"those below {freq:.4g} Hz cannot be counted, round-off moves the next by {moves:.2g} Hz"
-    doubt("modes-round-off", f"modes: {found}", stacklevel=7)
+    warn("modes-round-off", f"modes: {found}", stacklevel=7)

@@ -8,7 +8,7 @@ from scipy.sparse import csc_array
 
 from casingfem.errors import NumericsError, sentence
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.linalg.certificate import doubt_count, round_off, stands_clear
+from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
 from casingfem.linalg.pencil import Mass, Pencil, make_pencil
@@ -158,13 +158,13 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
             continue
         noise = round_off(pencil.A, vectors)
         below, sigma = gap_after(values, count, abs(shift), clear, noise[count - 1 :].max())
-        certified = pencil.count_below(sigma, direct) if stands_clear(sigma, values, noise) else None
+        certified = pencil.count_below(sigma, direct) if clear_of_eigenvalues(sigma, values, noise) else None
         if certified == below:
             return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
         wanted += 2 * max((certified or 0) - below, 1) + extra
         tries.pop(0)  # a missed mode shows in the count: look again, with more vectors at once, in a wider gap
     if certified is None:
-        doubt_count(sigma, values, noise)
+        warn_of_count(sigma, values, noise)
         return result(pencil, values[:below], vectors[:, :below], None, products, abs(shift))
     raise NumericsError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
 

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.linalg import lobpcg
 
-from casingfem.errors import NumericsError, doubt
+from casingfem.errors import NumericsError, warn
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import EigenResult, gap_after, result, solve_modes
 from casingfem.linalg.krylov import START_SEED, ConvergenceError
@@ -65,7 +65,7 @@ def multigrid_modes(
         elif certified != below:
             raise ConvergenceError(f"{below} of {certified} modes found")
     except NumericsError as error:
-        doubt("modes-lobpcg", f"LOBPCG with multigrid: {error}")
+        warn("modes-lobpcg", f"LOBPCG with multigrid: {error}")
         return solve_modes(K, mass, count, shift, extra)
     return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray
-from casingfem.linalg.certificate import doubt_count, round_off, stands_clear
+from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.krylov import BLOCKS, ConvergenceError, RitzPairs, nearest
 from casingfem.linalg.pencil import Pencil
@@ -124,12 +124,13 @@ def solve_slice(counter: Counter, start: End, end: End) -> Slice:
         between = (values > low.place) & (values < high.place)
         noise = round_off(counter.pencil.A, vectors)
         # nothing is counted at an end below all modes
-        reached = [end.place for end in (low, high) if end.place > 0.0 and not stands_clear(end.place, values, noise)]
+        above = (end.place for end in (low, high) if end.place > 0.0)
+        reached = [place for place in above if not clear_of_eigenvalues(place, values, noise)]
         part = Slice(low.place, high.place, values[between], vectors[:, between], products, high.below, not reached)
         if part.counted and np.count_nonzero(between) == high.below - low.below:
             return part
     if reached:
-        doubt_count(reached[-1], values, noise)
+        warn_of_count(reached[-1], values, noise)
         return part
     ends = [f"{np.sqrt(max(place, 0.0)) / 2 / np.pi:.6g}" for place in (low.place, high.place)]
     raise NumericsError(f"{high.below - low.below} modes lie in {ends[0]} to {ends[1]} Hz, {between.sum()} were found")

@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.located import Explanation, Found, Localisation
 from casingfem.locate.mass_places import Masses, refined, search_masses
@@ -26,7 +26,7 @@ from casingfem.modal.modes import count_below
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
-from casingfem.structure.shell.variation import grips
+from casingfem.structure.shell.variation import outer_supports
 from casingfem.updating.calibration import calibrated
 
 AMONG = ("bolts", "mass")
@@ -47,7 +47,7 @@ def bolted_edge(shell: Shell) -> str:
     ModelError
         locate-bolts.
     """
-    edges = [edge for edge, support in grips(shell).items() if isinstance(support, Bolts)]
+    edges = [edge for edge, support in outer_supports(shell).items() if isinstance(support, Bolts)]
     if len(edges) != 1:
         raise ModelError("locate-bolts", f"locate among bolts: {len(edges)} edges of the structure have bolts")
     return edges[0]
@@ -71,7 +71,7 @@ def search_model(
     wanted = count_below(shell, 1.1 * float(table.freq_hz.max())) + 6
     system = assemble(shell)
     if among == "bolts":
-        bolts = grips(shell)[edge]
+        bolts = outer_supports(shell)[edge]
         assert isinstance(bolts, Bolts)
         angles, changes = bolts.angles, bolt_changes(system, edge)
     else:
@@ -150,7 +150,7 @@ def locate(
             changes = mass_changes(reduced.system, edge, np.concatenate([masses.angles, masses.angles + np.pi]))
             exact = affine_model(reduced.system, changes, len(reduced.nominal), reduced.nominal)
             misfit = replace(misfit, model=exact if baseline is None else calibrated(exact, baseline))
-            masses = told_from_nothing(misfit, edge, refined(misfit, edge, masses.angles, masses.masses))
+            masses = significant_masses(misfit, edge, refined(misfit, edge, masses.angles, masses.masses))
         point, explained = masses.point, masses_explained(misfit, edge, masses, len(angles))
     scale = float(np.sqrt(scale2(point, len(explained[0].found))))
     return Localisation(
@@ -198,7 +198,7 @@ def loosening(factors: FloatArray) -> Bounds:
 def factors_of(model: AffineModel) -> FloatArray:
     """What the bolts of a model have of a tight one's stiffness, (bolts,)."""
     shell = model.system.shell
-    bolts = grips(shell)[bolted_edge(shell)]
+    bolts = outer_supports(shell)[bolted_edge(shell)]
     assert isinstance(bolts, Bolts)
     return np.asarray(bolts.factors)
 
@@ -271,14 +271,14 @@ def masses_explained(misfit: Misfit, edge: str, best: Masses, candidates: int) -
     return (explanation(best), *likely(listed))
 
 
-def told_from_nothing(misfit: Misfit, edge: str, masses: Masses) -> Masses:
+def significant_masses(misfit: Misfit, edge: str, masses: Masses) -> Masses:
     """Without the masses that are not three standard deviations from nothing."""
     while len(masses.masses):
         spread = sigmas(masses.jacobian, np.sqrt(scale2(masses.point, 2 * len(masses.masses))))
-        told = masses.masses > 3.0 * spread[: len(masses.masses)]
-        if told.all():
+        kept = masses.masses > 3.0 * spread[: len(masses.masses)]
+        if kept.all():
             break
-        masses = refined(misfit, edge, masses.angles[told], masses.masses[told])
+        masses = refined(misfit, edge, masses.angles[kept], masses.masses[kept])
     return masses
 
 

@@ -81,15 +81,15 @@ class Localisation:
 
     def to_json(self) -> dict[str, object]:
         """Plain lists and numbers."""
-        said = [
+        explained = [
             {"behind": e.behind, "found": [{k: getattr(f, k) for k in Found.__slots__} for f in e.found]}
             for e in (self.best, *self.others)
         ]
         return {
             "among": self.among,
             "angles_deg": self.angles_deg.tolist(),
-            "found": said[0]["found"],
-            "explanations": said,
+            "found": explained[0]["found"],
+            "explanations": explained,
             "chi2": self.chi2,
             "chi2_start": self.chi2_start,
             "residuals": self.rows,
@@ -103,13 +103,13 @@ class Localisation:
         """What was found, what else it may be, and what cannot be told."""
         what = {"bolts": "loose bolts", "mass": "added masses"}[self.among]
         lines = [f"{len(self.found) or 'no'} {what} found ({'with' if self.calibrated else 'without'} a baseline)"]
-        lines += [f"  {said(self.among, one)}" for one in self.found]
+        lines += [f"  {described(self.among, one)}" for one in self.found]
         lines.append(
             f"chi^2 {self.chi2_start:.4g} -> {self.chi2:.4g} over {self.rows} residuals; "
             f"they are {self.scale:.3g} times their stated sigma"
         )
         for other in self.others:
-            places = ", ".join(said(self.among, one) for one in other.found)
+            places = ", ".join(described(self.among, one) for one in other.found)
             lines.append(f"as likely (chi^2 {other.behind:+.2g}): {places}")
         if self.others:
             lines.append("half a turn changes no frequency and no orientation: measured shapes decide")
@@ -118,7 +118,7 @@ class Localisation:
         return "\n".join(lines)
 
 
-def said(among: str, one: Found) -> str:
+def described(among: str, one: Found) -> str:
     """A place in words."""
     if among == "bolts":
         return f"bolt {one.place} at {one.angle_deg:.1f} deg: {one.value:.0%} +- {one.sigma:.1%} of its stiffness"

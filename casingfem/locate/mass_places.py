@@ -12,7 +12,7 @@ import numpy as np
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.misfit import Misfit, Point
 from casingfem.locate.sparse_fit import Bounds, gains
-from casingfem.locate.sparse_search import TRIED, goes_on, significant
+from casingfem.locate.sparse_search import TRIED, keep_searching, significant
 from casingfem.modal.affine import AffineModel, mass_changes
 
 STEP = 1e-4  # rad, of the difference that gives dM/dtheta
@@ -40,15 +40,15 @@ def search_masses(misfit: Misfit, edge: str, angles: FloatArray, *, most: int, l
     none = np.zeros(0)
     start = misfit.at(np.zeros(len(angles)))
     path = [Masses(none, none, start, np.zeros((len(start.values), 0)))]
-    told = 0
-    while goes_on(len(path) - 1, told, most, path[-1].point, level):
+    accepted = 0
+    while keep_searching(len(path) - 1, accepted, most, path[-1].point, level):
         found = next_mass(misfit, edge, angles, path[-1])
         if found is None:
             break
         path.append(found)
         if significant(path[-2].point, found.point, 2 * len(found.masses), level, len(angles)):
-            told = len(path) - 1
-    return path[told]
+            accepted = len(path) - 1
+    return path[accepted]
 
 
 def next_mass(misfit: Misfit, edge: str, angles: FloatArray, at: Masses) -> Masses | None:

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.experiment.correlation.pairing import Match
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.matches import Match
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.affine import AffineModel, AffineModes
 from casingfem.updating.mixed_pairing import paired_by_shares
 from casingfem.updating.targets import (
     Rates,
-    allowing,
     has_angle,
     is_doublet,
     jacobian,
@@ -24,6 +23,7 @@ from casingfem.updating.targets import (
     pair_state,
     split_vector,
     values,
+    with_model_error,
 )
 
 LOST = 0.1  # a row that pairs with nothing costs as much as one this far off, relative
@@ -78,7 +78,7 @@ class Misfit:
         G = self.model.derivatives(found)
         turned = [match for match in matches if has_angle(match, self.table)]
         at = Rates(G=G, turning={match.modes: turning(found, match, G) for match in turned})
-        table = allowing(self.table, self.model_error)
+        table = with_model_error(self.table, self.model_error)
         residuals = values(found, table, matches)
         slopes = jacobian(found, table, matches, at)
         if self.angle_sigma:

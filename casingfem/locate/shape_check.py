@@ -10,8 +10,8 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.correlation.correlate import seen_mac
-from casingfem.experiment.correlation.correlation import pair
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.correlation.sensors import sensors_on
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.localisation import factors_of
@@ -20,16 +20,16 @@ from casingfem.modal.affine import AffineModel
 from casingfem.structure.mesh.kinematics import DOFS
 
 
-class Judged(NamedTuple):
+class ShapeVerdict(NamedTuple):
     """An explanation and the mean of 1 - MAC of its modes with the measured shapes."""
 
     explanation: Explanation
     unlike: float
 
 
-def judged_by_shapes(
+def checked_by_shapes(
     model: AffineModel, found: Localisation, shapes: MeasuredShapes, *, reach: float = 0.05
-) -> list[Judged]:
+) -> list[ShapeVerdict]:
     """The explanations of loose bolts in the order in which they give the measured shapes.
 
     Parameters
@@ -52,7 +52,7 @@ def judged_by_shapes(
     sensors = sensors_on(model.system.shell, grid, shapes.points, shapes.directions, shapes.labels)
     nodes = grid.nodes.shape[1]
     rows = sensors.shapes(model.motions[: nodes * DOFS].reshape(nodes, DOFS, -1))
-    judged = [Judged(e, unlike(model, e, rows, shapes, reach)) for e in (found.best, *found.others)]
+    judged = [ShapeVerdict(e, unlike(model, e, rows, shapes, reach)) for e in (found.best, *found.others)]
     return sorted(judged, key=lambda one: one.unlike)
 
 

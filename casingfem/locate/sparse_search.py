@@ -43,8 +43,8 @@ def search(
     """
     changes = len(bounds.lower)
     path: list[tuple[list[int], Point]] = [([], evaluate(np.zeros(changes)))]
-    told = 0
-    while goes_on(len(path) - 1, told, most, path[-1][1], level):
+    accepted = 0
+    while keep_searching(len(path) - 1, accepted, most, path[-1][1], level):
         active, at = path[-1]
         if len(active) == 1:
             active, there = best_pair(evaluate, path[0][1], bounds)
@@ -58,8 +58,8 @@ def search(
         path.append((active, there))
         tried = changes * (changes - 1) // 2 if len(active) == 2 else changes  # the luckiest of all pairs
         if significant(at, there, len(active), level, tried):
-            told = len(path) - 1
-    active, best = path[told]
+            accepted = len(path) - 1
+    active, best = path[accepted]
     if len(active) > 2 and unexplained(best, len(active), UNLIKELY):  # a wrong turn early on: look further
         active, best = exchanged(evaluate, best, active, bounds, tried=WIDELY)
     active, best = pruned(evaluate, best, active, bounds, level)
@@ -69,9 +69,9 @@ def search(
     return active, best
 
 
-def goes_on(taken: int, told: int, most: int, at: Point, level: float) -> bool:
-    """Whether to look for one change more: while it may be told, and noise alone does not explain the residuals."""
-    return taken < most and taken <= told + PATIENCE and unexplained(at, taken, PLAUSIBLE)
+def keep_searching(taken: int, accepted: int, most: int, at: Point, level: float) -> bool:
+    """Whether to look for one change more: while it may be accepted, and noise alone does not explain the residuals."""
+    return taken < most and taken <= accepted + PATIENCE and unexplained(at, taken, PLAUSIBLE)
 
 
 def unexplained(at: Point, free: int, level: float) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.affine import AffineModel, AffineModes
 from casingfem.updating.mixed_pairing import paired_by_shares

@@ -28,9 +28,9 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.mesh.edge_form import EdgeForm, spring_form
 from casingfem.structure.shell.assembly import on_free
 from casingfem.structure.shell.edges import edge_line, mass_forms, own_dofs
-from casingfem.structure.shell.ring_form import foothold_form
+from casingfem.structure.shell.ring_form import support_form
 from casingfem.structure.shell.system import System
-from casingfem.structure.shell.variation import grips
+from casingfem.structure.shell.variation import outer_supports
 
 ANSWERS, FEWEST = 120, 5  # static answers kept for all changes together, and for each
 BEYOND = 3  # nodal diameters past those of the nominal modes that labels know
@@ -48,13 +48,13 @@ def bolt_changes(system: System, edge: str) -> list[Change]:
     """The springs of each bolt of an edge as tight ones: a unit less is a missing bolt."""
     shell, support = system.shell, system.shell.supports[edge]
     line, own = edge_line(shell, system.grid, edge), own_dofs(shell, system.grid)
-    bolts = grips(shell)[edge]
+    bolts = outer_supports(shell)[edge]
     assert isinstance(bolts, Bolts)
     changes = []
     for bolt in range(1, bolts.count + 1):
         alone = replace(bolts, loose={b: float(b == bolt) for b in range(1, bolts.count + 1)})
         if isinstance(support, Ring):
-            form = foothold_form(shell, system.grid, edge, replace(support, support=alone), own[edge], line)
+            form = support_form(shell, system.grid, edge, replace(support, support=alone), own[edge], line)
         else:
             form = spring_form(alone.springs(line))
         there = np.any(form.D, axis=(1, 2))

@@ -9,7 +9,7 @@ from scipy.linalg import cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
 
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.linalg.certificate import doubt_count, round_off, stands_clear
+from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.eigen import gap_after
 from casingfem.linalg.slicing import CLEAR
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
@@ -68,8 +68,8 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
     values, noise = np.array([(mode.value, mode.noise) for mode in found]).T
     last = min(count, len(found) - 1)
     below, sigma = gap_after(values, last, noise=noise[last - 1 :].max())
-    if not stands_clear(sigma, values, noise):
-        doubt_count(sigma, values, noise)
+    if not clear_of_eigenvalues(sigma, values, noise):
+        warn_of_count(sigma, values, noise)
         return revolved(shell, meridians, found[:below], count, None, started)
     counted = sum((1 + (m.n > 0)) * inertia_below(m, sigma) for m in meridians)
     if counted != below:
@@ -105,9 +105,10 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
         values, vectors = lowest(meridian, end + 1, shift)  # the next above the band too: it may reach the end
         inside = (values > low) & (values < high)
         noise = round_off(meridian.K, vectors)
-        reached = [place for place in (low, high) if place > 0.0 and not stands_clear(place, values, noise)]
+        above = (place for place in (low, high) if place > 0.0)
+        reached = [place for place in above if not clear_of_eigenvalues(place, values, noise)]
         if reached and counted:
-            doubt_count(reached[-1], values, noise)
+            warn_of_count(reached[-1], values, noise)
         counted = counted and not reached
         if not reached and np.count_nonzero(inside) != end - start:
             raise NumericsError(f"n = {n}: {end - start} modes lie in the band, {inside.sum()} were found")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.errors import doubt
+from casingfem.errors import warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.eigen import Band, EigenResult, solve
 from casingfem.linalg.factor import Direct
@@ -122,12 +122,12 @@ def assemble_mesh(structure: Solid | MeshShell) -> MeshSystem:
 
 
 def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
-    """Doubt a body with more motions near zero than its supports leave rigid: parts hinge on an edge or a node."""
+    """Warn of a body with more motions near zero than its supports leave rigid: parts hinge on an edge or a node."""
     near_zero = int(np.count_nonzero(2.0 * np.pi * freq < RIGID * system.frequency_scale))
     if near_zero > system.rigid:
         where = system.structure.mesh.source
         found = f"{where}: {near_zero} modes near zero, rigid motions explain {system.rigid}"
-        doubt("mesh-mechanism", found, stacklevel=5)
+        warn("mesh-mechanism", found, stacklevel=5)
 
 
 def projected(structure: Solid | MeshShell, fields: Array, n_max: int) -> Rings:

@@ -5,13 +5,13 @@ from typing import overload
 
 import numpy as np
 
-from casingfem.errors import ModelError, doubt
+from casingfem.errors import ModelError, warn
 from casingfem.linalg.eigen import Band, solve, sturm_count
 from casingfem.linalg.factor import Direct
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
 from casingfem.modal.mesh_modes import IMPORTED, MeshModes, mesh_modes
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
-from casingfem.modal.resolution import judged
+from casingfem.modal.resolution import checked_resolution
 from casingfem.modal.ritz import RitzModes, ritz_modes
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.shell import MeshShell
@@ -109,7 +109,7 @@ def modes(
     warn_of(shell)
     if method == "fourier" or (method == "auto" and shell.axisymmetric and system is None):
         found_by_n = fourier_modes(shell, wanted) if isinstance(wanted, int) else fourier_band(shell, wanted)
-        return judged(found_by_n, around=False)
+        return checked_resolution(found_by_n, around=False)
     started = time.perf_counter()
     system = system if isinstance(system, System) else assemble(shell)
     assembled = time.perf_counter()
@@ -132,18 +132,18 @@ def modes(
         own=ritz.own,
         seconds={"assemble": assembled - started, "solve": solved - assembled},
     )
-    doubt_surveys(named)
-    return judged(named)
+    warn_of_surveys(named)
+    return checked_resolution(named)
 
 
-def doubt_surveys(found: Modes) -> None:
+def warn_of_surveys(found: Modes) -> None:
     """Warn where modes have more nodal diameters than a survey can split: cos 2n theta beyond its resolution."""
     n = int(found.nodal_diameters.max(initial=0))
     for quantity, field in found.shell.defects.items():
         resolved = getattr(field, "n_resolved", None)
         if resolved is not None and 2 * n > resolved:
             message = f"modes to n = {n} split by harmonic {2 * n}; the survey of the {quantity} resolves {resolved}"
-            doubt("field-resolution", message, stacklevel=4)
+            warn("field-resolution", message, stacklevel=4)
 
 
 def count_or_band(count: int | None, band: Band | None) -> int | Band:

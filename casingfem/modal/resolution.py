@@ -7,11 +7,11 @@ cylinders and plates from order 2 to 8, every mesh whose frequencies were more t
 import numpy as np
 from numpy.polynomial import legendre
 
-from casingfem.errors import doubt
+from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
-from casingfem.structure.shell.variation import grips
+from casingfem.structure.shell.variation import outer_supports
 
 FINEST = 0.015
 
@@ -31,7 +31,7 @@ def finest_shares(modes: Modes) -> FloatArray:
     return np.asarray(np.sqrt(finest / energy.sum(axis=(0, 1))))
 
 
-def doubt_coarse(modes: Modes, *, around: bool = True) -> None:
+def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
     """Warn of shapes the mesh does not carry; `around` False looks along the meridian only."""
     shares = finest_shares(modes)
     worst = shares.max(axis=0) if around else shares[0]
@@ -39,7 +39,7 @@ def doubt_coarse(modes: Modes, *, around: bool = True) -> None:
     if len(poor):
         which = f"mode {poor[0] + 1}" if len(poor) == 1 else f"{len(poor)} modes from mode {poor[0] + 1} on"
         mesh = modes.grid.mesh
-        doubt(
+        warn(
             "mesh-coarse",
             f"{which}: up to {worst.max():.0%} of the shape in the finest polynomials of {len(mesh.breaks) - 1} x "
             f"{mesh.around} elements of order {mesh.order}",
@@ -47,10 +47,10 @@ def doubt_coarse(modes: Modes, *, around: bool = True) -> None:
         )
 
 
-def judged(modes: Modes, *, around: bool = True) -> Modes:
+def checked_resolution(modes: Modes, *, around: bool = True) -> Modes:
     """The same modes, with a warning where they show a coarse mesh, or supports that leave motions free."""
-    doubt_coarse(modes, around=around)
-    held = ", ".join(edge for edge, holding in grips(modes.shell).items() if holding is not None)
+    warn_of_coarse_mesh(modes, around=around)
+    held = ", ".join(edge for edge, holding in outer_supports(modes.shell).items() if holding is not None)
     if modes.rigid and held:
-        doubt("support-incomplete", f"{modes.rigid} rigid motions beside supports at {held}", stacklevel=4)
+        warn("support-incomplete", f"{modes.rigid} rigid motions beside supports at {held}", stacklevel=4)
     return modes

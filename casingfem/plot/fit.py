@@ -1,7 +1,7 @@
 """The report's section on an update: in words, figures and tables."""
 
-from casingfem.experiment.correlation.correlation import pair
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.pairing import pair
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.modal.mode_set import Modes
 from casingfem.plot.page import Cell, Picture, Section, Table
 from casingfem.plot.update import Paired, figure_comparison, figure_correlation, figure_errors

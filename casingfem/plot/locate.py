@@ -16,8 +16,8 @@ def figure_located(found: Localisation) -> Figure:
     at = np.radians(found.angles_deg)
     axes.plot(at, np.full(len(at), 1.0 if bolts else 0.0), "o", color=PERFECT, markersize=3.5, label="candidates")
     scale = 1.0 if bolts else 1e3
-    said = [("found", AFTER, "o", (found.best,)), ("as likely", SKY, "s", found.others)]
-    for label, colour, marker, explanations in said:
+    groups = [("found", AFTER, "o", (found.best,)), ("as likely", SKY, "s", found.others)]
+    for label, colour, marker, explanations in groups:
         places = [one for explanation in explanations for one in explanation.found]
         if places:
             angle = np.radians([one.angle_deg for one in places])

@@ -40,12 +40,12 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     """Draw with this style, whatever the user's matplotlibrc says."""
 
     @wraps(draw)
-    def drawn(*args: P.args, **kwargs: P.kwargs) -> R:
+    def styled_draw(*args: P.args, **kwargs: P.kwargs) -> R:
         style: dict[Any, Any] = {**mpl.rcParamsDefault, **RC}
         with mpl.rc_context({key: value for key, value in style.items() if not key.startswith("backend")}):
             return draw(*args, **kwargs)
 
-    return drawn
+    return styled_draw
 
 
 def new_figure(width: float = 7.6, height: float = 4.0) -> Figure:

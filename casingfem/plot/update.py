@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from casingfem.experiment.correlation.correlation import Pairing
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.pairing import Pairing
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
 from casingfem.plot.style import AFTER, BEFORE, DIVERGING, MEASURED, PERFECT, new_figure, styled

@@ -1,10 +1,10 @@
-"""From the tables of a study file to a shell: each part is tried, and what fails is noted with its key."""
+"""From the tables of a study file to a shell: each part is tried, and what fails is collected with its key."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from casingfem.errors import doubt
+from casingfem.errors import warn
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
@@ -49,7 +49,7 @@ FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
 
 
 def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
-    """The shell a study describes, or None with the reasons noted: of each part, then of the whole."""
+    """The shell a study describes, or None with the reasons collected: of each part, then of the whole."""
     chart = try_chart(tables, problems)
     material = None
     if tables.material is not None:
@@ -91,14 +91,14 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
         shell.geometry(*(np.array([ends[0]]) for ends in chart.bounds))
     if not problems:
         if not supports:
-            doubt("shell-free", f"{problems.file}: no [support.EDGE]")
+            warn("shell-free", f"{problems.file}: no [support.EDGE]")
         with problems.at("mesh"):
             return replace(shell, mesh=build_mesh(tables.mesh, shell.mesh))
     return None
 
 
 def try_chart(tables: StudyFile, problems: Problems) -> Chart | None:
-    """The chart of a study, or None with the reason noted."""
+    """The chart of a study, or None with the reason collected."""
     if tables.chart is not None:
         with problems.at("chart"):
             return build_chart(tables.chart)
@@ -123,7 +123,7 @@ def build_chart(table: ChartTable) -> Chart:
 
 
 def build_strips(tables: list[StripTable], chart: Chart | None, problems: Problems) -> tuple[Strip, ...]:
-    """Strips in the file's order; what is wrong with one or with all together is noted."""
+    """Strips in the file's order; what is wrong with one or with all together is collected."""
     strips: list[Strip] = []
     for k, table in enumerate(tables):
         with problems.at(f"strip[{k + 1}]"):
@@ -146,7 +146,7 @@ def build_mesh(table: MeshTable, default: ShellMesh) -> ShellMesh:
 
 
 def build_supports(tables: dict[str, SupportTable], chart: Chart | None, problems: Problems) -> dict[str, Support]:
-    """Supports by edge; edges the chart does not have are noted."""
+    """Supports by edge; edges the chart does not have are collected."""
     supports: dict[str, Support] = {}
     for edge, table in tables.items():
         if chart is not None and edge not in chart.edges:
@@ -212,7 +212,7 @@ def build_ring(table: RingTable, edge: str, chart: Chart | None) -> Ring:
 
 
 def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problems) -> dict[str, list[EdgeMass]]:
-    """Point masses by edge; edges the chart does not have are noted."""
+    """Point masses by edge; edges the chart does not have are collected."""
     masses: dict[str, list[EdgeMass]] = {}
     for k, table in enumerate(tables):
         if chart is not None and table.edge not in chart.edges:
@@ -256,7 +256,7 @@ def series(waves: list[Harmonic], key: str, least: int = 0) -> FourierField:
 
 
 def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems: Problems) -> Field | None:
-    """One imperfection field, or None with the reason noted."""
+    """One imperfection field, or None with the reason collected."""
     if tables.chart is not None and tables.chart.kind in FLAT and table.of == "radius":
         found, expected = "'radius' on a plate, which has none", "thickness, or a chart with a radius"
         problems.add(f"{key}.of", found, expected, "field-no-radius")
@@ -279,7 +279,7 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
 
 
 def build_random(table: ImperfectionTable, stream: int, tables: StudyFile) -> RandomField | None:
-    """A random field; None where the tables it needs are not in order, which is noted there."""
+    """A random field; None where the tables it needs are not in order, which is collected there."""
     seed, scale = table.seed or 0, 1.0 if table.scale is None else table.scale
     if isinstance(table.random, list):
         median = {wave.p: wave.median for wave in table.random}

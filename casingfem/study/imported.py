@@ -51,7 +51,7 @@ def is_imported(data: Mapping[str, Any]) -> bool:
 
 
 def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problems) -> Solid | MeshShell | None:
-    """The structure of a mesh study, or None with the reasons noted."""
+    """The structure of a mesh study, or None with the reasons collected."""
     for name in data:
         if name in StudyFile.model_fields and name not in OWN:
             problems.add(
@@ -86,7 +86,7 @@ def build_mesh(table: ImportTable, key: str, problems: Problems) -> MeshData | N
 
 
 def build_supports(tables: Mapping[str, SupportTable], problems: Problems) -> dict[str, MeshSupport]:
-    """Supports by group; kinds that need a chart are noted."""
+    """Supports by group; kinds that need a chart are collected."""
     supports: dict[str, MeshSupport] = {}
     for group, table in tables.items():
         key = f"support.{group}"

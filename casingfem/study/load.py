@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from casingfem.errors import coded
+from casingfem.errors import with_code
 from casingfem.experiment.correlation.shape_files import read_shapes
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.linalg.eigen import START_SEED
 from casingfem.modal.interface import Rim, Tip, TipNodes
 from casingfem.structure.geometry.chart import Chart
@@ -105,7 +105,7 @@ def load_any(path: str | Path) -> Study | MeshStudy:
     shell = build_shell(tables, problems)
     table, parameters, start = load_update(tables, shell, problems)
     shapes = load_shapes(tables.update, start, table, problems)
-    chart = try_chart(tables, Problems(file))  # its problems are noted with the shell's
+    chart = try_chart(tables, Problems(file))  # its problems are collected with the shell's
     interface = load_interface(tables.reduce, chart, problems)
     if problems or shell is None or start is None:
         raise StudyError(problems)
@@ -128,19 +128,19 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
         text = file.read_bytes()
         return text, tomllib.loads(text.decode("utf-8"))
     except OSError as error:
-        raise StudyError([coded("study-file", f"{file}: found {error.strerror}, expected a study.toml")]) from None
+        raise StudyError([with_code("study-file", f"{file}: found {error.strerror}, expected a study.toml")]) from None
     except UnicodeDecodeError as error:
         line = text.count(b"\n", 0, error.start) + 1
         found = f"byte 0x{text[error.start]:02x}, which is not UTF-8"
         raise StudyError(
-            [coded("study-file", f"{file}: line {line}: found {found}, expected a UTF-8 text file")]
+            [with_code("study-file", f"{file}: line {line}: found {found}, expected a UTF-8 text file")]
         ) from None
     except tomllib.TOMLDecodeError as error:
-        raise StudyError([coded("study-toml", f"{file}: not TOML: {error}")]) from None
+        raise StudyError([with_code("study-toml", f"{file}: not TOML: {error}")]) from None
 
 
 def validated(data: dict[str, Any], problems: Problems) -> StudyFile:
-    """The tables that are in order; the problems of the others are noted."""
+    """The tables that are in order; the problems of the others are collected."""
     for name in REQUIRED[:1] if is_imported(data) else REQUIRED:
         if name not in data:
             meaning = StudyFile.model_fields[name].description

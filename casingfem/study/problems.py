@@ -8,7 +8,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from casingfem.errors import InputError, code_of, coded
+from casingfem.errors import InputError, code_of, with_code
 from casingfem.study.schema import StudyFile
 
 KEYS = {  # the code of a value that the schema refuses, by table and key, or by table
@@ -58,7 +58,7 @@ class Problems(list[str]):
 
     def add(self, key: str, found: str, expected: str, code: str = "study-value") -> None:
         """Note one problem."""
-        self.append(coded(code, f"{self.file}: {key}: found {found}, expected {expected}"))
+        self.append(with_code(code, f"{self.file}: {key}: found {found}, expected {expected}"))
 
     def at(self, key: str) -> "Attempt":
         """Note a ValueError or OSError raised inside as a problem of this key, and go on."""
@@ -67,7 +67,7 @@ class Problems(list[str]):
     def add_invalid(self, error: ValidationError, data: Mapping[str, Any]) -> set[str]:
         """Note all problems of a validation; returns the top-level tables that have some."""
         for detail in error.errors():
-            self.append(coded(code_at(detail, data), f"{self.file}: {sentence(detail, data)}"))
+            self.append(with_code(code_at(detail, data), f"{self.file}: {sentence(detail, data)}"))
         return {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]}
 
 
@@ -90,7 +90,7 @@ class Attempt:
             for line in str(error).splitlines():
                 line = line.removeprefix(f"{key} ").removeprefix(f"{key}: ")
                 code = "survey-table" if self.key.endswith("survey") else "study-value"
-                self.problems.append(coded(code, f"{self.problems.file}: {key}: {line}"))
+                self.problems.append(with_code(code, f"{self.problems.file}: {key}: {line}"))
         return isinstance(error, OSError | ValueError)
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.experiment.circle.scan import CircleScan, demodulate
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.frf.frf_set import FrfSet
-from casingfem.experiment.measurement import FrequencyTable
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Excitation, Impact, Random
 from casingfem.experiment.rig.files import origin

@@ -11,7 +11,7 @@ from typing import Any
 
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.support import ElasticEdge, Support, grip
+from casingfem.structure.edge.support import ElasticEdge, Support, outer_support
 from casingfem.structure.shell.parts import DEFECTS
 from casingfem.structure.shell.shell import Shell
 from casingfem.study.load import Study
@@ -74,7 +74,7 @@ def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
         edge = (
             parts[1]
             if parts[0] == "support"
-            else next(e for e, s in shell.supports.items() if isinstance(grip(s), Bolts))
+            else next(e for e, s in shell.supports.items() if isinstance(outer_support(s), Bolts))
         )
         loosen(holding(tables, edge), int(parts[-2]), value)
     elif parts[0] == "support" and parts[2] in ("section", "material"):

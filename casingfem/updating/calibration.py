@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from casingfem.experiment.correlation.correlation import Match, pair
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.pairing import Match, pair
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.affine import AffineModel, AffineModes
 from casingfem.updating.targets import HERTZ2, lower_angle

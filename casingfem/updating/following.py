@@ -15,8 +15,8 @@ from itertools import chain
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from casingfem.experiment.correlation.pairing import Match, Pairing
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.matches import Match, Pairing
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.shell.assembly import nodal_mass

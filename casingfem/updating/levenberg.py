@@ -3,7 +3,7 @@
     min over d of |r + J d|^2 + mu |D d|^2,   lower <= x + d <= upper
 
 D are the largest column norms of J so far (Moré, LNM 630, 1978, 105), mu follows the gain, what a step brought over
-what it promised (Nielsen, IMM-REP-1999-05, Technical University of Denmark). The step is the exact solution of the
+what it predicted (Nielsen, IMM-REP-1999-05, Technical University of Denmark). The step is the exact solution of the
 bounded linear problem, so that a bound is met in one step. A point that cannot be evaluated is a step without gain. It
 ends where the best step promises nothing more: no evaluation is spent on seeing that nothing changes.
 """
@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear
 from casingfem.io.arrays import FloatArray
 
 DAMPING = 0.1
-PROMISE = 1e-7  # of the sum of squares: less is the modes' own round-off
+PREDICTED_DECREASE = 1e-7  # of the sum of squares: less is the modes' own round-off
 FLOOR = 1e-10  # of one squared standard deviation
 LEAST = 1e-3  # gain from which a step is taken
 SMALL = 1e-12  # of the bounds' distance: a step that moves nothing
@@ -67,13 +67,13 @@ def levenberg_marquardt(
         scale = np.maximum(scale, np.linalg.norm(J, axis=0))
         unit = np.where(scale > 0.0, scale, 1.0)
         step = bounded_step(r, J / unit, damping, (lower - x) * unit, (upper - x) * unit) / unit
-        promised = squares - float(np.sum((r + J @ step) ** 2))
-        if promised <= PROMISE * squares + FLOOR:
+        predicted = squares - float(np.sum((r + J @ step) ** 2))
+        if predicted <= PREDICTED_DECREASE * squares + FLOOR:
             return x, "converged: no step promises to lower chi^2"
         trial = np.clip(x + step, lower, upper)
         try:
             new = fun(trial)
-            gain = (squares - float(new @ new)) / promised
+            gain = (squares - float(new @ new)) / predicted
         except ValueError:  # a lost mode; or no such structure: springs turned negative, say
             gain = -1.0
         if gain > LEAST:

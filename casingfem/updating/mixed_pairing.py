@@ -8,8 +8,8 @@ a wrong n costs as much as 5 % in frequency, half a wrong n half of that.
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from casingfem.experiment.correlation.pairing import Match
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.matches import Match
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.modal.harmonics import quadrature
 from casingfem.modal.mode_set import ModeSet
 

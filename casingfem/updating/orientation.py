@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from casingfem.experiment.correlation.pairing import Match
+from casingfem.experiment.correlation.matches import Match
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.harmonics import DOUBLE, orientation, ring_transform
 from casingfem.modal.mode_set import Modes, ModeSet

@@ -21,7 +21,7 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.support import ElasticEdge, grip
+from casingfem.structure.edge.support import ElasticEdge, outer_support
 from casingfem.structure.field.fourier import Field, FourierField
 from casingfem.structure.shell.parts import DEFECTS
 from casingfem.structure.shell.shell import Shell
@@ -87,7 +87,7 @@ def _path(shell: Shell, name: str) -> list[str]:
     parts = _split(name)
     if parts[0] != "bolts":
         return parts
-    bolted = [edge for edge, support in shell.supports.items() if isinstance(grip(support), Bolts)]
+    bolted = [edge for edge, support in shell.supports.items() if isinstance(outer_support(support), Bolts)]
     if len(bolted) != 1:
         raise InputError(f"{name!r}: {len(bolted)} edges have bolts; name one as support.<edge>.{name}")
     return ["support", bolted[0], *parts]

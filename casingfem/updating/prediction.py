@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.experiment.correlation.pairing import Match
+from casingfem.experiment.correlation.matches import Match
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.following import followed
 from casingfem.updating.problem import Problem, State

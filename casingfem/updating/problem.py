@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from casingfem.errors import InputError
-from casingfem.experiment.correlation.correlation import Pairing, pair
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.pairing import Pairing, pair
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import Modes, modes
 from casingfem.modal.neighbour import Solution, counted, solved, solved_near

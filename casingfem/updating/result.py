@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import brentq
 
-from casingfem.experiment.correlation.correlation import Pairing
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.pairing import Pairing
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.shell.shell import Shell

@@ -8,7 +8,7 @@ import numpy as np
 
 from casingfem.experiment.correlation.comac import comac
 from casingfem.experiment.correlation.correlate import alike, partners, seen_mac
-from casingfem.experiment.correlation.pairing import Match, Pairing
+from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.updating.result import UpdateResult

@@ -11,7 +11,7 @@ from scipy.optimize import linear_sum_assignment
 
 from casingfem.errors import InputError
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray
 
 REACH = 1e-3
@@ -41,8 +41,8 @@ def rows_of_shapes(measured: MeasuredShapes, table: FrequencyTable, *, reach: fl
     [0, -1, 2]
     """
     apart = np.abs(np.log(measured.freq_hz[:, None] / table.freq_hz))
-    said = (measured.n[:, None] >= 0) & (table.n >= 0)
-    apart[(apart > reach) | (said & (measured.n[:, None] != table.n))] = np.inf
+    both = (measured.n[:, None] >= 0) & (table.n >= 0)
+    apart[(apart > reach) | (both & (measured.n[:, None] != table.n))] = np.inf
     prices = np.pad(np.minimum(apart, 2.0 * reach), ((0, 0), (0, len(apart))), constant_values=2.0 * reach)
     rows = np.full(len(apart), -1)
     for shape, row in zip(*linear_sum_assignment(prices), strict=True):

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.experiment.correlation.correlate import seen_mac
+from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
-from casingfem.experiment.correlation.pairing import Match
 from casingfem.experiment.correlation.sensors import on_wall
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray, frozen
 from casingfem.modal.adjoint import adjoint_space
 from casingfem.modal.mode_set import Modes

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.experiment.correlation.pairing import Match
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.matches import Match
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.adjoint import adjoint_space
 from casingfem.modal.mode_set import Modes, ModeSet
@@ -166,6 +166,6 @@ def jacobian(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match], at
     return np.concatenate(parts)
 
 
-def allowing(table: FrequencyTable, model_error: float) -> FrequencyTable:
+def with_model_error(table: FrequencyTable, model_error: float) -> FrequencyTable:
     """The table with what the model itself may be off by, relative, added to each sigma in squares."""
     return replace(table, sigma_hz=np.hypot(table.sigma_hz, model_error * table.freq_hz)) if model_error else table

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from casingfem.errors import InputError
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import count_below
 from casingfem.structure.shell.shell import Shell
@@ -22,7 +22,7 @@ from casingfem.updating.problem import Problem, Progress, State
 from casingfem.updating.regularisation import Regularisation, Regularised, chosen_weight, trade_off
 from casingfem.updating.result import UpdateResult, weak_priors
 from casingfem.updating.shapes import SensorShapes
-from casingfem.updating.targets import allowing
+from casingfem.updating.targets import with_model_error
 
 ROUNDS = 8  # solutions until a weight must have settled
 POOR = 2.0  # rms of the weighted residuals above which a fit is tried on other ways
@@ -91,7 +91,7 @@ def update(
         raise InputError(
             f"shapes: found {shapes.shapes.shape[1]} columns, expected {len(table)}, one a row of the table"
         )
-    problem = Problem(structure, allowing(table, model_error), vary, count, reach, progress, shapes)
+    problem = Problem(structure, with_model_error(table, model_error), vary, count, reach, progress, shapes)
     lower = np.array([p.to_internal(p.lower) for p in vary])
     upper = np.array([p.to_internal(p.upper) for p in vary])
     before = problem.state(problem.start)

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 import casingfem as cf
-from casingfem.experiment.correlation.pairing import Match, Pairing
+from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.neighbour import Solution, solved
 from casingfem.structure.edge.section import Section

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.localisation import factors_of, groups_alike, locate, loosening, search_model
 from casingfem.locate.located import Explanation, Localisation

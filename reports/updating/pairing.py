@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from casingfem.experiment.correlation.correlate import seen_mac
-from casingfem.experiment.correlation.correlation import pair
 from casingfem.experiment.correlation.mac import mac, subspace_mac
+from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.correlation.sensors import sensors_of
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import Modes, modes
 from casingfem.structure.mesh.shell_mesh import ShellMesh

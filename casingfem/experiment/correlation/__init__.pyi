@@ -1,8 +1,8 @@
 from .correlate import Correlation
-from .correlation import pair
 from .mac import mac, subspace_mac
+from .matches import Pairing
 from .measured_shapes import MeasuredShapes
-from .pairing import Pairing
+from .pairing import pair
 from .shape_files import identified_shapes, read_shapes
 
 __all__ = [

@@ -10,12 +10,12 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.correlation.comac import comac, ecomac, nearest_in_plane
-from casingfem.experiment.correlation.correlation import pair
 from casingfem.experiment.correlation.expansion import Expansion, expand
 from casingfem.experiment.correlation.mac import mac, subspace_mac
+from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
-from casingfem.experiment.correlation.pairing import Match, Pairing
+from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.correlation.sensors import Sensors, sensors_of
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
@@ -128,8 +128,8 @@ class Correlation:
         lines.append(f"unpaired: {len(rows)} measured, {len(rest)} computed; NCO by {self.mass_by}")
         lines.append(f"sensors up to {1e3 * self.sensors.distance.max():.2g} mm from the wall; {self.expansion!r}")
         low = np.unique(self.sensors.labels[self.comac < DIFFERENT]).tolist()
-        told = ", ".join(map(str, low[:SHOWN])) + (f" and {len(low) - SHOWN} more" if len(low) > SHOWN else "")
-        lines.append(f"COMAC below {DIFFERENT}: sensors {told or 'none'}")
+        listed = ", ".join(map(str, low[:SHOWN])) + (f" and {len(low) - SHOWN} more" if len(low) > SHOWN else "")
+        lines.append(f"COMAC below {DIFFERENT}: sensors {listed or 'none'}")
         return "\n".join(lines)
 
 

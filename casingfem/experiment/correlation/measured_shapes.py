@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.uff.read import UniversalFile, read_uff
 from casingfem.experiment.uff.set_55 import COMPLEX_MODE, COMPLEX_MODE_2, NORMAL_MODE, Shape
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen

@@ -1,65 +1,213 @@
-"""The outcome of pairing: which rows of a frequency table are which computed modes, and how sure."""
+"""Which computed mode is which measured one: pairing that treats a doublet as one thing."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import linear_sum_assignment
 
-from casingfem.experiment.correlation.alignment import Indices
+from casingfem.experiment.correlation.alignment import Indices, align
+from casingfem.experiment.correlation.mac import mac, subspace_mac
+from casingfem.experiment.correlation.matches import Match, Pairing
+from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.io.arrays import FloatArray, IntArray
+
+__all__ = ["Match", "ModeSet", "Pairing", "mac", "pair", "subspace_mac"]
+
+SKIPPED = 0.02
+"""A computed mode left without a row below a paired one costs as much as 2 % in frequency."""
+LEFT_OUT = 3.0
+"""A row left out costs as much as this many rows at the end of their reach: pair all that can be."""
+TIE = 1e-3
+"""Of the members of a doublet, equal in all else, the one alike takes the row."""
+WORST_SHAPE = 0.5
+"""Where shapes are given, a row is rather left out than paired for more than this beyond its reach."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Match:
-    """Rows of the table and the modes they are: one and one, or a doublet and a doublet (lower, upper).
+class ModeSet(Protocol):
+    """What pairing asks of computed modes: three arrays, ascending in frequency."""
+
+    @property
+    def freq(self) -> FloatArray:
+        """Frequencies [Hz], (m,)."""
+        ...
+
+    @property
+    def nodal_diameters(self) -> IntArray:
+        """Nodal diameters, -1 where they mean nothing, (m,)."""
+        ...
+
+    @property
+    def doublets(self) -> tuple[tuple[int, int], ...]:
+        """Index pairs (lower, upper)."""
+        ...
+
+
+def pair(modes: ModeSet, table: FrequencyTable, *, reach: float = 0.5, shape_mac: ArrayLike | None = None) -> Pairing:
+    """Pair measured rows with computed modes.
+
+    The cost of a row is |log(f_measured/f_computed)|, of a doublet twice that of its root mean
+    square, plus 1 - MAC where that is given.  Rows labelled n are aligned, in order, with
+    the modes of that n, measured doublets with computed doublets; a single row goes to a
+    single mode or to the nearer member of a doublet.  Rows without a label (and, on structures
+    without nodal diameters, all rows) then share the modes that are left: in order of
+    frequency, or with shape_mac by the optimal assignment.  Two rows that end in one doublet
+    are one match.
 
     Parameters
     ----------
-    rows, modes : indices into the table and the mode set, of equal length
-    n : nodal diameters, -1 where neither side says
-    confidence : 1 - (cost of this match)/(cost of the next best), in [0, 1]; 0 when another fits as well
-    measured_hz, computed_hz : frequencies of rows and modes
+    modes : computed, ascending
+    table : measured
+    reach : largest relative frequency error of a match
+    shape_mac : (rows, modes) MAC of measured with computed shapes, as ``mac`` gives it
+
+    Raises
+    ------
+    ValueError
+        Modes that are not ascending, reach <= 0, a shape_mac of another size.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> ring = SimpleNamespace(
+    ...     freq=np.array([366.0, 366.0, 381.0, 381.0]),
+    ...     nodal_diameters=np.array([8, 8, 7, 7]),
+    ...     doublets=((0, 1), (2, 3)),
+    ... )
+    >>> pair(ring, FrequencyTable.from_arrays(n=[7, 8, 8], freq_hz=[383.0, 367.9, 368.4], sigma_hz=0.2))
+    Pairing(2 matches, rms 0.57 %, unpaired: 0 rows, 1 modes)
+       row  mode   n  measured [Hz]  computed [Hz]  error [%]  confidence
+         1     0   8        367.900        366.000      -0.52        0.99
+         2     1   8        368.400        366.000      -0.65
+         0     2   7        383.000        381.000      -0.52        0.99
     """
+    cost = _Cost(modes, table, reach, shape_mac)
+    slots = _slots(modes)
+    found: list[tuple[Indices, Indices]] = []
+    unlabelled: list[int] = []
+    groups = table.groups()
+    for n in sorted({group.n for group in groups}):
+        rows = [group.rows for group in groups if group.n == n]
+        of_n = [slot for slot in slots if modes.nodal_diameters[slot[0]] == n]
+        if n >= 0 and of_n:
+            found += align(rows, of_n, cost, left_out=cost.left_out, skipped=[SKIPPED] * len(of_n))
+        else:
+            unlabelled += [row for group in rows for row in group]
+    found = [(rows, cost.members(rows, matched)) for rows, matched in found]
+    taken = {mode for _, matched in found for mode in matched}
+    rest = [mode for mode in range(len(modes.freq)) if mode not in taken]
+    unlabelled.sort(key=lambda row: (table.freq_hz[row], row))
+    if shape_mac is None:
+        skipped = [SKIPPED if len(cost.slot_of[mode]) == 1 else 0.0 for mode in rest]
+        singles: tuple[list[Indices], list[Indices]] = (
+            [(row,) for row in unlabelled],
+            [(mode,) for mode in rest],
+        )
+        found += align(*singles, cost, left_out=cost.left_out, skipped=skipped)
+    else:
+        found += _assigned(unlabelled, rest, cost)
+    return _pairing(found, slots, cost)
 
-    rows: Indices
-    modes: Indices
-    n: int
-    confidence: float
-    measured_hz: tuple[float, ...]
-    computed_hz: tuple[float, ...]
+
+class _Cost:
+    """What it costs to say that rows are modes; inf where the labels or the reach forbid it."""
+
+    def __init__(self, modes: ModeSet, table: FrequencyTable, reach: float, shape_mac: ArrayLike | None) -> None:
+        if not reach > 0.0:
+            raise ValueError(f"reach must be > 0, not {reach!r}")
+        if np.any(np.diff(modes.freq) < 0.0):
+            raise ValueError("pair: the computed modes must be in ascending order of frequency")
+        self.modes, self.table = modes, table
+        self.limit = float(np.log1p(reach))
+        self.shapes = None if shape_mac is None else np.asarray(shape_mac, float)
+        if self.shapes is not None and self.shapes.shape != (len(table), len(modes.freq)):
+            expected = (len(table), len(modes.freq))
+            raise ValueError(f"pair: shape_mac must be the MAC matrix {expected}, not {self.shapes.shape}")
+        self.worst = self.limit + (0.0 if self.shapes is None else WORST_SHAPE)
+        self.left_out = LEFT_OUT * self.limit if self.shapes is None else self.worst
+        self.slot_of = {mode: slot for slot in _slots(modes) for mode in slot}
+
+    def __call__(self, rows: Indices, modes: Indices) -> float:
+        """Cost of one or two rows on as many modes, or of one row on the nearer member of two."""
+        measured, computed = self.table.n[rows[0]], self.modes.nodal_diameters[modes[0]]
+        if measured >= 0 and computed >= 0 and measured != computed:
+            return float("inf")
+        members = self.members(rows, modes)
+        freq, target = self.modes.freq[list(members)], self.table.freq_hz[list(rows)]
+        if freq.min() <= 0.0:
+            return float("inf")
+        error = 0.5 * abs(float(np.log(np.sum(target**2) / np.sum(freq**2))))
+        return len(rows) * (error + self.unlike(rows, modes)) if error <= self.limit else float("inf")
+
+    def members(self, rows: Indices, modes: Indices) -> Indices:
+        """Return as many modes as rows: of a doublet for one row, the nearer member."""
+        if len(rows) == len(modes):
+            return modes
+        target = self.table.freq_hz[rows[0]]
+        return (min(modes, key=lambda mode: abs(self.modes.freq[mode] - target)),)
+
+    def unlike(self, rows: Indices, modes: Indices) -> float:
+        """1 - MAC of the spaces: a doublet's members may be rotated, so they count together."""
+        if self.shapes is None:
+            return 0.0
+        plane = [mode for slot in {self.slot_of[mode] for mode in modes} for mode in slot]
+        return max(1.0 - float(self.shapes[np.ix_(rows, plane)].sum()) / len(rows), 0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Pairing:
-    """Matches in ascending order, and what is left on both sides (indices of rows and of modes)."""
+def _slots(modes: ModeSet) -> list[Indices]:
+    """Return doublets and single modes in ascending (mean) frequency."""
+    paired = {mode for doublet in modes.doublets for mode in doublet}
+    singles: list[Indices] = [(mode,) for mode in range(len(modes.freq)) if mode not in paired]
+    doublets: list[Indices] = [(int(a), int(b)) for a, b in modes.doublets]
+    return sorted(singles + doublets, key=lambda slot: (float(modes.freq[list(slot)].mean()), slot))
 
-    matches: tuple[Match, ...]
-    unpaired_rows: tuple[int, ...]
-    unpaired_modes: tuple[int, ...]
 
-    @property
-    def rms(self) -> float:
-        """Root mean square of the relative frequency error over the paired rows; nan without any."""
-        errors = [c / m - 1 for k in self.matches for m, c in zip(k.measured_hz, k.computed_hz, strict=True)]
-        return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
+def _assigned(rows: Sequence[int], modes: Sequence[int], cost: _Cost) -> list[tuple[Indices, Indices]]:
+    """Assign rows to modes at the least total cost; as many spare columns as rows stand for no mode."""
+    prices = np.full((len(rows), len(modes) + len(rows)), cost.left_out)
+    for i, row in enumerate(rows):
+        for j, mode in enumerate(modes):
+            prices[i, j] = cost((row,), (mode,)) + (
+                TIE * (1.0 - cost.shapes[row, mode]) if cost.shapes is not None else 0.0
+            )
+    chosen = zip(*linear_sum_assignment(prices), strict=True)
+    return [((rows[i],), (modes[j],)) for i, j in chosen if j < len(modes)]
 
-    def __len__(self) -> int:
-        return len(self.matches)
 
-    def __repr__(self) -> str:
-        lines = [
-            f"Pairing({len(self)} matches, rms {100 * self.rms:.2f} %,"
-            f" unpaired: {len(self.unpaired_rows)} rows, {len(self.unpaired_modes)} modes)",
-            "   row  mode   n  measured [Hz]  computed [Hz]  error [%]  confidence",
-        ]
-        for match in self.matches:
-            n = "-" if match.n < 0 else str(match.n)
-            members = zip(match.rows, match.modes, match.measured_hz, match.computed_hz, strict=True)
-            for k, (row, mode, measured, computed) in enumerate(members):
-                error = 100 * (computed / measured - 1)
-                sure = f"{match.confidence:11.2f}" if k == 0 else ""
-                line = f"{row:6d} {mode:5d} {n:>3} {measured:14.3f} {computed:14.3f} {error:10.2f} {sure}"
-                lines.append(line.rstrip())
-        if self.unpaired_rows:
-            lines.append(f"  rows without a mode: {', '.join(map(str, self.unpaired_rows))}")
-        return "\n".join(lines)
+def _pairing(found: Sequence[tuple[Indices, Indices]], slots: Sequence[Indices], cost: _Cost) -> Pairing:
+    """Join rows that share a doublet, and say how sure each match is."""
+    row_of = {mode: row for rows, modes in found for row, mode in zip(rows, modes, strict=True)}
+    freq, measured = cost.modes.freq, cost.table.freq_hz
+    matches = []
+    for slot in slots:
+        modes = tuple(mode for mode in slot if mode in row_of)
+        if not modes:
+            continue
+        rows = tuple(sorted((row_of[mode] for mode in modes), key=lambda row: (measured[row], row)))
+        n = int(cost.modes.nodal_diameters[modes[0]])
+        matches.append(
+            Match(
+                rows=rows,
+                modes=modes,
+                n=n if n >= 0 else int(cost.table.n[rows[0]]),
+                confidence=_confidence(rows, modes, slots, cost),
+                measured_hz=tuple(float(measured[row]) for row in rows),
+                computed_hz=tuple(float(freq[mode]) for mode in modes),
+            )
+        )
+    return Pairing(
+        matches=tuple(matches),
+        unpaired_rows=tuple(sorted(set(range(len(measured))) - set(row_of.values()))),
+        unpaired_modes=tuple(mode for mode in range(len(freq)) if mode not in row_of),
+    )
+
+
+def _confidence(rows: Indices, modes: Indices, slots: Sequence[Indices], cost: _Cost) -> float:
+    """Return 1 - best/second best; leaving the rows out is an alternative too."""
+    others = [slot for slot in slots if len(slot) >= len(rows) and not set(slot) & set(modes)]
+    second = min([cost(rows, slot) for slot in others] + [cost.worst * len(rows)])
+    best = cost(rows, modes)
+    return max(0.0, 1.0 - best / second) if second > 0.0 else 0.0

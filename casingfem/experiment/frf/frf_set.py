@@ -163,12 +163,12 @@ class FrfSet:
             Everything that is not exactly such a table, with file, line and column.
         """
         csv = read(path)
-        said = dict(part.split(":", 1) for part in csv.card if ":" in part)
-        said = {key.strip(): value.strip() for key, value in said.items()}
-        if "unit" not in said:
+        entries = dict(part.split(":", 1) for part in csv.card if ":" in part)
+        entries = {key.strip(): value.strip() for key, value in entries.items()}
+        if "unit" not in entries:
             raise csv.refuse(found="no card line 'unit: ...'", expected="the unit, such as '# unit: (m/s^2)/N'")
         timed = "time_s" in csv.header
-        kind = "time" if timed else said.get("kind", "frf")
+        kind = "time" if timed else entries.get("kind", "frf")
         columns = ("time_s" if timed else "freq_hz", *PLACES, "real", *(() if timed else ("imag",)))
         for name in (*csv.header, *columns):
             if name not in csv.header or name not in columns:
@@ -183,7 +183,7 @@ class FrfSet:
             kind=_kind(kind, csv.path),
             x=x[:lines],
             responses=complete.reshape(len(starts), lines),
-            unit=said["unit"],
+            unit=entries["unit"],
             card=csv.card,
             path=csv.path,
             **dict(zip(PLACES, places[starts].T, strict=True)),

@@ -31,7 +31,7 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
     try:
         with h5py.File(path, "r") as file:
             arrays = {name: np.asarray(file[name]) for name in ARRAYS if isinstance(file.get(name), h5py.Dataset)}
-            said = dict(file.attrs)
+            attributes = dict(file.attrs)
     except OSError as error:
         raise InputError(str(path), found=f"no readable HDF5 file ({error})", expected="HDF5") from error
     for name in ("x", "responses"):
@@ -40,11 +40,11 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
             raise InputError(str(path), found=found, expected=f"data sets {', '.join(ARRAYS)}")
         if not np.issubdtype(arrays[name].dtype, np.number):
             raise InputError(str(path), found=f"{name} of type {arrays[name].dtype}", expected="numbers")
-    if "unit" not in said:
+    if "unit" not in attributes:
         raise InputError(str(path), found="no attribute 'unit'", expected="the unit, such as '(m/s^2)/N'")
-    card = tuple(str(line) for line in np.atleast_1d(said.get("card", ())).tolist())
-    kind: Any = str(said.get("kind", "frf"))
-    return FrfSet.from_arrays(kind=kind, unit=str(said["unit"]), card=card, path=str(path), **arrays)
+    card = tuple(str(line) for line in np.atleast_1d(attributes.get("card", ())).tolist())
+    kind: Any = str(attributes.get("kind", "frf"))
+    return FrfSet.from_arrays(kind=kind, unit=str(attributes["unit"]), card=card, path=str(path), **arrays)
 
 
 def write_hdf5(frfs: FrfSet, path: str | os.PathLike[str]) -> Path:

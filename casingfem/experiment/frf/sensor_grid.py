@@ -22,7 +22,7 @@ class SensorGrid:
     """Sensors (point, direction, angle [rad], nan where unknown) and the channel of each sensor and reference.
 
     `channels` (sensors, references) index the set; `references` (references, 2) are points and directions. `places`
-    (sensors, 3) are positions [m], nan where nobody said.
+    (sensors, 3) are positions [m], nan where unknown.
     """
 
     points: IntArray

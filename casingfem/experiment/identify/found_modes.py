@@ -97,15 +97,15 @@ def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: 
 
 def _merged(fit: PoleFit, modes: list[FoundMode]) -> list[FoundMode]:
     """Put neighbours whose poles differ by no more than chance into one: a pair whose members are not told apart."""
-    told: list[FoundMode] = []
+    distinct: list[FoundMode] = []
     last = -2
     for k, mode in enumerate(modes):
         if k and last != k - 1 and mode.n == modes[k - 1].n and not _distinct(fit, k - 1, k):
-            told[-1] = _one_of(fit, modes, k - 1, k)
+            distinct[-1] = _one_of(fit, modes, k - 1, k)
             last = k
         else:
-            told.append(mode)
-    return told
+            distinct.append(mode)
+    return distinct
 
 
 def _distinct(fit: PoleFit, low: int, high: int) -> bool:

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified_file import read_fields, write_fields
 from casingfem.experiment.identify.stabilisation import Stabilisation
-from casingfem.experiment.measurement import FrequencyTable
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
 

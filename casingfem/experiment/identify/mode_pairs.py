@@ -46,17 +46,17 @@ def settled(modes: list[FoundMode], doublets: tuple[tuple[int, int], ...]) -> li
 def notes_of(modes: list[FoundMode], doublets: tuple[tuple[int, int], ...]) -> tuple[str, ...]:
     """What cannot be told apart, in words."""
     members = {k for pair in doublets for k in pair}
-    said = []
+    notes = []
     for k, mode in enumerate(modes):
         share = mode.split_bound / (2.0 * mode.zeta)
         if mode.unresolved:
-            said.append(
+            notes.append(
                 f"pair at {mode.freq:.2f} Hz: split below {share:.2g} of its bandwidth ({mode.split_bound:.1e}"
                 " relative), given as one frequency"
             )
         elif mode.n > 0 and k not in members:
-            said.append(
+            notes.append(
                 f"n = {mode.n} at {mode.freq:.2f} Hz has no partner: the references do not drive it, or the split is"
                 f" below {share:.2g} of its bandwidth ({mode.split_bound:.1e} relative); no orientation is given"
             )
-    return tuple(said)
+    return tuple(notes)

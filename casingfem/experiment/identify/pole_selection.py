@@ -23,7 +23,7 @@ BEYOND = 0.03  # of the frequency
 LOCAL = 5.0, 12  # about a pole: half-power half-widths, lines at least
 NARROW = 1.5  # lines in a half-power bandwidth, below which nothing is resolved
 UNSURE = 0.3  # standard deviation of ln zeta beyond which a pole is no resonance
-PROMISE = 0.25  # of the price, that a place must promise before it is tried
+LEAST_GAIN = 0.25  # of the price, that a place must be worth by the gradient before it is tried
 TRIES = 3  # places tried before the search ends
 NEAR, SAME = 3.0, 0.9  # half-power bandwidths; MAC
 ENOUGH = 6  # channels below which shapes say nothing
@@ -148,7 +148,7 @@ def _places(fit: PoleFit) -> list[tuple[float, float]]:
     gain = np.array([_gain(window.resonances(grid, z * np.ones(len(grid))), Q, R, window.columns) for z in tried])
     best, zeta = gain.max(axis=0), np.where(gain[0] >= gain[1], *tried)
     found: list[tuple[float, float]] = []
-    while len(found) < TRIES and best.max() > PROMISE * price(window) * fit.noise:
+    while len(found) < TRIES and best.max() > LEAST_GAIN * price(window) * fit.noise:
         k = int(best.argmax())
         found.append((float(grid[k]), float(zeta[k])))
         best = np.where(np.abs(grid - grid[k]) < 2.0 * usual * grid[k], 0.0, best)

@@ -84,13 +84,13 @@ def estimate(
     first = np.linalg.solve(g_ff.transpose(0, 2, 1), g_xf.transpose(0, 2, 1)).transpose(0, 2, 1)
     explained = np.einsum("lsd,lsd->ls", first, g_xf.conj()).real
     H = first if estimator == "H1" else g_xx[:, :, None] / g_xf.conj()
-    said = (
+    note = (
         f"{estimator}, {window} window, {averages} averages of {record.block} samples at {record.fs:g} Hz, "
         f"overlap {overlap:g}"
     )
     places = record.rig.places(record.sensors, record.drives)
     own = record.rig.places(record.sensors, record.drives[:1])
-    card = (*record.card, said)
+    card = (*record.card, note)
     return Estimate(
         frfs=FrfSet.from_arrays(
             kind="frf",

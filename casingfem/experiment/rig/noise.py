@@ -38,8 +38,8 @@ def noisy(frfs: FrfSet, snr_db: float, *, seed: int) -> FrfSet:
     'noise: 40 dB below the rms of each channel, seed 5'
     """
     added = frfs.responses + noise(frfs.responses, snr_db, np.random.default_rng(seed))
-    said = f"noise: {snr_db:g} dB below the rms of each channel, seed {seed}"
-    return replace(frfs, responses=added, card=(*frfs.card, said))
+    note = f"noise: {snr_db:g} dB below the rms of each channel, seed {seed}"
+    return replace(frfs, responses=added, card=(*frfs.card, note))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -158,17 +158,19 @@ def measured(
     Without `full_scale` each channel has a range 1.25 times its largest value.
     """
     rng = np.random.default_rng(seed)
-    response, said = clean.response, []
+    response, notes = clean.response, []
     if snr_db is not None:
         response = response + noise(response, snr_db, rng)
-        said.append(f"noise: {snr_db:g} dB below the rms of each response, seed {seed}")
+        notes.append(f"noise: {snr_db:g} dB below the rms of each response, seed {seed}")
     force = clean.force
     if bits is not None:
         force, response = (
             np.array([digitised(v, bits, full_scale) for v in channels]) for channels in (force, response)
         )
-        said.append(f"converter: {bits} bits over +-{'1.25 x the largest value' if full_scale is None else full_scale}")
-    return replace(clean, force=force, response=response, card=(*clean.card, *said))
+        notes.append(
+            f"converter: {bits} bits over +-{'1.25 x the largest value' if full_scale is None else full_scale}"
+        )
+    return replace(clean, force=force, response=response, card=(*clean.card, *notes))
 
 
 def digitised(values: FloatArray, bits: int, full_scale: float | None) -> FloatArray:

@@ -167,15 +167,15 @@ def scan(
     V = np.array([felt[f] for f in freq.tolist()])
     angle = spot_angle(turn, fs, count, rng)
     velocity = seen(V, freq, n, angle, fs) + every_turn(turn, angle, rng)
-    said = [SYNTHETIC, *card, f"circle scan: {turn!r}; tones {[tuple(tone) for tone in tones]}; seed {seed}"]
+    notes = [SYNTHETIC, *card, f"circle scan: {turn!r}; tones {[tuple(tone) for tone in tones]}; seed {seed}"]
     if turn.casing:
-        said.append(
+        notes.append(
             f"left out: Coriolis forces, which split a thin ring's pair n = 2 by {0.8 * abs(turn.casing):.3g} Hz"
         )
     if snr_db is not None:
         velocity = velocity + noise(velocity[None], snr_db, rng)[0]
-        said.append(f"noise: {snr_db:g} dB below the rms")
-    record = ScanRecord(fs=fs, velocity=velocity, angle=angle, tones=tuple(freq.tolist()), card=tuple(said))
+        notes.append(f"noise: {snr_db:g} dB below the rms")
+    record = ScanRecord(fs=fs, velocity=velocity, angle=angle, tones=tuple(freq.tolist()), card=tuple(notes))
     return Scan(record=record, n=n, V=V)
 
 

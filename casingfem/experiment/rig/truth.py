@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.rig.rig import SYNTHETIC, Rig
 from casingfem.experiment.rig.scan import circle_content
 

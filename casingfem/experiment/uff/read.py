@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from casingfem.errors import doubt
+from casingfem.errors import warn
 from casingfem.experiment.uff.nodes import (
     Elements,
     Nodes,
@@ -110,7 +110,7 @@ def parse_uff(data: bytes, path: str, *, strict: bool = False) -> UniversalFile:
     nodes = _merged_nodes(found.nodes)
     elements = _merged_elements(found.elements)
     _check_references(found, nodes)
-    _doubt(path, found, nodes, elements)
+    _warn(path, found, nodes, elements)
     return UniversalFile(
         path=path,
         header=found.header,
@@ -159,7 +159,7 @@ def _read_set(raw: RawSet, found: _Found, strict: bool) -> None:
             raise raw.error(-1, "a set that is not read", "one of 15, 55, 58, 58b, 82, 151, 164, 781, 2411, 2412")
         case _:
             if raw.number not in KINDS:
-                doubt("uff-unknown", f"{raw.path}, line {raw.first - 1}: set {raw.number}", stacklevel=5)
+                warn("uff-unknown", f"{raw.path}, line {raw.first - 1}: set {raw.number}", stacklevel=5)
             found.skipped.append(Skipped(raw.number, KINDS.get(raw.number, "unknown"), raw.first - 1))
 
 
@@ -216,20 +216,20 @@ def _check_references(found: _Found, nodes: Nodes | None) -> None:
             raise raw.error(0, f"{what}, not among the nodes of the file", "nodes of the file's sets 15, 781 or 2411")
 
 
-def _doubt(path: str, found: _Found, nodes: Nodes | None, elements: Elements | None) -> None:
+def _warn(path: str, found: _Found, nodes: Nodes | None, elements: Elements | None) -> None:
     """Warn of what looks incomplete where the format holds no count."""
     for what, labels in (("nodes", nodes), ("elements", elements)):
         gaps = few_gaps(labels.labels) if labels is not None else np.empty(0)
         if gaps.size:
             message = f"{path}: {what} {', '.join(map(str, gaps[:5].tolist()))} left out"
-            doubt("uff-gap", message + f" and {gaps.size - 5} more" * (gaps.size > 5), stacklevel=5)
+            warn("uff-gap", message + f" and {gaps.size - 5} more" * (gaps.size > 5), stacklevel=5)
     if nodes is not None and nodes.systems.any() and any(number in _SYSTEMS for number, _, _ in found.skipped):
         message = f"{path}: {np.count_nonzero(nodes.systems)} nodes in coordinate systems of the file"
-        doubt("uff-local", message, stacklevel=5)
+        warn("uff-local", message, stacklevel=5)
     lists = {tuple(np.sort(shape.nodes).tolist()): shape.nodes.size for _, shape in found.shapes}
     if len(lists) > 1:
         counts = sorted(lists.values())
-        doubt("uff-shapes", f"{path}: shapes at {counts[0]} to {counts[-1]} nodes, not the same", stacklevel=5)
+        warn("uff-shapes", f"{path}: shapes at {counts[0]} to {counts[-1]} nodes, not the same", stacklevel=5)
 
 
 def few_gaps(labels: IntArray) -> IntArray:

@@ -71,7 +71,7 @@ class Ring:
         """(radial, axial) from the edge to the section's centre; `outward` is -1 at a base, 1 at a top."""
         return np.array((0.0, 0.5 * outward * self.section.depth) if self.offset is None else self.offset)
 
-    def foothold(self, outward: int) -> Array:
+    def support_point(self, outward: int) -> Array:
         """(radial, axial) from the edge to where the support acts."""
         foot = np.array((0.0, 0.5 * outward * self.section.depth) if self.foot is None else self.foot)
         return np.asarray(self.centre(outward) + foot)

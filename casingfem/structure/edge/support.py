@@ -154,6 +154,6 @@ class ElasticEdge:
 Support: TypeAlias = Clamped | ShearDiaphragm | Symmetry | ElasticEdge | Bolts | Ring
 
 
-def grip(support: object) -> object:
+def outer_support(support: object) -> object:
     """What holds the structure from outside: a ring's own support under a ring, else the support itself."""
     return support.support if isinstance(support, Ring) else support

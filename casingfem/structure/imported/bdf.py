@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from casingfem.errors import ModelError, doubt
+from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
 from casingfem.structure.imported.draft import Block, Draft, Lookup
 
@@ -122,7 +122,7 @@ class Parser:
                 self.left_out[card.name] = self.left_out.get(card.name, 0) + 1
         if self.left_out:
             found = ", ".join(f"{count} {name}" for name, count in self.left_out.items())
-            doubt("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
+            warn("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
         return self.draft()
 
     def integer(self, card: Card, text: str) -> int:

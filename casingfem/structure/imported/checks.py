@@ -1,6 +1,6 @@
 """What can be wrong with an imported mesh: everything is scanned, the first few cells or nodes of each fault named.
 
-Faults that would give wrong frequencies are refused, all of them in one error; what may be meant is doubted.
+Faults that would give wrong frequencies are refused, all of them in one error; of what may be meant a warning is given.
 """
 
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from casingfem.errors import ModelError, doubt, sentence
+from casingfem.errors import ModelError, sentence, warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.structure.imported.assembly import mapped
 from casingfem.structure.imported.cell_kind import SHELLS, shape_functions
@@ -28,7 +28,7 @@ LARGE = 25.0  # m: beyond this a part is probably in millimetres
 
 
 def check_mesh(mesh: MeshData) -> None:
-    """Refuse a mesh with faults, all named; doubt what may be meant.
+    """Refuse a mesh with faults, all named; warn of what may be meant.
 
     Raises
     ------
@@ -39,8 +39,8 @@ def check_mesh(mesh: MeshData) -> None:
     if found:
         lines = [sentence(f.code, f"{mesh.source}: {f.message}") for f in found[:-1]]
         raise ModelError(found[-1].code, "\n".join([*lines, f"{mesh.source}: {found[-1].message}"]))
-    for finding in [f for look in DOUBTS for f in look(mesh)]:
-        doubt(finding.code, f"{mesh.source}: {finding.message}", stacklevel=5)
+    for finding in [f for look in WARNINGS for f in look(mesh)]:
+        warn(finding.code, f"{mesh.source}: {finding.message}", stacklevel=5)
 
 
 def non_finite(mesh: MeshData) -> list[Finding]:
@@ -222,7 +222,7 @@ def linear(mesh: MeshData) -> list[Finding]:
 
 
 SCANS = (bad_cells, coincident, overlaps, hanging, normals, parts)
-DOUBTS = (orphans, slender, thin_and_curved, linear)
+WARNINGS = (orphans, slender, thin_and_curved, linear)
 
 
 def check_groups(mesh: MeshData, names: Sequence[str]) -> None:
@@ -238,10 +238,10 @@ def check_groups(mesh: MeshData, names: Sequence[str]) -> None:
 
 
 def check_units(mesh: MeshData, material: Material) -> None:
-    """Doubt sizes that look like millimetres, and materials that no part is made of."""
+    """Warn of sizes that look like millimetres, and materials that no part is made of."""
     speed, size = float(np.sqrt(material.E / material.rho)), mesh.size
     if size > LARGE and SOUND[0] <= speed <= SOUND[1]:
-        doubt("mesh-units", f"{mesh.source}: {size:.4g} m across with E = {material.E:.3g} Pa", stacklevel=4)
+        warn("mesh-units", f"{mesh.source}: {size:.4g} m across with E = {material.E:.3g} Pa", stacklevel=4)
     if not SOUND[0] <= speed <= SOUND[1]:
         found = f"E = {material.E:.3g} Pa and rho = {material.rho:.3g} kg/m^3, sound at {speed:.3g} m/s"
-        doubt("material-units", found, stacklevel=4)
+        warn("material-units", found, stacklevel=4)

@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from casingfem.errors import ModelError, doubt
+from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
@@ -128,7 +128,7 @@ def locate(name: str, corners: IntArray, mesh: MeshData) -> IntArray:
     lost = int(np.count_nonzero(facets[:, 0] < 0))
     if lost:
         found = f"{mesh.source}: group {name!r} has {lost} of {len(corners)} facets that belong to no cell"
-        doubt("mesh-loose-facets", found, stacklevel=6)
+        warn("mesh-loose-facets", found, stacklevel=6)
     return facets[facets[:, 0] >= 0]
 
 

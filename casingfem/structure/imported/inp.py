@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from casingfem.errors import ModelError, doubt
+from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.draft import Block, Draft, Lookup
 
@@ -107,7 +107,7 @@ class Parser:
                 takers[card.keyword](card)
         if left_out:
             found = ", ".join(f"*{name} (line {line})" for name, line in left_out.items())
-            doubt("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
+            warn("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
         return self.draft()
 
     def values(self, card: Card, kind: type) -> list[list[Any]]:

@@ -131,13 +131,13 @@ def read_vtu(file: Path) -> Draft:
     pieces = re.findall(rb"<Piece\b[^>]*>", head)
     if len(pieces) != 1:
         raise ModelError("mesh-file", f"{file.name}: {len(pieces)} pieces, expected one")
-    said = {name.decode(): int(number) for name, number in re.findall(rb'NumberOf(Points|Cells)="(\d+)"', pieces[0])}
+    stated = {name.decode(): int(number) for name, number in re.findall(rb'NumberOf(Points|Cells)="(\d+)"', pieces[0])}
     mesh = from_meshio(file, "vtu")
     blocks = blocks_of(mesh, file)
     for name, found in (("Points", len(mesh.points)), ("Cells", sum(len(b.cells) for b in blocks))):
-        if said.get(name) != found:
+        if stated.get(name) != found:
             why = "some kinds cannot be read" if name == "Cells" else "cut short?"
-            raise ModelError("mesh-file", f"{file.name}: {found} of {said.get(name)} {name.lower()} were read: {why}")
+            raise ModelError("mesh-file", f"{file.name}: {found} of {stated.get(name)} {name.lower()} were read: {why}")
     flags = {name: values for name, values in mesh.point_data.items() if is_flag([values])}
     sets = {
         name: [(k, np.flatnonzero(rows)) for k, rows in enumerate(parts)]

@@ -18,7 +18,7 @@ from types import MappingProxyType
 import numpy as np
 from scipy.sparse import csc_array
 
-from casingfem.errors import ModelError, doubt
+from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rigid_body import rigid_left, rigid_motions
@@ -141,7 +141,7 @@ def tangent_frames(normals: FloatArray) -> FloatArray:
 
 
 def check_folds(mesh: MeshData) -> None:
-    """Doubt kinks between cells, refuse folds: one director a node cannot follow them."""
+    """Warn of kinks between cells, refuse folds: one director a node cannot follow them."""
     cosine = np.einsum("ekc,ekc->ek", cell_normals(mesh), directors(mesh)[mesh.cells]).min(axis=1)
     angle = 2.0 * np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
     if angle.max() > FOLDED:
@@ -149,7 +149,7 @@ def check_folds(mesh: MeshData) -> None:
         raise ModelError("mesh-fold", f"{mesh.source}: {found}")
     if angle.max() > BENT:
         found = f"{cells_named(mesh, np.flatnonzero(angle > BENT))} meet at up to {angle.max():.0f} degrees"
-        doubt("mesh-kink", f"{mesh.source}: {found}", stacklevel=4)
+        warn("mesh-kink", f"{mesh.source}: {found}", stacklevel=4)
 
 
 def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:

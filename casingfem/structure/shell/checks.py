@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from casingfem.errors import ModelError, doubt
+from casingfem.errors import ModelError, warn
 from casingfem.structure.edge.bolt_mesh import SEEN, following, springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry, grip
+from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry, outer_support
 from casingfem.structure.field.fourier import Field
 from casingfem.structure.geometry.chart import require_positive
 from casingfem.structure.geometry.chart_checks import check_chart, check_symmetry
@@ -15,7 +15,7 @@ from casingfem.structure.geometry.strip import check_strips
 from casingfem.structure.geometry.survey_check import check_survey, surveys
 from casingfem.structure.shell.extent import check_wall
 from casingfem.structure.shell.parts import ShellParts
-from casingfem.structure.shell.variation import field_samples, finest_harmonic, grips
+from casingfem.structure.shell.variation import field_samples, finest_harmonic, outer_supports
 
 SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bolts, Ring)
 
@@ -44,7 +44,7 @@ def check_parts(shell: ShellParts) -> None:
             raise ModelError("ring-edge", f"support.{edge}: a ring ends on the held edge {across[0]!r}")
         if isinstance(support, Symmetry):
             check_symmetry(shell.chart, edge)
-        holding = grip(support)
+        holding = outer_support(support)
         if isinstance(holding, Bolts):
             low, high = (float(np.real(end)) for end in shell.chart.bounds[1 - held])
             holding.require_on((low, high), shell.chart.periodic and held == 0, edge)
@@ -63,7 +63,7 @@ def check_on_mesh(shell: ShellParts) -> None:
         for survey in surveys(defect):
             check_survey(survey, quantity, shell.chart, float(np.real(shell.thickness)))
     check_wall(shell)
-    for edge, holding in grips(shell).items():
+    for edge, holding in outer_supports(shell).items():
         if isinstance(holding, ElasticEdge) and holding.patterns:
             check_springs(shell, edge, holding)
         if isinstance(holding, Bolts) and shell.chart.periodic:
@@ -80,7 +80,7 @@ def check_bolt_mesh(shell: ShellParts, edge: str, bolts: Bolts) -> None:
     ratio = springs_per_wave(bolts, float(np.real(steel.E)), float(np.real(steel.nu)), float(np.real(wall)))
     split = spurious_split(bolts, shell.mesh, ratio)
     if split > SEEN:
-        doubt(
+        warn(
             "bolt-mesh",
             f"support.{edge}: {bolts.count} bolts on {shell.mesh.around} elements around split pairs that equal "
             f"bolts keep whole by some {split:.0e}",

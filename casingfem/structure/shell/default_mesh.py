@@ -12,7 +12,7 @@ from casingfem.structure.geometry.strip import breaks_between
 from casingfem.structure.mesh.edge_form import Sprung
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.parts import ShellParts
-from casingfem.structure.shell.variation import around_period, finest_harmonic, grips
+from casingfem.structure.shell.variation import around_period, finest_harmonic, outer_supports
 
 
 def default_mesh(shell: ShellParts) -> ShellMesh:
@@ -41,8 +41,8 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
     lowest = 0.46 * radius / np.sqrt(t * length)
     finest = max((finest_harmonic(shell, f) for f in shell.defects.values()), default=0)
-    bolted = {edge: support.count for edge, support in grips(shell).items() if isinstance(support, Bolts)}
-    patterned = any(isinstance(support, ElasticEdge) and support.patterns for support in grips(shell).values())
+    bolted = {edge: support.count for edge, support in outer_supports(shell).items() if isinstance(support, Bolts)}
+    patterned = any(isinstance(support, ElasticEdge) and support.patterns for support in outer_supports(shell).values())
     only_bolts = bool(bolted) and not (shell.defects or shell.masses or patterned)  # which the mesh follows
     elements = max((16.0 if shell.axisymmetric or only_bolts else 34.0) * lowest, 14.0 * finest) / order
     around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))

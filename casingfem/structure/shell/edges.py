@@ -17,7 +17,7 @@ from casingfem.structure.mesh.edge_form import (
 )
 from casingfem.structure.mesh.kinematics import DOFS, dot
 from casingfem.structure.mesh.shell_mesh import Grid, edge_breaks, rim_values
-from casingfem.structure.shell.ring_form import foothold_form, harmonic_ring, node_dofs, outward, ring_forms, ties
+from casingfem.structure.shell.ring_form import harmonic_ring, node_dofs, outward, ring_forms, support_form, ties
 from casingfem.structure.shell.shell import Shell
 
 
@@ -84,7 +84,7 @@ def holding_forms(shell: Shell, grid: Grid) -> list[EdgeForm]:
         line = edge_line(shell, grid, name)
         if isinstance(support, Ring):
             if support.support is not None:
-                forms.append(foothold_form(shell, grid, name, support, own[name], line))
+                forms.append(support_form(shell, grid, name, support, own[name], line))
         elif isinstance(support, Sprung):
             forms.append(spring_form(support.springs(line)))
     return forms

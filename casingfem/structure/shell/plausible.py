@@ -1,13 +1,14 @@
 """Models that can be computed and are probably not meant: units mixed up, walls too thick or too thin.
 
-Nothing here refuses; each doubt has its code in `casingfem.errors` and a threshold with its reason beside it.
+Nothing here refuses; each warning has its code in `casingfem.faults` and a threshold with its reason beside it.
 """
 
 from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 
-from casingfem.errors import doubt
+from casingfem.errors import warn
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.material import Material
 from casingfem.structure.shell.extent import extent
@@ -27,23 +28,23 @@ SOFT = 1e-9  # springs per length over E: a casing on softer ones swings below a
 NEARLY_CLOSED = 0.99  # of a full turn
 DEFECT = {"radius": 0.1}  # relative; others 1: a wall half or twice as thick is a law, not an imperfection
 
-Doubt = tuple[str, str]  # code, message
+Concern = tuple[str, str]  # code, message
 
 
 def warn_of(shell: Shell) -> None:
     """Warn of all that is doubtful about a shell."""
-    for code, message in (*material_doubts(shell), *chart_doubts(shell), *wall_doubts(shell), *spring_doubts(shell)):
-        doubt(code, message, stacklevel=4)
+    for code, message in chain.from_iterable(look(shell) for look in LOOKS):
+        warn(code, message, stacklevel=4)
 
 
-def material_doubts(shell: Shell) -> Iterator[Doubt]:
+def material_warnings(shell: Shell) -> Iterator[Concern]:
     """Materials no part is made of."""
     others = [strip.material for strip in shell.strips if strip.material is not None]
     for material in dict.fromkeys([shell.material, *others]):
-        yield from doubts_of(material)
+        yield from warnings_of(material)
 
 
-def doubts_of(material: Material) -> Iterator[Doubt]:
+def warnings_of(material: Material) -> Iterator[Concern]:
     """What is odd about one material."""
     E, nu, rho = (float(np.real(x)) for x in (material.E, material.nu, material.rho))
     speed = float(np.sqrt(E / rho))
@@ -57,7 +58,7 @@ def doubts_of(material: Material) -> Iterator[Doubt]:
         yield "material-poisson-negative", f"material.nu = {nu:g}"
 
 
-def chart_doubts(shell: Shell) -> Iterator[Doubt]:
+def chart_warnings(shell: Shell) -> Iterator[Concern]:
     """Sizes and shapes that hint at other units, and fields that are no imperfections."""
     size = extent(shell)
     unitless = shell.material.E == shell.material.rho == 1.0
@@ -79,7 +80,7 @@ def chart_doubts(shell: Shell) -> Iterator[Doubt]:
             yield "field-large", f"{quantity}_defect reaches {largest:.3g} of the {quantity}"
 
 
-def wall_doubts(shell: Shell) -> Iterator[Doubt]:
+def wall_warnings(shell: Shell) -> Iterator[Concern]:
     """Walls that are not those of a shell."""
     size = extent(shell)
     bent = float((size.thickness * size.curvature).max())
@@ -96,7 +97,7 @@ def wall_doubts(shell: Shell) -> Iterator[Doubt]:
         yield "shear-correction", f"shell.shear_correction = {factor:g}"
 
 
-def spring_doubts(shell: Shell) -> Iterator[Doubt]:
+def spring_warnings(shell: Shell) -> Iterator[Concern]:
     """Springs that hold nothing beside such a wall."""
     E, t = float(np.real(shell.material.E)), float(np.real(shell.thickness))
     for edge, support in shell.supports.items():
@@ -105,3 +106,6 @@ def spring_doubts(shell: Shell) -> Iterator[Doubt]:
             ratio = max(line, float(np.real(support.k_face)) * t, float(np.real(support.k_rot)) / t**2) / E
             if ratio < SOFT:
                 yield "support-soft", f"support.{edge}: springs of {ratio:.2g} E"
+
+
+LOOKS = (material_warnings, chart_warnings, wall_warnings, spring_warnings)

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array
 
-from casingfem.errors import doubt
+from casingfem.errors import warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
@@ -70,7 +70,7 @@ class Spin:
         """
         part = omega**2 * self.nonlinear
         if part > LINEAR:
-            doubt(
+            warn(
                 "rotation-large", f"rotation: found quadratic strains of {part:.2g} times the linear ones", stacklevel=4
             )
         return csc_array(omega**2 * self.K1 + omega**4 * self.K2)

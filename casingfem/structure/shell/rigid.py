@@ -6,7 +6,7 @@ supports alone: no frequency has to be called small, and a body on soft springs 
 
 import numpy as np
 
-from casingfem.errors import doubt
+from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.edge.curved_beam import skew
 from casingfem.structure.geometry.rigid_body import rigid_motions, unfelt
@@ -80,7 +80,7 @@ def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -
     rigid = np.sum(projected**2, axis=0) > SHARE * np.diag(kinetic)[k:]
     first = min(int(np.argmin(np.append(rigid, False))), expected)
     if 0 < first < expected:
-        doubt("modes-rigid", f"{expected} rigid motions are free, {first} modes show them", stacklevel=5)
+        warn("modes-rigid", f"{expected} rigid motions are free, {first} modes show them", stacklevel=5)
     return first
 
 

@@ -61,17 +61,17 @@ def ring_forms(shell: Shell, grid: Grid, name: str, ring: Ring, own: IntArray) -
     return stiffness, EdgeForm(dofs=dofs[places], B=G[places], D=beam.inertia.reshape(-1, MOTIONS, MOTIONS))
 
 
-def foothold_form(shell: Shell, grid: Grid, name: str, ring: Ring, own: IntArray, line: EdgeLine) -> EdgeForm:
+def support_form(shell: Shell, grid: Grid, name: str, ring: Ring, own: IntArray, line: EdgeLine) -> EdgeForm:
     """The springs of a ring's own support, at its foot."""
     assert isinstance(ring.support, Sprung)
     springs = ring.support.springs(on_ring(line, ring))
     nodes = grid.edges[name].nodes
     a, b = grid.nodes[:, nodes]
-    G, _, radial = ties(shell, a, b, ring.foothold(outward(shell, name)))
+    G, _, radial = ties(shell, a, b, ring.support_point(outward(shell, name)))
     at = places_of(nodes, springs.nodes)
     B = np.einsum("qm,qmik->qimk", springs.values, G[at]).reshape(len(at), MOTIONS, -1)
     dofs = node_dofs(grid, name, own)[at].reshape(len(at), -1)
-    return EdgeForm(dofs=dofs, B=B, D=foot_stiffness(springs, np.einsum("qm,qmi->qi", springs.values, radial[at])))
+    return EdgeForm(dofs=dofs, B=B, D=support_stiffness(springs, np.einsum("qm,qmi->qi", springs.values, radial[at])))
 
 
 def on_ring(line: EdgeLine, ring: Ring) -> EdgeLine:
@@ -80,7 +80,7 @@ def on_ring(line: EdgeLine, ring: Ring) -> EdgeLine:
     return line._replace(nodal=line.nodal._replace(thickness=wide))
 
 
-def foot_stiffness(springs: PointSprings, radial: Array) -> Array:
+def support_stiffness(springs: PointSprings, radial: Array) -> Array:
     """Springs on (u, phi) at a foot, (q, 6, 6): rotational ones about the hoop and axial directions.
 
     A line of face does not oppose a turn about the radial axis except by its length, which u already feels.
@@ -107,6 +107,6 @@ def harmonic_ring(shell: Shell, name: str, ring: Ring, n: int, z: Array, line: E
     M = radius * motions.conj().T @ section_inertia(ring.section, material, axes) @ motions
     if ring.support is not None:
         springs = ring.support.springs(on_ring(line, ring))
-        foot = ties(shell, z, np.zeros(1), ring.foothold(outward(shell, name)))[0][0] * PHASE
-        K = K + foot.conj().T @ foot_stiffness(springs, towards)[0] @ foot
+        foot = ties(shell, z, np.zeros(1), ring.support_point(outward(shell, name)))[0][0] * PHASE
+        K = K + foot.conj().T @ support_stiffness(springs, towards)[0] @ foot
     return K.real, M.real

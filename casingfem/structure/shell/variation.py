@@ -6,15 +6,15 @@ import numpy as np
 
 from casingfem.io.arrays import Array
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.support import ElasticEdge, grip
+from casingfem.structure.edge.support import ElasticEdge, outer_support
 from casingfem.structure.field.fourier import Field
 from casingfem.structure.field.random import typical
 from casingfem.structure.shell.parts import ShellParts
 
 
-def grips(shell: ShellParts) -> dict[str, object]:
+def outer_supports(shell: ShellParts) -> dict[str, object]:
     """Edge -> what holds it from outside, a ring's own support under a ring."""
-    return {edge: grip(support) for edge, support in shell.supports.items()}
+    return {edge: outer_support(support) for edge, support in shell.supports.items()}
 
 
 def field_samples(defect: Field) -> int:
@@ -34,11 +34,11 @@ def harmonic_amplitudes(shell: ShellParts, defect: Field) -> Array:
 def around_period(shell: ShellParts, floor: float = 1e-3) -> int:
     """The greatest common divisor of all that varies around: a mesh of as many elements shares its symmetry."""
     period = 0
-    springs = [s.patterns.values() for s in grips(shell).values() if isinstance(s, ElasticEdge)]
+    springs = [s.patterns.values() for s in outer_supports(shell).values() if isinstance(s, ElasticEdge)]
     for defect in (*shell.defects.values(), *chain.from_iterable(springs)):
         amplitude = harmonic_amplitudes(shell, defect)
         period = int(np.gcd.reduce([period, *(1 + np.flatnonzero(amplitude > floor * amplitude.max())).tolist()]))
-    for support in grips(shell).values():
+    for support in outer_supports(shell).values():
         if isinstance(support, Bolts):
             period = int(np.gcd(period, support.period))
     return period

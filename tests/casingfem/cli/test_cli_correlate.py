@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from casingfem.cli import main
 from casingfem.experiment.correlation.correlate import correlate
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.export.modes_uff import write_modes_uff
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts

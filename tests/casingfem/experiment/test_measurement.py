@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from casingfem.errors import InputError
+from casingfem.experiment.frequency_table import COLUMNS, FrequencyTable
 from casingfem.experiment.grouping import Doublet, Single
-from casingfem.experiment.measurement import COLUMNS, FrequencyTable
 from casingfem.io.strict_csv import read
 
 DATA = Path(__file__).resolve().parents[3] / "data"

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.errors import ModelError, ModelWarning, code_of, doubt
+from casingfem.errors import ModelError, ModelWarning, code_of, warn
 from casingfem.faults import CATALOGUE, PARTS
 from casingfem.modal.resolution import FINEST, finest_shares
 from casingfem.study import StudyError, load_study
@@ -37,7 +37,7 @@ def test_no_broken_model_computes_in_silence(model):
 
 def test_a_refusal_keeps_the_doubts_that_came_before_it():
     def make():
-        doubt("shell-thin", "a foil")
+        warn("shell-thin", "a foil")
         raise ModelError("shell-thickness", "no wall")
 
     happened, messages = broken_models.outcome(broken_models.Broken("foil", make, "shell-thin"))
@@ -143,7 +143,7 @@ def test_every_code_of_the_package_stands_in_the_catalogue_with_words():
     with pytest.raises(KeyError):
         ModelError("no-such-code", "message")
     with pytest.warns(ModelWarning, match="shell-thin"):
-        doubt("shell-thin", "message")
+        warn("shell-thin", "message")
 
 
 def test_the_page_of_codes_is_current():

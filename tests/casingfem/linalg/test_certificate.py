@@ -6,7 +6,7 @@ from scipy.sparse import csc_array
 
 import casingfem as cf
 from casingfem.errors import ModelWarning, NumericsError
-from casingfem.linalg.certificate import UNIT, round_off, stands_clear
+from casingfem.linalg.certificate import UNIT, clear_of_eigenvalues, round_off
 from casingfem.linalg.eigen import gap_after, solve_band, solve_modes
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal import fourier
@@ -42,8 +42,8 @@ def test_round_off_bounds_what_a_change_of_the_last_bits_does_to_eigenvalues():
         assert np.all(np.abs(moved) <= noise)
     signs = np.outer(np.sign(vectors[:, 3]), np.sign(vectors[:, 3])) * np.sign(K) * UNIT
     assert vectors[:, 3] @ (K * signs) @ vectors[:, 3] == pytest.approx(noise[3], rel=1e-12)
-    assert stands_clear(values[3] - 1.01 * noise[3], values[3:], noise[3:])
-    assert not stands_clear(values[3] - 0.99 * noise[3], values[3:], noise[3:])
+    assert clear_of_eigenvalues(values[3] - 1.01 * noise[3], values[3:], noise[3:])
+    assert not clear_of_eigenvalues(values[3] - 0.99 * noise[3], values[3:], noise[3:])
 
 
 @pytest.mark.parametrize("by", [-1, 0, 1])

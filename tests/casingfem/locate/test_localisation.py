@@ -9,9 +9,9 @@ from scipy.stats import f
 from casingfem.errors import InputError, ModelError
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.sensors import sensors_of
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.locate.localisation import locate, search_model
-from casingfem.locate.shape_check import judged_by_shapes
+from casingfem.locate.shape_check import checked_by_shapes
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.point_mass import EdgeMass
@@ -221,9 +221,9 @@ def test_shapes_tell_a_bolt_from_the_opposite_one(casing, model):
     values = values + 0.02 * np.sqrt(np.mean(values**2, axis=0)) * noise
     shapes = MeasuredShapes.from_arrays(freq_hz=loose.freq, values=values, points=points, directions=out)
     found = locate(casing, measured(loose, 470.0), model=model)
-    right, wrong = judged_by_shapes(model[0], found, shapes)
+    right, wrong = checked_by_shapes(model[0], found, shapes)
     assert right.explanation.places == {4}
     assert wrong.explanation.places == {10}
     assert right.unlike < 0.3 * wrong.unlike
     with pytest.raises(InputError, match="found no shape that pairs with a mode"):
-        judged_by_shapes(model[0], found, replace(shapes, freq_hz=3.0 * shapes.freq_hz))
+        checked_by_shapes(model[0], found, replace(shapes, freq_hz=3.0 * shapes.freq_hz))

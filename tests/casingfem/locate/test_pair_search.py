@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.locate.misfit import Point
 from casingfem.locate.pair_search import best_pair
 from casingfem.locate.sparse_fit import Bounds, fitted

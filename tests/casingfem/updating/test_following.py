@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.correlation.correlation import pair
+from casingfem.experiment.correlation.pairing import pair
 from casingfem.updating.following import LostModeError, followed, overlaps, paired_rows
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.updating.levenberg import PROMISE, levenberg_marquardt
+from casingfem.updating.levenberg import PREDICTED_DECREASE, levenberg_marquardt
 
 
 def rosenbrock(x):
@@ -27,7 +27,7 @@ def test_a_linear_problem_takes_its_exact_minimum():
     random = np.random.default_rng(5)
     A, b = random.standard_normal((9, 2)), random.standard_normal(9)
     exact = np.linalg.lstsq(A, b, rcond=None)[0]
-    limit = np.linalg.norm(A @ exact - b) * np.sqrt(PROMISE) / np.linalg.svd(A)[1].min()
+    limit = np.linalg.norm(A @ exact - b) * np.sqrt(PREDICTED_DECREASE) / np.linalg.svd(A)[1].min()
     x, _ = levenberg_marquardt(lambda x: A @ x - b, lambda x: A, np.zeros(2), -WIDE, WIDE, 40)
     np.testing.assert_allclose(x, exact, atol=limit)
 
@@ -35,7 +35,7 @@ def test_a_linear_problem_takes_its_exact_minimum():
 def test_bounds_hold_and_the_rest_is_minimal():
     upper = np.array([0.5, 10.0])
     x, _ = levenberg_marquardt(rosenbrock, slope, np.array([-1.2, 1.0]), -WIDE, upper, 60)
-    np.testing.assert_allclose(x, [0.5, 0.25], atol=2e-5)  # sqrt(PROMISE chi^2)/10
+    np.testing.assert_allclose(x, [0.5, 0.25], atol=2e-5)  # sqrt(PREDICTED_DECREASE chi^2)/10
 
 
 def test_units_do_not_matter():

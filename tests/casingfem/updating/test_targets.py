@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from casingfem.experiment.correlation.correlation import pair
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.pairing import pair
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.modal.modes import modes
 from casingfem.modal.neighbour import solved
 from casingfem.structure.edge.support import Clamped

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.correlation.correlation import pair
+from casingfem.experiment.correlation.pairing import pair
 from casingfem.modal.neighbour import solved
 from casingfem.updating.parameters import get_value, with_value
 from casingfem.updating.shapes import shape_jacobian, shape_values

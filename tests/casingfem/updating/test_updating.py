@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import InputError
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.fourier import FourierField

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.errors import doubt
+from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.field.fourier import Field, FourierField, SeriesBehind
 from casingfem.structure.field.survey.fit import fit_points, resolved_harmonic
@@ -118,7 +118,7 @@ class SurveyField(SeriesBehind):
         places = zip(np.degrees(points.theta[stray]), points.z[stray], fit.residual[stray], strict=True)
         set_aside = tuple((float(theta), float(z), float(r)) for theta, z, r in places)
         if set_aside:
-            doubt("survey-outliers", f"{Path(points.path).name}: {stray_words(set_aside, len(points))}", stacklevel=4)
+            warn("survey-outliers", f"{Path(points.path).name}: {stray_words(set_aside, len(points))}", stacklevel=4)
         residual, (scatter, repeats) = fit.residual[fit.kept], pure_error(points.at(fit.kept))
         return cls(
             fit=fit.field,

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from casingfem.experiment.correlation.alignment import align
-from casingfem.experiment.correlation.correlation import ModeSet, mac, pair, subspace_mac
-from casingfem.experiment.measurement import FrequencyTable
+from casingfem.experiment.correlation.pairing import ModeSet, mac, pair, subspace_mac
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.strict_csv import read
 

@@ -26,7 +26,7 @@ from casingfem.structure.shell.assembly import assemble, nodal_mass
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.edges import edge_forms, line_frame
 from casingfem.structure.shell.rigid import free_motions, rigid_fields, ring_turns
-from casingfem.structure.shell.ring_form import foot_stiffness, harmonic_ring
+from casingfem.structure.shell.ring_form import harmonic_ring, support_stiffness
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.parameters import Parameter, get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
@@ -172,7 +172,7 @@ def test_rotational_springs_of_a_foot_oppose_turns_about_hoop_and_axis():
     springs = PointSprings(nodes=np.zeros((1, 1), dtype=int), values=np.ones((1, 1)), blocks=np.zeros((1, 3, 3)),
                            rotation=np.array([5.0]))  # fmt: skip
     radial = np.array([[0.6, 0.8, 0.0]])
-    felt = foot_stiffness(springs, radial)[0, 3:, 3:]
+    felt = support_stiffness(springs, radial)[0, 3:, 3:]
     np.testing.assert_allclose(felt @ radial[0], 0.0, atol=1e-15)
     for axis in ([-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]):
         np.testing.assert_allclose(felt @ axis, 5.0 * np.array(axis), rtol=1e-14)

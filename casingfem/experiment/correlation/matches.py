@@ -1,0 +1,65 @@
+"""The outcome of pairing: which rows of a frequency table are which computed modes, and how sure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.experiment.correlation.alignment import Indices
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Match:
+    """Rows of the table and the modes they are: one and one, or a doublet and a doublet (lower, upper).
+
+    Parameters
+    ----------
+    rows, modes : indices into the table and the mode set, of equal length
+    n : nodal diameters, -1 where neither side says
+    confidence : 1 - (cost of this match)/(cost of the next best), in [0, 1]; 0 when another fits as well
+    measured_hz, computed_hz : frequencies of rows and modes
+    """
+
+    rows: Indices
+    modes: Indices
+    n: int
+    confidence: float
+    measured_hz: tuple[float, ...]
+    computed_hz: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Pairing:
+    """Matches in ascending order, and what is left on both sides (indices of rows and of modes)."""
+
+    matches: tuple[Match, ...]
+    unpaired_rows: tuple[int, ...]
+    unpaired_modes: tuple[int, ...]
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the relative frequency error over the paired rows; nan without any."""
+        errors = [c / m - 1 for k in self.matches for m, c in zip(k.measured_hz, k.computed_hz, strict=True)]
+        return float(np.sqrt(np.mean(np.square(errors)))) if errors else float("nan")
+
+    def __len__(self) -> int:
+        return len(self.matches)
+
+    def __repr__(self) -> str:
+        lines = [
+            f"Pairing({len(self)} matches, rms {100 * self.rms:.2f} %,"
+            f" unpaired: {len(self.unpaired_rows)} rows, {len(self.unpaired_modes)} modes)",
+            "   row  mode   n  measured [Hz]  computed [Hz]  error [%]  confidence",
+        ]
+        for match in self.matches:
+            n = "-" if match.n < 0 else str(match.n)
+            members = zip(match.rows, match.modes, match.measured_hz, match.computed_hz, strict=True)
+            for k, (row, mode, measured, computed) in enumerate(members):
+                error = 100 * (computed / measured - 1)
+                sure = f"{match.confidence:11.2f}" if k == 0 else ""
+                line = f"{row:6d} {mode:5d} {n:>3} {measured:14.3f} {computed:14.3f} {error:10.2f} {sure}"
+                lines.append(line.rstrip())
+        if self.unpaired_rows:
+            lines.append(f"  rows without a mode: {', '.join(map(str, self.unpaired_rows))}")
+        return "\n".join(lines)
