@@ -3,7 +3,7 @@
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
@@ -11,13 +11,14 @@ from typing import Any
 
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.support import ElasticEdge, Support, outer_support
-from casingfem.structure.shell.parts import DEFECTS
+from casingfem.structure.edge.support import ElasticEdge, Support
 from casingfem.structure.shell.shell import Shell
 from casingfem.study.load import Study
-from casingfem.updating.parameters import get_value
+from casingfem.updating.addresses import address_of, get_value
+from casingfem.updating.numbers import FieldHarmonic, HeldNumber, Plain, SpringHarmonic
 
 ANGLES = ("twist", "camber")  # of a chart, in radians; a study has them in degrees
+TABLES = {"thickness": ("shell", "thickness"), "strips": ("strip",), "supports": ("support",)}  # where a file has them
 
 
 def perfect(shell: Shell) -> Shell:
@@ -64,43 +65,37 @@ def updated_toml(study: Study, values: Mapping[str, float], folder: Path) -> str
 
 def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
     """Set one parameter in the tables of a study file."""
-    parts = name.split(".")
-    if parts[0] == "chart" and parts[1] in ANGLES:
-        parts[1], value = f"{parts[1]}_deg", math.degrees(value)
-    if parts[0] in DEFECTS:
-        p, part, change = int(parts[1][1:]), parts[2], value - float(get_value(shell, name))
-        add_harmonic(tables.setdefault("imperfection", []), parts[0], p, part, change)
-    elif "bolts" in parts:
-        edge = (
-            parts[1]
-            if parts[0] == "support"
-            else next(e for e, s in shell.supports.items() if isinstance(outer_support(s), Bolts))
-        )
-        loosen(holding(tables, edge), int(parts[-2]), value)
-    elif parts[0] == "support" and parts[2] in ("section", "material"):
-        ring = tables["support"][parts[1]]
-        (ring if parts[2] == "section" else ring["material"])[parts[3]] = value
-    elif parts[0] == "mass":
-        on_edge = [entry for entry in tables["mass"] if entry["edge"] == parts[1]]
-        key, number = ("angle_deg", math.degrees(value)) if parts[3] == "angle" else ("mass", value)
-        on_edge[int(parts[2]) - 1][key] = number
-    elif parts[0] == "support" and parts[2] == "k":
-        tighten(holding(tables, parts[1]), value)
-    elif parts[0] == "support" and len(parts) == 3:
-        holding(tables, parts[1])[parts[2]] = value
-    elif parts[0] == "support" and len(parts) == 5:
-        for waves in pattern_lists(tables["support"][parts[1]], parts[2]):
-            harmonic(waves, int(parts[3][1:]))[parts[4]] = value
-    else:
-        owner: Any = tables
-        for part in parts[:-1]:
-            owner = owner[place(owner, part)]
-        owner[place(owner, parts[-1])] = value
+    match address_of(shell, name):
+        case FieldHarmonic(of, p, part):
+            add_harmonic(tables.setdefault("imperfection", []), of, p, part, value - float(get_value(shell, name)))
+        case SpringHarmonic(edge, spring, p, part):
+            for waves in pattern_lists(tables["support"][edge], spring):
+                harmonic(waves, p)[part] = value
+        case HeldNumber(edge, ("bolts", bolt, _)):
+            loosen(holding(tables, edge), int(bolt), value)
+        case HeldNumber(edge, ("k",)):
+            tighten(holding(tables, edge), value)
+        case HeldNumber(edge, ("section", key)):
+            tables["support"][edge][key] = value
+        case HeldNumber(edge, ("material", key)):
+            tables["support"][edge]["material"][key] = value
+        case HeldNumber(edge, path):
+            holding(tables, edge)[path[-1]] = value
+        case Plain(("masses", edge, number, key)):
+            masses = [entry for entry in tables["mass"] if entry["edge"] == edge]
+            masses[int(number)].update({"angle_deg": math.degrees(value)} if key == "angle" else {key: value})
+        case Plain(("chart", str(key), *station)) if key in ANGLES:
+            put_at(tables, ("chart", f"{key}_deg", *station), math.degrees(value))
+        case Plain((first, *rest)):
+            put_at(tables, (*TABLES.get(str(first), (first,)), *rest), value)
 
 
-def place(owner: Any, part: str) -> Any:
-    """Where a part of a name stands: a key of a table, or an entry of a list, counted from 1."""
-    return int(part) - 1 if isinstance(owner, list) else part
+def put_at(tables: Any, path: Sequence[str | int], value: float) -> None:
+    """Set what stands at a path of keys and places."""
+    *way, last = path
+    for step in way:
+        tables = tables[step]
+    tables[last] = value
 
 
 def holding(tables: dict[str, Any], edge: str) -> dict[str, Any]:

@@ -14,8 +14,9 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import Modes, modes
 from casingfem.modal.neighbour import Solution, counted, solved, solved_near
 from casingfem.structure.shell.shell import Shell
+from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.following import LostModeError, followed, paired_rows
-from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes, shape_jacobian, shape_values
 from casingfem.updating.targets import jacobian, rates, values
 

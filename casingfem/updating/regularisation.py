@@ -18,8 +18,9 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray
+from casingfem.updating.addresses import HARMONIC
 from casingfem.updating.identifiability import widths
-from casingfem.updating.parameters import HARMONIC, Parameter
+from casingfem.updating.parameters import Parameter
 
 Rule = Literal["discrepancy", "l-curve"]
 WEIGHTS = np.logspace(-4.0, 4.0, 321)

@@ -18,7 +18,8 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.shell.energies import point_fields, product_rates
-from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.parameters import Parameter
 
 STEP = 1e-30
 

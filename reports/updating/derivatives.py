@@ -18,8 +18,8 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.neighbour import Solution, solved
 from casingfem.structure.edge.section import Section
 from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.following import followed
-from casingfem.updating.parameters import get_value, with_value
 from casingfem.updating.targets import jacobian, rates, values
 from reports.tables import Row
 

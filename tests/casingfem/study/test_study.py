@@ -224,7 +224,7 @@ def test_an_updated_study_is_a_study_with_the_new_values(tmp_path):
     out.mkdir(parents=True)
     (out / "study.toml").write_text(updated_toml(study, values, out), encoding="utf-8")
     again = load_study(out / "study.toml")
-    from casingfem.updating.parameters import get_value
+    from casingfem.updating.addresses import get_value
 
     for name, value in values.items():
         assert get_value(again.shell, name) == pytest.approx(value, rel=1e-12), name

@@ -9,7 +9,7 @@ import pytest
 from casingfem.study.load import load_study
 from casingfem.study.problems import StudyError
 from casingfem.study.updated import perfect, updated_toml
-from casingfem.updating.parameters import get_value
+from casingfem.updating.addresses import get_value
 from tests.casingfem.study.study_texts import STEEL, THIN, written
 
 PLATE = STEEL + "[chart]\n{}[shell]\nthickness = 3.0e-3\n"

@@ -12,7 +12,8 @@ from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.parameters import Parameter, check_parameters, get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.parameters import Parameter, check_parameters
 
 PATHS = {
     "material.E": 210e9,

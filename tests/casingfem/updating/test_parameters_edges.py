@@ -9,7 +9,7 @@ import casingfem as cf
 from casingfem.structure.edge.section import Section
 from casingfem.study import load_study
 from casingfem.study.updated import updated_toml
-from casingfem.updating.parameters import get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives
 from tests.casingfem.study.study_texts import THIN, written
 

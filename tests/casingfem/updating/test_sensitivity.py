@@ -12,7 +12,8 @@ from casingfem.structure.geometry.chart import Panel
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.energies import modal_products, point_fields
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import eigen_derivatives
 
 COUNT = 10

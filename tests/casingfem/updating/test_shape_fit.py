@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.plot.fit_shapes import figure_shape_mac, shapes_section
-from casingfem.updating.parameters import with_value
+from casingfem.updating.addresses import with_value
 from casingfem.updating.shape_fit import shape_fit
 
 THETA = 2.0 * np.pi * np.arange(20) / 20 + 0.05

@@ -14,7 +14,8 @@ from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Plate
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.parameters import Parameter
 from casingfem.updating.targets import jacobian, lower_angle, pair_state, rates, split_vector, values
 
 MESH = ShellMesh(order=6, rows=1, around=13)

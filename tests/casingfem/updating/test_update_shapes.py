@@ -6,7 +6,7 @@ import pytest
 import casingfem as cf
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.modal.neighbour import solved
-from casingfem.updating.parameters import get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.shapes import shape_jacobian, shape_values
 
 MESH = cf.ShellMesh(order=5, rows=1, around=9)

@@ -14,7 +14,8 @@ from casingfem.structure.geometry.chart import Panel
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.parameters import Parameter
 from casingfem.updating.updating import covariance, update
 
 MESH = ShellMesh(order=6, rows=1, around=13)

@@ -14,7 +14,8 @@ from casingfem.structure.geometry.chart import Cylinder, Panel
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.parameters import Parameter, check_parameters, get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.parameters import Parameter, check_parameters
 from casingfem.updating.sensitivity import eigen_derivatives
 
 QUIET = ShellMesh(order=5, rows=1, around=8)

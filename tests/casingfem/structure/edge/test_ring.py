@@ -28,7 +28,8 @@ from casingfem.structure.shell.edges import edge_forms, line_frame
 from casingfem.structure.shell.rigid import free_motions, rigid_fields, ring_turns
 from casingfem.structure.shell.ring_form import harmonic_ring, support_stiffness
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import eigen_derivatives
 
 BAR = Section.rectangle(width=0.04, depth=0.03)

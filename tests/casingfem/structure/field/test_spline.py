@@ -8,7 +8,8 @@ from casingfem.errors import ModelError
 from casingfem.modal.modes import modes
 from casingfem.structure.field.fourier import FourierField, SumField
 from casingfem.structure.field.spline import Spline
-from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import eigen_derivatives
 
 ENDS = {"z_low": 0.05, "z_high": 0.25}

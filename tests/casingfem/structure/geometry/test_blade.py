@@ -12,7 +12,8 @@ from casingfem.structure.geometry.jet import SMALL, jets, sinc
 from casingfem.structure.geometry.stations import along, coefficients
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.assembly import nodal_mass
-from casingfem.updating.parameters import Parameter, get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports.verification import blades as verify_blades
 from reports.verification.tapered_beam import cantilever, wedge

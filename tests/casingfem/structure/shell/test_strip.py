@@ -14,7 +14,8 @@ from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.assembly import nodal_mass
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.edges import holding_forms
-from casingfem.updating.parameters import Parameter, check_parameters, get_value, with_value
+from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.parameters import Parameter, check_parameters
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports.verification import strips as verify_strips
 from reports.verification.strips import ALUMINIUM, exact, found, refined, stepped

@@ -1,0 +1,176 @@
+"""The address of a number of a shell, such as `support.base.k_face.p8.cos`: interpreted here, once.
+
+material.E | nu | rho, shell.thickness, chart.<field>; radius.p8.cos, thickness.p2.sin, modulus.p4.cos, density.p2.sin
+(relative harmonics); strip.2.thickness, strip.2.material.E (the second strip; one without a material of its own follows
+the wall's); support.<edge>.k_face | k_r | k_theta | k_z | k_rot; support.<edge>.k_face.p4.cos (how that spring varies
+along its edge, relative) and support.<edge>.around.p4.cos (all springs of the edge together). Bolts have
+support.<edge>.k | k_rot | bolts.3.k, where k is the largest of a bolt's three stiffnesses and the others keep their
+ratios; bolts.3.k alone where one edge has bolts. chart.chord.2, taper.along.1: a station of a law, the root's first.
+mass.top.1.mass | angle: the first mass on an edge. Under a ring the same names are those of the ring's own support; the
+ring itself has support.<edge>.section.width | depth | diameter | area | I_r | I_z | J and, if it has one,
+support.<edge>.material.E | nu | rho.
+"""
+
+import re
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from casingfem.errors import InputError
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.support import ElasticEdge, outer_support
+from casingfem.structure.field.fourier import Field, FourierField
+from casingfem.structure.shell.parts import DEFECTS
+from casingfem.structure.shell.shell import Shell
+from casingfem.updating.numbers import SHARED, Address, FieldHarmonic, HeldNumber, Plain, SpringHarmonic, series
+
+HARMONIC = re.compile(r"p(\d+)$")
+NUMBERS = (int, float, complex, np.number, tuple)  # what may be varied; a law has one a station
+
+
+def address_of(shell: Shell, name: str) -> Address:
+    """What a name means on this shell.
+
+    Raises
+    ------
+    InputError
+        If the structure has no such number.
+    """
+    parts = name.split(".")
+    if len(parts) < 2:
+        raise InputError(f"{name!r} is no parameter name; expected a path such as material.E")
+    if parts[0] == "bolts":
+        bolted = [edge for edge, support in shell.supports.items() if isinstance(outer_support(support), Bolts)]
+        if len(bolted) != 1:
+            raise InputError(f"{name!r}: {len(bolted)} edges have bolts; name one as support.<edge>.{name}")
+        parts = ["support", bolted[0], *parts]
+    if parts[0] in DEFECTS and len(parts) == 3:
+        require_series(name, shell.defects.get(parts[0]))
+        return FieldHarmonic(parts[0], *harmonic_of(name, parts[1:]))
+    if parts[0] == "support" and len(parts) > 2:
+        if not isinstance(shell.supports.get(parts[1]), Bolts | Ring):
+            return of_elastic_edge(shell, name, parts)
+        held = HeldNumber(parts[1], tuple(parts[2:]))
+        try:
+            held.value(shell)
+        except KeyError as error:
+            raise InputError(f"{name!r}: {error.args[0]}") from None
+        return held
+    if parts[0] == "strip":
+        return of_strip(shell, name, parts)
+    return of_mass(shell, name, parts) if parts[0] == "mass" else of_part(shell, name, parts)
+
+
+def of_elastic_edge(shell: Shell, name: str, parts: list[str]) -> Plain | SpringHarmonic:
+    """support.<edge>.<spring> and support.<edge>.<spring or around>.p4.cos."""
+    support = shell.supports.get(parts[1])
+    if not isinstance(support, ElasticEdge):
+        found = "no support" if support is None else type(support).__name__
+        raise InputError(f"{name!r}: edge {parts[1]!r} has {found}; only elastic edges have stiffnesses")
+    known = ElasticEdge.stiffness_names + ((SHARED,) if len(parts) == 5 else ())
+    if len(parts) not in (3, 5) or parts[2] not in known:
+        raise InputError(f"{name!r}: an elastic edge has {', '.join(known)}")
+    if len(parts) == 3:
+        return Plain(("supports", parts[1], parts[2]))
+    found_at = SpringHarmonic(parts[1], parts[2], *harmonic_of(name, parts[3:]))
+    for one in found_at.each:
+        require_series(name, support.pattern(one.spring))
+    values = found_at.values(shell)
+    if any(value != values[0] for value in values):
+        raise InputError(f"{name!r}: the springs of this edge differ there; name one of them")
+    return found_at
+
+
+def of_strip(shell: Shell, name: str, parts: list[str]) -> Plain:
+    """strip.<number>.thickness and strip.<number>.material.<E, nu or rho>."""
+    place = place_in(parts[1], len(shell.strips))
+    if not place:
+        raise InputError(f"{name!r}: found strip {parts[1]!r}; this shell has {len(shell.strips)}, counted from 1")
+    if parts[2:] != ["thickness"]:
+        if len(parts) != 4 or parts[2] != "material" or parts[3] not in ("E", "nu", "rho"):
+            raise InputError(f"{name!r}: a strip has thickness, material.E, material.nu, material.rho")
+        if shell.strips[place - 1].material is None:
+            raise InputError(f"{name!r}: strip {place} has no material of its own; vary material.{parts[3]}")
+    return Plain(("strips", place - 1, *parts[2:]))
+
+
+def of_mass(shell: Shell, name: str, parts: list[str]) -> Plain:
+    """mass.<edge>.<number>.mass and .angle."""
+    known = shell.masses.get(parts[1], ()) if len(parts) == 4 and parts[3] in ("mass", "angle") else ()
+    place = place_in(parts[2], len(known)) if known else 0
+    if not place:
+        has = ", ".join(f"{len(masses)} on {edge!r}" for edge, masses in shell.masses.items()) or "none"
+        raise InputError(f"{name!r}: expected mass.<edge>.<number>.mass or .angle; this shell has masses: {has}")
+    return Plain(("masses", parts[1], place - 1, parts[3]))
+
+
+def of_part(shell: Shell, name: str, parts: list[str]) -> Plain:
+    """shell.thickness, and the numbers of material, chart and taper; a law's with the number of a station."""
+    parts_of = {"material": shell.material, "chart": shell.chart, "taper": shell.taper, "shell": shell}
+    owners = {word: owner for word, owner in parts_of.items() if owner is not None}
+    owner = owners.get(parts[0])
+    if owner is None or len(parts) not in (2, 3):
+        starts = ", ".join([*owners, *DEFECTS])
+        raise InputError(f"{name!r}: a parameter starts with {starts}, strip, mass or support")
+    known = [f.name for f in fields(owner)] if is_dataclass(owner) else []
+    numbers = ["thickness"] if owner is shell else [k for k in known if isinstance(getattr(owner, k), NUMBERS)]
+    if parts[1] not in numbers:
+        raise InputError(f"{name!r}: {parts[0]} has {', '.join(numbers) or 'no numbers'}, not {parts[1]!r}")
+    path = ("thickness",) if owner is shell else (parts[0], parts[1])
+    law = getattr(owner, parts[1])
+    count = len(law) if isinstance(law, tuple) else 0
+    if count == 0 and not parts[2:]:
+        return Plain(path)
+    place = place_in(parts[2], count) if parts[2:] else 0
+    if not place:
+        wanted = f"the number of a station, 1 to {count}, after it" if count else "nothing after it: it is one number"
+        raise InputError(f"{name!r}: expected {wanted}")
+    return Plain((*path, place - 1))
+
+
+def place_in(word: str, count: int) -> int:
+    """A place counted from 1 to `count`; 0 where the word is none."""
+    return int(word) if word.isdecimal() and 1 <= int(word) <= count else 0
+
+
+def harmonic_of(name: str, parts: list[str]) -> tuple[int, str]:
+    """Order and part of p8.cos."""
+    match = HARMONIC.match(parts[0]) if len(parts) == 2 else None
+    if match is None or parts[1] not in ("cos", "sin"):
+        raise InputError(f"{name!r}: expected a harmonic such as p8.cos, found {'.'.join(parts)!r}")
+    return int(match[1]), parts[1]
+
+
+def require_series(name: str, field: Field | None) -> None:
+    """Refuse a field that has no harmonics."""
+    if not isinstance(series(field), FourierField):
+        raise InputError(f"{name!r}: the field is no Fourier series but {type(field).__name__}")
+
+
+def get_value(shell: Shell, name: str) -> Any:
+    """The present value of a named number of a shell.
+
+    Raises
+    ------
+    InputError
+        If the structure has no such number.
+    """
+    return address_of(shell, name).value(shell)
+
+
+def with_value(shell: Shell, name: str, value: Any) -> Shell:
+    """The same shell with one named number replaced; its mesh is kept.
+
+    >>> from casingfem.structure.geometry.chart import Plate
+    >>> from casingfem.structure.material import Material
+    >>> plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01,
+    ...               material=Material(E=210e9, nu=0.3, rho=7800.0))
+    >>> with_value(plate, "material.E", 200e9).material.E
+    200000000000.0
+    """
+    try:
+        return address_of(shell, name).renewed(shell, value)
+    except KeyError as error:
+        raise InputError(f"{name!r}: {error.args[0]}") from None
