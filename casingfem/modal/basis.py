@@ -7,19 +7,18 @@ is not kept.
 """
 
 import json
-import os
-import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, frozen
+from casingfem.io.npz import read_npz, write_npz
 
 FORMAT = "casingfem-modal-basis-1"
+OPTIONAL = ("recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,8 +72,8 @@ class ModalBasis:
     output_rows: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     output_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     K_omega: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
-    spin: float = 0.0
     participation: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    spin: float = 0.0
     provenance: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -105,36 +104,11 @@ class ModalBasis:
         return np.asarray((self.rows / self.omega**2) @ self.rows.T + self.S)
 
     def save(self, path: str | Path) -> Path:
-        """Write an npz without pickle, to a temporary name first; returns the path."""
-        target = Path(path)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        waiting = target.with_name(f".{target.name}.part")
-        with waiting.open("wb") as stream:
-            np.savez(
-                stream,
-                format=np.array(FORMAT),
-                omega=self.omega,
-                zeta=self.zeta,
-                channels=np.array(self.channels),
-                rows=self.rows,
-                S=self.S,
-                kind=np.array(self.kind),
-                n_max=np.array(self.n_max),
-                radius=np.array(self.radius),
-                recovery=self.recovery,
-                recovery_S=self.recovery_S,
-                recovery_points=self.recovery_points,
-                lines=self.lines,
-                outputs=np.array(self.outputs, dtype=np.str_),
-                output_rows=self.output_rows,
-                output_S=self.output_S,
-                K_omega=self.K_omega,
-                participation=self.participation,
-                spin=np.array(self.spin),
-                provenance=np.array(json.dumps(self.provenance, sort_keys=True)),
-            )
-        os.replace(waiting, target)
-        return target
+        """Write an npz of plain arrays, whole or not at all; returns the path."""
+        own = {field.name: np.array(getattr(self, field.name)) for field in fields(self) if field.name != "provenance"}
+        own["outputs"] = np.array(self.outputs, dtype=np.str_)
+        provenance = np.array(json.dumps(self.provenance, sort_keys=True))
+        return write_npz(path, {"format": np.array(FORMAT), **own, "provenance": provenance})
 
     @classmethod
     def load(cls, path: str | Path) -> "ModalBasis":
@@ -145,27 +119,12 @@ class ModalBasis:
         InputError
             If the file is missing, is no modal basis, or lacks an array.
         """
-        try:
-            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-                data = {name: stored[name] for name in stored.files}
-        except (OSError, ValueError, EOFError, BadZipFile, zlib.error) as error:
-            raise InputError(f"{path}: not a readable npz file ({error})") from error
+        data = read_npz(path)
         if str(data.get("format")) != FORMAT:
             raise InputError(f"{path}: expected format {FORMAT!r}, found {str(data.get('format'))!r}")
-        missing = {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys()
-        if missing:
+        if missing := {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys():
             raise InputError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
-        wanted = (
-            "recovery",
-            "recovery_S",
-            "recovery_points",
-            "lines",
-            "output_rows",
-            "output_S",
-            "K_omega",
-            "participation",
-        )
-        extra = {name: data[name] for name in wanted if name in data}
+        extra = {name: data[name] for name in OPTIONAL if name in data}
         try:
             provenance = json.loads(str(data.get("provenance", "{}")))
         except ValueError as error:

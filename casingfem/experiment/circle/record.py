@@ -5,14 +5,13 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, frozen
-from casingfem.io.outfiles import write_atomic
+from casingfem.io.npz import read_npz, write_npz
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -75,12 +74,7 @@ class ScanRecord:
             "tones": np.array(self.tones),
         }
         arrays |= {} if self.force is None else {"force": self.force}
-
-        def store(part: Path) -> None:
-            with part.open("wb") as stream:
-                np.savez(stream, allow_pickle=False, card=np.asarray(self.card, dtype=np.str_), **arrays)
-
-        return write_atomic(Path(path), store)
+        return write_npz(path, {"card": np.asarray(self.card, dtype=np.str_), **arrays})
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> ScanRecord:
@@ -91,14 +85,7 @@ class ScanRecord:
         InputError
             A file that lacks an array, or is no npz file.
         """
-        wanted = {"fs", "velocity", "angle", "tones", "card"}
-        try:
-            with np.load(path, allow_pickle=False) as stored:
-                data = {name: stored[name] for name in stored.files}
-        except (ValueError, EOFError, BadZipFile) as error:
-            raise InputError(f"{path}: not a readable npz file ({error})") from error
-        if missing := wanted - data.keys():
-            raise InputError(f"{path}: found no array {min(missing)!r}, expected {', '.join(sorted(wanted))}")
+        data = read_npz(path, {"fs", "velocity", "angle", "tones", "card"})
         return cls(
             fs=float(data["fs"]),
             velocity=data["velocity"],

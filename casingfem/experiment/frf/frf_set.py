@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +15,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.uff.read import read_uff
 from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
 from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.npz import read_npz, write_npz
 from casingfem.io.outfiles import write_atomic
 from casingfem.io.strict_csv import StrictCsv, read
 
@@ -204,17 +204,7 @@ class FrfSet:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> FrfSet:
         """Read what `save` wrote, without pickle."""
-        wanted = {"kind", "x", "responses", *PLACES, "unit", "card"}
-        try:
-            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
-                stored = {name: archive[name] for name in archive.files}
-        except (OSError, ValueError, EOFError, AttributeError, BadZipFile) as error:
-            raise InputError(
-                str(path), found=f"no readable npz file ({error})", expected="what FrfSet.save wrote"
-            ) from error
-        missing = wanted - stored.keys()
-        if missing:
-            raise InputError(str(path), found=f"no array {min(missing)!r}", expected=", ".join(sorted(wanted)))
+        stored = read_npz(path, {"kind", "x", "responses", *PLACES, "unit", "card"}, "what FrfSet.save wrote")
         arrays = {name: stored[name] for name in ("x", "responses", *PLACES)}
         kind, unit, card = _kind(str(stored["kind"]), str(path)), str(stored["unit"]), tuple(stored["card"].tolist())
         return cls(kind=kind, unit=unit, card=card, path=str(path), **arrays)
@@ -223,12 +213,7 @@ class FrfSet:
         """Write an npz file of plain arrays, whole or not at all."""
         arrays = {field.name: np.asarray(getattr(self, field.name)) for field in fields(self) if field.name != "path"}
         arrays["card"] = np.asarray(self.card, dtype=np.str_)
-
-        def store(part: Path) -> None:
-            with part.open("wb") as stream:
-                np.savez(stream, allow_pickle=False, **arrays)
-
-        return write_atomic(Path(path), store)
+        return write_npz(path, arrays)
 
     def functions(self, *, double: bool = True) -> tuple[Function, ...]:
         """The channels as functions of a universal file, for `write_uff(path, functions=..., binary=True)`."""

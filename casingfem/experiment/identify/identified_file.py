@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.stabilisation import Stabilisation
 from casingfem.io.arrays import Array
-from casingfem.io.outfiles import write_atomic
+from casingfem.io.npz import read_npz, write_npz
 
 WANTED = "what Identified.save or `casingfem identify --out` wrote"
 PARTS: dict[str, Any] = {"sensors": SensorGrid, "diagram": Stabilisation}
@@ -32,12 +31,7 @@ def write_fields(path: str | os.PathLike[str], values: Mapping[str, Any]) -> Pat
             arrays |= {f"{name}.{field.name}": getattr(value, field.name) for field in fields(value)}
         else:
             arrays[name] = np.asarray(value, dtype=np.str_) if name in TEXTS else np.asarray(value)
-
-    def store(part: Path) -> None:
-        with part.open("wb") as stream:
-            np.savez_compressed(stream, allow_pickle=False, **arrays)
-
-    return write_atomic(Path(path), store)
+    return write_npz(path, arrays, compressed=True)
 
 
 def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]:
@@ -51,17 +45,8 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
         No such file.
     """
     inner = {f"{name}.{field.name}" for name, part in PARTS.items() for field in fields(part)}
-    try:
-        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            stored = {name: archive[name] for name in archive.files}
-    except FileNotFoundError:
-        raise
-    except (OSError, ValueError, EOFError, AttributeError, BadZipFile) as error:
-        raise InputError(str(path), found=f"no readable npz file ({error})", expected=WANTED) from error
-    missing = (names - PARTS.keys()) | inner
-    missing -= stored.keys()
-    if missing:
-        raise InputError(str(path), found=f"an npz without {min(missing)!r}", expected=WANTED)
+    Path(path).stat()  # OSError without a file, as every other reader of shapes
+    stored = read_npz(path, (names - PARTS.keys()) | inner, WANTED)
     check(stored, str(path))
     values: dict[str, Any] = {name: stored[name] for name in names - PARTS.keys()}
     for name, part in PARTS.items():

@@ -134,11 +134,11 @@ def test_refuses_files_that_hold_no_basis(tmp_path):
         ModalBasis.load(stored_without(path, format=np.array("other")))
     with pytest.raises(InputError, match="found 'None'"):
         ModalBasis.load(stored_without(path, "format"))
-    with pytest.raises(InputError, match="not a readable npz"):
+    with pytest.raises(InputError, match="no readable npz"):
         ModalBasis.load(tmp_path / "absent.npz")
     text = tmp_path / "text.npz"
     text.write_text("omega, zeta")
-    with pytest.raises(InputError, match="not a readable npz"):
+    with pytest.raises(InputError, match="no readable npz"):
         ModalBasis.load(text)
 
 
