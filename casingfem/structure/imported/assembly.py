@@ -3,6 +3,7 @@
 Dofs are numbered node by node, `dofs` of them on each: u_x, u_y, u_z, and on shells two rotations.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -10,8 +11,10 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.structure.geometry.rigid_body import rigid_left
 from casingfem.structure.imported.cell_kind import KINDS, rule
 from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.support import MeshSupport
 
 CHUNK = 4_000_000  # entries of a strain table held at a time
 
@@ -22,6 +25,10 @@ class MeshStructure(Protocol):
     @property
     def mesh(self) -> MeshData:
         """Cells and nodes."""
+
+    @property
+    def supports(self) -> Mapping[str, MeshSupport]:
+        """Group -> support."""
 
     def density(self) -> FloatArray:
         """Mass per volume or area of each cell, (cells,)."""
@@ -74,6 +81,54 @@ class MeshSystem:
     def restrict(self, forces: Array) -> Array:
         """Nodal forces (nodes, dofs, columns) -> free dofs (free, columns)."""
         return np.asarray(forces.reshape(len(self.points) * self.dofs, -1)[self.free])
+
+
+def assembled(
+    structure: MeshStructure,
+    K: csc_array,
+    M: csc_array,
+    springs: Sequence[csc_array],
+    motions: FloatArray,
+    scale: float,
+) -> MeshSystem:
+    """The system of all dofs put on the free ones: those of a cell that no support holds.
+
+    Parameters
+    ----------
+    K, M
+        Stiffness without springs, and mass, (all, all).
+    springs
+        Matrices of the elastic supports, (all, all) each.
+    motions
+        Rigid motions on all dofs, (all, 6).
+    scale
+        The system's `frequency_scale`.
+    """
+    mesh, size = structure.mesh, K.shape[0]
+    dofs = size // len(mesh.points)
+    held = held_dofs(structure, dofs)
+    loose = np.zeros(size, dtype=bool)
+    loose[cell_dofs(mesh.used[None], dofs)] = True
+    loose[held] = False
+    free = np.flatnonzero(loose)
+    return MeshSystem(
+        structure=structure,
+        K=on_free(csc_array(sum(springs, K)), free),
+        M=on_free(M, free),
+        free=free,
+        dofs=dofs,
+        rigid=rigid_left(motions, held, list(springs)),
+        frequency_scale=scale,
+    )
+
+
+def held_dofs(structure: MeshStructure, dofs: int) -> IntArray:
+    """Dofs held by clamps and fixed directions, `dofs` of each node."""
+    parts = [
+        (structure.mesh.groups[name].nodes[:, None] * dofs + [i for i in support.held if i < dofs]).ravel()
+        for name, support in structure.supports.items()
+    ]
+    return np.unique(np.concatenate([*parts, np.zeros(0, dtype=np.int64)])).astype(np.int64)
 
 
 class Mapped(NamedTuple):

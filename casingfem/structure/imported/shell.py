@@ -19,16 +19,16 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError, warn
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import FloatArray
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.geometry.rigid_body import rigid_left, rigid_motions
+from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.imported.assembly import (
     CHUNK,
     MeshSystem,
+    assembled,
     cell_dofs,
     facet_shape_products,
     mapped,
-    on_free,
     scatter,
 )
 from casingfem.structure.imported.cell_kind import SHELLS, shape_functions
@@ -161,22 +161,8 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     dofs = cell_dofs(mesh.cells, DOFS)
     K = scatter(stiffness(shell, normals, frames), dofs, size)
     M = scatter(consistent_mass(shell, frames), dofs, size)
-    springs = edge_springs(shell, frames)
-    held = held_dofs(shell)
-    loose = np.zeros(size, dtype=bool)
-    loose[cell_dofs(mesh.used[None], DOFS)] = True
-    loose[held] = False
-    free = np.flatnonzero(loose)
-    material = shell.material
-    return MeshSystem(
-        structure=shell,
-        K=on_free(csc_array(sum(springs, K)), free),
-        M=on_free(M, free),
-        free=free,
-        dofs=DOFS,
-        rigid=rigid_left(rigid_motions(mesh.points, normals, frames), held, springs),
-        frequency_scale=float(np.sqrt(material.E / material.rho) * shell.thickness / mesh.size**2),
-    )
+    scale = float(np.sqrt(shell.material.E / shell.material.rho) * shell.thickness / mesh.size**2)
+    return assembled(shell, K, M, edge_springs(shell, frames), rigid_motions(mesh.points, normals, frames), scale)
 
 
 def stiffness(shell: MeshShell, normals: FloatArray, frames: FloatArray) -> FloatArray:
@@ -230,12 +216,3 @@ def edge_springs(shell: MeshShell, frames: FloatArray) -> list[csc_array]:
             matrices = five_dofs(k * t * products, k * t**3 / 12.0 * products, frames[nodes])
             springs.append(scatter(matrices, cell_dofs(nodes, DOFS), size))
     return springs
-
-
-def held_dofs(shell: MeshShell) -> IntArray:
-    """Dofs held by clamps and fixed directions."""
-    parts = [
-        (shell.mesh.groups[name].nodes[:, None] * DOFS + list(support.held)).ravel()
-        for name, support in shell.supports.items()
-    ]
-    return np.unique(np.concatenate([*parts, np.zeros(0, dtype=np.int64)])).astype(np.int64)

@@ -14,17 +14,17 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import FloatArray
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.geometry.rigid_body import rigid_left, rigid_motions
+from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.imported.assembly import (
     CHUNK,
     Mapped,
     MeshSystem,
+    assembled,
     cell_dofs,
     facet_shape_products,
     mapped,
-    on_free,
     scatter,
 )
 from casingfem.structure.imported.cell_kind import SOLIDS
@@ -113,24 +113,11 @@ def assemble_solid(solid: Solid) -> MeshSystem:
     constants = solid.constants()
     K = scatter(stiffness(on, constants), dofs, size)
     M = scatter(consistent_mass(on, constants[2]), dofs, size)
-    springs = foundations(solid)
-    held = held_dofs(solid)
-    loose = np.zeros(size, dtype=bool)
-    loose[cell_dofs(mesh.used[None], 3)] = True
-    loose[held] = False
-    free = np.flatnonzero(loose)
     area = facet_shape_products(mesh, mesh.boundary)[2].sum()
     wall = 2.0 * on.measure.sum() / area
     E, _, rho = constants
-    return MeshSystem(
-        structure=solid,
-        K=on_free(csc_array(sum(springs, K)), free),
-        M=on_free(M, free),
-        free=free,
-        dofs=3,
-        rigid=rigid_left(rigid_motions(mesh.points), held, springs),
-        frequency_scale=float(np.sqrt((E / rho).min()) * wall / mesh.size**2),
-    )
+    scale = float(np.sqrt((E / rho).min()) * wall / mesh.size**2)
+    return assembled(solid, K, M, foundations(solid), rigid_motions(mesh.points), scale)
 
 
 def stiffness(on: Mapped, constants: FloatArray) -> FloatArray:
@@ -179,12 +166,3 @@ def foundations(solid: Solid) -> list[csc_array]:
             matrices = support.k_face * np.kron(products, np.eye(3))
             springs.append(scatter(matrices, cell_dofs(nodes, 3), size))
     return springs
-
-
-def held_dofs(solid: Solid) -> IntArray:
-    """Dofs held by clamps and fixed directions."""
-    parts = [
-        (solid.mesh.groups[name].nodes[:, None] * 3 + [i for i in support.held if i < 3]).ravel()
-        for name, support in solid.supports.items()
-    ]
-    return np.unique(np.concatenate([*parts, np.zeros(0, dtype=np.int64)])).astype(np.int64)
