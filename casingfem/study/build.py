@@ -25,24 +25,18 @@ from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
 from casingfem.study.problems import Problems
 from casingfem.study.rotation import build_rotation
-from casingfem.study.schema import (
+from casingfem.study.schema import StudyFile
+from casingfem.study.tables.fields import Harmonic, ImperfectionTable
+from casingfem.study.tables.shapes import (
     BladeTable,
-    BoltsTable,
     ChartTable,
     DomeTable,
-    ElasticTable,
-    FixedTable,
-    Harmonic,
-    ImperfectionTable,
     MassTable,
     MeshTable,
-    RingTable,
     StripTable,
-    StudyFile,
-    SupportTable,
-    SymmetryTable,
     TwistedPlateTable,
 )
+from casingfem.study.tables.supports import BoltsTable, ElasticTable, FixedTable, RingTable, SupportTable, SymmetryTable
 
 CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
 FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius

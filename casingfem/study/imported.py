@@ -13,7 +13,9 @@ from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.support import Fixed, MeshSupport
 from casingfem.structure.material import Material
 from casingfem.study.problems import Problems, StudyError
-from casingfem.study.schema import ElasticTable, FixedTable, ImportTable, StudyFile, SupportTable
+from casingfem.study.schema import StudyFile
+from casingfem.study.tables.shapes import ImportTable
+from casingfem.study.tables.supports import ElasticTable, FixedTable, SupportTable
 
 OWN = ("material", "solid", "shell", "support", "modes")  # the tables of such a study; others need a chart
 

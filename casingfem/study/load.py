@@ -21,7 +21,8 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.study.build import build_shell, try_chart
 from casingfem.study.imported import MeshStudy, build_imported, is_imported
 from casingfem.study.problems import Problems, StudyError
-from casingfem.study.schema import REQUIRED, ParameterTable, ReduceTable, StudyFile, UpdateTable
+from casingfem.study.schema import REQUIRED, StudyFile
+from casingfem.study.tables.tasks import ParameterTable, ReduceTable, UpdateTable
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes

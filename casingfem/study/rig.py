@@ -19,7 +19,7 @@ from casingfem.experiment.rig.truth import truth
 from casingfem.modal.modes import modes
 from casingfem.study.load import Study
 from casingfem.study.problems import StudyError
-from casingfem.study.rig_tables import PlaceTable, ResponsesTable, RigTable, ScanTable, SensorTable
+from casingfem.study.tables.rig import PlaceTable, ResponsesTable, RigTable, ScanTable, SensorTable
 
 NOISE, SCAN, DAMPING = 1, 2, 3  # added to the seed: what is random is so by itself
 

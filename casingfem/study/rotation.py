@@ -5,7 +5,7 @@ import numpy as np
 from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.study.problems import Problems
-from casingfem.study.schema import RotationTable
+from casingfem.study.tables.shapes import RotationTable
 
 NAMED = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 

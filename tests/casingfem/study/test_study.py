@@ -11,7 +11,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.study import StudyError, load_study, perfect, schema, updated_toml
-from casingfem.study.schema import ModesTable
+from casingfem.study.tables.tasks import ModesTable
 from tests.casingfem.study.study_texts import THIN, written
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"

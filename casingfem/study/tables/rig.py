@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from casingfem.study.table import NotNegative, Positive, Table
+from casingfem.study.tables.table import NotNegative, Positive, Table
 
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 Band = Annotated[list[Positive], Field(min_length=2, max_length=2)]

@@ -1,0 +1,171 @@
+"""The tables of a structure's shape: material, chart, taper, wall, strips, masses, mesh, rotation, imported meshes."""
+
+from typing import Annotated, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from casingfem.study.tables.table import Edge, Length, NotNegative, Positive, Table
+
+
+class MaterialTable(Table):
+    """[material]: the fields of `Material`."""
+
+    E: Positive = Field(description="Young's modulus [Pa]")
+    nu: float = Field(gt=-1, lt=0.5, description="Poisson's ratio")
+    rho: Positive = Field(description="density [kg/m^3]")
+
+
+class FrustumTable(Table):
+    """[chart] of kind "frustum"."""
+
+    kind: Literal["frustum"]
+    r_base: Length = Field(description="mean radius at z = 0 [m]")
+    r_top: Length = Field(description="mean radius at z = height [m]")
+    height: Length = Field(description="length along the axis [m]")
+
+
+class CylinderTable(Table):
+    """[chart] of kind "cylinder"."""
+
+    kind: Literal["cylinder"]
+    radius: Length = Field(description="mean radius [m]")
+    height: Length = Field(description="length along the axis [m]")
+
+
+class PanelTable(Table):
+    """[chart] of kind "panel"."""
+
+    kind: Literal["panel"]
+    radius: Length = Field(description="mean radius [m]")
+    length: Length = Field(description="length along the axis [m]")
+    angle: Positive = Field(lt=6.283185307179586, description="opening angle [rad]")
+
+
+class PlateTable(Table):
+    """[chart] of kind "plate"."""
+
+    kind: Literal["plate"]
+    length: Length = Field(description="length from root to tip [m]")
+    width: Length = Field(description="width [m]")
+
+
+class DomeTable(Table):
+    """[chart] of kind "dome": a circular meridian, r = r0 + radius cos phi, z = radius sin phi, turned about z."""
+
+    kind: Literal["dome"]
+    radius: Length = Field(description="radius of the meridian [m]")
+    start_deg: float = Field(ge=-360, le=360, description="phi at the base [degrees], 0 at the equator")
+    end_deg: float = Field(ge=-360, le=360, description="phi at the top [degrees]")
+    r0: float = Field(default=0.0, ge=-1e3, le=1e3, description="distance of the meridian's centre from the axis [m]")
+
+
+class TwistedPlateTable(Table):
+    """[chart] of kind "twisted-plate"."""
+
+    kind: Literal["twisted-plate"]
+    length: Length = Field(description="length from root to tip [m]")
+    width: Length = Field(description="width [m]")
+    twist_deg: float = Field(ge=-360, le=360, description="twist of the tip against the root [degrees]")
+
+
+Stations = float | Annotated[list[float], Field(min_length=1, max_length=8)]
+
+
+class BladeTable(Table):
+    """[chart] of kind "blade"; a list holds values at equally spaced stations, the root's first."""
+
+    kind: Literal["blade"]
+    length: Length = Field(description="span from root to tip [m]")
+    chord: Stations = Field(description="chord [m], one number or [root, tip] or more stations")
+    camber_deg: Stations = Field(default=0.0, description="opening angle of the section's arc [degrees]")
+    twist_deg: Stations = Field(default=0.0, description="angle of the section about the span [degrees]")
+    sweep: Stations = Field(default=0.0, description="shift of the section along y [m]")
+    lean: Stations = Field(default=0.0, description="shift of the section along z [m]")
+
+
+ChartTable = Annotated[
+    FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable | DomeTable | BladeTable,
+    Field(discriminator="kind"),
+]
+
+
+class TaperTable(Table):
+    """[taper]: factors of the thickness at equally spaced stations."""
+
+    along: Stations = Field(default=1.0, description="from root to tip, or base to top")
+    across: Stations = Field(default=1.0, description="from left to right")
+
+
+class ImportTable(Table):
+    """A mesh file and how it is read: keys that [solid] and [shell] share."""
+
+    mesh: str | None = Field(default=None, min_length=1, description="mesh file, relative to this file")
+    scale: Positive = Field(default=1.0, description="factor that makes the file's lengths metres: 1e-3 for mm")
+    join: NotNegative = Field(default=0.0, description="nodes closer than this become one [m]")
+
+
+class SolidTable(ImportTable):
+    """[solid]: an imported mesh of tetrahedra or bricks, instead of [chart] and [shell]."""
+
+    mesh: str = Field(min_length=1, description="mesh file, relative to this file")
+    material: dict[str, MaterialTable] = Field(default={}, description="group of cells -> its own material")
+
+
+class ShellTable(ImportTable):
+    """[shell]: a wall on [chart], or on an imported mesh of quadrilaterals."""
+
+    thickness: Length = Field(description="nominal wall thickness [m]")
+
+    @model_validator(mode="after")
+    def _mesh_keys(self) -> "ShellTable":
+        if self.mesh is None and (self.scale != 1.0 or self.join != 0.0):
+            raise ValueError("found scale or join without mesh, expected them with a mesh file only")
+        return self
+
+
+class StripTable(Table):
+    """[[strip]]: a band along the axis or span with a wall of its own."""
+
+    start: float = Field(alias="from", ge=-1e3, le=1e3, description="where it begins along the axis or span [m]")
+    end: float = Field(alias="to", ge=-1e3, le=1e3, description="where it ends [m]")
+    thickness: Length = Field(description="its wall thickness [m]")
+    material: MaterialTable | None = Field(default=None, description="E, nu, rho; the wall's own if left out")
+
+
+class MassTable(Table):
+    """[[mass]]: a point mass on an edge, on the centre line of its ring if it has one."""
+
+    edge: Edge = Field(min_length=1, description="an edge of the chart")
+    angle_deg: float = Field(ge=-360, le=360, description="where it stands [degrees]")
+    mass: NotNegative = Field(description="mass [kg]")
+
+
+class MeshTable(Table):
+    """[mesh]: what is left out is chosen for the shell."""
+
+    order: int | None = Field(default=None, ge=2, le=20, description="polynomial order")
+    rows: Annotated[int, Field(ge=1, le=1000)] | list[float] | None = Field(
+        default=None, description="number of equal rows, or breaks from 0 to 1"
+    )
+    around: int | None = Field(default=None, ge=1, le=10_000, description="elements around")
+
+
+Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+class RotationTable(Table):
+    """[rotation]: a blade on its hub (hub_radius, stagger_deg), or any axis (axis, centre)."""
+
+    speed_hz: float = Field(ge=0, le=1e5, description="turns a second")
+    hub_radius: Annotated[float, Field(ge=0, le=1e3)] | None = Field(
+        default=None, description="from the axis to the middle of the root [m], open charts"
+    )
+    stagger_deg: float = Field(default=0.0, ge=-360, le=360, description="from the axis to the root's chord [degrees]")
+    axis: (
+        Annotated[
+            Annotated[Literal["x", "y", "z"], Tag("name")] | Annotated[Vector, Tag("vector")],
+            Discriminator(lambda value: "name" if isinstance(value, str) else "vector"),
+        ]
+        | None
+    ) = Field(default=None, description='"x", "y", "z" or a direction [x, y, z]; z if left out')
+    centre: Vector | None = Field(default=None, description="a point on the axis [m]; the origin if left out")

@@ -1,0 +1,130 @@
+"""The tables of what holds an edge."""
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from casingfem.study.tables.fields import Harmonic
+from casingfem.study.tables.shapes import MaterialTable
+from casingfem.study.tables.table import Length, NotNegative, Table
+
+
+class SpringsAround(Table):
+    """[support.EDGE.around]: how each spring varies along the edge."""
+
+    k_r: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the radial springs, relative")
+    k_theta: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the tangential springs, relative")
+    k_z: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the axial springs, relative")
+    k_rot: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the rotational springs, relative")
+    k_face: list[Harmonic] = Field(default=[], description="[{p, cos, sin}] of the end face, relative")
+
+
+Around = Annotated[
+    Annotated[list[Harmonic], Tag("all")] | Annotated[SpringsAround, Tag("each")],
+    Discriminator(lambda value: "each" if isinstance(value, Mapping | SpringsAround) else "all"),
+]
+
+
+class ClampedTable(Table):
+    """[support.EDGE] of kind "clamped"."""
+
+    kind: Literal["clamped"]
+
+
+class DiaphragmTable(Table):
+    """[support.EDGE] of kind "shear-diaphragm"."""
+
+    kind: Literal["shear-diaphragm"]
+
+
+class FixedTable(Table):
+    """[support.GROUP] of kind "fixed": displacements held, on imported meshes."""
+
+    kind: Literal["fixed"]
+    directions: list[Literal["x", "y", "z"]] = Field(min_length=1, description="which of x, y, z are held")
+
+
+class SymmetryTable(Table):
+    """[support.EDGE] of kind "symmetry": the edge lies in a plane of symmetry."""
+
+    kind: Literal["symmetry"]
+
+
+class ElasticTable(Table):
+    """[support.EDGE] of kind "elastic"; `around` multiplies all springs, or each by its own, by 1 + harmonics."""
+
+    kind: Literal["elastic"]
+    k_r: NotNegative = Field(default=0.0, description="radial springs [N/m per m]")
+    k_theta: NotNegative = Field(default=0.0, description="tangential springs [N/m per m]")
+    k_z: NotNegative = Field(default=0.0, description="axial springs [N/m per m]")
+    k_rot: NotNegative = Field(default=0.0, description="rotational springs [N m/rad per m]")
+    k_face: NotNegative = Field(default=0.0, description="foundation modulus of the end face [N/m^3]")
+    around: Around = Field(default=[], description="[{p, cos, sin}], relative; or such a list for each spring's name")
+
+
+class LooseTable(Table):
+    """One loose or missing bolt."""
+
+    bolt: int = Field(ge=1, le=1000, description="number of the bolt, from 1")
+    factor: float = Field(ge=0, le=1e6, description="factor of its stiffness, 0 for a missing bolt")
+
+
+class BoltsTable(Table):
+    """[support.EDGE] of kind "bolts"."""
+
+    kind: Literal["bolts"]
+    count: int = Field(ge=1, le=1000, description="number of bolts")
+    k: NotNegative | None = Field(default=None, description="stiffness of one bolt in all three directions [N/m]")
+    k_r: NotNegative | None = Field(default=None, description="radial stiffness of one bolt [N/m]")
+    k_theta: NotNegative | None = Field(default=None, description="tangential stiffness of one bolt [N/m]")
+    k_z: NotNegative | None = Field(default=None, description="axial stiffness of one bolt [N/m]")
+    k_rot: NotNegative = Field(default=0.0, description="rotational stiffness of one bolt [N m/rad]")
+    first_angle_deg: float = Field(default=0.0, ge=-360, le=360, description="angle of bolt 1 [degrees]")
+    width_deg: float | None = Field(default=None, gt=0, le=360, description="width of the patch of a bolt [degrees]")
+    width_m: Length | None = Field(default=None, description="the same as a length on a closed casing's edge [m]")
+    spacing_deg: float | None = Field(default=None, gt=0, le=360, description="angle between bolts; else all around")
+    loose: list[LooseTable] = Field(default=[], description="[{bolt, factor}]")
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> "BoltsTable":
+        split = [name for name in ("k_r", "k_theta", "k_z") if getattr(self, name) is not None]
+        if (self.k is None) == (not split):
+            found = "neither k nor" if self.k is None else "k beside"
+            raise ValueError(f"found {found} {', '.join(split or ['k_r, k_theta, k_z'])}, expected one of the two")
+        if self.width_deg is not None and self.width_m is not None:
+            raise ValueError("found both width_deg and width_m, expected one of them")
+        bolts = [entry.bolt for entry in self.loose]
+        if len(set(bolts)) < len(bolts):
+            raise ValueError(f"loose: found bolts {bolts}, expected each once")
+        return self
+
+
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+RingSupport = Annotated[ElasticTable | BoltsTable, Field(discriminator="kind")]
+
+
+class RingTable(Table):
+    """[support.EDGE] of kind "ring": a rectangle, or a circle by its diameter; [support.EDGE.support] holds it."""
+
+    kind: Literal["ring"]
+    width: Length | None = Field(default=None, description="radial size of the section [m]")
+    depth: Length | None = Field(default=None, description="axial size of the section [m]")
+    diameter: Length | None = Field(default=None, description="diameter of a round section [m]")
+    material: MaterialTable | None = Field(default=None, description="E, nu, rho; the casing's if left out")
+    offset: Pair | None = Field(default=None, description="[radial, axial] from the edge to the centre [m]")
+    foot: Pair | None = Field(default=None, description="[radial, axial] from the centre to the springs [m]")
+    support: RingSupport | None = Field(default=None, description="what holds the ring: elastic or bolts")
+
+    @model_validator(mode="after")
+    def _one_section(self) -> "RingTable":
+        sides = [name for name in ("width", "depth", "diameter") if getattr(self, name) is not None]
+        if sides not in (["width", "depth"], ["diameter"]):
+            raise ValueError(f"found {', '.join(sides) or 'no section'}, expected width and depth, or diameter")
+        return self
+
+
+SupportTable = Annotated[
+    ClampedTable | DiaphragmTable | SymmetryTable | ElasticTable | BoltsTable | RingTable | FixedTable,
+    Field(discriminator="kind"),
+]

@@ -1,0 +1,117 @@
+"""The tables of what is computed: modes, an update, a reduction."""
+
+from typing import Literal, Self, TypedDict
+
+from pydantic import Field, model_validator
+
+from casingfem.modal.output import Displacement, Output, Strain
+from casingfem.study.tables.table import Edge, NotNegative, Positive, Table
+
+
+class Wanted(TypedDict, total=False):
+    """Count or band [Hz], as `modes` takes them."""
+
+    count: int
+    band: tuple[float, float]
+
+
+class ModesTable(Table):
+    """[modes]: a count, or a band."""
+
+    count: int = Field(default=40, ge=1, le=100_000, description="number of modes")
+    band_hz: list[NotNegative] | None = Field(
+        default=None, min_length=2, max_length=2, description="[from, to]: every mode of a band, instead of a count"
+    )
+    elastic_only: bool = Field(default=False, description="rigid modes are an error")
+
+    @model_validator(mode="after")
+    def _count_or_band(self) -> "ModesTable":
+        if self.band_hz is not None and "count" in self.model_fields_set:
+            raise ValueError("found count and band_hz, expected one of them")
+        if self.band_hz is not None and not self.band_hz[0] < self.band_hz[1]:
+            raise ValueError(f"found band_hz = {self.band_hz}, expected two frequencies in order")
+        return self
+
+    @property
+    def wanted(self) -> Wanted:
+        """What `modes` is asked for: count or band."""
+        return {"count": self.count} if self.band_hz is None else {"band": (self.band_hz[0], self.band_hz[1])}
+
+
+class ParameterTable(Table):
+    """[[update.parameter]]."""
+
+    name: str = Field(min_length=1, description="path of a number, such as material.E")
+    lower: float = Field(description="lower bound, in the parameter's unit")
+    upper: float = Field(description="upper bound, in the parameter's unit")
+    sigma: Positive | None = Field(default=None, description="prior standard deviation; decades if log")
+    log: bool = Field(default=False, description="vary the decimal logarithm")
+    start: float | None = Field(default=None, description="start value; the study's own if left out")
+
+
+class UpdateTable(Table):
+    """[update]."""
+
+    table: str = Field(min_length=1, description="frequency table CSV, relative to this file")
+    reach: Positive = Field(default=0.5, description="largest relative frequency error of a pair")
+    count: int | None = Field(default=None, ge=1, le=100_000, description="modes computed; from the table if left out")
+    model_error: float = Field(default=0.0, ge=0, lt=1, description="relative error allowed to the model")
+    shapes: str | None = Field(
+        default=None, min_length=1, description="mode shapes of the table: universal file or identified.npz"
+    )
+    shape_sigma: Positive | None = Field(
+        default=None, description="noise of the shapes, rms over a shape's own rms; the file's if left out"
+    )
+    shape_error: float = Field(default=0.0, ge=0, lt=1, description="the same, allowed to the model's shapes")
+    shape_reach: Positive = Field(default=1e-3, description="largest relative distance of a shape from its row")
+    regularise: Literal["discrepancy", "l-curve"] | None = Field(
+        default=None, description="rule that chooses how strongly ill-posed parameters are held to their start"
+    )
+    regularised: list[str] = Field(default=[], description="their names; all harmonics if left out")
+    parameter: list[ParameterTable] = Field(min_length=1, description="at least one [[update.parameter]]")
+
+    @model_validator(mode="after")
+    def _of_shapes(self) -> "UpdateTable":
+        alone = sorted({"shape_sigma", "shape_error", "shape_reach"} & self.model_fields_set)
+        if alone and self.shapes is None:
+            raise ValueError(f"found {', '.join(alone)} without shapes, expected shapes = a file with mode shapes")
+        return self
+
+
+class OutputTable(Table):
+    """[[reduce.output]]: a displacement (direction), or a strain (strain and side), at parameters of the chart."""
+
+    name: str = Field(min_length=1)
+    at: list[float] = Field(min_length=2, max_length=2, description="parameters of the chart")
+    direction: Literal["x", "y", "z", "normal", "radial", "tangential"] | None = None
+    strain: Literal["11", "22", "12"] | None = None
+    side: float | None = Field(default=None, ge=-1, le=1, description="face: 1 where the normal points, -1, or between")
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.direction is None) == (self.strain is None) or (self.side is not None and self.strain is None):
+            raise ValueError("found direction, strain, side that do not go together, expected direction, or strain")
+        return self
+
+    def output(self) -> Output:
+        """The output as `reduce` takes it."""
+        at = (self.at[0], self.at[1])
+        if self.direction is not None:
+            return Displacement(name=self.name, at=at, direction=self.direction)
+        side = 1.0 if self.side is None else self.side
+        return Strain(name=self.name, at=at, component=self.strain or "11", side=side)
+
+
+class ReduceTable(Table):
+    """[reduce]."""
+
+    interface: Edge = Field(min_length=1, description="the edge that contact sees")
+    n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of a casing's rim")
+    axial: bool = Field(default=False, description="a casing's rim along the axis too")
+    lines: list[float] = Field(default_factory=list, description="places along a casing's meridian, for the edge")
+    nodes: int | None = Field(default=None, ge=1, le=100, description="pieces of a blade's tip, for one mean place")
+    output: list[OutputTable] = Field(default_factory=list, description="displacements and strains to be had from runs")
+    modes: int = Field(default=40, ge=1, le=100_000, description="number of modes kept")
+    method: Literal["free", "craig-bampton"] = "free"
+    zeta: float = Field(default=0.0, ge=0, lt=1, description="damping ratio of every mode")
+    out: str | None = Field(default=None, pattern=r"^[^/\\]+\.npz$", description="a file name ending in .npz")
