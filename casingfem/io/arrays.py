@@ -1,14 +1,19 @@
-"""Array types shared by every floor.
+"""Array types shared by every floor, and what makes arrays and mappings of frozen dataclasses read-only.
 
 Most arrays are real. Those that a sensitivity passes through may be complex (complex step), and are
 annotated `Array`.
 """
 
-from typing import Any, TypeAlias
+import copyreg
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+K = TypeVar("K")
+V = TypeVar("V")
 Array: TypeAlias = NDArray[Any]
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
@@ -24,3 +29,17 @@ def frozen(values: Array) -> Array:
     copy = np.array(values)
     copy.setflags(write=False)
     return copy
+
+
+def read_only(mapping: Mapping[K, V]) -> MappingProxyType[K, V]:
+    """Return a read-only copy of a mapping, for the fields of frozen dataclasses; it pickles and copies.
+
+    >>> import pickle
+    >>> pickle.loads(pickle.dumps(read_only({"base": 1})))
+    mappingproxy({'base': 1})
+    """
+    return MappingProxyType(dict(mapping))
+
+
+# Python does not say how its own read-only mapping is pickled or copied
+copyreg.pickle(MappingProxyType, lambda mapping: (read_only, (dict(mapping),)))

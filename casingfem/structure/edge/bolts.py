@@ -2,13 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import Array
+from casingfem.io.arrays import Array, read_only
 from casingfem.structure.mesh.edge_form import EdgeLine, PointSprings, along_springs
 from casingfem.structure.mesh.element import gauss
 
@@ -80,7 +79,7 @@ class Bolts:
         if not np.isfinite(self.first_angle):
             raise ModelError("bolt-off-edge", f"bolts.first_angle must be finite, found {self.first_angle!r}")
         self._check_room()
-        object.__setattr__(self, "loose", MappingProxyType(dict(self.loose)))
+        object.__setattr__(self, "loose", read_only(self.loose))
 
     def _check_room(self) -> None:
         pitch, width = self.pitch, self.patch

@@ -6,13 +6,12 @@ Springs act on the five dofs of a node: three displacements and two rotations.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import ClassVar, Literal, TypeAlias
 
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import Array
+from casingfem.io.arrays import Array, read_only
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.field.fourier import Field, relative
@@ -108,7 +107,7 @@ class ElasticEdge:
                     raise ModelError(
                         "support-springs", f"support.around: found {name!r}, expected springs among {known}"
                     )
-            object.__setattr__(self, "around", MappingProxyType(dict(self.around)))
+            object.__setattr__(self, "around", read_only(self.around))
 
     @property
     def uniform(self) -> bool:

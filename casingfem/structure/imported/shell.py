@@ -13,13 +13,12 @@ Linear cells tie the transverse shear alone (MITC4: Dvorkin & Bathe, Eng. Comput
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 
 import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError, warn
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.imported.assembly import (
@@ -92,7 +91,7 @@ class MeshShell:
         check_mesh(self.mesh)
         check_units(self.mesh, self.material)
         object.__setattr__(self, "mesh", with_centres(self.mesh))
-        object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
+        object.__setattr__(self, "supports", read_only(self.supports))
         check_folds(self.mesh)
 
     def density(self) -> FloatArray:

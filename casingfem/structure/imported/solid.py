@@ -8,13 +8,12 @@ integrated in batches; the mass is consistent.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.imported.assembly import (
@@ -78,8 +77,8 @@ class Solid:
             check_support(self.mesh, name, support)
         check_mesh(self.mesh)
         check_units(self.mesh, self.material)
-        object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
-        object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
+        object.__setattr__(self, "materials", read_only(self.materials))
+        object.__setattr__(self, "supports", read_only(self.supports))
         self.constants()
 
     def constants(self) -> FloatArray:

@@ -1,9 +1,9 @@
 """A shell: chart, thickness, material, supports and imperfection fields. A value that is checked when it is made."""
 
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import cast
 
+from casingfem.io.arrays import read_only
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.checks import check_on_mesh, check_parts
 from casingfem.structure.shell.default_mesh import default_mesh
@@ -63,8 +63,8 @@ class Shell(ShellParts):
 
     def __post_init__(self) -> None:
         check_parts(self)
-        object.__setattr__(self, "masses", MappingProxyType({e: tuple(m) for e, m in self.masses.items() if m}))
-        object.__setattr__(self, "supports", MappingProxyType(dict(self.supports)))
+        object.__setattr__(self, "masses", read_only({e: tuple(m) for e, m in self.masses.items() if m}))
+        object.__setattr__(self, "supports", read_only(self.supports))
         object.__setattr__(self, "strips", tuple(self.strips))
         if cast(ShellMesh | None, self.mesh) is None:
             object.__setattr__(self, "mesh", default_mesh(self))

@@ -1,11 +1,15 @@
 """The Shell value: what it refuses, when it is axisymmetric, the mesh it chooses."""
 
+import copy
+import pickle
 from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pytest
 
 from casingfem.modal.modes import modes
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.fourier import FieldValues, FourierField
 from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
@@ -55,6 +59,19 @@ class NotFinite:
 def test_refuses_a_field_that_is_not_finite(frustum):
     with pytest.raises(ValueError, match="radius_defect: the field is not finite"):
         frustum(radius_defect=NotFinite(), mesh=ShellMesh())
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))])
+def test_a_shell_and_its_modes_are_copied_and_pickled(frustum, again):
+    edge = ElasticEdge(k_face=1e12, k_r=1e8, around={"k_r": PATTERN})
+    held = {"base": edge, "top": Bolts(count=9, k=1e8, loose={2: 0.5})}
+    masses = {"top": [EdgeMass(angle=0.3, mass=0.1)]}
+    found = modes(frustum(supports=held, masses=masses, mesh=ShellMesh(order=4, rows=1, around=9)), 4)
+    same = again(found)
+    assert same.shell.supports["top"].loose == {2: 0.5}
+    assert modes(same.shell, 4).freq.tobytes() == found.freq.tobytes() == same.freq.tobytes()
+    with pytest.raises(TypeError):
+        same.shell.supports["top"] = Clamped()
 
 
 def test_is_a_value(frustum):
