@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.running import ProgressMessage, deliver, options
 from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
     from contact.scene.stability import load_stability
 
     scene = load_stability(file)
-    with Working(f"stability {file.name}"):
+    with ProgressMessage(f"stability {file.name}"):
         found = scene.solve()
     document = found.to_dict()
     deliver(document, repr(found), as_json=as_json, out=out, files={"stability.json": json_text(document)})
@@ -56,7 +56,7 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
         kind = read_scene(file)[0].scene.kind
         problem = f"scene.kind: found {kind!r}, expected 'rim', 'rub' or 'disk' (casingfem contact runs them all)"
         raise SceneError([f"{file}: {problem}"])
-    with Working(f"{command} {file.name}: starting; a first run compiles its loop") as working:
+    with ProgressMessage(f"{command} {file.name}: starting; a first run compiles its loop") as working:
         result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
     document = result.to_dict()
     files: dict[str, Content] = {}

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.model_warnings import collected
-from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.running import ProgressMessage, deliver, options
 from casingfem.cli.study import STUDY
 from casingfem.io.outfiles import Content, json_text
 
@@ -38,7 +38,7 @@ def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, 
 
     study = load_study(file)
     measured = read_shapes(shapes)
-    with Working(f"modes of {file.name}") as working:
+    with ProgressMessage(f"modes of {file.name}") as working:
         system = assemble(study.shell)
         count = study.file.modes.wanted.get("count") or 40
         found = modes(study.shell, max(count, len(measured) + 4), method="shell", system=system)

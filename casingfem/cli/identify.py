@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.running import ProgressMessage, deliver, options
 from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def identify(
         angles = None if places is None or open_part else angles_of(places)
     else:
         angles, places = read_places(angles_file)
-    with Working(f"modes in {file.name}") as working:
+    with ProgressMessage(f"modes in {file.name}") as working:
         found = find(frfs, angles=angles, places=places, band=band, form=form, order=order, n_max=n_max)
     document = {
         "modes": found.records(),

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from casingfem.cli.model_warnings import collected
-from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.running import ProgressMessage, deliver, options
 from casingfem.cli.study import STUDY
 from casingfem.io.outfiles import Content, json_text
 
@@ -52,7 +52,7 @@ def locate(
     seen = None if shapes is None else read_shapes(shapes)
     if seen is not None and among != "bolts":
         raise click.UsageError("--shapes judges loose bolts, not masses")
-    with Working(f"search among {among} of {file.name}") as working:
+    with ProgressMessage(f"search among {among} of {file.name}") as working:
         model = search_model(study.shell, now, among=among, edge=edge)
         found = find(
             study.shell, now, baseline=before, among=among, edge=edge, most=most, model_error=model_error, model=model

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.running import ProgressMessage, deliver, options
 from casingfem.cli.study import STUDY
 from casingfem.io.outfiles import Content, json_text
 
@@ -31,7 +31,7 @@ def mistune(file: Path, draws: int, processes: int | None, as_json: bool, out: P
     from casingfem.study.mistuning import run_mistune
 
     study = load_study(file)
-    with Working(f"mistuning of {file.name}") as working:
+    with ProgressMessage(f"mistuning of {file.name}") as working:
 
         def progress(done: int) -> None:
             working.say(f"mistuning of {file.name}: {done} of {draws} draws, {working.seconds:.0f} s")

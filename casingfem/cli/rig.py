@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.running import ProgressMessage, deliver, options
 from casingfem.cli.study import STUDY
 from casingfem.io.outfiles import Content, json_text
 
@@ -27,7 +27,7 @@ def rig(file: Path, as_json: bool, out: Path | None) -> None:
     from casingfem.study.rig import run_rig
 
     study = load_study(file)
-    with Working(f"rig of {file.name}") as working:
+    with ProgressMessage(f"rig of {file.name}") as working:
         test = run_rig(study)
     document = {
         "synthetic": True,

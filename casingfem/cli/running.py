@@ -25,12 +25,12 @@ def options(command: Callable[P, R]) -> Callable[P, R]:
     """Add --json and --out DIR, and the exit codes."""
     folder = click.Path(file_okay=False, path_type=Path)
     decorated = click.option("--out", "out", type=folder, metavar="DIR", help="Write result files there.")(
-        guarded(command)
+        with_exit_codes(command)
     )
     return click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")(decorated)
 
 
-def guarded(command: Callable[P, R]) -> Callable[P, R]:
+def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
     """Turn errors into messages on stderr and exit codes; nothing else is caught."""
 
     @wraps(command)
@@ -39,7 +39,7 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
             with collecting():
                 return command(*args, **kwargs)
         except (ValueError, RuntimeError) as error:
-            if not known(error):
+            if not is_own_error(error):
                 raise
             if isinstance(error, RuntimeError) or singular(error):
                 where = click.get_current_context().info_name
@@ -54,7 +54,7 @@ def guarded(command: Callable[P, R]) -> Callable[P, R]:
     return run
 
 
-def known(error: Exception) -> bool:
+def is_own_error(error: Exception) -> bool:
     """Whether an error is one of the two packages' own, meant for the user."""
     modules = {base.__module__.partition(".")[0] for base in type(error).__mro__}
     return bool(modules & {"casingfem", "contact"}) or singular(error)
@@ -89,10 +89,10 @@ def deliver(
         click.echo(f"wrote {sum(path.parent == folder for path in written)} files to {folder}")
 
 
-class Working:
+class ProgressMessage:
     """Says on a terminal what is being done and for how long, once it takes longer than a second.
 
-    >>> with Working("modes") as working:
+    >>> with ProgressMessage("modes") as working:
     ...     working.say("modes: assembling")
     """
 
@@ -104,7 +104,7 @@ class Working:
         self._timer = threading.Timer(PATIENCE, self._show)
         self._timer.daemon = True
 
-    def __enter__(self) -> "Working":
+    def __enter__(self) -> "ProgressMessage":
         if sys.stderr.isatty():
             self._timer.start()
         return self

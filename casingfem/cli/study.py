@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.model_warnings import collected
-from casingfem.cli.running import Working, deliver, options
+from casingfem.cli.running import ProgressMessage, deliver, options
 from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def modes(
     study = load_any(file)
     if (vtu or uff) and isinstance(study, MeshStudy):
         raise click.UsageError("--vtu or --uff writes the shapes of shells on a chart, not those of imported meshes")
-    with Working(f"modes of {file.name}"):
+    with ProgressMessage(f"modes of {file.name}"):
         found = compute(study.structure, **study.file.modes.wanted)
     if found.rigid and study.file.modes.elastic_only:
         what = f"true, and {found.rigid} rigid modes"
@@ -136,7 +136,7 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
     from casingfem.updating.shape_fit import shape_fit
 
     study = load_study(file)
-    with Working(f"update of {file.name}") as working:
+    with ProgressMessage(f"update of {file.name}") as working:
         fit = run_update(study, lambda k, rms: working.say(f"evaluation {k}: rms {rms:.3g} sigma"))
         fit_seconds = working.seconds
         further = judge_update(study, fit, left_out=left_out, posterior=posterior, say=working.say)
@@ -169,7 +169,7 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
     from casingfem.study.tasks import run_reduce
 
     study = load_study(file)
-    with Working(f"reduction of {file.name}") as working:
+    with ProgressMessage(f"reduction of {file.name}") as working:
         basis = run_reduce(study)
     wanted = study.file.reduce.out if study.file.reduce is not None else None
     folder = out if out is not None else file.parent if wanted is not None else None
@@ -199,7 +199,7 @@ def report(file: Path, as_json: bool, out: Path | None) -> None:
 
     study = load_study(file)
     folder = out if out is not None else Path()
-    with Working(f"report on {file.name}") as working:
+    with ProgressMessage(f"report on {file.name}") as working:
         from casingfem.plot.report import study_report
 
         html = study_report(study, working.say)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from casingfem.cli.contact import SCENE
-from casingfem.cli.running import NUMERICS_FAILED, Working, deliver, fail, options
+from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fail, options
 from casingfem.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
     from contact.sweep.sweep import run_sweep
 
     plan = load_sweep(file)
-    with Working(f"sweep {file.name}") as working:
+    with ProgressMessage(f"sweep {file.name}") as working:
 
         def progress(done: int) -> None:
             working.say(f"sweep {file.name}: {done} of {len(plan.runs)} runs, {working.seconds:.0f} s")

@@ -129,7 +129,7 @@ def locate(
         check_labelled(baseline)
         try:
             reduced = calibrated(reduced, baseline)
-            table = noisier(table, baseline)
+            table = with_baseline_noise(table, baseline)
         except ValueError as error:
             raise ModelError("locate-baseline", f"baseline: {error}") from None
     count = min(len(reduced.nominal), round(len(reduced.nominal) / REDUCED) + 4)
@@ -169,7 +169,7 @@ def locate(
     )
 
 
-def noisier(table: FrequencyTable, baseline: FrequencyTable) -> FrequencyTable:
+def with_baseline_noise(table: FrequencyTable, baseline: FrequencyTable) -> FrequencyTable:
     """The table with what a baseline leaves unknown added to its sigma.
 
     The noise of the baseline itself; and the couplings of different n, which manufacture makes as large as it makes

@@ -173,7 +173,7 @@ def load_update(
                 raise ValueError(f"name: found {entry.name} again, expected each parameter once")
             parameters.append(Parameter(**entry.model_dump(exclude={"start"})))
             if start is not None:
-                start = started(start, entry)
+                start = with_start_value(start, entry)
     return table, tuple(parameters), start
 
 
@@ -194,7 +194,7 @@ def load_shapes(
     return None
 
 
-def started(shell: Shell, entry: ParameterTable) -> Shell:
+def with_start_value(shell: Shell, entry: ParameterTable) -> Shell:
     """The shell with a parameter at its start value, which must lie within the bounds."""
     own = float(np.real(get_value(shell, entry.name)))
     value = own if entry.start is None else entry.start

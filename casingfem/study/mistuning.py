@@ -161,14 +161,14 @@ def read(store: Path, chunk: range) -> dict[str, Any] | None:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Bench:
+class WorkerState:
     """What a worker keeps from chunk to chunk."""
 
     study: Study
     mean: Modes
 
 
-_bench: list[Bench] = []  # of this process, filled once by `set_up`
+_worker: list[WorkerState] = []  # of this process, filled once by `set_up`
 
 
 def set_up(path: str, digest: str) -> None:
@@ -179,7 +179,7 @@ def set_up(path: str, digest: str) -> None:
     study = load_study(path)
     if study.source["sha256"] != digest:
         raise RuntimeError(f"{path} changed while its draws were computed")
-    _bench.append(Bench(study, mean_modes(study.shell, study.file.modes.count)))
+    _worker.append(WorkerState(study, mean_modes(study.shell, study.file.modes.count)))
 
 
 def end_with(parent: BaseProcess) -> None:
@@ -190,13 +190,13 @@ def end_with(parent: BaseProcess) -> None:
 
 def mean_pairs() -> list[Pair]:
     """The doublets of the mean shell."""
-    bench = _bench[-1]
+    bench = _worker[-1]
     return perfect_pairs(bench.mean, bench.study.file.modes.count)
 
 
 def compute_chunk(chunk: range) -> dict[str, Any]:
     """The doublets of some draws, the errors of those also solved from nothing, and those that had to be."""
-    bench = _bench[-1]
+    bench = _worker[-1]
     shell, count = bench.study.shell, bench.study.file.modes.count
     content: dict[str, Any] = {"pairs": [], "errors": {}, "from_nothing": []}
     for draw in chunk:

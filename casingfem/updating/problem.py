@@ -91,7 +91,7 @@ class Problem:
         assert self._state is not None
         return self._state
 
-    def repaired(self, x: FloatArray) -> State:
+    def paired_anew(self, x: FloatArray) -> State:
         """The point x with its rows paired anew, by label and frequency: where modes are followed from now on."""
         state = self.state(x)
         self.anchor = None
@@ -100,7 +100,7 @@ class Problem:
         self.anchor = fresh
         return fresh
 
-    def distrust(self) -> None:
+    def solve_afresh(self) -> None:
         """Solve every point from nothing from now on."""
         self.exact, self.anchor, self._state = True, None, None
 

@@ -196,30 +196,30 @@ def descend(
     point from nothing.
     """
     x, message = np.clip(problem.start if begin is None else begin, lower, upper), ""
-    problem.repaired(x)
+    problem.paired_anew(x)
     if problem.shapes is not None and begin is None:
         problem.shapes_wait = True
-        rows = len(problem.repaired(x).values)
+        rows = len(problem.paired_anew(x).values)
         if rows >= len(x):
             x, _ = levenberg_marquardt(
                 problem.fun, problem.jac, x, lower, upper, max_iterations, damping, enough=float(rows)
             )
         problem.shapes_wait = False
-        problem.repaired(x)
+        problem.paired_anew(x)
     for _ in range(4):
         x, message = levenberg_marquardt(problem.fun, problem.jac, x, lower, upper, max_iterations, damping)
         end = problem.counted(x)
         if end is None:
-            problem.distrust()
-            problem.repaired(x)
+            problem.solve_afresh()
+            problem.paired_anew(x)
             continue
-        if not better(end, problem.repaired(x)):
+        if not lower_misfit(end, problem.paired_anew(x)):
             problem.adopt(x, end)
             break
     return x, message
 
 
-def better(old: State, new: State) -> bool:
+def lower_misfit(old: State, new: State) -> bool:
     """Whether rows paired anew are more, or as many and nearer, than those followed so far."""
     rows = [sum(map(len, paired_rows(state.pairing))) for state in (old, new)]
     return rows[1] > rows[0] or (rows[1] == rows[0] and new.pairing.rms < 0.999 * old.pairing.rms)

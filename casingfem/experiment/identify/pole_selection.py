@@ -23,14 +23,14 @@ BEYOND = 0.03  # of the frequency
 LOCAL = 5.0, 12  # about a pole: half-power half-widths, lines at least
 NARROW = 1.5  # lines in a half-power bandwidth, below which nothing is resolved
 UNSURE = 0.3  # standard deviation of ln zeta beyond which a pole is no resonance
-LEAST_GAIN = 0.25  # of the price, that a place must be worth by the gradient before it is tried
+LEAST_GAIN = 0.25  # of the penalty, that a place must be worth by the gradient before it is tried
 TRIES = 3  # places tried before the search ends
 NEAR, SAME = 3.0, 0.9  # half-power bandwidths; MAC
 ENOUGH = 6  # channels below which shapes say nothing
 MISFIT = 1.3  # deviation over noise, squared, that asks for complex residues
 
 
-def price(window: Window) -> float:
+def penalty(window: Window) -> float:
     """Fall of the sum of squares, in units of the noise, that a pole must bring."""
     return float((window.Y.shape[1] * window.columns + 2) * np.log(window.Y.size))
 
@@ -93,7 +93,7 @@ def pruned(fit: PoleFit) -> PoleFit:
         for low, high in _repeats(fit):
             worth[low if worth[low] < worth[high] else high] = 0.0
         least = int(worth.argmin())
-        if worth[least] > price(fit.window):
+        if worth[least] > penalty(fit.window):
             return fit
         kept = np.arange(len(fit.freq)) != least
         fit = fit_poles(fit.window, fit.freq[kept], fit.zeta[kept])
@@ -128,10 +128,10 @@ def _one_more(fit: PoleFit) -> PoleFit | None:
         f, zeta = np.array(added).T
         trial = fit_poles(fit.window, np.append(fit.freq, f), np.append(fit.zeta, zeta))
         new = int(np.argmin(np.abs(trial.freq - f[0])))
-        if (fit.squares - trial.squares) / noise_at(trial, new) <= len(added) * price(fit.window):
+        if (fit.squares - trial.squares) / noise_at(trial, new) <= len(added) * penalty(fit.window):
             continue
         trial = pruned(trial)
-        better = (fit.squares - trial.squares) / trial.noise > price(fit.window)
+        better = (fit.squares - trial.squares) / trial.noise > penalty(fit.window)
         if len(trial.freq) > len(fit.freq) or (len(trial.freq) == len(fit.freq) and better):
             return trial
     return None
@@ -148,7 +148,7 @@ def _places(fit: PoleFit) -> list[tuple[float, float]]:
     gain = np.array([_gain(window.resonances(grid, z * np.ones(len(grid))), Q, R, window.columns) for z in tried])
     best, zeta = gain.max(axis=0), np.where(gain[0] >= gain[1], *tried)
     found: list[tuple[float, float]] = []
-    while len(found) < TRIES and best.max() > LEAST_GAIN * price(window) * fit.noise:
+    while len(found) < TRIES and best.max() > LEAST_GAIN * penalty(window) * fit.noise:
         k = int(best.argmax())
         found.append((float(grid[k]), float(zeta[k])))
         best = np.where(np.abs(grid - grid[k]) < 2.0 * usual * grid[k], 0.0, best)
@@ -173,10 +173,10 @@ def hidden_split(fit: PoleFit, pole: int) -> float:
     """Relative split of two equally driven, orthogonal partners that the data would just not have shown.
 
     Split by delta, the two give g(f) (u + v) + (delta/2) g'(f) (u - v) with |u - v| = |u + v|; the second term is seen
-    once its sum of squares across the fitted terms exceeds the price of a pole, noise against it (three sigma).
+    once its sum of squares across the fitted terms exceeds the penalty of a pole, noise against it (three sigma).
     """
     one = slice(pole, pole + 1)
     g = fit.window.slopes(fit.freq[one], fit.zeta[one])[:, 0]
     across = float(np.sum(g * g) - np.sum((basis(fit).T @ g) ** 2)) * float(np.sum(fit.A[pole] ** 2))
-    seen = np.sqrt(price(fit.window)) + 3.0
+    seen = np.sqrt(penalty(fit.window)) + 3.0
     return float(2.0 * seen * np.sqrt(fit.noise / across)) if across > 0.0 else float("nan")

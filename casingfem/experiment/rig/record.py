@@ -141,7 +141,7 @@ def record(
         fs=fs,
         block=block,
         force=decimated(force),
-        response=respond(rig, sharpened(force), fs * FINER, by, to, quantity, decimated),
+        response=respond(rig, prefiltered(force), fs * FINER, by, to, quantity, decimated),
         quantity=quantity,
         rig=rig,
         drives=tuple(by),
@@ -205,7 +205,7 @@ def respond(
     return np.asarray(rig.rows[to] @ motions + rig.S[np.ix_(to, list(drives))] @ beyond)
 
 
-def sharpened(force: FloatArray) -> FloatArray:
+def prefiltered(force: FloatArray) -> FloatArray:
     """Samples whose straight-line interpolation has the spectrum of the smooth force: see the module."""
     return np.asarray(force - np.diff(np.pad(force, ((0, 0), (1, 1)), mode="edge"), 2, axis=1) / 12.0)
 

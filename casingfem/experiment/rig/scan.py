@@ -166,7 +166,7 @@ def scan(
     freq = np.array(sorted(felt))
     V = np.array([felt[f] for f in freq.tolist()])
     angle = spot_angle(turn, fs, count, rng)
-    velocity = seen(V, freq, n, angle, fs) + every_turn(turn, angle, rng)
+    velocity = velocity_at_spot(V, freq, n, angle, fs) + repeating_noise(turn, angle, rng)
     notes = [SYNTHETIC, *card, f"circle scan: {turn!r}; tones {[tuple(tone) for tone in tones]}; seed {seed}"]
     if turn.casing:
         notes.append(
@@ -222,7 +222,7 @@ def spot_angle(turn: Turning, fs: float, count: int, rng: np.random.Generator) -
     return np.asarray(even + 2.0 * np.pi * turn.spot / fs * (np.cumsum(variation) - variation))
 
 
-def seen(V: Array, freq: FloatArray, n: IntArray, angle: FloatArray, fs: float) -> FloatArray:
+def velocity_at_spot(V: Array, freq: FloatArray, n: IntArray, angle: FloatArray, fs: float) -> FloatArray:
     """v(t) = Re sum V_n e^(i (omega t + n theta)), (samples,)."""
     around = np.exp(1j * angle)
     time = np.arange(len(angle)) / fs
@@ -235,7 +235,7 @@ def seen(V: Array, freq: FloatArray, n: IntArray, angle: FloatArray, fs: float) 
     return velocity
 
 
-def every_turn(turn: Turning, angle: FloatArray, rng: np.random.Generator) -> FloatArray:
+def repeating_noise(turn: Turning, angle: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Velocities that repeat with the spot's angle: run-out and speckle [m/s], (samples,)."""
     velocity = np.zeros(len(angle))
     for k, (cos, sin) in enumerate(turn.runout, start=1):

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.cli.running import Working
+from casingfem.cli.running import ProgressMessage
 from casingfem.study import load_study
 from tests.casingfem.study.study_texts import STEEL, THICK
 
@@ -204,7 +204,7 @@ def test_reduce_beside_the_study_when_it_names_the_file(study, tmp_path):
 def test_a_waiting_user_is_told_that_a_first_run_compiles(monkeypatch):
     said = []
 
-    class Told(Working):
+    class Told(ProgressMessage):
         def __init__(self, what: str) -> None:
             super().__init__(what)
             said.append(what)
@@ -212,7 +212,7 @@ def test_a_waiting_user_is_told_that_a_first_run_compiles(monkeypatch):
         def say(self, what: str) -> None:
             said.append(what)
 
-    monkeypatch.setattr(sys.modules["casingfem.cli.contact"], "Working", Told)
+    monkeypatch.setattr(sys.modules["casingfem.cli.contact"], "ProgressMessage", Told)
     assert invoke("contact", SCENES / "two_rods.toml").exit_code == 0
     assert said[0] == "contact two_rods.toml: starting; a first run compiles its loop"
     assert said[-1] == "contact two_rods.toml: 100%"

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from casingfem.errors import InputError
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
-from casingfem.experiment.rig.record import BAND, FINER, measured, record, respond, sharpened
+from casingfem.experiment.rig.record import BAND, FINER, measured, prefiltered, record, respond
 from casingfem.experiment.rig.rig import Rig
 
 SEED = 8123
@@ -42,7 +42,7 @@ def test_sharpened_samples_join_to_the_smooth_force_at_the_highest_frequency():
     force = np.cos(theta * np.arange(-8, count + 8))
     inside = np.linspace(0.0, count, 32 * count, endpoint=False)
     errors = []
-    for samples in (force, sharpened(force[None])[0]):
+    for samples in (force, prefiltered(force[None])[0]):
         joined = np.interp(inside, np.arange(-8, count + 8), samples)
         errors.append(2.0 * abs(np.mean(joined * np.exp(-1j * theta * inside)) - 0.5))
     assert errors[1] < theta**4 / 80.0 < 0.02 * errors[0]
