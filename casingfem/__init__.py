@@ -9,7 +9,7 @@ print(cf.modes(casing, count=40))
 
 import lazy_loader
 
-from casingfem.former_names import FORMER, former
+from casingfem.former_names import FORMER
 
 # what the package exports stands in __init__.pyi, and each name is loaded when it is first used
 _exported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
@@ -17,4 +17,8 @@ _exported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 def __getattr__(name: str) -> object:
     """A name of the stub, or one that stood here once."""
-    return former(name) if name in FORMER else _exported(name)
+    if name not in FORMER:
+        return _exported(name)
+    from contact.io.former import former
+
+    return former(__name__, FORMER, name)

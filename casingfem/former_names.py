@@ -1,8 +1,6 @@
 """Names that stood at the top of the package once, and where they stand now."""
 
-import warnings
 from collections.abc import Mapping
-from importlib import import_module
 from types import MappingProxyType
 
 ROOMS = {
@@ -37,19 +35,3 @@ FORMER: Mapping[str, str] = MappingProxyType(
     {name: f"{room}.{name}" for room, names in ROOMS.items() for name in names.split()}
     | {name: now for now, names in RENAMED.items() for name in names.split()}
 )
-
-
-def former(name: str) -> object:
-    """What a name of before stands for; warns of the one it has now.
-
-    >>> with warnings.catch_warnings(record=True) as caught:
-    ...     warnings.simplefilter("always")
-    ...     found = former("read_uff")
-    >>> print(caught[0].message)
-    casingfem.read_uff is casingfem.uff.read_uff now
-    """
-    found: object = import_module("casingfem")
-    for part in FORMER[name].split("."):
-        found = getattr(found, part)
-    warnings.warn(f"casingfem.{name} is casingfem.{FORMER[name]} now", DeprecationWarning, stacklevel=3)
-    return found

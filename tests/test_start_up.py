@@ -2,13 +2,16 @@
 
 import ast
 import importlib
+import re
 from operator import attrgetter
 from pathlib import Path
 
 import pytest
 
 import casingfem
-from casingfem.former_names import FORMER
+import contact
+from casingfem import former_names as former_casingfem
+from contact import former_names as former_contact
 from reports.speed.start_up import HEAVY, HELP, loaded, main
 
 ROOT = Path(__file__).parents[1]
@@ -17,6 +20,11 @@ STUBS = sorted(
     for package in ("casingfem", "contact")
     for stub in (ROOT / package).rglob("__init__.pyi")
 )
+MOVED = [
+    (package, old, new)
+    for package, names in ((casingfem, former_casingfem), (contact, former_contact))
+    for old, new in names.FORMER.items()
+]
 
 
 @pytest.mark.parametrize("code", [HELP, "import casingfem", "import contact"], ids=["help", "casingfem", "contact"])
@@ -46,16 +54,18 @@ def test_every_name_of_a_stub_is_there_and_comes_from_its_module(name):
         assert getattr(package, one) is (getattr(where, one) if module else where)
 
 
-def test_the_top_of_casingfem_is_short():
-    assert len(casingfem.__all__) <= 60
+@pytest.mark.parametrize(("package", "most"), [(casingfem, 60), (contact, 40)])
+def test_the_top_of_a_package_is_short(package, most):
+    assert len(package.__all__) <= most
 
 
-@pytest.mark.parametrize(("old", "new"), FORMER.items())
-def test_a_name_that_has_left_the_top_still_works_and_says_where_it_is(old, new):
-    assert old not in dir(casingfem)
-    with pytest.warns(DeprecationWarning, match=f"casingfem.{old} is casingfem.{new} now") as caught:
-        found = getattr(casingfem, old)
-    assert found is attrgetter(new)(casingfem)
+@pytest.mark.parametrize(("package", "old", "new"), MOVED)
+def test_a_name_that_has_left_the_top_still_works_and_says_where_it_is(package, old, new):
+    assert old not in dir(package)
+    words = re.escape(f"{package.__name__}.{old} is {package.__name__}.{new} now")
+    with pytest.warns(DeprecationWarning, match=words) as caught:
+        found = getattr(package, old)
+    assert found is attrgetter(new)(package)
     assert [warning.filename for warning in caught] == [__file__]
 
 
