@@ -16,14 +16,14 @@ from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub
-from contact.model.law import Law, Unilateral, friction
+from contact.model.law import Law, Unilateral
 from contact.model.trig import harmonics
 from contact.result import Result
 
 
 def channel_forces(rim: RotatingRim, result: Result, *, law: Law | None = None) -> tuple[Array, Array]:
     """Forces on the channels of casing (ns, 2(2N+1)) and blade (ns, K) at `result.state_time`."""
-    pull = math.copysign(friction(law or Unilateral()), rim.speed) if rim.speed else 0.0
+    pull = math.copysign((law or Unilateral()).mu, rim.speed) if rim.speed else 0.0
     force = result.state_force()[:, :1]
     phi = math.radians(rim.angle_deg) - rim.speed * result.state_time
     waves = np.array([harmonics(rim.casing.n_max, float(angle)) for angle in phi])

@@ -19,7 +19,7 @@ from contact.model.law import pressure
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import MOST_SAMPLES, Record, Samples
 from contact.record.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear, joined
-from contact.scheme.protocol import Block, Motion, Noted, Notes, Stepper, Wearing
+from contact.scheme.protocol import Block, Motion, Notes, Stepper
 
 FORMAT = "contact-result-1"
 LONGEST = 8  # numbers in a line that lists tips
@@ -278,8 +278,8 @@ def collect(
         blocks=stepper.blocks, steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds,
         scheme=stepper.label,
         source={**versions(), **source}, every=record.every if record.at is None else 0,
-        channels=readonly(record.rows(stepper.size)), tracks=stepper.wear() if isinstance(stepper, Wearing) else (),
-        notes=stepper.notes() if isinstance(stepper, Noted) else Notes(),
+        channels=readonly(record.rows(stepper.size)), tracks=getattr(stepper, "wear", tuple)(),
+        notes=getattr(stepper, "notes", Notes)(),
     )  # fmt: skip
 
 

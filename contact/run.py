@@ -6,19 +6,16 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import singledispatch
 
 import numpy as np
 
 from contact.base.arrays import require_positive
 from contact.base.errors import InputError, NumericsError
 from contact.model.bodies.beam import BeamInCircle
-from contact.model.bodies.body import Body, PointMass, Rod, Wall
-from contact.model.bodies.chain import Chain, assemble
-from contact.model.bodies.linear import LinearBody
-from contact.model.bodies.patch import Patch
-from contact.model.gaps.gap import PointGap, RotatingRim
-from contact.model.gaps.rub import Rub
-from contact.model.law import Law, Penalty, Unilateral
+from contact.model.bodies.body import Body
+from contact.model.bodies.chain import assemble
+from contact.model.law import Law, Unilateral, kind
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import Record, Samples, samples, sparse
 from contact.result import Result, collect
@@ -30,7 +27,7 @@ from contact.scheme.protocol import Problem, Scheme, Stepper
 CHUNK = 20_000  # steps per compiled call
 MOST_STEPS = 10**10  # hours to days of computing: beyond, a number was mistyped
 
-What = Sequence[Body] | LinearBody | PointGap | RotatingRim | BeamInCircle | Patch | Rub
+What = Sequence[Body] | Problem
 Progress = Callable[[float], None]
 
 
@@ -99,7 +96,8 @@ def run(
     """Run a scene from t = 0 to the first step at or after `t_end` [s].
 
     `what`: bodies on one axis (Rod, PointMass, Wall), a LinearBody, a PointGap, a RotatingRim, a BeamInCircle, a
-    Patch, a Rub, or a Scene read from a file, whose own settings these arguments override. `scheme` defaults to
+    Patch, a Rub, a problem of one's own with a `linear_form` or a `modal_form`, or a Scene read from a file, whose own
+    settings these arguments override. `scheme` defaults to
     CentralDifference for bodies (PenaltyDifference for a Penalty law) and ExactModal for what is modal; `dt` [s] or
     `courant` sets the step;
     `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done.
@@ -150,7 +148,8 @@ def prepared(scene: Scene) -> Prepared:
     record = scene.record or sparse(count)
     record.steps(dt=stepper.dt, count=count)  # raises before the first step, as the buffers do for channels
     return Prepared(
-        stepper=stepper, count=count, record=record, source=scene.source, load_step=_load_step(problem, stepper.dt),
+        stepper=stepper, count=count, record=record, source=scene.source,
+        load_step=stepper.dt**2 * getattr(problem, "load_response", 0.0),
         start=stepper.stored(),
     )  # fmt: skip
 
@@ -164,15 +163,6 @@ def _count(end: float, dt: float) -> int:
             f"{MOST_STEPS:.0e}: shorten t_end to {MOST_STEPS * dt:.4g} s, or take a longer dt"
         )
     return max(1, math.ceil(ratio))
-
-
-def _load_step(problem: Problem, dt: float) -> float:
-    """Work of the constant loads over one step from rest, h^2 f^T M^-1 f [J]."""
-    if isinstance(problem, Chain):
-        return dt * dt * float(np.sum(problem.load**2 * problem.inverse_mass))
-    if isinstance(problem, RotatingRim | LinearBody | BeamInCircle | Patch | Rub):
-        return 0.0
-    return dt * dt * sum(float(side.load @ side.load) for side in problem.sides if side.load is not None)
 
 
 def completed(ready: Prepared, progress: Progress | None = None) -> Result:
@@ -214,18 +204,33 @@ def finished(ready: Prepared, parts: Sequence[Samples], taken: int, seconds: flo
 
 def _problem(what: What, gravity: float) -> Problem:
     """Bring what was given to the form schemes take."""
-    if isinstance(what, PointGap | RotatingRim | LinearBody | BeamInCircle | Patch | Rub):
-        if gravity:
-            instead = "none" if isinstance(what, BeamInCircle) else "it as their load"
-            raise InputError(f"gravity: found {gravity:g} m/s^2 with {type(what).__name__}, expected {instead}")
-        return what
-    for body in what:
-        if not isinstance(body, Rod | PointMass | Wall):
-            raise InputError(f"bodies: found {type(body).__name__}, expected Rod, PointMass or Wall")
-    return assemble(what, gravity=gravity)
+    if isinstance(what, Sequence):
+        for body in what:
+            if not hasattr(body, "crossing_time"):
+                raise InputError(f"bodies: found {type(body).__name__}, expected Rod, PointMass or Wall")
+        return assemble(what, gravity=gravity)
+    if gravity:
+        raise InputError(f"gravity: found {gravity:g} m/s^2 with {type(what).__name__}, expected {_instead(what)}")
+    return what
 
 
+@singledispatch
+def _instead(problem: Problem) -> str:
+    return "it as their load"
+
+
+@_instead.register
+def _(problem: BeamInCircle) -> str:
+    return "none"
+
+
+@singledispatch
 def _default_scheme(problem: Problem, law: Law) -> Scheme:
-    if isinstance(problem, PointGap | RotatingRim | Patch | Rub):
+    if not hasattr(problem, "linear_form"):
         return ExactModal()
-    return PenaltyDifference() if isinstance(law, Penalty) else CentralDifference()
+    return PenaltyDifference() if kind(law) == "Penalty" else CentralDifference()
+
+
+@_default_scheme.register
+def _(problem: BeamInCircle, law: Law) -> Scheme:
+    return CentralDifference()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
@@ -78,7 +79,7 @@ def _alone(ready: Prepared | InputError) -> Outcome:
 def _fits(ready: Prepared) -> bool:
     """Whether the lanes take this run."""
     stepper, record = ready.stepper, ready.record
-    if not isinstance(stepper, ModalRun) or stepper.rim is None or stepper.tracks is not None:
+    if getattr(stepper, "rim", None) is None or getattr(stepper, "tracks", None) is not None:
         return False
     if record.at is not None or record.channels is not None:
         return False
@@ -114,8 +115,7 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Resul
 
 
 def _job(ready: Prepared) -> Job:
-    assert isinstance(ready.stepper, ModalRun)
-    return Job(run=ready.stepper, steps=ready.count, record=ready.record)
+    return Job(run=cast(ModalRun, ready.stepper), steps=ready.count, record=ready.record)
 
 
 def _result(ready: Prepared, kept: Samples, seconds: float) -> Result | None:

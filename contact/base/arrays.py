@@ -56,6 +56,13 @@ def require_not_negative(**fields: float) -> None:
             raise InputError(f"{name}: found {value!r}, expected a finite number >= 0")
 
 
+def require_count(least: int = 1, **fields: object) -> None:
+    """Raise InputError for the first field that is not a whole number >= `least`."""
+    for name, value in fields.items():
+        if not isinstance(value, int) or value < least:
+            raise InputError(f"{name}: found {value!r}, expected a whole number >= {least}")
+
+
 def require_finite(**fields: float) -> None:
     """Raise InputError for the first field that is NaN or infinite."""
     for name, value in fields.items():

@@ -115,7 +115,7 @@ def _pack(value: Any, kinds: list[Any], words: Words, held: list[Any]) -> None:
         kinds.append(types.float64)
         words += np.array([value]).view(np.int64).tolist()
     else:
-        kinds.append(types.boolean if isinstance(value, (bool, np.bool_)) else types.int64)
+        kinds.append(types.boolean if type(value) in (bool, np.bool_) else types.int64)
         words.append(int(value))
 
 

@@ -10,17 +10,63 @@ compressive and >= 0: force = -lam.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import ClassVar, Protocol, TypeVar
 
-from contact.base.arrays import Array, require_not_negative, require_positive
+from contact.base.arrays import Array, require_count, require_not_negative, require_positive
 from contact.base.errors import InputError
 
 Depth = TypeVar("Depth", float, Array)
+MOST_BARS = 10_000  # under a tip
 
 
 def pressure(force: Array) -> Array:
     """Contact pressure in the public sign, lam = -force <= 0."""
     return -force
+
+
+class Law(Protocol):
+    """What schemes read of a law; one of a user's own needs no more. All but `words` are zero or None if left out.
+
+    `stiffness` [N/m] of a spring in the contact, 0 for a rigid one; `updates` of multipliers in a step, to a
+    `tolerance` [m]; `mu` of friction; `coating` that wears.
+    """
+
+    @property
+    def words(self) -> str:
+        """Its name in the label of a run."""
+
+    @property
+    def stiffness(self) -> float:
+        """Of the contact spring [N/m], 0: rigid."""
+
+    @property
+    def updates(self) -> int:
+        """Multiplier updates a step, 0: none."""
+
+    @property
+    def tolerance(self) -> float:
+        """Where updates end [m]."""
+
+    @property
+    def mu(self) -> float:
+        """Coefficient of friction, 0: none."""
+
+    @property
+    def coating(self) -> Abradable | None:
+        """What wears, or None."""
+
+
+def kind(law: Law) -> str:
+    """Name of the law of this module whose kind it is, which schemes take or refuse.
+
+    >>> kind(Penalty(stiffness=1e6)), kind(Coulomb(mu=0.0))
+    ('Penalty', 'Coulomb')
+    """
+    if law.coating is not None:
+        return "Abradable"
+    if law.stiffness > 0.0:
+        return "AugmentedLagrangian" if law.updates > 0 else "Penalty"
+    return "Coulomb" if law.mu > 0.0 or law.words == Coulomb.words else "Unilateral"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,6 +76,13 @@ class Unilateral:
     >>> Unilateral()
     Unilateral()
     """
+
+    words: ClassVar[str] = "Lagrange"
+    stiffness: ClassVar[float] = 0.0
+    updates: ClassVar[int] = 0
+    tolerance: ClassVar[float] = 0.0
+    mu: ClassVar[float] = 0.0
+    coating: ClassVar[None] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,9 +94,18 @@ class Penalty:
     """
 
     stiffness: float
+    updates: ClassVar[int] = 0
+    tolerance: ClassVar[float] = 0.0
+    mu: ClassVar[float] = 0.0
+    coating: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(stiffness=self.stiffness)
+
+    @property
+    def words(self) -> str:
+        """Its name in the label of a run."""
+        return f"penalty {self.stiffness:.3g} N/m"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +123,9 @@ class AugmentedLagrangian:
     stiffness: float
     updates: int = 50
     tolerance: float = 1e-12
+    words: ClassVar[str] = "augmented Lagrangian"
+    mu: ClassVar[float] = 0.0
+    coating: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(stiffness=self.stiffness, updates=self.updates, tolerance=self.tolerance)
@@ -79,6 +144,11 @@ class Coulomb:
     """
 
     mu: float
+    words: ClassVar[str] = "Coulomb"
+    stiffness: ClassVar[float] = 0.0
+    updates: ClassVar[int] = 0
+    tolerance: ClassVar[float] = 0.0
+    coating: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_not_negative(mu=self.mu)
@@ -111,6 +181,10 @@ class Abradable:
     bars: int = 6
     machined: float = 0.0
     mu: float = 0.0
+    words: ClassVar[str] = "abradable coating"
+    stiffness: ClassVar[float] = 0.0
+    updates: ClassVar[int] = 0
+    tolerance: ClassVar[float] = 0.0
 
     def __post_init__(self) -> None:
         require_positive(E=self.E, yield_stress=self.yield_stress, thickness=self.thickness, width=self.width)
@@ -120,8 +194,16 @@ class Abradable:
             raise InputError(
                 f"machined: found {self.machined:g} m, expected at most the thickness {self.thickness:g} m"
             )
-        if not isinstance(self.bars, int) or not 1 <= self.bars <= 10_000:
-            raise InputError(f"bars: found {self.bars!r}, expected a whole number under the tip from 1 to 10,000")
+        require_count(bars=self.bars)
+        if self.bars > MOST_BARS:
+            raise InputError(
+                f"bars: found {self.bars!r}, expected a whole number under the tip from 1 to {MOST_BARS:,}"
+            )
+
+    @property
+    def coating(self) -> Abradable:
+        """Itself."""
+        return self
 
     def stress(self, worn: Depth) -> Depth:
         """Stress at which a bar of this worn depth [m] flows [Pa]."""
@@ -130,15 +212,3 @@ class Abradable:
     def dissipated(self, worn: Depth) -> Depth:
         """Energy that wears a bar to this depth, over its area [J/m^2]: integral of the stress over the depth."""
         return worn * self.stress(0.5 * worn)
-
-
-Law = Unilateral | Penalty | AugmentedLagrangian | Coulomb | Abradable
-
-
-def friction(law: Law) -> float:
-    """Coefficient of sliding friction of any law, 0 for those without.
-
-    >>> friction(Unilateral()), friction(Coulomb(mu=0.3))
-    (0.0, 0.3)
-    """
-    return law.mu if isinstance(law, Coulomb | Abradable) else 0.0

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import singledispatch
 
 import numpy as np
 
@@ -53,42 +54,73 @@ class Impact:
 
 
 class _End:
-    """One body at the contact; `waves` (2, steps): arriving waves just before and just after each instant."""
+    """A wall at the contact, and what other bodies differ in: their end's `velocity`, pushed in direction `sign`."""
 
-    def __init__(self, body: Body, sign: int, dt: float, steps: int) -> None:
-        self.sign, self.body, self.dt = sign, body, dt
-        self.velocity: float = getattr(body, "velocity", 0.0)
-        self.waves, self.delay = np.zeros((2, 0)), 0
-        if isinstance(body, Rod):
-            if body.end_mass or body.damping:
-                raise InputError("rod: found an end mass or damping, expected neither for characteristics")
-            ratio = 2.0 * body.length / body.wave_speed / dt
-            self.delay = round(ratio)
-            if abs(ratio - self.delay) > ALIGNED:
-                raise InputError(f"dt: found a travel time 2 L/c of {ratio:g} steps, expected a whole number")
-            self.waves = np.zeros((2, steps + 1 + self.delay))
-            self.waves[:, : self.delay + 1] = 0.5 * body.velocity
-            if body.fixed != "none":  # the half that meets the fixed end first comes back turned over
-                self.waves[0, self.delay // 2 + 1 :] *= -1.0
-                self.waves[1, self.delay // 2 :] *= -1.0
-        elif isinstance(body, PointMass) and (body.stiffness or body.damping or body.force):
-            raise InputError("mass: found a spring, dashpot or force, expected none for characteristics")
+    def __init__(self, velocity: float, sign: int) -> None:
+        self.velocity, self.sign = velocity, sign
 
     def offer(self, n: int, after: bool, last_force: float) -> tuple[float, float]:
         """R and y of the end's velocity r + s y F just before, or just after, instant n."""
-        if isinstance(self.body, Rod):
-            return 2.0 * float(self.waves[int(after), n]), 1.0 / self.body.impedance
-        if isinstance(self.body, PointMass):
-            half = 0.0 if after else 0.5 * self.dt / self.body.mass
-            return self.velocity + self.sign * half * last_force, half
         return 0.0, 0.0
 
     def move(self, n: int, after: bool, r: float, y: float, force: float) -> None:
         """Take the force, and send the wave it makes."""
         self.velocity = r + self.sign * y * force
-        if isinstance(self.body, Rod):
-            sent = float(self.waves[int(after), n]) + self.sign * force / self.body.impedance
-            self.waves[int(after), n + self.delay] = sent if self.body.fixed == "none" else -sent
+
+
+class _MassEnd(_End):
+    """A point mass."""
+
+    def __init__(self, mass: PointMass, sign: int, dt: float) -> None:
+        if mass.stiffness or mass.damping or mass.force:
+            raise InputError("mass: found a spring, dashpot or force, expected none for characteristics")
+        super().__init__(mass.velocity, sign)
+        self.half = 0.5 * dt / mass.mass
+
+    def offer(self, n: int, after: bool, last_force: float) -> tuple[float, float]:
+        half = 0.0 if after else self.half
+        return self.velocity + self.sign * half * last_force, half
+
+
+class _RodEnd(_End):
+    """A rod; `waves` (2, steps): arriving waves just before and just after each instant."""
+
+    def __init__(self, rod: Rod, sign: int, dt: float, steps: int) -> None:
+        if rod.end_mass or rod.damping:
+            raise InputError("rod: found an end mass or damping, expected neither for characteristics")
+        super().__init__(rod.velocity, sign)
+        ratio = 2.0 * rod.length / rod.wave_speed / dt
+        self.rod, self.delay = rod, round(ratio)
+        if abs(ratio - self.delay) > ALIGNED:
+            raise InputError(f"dt: found a travel time 2 L/c of {ratio:g} steps, expected a whole number")
+        self.waves = np.zeros((2, steps + 1 + self.delay))
+        self.waves[:, : self.delay + 1] = 0.5 * rod.velocity
+        if rod.fixed != "none":  # the half that meets the fixed end first comes back turned over
+            self.waves[0, self.delay // 2 + 1 :] *= -1.0
+            self.waves[1, self.delay // 2 :] *= -1.0
+
+    def offer(self, n: int, after: bool, last_force: float) -> tuple[float, float]:
+        return 2.0 * float(self.waves[int(after), n]), 1.0 / self.rod.impedance
+
+    def move(self, n: int, after: bool, r: float, y: float, force: float) -> None:
+        super().move(n, after, r, y, force)
+        sent = float(self.waves[int(after), n]) + self.sign * force / self.rod.impedance
+        self.waves[int(after), n + self.delay] = sent if self.rod.fixed == "none" else -sent
+
+
+@singledispatch
+def _end(body: Body, sign: int, dt: float, steps: int) -> _End:
+    return _End(body.velocity, sign)
+
+
+@_end.register
+def _(body: PointMass, sign: int, dt: float, steps: int) -> _End:
+    return _MassEnd(body, sign, dt)
+
+
+@_end.register
+def _(body: Rod, sign: int, dt: float, steps: int) -> _End:
+    return _RodEnd(body, sign, dt, steps)
 
 
 def impact_by_characteristics(left: Body, right: Body, *, dt: float, t_end: float) -> Impact:
@@ -107,9 +139,9 @@ def impact_by_characteristics(left: Body, right: Body, *, dt: float, t_end: floa
     """
     require_positive(dt=dt, t_end=t_end)
     steps = math.ceil(t_end / dt - 1e-9)
-    ends = (_End(left, -1, dt, steps), _End(right, 1, dt, steps))
+    ends = (_end(left, -1, dt, steps), _end(right, 1, dt, steps))
     gap, force, speeds = np.zeros(steps + 1), np.zeros((2, steps + 1)), np.zeros((2, 2, steps + 1))
-    gap[0] = right.x - (left.x + left.length if isinstance(left, Rod) else left.x)
+    gap[0] = right.x - left.end
     closed = False
     for n in range(steps + 1):
         last = float(force[1, n - 1]) if n else 0.0

@@ -18,7 +18,7 @@ from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.ring_modes import ThinRing, ring_modes
 from contact.model.gaps.cantilever import Cantilever
 from contact.model.gaps.gap import RotatingRim
-from contact.model.law import Abradable, Coulomb, Unilateral
+from contact.model.law import Coulomb, Unilateral
 from contact.record.record import Record
 from contact.run import Scene
 from contact.scheme.modal.exact_modal import ExactModal
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from contact.scene.patch import PatchFile
     from contact.scene.record import RecordTable
     from contact.scene.rub import RubFile
-    from contact.scene.tables import BeamFile, CantileverFile, File, RimFile, RingTable, RodsFile
+    from contact.scene.tables import BeamFile, CantileverFile, File, PairFile, RimFile, RingTable, RodsFile
 
 Built = TypeVar("Built")
 
@@ -62,24 +62,8 @@ def scene_of(data: dict[str, Any], file: Path) -> Scene:
 
 
 def _built(table: File, file: Path, text: bytes) -> Scene:
-    from contact.scene.disk import DiskFile
-    from contact.scene.patch import PatchFile
-    from contact.scene.rub import RubFile
-    from contact.scene.tables import BeamFile, CantileverFile, PairFile, RimFile
-
-    if isinstance(table, PairFile):
-        raise SceneError([f"{file}: scene.kind: found 'pair', which casingfem stability takes"])
-    if isinstance(table, RimFile):
-        return _rim(table, file, text)
-    if isinstance(table, BeamFile):
-        return _beam(table, file, text)
-    if isinstance(table, CantileverFile):
-        return _cantilever(table, file, text)
-    if isinstance(table, PatchFile):
-        return _patch(table, file, text)
-    if isinstance(table, RubFile | DiskFile):
-        return _rub(table, file, text)
-    return _rods(table, file, text)
+    build: Callable[[Any, Path, bytes], Scene] = BUILDERS[table.scene.kind]
+    return build(table, file, text)
 
 
 def read_scene(file: Path) -> tuple[File, bytes]:
@@ -113,11 +97,11 @@ def _validated(data: dict[str, Any], file: Path) -> File:
 
     head = data.get("scene")
     kind = head.get("kind") if isinstance(head, dict) else None
-    if not isinstance(kind, str) or kind not in FILES:
+    if str(kind) not in FILES:
         found = "nothing" if kind is None else repr(kind)
         raise SceneError([f"{file}: scene.kind: found {found}, expected one of {', '.join(map(repr, FILES))}"])
     try:
-        return FILES[kind].model_validate(data)
+        return FILES[str(kind)].model_validate(data)
     except ValidationError as error:
         raise SceneError([problem_text(file, detail) for detail in error.errors()]) from error
 
@@ -279,8 +263,8 @@ def _rub(table: RubFile | DiskFile, file: Path, text: bytes) -> Scene:
     law = _tried(lambda: contact_law(table.coating, table.contact.friction), file, problems, "coating")
     if what is None or law is None:
         raise SceneError(problems)
-    if isinstance(law, Abradable):
-        length = law.tip
+    if law.coating is not None:
+        length = law.coating.tip
         if _tried(lambda: track_tips(what, length), file, problems) is None:
             raise SceneError(problems)
     return Scene(
@@ -288,6 +272,16 @@ def _rub(table: RubFile | DiskFile, file: Path, text: bytes) -> Scene:
         t_end=table.scene.t_end, dt=table.scheme.dt, record=_record(table.record, file),
         source=_source(file, text, *(path.read_bytes() for path in table.files(file.parent))),
     )  # fmt: skip
+
+
+def _no_pair(table: PairFile, file: Path, text: bytes) -> Scene:
+    raise SceneError([f"{file}: scene.kind: found 'pair', which casingfem stability takes"])
+
+
+BUILDERS: dict[str, Callable[..., Scene]] = {
+    "rods": _rods, "rim": _rim, "rub": _rub, "disk": _rub, "beam": _beam, "cantilever": _cantilever, "patch": _patch,
+    "pair": _no_pair,
+}  # fmt: skip
 
 
 def _ring(ring: RingTable, table: BeamFile, file: Path) -> ModalBody:

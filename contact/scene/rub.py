@@ -95,14 +95,15 @@ class RubSpeed(Table):
 
     @model_validator(mode="after")
     def _fits(self) -> RubSpeed:
-        found = len(self.hz) if isinstance(self.hz, list) else None
-        if (found is None) != (self.time is None) or (self.time is not None and found != len(self.time)):
-            raise ValueError(f"{found or 'one'} hz and {len(self.time or [])} time found, expected as many or one hz")
+        found = np.shape(self.hz)
+        if found != np.shape(self.time if self.time is not None else 0.0):
+            many = found[0] if found else "one"
+            raise ValueError(f"{many} hz and {len(self.time or [])} time found, expected as many or one hz")
         return self
 
     def law(self) -> Speed:
         """The speed over time."""
-        if isinstance(self.hz, list) and self.time is not None:
+        if self.time is not None:
             return Speed(readonly(self.time), readonly(self.hz))
         return Speed.constant(float(np.ravel(self.hz)[0]))
 
@@ -116,16 +117,16 @@ class RubClosing(Table):
 
     @model_validator(mode="after")
     def _one(self) -> RubClosing:
-        listed = isinstance(self.by, list)
+        listed = np.ndim(self.by) > 0
         if listed == (self.time is None) or listed == (self.time_constant is not None):
             raise ValueError("expected one by with time_constant, or a list of them with time")
         return self
 
     def law(self) -> Closing:
         """The closing over time."""
-        if isinstance(self.by, list):
-            return Closing(readonly(self.by if self.time is None else self.time), readonly(self.by))
-        return Closing.exponential(self.by, 1.0 if self.time_constant is None else self.time_constant)
+        if self.time is not None:
+            return Closing(readonly(self.time), readonly(self.by))
+        return Closing.exponential(float(np.ravel(self.by)[0]), self.time_constant or 1.0)
 
 
 class RubWhirl(Table):
@@ -228,7 +229,7 @@ def read_profile(path: Path) -> tuple[list[float], list[float]]:
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error  # its text would repeat the path
+        reason = getattr(error, "strerror", error)  # the text of an OSError would repeat the path
         raise InputError(f"profile: {path}: {reason}, expected a CSV file theta_deg,depth_m") from error
     rows = [(n, line.split(",")) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if not rows or [cell.strip() for cell in rows[0][1]] != ["theta_deg", "depth_m"]:

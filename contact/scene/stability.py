@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from contact.growth.closed_contact import rim_stability, stability
 from contact.growth.growth_map import StabilityMap
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair, ModalPair
-from contact.model.law import Unilateral, friction
+from contact.model.law import Unilateral
 from contact.scene.load import SceneError, load_scene, read_scene
 
 if TYPE_CHECKING:
@@ -31,9 +31,10 @@ class StabilityScene:
 
     def solve(self) -> StabilityMap:
         """Growth map over the speeds."""
-        if isinstance(self.what, HandPair):
-            return stability(self.what.contact(), self.speed_hz)
-        return rim_stability(self.what, self.speed_hz, mu=self.mu)
+        pair = getattr(self.what, "contact", None)
+        if pair is not None:
+            return stability(pair(), self.speed_hz)
+        return rim_stability(cast(RotatingRim, self.what), self.speed_hz, mu=self.mu)
 
 
 def load_stability(path: str | Path) -> StabilityScene:
@@ -41,20 +42,18 @@ def load_stability(path: str | Path) -> StabilityScene:
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
     """
-    from contact.scene.tables import PairFile, RimFile
-
     file = Path(path)
     table, _ = read_scene(file)
-    if isinstance(table, PairFile):
+    if table.scene.kind == "pair":
         return StabilityScene(what=_pair(table, file), speed_hz=_speeds(table.speed))
-    if not isinstance(table, RimFile):
+    if table.scene.kind != "rim":
         raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair' or 'rim'"])
-    if table.speed.scan is None:
+    scan = table.speed.scan
+    if scan is None:
         raise SceneError([f"{file}: speed.scan: missing, expected {{from_hz = ..., to_hz = ..., steps = ...}}"])
     scene = load_scene(file)
-    assert isinstance(scene.what, RotatingRim)  # what a RimFile holds
-    mu = friction(scene.law or Unilateral())
-    return StabilityScene(what=scene.what, speed_hz=_speeds(table.speed.scan), mu=mu)
+    mu = (scene.law or Unilateral()).mu
+    return StabilityScene(what=cast(RotatingRim, scene.what), speed_hz=_speeds(scan), mu=mu)
 
 
 def _pair(table: PairFile, file: Path) -> HandPair:

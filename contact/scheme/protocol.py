@@ -16,23 +16,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 
 from contact.base.arrays import Array
 from contact.model.bodies.beam import BeamInCircle
-from contact.model.bodies.chain import Chain
-from contact.model.bodies.linear import LinearBody
+from contact.model.bodies.linear_system import Linear
 from contact.model.bodies.patch import Patch
 from contact.model.gaps.gap import PointGap, RotatingRim
+from contact.model.gaps.modal_system import ModalSystem
 from contact.model.gaps.rub import Rub
 from contact.model.law import Law
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally
-from contact.record.wear import Wear
 
-Problem = Chain | LinearBody | PointGap | RotatingRim | BeamInCircle | Patch | Rub
+
+class Modal(Protocol):
+    """What the exact-modal scheme needs of a gap of a user's own."""
+
+    def modal_form(self, modes: int) -> ModalSystem:
+        """Modes and rows of one contact; `modes` of a continuous body."""
+
+
+Problem = Linear | Modal | PointGap | RotatingRim | BeamInCircle | Patch | Rub
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,7 +72,10 @@ Block = tuple[str, int, int]
 
 
 class Stepper(Protocol):
-    """A run in progress; see the module's contract."""
+    """A run in progress; see the module's contract.
+
+    It may have two more: `wear()`, what each track of a coating has lost so far, and `notes()` on the run so far.
+    """
 
     @property
     def dt(self) -> float:
@@ -102,22 +112,6 @@ class Stepper(Protocol):
 
     def motions(self) -> tuple[Motion, ...]:
         """Rigid motion of each body now."""
-
-
-@runtime_checkable
-class Wearing(Protocol):
-    """A run whose contact surface may wear."""
-
-    def wear(self) -> tuple[Wear, ...]:
-        """What each track of a coating has lost so far; none where nothing wears."""
-
-
-@runtime_checkable
-class Noted(Protocol):
-    """A stepper that has something to add to its result."""
-
-    def notes(self) -> Notes:
-        """Notes on the run so far."""
 
 
 class Scheme(Protocol):

@@ -173,12 +173,14 @@ def _as_in_scene(value: Value, whole: bool) -> Value:
 
 def _step(at: Any, part: str, key: str, file: Path | None) -> Any:
     match = PART.fullmatch(part)
-    found = at.get(match.group(1)) if match and isinstance(at, dict) else None
-    if match and match.group(2) and isinstance(found, list) and 1 <= int(match.group(2)) <= len(found):
-        return found[int(match.group(2)) - 1]
-    if match and not match.group(2) and isinstance(found, dict):
-        return found
-    raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, but the scene has no {part!r} there"])
+    try:
+        name, number = match.groups() if match else ("", None)
+        found = at[name] if number is None else at[name][int(number) - 1 if int(number) else len(at[name])]
+    except (LookupError, TypeError):
+        found = None
+    if not isinstance(found, dict):
+        raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, but the scene has no {part!r} there"])
+    return found
 
 
 def _definition(data: dict[str, Any], file: Path, run_on: dict[str, str], contents: dict[Path, str]) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -85,7 +85,7 @@ def _motion(scene: Scene | None, result: Result) -> dict[str, Any]:
             return {"amplitude_m": float(np.abs(result.state).max())}
         N = rim.casing.n_max
         radial = result.state_of("casing") @ rim.casing.rows[: 2 * N + 1].T
-        name, normal = _normal(rim)
+        name, normal = rim.blade_normal()
         blade = result.state_of(name) @ normal
         levels = _levels(radial[late], N)
         n = int(levels.argmax())
@@ -97,7 +97,8 @@ def _motion(scene: Scene | None, result: Result) -> dict[str, Any]:
 
 
 def _rim(scene: Scene | None) -> RotatingRim | Rub | None:
-    return scene.what if scene is not None and isinstance(scene.what, RotatingRim | Rub) else None
+    what = None if scene is None else scene.what
+    return cast("RotatingRim | Rub", what) if hasattr(what, "blade_normal") else None
 
 
 def _largest(rim: RotatingRim | Rub, result: Result) -> float:
@@ -105,17 +106,6 @@ def _largest(rim: RotatingRim | Rub, result: Result) -> float:
     N = rim.casing.n_max
     with np.errstate(over="ignore", invalid="ignore"):
         return float(np.abs(result.state_of("casing") @ rim.casing.rows[: 2 * N + 1].T).max(initial=0.0))
-
-
-def _normal(rim: RotatingRim | Rub) -> tuple[str, Array]:
-    """The (first) blade that touches, and the row of its motion along the contact normal."""
-    if isinstance(rim, Rub):
-        tip = rim.tips[0]
-        body = rim.blades[tip.blade]
-        return rim.names[1 + tip.blade], np.asarray(tip.directions(body)[0] @ body.rows)
-    a = math.radians(rim.lean_deg)
-    span, flap = (rim.blade.rows[rim.blade.channel(name)] for name in ("span", "flap"))
-    return "blade", np.asarray(math.cos(a) * span + math.sin(a) * flap)
 
 
 def _levels(radial: Array, N: int) -> Array:

@@ -208,7 +208,7 @@ def counted(runs: int) -> str:
 
 
 def _cell(value: object) -> str:
-    text = "" if value is None else repr(value) if isinstance(value, float) else str(value)
+    text = "" if value is None else str(value)
     if any(mark in text for mark in ',"\n'):
         return '"' + text.replace('"', '""').replace("\n", " ") + '"'
     return text

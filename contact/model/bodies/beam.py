@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly, require_finite, require_not_negative, require_positive
+from contact.base.arrays import Array, readonly, require_count, require_finite, require_not_negative, require_positive
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.trig import harmonics
@@ -42,8 +42,7 @@ class HingedBeam:
     def __post_init__(self) -> None:
         require_positive(length=self.length, width=self.width, height=self.height, E=self.E, rho=self.rho)
         require_finite(torque=self.torque, angle_deg=self.angle_deg, spin=self.spin)
-        if not isinstance(self.elements, int) or self.elements < 1:
-            raise InputError(f"elements: found {self.elements!r}, expected a whole number >= 1")
+        require_count(elements=self.elements)
 
     @property
     def area(self) -> float:

@@ -1,15 +1,75 @@
-"""Bodies of one-dimensional scenes: finite element rods and point masses (modal bodies: `modal_body`)."""
+"""Bodies of one-dimensional scenes: finite element rods, point masses, walls (modal bodies: `modal_body`)."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal, Protocol
 
-from contact.base.arrays import require_finite, require_not_negative, require_positive
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.base.arrays import Array, require_count, require_finite, require_not_negative, require_positive
 from contact.base.errors import InputError
 
 Fixed = Literal["none", "left", "right"]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Nodes:
+    """Nodes of one body from left to right: positions [m], masses [kg], which are held, springs to the next [N/m].
+
+    `ground` [N/m] and `damping` [N s/m] to the ground, `stretch` [m] of the ground springs at t = 0; the last spring
+    is zero.
+    """
+
+    position: Array
+    mass: Array
+    held: NDArray[np.bool_]
+    springs: Array
+    ground: Array
+    damping: Array
+    stretch: Array
+
+
+class Body(Protocol):
+    """What a chain needs of a body between `x` and `end` [m], moving at `velocity` [m/s].
+
+    `force` [N] varies at its first node, with `force_hz` and `force_deg`. `moves` is false for what is rigid and held.
+    """
+
+    moves: ClassVar[bool]
+
+    @property
+    def x(self) -> float:
+        """Left end [m]."""
+
+    @property
+    def end(self) -> float:
+        """Right end [m]."""
+
+    @property
+    def velocity(self) -> float:
+        """At t = 0 [m/s]."""
+
+    @property
+    def crossing_time(self) -> float:
+        """Time of a wave through one element [s], infinite where there is none."""
+
+    @property
+    def force(self) -> float:
+        """Amplitude of the force on it [N]."""
+
+    @property
+    def force_hz(self) -> float:
+        """Frequency of the force [Hz]."""
+
+    @property
+    def force_deg(self) -> float:
+        """Phase of the force."""
+
+    def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:
+        """Nodes of the body, which has a neighbour on its left, on its right."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,13 +97,16 @@ class Rod:
     fixed: Fixed = "none"
     end_mass: float = 0.0
     damping: float = 0.0
+    moves: ClassVar[bool] = True
+    force: ClassVar[float] = 0.0
+    force_hz: ClassVar[float] = 0.0
+    force_deg: ClassVar[float] = 0.0
 
     def __post_init__(self) -> None:
         require_positive(length=self.length, area=self.area, E=self.E, rho=self.rho)
         require_finite(x=self.x, velocity=self.velocity)
         require_not_negative(end_mass=self.end_mass, damping=self.damping)
-        if not isinstance(self.elements, int) or self.elements < 1:
-            raise InputError(f"elements: found {self.elements!r}, expected a whole number >= 1")
+        require_count(elements=self.elements)
         if self.fixed not in ("none", "left", "right"):
             raise InputError(f"fixed: found {self.fixed!r}, expected 'none', 'left' or 'right'")
 
@@ -67,6 +130,37 @@ class Rod:
         """Time of a wave through one element, dx/c: the stable step of central differences [s]."""
         return self.length / self.elements / self.wave_speed
 
+    @property
+    def end(self) -> float:
+        """Right end [m]."""
+        return self.x + self.length
+
+    def contact_end(self, *, has_left: bool, has_right: bool) -> str:
+        """The end that carries the end mass: the free one, or the one that faces a neighbour."""
+        if self.fixed != "none":
+            return "right" if self.fixed == "left" else "left"
+        if has_left and has_right:
+            raise InputError("end_mass: found on a free rod between two bodies, expected a rod with one contact end")
+        return "left" if has_left else "right"
+
+    def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:
+        """Equal elements with lumped masses."""
+        n = self.elements
+        mass = np.full(n + 1, self.mass / n)
+        mass[[0, n]] *= 0.5
+        if self.end_mass > 0.0:
+            mass[0 if self.contact_end(has_left=has_left, has_right=has_right) == "left" else n] += self.end_mass
+        held = np.zeros(n + 1, dtype=bool)
+        if self.fixed != "none":
+            held[0 if self.fixed == "left" else n] = True
+        springs = np.full(n + 1, self.E * self.area * n / self.length)
+        springs[n] = 0.0
+        none = np.zeros(n + 1)
+        return Nodes(
+            position=self.x + self.length * np.arange(n + 1) / n, mass=mass, held=held, springs=springs, ground=none,
+            damping=self.damping * mass, stretch=none,
+        )  # fmt: skip
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointMass:
@@ -88,6 +182,8 @@ class PointMass:
     force: float = 0.0
     force_hz: float = 0.0
     force_deg: float = 0.0
+    moves: ClassVar[bool] = True
+    crossing_time: ClassVar[float] = math.inf
 
     def __post_init__(self) -> None:
         require_positive(mass=self.mass)
@@ -101,6 +197,15 @@ class PointMass:
         """Elongation of the spring at t = 0 [m]."""
         return 0.0 if self.anchor is None else self.x - self.anchor
 
+    @property
+    def end(self) -> float:
+        """Where it is [m]."""
+        return self.x
+
+    def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:
+        """One node."""
+        return _node(self.x, self.mass, self.stiffness, self.damping, self.stretch)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wall:
@@ -111,9 +216,30 @@ class Wall:
     """
 
     x: float = 0.0
+    moves: ClassVar[bool] = False
+    velocity: ClassVar[float] = 0.0
+    crossing_time: ClassVar[float] = math.inf
+    force: ClassVar[float] = 0.0
+    force_hz: ClassVar[float] = 0.0
+    force_deg: ClassVar[float] = 0.0
 
     def __post_init__(self) -> None:
         require_finite(x=self.x)
 
+    @property
+    def end(self) -> float:
+        """Where it is [m]."""
+        return self.x
 
-Body = Rod | PointMass | Wall
+    def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:
+        """One node without mass, held."""
+        return _node(self.x, 0.0, 0.0, 0.0, 0.0)
+
+
+def _node(x: float, mass: float, ground: float, damping: float, stretch: float) -> Nodes:
+    one = (np.array([value]) for value in (x, mass, 0.0, ground, damping, stretch))
+    position, point, springs, to_ground, dashpot, pulled = one
+    return Nodes(
+        position=position, mass=point, held=point == 0.0, springs=springs, ground=to_ground, damping=dashpot,
+        stretch=pulled,
+    )  # fmt: skip

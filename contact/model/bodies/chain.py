@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices, readonly, require_finite
 from contact.base.errors import InputError
-from contact.model.bodies.body import Body, PointMass, Rod, Wall
+from contact.model.bodies.body import Body
+from contact.model.bodies.linear import Forcing, LinearBody, Part
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -38,11 +40,43 @@ class Chain:
     load: Array
     left: Indices
     potential: float
+    in_order: ClassVar[bool] = True  # its matrices are bands as they are
 
     @property
     def crossing_time(self) -> float:
         """Shortest time of a wave through an element [s], infinite when there is no rod."""
-        return min((b.crossing_time for b in self.bodies if isinstance(b, Rod)), default=math.inf)
+        return min(body.crossing_time for body in self.bodies)
+
+    @property
+    def load_response(self) -> float:
+        """f^T M^-1 f of the constant loads [J/s^2]."""
+        return float(np.sum(self.load**2 * self.inverse_mass))
+
+    def linear_form(self) -> LinearBody:
+        """M, C, K, Q and gap0: one coordinate a node, held nodes with unit mass and no stiffness.
+
+        >>> from contact.model.bodies.body import Rod, Wall
+        >>> body = assemble([Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=2, x=0.5), Wall(x=0.0)]).linear_form()
+        >>> body.size, body.gap0.tolist(), body.M.diagonal().tolist()
+        (4, [0.5], [1.0, 0.25, 0.5, 0.25])
+        """
+        from scipy.sparse import csr_array, diags_array
+
+        n = self.mass.size
+        free = self.inverse_mass > 0.0
+        mass = np.where(free, self.mass, 1.0)
+        between = np.where(free[:-1] & free[1:], self.stiffness, 0.0)
+        diagonal = np.where(free, _sums(self), 0.0)
+        K = diags_array([-between, diagonal, -between], offsets=[-1, 0, 1], shape=(n, n)).tocsr()
+        left, contacts = self.left, np.arange(self.left.size)
+        values = np.concatenate([-1.0 * free[left], 1.0 * free[left + 1]])
+        Q = csr_array((values, (np.tile(contacts, 2), np.concatenate([left, left + 1]))), shape=(left.size, n))
+        Q.eliminate_zeros()
+        return LinearBody(
+            M=mass, K=K, C=np.where(free, self.damping, 0.0), Q=Q, load=self.load, velocity=self.velocity,
+            gap0=self.position[left + 1] - self.position[left], parts=_parts(self), forcing=_forcing(self),
+            potential=self.potential,
+        )  # fmt: skip
 
 
 def assemble(bodies: Sequence[Body], *, gravity: float = 0.0) -> Chain:
@@ -55,17 +89,20 @@ def assemble(bodies: Sequence[Body], *, gravity: float = 0.0) -> Chain:
     ([0.0, 0.25, 0.5, 0.25], [0])
     """
     require_finite(gravity=gravity)
-    numbers = tuple(sorted(range(len(bodies)), key=lambda i: (_extent(bodies[i])[0], _extent(bodies[i])[1])))
+    numbers = tuple(sorted(range(len(bodies)), key=lambda i: (bodies[i].x, bodies[i].end)))
     ordered = tuple(bodies[i] for i in numbers)
     _require_apart(ordered, numbers)
-    parts = [_nodes(body, has_left=i > 0, has_right=i < len(ordered) - 1) for i, body in enumerate(ordered)]
-    position, mass, held, springs = (np.concatenate(column) for column in zip(*parts, strict=True))
-    first = np.concatenate(([0], np.cumsum([part[0].size for part in parts]))).astype(np.int64)
+    parts = [body.nodes(has_left=i > 0, has_right=i < len(ordered) - 1) for i, body in enumerate(ordered)]
+    position, mass, springs, ground, damping, stretch = (
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("position", "mass", "springs", "ground", "damping", "stretch")
+    )
+    held: NDArray[np.bool_] = np.concatenate([part.held for part in parts])
+    first = np.concatenate(([0], np.cumsum([part.mass.size for part in parts]))).astype(np.int64)
     inverse = np.where(held, 0.0, 1.0 / np.where(held, 1.0, mass))
-    speed = np.repeat([0.0 if isinstance(b, Wall) else b.velocity for b in ordered], np.diff(first))
+    speed = np.repeat([body.velocity for body in ordered], np.diff(first))
     left = first[1:-1] - 1
     _require_contacts(ordered, numbers, inverse, left)
-    ground, damping, stretch = _to_the_ground(ordered, mass, first)
     return Chain(
         bodies=ordered, numbers=numbers, gravity=gravity, first=first,
         position=readonly(position), mass=readonly(mass), inverse_mass=readonly(inverse),
@@ -76,22 +113,6 @@ def assemble(bodies: Sequence[Body], *, gravity: float = 0.0) -> Chain:
     )  # fmt: skip
 
 
-def _to_the_ground(ordered: Sequence[Body], mass: Array, first: Indices) -> tuple[Array, Array, Array]:
-    """Ground springs [N/m], dashpots [N s/m] and initial stretches [m] of all nodes."""
-    ground, damping, stretch = np.zeros((3, mass.size))
-    for b, body in enumerate(ordered):
-        nodes = slice(int(first[b]), int(first[b + 1]))
-        if isinstance(body, PointMass):
-            ground[nodes], damping[nodes], stretch[nodes] = body.stiffness, body.damping, body.stretch
-        elif isinstance(body, Rod):
-            damping[nodes] = body.damping * mass[nodes]
-    return ground, damping, stretch
-
-
-def _extent(body: Body) -> tuple[float, float]:
-    return (body.x, body.x + body.length) if isinstance(body, Rod) else (body.x, body.x)
-
-
 def _name(body: Body, number: int) -> str:
     return f"body {number + 1} ({type(body).__name__.lower()} at x = {body.x:g})"
 
@@ -100,7 +121,7 @@ def _require_apart(ordered: Sequence[Body], numbers: Sequence[int]) -> None:
     if len(ordered) < 2:
         raise InputError(f"bodies: found {len(ordered)}, expected at least two, or one and a wall")
     for i in range(len(ordered) - 1):
-        end, start = _extent(ordered[i])[1], _extent(ordered[i + 1])[0]
+        end, start = ordered[i].end, ordered[i + 1].x
         if start < end:
             a, b = _name(ordered[i], numbers[i]), _name(ordered[i + 1], numbers[i + 1])
             raise InputError(f"x: {a} and {b} overlap by {end - start:g} m, expected a gap >= 0")
@@ -117,28 +138,34 @@ def _require_contacts(ordered: Sequence[Body], numbers: Sequence[int], inverse: 
             )
 
 
-def _nodes(body: Body, *, has_left: bool, has_right: bool) -> tuple[Array, Array, NDArray[np.bool_], Array]:
-    """Positions, masses, held flags and springs to the next node of one body."""
-    if not isinstance(body, Rod):
-        point = body.mass if isinstance(body, PointMass) else 0.0
-        return np.array([body.x]), np.array([point]), np.array([point == 0.0]), np.zeros(1)
-    n = body.elements
-    mass = np.full(n + 1, body.mass / n)
-    mass[[0, n]] *= 0.5
-    if body.end_mass > 0.0:
-        mass[0 if contact_end(body, has_left=has_left, has_right=has_right) == "left" else n] += body.end_mass
-    held = np.zeros(n + 1, dtype=bool)
-    if body.fixed != "none":
-        held[0 if body.fixed == "left" else n] = True
-    springs = np.full(n + 1, body.E * body.area * n / body.length)
-    springs[n] = 0.0
-    return body.x + body.length * np.arange(n + 1) / n, mass, held, springs
+def _sums(chain: Chain) -> Array:
+    total = chain.ground.copy()
+    total[:-1] += chain.stiffness
+    total[1:] += chain.stiffness
+    return total
 
 
-def contact_end(rod: Rod, *, has_left: bool, has_right: bool) -> str:
-    """Return the end of a rod that carries its end mass: the free one, or the one that faces a neighbour."""
-    if rod.fixed != "none":
-        return "right" if rod.fixed == "left" else "left"
-    if has_left and has_right:
-        raise InputError("end_mass: found on a free rod between two bodies, expected a rod with one contact end")
-    return "left" if has_left else "right"
+def _parts(chain: Chain) -> tuple[Part, ...]:
+    first = chain.first.tolist()
+    return tuple(
+        Part(
+            name=f"{type(body).__name__.lower()} {number + 1}", start=first[b], end=first[b + 1], number=number,
+            rigid=body.moves,
+        )
+        for b, (body, number) in enumerate(zip(chain.bodies, chain.numbers, strict=True))
+    )  # fmt: skip
+
+
+def _wave(omega: float, phase: float, time: Array) -> Array:
+    return np.asarray(np.cos(omega * time + phase))
+
+
+def _forcing(chain: Chain) -> tuple[Forcing, ...]:
+    found = []
+    for b, body in enumerate(chain.bodies):
+        if body.force:
+            shape = np.zeros(chain.mass.size)
+            shape[chain.first[b]] = body.force
+            omega = 2.0 * np.pi * body.force_hz
+            found.append(Forcing(shape=shape, amplitude=partial(_wave, omega, np.radians(body.force_deg))))
+    return tuple(found)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -69,6 +70,8 @@ class LinearBody:
     forcing: tuple[Forcing, ...] = ()
     parts: tuple[Part, ...] = ()
     potential: float = 0.0
+    crossing_time: ClassVar[float] = math.inf
+    in_order: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         n = np.shape(self.M)[0] if np.ndim(self.M) == 1 else self.M.shape[0]
@@ -88,6 +91,10 @@ class LinearBody:
         if not self.parts:
             object.__setattr__(self, "parts", (Part(name="body 1", start=0, end=n),))
         self._require_apart()
+
+    def linear_form(self) -> LinearBody:
+        """Itself."""
+        return self
 
     @property
     def size(self) -> int:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from contact.base.arrays import Array, Indices
 from contact.base.errors import InputError
 from contact.model.bodies.band import Band, band, combine, factor, fill_order, lower_form, sparse_form
-from contact.model.bodies.chain import Chain
-from contact.model.bodies.chain_linear import linear
 from contact.model.bodies.linear import LinearBody
 
 EMPTY = 8  # places of the band per entry right of the diagonal: beyond, entries win (reports.contact.sparse_body)
@@ -63,11 +62,26 @@ class LinearSystem:
         return table
 
 
-def linear_system(problem: Chain | LinearBody) -> LinearSystem:
-    """Pack a chain or a linear body; raises InputError unless its mass matrix is positive definite."""
-    body = linear(problem) if isinstance(problem, Chain) else problem
+class Linear(Protocol):
+    """What schemes on M u'' + C u' + K u = f + Q^T force need of a problem; a user's own satisfies it as well."""
+
+    @property
+    def crossing_time(self) -> float:
+        """Shortest time of a wave through an element [s], infinite where there is none."""
+
+    @property
+    def in_order(self) -> bool:
+        """Whether the coordinates' order makes narrow bands of the matrices; else one is looked for."""
+
+    def linear_form(self) -> LinearBody:
+        """Matrices, gaps and loads."""
+
+
+def linear_system(problem: Linear) -> LinearSystem:
+    """Pack a problem's linear form; raises InputError unless its mass matrix is positive definite."""
+    body = problem.linear_form()
     n = body.size
-    order, wide = (np.arange(n), False) if isinstance(problem, Chain) else _ordered(body)
+    order, wide = (np.arange(n), False) if problem.in_order else _ordered(body)
     place = np.empty(n, dtype=np.int64)
     place[order] = np.arange(n)
     columns, value = _lists(body, place)

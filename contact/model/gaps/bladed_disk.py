@@ -7,7 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly, require_finite, require_not_negative, require_positive, require_shape
+from contact.base.arrays import (
+    Array,
+    readonly,
+    require_count,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_shape,
+)
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody, rim_channels
 from contact.model.gaps.permanent import ModalPair, require_waves
@@ -48,8 +56,7 @@ class BladedDisk:
         require_positive(freq_hz=self.freq_hz, modal_mass=self.modal_mass)
         require_not_negative(coupling=self.coupling, compliance=self.compliance, zeta=self.zeta)
         require_finite(lean_deg=self.lean_deg)
-        if not isinstance(self.blades, int) or self.blades < FEWEST:
-            raise InputError(f"blades: found {self.blades!r}, expected a whole number >= {FEWEST}")
+        require_count(FEWEST, blades=self.blades)
         if self.mistuning is not None:
             object.__setattr__(self, "mistuning", readonly(self.mistuning))
             require_shape("mistuning", self.mistuning, (self.blades,))

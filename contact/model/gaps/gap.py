@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 
+import numpy as np
+
 from contact.base.arrays import (
     Array,
     readonly,
@@ -69,6 +71,11 @@ class PointGap:
         if len(self.sides) not in (1, 2):
             raise InputError(f"sides: found {len(self.sides)}, expected one (against a wall) or two")
 
+    @property
+    def load_response(self) -> float:
+        """f^T M^-1 f of the constant loads [J/s^2]."""
+        return sum(float(side.load @ side.load) for side in self.sides if side.load is not None)
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class RotatingRim:
@@ -123,6 +130,12 @@ class RotatingRim:
         for term in terms:
             require_term(term)
         object.__setattr__(self, "out_of_roundness", terms)
+
+    def blade_normal(self) -> tuple[str, Array]:
+        """Name of the blade, and the row of its motion along the contact normal, (m,)."""
+        a = math.radians(self.lean_deg)
+        span, flap = (self.blade.rows[self.blade.channel(name)] for name in ("span", "flap"))
+        return "blade", np.asarray(math.cos(a) * span + math.sin(a) * flap)
 
     @property
     def speed(self) -> float:

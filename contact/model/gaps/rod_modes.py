@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import singledispatch
 
 import numpy as np
 
 from contact.base.arrays import Array, require_not_negative, require_positive
 from contact.base.errors import InputError
-from contact.model.bodies.body import Body, PointMass, Rod, Wall
-from contact.model.bodies.chain import Chain, contact_end
+from contact.model.bodies.body import Body, PointMass, Rod
+from contact.model.bodies.chain import Chain
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import PointGap, Side
 
@@ -28,7 +29,7 @@ def rod_modes(rod: Rod, *, modes: int = 50, zeta: float = 0.0, end: str | None =
     require_positive(modes=modes)
     require_not_negative(zeta=zeta)
     free = rod.fixed == "none"
-    name = end or contact_end(rod, has_left=free, has_right=free and end is None)
+    name = end or rod.contact_end(has_left=free, has_right=free and end is None)
     alpha = rod.end_mass / rod.mass
     beta = _roots(alpha, modes, free=free)
     tip = np.cos(beta) if free else np.sin(beta)
@@ -82,43 +83,50 @@ def chain_gap(chain: Chain, *, modes: int) -> PointGap:
     if len(chain.bodies) != 2:
         raise InputError(f"bodies: found {len(chain.bodies)}, expected two for the exact-modal scheme")
     low, high = chain.bodies
-    end = low.x + low.length if isinstance(low, Rod) else low.x
     pairs = ((low, "right", -1), (high, "left", 1))
     sides = tuple(
-        side(body, face, sign, modes=modes, gravity=chain.gravity)
-        for body, face, sign in pairs
-        if not isinstance(body, Wall)
+        side(body, face, sign, modes=modes, gravity=chain.gravity) for body, face, sign in pairs if body.moves
     )
-    return PointGap(sides=sides, clearance=high.x - end)
+    return PointGap(sides=sides, clearance=high.x - low.end)
 
 
+@singledispatch
 def side(body: Body, face: str, sign: int, *, modes: int, gravity: float) -> Side:
-    """One body of a chain at the contact it meets with its `face`."""
-    if isinstance(body, Wall):
-        raise InputError("side: found a wall, expected a rod or a mass")
-    if body.damping:
+    """One body of a chain at the contact it meets with its `face`; a body of one's own registers its way."""
+    name = type(body).__name__
+    raise InputError(f"bodies: found {name}, which has no modes, expected a rod or a mass for the exact-modal scheme")
+
+
+def _require_undamped(damping: float) -> None:
+    if damping:
         raise InputError("damping: found viscous damping of a body, expected none for ExactModal")
-    if isinstance(body, PointMass):
-        root = math.sqrt(body.mass)
-        if body.force:
-            raise InputError("force: found a varying force, expected none for ExactModal (loads are constant there)")
-        point = ModalBody(
-            omega=np.array([math.sqrt(body.stiffness) / root]),
-            zeta=np.zeros(1),
-            channels=(face,),
-            rows=np.array([[1.0 / root]]),
-            S=np.zeros((1, 1)),
-        )
-        return Side(
-            body=point, channel=face, sign=sign, velocity=np.array([root * body.velocity]),
-            load=np.array([-root * gravity - body.stiffness * body.stretch / root]), name="mass", mass=body.mass,
-            potential=body.mass * gravity * body.x + 0.5 * body.stiffness * body.stretch**2,
-        )  # fmt: skip
+
+
+@side.register
+def _(body: PointMass, face: str, sign: int, *, modes: int, gravity: float) -> Side:
+    _require_undamped(body.damping)
+    root = math.sqrt(body.mass)
+    if body.force:
+        raise InputError("force: found a varying force, expected none for ExactModal (loads are constant there)")
+    point = ModalBody(
+        omega=np.array([math.sqrt(body.stiffness) / root]), zeta=np.zeros(1), channels=(face,),
+        rows=np.array([[1.0 / root]]), S=np.zeros((1, 1)),
+    )  # fmt: skip
+    return Side(
+        body=point, channel=face, sign=sign, velocity=np.array([root * body.velocity]),
+        load=np.array([-root * gravity - body.stiffness * body.stretch / root]), name="mass", mass=body.mass,
+        potential=body.mass * gravity * body.x + 0.5 * body.stiffness * body.stretch**2,
+    )  # fmt: skip
+
+
+@side.register
+def _(body: Rod, face: str, sign: int, *, modes: int, gravity: float) -> Side:
+    _require_undamped(body.damping)
     if body.fixed == face:
         raise InputError(f"fixed: found {face!r} on the rod's contact end, expected the other end or 'none'")
     basis = rod_modes(body, modes=modes, end=face)
     momentum = _momentum(body, basis)
-    tip = body.x if face == "left" else body.x + body.length
+    tip = body.x if face == "left" else body.end
     return Side(
         body=basis, channel=face, sign=sign, velocity=body.velocity * momentum, load=-gravity * momentum,
         name="rod", mass=body.mass + body.end_mass,

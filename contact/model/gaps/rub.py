@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly, require_finite, require_shape
+from contact.base.arrays import Array, readonly, require_count, require_finite, require_shape
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
@@ -40,8 +40,8 @@ class ContactPoint:
     track: int | None = None
 
     def __post_init__(self) -> None:
-        if self.track is not None and (not isinstance(self.track, int) or self.track < 0):
-            raise InputError(f"track: found {self.track!r}, expected a whole number >= 0")
+        if self.track is not None:
+            require_count(0, track=self.track)
         require_finite(angle_deg=self.angle_deg, clearance=self.clearance)
         if not -90.0 < self.lean_deg < 90.0:
             raise InputError(f"lean_deg: found {self.lean_deg!r}, expected an angle between -90 and 90")
@@ -181,6 +181,12 @@ class Rub:
     def dimensions(self) -> int:
         """Directions of every contact: 2, or 3 with axial friction."""
         return 2 if self.tips[0].axial is None else 3
+
+    def blade_normal(self) -> tuple[str, Array]:
+        """Name of the (first) blade that touches, and the row of its motion along the contact normal, (m,)."""
+        tip = self.tips[0]
+        body = self.blades[tip.blade]
+        return self.names[1 + tip.blade], np.asarray(tip.directions(body)[0] @ body.rows)
 
     @property
     def bodies(self) -> tuple[ModalBody, ...]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from contact.base.arrays import Array
+from contact.base.errors import InputError
 from contact.model.bodies.beam import BeamInCircle
+from contact.model.law import Law, kind
 from contact.record.record import Tally
 from contact.scheme.protocol import Block, Motion
 
@@ -41,3 +43,9 @@ class BeamRun:
         mass = self.problem.beam.lumped()
         orbit = mass[:, 0] * (x[:, 0] * velocity[:, 1] - x[:, 1] * velocity[:, 0])
         return float((orbit + mass[:, 2] * velocity[:, 2]).sum())
+
+
+def require_rigid(law: Law) -> None:
+    """Raise InputError for any law but that of rigid contact without friction."""
+    if kind(law) != "Unilateral":
+        raise InputError(f"law: found {law!r}, expected Unilateral() for a beam in a circle")

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from contact.model.bodies.band import combine
-from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
+from contact.model.law import Law
 from contact.scheme.linear.linear_stepper import LinearStepper, linear_stepper, parts_of, setup
 from contact.scheme.protocol import Problem
 
@@ -30,15 +30,9 @@ def prepare_alpha(
     """Stepper of the family; raises InputError, LimitError beyond dt omega_max = `limit`."""
     from contact.loop.linear.alpha import advance_alpha
 
-    run = setup(name, problem, law, (Unilateral, Penalty, AugmentedLagrangian), dt, courant)
+    run = setup(name, problem, law, ("Unilateral", "Penalty", "AugmentedLagrangian"), dt, courant)
     system, h, implicit = run.system, run.h, 1.0 - w.af
     A = combine((1.0 - w.am, system.M), (implicit * w.gamma * h, system.C), (implicit * w.beta * h * h, system.K))
     parts = parts_of(system, A, 1.0)
     parts = parts._replace(W=w.beta * h * h * parts.W)
-    return linear_stepper(run, parts, advance_alpha, (run.law, w), f"{words} + {_law_words(law)}", limit=limit)
-
-
-def _law_words(law: Law) -> str:
-    if isinstance(law, Penalty):
-        return f"penalty {law.stiffness:.3g} N/m"
-    return "augmented Lagrangian" if isinstance(law, AugmentedLagrangian) else "Lagrange"
+    return linear_stepper(run, parts, advance_alpha, (run.law, w), f"{words} + {law.words}", limit=limit)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact.model.law import Law, Unilateral
+from contact.model.law import Law
 from contact.scheme.linear.leapfrog import prepare_leapfrog
 from contact.scheme.linear.linear_stepper import LinearStepper, require_restitution
 from contact.scheme.protocol import Problem
@@ -36,5 +36,5 @@ class CDLagrange:
         from contact.loop.linear.leapfrog import IMPULSE
 
         e = self.restitution
-        return prepare_leapfrog("CDLagrange", f"CD-Lagrange, e = {e:g}", IMPULSE, problem, law, (Unilateral,), dt,
+        return prepare_leapfrog("CDLagrange", f"CD-Lagrange, e = {e:g}", IMPULSE, problem, law, ("Unilateral",), dt,
                                 courant, e)  # fmt: skip

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact.base.errors import InputError
 from contact.model.bodies.beam import BeamInCircle
-from contact.model.law import Law, Unilateral
+from contact.model.law import Law
+from contact.scheme.beam.beam_run import require_rigid
 from contact.scheme.beam.beam_stepper import BeamStepper, prepare_beam
 from contact.scheme.linear.leapfrog import prepare_leapfrog
 from contact.scheme.linear.linear_stepper import LinearStepper
@@ -35,8 +35,7 @@ class CentralDifference:
         from contact.loop.linear.leapfrog import FORWARD
 
         if isinstance(problem, BeamInCircle):
-            if not isinstance(law, Unilateral):
-                raise InputError(f"law: found {law!r}, expected Unilateral() for a beam in a circle")
+            require_rigid(law)
             return prepare_beam(problem, dt, courant)
         words = "central difference + forward Lagrange"
-        return prepare_leapfrog("CentralDifference", words, FORWARD, problem, law, (Unilateral,), dt, courant)
+        return prepare_leapfrog("CentralDifference", words, FORWARD, problem, law, ("Unilateral",), dt, courant)

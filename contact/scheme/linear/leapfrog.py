@@ -5,7 +5,7 @@ from __future__ import annotations
 from contact.base.errors import InputError
 from contact.model.bodies.band import combine
 from contact.model.bodies.linear_system import omega_max
-from contact.model.law import Law, Penalty
+from contact.model.law import Law
 from contact.scheme.linear.linear_stepper import LinearStepper, linear_stepper, parts_of, setup
 from contact.scheme.protocol import Problem
 
@@ -13,7 +13,7 @@ CONSISTENT = 200  # coordinates up to which solving with M in every step is let 
 
 
 def prepare_leapfrog(
-    name: str, words: str, rule: int, problem: Problem, law: Law, allowed: tuple[type, ...], dt: float | None,
+    name: str, words: str, rule: int, problem: Problem, law: Law, allowed: tuple[str, ...], dt: float | None,
     courant: float | None, restitution: float = 0.0,
 ) -> LinearStepper:  # fmt: skip
     """Stepper with one of the rules of `loop.leapfrog`; raises InputError, LimitError beyond dt omega_max = 2.
@@ -24,8 +24,7 @@ def prepare_leapfrog(
 
     run = setup(name, problem, law, allowed, dt, courant)
     system, h = run.system, run.h
-    spring = law.stiffness if isinstance(law, Penalty) else 0.0
-    omega = omega_max(system, contact_stiffness=spring) if spring else run.omega
+    omega = omega_max(system, contact_stiffness=law.stiffness) if law.stiffness else run.omega
     if not system.M.lumped and system.size > CONSISTENT:
         raise InputError(f"M: found a consistent mass matrix, expected a lumped one for {name} (it is explicit)")
     parts = parts_of(system, combine((1.0 / h**2, system.M), (0.5 / h, system.C)), 1.0)

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from contact.base.arrays import Array, readonly, require_not_negative, require_positive
 from contact.base.errors import InputError, LimitError
 from contact.model.bodies.band import Band, Factor, factor, pairs, solve
-from contact.model.bodies.chain import Chain
-from contact.model.bodies.linear import LinearBody
-from contact.model.bodies.linear_system import LinearSystem, linear_system, omega_max
-from contact.model.law import AugmentedLagrangian, Law, Penalty
+from contact.model.bodies.linear_system import Linear, LinearSystem, linear_system, omega_max
+from contact.model.law import Law, kind
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.protocol import Block, Motion, Problem
@@ -101,13 +99,13 @@ class LinearStepper:
         momentum, mass = (product(self.parts.M, x)[self.system.place] for x in (v, np.ones(v.size)))
         found = []
         for part in self.system.body.parts:
-            kind = part.name.partition(" ")[0]
-            if kind == "wall":
+            what = part.name.partition(" ")[0]
+            if what == "wall":
                 continue
             total, weight = float(momentum[part.start : part.end].sum()), float(mass[part.start : part.end].sum())
             speed = total / weight if part.rigid else math.nan
             found.append(
-                Motion(kind=_KINDS.get(kind, kind), number=part.number, mean_velocity=speed,
+                Motion(kind=_KINDS.get(what, what), number=part.number, mean_velocity=speed,
                        momentum=total if part.rigid else math.nan)
             )  # fmt: skip
         return tuple(found)
@@ -126,29 +124,23 @@ def product(A: Band, u: Array) -> Array:
     return np.asarray(total)
 
 
-def require_linear(problem: Problem, scheme: str) -> LinearSystem:
-    """Pack the problem, or raise InputError that says what this scheme is for."""
-    if not isinstance(problem, Chain | LinearBody):
+def require_linear(problem: Problem, scheme: str) -> Linear:
+    """The problem, if it has a linear form; else raise InputError that says what this scheme is for."""
+    if not hasattr(problem, "linear_form"):
         raise InputError(
             f"scheme: found {scheme} for {type(problem).__name__}, expected ExactModal (it is for rods, masses and "
             "linear bodies)"
         )
-    return linear_system(problem)
+    return cast(Linear, problem)
 
 
-def require_law(law: Law, scheme: str, contacts: int, *allowed: type) -> LawNumbers:
+def require_law(law: Law, scheme: str, contacts: int, *allowed: str) -> LawNumbers:
     """Numbers of the law for the compiled solver; raises InputError for a law the scheme does not have."""
     from contact.solver.unilateral.complementarity import LawNumbers, Several
 
-    if not isinstance(law, allowed):
-        names = " or ".join(kind.__name__ for kind in allowed)
-        raise InputError(f"law: found {law!r}, expected {names} with {scheme}")
-    several = Several(used=contacts > 1)
-    if isinstance(law, Penalty):
-        return LawNumbers(law.stiffness, 0, 0.0, several)
-    if isinstance(law, AugmentedLagrangian):
-        return LawNumbers(law.stiffness, law.updates, law.tolerance, several)
-    return LawNumbers(0.0, 0, 0.0, several)
+    if kind(law) not in allowed:
+        raise InputError(f"law: found {law!r}, expected {' or '.join(allowed)} with {scheme}")
+    return LawNumbers(law.stiffness, law.updates, law.tolerance, Several(used=contacts > 1))
 
 
 def require_restitution(e: float) -> None:
@@ -158,7 +150,7 @@ def require_restitution(e: float) -> None:
         raise InputError(f"restitution: found {e!r}, expected between 0 and 1")
 
 
-def linear_step(problem: Problem, dt: float | None, courant: float | None) -> float:
+def linear_step(problem: Linear, dt: float | None, courant: float | None) -> float:
     """Time step from `dt`, or `courant` times the crossing time of the smallest element."""
     if (dt is None) == (courant is None):
         raise InputError("dt: found both or neither of dt and courant, expected one of them")
@@ -167,7 +159,7 @@ def linear_step(problem: Problem, dt: float | None, courant: float | None) -> fl
         return dt
     assert courant is not None
     require_positive(courant=courant)
-    crossing = problem.crossing_time if isinstance(problem, Chain) else math.inf
+    crossing = problem.crossing_time
     if math.isinf(crossing):
         raise InputError("courant: found a scene without rods, expected dt")
     return courant * crossing
@@ -222,12 +214,13 @@ class Setup:
 
 
 def setup(
-    name: str, problem: Problem, law: Law, allowed: tuple[type, ...], dt: float | None, courant: float | None
+    name: str, problem: Problem, law: Law, allowed: tuple[str, ...], dt: float | None, courant: float | None
 ) -> Setup:
     """Pack the problem and check law and step; raises InputError."""
-    system = require_linear(problem, name)
+    found = require_linear(problem, name)
+    system = linear_system(found)
     numbers = require_law(law, name, system.gap0.size, *allowed)
-    h = linear_step(problem, dt, courant)
+    h = linear_step(found, dt, courant)
     return Setup(name=name, system=system, law=numbers, h=h, omega=omega_max(system))
 
 

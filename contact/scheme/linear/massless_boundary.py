@@ -18,7 +18,7 @@ from contact.base.arrays import Array, Indices
 from contact.base.errors import InputError
 from contact.model.bodies.band import Band, band, combine, diagonal, lumped, pairs
 from contact.model.bodies.linear_system import LinearSystem, omega_max
-from contact.model.law import Law, Unilateral
+from contact.model.law import Law
 from contact.scheme.linear.linear_stepper import LinearStepper, linear_stepper, parts_of, product, setup, start
 from contact.scheme.protocol import Problem
 
@@ -40,7 +40,7 @@ class MasslessBoundary:
         from contact.loop.linear.massless import advance_massless
 
         name = "MasslessBoundary"
-        run = setup(name, problem, law, (Unilateral,), dt, courant)
+        run = setup(name, problem, law, ("Unilateral",), dt, courant)
         full, h = run.system, run.h
         if not (full.M.lumped and full.C.lumped):
             raise InputError(f"M, C: found coupled coordinates, expected lumped mass and damping for {name}")

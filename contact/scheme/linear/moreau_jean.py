@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from contact.base.errors import InputError
 from contact.model.bodies.band import combine
-from contact.model.law import Law, Unilateral
+from contact.model.law import Law
 from contact.scheme.linear.linear_stepper import LinearStepper, linear_stepper, parts_of, require_restitution, setup
 from contact.scheme.protocol import Problem
 
@@ -38,7 +38,7 @@ class MoreauJean:
         """Check law and step; raises InputError."""
         from contact.loop.linear.moreau import advance_moreau
 
-        run = setup("MoreauJean", problem, law, (Unilateral,), dt, courant)
+        run = setup("MoreauJean", problem, law, ("Unilateral",), dt, courant)
         system, step = run.system, run.h * self.theta
         parts = parts_of(system, combine((1.0, system.M), (step, system.C), (step**2, system.K)), 1.0)
         words = f"Moreau-Jean, theta = {self.theta:g}, e = {self.restitution:g}"

@@ -16,8 +16,9 @@ from dataclasses import dataclass
 from contact.base.arrays import require_positive
 from contact.base.errors import InputError
 from contact.model.bodies.beam import BeamInCircle
-from contact.model.law import Law, Unilateral
+from contact.model.law import Law
 from contact.scheme.beam.beam_implicit import ImplicitBeamStepper, prepare_beam_newmark
+from contact.scheme.beam.beam_run import require_rigid
 from contact.scheme.linear.alpha import newmark_limit, prepare_alpha
 from contact.scheme.linear.linear_stepper import LinearStepper
 from contact.scheme.protocol import Problem
@@ -48,8 +49,7 @@ class Newmark:
         from contact.loop.linear.alpha import Weights
 
         if isinstance(problem, BeamInCircle):
-            if not isinstance(law, Unilateral):
-                raise InputError(f"law: found {law!r}, expected Unilateral() for a beam in a circle")
+            require_rigid(law)
             return prepare_beam_newmark(problem, self.beta, self.gamma, dt)
         words = f"Newmark ({self.beta:g}, {self.gamma:g})"
         weights = Weights(0.0, 0.0, self.beta, self.gamma)

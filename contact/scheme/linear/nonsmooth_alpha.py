@@ -18,7 +18,7 @@ import numpy as np
 from contact.base.errors import InputError
 from contact.model.bodies.band import combine, factor, solve
 from contact.model.bodies.linear_system import LinearSystem
-from contact.model.law import Law, Unilateral
+from contact.model.law import Law
 from contact.scheme.linear.linear_stepper import (
     LinearStepper,
     linear_stepper,
@@ -54,7 +54,7 @@ class NonsmoothAlpha:
         """Check law and step; raises InputError."""
         from contact.loop.linear.moreau import advance_nonsmooth
 
-        run, w = setup("NonsmoothAlpha", problem, law, (Unilateral,), dt, courant), chung_hulbert(self.rho_inf)
+        run, w = setup("NonsmoothAlpha", problem, law, ("Unilateral",), dt, courant), chung_hulbert(self.rho_inf)
         parts, jump = _parts(run.system, w, run.h)
         words = f"nonsmooth generalised-alpha, rho_inf = {self.rho_inf:g}, e = {self.restitution:g}"
         return linear_stepper(run, parts, advance_nonsmooth, (run.law, w, jump, self.restitution), words)

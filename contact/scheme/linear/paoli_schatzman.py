@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact.model.law import Law, Unilateral
+from contact.model.law import Law
 from contact.scheme.linear.leapfrog import prepare_leapfrog
 from contact.scheme.linear.linear_stepper import LinearStepper, require_restitution
 from contact.scheme.protocol import Problem
@@ -35,4 +35,4 @@ class PaoliSchatzman:
 
         e = self.restitution
         return prepare_leapfrog("PaoliSchatzman", f"Paoli-Schatzman, e = {e:g}", AVERAGED, problem, law,
-                                (Unilateral,), dt, courant, e)  # fmt: skip
+                                ("Unilateral",), dt, courant, e)  # fmt: skip

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact.model.law import Law, Penalty
+from contact.model.law import Law
 from contact.scheme.linear.leapfrog import prepare_leapfrog
 from contact.scheme.linear.linear_stepper import LinearStepper
 from contact.scheme.protocol import Problem
@@ -27,7 +27,5 @@ class PenaltyDifference:
         """Check law and step, contact spring included; raises InputError, LimitError."""
         from contact.loop.linear.leapfrog import SPRING
 
-        words = "central difference + penalty"
-        if isinstance(law, Penalty):
-            words = f"{words} {law.stiffness:.3g} N/m"
-        return prepare_leapfrog("PenaltyDifference", words, SPRING, problem, law, (Penalty,), dt, courant)
+        words = f"central difference + {law.words}"
+        return prepare_leapfrog("PenaltyDifference", words, SPRING, problem, law, ("Penalty",), dt, courant)

@@ -20,7 +20,7 @@ import numpy as np
 
 from contact.model.bodies.band import solve
 from contact.model.bodies.linear_system import LinearSystem
-from contact.model.law import Law, Unilateral
+from contact.model.law import Law
 from contact.scheme.linear.linear_stepper import LinearStepper, linear_stepper, product, setup
 from contact.scheme.linear.nonsmooth_alpha import chung_hulbert, require_weights, smooth_parts
 from contact.scheme.protocol import Problem
@@ -49,7 +49,7 @@ class ProjectedAlpha:
         """Check law and step; raises InputError."""
         from contact.loop.linear.projected import advance_projected
 
-        run, w = setup("ProjectedAlpha", problem, law, (Unilateral,), dt, courant), chung_hulbert(self.rho_inf)
+        run, w = setup("ProjectedAlpha", problem, law, ("Unilateral",), dt, courant), chung_hulbert(self.rho_inf)
         parts, corrections = _parts(run.system, w, run.h)
         words = f"projected nonsmooth generalised-alpha, rho_inf = {self.rho_inf:g}, e = {self.restitution:g}"
         return linear_stepper(run, parts, advance_projected, (run.law, w, corrections, self.restitution), words)

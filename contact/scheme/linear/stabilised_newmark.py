@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.model.bodies.band import combine, factor, solve
-from contact.model.law import Law, Unilateral
+from contact.model.law import Law
 from contact.scheme.linear.linear_stepper import LinearStepper, linear_stepper, parts_of, setup
 from contact.scheme.protocol import Problem
 
@@ -31,7 +31,7 @@ class StabilisedNewmark:
         """Check law and step; raises InputError."""
         from contact.loop.linear.stabilised import advance_stabilised
 
-        run = setup("StabilisedNewmark", problem, law, (Unilateral,), dt, courant)
+        run = setup("StabilisedNewmark", problem, law, ("Unilateral",), dt, courant)
         system, h, Q = run.system, run.h, run.system.rows()
         parts = parts_of(system, combine((1.0, system.M), (0.5 * h, system.C), (0.25 * h * h, system.K)), h)
         parts = parts._replace(W=0.5 * h * parts.W)

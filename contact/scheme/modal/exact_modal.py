@@ -15,28 +15,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from functools import singledispatch
+from typing import Literal, cast
 
 import numpy as np
 
 from contact.base.arrays import Array, require_positive
 from contact.base.errors import InputError, LimitError
-from contact.model.bodies.beam import BeamInCircle
 from contact.model.bodies.chain import Chain
-from contact.model.bodies.linear import LinearBody
 from contact.model.bodies.patch import Patch
 from contact.model.gaps.gap import PointGap, RotatingRim
 from contact.model.gaps.modal_system import ModalSystem, point_system, rim_system
 from contact.model.gaps.rod_modes import chain_gap
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import rub_system
-from contact.model.law import Abradable, Law, Penalty, friction
+from contact.model.law import Law
 from contact.scheme.modal.energy_stepper import energy_stepper
 from contact.scheme.modal.modal_stepper import modal_stepper
 from contact.scheme.modal.patch_stepper import patch_stepper
 from contact.scheme.modal.propagator import Propagator, propagator
 from contact.scheme.modal.rub_stepper import rub_delassus, rub_stepper
-from contact.scheme.protocol import Problem, Stepper
+from contact.scheme.protocol import Modal, Problem, Stepper
 
 ANGLES = 180  # where rho is sampled around a rim
 LAWS = ("auto", "forward", "averaged", "energy")
@@ -73,18 +72,17 @@ class ExactModal:
 
         `courant` means omega_max h/2, as for central differences; with neither, omega_max h = .8.
         """
-        if isinstance(law, Penalty):
+        if law.stiffness > 0.0:
             raise InputError(
                 f"law: found {law!r}, expected Unilateral(), Coulomb(mu=...) or Abradable(...) with ExactModal"
             )
-        mu, coating = friction(law), law if isinstance(law, Abradable) else None
-        if coating is not None and not isinstance(problem, RotatingRim | Rub):
+        if law.coating is not None and not hasattr(problem, "casing"):
             raise InputError(f"law: found Abradable on {type(problem).__name__}, expected a RotatingRim or a Rub")
-        if isinstance(problem, Patch):
-            return self._patch(problem, mu, dt, courant)
-        if isinstance(problem, Rub):
-            return self._rub(problem, mu, coating, dt, courant)
-        system = _system(problem, self.modes)
+        return _prepared(problem, self, law, dt, courant)
+
+    def one_contact(self, system: ModalSystem, law: Law, dt: float | None, courant: float | None) -> Stepper:
+        """Stepper of one contact in modal form."""
+        mu = law.mu
         if mu > 0.0 and system.table is None:
             raise InputError("law: found Coulomb friction on a scene without tangential motion, expected a rim")
         h = _step(system.omega, dt, courant)
@@ -101,9 +99,10 @@ class ExactModal:
         chosen = "averaged" if averaged else "forward"
         reached = f"dt omega_max = {h * top:.3g} (limit {self.omega_h_limit:g}), rho = {rho:.3g}"
         label = f"exact modal, {chosen} law, {reached}"
-        return modal_stepper(system, parts, averaged=averaged, mu=mu, label=label, law=coating, skip=self.skip)
+        return modal_stepper(system, parts, averaged=averaged, mu=mu, label=label, law=law.coating, skip=self.skip)
 
-    def _patch(self, problem: Patch, mu: float, dt: float | None, courant: float | None) -> Stepper:
+    def patch(self, problem: Patch, mu: float, dt: float | None, courant: float | None) -> Stepper:
+        """Stepper of several contacts of one body."""
         if self.law in ("averaged", "energy"):
             raise InputError(f"law: found {self.law!r} with several contacts, expected 'forward' or 'auto'")
         if mu > 0.0 and problem.dimensions == 1:
@@ -117,9 +116,11 @@ class ExactModal:
         reached = f"dt omega_max = {h * float(omega.max(initial=0.0)):.3g} (limit {self.omega_h_limit:g})"
         return patch_stepper(problem, parts, mu, f"exact modal, forward law in every contact, {reached}")
 
-    def _rub(self, rub: Rub, mu: float, coating: Abradable | None, dt: float | None, courant: float | None) -> Stepper:
+    def rub(self, rub: Rub, law: Law, dt: float | None, courant: float | None) -> Stepper:
+        """Stepper of tips before a turning rim."""
         if self.law == "energy":
             raise InputError("law: found 'energy' on a turning rim, expected 'auto', 'forward' or 'averaged'")
+        mu = law.mu
         dimensions = rub.dimensions if mu > 0.0 else 1
         system = rub_system(rub, dimensions)
         h = _step(system.omega, dt, courant)
@@ -136,7 +137,7 @@ class ExactModal:
             f"(limit 0.3), rho = {rho:.3g}"
         )
         return rub_stepper(
-            rub, system, parts, mu=mu, dimensions=dimensions, averaged=averaged, label=label, law=coating
+            rub, system, parts, mu=mu, dimensions=dimensions, averaged=averaged, label=label, law=law.coating
         )
 
     def _averaged(self, H: float, S: float, rho: float) -> bool:
@@ -190,13 +191,42 @@ def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, 
     return float(H[k]), float(S[k]), float(rho[k])
 
 
+@singledispatch
+def _prepared(problem: Problem, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
+    return scheme.one_contact(_system(problem, scheme.modes), law, dt, courant)
+
+
+@_prepared.register
+def _(problem: Patch, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
+    return scheme.patch(problem, law.mu, dt, courant)
+
+
+@_prepared.register
+def _(problem: Rub, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
+    return scheme.rub(problem, law, dt, courant)
+
+
+@singledispatch
 def _system(problem: Problem, modes: int) -> ModalSystem:
-    if isinstance(problem, Chain):
-        return point_system(chain_gap(problem, modes=modes))
-    if isinstance(problem, LinearBody | BeamInCircle | Patch | Rub):
+    if not hasattr(problem, "modal_form"):
         name = type(problem).__name__
         raise InputError(f"scheme: found ExactModal for {name}, expected such as CentralDifference")
-    return point_system(problem) if isinstance(problem, PointGap) else rim_system(problem)
+    return cast(Modal, problem).modal_form(modes)
+
+
+@_system.register
+def _(problem: PointGap, modes: int) -> ModalSystem:
+    return point_system(problem)
+
+
+@_system.register
+def _(problem: RotatingRim, modes: int) -> ModalSystem:
+    return rim_system(problem)
+
+
+@_system.register
+def _(problem: Chain, modes: int) -> ModalSystem:
+    return point_system(chain_gap(problem, modes=modes))
 
 
 def _step(omega: Array, dt: float | None, courant: float | None) -> float:

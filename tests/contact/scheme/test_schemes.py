@@ -11,7 +11,6 @@ from scipy.sparse import csr_array
 
 import contact as ct
 from contact.model.bodies.chain import assemble
-from contact.model.bodies.chain_linear import linear
 from contact.record.record import samples
 from contact.reference.exact import force_error, two_rods
 
@@ -212,7 +211,9 @@ def test_projecting_positions_leaves_no_penetration():
 
 
 def test_a_massless_boundary_whose_contact_has_no_answer_stops_at_that_step():
-    stepper = ct.scheme.MasslessBoundary().prepare(linear(assemble(pair(10))), ct.Unilateral(), dt=2e-6, courant=None)
+    stepper = ct.scheme.MasslessBoundary().prepare(
+        assemble(pair(10)).linear_form(), ct.Unilateral(), dt=2e-6, courant=None
+    )
     law, static = stepper.method
     bad = replace(stepper, method=(law, static._replace(S=-static.S)))  # a contact that its own force draws in
     result = ct.run(pair(10), scheme=ct.scheme.MasslessBoundary(), t_end=2e-4, dt=2e-6)
@@ -300,7 +301,7 @@ def test_a_mass_between_two_rods(scheme):
 
 @pytest.mark.parametrize("scheme", [ct.CentralDifference(), ct.scheme.HHT()], ids=str)
 def test_the_order_of_coordinates_does_not_matter(scheme):
-    body = linear(assemble(pair(10)))
+    body = assemble(pair(10)).linear_form()
     mixed = np.random.default_rng(7).permutation(body.size)
     shuffled = ct.LinearBody(
         M=body.M.diagonal()[mixed], K=csr_array(body.K)[mixed][:, mixed], Q=csr_array(body.Q)[:, mixed], gap0=body.gap0,
