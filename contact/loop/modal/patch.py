@@ -13,9 +13,9 @@ from contact.loop.modal.stick import Sticking, note_sticking
 from contact.loop.tally import note_contact, store, store_state
 from contact.record.record import Samples, Tally
 from contact.solver.dense import assign, dot
-from contact.solver.friction.coulomb import friction_forces
+from contact.solver.friction.coulomb import friction_forces, solver_room
 from contact.solver.friction.newton import TOLERANCE
-from contact.solver.friction.room import Room, friction_room
+from contact.solver.friction.room import Room
 from contact.solver.unilateral.active_set import SOLVED, ActiveSpace, active_space, project
 
 JAMMED, ROUGH = 1.0, 2.0  # `fault`: no motion opens all gaps; friction not solved
@@ -71,7 +71,7 @@ def patch_work(s: PatchState, rough: bool) -> PatchWork:
     return PatchWork(
         b=np.zeros(n), old=np.zeros(m), pushed=np.zeros(m), after=np.zeros(n), inside=np.zeros(k, dtype=np.int64),
         chosen=np.zeros(n, dtype=np.int64), mu=np.zeros(k), W=np.zeros((size, size)), short=np.zeros(n),
-        lam=np.zeros(n), active=active_space(k, s.roots.shape[1]), room=friction_room(size // (n // k), n // k),
+        lam=np.zeros(n), active=active_space(k, s.roots.shape[1]), room=solver_room(size // (n // k), n // k),
     )  # fmt: skip
 
 

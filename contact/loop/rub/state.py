@@ -10,7 +10,8 @@ from contact.base.arrays import Array, Indices
 from contact.jit.vector import WIDTH
 from contact.loop.rub.rows import RubRows
 from contact.solver.friction.all_sliding import AllSliding
-from contact.solver.friction.room import Room, friction_room
+from contact.solver.friction.coulomb import solver_room
+from contact.solver.friction.room import Room
 
 
 class RubState(NamedTuple):
@@ -115,5 +116,5 @@ def work_space(s: RubState, rows: RubRows, compliance: Array) -> Work:
         rows=none(D, width), tests=none(D, width), along=none(D), pull=none(D), chosen=whole(K), row=whole(R),
         column=whole(R), casing=none(D, D), W=none(R, R), b=none(R), lam=none(R), motion=none(R), mu=none(K),
         depth=none(K), pushed=none(width), S=S, S_old=S.copy(), S_at=whole(R) - 2, S_waves=none(2, rows.S_harmonics),
-        strain=none(R), all_sliding=AllSliding(used=R > K > 1), room=friction_room(K, R // K),
+        strain=none(R), all_sliding=AllSliding(used=R > K > 1), room=solver_room(K, R // K),
     )  # fmt: skip

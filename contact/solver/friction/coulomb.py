@@ -73,12 +73,17 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
     if W.diagonal().min(initial=1.0) <= 0.0:
         raise InputError(f"W: found a diagonal entry {W.diagonal().min():g}, expected compliances > 0")
     force = np.zeros(b.size) if start is None else np.array(start, dtype=float).ravel()
-    room = friction_room(len(b), b.shape[1])
+    room = solver_room(len(b), b.shape[1])
     iterations, residual = friction_forces(W, b.ravel(), friction, b.shape[1], len(b), force, room)
     if not residual <= TOLERANCE:
         raise NumericsError(f"friction: residual {residual:.2e} after {iterations} iterations, wanted {TOLERANCE:.0e}")
     motion = (W @ force + b.ravel()).reshape(b.shape)
     return Friction(force=force.reshape(b.shape), motion=motion, iterations=iterations, residual=residual)
+
+
+def solver_room(contacts: int, dim: int) -> Room:
+    """Room of `friction_forces` for problems of up to this many contacts in `dim` directions."""
+    return friction_room(contacts, dim, pivoted)
 
 
 @jit

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numba
@@ -12,6 +13,7 @@ import numpy as np
 from contact.base.arrays import Array, Indices
 
 protocol: Any = numba.types.WrapperAddressProtocol
+Pivoted = Callable[[Array, Array, Array, int, Array], tuple[Array, float]]  # W, b, mu, dim, force: force, residual
 
 # rows of `vectors`; methods that follow one another share them
 U, MISS, STEP, TRIAL, TRIAL_MISS, BASE, RIGHT = 0, 1, 2, 3, 4, 5, 6  # Newton's method
@@ -30,9 +32,8 @@ class Otherwise(protocol):  # type: ignore[misc]
 
     kind = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_int64, ctypes.c_int64, ctypes.c_int64)
 
-    def __init__(self, W: Array, b: Array, mu: Array, force: Array) -> None:
+    def __init__(self, W: Array, b: Array, mu: Array, force: Array, pivoted: Pivoted | None) -> None:
         def improve(count: int, dim: int, sweeps: int) -> float:
-            from contact.solver.friction.coulomb import pivoted
             from contact.solver.friction.sweeps import sweep
 
             n = count * dim
@@ -42,6 +43,8 @@ class Otherwise(protocol):  # type: ignore[misc]
                 if sweeps > 0:
                     sweep(W, b, mu, dim, count, force, sweeps)
                     return 0.0
+                if pivoted is None:
+                    return math.nan
                 found, residual = pivoted(W[:n, :n].copy(), b[:n].copy(), mu[:count].copy(), dim, force[:n].copy())
             except BaseException as error:  # none can pass through compiled code: it would read 0, a problem solved
                 if not isinstance(error, Exception):
@@ -77,11 +80,11 @@ class Room(NamedTuple):
     otherwise: Otherwise
 
 
-def friction_room(contacts: int, dim: int) -> Room:
-    """Room for problems of up to this many contacts in `dim` directions."""
+def friction_room(contacts: int, dim: int, pivoted: Pivoted | None = None) -> Room:
+    """Room for problems of up to this many contacts in `dim` directions; without pivoting where it is not given."""
     size = contacts * dim
     vectors, matrices = np.zeros((12, size)), np.zeros((3, size, size))
     return Room(
         vectors=vectors, matrices=matrices, pairs=np.zeros((contacts, 2)), whole=np.zeros((2, size), dtype=np.int64),
-        otherwise=Otherwise(matrices[INNER], vectors[MISS], vectors[STEP], vectors[TRIAL]),
+        otherwise=Otherwise(matrices[INNER], vectors[MISS], vectors[STEP], vectors[TRIAL], pivoted),
     )  # fmt: skip

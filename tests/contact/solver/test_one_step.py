@@ -5,11 +5,11 @@ import pytest
 
 from contact.base.errors import InputError, NumericsError
 from contact.solver.friction.all_sliding import all_sliding_start
-from contact.solver.friction.coulomb import coulomb
+from contact.solver.friction.coulomb import coulomb, solver_room
 from contact.solver.friction.newton import MOST_ITERATIONS
 from contact.solver.friction.polyhedral_cone import covering, polyhedral_cone
 from contact.solver.friction.polyhedral_cone import lemke as pivoting
-from contact.solver.friction.room import INNER, MISS, STEP, TRIAL, friction_room
+from contact.solver.friction.room import INNER, MISS, STEP, TRIAL
 from contact.solver.unilateral.active_set import delassus_rows, unilateral
 from tests.contact.solver.lemke import lemke
 
@@ -220,13 +220,13 @@ def test_sliding_contacts_are_solved_by_their_normals_alone(dim):
         b = rng.standard_normal((8, dim))
         b[:, 1] += 1e5
         force = np.zeros(8 * dim)
-        all_sliding_start(W, b.ravel(), np.full(8, 0.1), dim, 8, force, friction_room(8, dim))
+        all_sliding_start(W, b.ravel(), np.full(8, 0.1), dim, 8, force, solver_room(8, dim))
         exact = coulomb(W, b, 0.1)
         assert exact.force[:, 0].max() > 0.0
         assert np.allclose(force, exact.force.ravel(), rtol=0.0, atol=1e-10 * np.abs(exact.force).max())
     stuck = np.full(dim, -1.0)
     start = np.zeros(dim)
-    all_sliding_start(np.eye(dim), stuck, np.array([9.0]), dim, 1, start, friction_room(1, dim))
+    all_sliding_start(np.eye(dim), stuck, np.array([9.0]), dim, 1, start, solver_room(1, dim))
     assert np.array_equal(start, np.zeros(dim))
 
 
@@ -241,7 +241,7 @@ def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
         b = np.array([-1.0, 0.5 * np.cos(to), 0.5 * np.sin(to)]) + 0.01 * rng.standard_normal((6, 3))
         start = np.tile([0.3, -0.06 * np.cos(old), -0.06 * np.sin(old)], 6)
         force = start.copy()
-        all_sliding_start(W, b.ravel(), np.full(6, 0.2), 3, 6, force, friction_room(6, 3))
+        all_sliding_start(W, b.ravel(), np.full(6, 0.2), 3, 6, force, solver_room(6, 3))
         led, alone = (coulomb(W, b, 0.2, one.reshape(6, 3)) for one in (force, start))
         assert led.iterations <= 3 < alone.iterations
         assert np.abs(led.force - alone.force).max() <= 1e-9 * alone.force.max()
@@ -254,7 +254,7 @@ def test_a_fault_inside_pivoting_is_no_solution(monkeypatch):
         raise np.linalg.LinAlgError
 
     monkeypatch.setattr("contact.solver.friction.coulomb.pivoted", fails)
-    assert np.isnan(friction_room(1, 2).otherwise.call(1, 2, 0))
+    assert np.isnan(solver_room(1, 2).otherwise.call(1, 2, 0))
 
 
 @pytest.mark.parametrize(("sweeps", "part"), [(0, "coulomb.pivoted"), (3, "sweeps.sweep")])
@@ -263,7 +263,7 @@ def test_ctrl_c_inside_a_loop_ends_it_and_is_raised_after_it(monkeypatch, sweeps
         raise KeyboardInterrupt
 
     monkeypatch.setattr(f"contact.solver.friction.{part}", interrupted)
-    otherwise = friction_room(1, 2).otherwise
+    otherwise = solver_room(1, 2).otherwise
     otherwise.pass_on()
     assert np.isnan(otherwise.call(1, 2, sweeps))
     assert np.isnan(otherwise.call(1, 2, 1 - min(sweeps, 1)))
@@ -273,7 +273,7 @@ def test_ctrl_c_inside_a_loop_ends_it_and_is_raised_after_it(monkeypatch, sweeps
 
 def test_a_sweep_solves_contacts_that_do_not_feel_each_other():
     """One pressed and sticking, one slipping at its cone, one open; sweeps are called back through Python too."""
-    room = friction_room(3, 2)
+    room = solver_room(3, 2)
     room.matrices[INNER] = np.diag([2.0, 1.0, 2.0, 1.0, 2.0, 1.0])
     room.vectors[MISS] = [-2.0, 0.1, -2.0, 3.0, 1.0, 5.0]
     room.vectors[STEP, :3] = 0.5
