@@ -40,12 +40,12 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_the_pages_have_an_example_for_each_use():
-    assert len(EXAMPLES) == 7
+    assert len(EXAMPLES) == 8
     assert sum(len(PRINTS.findall(code)) for code in EXAMPLES) == 8
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "rig", "parts", "rotation"])
+@pytest.mark.parametrize("code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "own", "rig", "parts", "rotation"])
 def test_examples_run_and_print_what_they_say(code, folder, capsys):
     names: dict[str, object] = {"__name__": "example"}
     exec(compile(code, "README.md", "exec"), names)
