@@ -45,7 +45,9 @@ def test_the_pages_have_an_example_for_each_use():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "own", "rig", "parts", "rotation"])
+@pytest.mark.parametrize(
+    "code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "own", "rig", "parts", "rotation"]
+)
 def test_examples_run_and_print_what_they_say(code, folder, capsys):
     names: dict[str, object] = {"__name__": "example"}
     exec(compile(code, "README.md", "exec"), names)
