@@ -14,7 +14,8 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
-from contact.model.bodies.modal_body import read_npz, write_npz
+from contact.io.npz import write_npz
+from contact.model.bodies.modal_body import read_npz
 from contact.model.law import pressure
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import MOST_SAMPLES, Record, Samples

@@ -106,6 +106,7 @@ def run(
     Raises InputError (also beyond 1e10 steps) and LimitError before the first step, NumericsError (which
     carries the result so far) at the step that failed.
 
+    >>> from contact.model.bodies.body import Rod, Wall
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
     >>> result = run([rod, Wall(x=0.0)], t_end=2.0, courant=0.9)
     >>> result.steps, round(float(result.impulse[0]))

@@ -6,11 +6,11 @@ The rig's casing before and after updating, against its SYNTHETIC frequency tabl
 from pathlib import Path
 
 import casingfem as cf
-from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import png
 from casingfem.plot.update import Paired, figure_comparison
 from casingfem.study import load_study, perfect
 from casingfem.study.tasks import run_update
+from contact.io.outfiles import write_atomic
 
 HERE = Path(__file__).parent
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.running import ProgressMessage, deliver, options
-from casingfem.io.outfiles import Content, json_text
+from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from contact.record.wear import Wear

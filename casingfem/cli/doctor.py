@@ -12,7 +12,7 @@ import click
 
 from casingfem.cli.running import deliver, options
 from casingfem.extras import EXTRAS, remedy
-from casingfem.io.outfiles import json_text
+from contact.io.outfiles import json_text
 
 PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem", "numba", "pydantic", "pandas", "matplotlib", "jinja2")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.running import BAD_INPUT, deliver, fail, options
-from casingfem.io.outfiles import json_text, write_files
+from contact.io.outfiles import json_text, write_files
 
 if TYPE_CHECKING:
     from casingfem.examples import Example

@@ -7,7 +7,7 @@ import click
 
 from casingfem.cli.running import deliver, options
 from casingfem.faults import CATALOGUE
-from casingfem.io.outfiles import json_text
+from contact.io.outfiles import json_text
 
 
 @click.command()

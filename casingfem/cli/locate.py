@@ -7,7 +7,7 @@ import click
 from casingfem.cli.model_warnings import collected
 from casingfem.cli.running import ProgressMessage, deliver, options
 from casingfem.cli.study import STUDY
-from casingfem.io.outfiles import Content, json_text
+from contact.io.outfiles import Content, json_text
 
 
 @click.command()

@@ -12,7 +12,7 @@ from typing import Any, NoReturn, ParamSpec, TypeVar
 import click
 
 from casingfem.cli.model_warnings import collected, collecting
-from casingfem.io.outfiles import Content, json_text, write_files
+from contact.io.outfiles import Content, json_text, write_files
 
 BAD_INPUT, NUMERICS_FAILED = 2, 3
 PATIENCE = 1.0  # seconds before a terminal is told what takes so long

@@ -8,7 +8,7 @@ import click
 
 from casingfem.cli.contact import SCENE
 from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fail, options
-from casingfem.io.outfiles import Content, json_text
+from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from contact.sweep.sweep import SweepResult

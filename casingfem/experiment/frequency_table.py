@@ -6,7 +6,6 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.grouping import Doublet, Group, grouped
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.io.strict_csv import StrictCsv, read
+from contact.io.outfiles import write_atomic
 
 COLUMNS = ("mode", "n", "freq_hz", "sigma_hz", "angle_deg", "zeta")
 COMPUTED = ("n_purity", "m", "doublet", "split_rel", "rigid")
@@ -157,13 +157,7 @@ class FrequencyTable:
                     for name, value in zip(COLUMNS, cells, strict=True)
                 )
             )
-        target = Path(path)
-        temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
-        try:
-            temporary.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
-            os.replace(temporary, target)
-        finally:
-            temporary.unlink(missing_ok=True)
+        write_atomic(path, "\n".join(lines) + "\n")
 
     @property
     def synthetic(self) -> bool:

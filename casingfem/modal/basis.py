@@ -15,7 +15,8 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, frozen
-from casingfem.io.npz import read_npz, write_npz
+from casingfem.io.npz import read_npz
+from contact.io.npz import write_npz
 
 FORMAT = "casingfem-modal-basis-1"
 OPTIONAL = ("recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation")

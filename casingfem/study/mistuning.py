@@ -18,7 +18,6 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
-from casingfem.io.outfiles import json_text, write_atomic
 from casingfem.modal.mistuning import (
     Mistuning,
     Pair,
@@ -32,6 +31,7 @@ from casingfem.modal.mistuning import (
 from casingfem.modal.mode_set import Modes
 from casingfem.study.load import Study, load_study
 from casingfem.study.problems import StudyError
+from contact.io.outfiles import json_text, write_atomic
 
 CHUNK = 5  # draws a file: what a killed run loses at most, for each process
 CHECKED = 50  # every so many draws one is also solved from nothing, and the difference reported

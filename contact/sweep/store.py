@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from contact.io.outfiles import write_atomic
 
 FORMAT = "contact-run-1"
 Row = dict[str, Any]
@@ -40,11 +41,8 @@ def run_path(folder: Path, digest: str) -> Path:
 def write_run(folder: Path, digest: str, row: Row) -> None:
     """Write the row of a run, whole or not at all; any process may."""
     path = run_path(folder, digest)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    waiting = path.with_name(f".{digest}.{os.getpid()}.part")
     content = {"format": FORMAT, "hash": digest, "row": row, "sha256": digest_of(row)}
-    waiting.write_text(json.dumps(content, allow_nan=False) + "\n", encoding="utf-8")
-    os.replace(waiting, path)
+    write_atomic(path, json.dumps(content, allow_nan=False) + "\n")
 
 
 def read_run(path: Path) -> Row | None:

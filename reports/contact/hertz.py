@@ -21,8 +21,8 @@ from skfem.models.poisson import mass
 
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import AFTER, BEFORE, new_figure, png, styled
+from contact.io.outfiles import write_atomic
 from reports.tables import Row, command_line, show, write
 
 RADIUS, E, NU, RHO, LOAD = 0.05, 210e9, 0.3, 7800.0, 2e6  # m, Pa, -, kg/m^3, N/m

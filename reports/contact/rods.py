@@ -12,8 +12,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 import contact as ct
-from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import png
+from contact.io.outfiles import write_atomic
 from reports.contact.cases import Case, Method, errors, run, two_rods_case
 from reports.tables import Row, command_line, show, write
 

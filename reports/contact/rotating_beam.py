@@ -14,8 +14,8 @@ import numpy as np
 
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import AFTER, BEFORE, GREEN, new_figure, png, styled
+from contact.io.outfiles import write_atomic
 from contact.loop.beam.beam import strain_energy_and_forces
 from contact.record.record import samples
 from contact.scheme.beam.beam_implicit import ImplicitBeamStepper

@@ -13,8 +13,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import contact as ct
-from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import png
+from contact.io.outfiles import write_atomic
 from reports.contact.cases import Case, cases, errors, methods, run, spring
 from reports.tables import Row, command_line, show, write
 

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from queue import SimpleQueue
 
-from casingfem.io.outfiles import json_text, write_atomic
+from contact.io.outfiles import json_text, write_atomic
 from reports.mutants.draw import Mutant, draw, read_sources
 from reports.mutants.judge import Limits, Tree, Verdict
 from reports.mutants.reach import read_reach

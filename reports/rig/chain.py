@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import casingfem as cf
-from casingfem.io.outfiles import write_atomic
 from casingfem.plot.page import render_page
 from casingfem.plot.report import SYNTHETIC, Clock
 from casingfem.study import Study, load_study, perfect
 from casingfem.study.tasks import run_update
+from contact.io.outfiles import write_atomic
 from reports.rig import blade as rig_blade
 from reports.rig import page as rig_page
 from reports.rig import rub as rig_rub

@@ -11,10 +11,10 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.experiment.rig.files import rig_angles, write_rig_uff
-from casingfem.io.outfiles import write_atomic
 from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
 from casingfem.plot.style import png
 from casingfem.study.rig import RigTest
+from contact.io.outfiles import write_atomic
 from reports.rig.bench import BLADE_MODES, ORDERS, SEED, blade_test, casing_test, pair_from_scan, scan_at
 from reports.rig.predict import blade_model, casing_models, predict, rms, with_repeatability
 from reports.tables import Row, command_line, show, write

@@ -9,11 +9,11 @@ from scipy.optimize import root_scalar
 import casingfem as cf
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from casingfem.io.outfiles import write_atomic
 from casingfem.modal.modes import Modes
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
 from contact.growth.coincidence import coincidences
+from contact.io.outfiles import write_atomic
 from reports.rub.rim_levels import excess_db, rim_levels
 
 

@@ -13,10 +13,10 @@ import numpy as np
 
 import contact as ct
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.io.outfiles import write_atomic
 from casingfem.plot.interaction import figure_growth
 from casingfem.plot.style import png
 from contact.growth.closed_contact import growth
+from contact.io.outfiles import write_atomic
 from contact.model.gaps.bladed_disk import two_dimensional
 from contact.model.gaps.permanent import disk_contact, rub_contact
 from reports.rub.section_44 import make_casing

@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
-from casingfem.io.outfiles import write_atomic
 from casingfem.modal.interaction import interactions
 from contact.growth.closed_contact import growth
 from contact.growth.coincidence import coincidences, loaded
+from contact.io.outfiles import write_atomic
 from contact.model.gaps.bladed_disk import pair_rim
 from reports.tables import Row, command_line, show, write
 from reports.verification.interaction import B6, OTHERS, around, digging

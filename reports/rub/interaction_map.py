@@ -15,11 +15,11 @@ from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
 import contact as ct
-from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import DIVERGING, new_figure, styled
 from casingfem.study import load_study
 from casingfem.study.tasks import run_reduce
 from contact.growth.closed_contact import growth
+from contact.io.outfiles import write_atomic
 from contact.model.gaps.permanent import rim_contact
 from contact.scene.load import scene_of
 from contact.sweep.plan import SweepPlan, load_sweep

@@ -12,11 +12,11 @@ import numpy as np
 
 import casingfem as cf
 import contact as ct
-from casingfem.io.outfiles import write_atomic
 from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.plot.contact import figure_levels
 from casingfem.plot.style import png
 from contact.growth.closed_contact import growth
+from contact.io.outfiles import write_atomic
 from reports.rub.bases import casing, steel_strip
 from reports.rub.rim_levels import excess_db, level_history, rim_levels
 from reports.tables import DATA, Row, command_line, show, write

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
-from casingfem.io.outfiles import write_atomic
 from casingfem.plot.style import png
 from casingfem.plot.wear import figure_wear
+from contact.io.outfiles import write_atomic
 from contact.record.wear import Wear
 from reports.rub.rim_levels import level_history
 from reports.rub.section_44 import N_MAX, RECORD, N, make_blades, make_casing

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, frozen
-from casingfem.io.npz import read_npz, write_npz
+from casingfem.io.npz import read_npz
+from contact.io.npz import write_npz
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -15,9 +15,10 @@ from casingfem.errors import InputError
 from casingfem.experiment.uff.read import read_uff
 from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.io.npz import read_npz, write_npz
-from casingfem.io.outfiles import write_atomic
+from casingfem.io.npz import read_npz
 from casingfem.io.strict_csv import StrictCsv, read
+from contact.io.npz import write_npz
+from contact.io.outfiles import write_atomic
 
 Kind = Literal["frf", "time", "spectrum"]
 PLACES = ("response_point", "response_direction", "reference_point", "reference_direction")

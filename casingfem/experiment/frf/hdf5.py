@@ -11,7 +11,7 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import PLACES, FrfSet
 from casingfem.extras import remedy
-from casingfem.io.outfiles import write_atomic
+from contact.io.outfiles import write_atomic
 
 ARRAYS = ("x", "responses", *PLACES)
 

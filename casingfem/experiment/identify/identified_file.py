@@ -14,7 +14,8 @@ from casingfem.errors import InputError
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.stabilisation import Stabilisation
 from casingfem.io.arrays import Array
-from casingfem.io.npz import read_npz, write_npz
+from casingfem.io.npz import read_npz
+from contact.io.npz import write_npz
 
 WANTED = "what Identified.save or `casingfem identify --out` wrote"
 PARTS: dict[str, Any] = {"sensors": SensorGrid, "diagram": Stabilisation}

@@ -18,7 +18,7 @@ from casingfem.experiment.uff.nodes import BEAMS, HEADER_LINES, Elements, Nodes,
 from casingfem.experiment.uff.set_55 import COMPLEX, REAL, Shape
 from casingfem.experiment.uff.set_58 import Channel, Function
 from casingfem.io.arrays import Array
-from casingfem.io.outfiles import write_atomic
+from contact.io.outfiles import write_atomic
 
 SHIFTED = 0.01  # of a step: how far the last abscissa may be off for the digits of a header
 MARK = "    -1"

@@ -84,6 +84,7 @@ def assemble(bodies: Sequence[Body], *, gravity: float = 0.0) -> Chain:
 
     Raises InputError when bodies overlap, when nothing can touch, or for a mass between two bodies.
 
+    >>> from contact.model.bodies.body import Rod, Wall
     >>> chain = assemble([Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=2, x=0.5), Wall(x=0.0)])
     >>> chain.mass.tolist(), chain.left.tolist()
     ([0.0, 0.25, 0.5, 0.25], [0])

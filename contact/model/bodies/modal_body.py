@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import zipfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,7 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
+from contact.io.npz import load_npz, write_npz
 
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
@@ -178,7 +177,7 @@ class ModalBody:
         return replace(self, omega=self.omega * (1.0 + scatter * draw))
 
     def save(self, path: str | Path) -> None:
-        """Write npz without pickle, complete or not at all (temporary name, then `os.replace`)."""
+        """Write npz without pickle, complete or not at all (temporary name, then moved)."""
         data: dict[str, Any] = {
             "format": FORMAT, "omega": self.omega, "zeta": self.zeta, "channels": np.array(self.channels),
             "rows": self.rows, "S": self.S, "kind": self.kind, "n_max": self.n_max, "radius": self.radius,
@@ -224,26 +223,13 @@ def _require_modes(omega: Array, zeta: Array) -> None:
         raise InputError(f"zeta: found {zeta.min():g} .. {zeta.max():g}, expected 0 <= zeta < 1")
 
 
-def write_npz(path: Path, data: dict[str, Any]) -> None:
-    """Write arrays to a temporary name beside `path`, then move it there in one step."""
-    waiting = path.with_name(f".{path.name}.part")
-    try:
-        with waiting.open("wb") as file:
-            np.savez(file, **data)
-        os.replace(waiting, path)
-    except BaseException:
-        waiting.unlink(missing_ok=True)
-        raise
-
-
 def read_npz(path: Path, wanted: str, required: tuple[str, ...]) -> dict[str, Any]:
     """Read every array of an npz file of this format; raises InputError naming file and key."""
+    if not path.exists():
+        raise InputError(f"{path}: found no such file, expected an npz file")
     try:
-        with path.open("rb") as handle, np.load(handle, allow_pickle=False) as file:
-            data = {name: file[name] for name in file.files}
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: found no such file, expected an npz file") from error
-    except (OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile) as error:
+        data = load_npz(path)
+    except ValueError as error:
         raise InputError(f"{path}: not a readable npz file without pickled objects ({error})") from error
     found = str(data.get("format", "no key 'format'"))
     if found != wanted:

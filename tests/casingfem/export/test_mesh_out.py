@@ -12,7 +12,7 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.export.meshes import drawn_surface, mode_files
-from casingfem.io.outfiles import write_files
+from contact.io.outfiles import write_files
 from tests.casingfem.study.study_texts import PLATE, written
 
 

@@ -13,10 +13,10 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.io.outfiles import json_text, write_atomic, write_files
 from casingfem.plot.contact import figure_contact
 from casingfem.plot.page import Section, Table, render_page
 from casingfem.plot.style import embed, new_figure
+from contact.io.outfiles import json_text, write_atomic, write_files
 from tests.casingfem.study.study_texts import THICK
 
 UPDATE = """

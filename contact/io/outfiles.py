@@ -10,7 +10,7 @@ from typing import Any
 Content = str | bytes | Callable[[Path], object]  # what a file holds, or what writes it at a path
 
 
-def write_files(folder: str | Path, files: Mapping[str, Content]) -> list[Path]:
+def write_files(folder: str | os.PathLike[str], files: Mapping[str, Content]) -> list[Path]:
     r"""Write files into a folder (made if need be, like those in a file's name); none appears before all are complete.
 
     >>> import tempfile
@@ -39,7 +39,7 @@ def write_files(folder: str | Path, files: Mapping[str, Content]) -> list[Path]:
     return list(waiting.values())
 
 
-def write_atomic(path: str | Path, content: Content) -> Path:
+def write_atomic(path: str | os.PathLike[str], content: Content) -> Path:
     """Write one file, whole or not at all."""
     final = Path(path)
     return write_files(final.parent, {final.name: content})[0]
