@@ -128,8 +128,6 @@ def advance_projected(
                     v[i] += c.impulse[k] * c.jump[k, i]
         note_contacts(p, s, c, e, u, v, sums, out, begin, h)
         note_works(p, s, u, v, load, next_load, sums, rate, spare)
-        for k in range(contacts):
-            s.shifted[k] = 0.0
         sums.algorithmic[0] += take_step(p, s, w, u, v, a, net, dnet, next_load, s.shifted, h, spare)
         store(sums, out, step, begin + 0.5 * h, s.force, s.gap)
     return -1

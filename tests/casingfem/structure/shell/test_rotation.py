@@ -20,6 +20,7 @@ from reports.verification.rotation import FACTORS, rotating_beam, strip, strip_f
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 BLADE = cf.Plate(length=0.2, width=0.04)
+CONE, TWISTED = cf.Frustum(r_base=0.5, r_top=0.35, height=0.25), cf.TwistedPlate(length=0.3, width=0.1, twist=1.1)
 SMALL = cf.ShellMesh(order=6, rows=2, around=1)
 RINGED = cf.Shell(
     chart=cf.Cylinder(radius=0.2, height=0.1),
@@ -56,9 +57,9 @@ def exact_strains(surface, rates, jets):
     return np.array([*stretch, *bend, a[0] @ d, a[1] @ d])
 
 
-def test_quadratic_strains_are_the_second_order_of_the_deformed_surface():
+@pytest.mark.parametrize("chart", [CONE, TWISTED], ids=["cone", "twisted"])
+def test_quadratic_strains_are_the_second_order_of_the_deformed_surface(chart):
     """Linear part from the strain slots, quadratic part here; what is left falls with the third power."""
-    chart = cf.Frustum(r_base=0.5, r_top=0.35, height=0.25)
     surface = Surface(*(part[:, 0] for part in chart.surface(np.array([0.1]), np.array([0.8]), None)))
     rates, (L, _) = tangent_rates(surface), strain_slots(surface)
     jets = np.random.default_rng(5).normal(size=15)
