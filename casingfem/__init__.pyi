@@ -13,6 +13,7 @@ from .modal.interface import Rim, Tip, TipNodes
 from .modal.mistuning import mistune
 from .modal.modes import Modes, modes
 from .modal.reduction import reduce
+from .modal.roundness import out_of_roundness
 from .modal.whirl import whirl_modes
 from .structure import edge, field, geometry, imported, shell
 from .structure.edge.bolts import Bolts
@@ -90,6 +91,7 @@ __all__ = [
     "mistune",
     "modal",
     "modes",
+    "out_of_roundness",
     "read_mesh",
     "reduce",
     "rig",

@@ -19,7 +19,10 @@ from casingfem.io.npz import read_npz
 from contact.io.npz import write_npz
 
 FORMAT = "casingfem-modal-basis-1"
-OPTIONAL = ("recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation")
+OPTIONAL = (
+    "recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation",
+    "out_of_roundness",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -53,6 +56,8 @@ class ModalBasis:
     participation
         Modal force per acceleration of the whole body, Phi^T M e [sqrt(kg)], along x, y and the axis of a casing, along
         span, flap and chord of a blade, (3, modes); empty where it is not known.
+    out_of_roundness
+        Of a rim: deviation of each line's radius from its mean [m], cos0 .. cosN, sin1 .. sinN, (lines, 2 n_max + 1).
     provenance
         Where it comes from: method, versions, hash of the matrices.
     """
@@ -74,6 +79,7 @@ class ModalBasis:
     output_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     K_omega: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     participation: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    out_of_roundness: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     spin: float = 0.0
     provenance: dict[str, Any] = field(default_factory=dict)
 

@@ -10,6 +10,7 @@ from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.harmonics import ring_transform
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.place import interpolation
+from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 
 
@@ -133,15 +134,19 @@ def line_transforms(system: System, rim: Rim) -> list[Array]:
     return found
 
 
+def rim_places(shell: Shell, rim: Rim) -> tuple[float, ...]:
+    """The first parameter of the chart on each line of a rim."""
+    if rim.lines:
+        return rim.lines
+    held, side = shell.chart.edges[rim.edge]
+    return (shell.chart.bounds[held][side],)
+
+
 def rim_lines(system: System, rim: Rim) -> FloatArray:
     """Axial place and mean radius of each line of a rim [m], (lines, 2)."""
     theta = 2.0 * np.pi * np.arange(64) / 64
-    places = rim.lines
-    if not places:
-        held, side = system.shell.chart.edges[rim.edge]
-        places = (system.shell.chart.bounds[held][side],)
     found = []
-    for place in places:
+    for place in rim_places(system.shell, rim):
         x = system.shell.geometry(np.full(64, place), theta).surface.x
         found.append([float(x[2].mean()), float(np.hypot(x[0], x[1]).mean())])
     return np.array(found)

@@ -24,6 +24,7 @@ from casingfem.modal.basis import ModalBasis
 from casingfem.modal.interface import Rim, Tip, TipNodes, interface_rows, rim_lines, tip_directions
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.modal.output import Output, output_rows
+from casingfem.modal.roundness import rim_shape
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.plausible import warn_of
@@ -119,6 +120,7 @@ def reduce(
         outputs=tuple(output.name for output in outputs),
         spin=0.0 if structure.rotation is None else structure.rotation.omega,
         lines=rim_lines(system, interface) if isinstance(interface, Rim) else np.zeros((0, 2)),
+        out_of_roundness=rim_shape(structure, interface) if isinstance(interface, Rim) else np.zeros((0, 0)),
         rows=at_interface,
         S=S,
         participation=participation(system, interface, vectors),

@@ -118,6 +118,6 @@ class DiskFile(Table):
         kick[0] = 0.0 if self.casing.pair is None else self.casing.pair.kick
         return Rub(
             casing, (disk.body(),), disk.tips(), clearance=self.contact.clearance,
-            speed=Speed.constant(self.speed.hz), profile=RimProfile.fourier(self.contact.terms()),
+            speed=Speed.constant(self.speed.hz), profile=RimProfile.fourier(self.contact.terms(casing)),
             casing_start=Start(velocity=readonly(kick)),
         )  # fmt: skip

@@ -165,7 +165,7 @@ def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
         lambda: RotatingRim(
             casing, blade, clearance=contact.clearance, speed_hz=table.speed.hz,
             lean_deg=table.blade.lean_deg,
-            out_of_roundness=contact.terms(),
+            out_of_roundness=contact.terms(casing),
             angle_deg=contact.angle_deg,
         ),
         file, problems,

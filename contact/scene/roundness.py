@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from statistics import NormalDist
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from contact.base.errors import InputError
+from contact.model.bodies.modal_body import ModalBody
 from contact.scene.scheme import Positive, Table, Waviness
 
 NINETY = NormalDist().inv_cdf(0.9)  # standard deviations between the median and the 90th percentile
@@ -77,9 +79,12 @@ class RandomRoundness(Table):
 
 
 class Roundness(Table):
-    """What [contact] of every rim says of its shape: `out_of_roundness`, and `draw` of the random one added to it."""
+    """What [contact] of every rim says of its shape: `out_of_roundness`, and `draw` of the random one added to it.
 
-    out_of_roundness: list[Waviness] = Field(default_factory=list)
+    `out_of_roundness` lists harmonics {p, cos, sin} [m], or is "basis": what the casing was surveyed to have.
+    """
+
+    out_of_roundness: list[Waviness] | Literal["basis"] = Field(default_factory=list)
     random_out_of_roundness: RandomRoundness | None = None
     draw: Whole | None = None
 
@@ -89,9 +94,19 @@ class Roundness(Table):
             raise ValueError("draw found without random_out_of_roundness, expected [contact.random_out_of_roundness]")
         return self
 
-    def terms(self) -> list[dict[str, float]]:
-        """Harmonics {p, cos, sin} [m], the drawn ones after the given; harmonics that are there twice add up."""
-        given = [term.model_dump() for term in self.out_of_roundness]
+    def terms(self, casing: ModalBody) -> list[dict[str, float]]:
+        """Harmonics {p, cos, sin} [m], the drawn ones after the given; harmonics that are there twice add up.
+
+        "basis" takes those of the casing's first rim line. Raises InputError where its basis has none, or several
+        lines, which may differ.
+        """
+        if self.out_of_roundness == "basis":
+            if casing.rim_lines > 1:
+                found = f"'basis' with {casing.rim_lines} rim lines, which may differ"
+                raise InputError(f"out_of_roundness: found {found}, expected one line, or harmonics")
+            given = casing.roundness()
+        else:
+            given = [term.model_dump() for term in self.out_of_roundness]
         return (
             given
             if self.random_out_of_roundness is None

@@ -198,9 +198,10 @@ class RubFile(Table):
                     given = node.model_dump() | {"angle_deg": angle + node.angle_deg}
                     tips.append(ContactPoint(blade=len(blades), lean_deg=table.lean_deg, **given))
                 blades.append(body)
+        casing = ModalBody.load(folder / self.casing.basis)
         rub = Rub(
-            ModalBody.load(folder / self.casing.basis), tuple(blades), tuple(tips), clearance=self.contact.clearance,
-            speed=self.speed.law(), profile=self._profile(folder), stiffening=tuple(stiff),
+            casing, tuple(blades), tuple(tips), clearance=self.contact.clearance,
+            speed=self.speed.law(), profile=self._profile(folder, casing), stiffening=tuple(stiff),
             closing=Closing.none() if self.closing is None else self.closing.law(),
             whirl=tuple(whirl.law() for whirl in self.whirl), forces=self._forces(),
             thickness=math.inf if self.casing.thickness is None else self.casing.thickness,
@@ -216,8 +217,8 @@ class RubFile(Table):
             forces.append(BodyForce.gravity(turning=turning, **self.gravity.model_dump(exclude={"settled"})))
         return tuple(forces)
 
-    def _profile(self, folder: Path) -> RimProfile:
-        terms = RimProfile.fourier(self.contact.terms()).terms
+    def _profile(self, folder: Path, casing: ModalBody) -> RimProfile:
+        terms = RimProfile.fourier(self.contact.terms(casing)).terms
         if self.contact.profile is None:
             return RimProfile(terms)
         theta, depth = read_profile(folder / self.contact.profile)

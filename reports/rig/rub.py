@@ -68,18 +68,6 @@ def tuned(blade: cf.Shell, target: float) -> cf.Shell:
     return replace(blade, thickness=scaled(found.root))
 
 
-def out_of_roundness(casing: cf.Shell, n_max: int) -> list[dict[str, float]]:
-    """Radius deviation of the rim [m] by harmonics, from the casing's radius field."""
-    if casing.radius_defect is None:
-        return []
-    (_, height), _ = casing.chart.bounds
-    theta = 2.0 * np.pi * np.arange(4 * n_max) / (4 * n_max)
-    radius = np.linalg.norm(casing.chart.surface(np.array([height]), np.zeros(1), None).x[:2])
-    values = radius * casing.radius_defect.derivatives(np.full(theta.shape, height), theta).value
-    c = np.fft.rfft(values) / len(theta)
-    return [{"p": p, "cos": float(2.0 * c[p].real), "sin": float(-2.0 * c[p].imag)} for p in range(1, n_max + 1)]
-
-
 def deviation(terms: list[dict[str, float]], theta: FloatArray) -> FloatArray:
     """The deviation at angles [m]."""
     total = np.zeros_like(theta)

@@ -14,7 +14,10 @@ from contact.io.npz import load_npz, write_npz
 
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
-OPTIONAL = ("recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation")
+OPTIONAL = (
+    "recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation",
+    "out_of_roundness",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -31,6 +34,7 @@ class ModalBody:
     (O, K) the quantities named in `outputs`. `K_omega` (m, m): what Omega^2 - spin^2 adds to the modal stiffness of a
     body whose basis was made at `spin` [rad/s]. `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the
     whole body, Phi^T M e, along x, y and the axis of a rim, along span, flap and chord of a blade.
+    `out_of_roundness` (L, 2 N + 1) [m]: deviation of each rim line's radius, cos0 .. cosN, sin1 .. sinN.
 
     Raises InputError for shapes that do not fit, NaN, negative frequencies or an asymmetric S.
 
@@ -57,6 +61,7 @@ class ModalBody:
     output_S: Array | None = None
     K_omega: Array | None = None
     participation: Array | None = None
+    out_of_roundness: Array | None = None
     spin: float = 0.0
 
     def __post_init__(self) -> None:
@@ -81,6 +86,7 @@ class ModalBody:
             ("output_S", (wanted, K)),
             ("K_omega", (m, m)),
             ("participation", (3, m)),
+            ("out_of_roundness", (max(self.rim_lines, 1) if self.kind == "rim" else 0, 2 * self.n_max + 1)),
         ):
             if getattr(self, name) is not None:
                 require_shape(name, getattr(self, name), shape)
@@ -118,6 +124,16 @@ class ModalBody:
     def rim_lines(self) -> int:
         """Lines around a rim at which contact sees it."""
         return len(self.channels) // ((2 * self.n_max + 1) * self.directions)
+
+    def roundness(self, line: int = 0) -> list[dict[str, float]]:
+        """Out-of-roundness of a rim line, terms {p, cos, sin} [m]; raises InputError where the basis has none."""
+        if self.out_of_roundness is None:
+            raise InputError(
+                "out_of_roundness: found a basis without it, expected one of casingfem reduce of a whole casing, or "
+                "harmonics [{p = ..., cos = ..., sin = ...}]"
+            )
+        c, N = self.out_of_roundness[line], self.n_max
+        return [{"p": p, "cos": float(c[p]), "sin": float(c[N + p])} for p in range(1, N + 1) if c[p] or c[N + p]]
 
     def line_radius(self, line: int) -> float:
         """Radius of one rim line [m]; the mean radius when the lines are not told apart."""
