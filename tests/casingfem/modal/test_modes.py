@@ -8,6 +8,7 @@ import pytest
 
 from casingfem.errors import ModelWarning, NumericsError
 from casingfem.modal.fourier import harmonic_floor, lowest
+from casingfem.modal.mode_set import frequency_scale
 from casingfem.modal.modes import count_below, modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.fourier import FourierField
@@ -412,3 +413,11 @@ def test_doublets_of_a_perfect_casing_agree_to_round_off_whatever_its_thickness(
     products = modal_products(shell, point_fields(shell, found.grid, found.fields, found.own))
     np.testing.assert_allclose(products.M, np.eye(12), atol=1e-12)
     np.testing.assert_allclose(np.diag(products.K), found.omega**2, rtol=1e-12)
+
+
+@pytest.mark.parametrize("times", [1.0, 5.0])
+def test_the_scale_of_frequencies_is_that_of_bending_whatever_the_units(steel, times):
+    """sqrt(E/rho) t/size^2, size the diagonal of the box around: a shell five times as large has a fifth of it."""
+    plate = Shell(chart=Plate(length=0.3 * times, width=0.4 * times), thickness=2e-3 * times, material=steel)
+    expected = np.sqrt(steel.E / steel.rho) * 2e-3 / 0.5**2 / times
+    assert frequency_scale(plate) == pytest.approx(expected, rel=1e-12)

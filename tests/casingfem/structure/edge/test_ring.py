@@ -268,3 +268,14 @@ def test_rings_and_masses_stand_on_edges_that_run_around(steel, frustum):
         Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": Ring(section=BAR), "left": Clamped()})
     with pytest.raises(ModelError, match="mass-edge"):
         frustum(masses={"rim": [EdgeMass(angle=0.0, mass=1.0)]})
+
+
+@pytest.mark.parametrize(
+    ("sides", "factor"),
+    [(1.0, 0.1406), (1.2, 0.166), (1.5, 0.196), (2.0, 0.229), (3.0, 0.263), (5.0, 0.291), (10.0, 0.312)],
+)
+def test_the_torsion_of_a_rectangle_is_the_published_one(sides, factor):
+    """J = factor a b^3, whichever side is named first (Timoshenko & Goodier, Theory of Elasticity, art. 109)."""
+    a, b = sides * 4e-3, 4e-3
+    for section in (Section.rectangle(width=a, depth=b), Section.rectangle(width=b, depth=a)):
+        assert section.J == pytest.approx(factor * a * b**3, abs=5.1e-4 * a * b**3)
