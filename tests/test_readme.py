@@ -1,5 +1,7 @@
 """What README and CONTRIBUTING say holds: examples run and print what they claim, commands and links exist."""
 
+import importlib
+import operator
 import re
 import shlex
 import tomllib
@@ -153,3 +155,15 @@ def test_synthetic_data_says_so():
     for path, kind in re.findall(r"\]\((data/[\w/]+\.csv)\) \| (MEASURED|SYNTHETIC)", section):
         assert (ROOT / path).read_text(encoding="utf-8").startswith(f"# {kind}"), path
     assert section.count("SYNTHETIC") == 3
+
+
+def test_every_call_of_the_walks_is_there():
+    walks = TEXT["CONTRIBUTING.md"].partition("## Walks")[2].partition("## Style")[0]
+    names = re.findall(r"`((?:casingfem|contact)\.[\w.]+)`", walks)
+    assert len(names) == 18
+    for name in names:
+        module, _, last = name.rpartition(".")
+        if module.rpartition(".")[2][0].isupper():  # a method
+            module, _, owner = module.rpartition(".")
+            last = f"{owner}.{last}"
+        assert callable(operator.attrgetter(last)(importlib.import_module(module))), name
