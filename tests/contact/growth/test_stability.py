@@ -116,6 +116,19 @@ def test_friction_beyond_the_lean_moves_the_growth_from_sum_to_difference():
         assert {name for name, value in peaks.items() if value > 0.0} == {branch}
 
 
+@pytest.mark.parametrize("mu", [0.0, 0.1, 0.3])
+def test_growth_by_the_formula_is_that_of_the_pole_with_friction_and_damping(mu):
+    """At the centre of the band the quadratic of one wave and one mode is the whole system to second order."""
+    pair = ct.gaps.HandPair(
+        casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=2e-4),
+        blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4, zeta=5e-4), compliance=1e-4, friction=mu, lean_deg=20.0,
+    )  # fmt: skip
+    (met,) = (c for c in coincidences(pair.contact()) if c.speed_hz > 0.0 and c.branch == "sum")
+    at_centre = ct.growth.stability(pair.contact(), met.speed_hz * np.array([0.9999, 1.0, 1.0001])).growth[1]
+    assert met.growth > 1.0
+    assert met.growth == pytest.approx(at_centre, rel=1e-3)
+
+
 @pytest.mark.slow
 def test_digging_blade_grows_in_time_as_its_pole():
     pair = damped(replace(B6, friction=0.3, lean_deg=10.0))

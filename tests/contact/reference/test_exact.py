@@ -111,3 +111,13 @@ def test_ball_and_oscillator():
     assert stopped_period(1.0, 1.0, 2.0) == pytest.approx(np.pi + 2 * np.arcsin(0.5))
     with pytest.raises(ct.InputError, match="within reach"):
         stopped_period(1.0, 3.0, 2.0)
+
+
+def test_an_instant_has_the_mean_force_of_its_step():
+    left, right = (ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, x=x, velocity=v) for x, v in ((-1.1, 1.0), (0.0, 0.0)))
+    impact = impact_by_characteristics(left, right, dt=0.05, t_end=3.0)
+    steps = np.arange(impact.step_force.size)
+    for part in (0.0, 0.3, 0.9):
+        np.testing.assert_array_equal(impact((steps + part) * 0.05), impact.step_force)
+    assert impact(np.array([-0.01, 3.01])).tolist() == [0.0, 0.0]
+    assert np.unique(impact.step_force).size > 1

@@ -153,6 +153,8 @@ def test_what_cannot_be_estimated_is_refused():
             estimate(test, **keys)
     with pytest.raises(InputError, match="width"):
         Impact(peak=1.0, width=0.0)
+    with pytest.raises(InputError, match="peak"):
+        Impact(peak=-1.0, width=1e-3)
     with pytest.raises(InputError, match="freq"):
         StepSine(amplitude=1.0, freq=())
     with pytest.raises(InputError, match="part"):
