@@ -13,7 +13,10 @@ from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.fourier import FieldValues, FourierField
 from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
+from casingfem.structure.geometry.revolved import Arc, Revolved
+from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.extent import extent
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.variation import finest_harmonic
 
@@ -148,3 +151,17 @@ def test_a_thin_casing_gets_more_elements(steel):
         return Shell(chart=Cylinder(radius=0.5, height=0.3), thickness=t, material=steel).mesh.around
 
     assert around(1e-4) > around(1e-3) >= around(5e-3)
+
+
+@pytest.mark.parametrize(
+    ("chart", "expected"),
+    [
+        (Cylinder(radius=0.4, height=0.3), 1.0 / 0.4),
+        (Revolved(profile=Arc(radius=0.5, start=0.0, end=1.0)), 1.0 / 0.5),  # both ways
+        (TwistedPlate(length=0.3, width=0.1, twist=1.2), 1.2 / 0.3),  # a saddle: opposite signs, the twist's rate
+    ],
+    ids=["cylinder", "bowl", "saddle"],
+)
+def test_the_largest_curvature_is_that_of_the_surface(steel, chart, expected):
+    shell = Shell(chart=chart, thickness=1e-3, material=steel, supports={})
+    assert extent(shell).curvature.max() == pytest.approx(expected, rel=1e-6)
