@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from reports.structure import ROOT, Structure, circles, duplicates, exported, measures
 
 FILES = {
@@ -49,6 +51,7 @@ def test_circles_are_the_sets_that_reach_each_other():
     assert circles({name: frozenset(targets) for name, targets in graph.items()}) == [["a", "b", "c"], ["d", "e"]]
 
 
+@pytest.mark.slow
 def test_no_modules_import_each_other_in_a_circle():
     assert circles(Structure(ROOT).imports) == []
 

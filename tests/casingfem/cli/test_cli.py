@@ -180,6 +180,7 @@ def test_an_error_allowed_to_the_model_widens_sigma(study):
     assert json.loads(invoke("update", study, "--json").stdout)["parameters"][1]["sigma"] > 3.0 * first
 
 
+@pytest.mark.slow
 def test_reduce_and_rub(study, tmp_path):
     (tmp_path / "blade.toml").write_text(BLADE)
     casing = json.loads(invoke("reduce", study, "--json", "--out", tmp_path).stdout)

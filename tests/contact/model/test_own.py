@@ -53,6 +53,7 @@ class Spring:
     words: str = "my spring"
 
 
+@pytest.mark.slow
 def test_a_gap_of_ones_own_is_what_the_same_body_is():
     lever = Lever()
     own, same = (ct.run(what, scheme=ct.Newmark(beta=0.5, gamma=0.55), **STEP) for what in (lever, lever.linear_form()))
@@ -61,6 +62,7 @@ def test_a_gap_of_ones_own_is_what_the_same_body_is():
     assert np.array_equal(own.gap, same.gap)
 
 
+@pytest.mark.slow
 def test_its_modal_form_runs_under_exact_modal():
     exact = ct.run(LeverMode(), scheme=ct.ExactModal(), **STEP)
     free = math.sqrt(3e5 / 2.0)
@@ -77,6 +79,7 @@ def test_a_law_of_ones_own_is_what_the_same_spring_is(scheme):
     assert "my spring" in own.scheme
 
 
+@pytest.mark.slow
 def test_a_scheme_is_chosen_by_the_kind_of_the_law_and_refuses_what_it_does_not_know():
     assert "my spring" in ct.run(Lever(), law=Spring(4e6), **STEP).scheme
     with pytest.raises(ct.InputError, match=r"law: found Spring\(.*updates=5.*expected Unilateral"):

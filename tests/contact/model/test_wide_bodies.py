@@ -40,6 +40,7 @@ def test_every_scheme_runs_on_entries_as_on_bands(method, monkeypatch):
     assert abs(lists.energy.unaccounted) <= 1e-12 * lists.energy.scale
 
 
+@pytest.mark.slow
 def test_a_consistent_mass_matrix_too(monkeypatch):
     bands, lists = (
         kept(monkeypatch, empty, thrown(M=CONSISTENT), next(m for m in methods(1.0) if "Moreau" in m.name))

@@ -173,6 +173,7 @@ def test_laws_of_implicit_schemes(tmp_path, law):
     assert scene.law.stiffness == 9.0
 
 
+@pytest.mark.slow
 def test_record_table(tmp_path):
     ring().save(tmp_path / "casing.npz")
     blade().save(tmp_path / "blade.npz")

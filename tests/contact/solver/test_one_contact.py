@@ -14,6 +14,7 @@ def in_closed_form(W, b, mu):
     return bool(one_contact(W, b, mu, len(b), force)), force
 
 
+@pytest.mark.slow
 def test_it_finds_what_newtons_method_finds():
     rng, states = np.random.default_rng(SEED), set()
     for _ in range(300):
