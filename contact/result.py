@@ -15,6 +15,7 @@ import numpy as np
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
 from contact.io.npz import write_npz
+from contact.io.outfiles import finite
 from contact.model.bodies.modal_body import read_npz
 from contact.model.law import pressure
 from contact.record.energy import EnergyBudget, Stored
@@ -207,7 +208,7 @@ class Result:
                 "reversals": int(self.reversals[k]),
             })  # fmt: skip
         return {
-            "contacts": contacts, "bodies": [_finite(asdict(motion)) for motion in self.motions],
+            "contacts": contacts, "bodies": [finite(asdict(motion)) for motion in self.motions],
             "energy": self.energy.to_dict(), "steps": self.steps, "dt": self.dt, "window": self.window,
             "every": self.every, "scheme": self.scheme, "source": self.source, "seconds": self.seconds,
             "flags": list(self.flags), "coating": [track.to_dict() for track in self.tracks],
@@ -322,7 +323,3 @@ def _intervals(kind: Array, time: Array, end: float) -> Intervals:
     if len(ends) < len(starts):
         ends.append(end)
     return tuple((a, max(a, b)) for a, b in zip(starts, ends, strict=True))
-
-
-def _finite(record: dict[str, object]) -> dict[str, object]:
-    return {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in record.items()}

@@ -31,10 +31,9 @@ class StabilityScene:
 
     def solve(self) -> StabilityMap:
         """Growth map over the speeds."""
-        pair = getattr(self.what, "contact", None)
-        if pair is not None:
-            return stability(pair(), self.speed_hz)
-        return rim_stability(cast(RotatingRim, self.what), self.speed_hz, mu=self.mu)
+        if isinstance(self.what, HandPair):
+            return stability(self.what.contact(), self.speed_hz)
+        return rim_stability(self.what, self.speed_hz, mu=self.mu)
 
 
 def load_stability(path: str | Path) -> StabilityScene:

@@ -172,12 +172,11 @@ def _as_in_scene(value: Value, whole: bool) -> Value:
 
 
 def _step(at: Any, part: str, key: str, file: Path | None) -> Any:
-    match = PART.fullmatch(part)
-    try:
-        name, number = match.groups() if match else ("", None)
-        found = at[name] if number is None else at[name][int(number) - 1 if int(number) else len(at[name])]
-    except (LookupError, TypeError):
-        found = None
+    match, found = PART.fullmatch(part), None
+    if match is not None:
+        found, number = at.get(match[1]), match[2]
+        if number is not None:
+            found = dict(enumerate(found, 1)).get(int(number)) if isinstance(found, list) else None
     if not isinstance(found, dict):
         raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, but the scene has no {part!r} there"])
     return found

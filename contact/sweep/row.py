@@ -10,6 +10,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import NumericsError
+from contact.io.outfiles import finite
 from contact.model.gaps.gap import FAR, RotatingRim
 from contact.model.gaps.rub import Rub
 from contact.record.record import Record
@@ -68,12 +69,8 @@ def _numbers(scene: Scene | None, result: Result | None) -> dict[str, Any]:
     }  # fmt: skip
     if len(result.state):
         found |= _motion(scene, result)
-    return {name: _plain(value) for name, value in found.items()}
-
-
-def _plain(value: Any) -> Any:
-    """JSON and CSV have no word for nan and inf."""
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    plain: dict[str, Any] = finite(found)  # JSON and CSV have no word for nan and inf
+    return plain
 
 
 def _motion(scene: Scene | None, result: Result) -> dict[str, Any]:

@@ -75,6 +75,7 @@ CAMPAIGNS = (
     Campaign("mutants", "which of 120 small faults the tests see", ("casingfem", "contact", "tests"), DRAWN),
     Campaign("speed", "times of the main calls", ("casingfem", "contact")),
     Campaign("speed.sweeps", "times of sweeps", ("contact",)),
+    Campaign("speed.tips", "microseconds a step of a rub by its tips", RUBS),
     Campaign("robustness.sweep_kills", "sweeps under kill -9 lose nothing", ("contact/sweep",)),
     Campaign("rig", "the chain of `make study`", ("casingfem", "contact")),
 )  # fmt: skip

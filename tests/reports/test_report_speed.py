@@ -6,6 +6,7 @@ import pytest
 
 from reports.speed import steps as speed
 from reports.speed import sweeps as sweep_speed
+from reports.speed import tips as tip_speed
 
 
 @pytest.mark.campaign
@@ -32,3 +33,12 @@ def test_speed_tables_are_whole_and_skipping_changes_nothing(tmp_path, monkeypat
     assert max(row["state differs by"] for row in flights) <= 1e-12
     assert flights[-1]["contact fraction"] < 0.1 < flights[0]["contact fraction"]
     assert [row["failed"] for row in swept] == [0, 0]
+
+
+@pytest.mark.campaign
+def test_a_tip_is_timed_both_ways_and_more_of_them_as_a_rub(tmp_path):
+    rows = tip_speed.main(tmp_path, quick=True)
+    assert [(row["tips"], row["case"]) for row in rows] == [(n, case) for n in (1, 4) for case, _, _ in tip_speed.CASES]
+    for row in rows:
+        assert (row["closed"] > 0.0) == (row["case"] != "free")
+        assert (row["as RotatingRim us/step"] is not None) == (row["tips"] == 1)

@@ -39,15 +39,18 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             put(s.contact, i, same(0.0))
         count = 0
         while closing > 0:
-            count = 1
-            if closing > 1 or coats is not None or not alone(s, rows, w, dim, share, omega * h, step, before, angle):
+            count = 0
+            if coats is None:  # a branch that is left out of the loop with a coating, and not compiled there
+                if closing == 1 and alone(s, rows, w, dim, share, omega * h, step, before, angle):
+                    count = 1
+            if count == 0:
                 count = gather(s, rows, w, dim, share, angle)
                 fill_compliance(rows, w, count * dim, step, before, angle)
                 if not solve(s, rows, w, coats, count, dim, share, omega * h):
                     return step
             if not others_close(s, rows, w, count * dim, dim, share):
                 break
-            closing = s.mu.size  # one or more than were solved for
+            closing = count + 1  # at least
         if closing > 0 or pressed:
             strains(s, w, count * dim)
         if closing > 0:

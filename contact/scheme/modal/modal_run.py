@@ -15,6 +15,7 @@ from contact.model.waves import Terms
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally
 from contact.record.wear import Wear
+from contact.scheme.modal.propagator import window
 from contact.scheme.modal.wear_track import Tracks
 from contact.scheme.protocol import Block, Motion
 
@@ -57,8 +58,7 @@ class ModalRun:
     @property
     def window(self) -> float:
         """Period of the highest mode [s]."""
-        top = float(self.system.omega.max(initial=0.0))
-        return max(2.0 * math.pi / top, self.dt) if top > 0.0 else self.dt
+        return window(self.system.omega, self.dt)
 
     @property
     def size(self) -> int:

@@ -16,7 +16,7 @@ from contact.base.arrays import Array
 from contact.model.bodies.patch import Patch
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
-from contact.scheme.modal.propagator import Propagator
+from contact.scheme.modal.propagator import Propagator, window
 from contact.scheme.protocol import Block, Motion
 
 if TYPE_CHECKING:
@@ -43,8 +43,7 @@ class PatchStepper:
     @property
     def window(self) -> float:
         """Period of the highest mode [s]."""
-        top = float(self.parts.omega.max(initial=0.0))
-        return max(2.0 * math.pi / top, self.dt) if top > 0.0 else self.dt
+        return window(self.parts.omega, self.dt)
 
     @property
     def size(self) -> int:

@@ -7,6 +7,7 @@ Math. 3, 1961, 381). Free motion and statics are exact for any h.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,6 +58,12 @@ class Propagator:
             potential=potential - float(self.load @ q), residual=residual,
             discrete=float(potential + discrete - 0.5 * self.load @ (q + old)),
         )  # fmt: skip
+
+
+def window(omega: Array, dt: float) -> float:
+    """Period of the highest mode [s], or the step where there is none or it is longer."""
+    top = float(omega.max(initial=0.0))
+    return max(2.0 * math.pi / top, dt) if top > 0.0 else dt
 
 
 def propagator(omega: Array, zeta: Array, load: Array, h: float) -> Propagator:

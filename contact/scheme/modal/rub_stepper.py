@@ -19,7 +19,7 @@ from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.record.wear import Wear
 from contact.scheme.modal.blocks import OF_MODES, narrowed, row_blocks, rows_of_waves, whole, widened
-from contact.scheme.modal.propagator import Propagator
+from contact.scheme.modal.propagator import Propagator, window
 from contact.scheme.modal.rub_tracks import rub_tracks
 from contact.scheme.modal.wear_track import Tracks
 from contact.scheme.protocol import Block, Motion, Notes
@@ -62,8 +62,7 @@ class RubStepper:
     @property
     def window(self) -> float:
         """Period of the highest mode [s]."""
-        top = float(self.system.omega.max(initial=0.0))
-        return max(2.0 * math.pi / top, self.dt) if top > 0.0 else self.dt
+        return window(self.system.omega, self.dt)
 
     @property
     def size(self) -> int:
