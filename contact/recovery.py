@@ -26,7 +26,7 @@ def channel_forces(rim: RotatingRim, result: Result, *, law: Law | None = None) 
     pull = math.copysign((law or Unilateral()).mu, rim.speed) if rim.speed else 0.0
     force = result.state_force()[:, :1]
     phi = math.radians(rim.angle_deg) - rim.speed * result.state_time
-    waves = np.array([harmonics(rim.casing.n_max, float(angle)) for angle in phi])
+    waves = harmonics(rim.casing.n_max, phi)
     casing = force * np.concatenate([waves, -pull * waves], axis=1)
     a, blade = math.radians(rim.lean_deg), np.zeros(len(rim.blade.channels))
     blade[rim.blade.channel("span")] = -math.cos(a) - pull * math.sin(a)
@@ -80,7 +80,7 @@ def rub_forces(rub: Rub, result: Result, name: str) -> tuple[Array, Array]:
     casing, size = rub.casing, 2 * rub.casing.n_max + 1
     turned = np.array([rub.speed.angle(float(t)) for t in result.state_time])
     for j, tip in enumerate(rub.tips):
-        waves = np.array([harmonics(casing.n_max, math.radians(tip.angle_deg) - a) for a in turned])
+        waves = harmonics(casing.n_max, math.radians(tip.angle_deg) - turned)
         for i in range(d):
             begin = (tip.line * casing.directions + i) * size
             total[:, begin : begin + size] += forces[:, j * d + i, None] * waves

@@ -61,10 +61,10 @@ def pruned(polynomial: Trig, noise: float) -> Trig:
     return Trig(harmonic=polynomial.harmonic[kept], cos=readonly(cos[kept]), sin=readonly(sin[kept]))
 
 
-def harmonics(n_max: int, phi: float) -> Array:
-    """Interface functions h(phi) = (1, cos phi .. cos N phi, sin phi .. sin N phi), shape (2N + 1,)."""
-    n = np.arange(n_max + 1)
-    return np.concatenate([np.cos(n * phi), np.sin(n[1:] * phi)])
+def harmonics(n_max: int, phi: Array | float) -> Array:
+    """Interface functions h(phi) = (1, cos phi .. cos N phi, sin phi .. sin N phi), shape (..., 2N + 1)."""
+    phases = np.multiply.outer(phi, np.arange(n_max + 1))
+    return np.concatenate([np.cos(phases), np.sin(phases[..., 1:])], axis=-1)
 
 
 def quadratic(block: Array, n_max: int) -> Trig:
@@ -75,8 +75,7 @@ def quadratic(block: Array, n_max: int) -> Trig:
     """
     points = 4 * n_max + 4
     angles = 2.0 * np.pi * np.arange(points) / points
-    n = np.arange(n_max + 1)
-    h = np.concatenate([np.cos(angles[:, None] * n), np.sin(angles[:, None] * n[1:])], axis=1)
+    h = harmonics(n_max, angles)
     values = np.sum(h @ block * h, axis=1)
     spectrum = np.fft.rfft(values) / points
     cos, sin = 2.0 * spectrum.real[: 2 * n_max + 1], -2.0 * spectrum.imag[: 2 * n_max + 1]

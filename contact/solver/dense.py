@@ -10,6 +10,7 @@ import math
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit
+from contact.jit.vector import WIDTH, load, put, same, total
 
 
 @jit
@@ -22,10 +23,25 @@ def assign(out: Array, x: Array, n: int) -> None:
 @jit
 def dot(a: Array, b: Array, n: int) -> float:
     """Sum of products."""
-    total = 0.0
-    for i in range(n):
-        total += a[i] * b[i]
-    return total
+    whole, result = n - n % WIDTH, 0.0
+    if whole > 0:
+        part = same(0.0)
+        for i in range(0, whole, WIDTH):
+            part = part + load(a, i) * load(b, i)
+        result = total(part)
+    for i in range(whole, n):
+        result += a[i] * b[i]
+    return result
+
+
+@jit
+def subtract(a: Array, ratio: float, b: Array, first: int, n: int) -> None:
+    """Take ratio b from a, entries `first` and on."""
+    whole, part = n - (n - first) % WIDTH, same(ratio)
+    for i in range(first, whole, WIDTH):
+        put(a, i, load(a, i) - part * load(b, i))
+    for i in range(whole, n):
+        a[i] -= ratio * b[i]
 
 
 @jit
@@ -52,14 +68,13 @@ def solve_in_place(A: Array, x: Array, n: int) -> bool:
         for i in range(p + 1, n):
             ratio = A[i, p] / A[p, p]
             if ratio != 0.0:
-                for k in range(p + 1, n):
-                    A[i, k] -= ratio * A[p, k]
+                subtract(A[i], ratio, A[p], p + 1, n)
                 x[i] -= ratio * x[p]
     for i in range(n - 1, -1, -1):
-        total = x[i]
+        left = x[i]
         for k in range(i + 1, n):
-            total -= A[i, k] * x[k]
-        x[i] = total / A[i, i]
+            left -= A[i, k] * x[k]
+        x[i] = left / A[i, i]
     return True
 
 

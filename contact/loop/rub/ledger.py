@@ -7,20 +7,23 @@ import math
 from contact.jit.compiled import jit
 from contact.loop.modal.rows import move, product, product_of_sum
 from contact.loop.modal.stick import INSIDE
+from contact.loop.rub.compliance import strains_before
 from contact.loop.rub.rows import RubRows, blade_dot
 from contact.loop.rub.state import RubState, Work
 from contact.loop.tally import note_contact, note_stick
 from contact.record.record import Samples, Tally
-from contact.solver.dense import dot
 
 
 @jit
-def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float, sums: Tally) -> None:
+def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float, before: float,
+              sums: Tally) -> None:  # fmt: skip
     """Work of the forces along (D_n + D_{n+1})/2: by the gap, by the turning point, by friction; heat and drive.
 
     What the tangential compliance takes up is friction's work on the bodies, and the contact's loss until S gives it
     back; what S stores because the point moves is the turning point's.
     """
+    if rows.turns:
+        strains_before(s, rows, w, count * dim, dim, before)
     for a in range(w.slots[0] * dim):
         w.along[a] = product_of_sum(w.rows[a], s.old, s.d)
     for n in range(count):
@@ -29,7 +32,7 @@ def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: f
             row = j * dim + i
             along = w.along[w.column[n * dim + i]] + blade_dot(rows, row, j, s.old)
             along = 0.5 * s.lam[row] * (along + blade_dot(rows, row, j, s.d))
-            moved = 0.5 * s.lam[row] * (w.strain[row] - dot(w.S_old[row], s.lam, s.lam.size)) if rows.S_turns else 0.0
+            moved = 0.5 * s.lam[row] * (w.turning[row] - w.before[row]) if rows.turns else 0.0
             sums.work[j] += moved
             sums.rotation[j] -= moved
             if i == 0:
@@ -43,17 +46,6 @@ def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: f
             s.heat[j] -= s.lam[row] * s.motion[row]
             if i == 1:
                 s.drive[j] -= s.lam[row] * rows.radius[j] * slid
-
-
-@jit
-def strains(s: RubState, w: Work, size: int) -> None:
-    """S lam in every direction of every tip; S is symmetric."""
-    for k in range(w.strain.size):
-        w.strain[k] = 0.0
-    for a in range(size):
-        r = w.row[a]
-        for k in range(w.strain.size):
-            w.strain[k] += w.S[r, k] * s.lam[r]
 
 
 @jit

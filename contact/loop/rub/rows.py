@@ -60,9 +60,11 @@ class RubRows(NamedTuple):
     blade: Array  # (K d, widest blade)
     own: Indices  # (K, 2)
     fixed: Array  # (K d, K d): what the blades' modes yield to a force within a step
-    S: RowBlocks  # rows of the residual compliance, K d sums each and zeros to whole blocks
-    S_turns: bool
-    harmonics: int  # waves that the rows and the profile take, in whole blocks
+    still: Array  # (K d, K d) residual compliance that does not turn
+    turns: bool  # whether there is any that does
+    few: bool  # whether `S` is that between the tips by the angle turned, K d rows; else that between waves, by block
+    S: RowBlocks
+    harmonics: int  # waves that the rows and the profile take, and S between waves, in whole blocks
     S_harmonics: int
 
 

@@ -9,10 +9,11 @@ from contact.jit.compiled import jit_entry
 from contact.jit.vector import WIDTH, put, same
 from contact.loop.rub.abradable import flow, stand
 from contact.loop.rub.alone import alone
-from contact.loop.rub.ledger import add_works, advance_modes, note, strains
+from contact.loop.rub.compliance import fill_few, strains
+from contact.loop.rub.ledger import add_works, advance_modes, note
 from contact.loop.rub.predict import find_near, propagate
 from contact.loop.rub.rows import RubLaws, RubRows, turned
-from contact.loop.rub.solve import fill_compliance, gather, others_close, push, solve, update_gaps
+from contact.loop.rub.solve import gather, others_close, push, solve, update_gaps
 from contact.loop.rub.state import RubState, Work
 from contact.loop.tally import due, state_due, store, store_state
 from contact.record.record import Samples, Tally
@@ -45,20 +46,21 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
                     count = 1
             if count == 0:
                 count = gather(s, rows, w, dim, share, angle)
-                fill_compliance(rows, w, count * dim, step, before, angle)
+                if rows.turns and rows.few:
+                    fill_few(rows, w, count * dim, step, before, angle)
                 if not solve(s, rows, w, coats, count, dim, share, omega * h):
                     return step
-            if not others_close(s, rows, w, count * dim, dim, share):
+            if not others_close(s, rows, w, count * dim, dim, share, angle):
                 break
             closing = count + 1  # at least
         if closing > 0 or pressed:
-            strains(s, w, count * dim)
+            strains(s, rows, w, count * dim, dim, angle)
         if closing > 0:
             if coats is not None:
                 flow(s, w, coats, count, dim)
             push(s, rows, w, count, dim)
             update_gaps(s, rows, w, dim)
-            add_works(s, rows, w, count, dim, omega * h, sums)
+            add_works(s, rows, w, count, dim, omega * h, before, sums)
             s.counts[2] += 1.0
         if closing > 0 or pressed:
             assign(s.strain, w.strain, w.strain.size)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
-from contact.jit.vector import WIDTH, load, put, same
+from contact.jit.vector import WIDTH, entry, load, put, same
 from contact.loop.modal.patch import ROUGH
-from contact.loop.modal.rows import fill_some, product, rotate, weighted
+from contact.loop.modal.rows import product, rotate, weighted
+from contact.loop.rub.compliance import copy, fill_soft, soft_at
 from contact.loop.rub.rows import RubRows, blade_dot, fill_block
-from contact.loop.rub.state import RubState, Work
+from contact.loop.rub.state import TOGETHER, RubState, Work
 from contact.solver.abradable.tips import Coats, crush_tips
 from contact.solver.dense import affine, dot
 from contact.solver.friction.coulomb import friction_forces
@@ -29,9 +30,10 @@ def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float, angle: f
             continue
         if w.slot[rows.place[j]] < 0:
             fill_slot(s, rows, w, j, dim, share, angle)
-        first = w.slot[rows.place[j]] * dim
+        slot = w.slot[rows.place[j]]
         for i in range(dim):
-            w.row[count * dim + i], w.column[count * dim + i] = j * dim + i, first + i
+            a = count * dim + i
+            w.row[a], w.column[a], w.across[a] = j * dim + i, slot * dim + i, i * w.row_columns.shape[1] + slot
         w.chosen[count] = j
         count += 1
     return count
@@ -52,6 +54,15 @@ def fill_slot(s: RubState, rows: RubRows, w: Work, j: int, dim: int, share: floa
             copy(w.normal[now, p], row)
             law(s.c, w.normal[1 - now, p], share, test)
         w.along[slot * dim + i] = product(row, s.d)
+        for k in range(rows.width):
+            w.row_columns[i * rows.width + k, slot] = row[k]
+    if rows.turns and not rows.few:
+        fill_soft(rows, w, j, slot, dim)
+        waves, n = w.waves[now, p], w.turn.size
+        for k in range(w.wave_columns.shape[0]):
+            w.wave_columns[k, slot] = 0.0
+        for k in range(n):
+            w.wave_columns[rows.line[j] * n + k, slot] = entry(waves, k)
 
 
 @jit
@@ -70,37 +81,6 @@ def law(c: Array, row: Array, share: float, out: Array) -> None:
     part = same(share)
     for i in range(0, out.size, WIDTH):
         put(out, i, part * load(c, i) * load(row, i))
-
-
-@jit_inside
-def copy(row: Array, out: Array) -> None:
-    """Put `row` into `out`, which may be longer."""
-    for i in range(0, row.size, WIDTH):
-        put(out, i, load(row, i))
-
-
-@jit
-def fill_compliance(rows: RubRows, w: Work, size: int, step: int, before: float, angle: float) -> None:
-    """Residual compliance of the chosen tips at phi_n and at phi_{n-1}."""
-    if not rows.S_turns:
-        return
-    blocks, turned = w.S.shape[1] // WIDTH, False
-    for a in range(size):
-        r = w.row[a]
-        if w.S_at[r] == step:  # solved for a second time
-            continue
-        if w.S_at[r] == step - 1:
-            copy(w.S[r], w.S_old[r])
-            continue
-        if not turned:
-            rotate(w.S_waves, before)
-            turned = True
-        fill_some(rows.S, w.S_waves, r * blocks, w.S_old[r])
-    rotate(w.S_waves, angle)
-    for a in range(size):
-        if w.S_at[w.row[a]] != step:
-            w.S_at[w.row[a]] = step
-            fill_some(rows.S, w.S_waves, w.row[a] * blocks, w.S[w.row[a]])
 
 
 @jit
@@ -135,10 +115,8 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, 
 @jit
 def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float, slid: float) -> None:
     """Fill W, b, mu and the last forces of the chosen tips; `slid` = Omega h."""
-    size, used = count * dim, w.slots[0] * dim
-    for a in range(used):
-        for k in range(used):
-            w.casing[a, k] = product(w.tests[a], w.rows[k])
+    size = count * dim
+    casing_yields(rows, w, dim)
     for n in range(count):
         j = w.chosen[n]
         w.mu[n] = s.mu[j]
@@ -146,7 +124,7 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
             a, row, part = n * dim + i, j * dim + i, share if i == 0 else 1.0
             for k in range(size):
                 other = w.row[k]
-                w.W[a, k] = w.casing[w.column[a], w.column[k]] + part * rows.fixed[row, other] + w.S[row, other]
+                w.W[a, k] = w.casing[w.column[a], w.across[k]] + part * rows.fixed[row, other] + rows.still[row, other]
             w.lam[a] = s.lam[row]
             if i == 0:
                 w.b[a], s.scale[j] = s.test[j] - s.skin[j], w.W[a, a]
@@ -154,6 +132,42 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
                 w.b[a] = w.along[w.column[a]] + blade_dot(rows, row, j, s.d) - s.strain[row]
             if i == 1:
                 w.b[a] += rows.radius[j] * slid
+
+    if rows.turns and rows.few:
+        for a in range(size):
+            for k in range(size):
+                w.W[a, k] += w.S[w.row[a], w.row[k]]
+
+
+@jit
+def casing_yields(rows: RubRows, w: Work, dim: int) -> None:
+    """Fill `casing`: tests rows^T, and what turns of the residual compliance; four rows by eight slots at a time."""
+    width, slots, columns, waves = rows.width, w.row_columns.shape[1], w.casing.shape[1], w.strained.size
+    n = w.turn.size
+    for a in range(0, w.slots[0] * dim, TOGETHER):
+        test, soft, out = a * width, a * waves, a * columns
+        for i in range(dim):
+            for q in range(0, w.slots[0], WIDTH):
+                first, second, third, fourth = same(0.0), same(0.0), same(0.0), same(0.0)
+                for k in range(width):
+                    row = load(w.row_columns, (i * width + k) * slots + q)
+                    first = first + same(entry(w.tests, test + k)) * row
+                    second = second + same(entry(w.tests, test + width + k)) * row
+                    third = third + same(entry(w.tests, test + 2 * width + k)) * row
+                    fourth = fourth + same(entry(w.tests, test + 3 * width + k)) * row
+                for line in range(w.pressed.shape[0] // dim):
+                    begin = soft + (line * dim + i) * n
+                    for k in range(n):
+                        row = load(w.wave_columns, (line * n + k) * slots + q)
+                        first = first + same(entry(w.soft, begin + k)) * row
+                        second = second + same(entry(w.soft, begin + waves + k)) * row
+                        third = third + same(entry(w.soft, begin + 2 * waves + k)) * row
+                        fourth = fourth + same(entry(w.soft, begin + 3 * waves + k)) * row
+                place = out + i * slots + q
+                put(w.casing, place, first)
+                put(w.casing, place + columns, second)
+                put(w.casing, place + 2 * columns, third)
+                put(w.casing, place + 3 * columns, fourth)
 
 
 @jit
@@ -170,10 +184,15 @@ def hand_over(s: RubState, w: Work, size: int, dim: int) -> None:
         for a in range(used):
             total = total + same(w.pull[a]) * load(w.rows, a * w.pushed.size + k)
         put(w.pushed, k, total)
+    for k in range(0, w.strained.size, WIDTH):
+        total = same(0.0)
+        for a in range(used):
+            total = total + same(w.pull[a]) * load(w.soft, a * w.strained.size + k)
+        put(w.strained, k, total)
 
 
 @jit
-def others_close(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: float) -> bool:
+def others_close(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: float, angle: float) -> bool:
     """Whether the forces close tips that were left out; these are marked, the gaps of the others noted."""
     grown = False
     for j in range(s.mu.size):
@@ -183,7 +202,12 @@ def others_close(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share
         casing = weighted(w.normal[1 - w.side[0], rows.place[j]], s.c, w.pushed)
         gap = s.test[j] + share * (casing + dot(rows.fixed[R], s.lam, s.lam.size))
         for a in range(size):
-            gap += w.S[w.row[a], R] * w.lam[a]
+            gap += rows.still[w.row[a], R] * w.lam[a]
+            if rows.turns and rows.few:
+                gap += w.S[w.row[a], R] * w.lam[a]
+        if rows.turns and not rows.few:
+            place_now(rows, w, j, angle)
+            gap += soft_at(rows, w, -1, j, 0, dim)
         s.motion[R] = gap
         if gap < 0.0:
             s.inside[j], grown = 2, True

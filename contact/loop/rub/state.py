@@ -13,6 +13,8 @@ from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import solver_room
 from contact.solver.friction.room import Room
 
+TOGETHER = 4  # rows that `solve.casing` takes at a time
+
 
 class RubState(NamedTuple):
     """Modes (m,), those of the casing first, tips (K,) and their d directions each (K d,), normal first.
@@ -73,13 +75,17 @@ class Work(NamedTuple):
     slot: Indices  # (P,) -1 for a place without a chosen tip
     slots: Indices  # (1,) how many
     rows: Array  # (P d, width) all rows at t_n, by slot
-    tests: Array  # (P d, width) those the law is stated with, times c
+    tests: Array  # (P d and more, width) those the law is stated with, times c
+    soft: Array  # (P d and more, waves) what a unit force strains of the casing, by waves, d lines of them
+    row_columns: Array  # (d width, P and more) `rows` once more, by direction and mode
+    wave_columns: Array  # (lines 2 harmonics, P and more) waves at the slots, zeros for other lines
     along: Array  # (P d,) motion of the casing along them
     pull: Array  # (P d,) sum of the forces of one place
     chosen: Indices  # (K,)
     row: Indices  # (K d,)
     column: Indices  # (K d,)
-    casing: Array  # (P d, P d) what the casing yields between slots
+    across: Indices  # (K d,) and its column of `casing`
+    casing: Array  # (P d and more, d P and more) what the casing yields between slots, columns by direction
     W: Array  # (K d, K d) Delassus matrix of the chosen
     b: Array  # (K d,) free gaps and slips of the chosen
     lam: Array
@@ -87,20 +93,27 @@ class Work(NamedTuple):
     mu: Array  # (K,)
     depth: Array  # (K,) of the tips in a coating
     pushed: Array  # (width,)
-    S: Array  # (K d, K d and zeros) residual compliance at phi_n; rows of tips that are not solved for may be stale
+    strained: Array  # (waves,) what the forces strain of the casing
+    spread: Array  # (waves,)
+    pressed: Array  # (lines d, 2, harmonics) forces by waves
+    S: Array  # (K d, K d and zeros) compliance of few tips at phi_n; rows of tips that are not solved for may be stale
     S_old: Array  # at phi_{n-1}
     S_at: Indices  # (K d,) the step in which a row of S was filled
     S_waves: Array  # (2, harmonics of S)
+    turning: Array  # (K d,) part of S lam that turns
+    before: Array  # (K d,) with S at phi_{n-1}
     strain: Array  # (K d,) S lam
     all_sliding: AllSliding
     room: Room  # of the friction solver
 
 
-def work_space(s: RubState, rows: RubRows, compliance: Array) -> Work:
-    """Buffers; `compliance` (K d, K d) is the residual one, which stays there unless it turns."""
+def work_space(s: RubState, rows: RubRows) -> Work:
+    """Buffers."""
     K, R, width, n = s.mu.size, s.lam.size, rows.width, rows.harmonics
-    P, wide = int(rows.place.max()) + 1, -(-R // WIDTH) * WIDTH
-    D = P * (R // K)
+    P, d = int(rows.place.max()) + 1, R // K
+    D, slots, lines = -(-P * d // TOGETHER) * TOGETHER, -(-P // WIDTH) * WIDTH, len(rows.reach)
+    few, spread = (R if rows.turns and rows.few else 0), (d * lines if rows.turns and not rows.few else 0)
+    waves, wide = 2 * n * spread, -(-few // WIDTH) * WIDTH
 
     def none(*shape: int) -> Array:
         return np.zeros(shape)
@@ -108,13 +121,15 @@ def work_space(s: RubState, rows: RubRows, compliance: Array) -> Work:
     def whole(*shape: int) -> Indices:
         return np.zeros(shape, dtype=np.int64)
 
-    S = np.zeros((R, wide))
-    S[:, :R] = compliance
     return Work(
-        side=whole(1), normal=none(2, P, width), waves=none(2, P, 2, n), fresh=whole(2, P), bound=none(len(rows.reach)),
+        side=whole(1), normal=none(2, P, width), waves=none(2, P, 2, n), fresh=whole(2, P), bound=none(lines),
         rigid=none(P), moved=none(P), spare=none(width), turn=none(2, n), slot=whole(P), slots=whole(1),
-        rows=none(D, width), tests=none(D, width), along=none(D), pull=none(D), chosen=whole(K), row=whole(R),
-        column=whole(R), casing=none(D, D), W=none(R, R), b=none(R), lam=none(R), motion=none(R), mu=none(K),
-        depth=none(K), pushed=none(width), S=S, S_old=S.copy(), S_at=whole(R) - 2, S_waves=none(2, rows.S_harmonics),
-        strain=none(R), all_sliding=AllSliding(used=R > K > 1), room=solver_room(K, R // K),
+        rows=none(D, width), tests=none(D, width), soft=none(D, waves), row_columns=none(d * width, slots),
+        wave_columns=none(2 * n * lines, slots), along=none(D), pull=none(D), chosen=whole(K), row=whole(R),
+        column=whole(R), across=whole(R),
+        casing=none(D, d * slots), W=none(R, R), b=none(R), lam=none(R), motion=none(R), mu=none(K), depth=none(K),
+        pushed=none(width), strained=none(waves), spread=none(waves), pressed=none(spread, 2, n),
+        S=none(few, wide), S_old=none(few, wide), S_at=whole(few) - 2,
+        S_waves=none(2, rows.S_harmonics), turning=none(R), before=none(R), strain=none(R),
+        all_sliding=AllSliding(used=R > K > 1), room=solver_room(K, d),
     )  # fmt: skip

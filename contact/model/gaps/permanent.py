@@ -231,12 +231,11 @@ def rub_contact(rub: Rub, *, mu: float = 0.0) -> ClosedContact:
     """
     system = rub_system(rub, 2)
     rim, m, K = system.rim, rub.casing.omega.size, system.contacts
-    full_cos, full_sin = rim.by_harmonic(rim.cos), rim.by_harmonic(rim.sin)
     seen = [int(line) * system.directions + i for line in np.unique(system.line) for i in (0, 1)]
     G = np.zeros((system.omega.size,) * 2)
-    tables = [table[b] for b in seen for table in (full_cos, full_sin)]
+    tables = [table[b] for b in seen for table in (rim.cos, rim.sin)]
     G[:m, :m], left = _generator(rub.casing.omega, rub.casing.zeta, tables)
-    if left > TURNS or system.S_harmonic.size > 1:
+    if left > TURNS or system.turns:
         raise SplitError(
             f"casing: found pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on "
             "the angle, expected a perfect casing"
@@ -244,7 +243,7 @@ def rub_contact(rub: Rub, *, mu: float = 0.0) -> ClosedContact:
     rows = np.zeros((2, K, system.omega.size))
     for j in range(K):
         for i in (0, 1):
-            rows[i, j, :m] = rim.row(int(system.line[j]) * system.directions + i, float(system.angle[j]))
+            rows[i, j, :m] = rim.rows(int(system.line[j]) * system.directions + i, float(system.angle[j]))
             begin, end = system.own[j]
             rows[i, j, begin:end] = system.blade_rows[2 * j + i, : end - begin]
     S = system.compliance(0.0)

@@ -13,30 +13,28 @@ from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_forces import axial_load
 from contact.model.trig import harmonics
 
+TURN = math.sqrt(2.0)  # [rad], no part of a turn: an S that is the same after it and after its square is always so
+
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RimTable:
     """Rows of the casing's m modes at a turning point, one for each of B = lines x directions.
 
-    row_b,i(phi) = sum_j cos[b, j] cos(n_j phi) + sin[b, j] sin(n_j phi), j = start[i] .. start[i + 1] - 1.
+    row_b,i(phi) = sum_n cos[b, n, i] cos(n phi) + sin[b, n, i] sin(n phi).
     """
 
-    start: Indices
-    harmonic: Indices
-    cos: Array  # (B, entries)
+    cos: Array  # (B, highest harmonic + 1, m)
     sin: Array
 
-    def by_harmonic(self, values: Array) -> Array:
-        """Full tables (B, highest harmonic + 1, m) of `cos` or `sin`."""
-        full = np.zeros((len(values), int(self.harmonic.max(initial=0)) + 1, self.start.size - 1))
-        full[:, self.harmonic, np.repeat(np.arange(self.start.size - 1), np.diff(self.start))] = values
-        return full
+    @property
+    def n_max(self) -> int:
+        """Highest harmonic."""
+        return int(self.cos.shape[1]) - 1
 
-    def row(self, block: int, phi: float) -> Array:
-        """One row at one angle, (m,): what the compiled loop is tested against."""
-        values = self.cos[block] * np.cos(self.harmonic * phi) + self.sin[block] * np.sin(self.harmonic * phi)
-        total = np.concatenate(([0.0], np.cumsum(values)))
-        return np.asarray(total[self.start[1:]] - total[self.start[:-1]])
+    def rows(self, blocks: Indices | int, phi: Array | float) -> Array:
+        """Some rows at some angles, (blocks, angles, m): what the compiled loop is tested against."""
+        phases = np.multiply.outer(phi, np.arange(self.n_max + 1))
+        return np.asarray(np.cos(phases) @ self.cos[blocks] + np.sin(phases) @ self.sin[blocks])
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -44,8 +42,9 @@ class RubSystem:
     """Modes of casing and blades one after the other; K tips with d directions each, normal first.
 
     `blade_rows` (K d, widest blade): the tip's share of its own blade's modes, as subtracted in the gap;
-    `own` (K, 2): first and one past the last of these modes. Residual compliance between all K d directions
-    S(angle) = sum_p S_cos[p] cos(harmonic[p] angle) + S_sin[p] sin(harmonic[p] angle), the angle all have turned.
+    `own` (K, 2): first and one past the last of these modes. Residual compliance between all K d directions is
+    E(angle) S E(angle)^T + still, the angle all have turned, E the waves at the tips: where it does not turn, S is
+    empty and all of it stands in `still`.
     """
 
     omega: Array
@@ -63,19 +62,25 @@ class RubSystem:
     clearance: Array  # (K,)
     blade_rows: Array
     own: Indices
-    S_harmonic: Indices
-    S_cos: Array  # (P, K d, K d)
-    S_sin: Array
+    S: Array  # (lines d, 2 N + 1) twice, of the casing's lines, directions and waves 1, cos .. cos N, sin .. sin N
+    still: Array  # (K d, K d)
 
     @property
     def contacts(self) -> int:
         """Number of tips."""
         return self.angle.size
 
+    @property
+    def turns(self) -> bool:
+        """Whether residual compliance depends on the angle."""
+        return self.S.size > 0
+
     def compliance(self, turned: float) -> Array:
         """Residual compliance when the casing has turned by this angle, (K d, K d)."""
-        c, s = np.cos(self.S_harmonic * turned), np.sin(self.S_harmonic * turned)
-        return np.asarray(np.tensordot(c, self.S_cos, 1) + np.tensordot(s, self.S_sin, 1))
+        if not self.turns:
+            return self.still
+        E = waves_of_tips(self.angle - turned, self.line, len(self.blade_rows) // self.contacts, self.S.shape[:2])
+        return np.asarray(E @ self.S.reshape(E.shape[1], -1) @ E.T + self.still)
 
 
 def rub_system(rub: Rub, dimensions: int) -> RubSystem:
@@ -89,7 +94,7 @@ def rub_system(rub: Rub, dimensions: int) -> RubSystem:
         body = rub.blades[tip.blade]
         rows[j, :, : body.omega.size] = -(tip.directions(body)[:dimensions] @ body.rows)
     angle = np.radians([t.angle_deg for t in tips])
-    S_harmonic, S_cos, S_sin = _residual(rub, dimensions, angle)
+    S, still = _residual(rub, dimensions, angle)
 
     def joined(name: str) -> Array:
         parts = [getattr(start, name) for start in rub.starts]
@@ -104,7 +109,7 @@ def rub_system(rub: Rub, dimensions: int) -> RubSystem:
         radius=np.array([rub.casing.line_radius(t.line) for t in tips]), angle=angle,
         clearance=np.array([rub.clearance + t.clearance for t in tips]),
         blade_rows=np.ascontiguousarray(rows.reshape(-1, rows.shape[2])), own=own,
-        S_harmonic=S_harmonic, S_cos=S_cos, S_sin=S_sin,
+        S=S, still=still,
     )  # fmt: skip
 
 
@@ -116,39 +121,47 @@ def _rim_table(rub: Rub) -> RimTable:
     cos = blocks[:, : N + 1]
     sin = np.concatenate([np.zeros((len(blocks), 1, m)), blocks[:, N + 1 :]], axis=1)
     size = np.maximum(np.abs(cos), np.abs(sin)).max(axis=0, initial=0.0)  # (N + 1, m)
-    mode, harmonic = np.nonzero(size.T > NOISE * size.max(initial=0.0))
-    start = np.concatenate(([0], np.cumsum(np.bincount(mode, minlength=m))))
-    return RimTable(
-        start=start.astype(np.int64), harmonic=harmonic.astype(np.int64),
-        cos=np.ascontiguousarray(cos[:, harmonic, mode]), sin=np.ascontiguousarray(sin[:, harmonic, mode]),
-    )  # fmt: skip
+    kept = size > NOISE * size.max(initial=0.0)
+    top = int(np.flatnonzero(kept.any(axis=1)).max(initial=0)) + 1
+    return RimTable(cos=np.where(kept, cos, 0.0)[:, :top], sin=np.where(kept, sin, 0.0)[:, :top])
 
 
-def _residual(rub: Rub, d: int, angle: Array) -> tuple[Indices, Array, Array]:
-    """Residual compliance of casing and blades as a polynomial of the angle turned; a perfect casing's is constant.
+def _residual(rub: Rub, d: int, angle: Array) -> tuple[Array, Array]:
+    """`S` and `still` of a rub's system."""
+    casing, size = rub.casing, 2 * rub.casing.n_max + 1
+    blocks = [line * casing.directions + i for line in range(casing.rim_lines) for i in range(d)]
+    full = casing.S.reshape(-1, size, casing.directions * casing.rim_lines, size)
+    S = full[blocks][:, :, blocks]
+    S = np.where(np.abs(S) > NOISE * np.abs(S).max(initial=0.0), S, 0.0)
+    still, line = _blade_residual(rub, d), np.array([t.line for t in rub.tips], dtype=np.int64)
+    if _turned(S, TURN, d, line) or _turned(S, TURN * TURN, d, line):
+        return S, still
+    E = waves_of_tips(angle, line, d, S.shape[:2])
+    return np.zeros((0, 0, 0, 0)), E @ S.reshape(E.shape[1], -1) @ E.T + still
 
-    All tips turn together, so B(angle) S B(angle)^T has degree 2 N: sampled and transformed, exact to round-off.
-    """
-    N, K = rub.casing.n_max, len(rub.tips)
-    size, directions = 2 * N + 1, rub.casing.directions
-    points = 4 * N + 4
-    samples = np.zeros((points, K * d, K * d))
-    for p in range(points):
-        at = np.zeros((K * d, len(rub.casing.channels)))
-        for j, tip in enumerate(rub.tips):
-            h = harmonics(N, angle[j] - 2.0 * math.pi * p / points)
-            for i in range(d):
-                begin = (tip.line * directions + i) * size
-                at[j * d + i, begin : begin + size] = h
-        samples[p] = at @ rub.casing.S @ at.T
-    spectrum = np.fft.rfft(samples, axis=0)[: 2 * N + 1] / points
-    cos, sin = 2.0 * spectrum.real, -2.0 * spectrum.imag
-    cos[0] /= 2.0
-    noise = NOISE * float(np.abs(samples).max(initial=0.0))
-    kept = np.flatnonzero(np.maximum(np.abs(cos), np.abs(sin)).max(axis=(1, 2), initial=0.0) > noise)
-    kept = np.union1d([0], kept)
-    cos[0] += _blade_residual(rub, d)
-    return kept.astype(np.int64), np.ascontiguousarray(cos[kept]), np.ascontiguousarray(sin[kept])
+
+def waves_of_tips(angle: Array, line: Indices, d: int, shape: tuple[int, ...]) -> Array:
+    """Waves at tips on lines of the casing, (K d, lines d (2 N + 1)): 1, cos .. cos N, sin .. sin N in their block."""
+    h = harmonics(shape[1] // 2, angle)
+    E = np.zeros((angle.size, d, *shape))
+    for i in range(d):
+        E[np.arange(angle.size), i, line * d + i] = h
+    return E.reshape(angle.size * d, -1)
+
+
+def _turned(S: Array, by: float, d: int, line: Indices) -> bool:
+    """Whether a casing turned by this angle has another residual compliance on the lines of the tips."""
+    N = S.shape[1] // 2
+    n = np.arange(1, N + 1)
+    R = np.eye(2 * N + 1)
+    R[n, n] = R[N + n, N + n] = np.cos(n * by)
+    R[n, N + n], R[N + n, n] = np.sin(n * by), -np.sin(n * by)
+    blocks = np.unique(np.concatenate([line * d + i for i in range(d)]))
+    seen = S[blocks][:, :, blocks]
+    return bool(
+        np.abs(np.einsum("wu,aubv,xv->awbx", R, seen, R, optimize=True) - seen).max()
+        > NOISE * np.abs(seen).max(initial=0.0)
+    )
 
 
 def _blade_residual(rub: Rub, d: int) -> Array:

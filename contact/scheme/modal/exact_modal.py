@@ -126,7 +126,7 @@ class ExactModal:
         h = _step(system.omega, dt, courant)
         parts = propagator(system.omega, system.zeta, system.load, h)
         self._require_slow(system.omega, h)
-        n_max = max([int(system.rim.harmonic.max(initial=0)), *(p for p, _, _ in rub.profile.terms)])
+        n_max = max([system.rim.n_max, *(p for p, _, _ in rub.profile.terms)])
         _require_slow_turn(n_max, rub.speed.fastest, h)
         H, S, rho = rub_delassus(rub, parts, mu)
         averaged = self._averaged(H, S, rho)

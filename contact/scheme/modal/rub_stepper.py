@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly
+from contact.base.arrays import Array, Indices, readonly
 from contact.base.errors import LimitError
+from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_forces import force_at_start, plane_participation
 from contact.model.gaps.rub_system import RubSystem, rub_system
 from contact.model.law import Abradable
-from contact.model.trig import fourier
+from contact.model.trig import fourier, harmonics
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.record.wear import Wear
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from contact.loop.rub.state import RubState, Work
     from contact.solver.abradable.tips import Coats
 
+FEW = 64  # directions of all tips, up to which S between them is a table by the angle
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
 FOLLOWED = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
 NAMES = (*OF_MODES, "contact")  # arrays over the modes that loops take in whole blocks
@@ -137,7 +139,7 @@ def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, di
     wide = widened(_state(rub, system, parts, mu, dimensions), whole(m), NAMES)
     return RubStepper(
         rub=rub, system=system, parts=parts, state=narrowed(wide, m, NAMES), wide=wide, laws=_laws(rub, system),
-        rows=rows, work=work_space(wide, rows, system.compliance(0.0)), dimensions=dimensions, averaged=averaged,
+        rows=rows, work=work_space(wide, rows), dimensions=dimensions, averaged=averaged,
         sums=tally(system.contacts), label=label, steps=[0], worn=None if law is None else rub_tracks(rub, law),
     )  # fmt: skip
 
@@ -200,23 +202,49 @@ def _rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
     from contact.loop.rub.rows import RubRows
 
     rim, m = system.rim, int(system.first[1])
-    top = max([int(rim.harmonic.max(initial=0)), *(p for p, _, _ in rub.profile.terms)])
-    size = np.hypot(rim.cos, rim.sin)[:: system.directions]
+    top = max([rim.n_max, *(p for p, _, _ in rub.profile.terms)])
+    size = np.hypot(rim.cos, rim.sin)[:: system.directions].sum(axis=1)
     _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
     reach = np.zeros((len(size), whole(m)))
-    reach[:, :m] = [np.bincount(np.repeat(np.arange(m), np.diff(rim.start)), line, m) for line in size]
-    cos, sin = rim.by_harmonic(rim.cos), rim.by_harmonic(rim.sin)
-    harmonics, S_harmonics = whole(top + 1), whole(int(system.S_harmonic.max()) + 1)
-    casing = rows_of_waves(np.arange(cos.shape[1]), cos, sin, harmonics)
-    S_cos, S_sin = (part.transpose(1, 0, 2) for part in (system.S_cos, system.S_sin))
-    S = rows_of_waves(system.S_harmonic, S_cos, S_sin, S_harmonics)
+    reach[:, :m] = size
+    count = whole(max(top, system.S.shape[1] // 2 if system.turns else 0) + 1)
+    few = len(system.still) <= FEW
+    harmonic, S_cos, S_sin = np.zeros(0, dtype=np.int64), np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
+    if system.turns:
+        harmonic, S_cos, S_sin = _between_tips(system) if few else _between_waves(system.S, count)
+    S_harmonics = whole(int(harmonic.max(initial=0)) + 1) if few else count
+    S = rows_of_waves(harmonic, S_cos, S_sin, S_harmonics)
     return RubRows(
-        casing=RowBlocks(*row_blocks(casing)), width=whole(m), reach=reach, directions=system.directions,
-        line=system.line, place=place.reshape(-1).astype(np.int64), radius=system.radius, angle=system.angle,
+        casing=RowBlocks(*row_blocks(rows_of_waves(np.arange(rim.n_max + 1), rim.cos, rim.sin, count))),
+        width=whole(m), reach=reach, directions=system.directions, line=system.line,
+        place=place.reshape(-1).astype(np.int64), radius=system.radius, angle=system.angle,
         clearance=system.clearance, blade=system.blade_rows, own=system.own, fixed=blade_delassus(system, parts),
-        S=RowBlocks(*row_blocks(S)), S_turns=system.S_harmonic.size > 1, harmonics=harmonics,
-        S_harmonics=S_harmonics,
+        still=np.ascontiguousarray(system.still), turns=system.turns, few=few, S=RowBlocks(*row_blocks(S)),
+        harmonics=count, S_harmonics=S_harmonics,
     )  # fmt: skip
+
+
+def _between_waves(S: Array, harmonics: int) -> tuple[Indices, Array, Array]:
+    """Harmonics, and cos and sin as in `rows_of_waves`, of the rows of S; all its waves filled up to `harmonics`."""
+    blocks, N = len(S), S.shape[1] // 2
+    rows = np.zeros((blocks, 2 * N + 1, blocks, 2, harmonics))
+    rows[..., 0, : N + 1], rows[..., 1, 1 : N + 1] = S[..., : N + 1], S[..., N + 1 :]
+    rows = rows.reshape(blocks, 2 * N + 1, -1)
+    sin = np.concatenate([np.zeros((blocks, 1, rows.shape[2])), rows[:, N + 1 :]], axis=1)
+    return np.arange(N + 1), rows[:, : N + 1], sin
+
+
+def _between_tips(system: RubSystem) -> tuple[Indices, Array, Array]:
+    """The same of the rows of S between tips, polynomials of the angle turned: sampled, exact to round-off."""
+    N = system.S.shape[1] // 2
+    points = 4 * N + 4
+    turned = [system.compliance(2.0 * math.pi * p / points) - system.still for p in range(points)]
+    spectrum = np.fft.rfft(turned, axis=0)[: 2 * N + 1] / points
+    cos, sin = 2.0 * spectrum.real, -2.0 * spectrum.imag
+    cos[0] /= 2.0
+    size = np.maximum(np.abs(cos), np.abs(sin)).max(axis=(1, 2))
+    kept = np.flatnonzero(size > NOISE * np.abs(turned).max())
+    return kept, cos[kept].transpose(1, 0, 2), sin[kept].transpose(1, 0, 2)
 
 
 def blade_delassus(system: RubSystem, parts: Propagator) -> Array:
@@ -234,25 +262,32 @@ def rub_delassus(rub: Rub, parts: Propagator, mu: float) -> tuple[float, float, 
 
     Raises LimitError where sliding friction turns H_d + S negative: that tip digs in and no force opens it.
     """
-    system = rub_system(rub, 2)
-    fixed, m, worst = blade_delassus(system, parts), int(system.first[1]), (0.0, 0.0, -1.0)
+    system, tips = rub_system(rub, 2), np.arange(len(rub.tips))
+    fixed, m = blade_delassus(system, parts), int(system.first[1])
     fastest = rub.speed.hz[int(np.abs(rub.speed.hz).argmax())]
     pull = math.copysign(mu, fastest) if fastest else 0.0
-    for turned in np.arange(ANGLES) * (2.0 * math.pi / ANGLES):
-        S = system.compliance(turned)
-        for j in range(system.contacts):
-            phi, N, T, block = system.angle[j] - turned, 2 * j, 2 * j + 1, int(system.line[j]) * system.directions
-            Q, tangent = system.rim.row(block, phi), system.rim.row(block + 1, phi)
-            H = float(np.sum(parts.c[:m] * Q * (Q - pull * tangent))) + fixed[N, N] - pull * fixed[N, T]
-            soft = float(S[N, N] - pull * S[N, T])
-            if H + soft <= 0.0:
-                raise LimitError(
-                    f"law: found H_d + S = {H + soft:.4g} m/N at tip {j}, {math.degrees(phi):.0f} deg, mu = {mu:g}, "
-                    "expected > 0: the blade jams (friction exceeds the lean); reduce mu, or trail the blade"
-                )
-            rho = abs(H) / soft if soft > 0.0 else math.inf
-            worst = max(worst, (H, soft, rho), key=lambda found: found[2])
-    return worst
+    turned = np.arange(ANGLES) * (2.0 * math.pi / ANGLES)
+    H, soft = np.zeros((2, ANGLES, tips.size))
+    for j in tips:
+        N, T, phi = 2 * j, 2 * j + 1, system.angle[j] - turned
+        Q, tangent = system.rim.rows(int(system.line[j]) * system.directions + np.arange(2), phi)
+        H[:, j] = (Q * (Q - pull * tangent)) @ parts.c[:m] + fixed[N, N] - pull * fixed[N, T]
+        soft[:, j] = system.still[N, N] - pull * system.still[N, T]
+        if system.turns:
+            E = harmonics(system.S.shape[1] // 2, phi)
+            line, own = system.line[j], system.S[2 * system.line[j]]
+            soft[:, j] += np.sum(E @ (own[:, 2 * line] - pull * own[:, 2 * line + 1]) * E, axis=1)
+    jams = np.argwhere(H + soft <= 0.0)
+    if jams.size:
+        i, j = jams[0]
+        raise LimitError(
+            f"law: found H_d + S = {H[i, j] + soft[i, j]:.4g} m/N at tip {j}, "
+            f"{math.degrees(system.angle[j] - turned[i]):.0f} deg, mu = {mu:g}, "
+            "expected > 0: the blade jams (friction exceeds the lean); reduce mu, or trail the blade"
+        )
+    rho = np.divide(np.abs(H), soft, out=np.full_like(H, math.inf), where=soft > 0.0)
+    worst = int(rho.argmax())
+    return float(H.flat[worst]), float(soft.flat[worst]), float(rho.flat[worst])
 
 
 def _flags(rub: Rub, system: RubSystem, deflection: float, tangential: float) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ tableau: with W conditioned to 1e8 a tableau forgets what it was.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from contact.base.arrays import Array
 ZERO = 1e-12  # of a column's largest entry: no pivot
 TIE = 1e-13  # of the largest value: the covering variable is zero
 FACETS = 8
+FRESH = 16  # pivots after which the inverse of the basis is computed anew
 GOLDEN = 0.6180339887498949
 
 
@@ -75,13 +77,10 @@ def lemke(M: Array, q: Array, d: Array) -> Array | None:
     columns = np.hstack([np.eye(n), -M, -d[:, None]])  # of w - M z - d z0
     basis = np.arange(n)
     leaving, basis[row] = row, 2 * n
-    for _ in range(50 * n):
+    inverse: Any = exchanged(np.eye(n), columns[:, 2 * n], row)  # of the basis
+    for pivot in range(50 * n):
         entering = leaving + n if leaving < n else leaving - n
-        try:
-            solved = np.linalg.solve(columns[:, basis], np.stack([q, columns[:, entering]], axis=1))
-        except np.linalg.LinAlgError:
-            return None
-        value, column = solved.T
+        value, column = inverse @ q, inverse @ columns[:, entering]
         falls = column > ZERO * np.abs(column).max()
         if not falls.any():
             return None
@@ -91,8 +90,20 @@ def lemke(M: Array, q: Array, d: Array) -> Array | None:
         if falls[cover] and value[cover] - reach[row] * column[cover] <= TIE * np.abs(value).max():
             row = cover  # the others may reach zero with it
         leaving, basis[row] = int(basis[row]), entering
-        if leaving == 2 * n:
-            value, z = np.linalg.solve(columns[:, basis], q), np.zeros(2 * n)
-            z[basis] = np.maximum(value, 0.0)
-            return z[n:]
+        try:
+            if leaving == 2 * n:
+                value, z = np.linalg.solve(columns[:, basis], q), np.zeros(2 * n)
+                z[basis] = np.maximum(value, 0.0)
+                return z[n:]
+            inverse = exchanged(inverse, column, row) if pivot % FRESH else np.linalg.inv(columns[:, basis])
+        except np.linalg.LinAlgError:
+            return None
     return None
+
+
+def exchanged(inverse: Array, column: Array, row: int) -> Array:
+    """Inverse of a basis whose entry `row` is exchanged for a variable; `column` what `inverse` makes of that."""
+    entered = inverse[row] / column[row]
+    found = inverse - np.outer(column, entered)
+    found[row] = entered
+    return found

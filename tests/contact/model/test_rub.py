@@ -8,6 +8,7 @@ import pytest
 import contact as ct
 from contact import recovery
 from contact.model.trig import harmonics
+from contact.scheme.modal import rub_stepper
 from contact.scheme.modal.propagator import propagator
 from contact.solver.friction.coulomb import coulomb
 from tests.contact.synthetic_rim import blade, ring
@@ -157,6 +158,27 @@ def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz
     if mu and speed_hz < 1.0:
         least = 10 if law_of == "forward" else 5  # the averaged law holds the tips for nine steps
         assert sum(end - start for pairs in result.sticking for start, end in pairs) > least * h
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("apart", [True, False])
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_many_tips_take_compliance_between_waves_and_move_as_few_do(mu, apart, monkeypatch):
+    found = []
+    for few in (rub_stepper.FEW, 0):
+        monkeypatch.setattr(rub_stepper, "FEW", few)
+        rub = ct.Rub(
+            rim3(), [nodes(2), nodes(2, seed=6)], [*tips(2), *tips(2, blade=1, angle=14.0 if apart else 10.0)],
+            clearance=-3e-5, closing=ct.gaps.Closing([0.0, 0.01], [0.0, 4e-4]), speed=ct.Speed.constant(7.0),
+            profile=ct.RimProfile.fourier(WAVES),
+        )  # fmt: skip
+        found.append(ct.run(rub, law=law(mu), t_end=0.01, dt=4e-5, record=ct.Record(state_every=1)))
+    lam = [result.state_of("tips") for result in found]
+    assert np.abs(lam[1] - lam[0]).max() <= 1e-10 * np.abs(lam[0]).max()
+    assert np.abs(lam[0]).max() > 0.0
+    names = ("lost_in_contact", "rotation", "friction", "damping")
+    budgets = [[getattr(result.energy, name) for name in names] for result in found]
+    np.testing.assert_allclose(budgets[1], budgets[0], rtol=1e-9, atol=1e-12 * np.abs(budgets[0]).max())
 
 
 @pytest.mark.slow

@@ -1,0 +1,129 @@
+"""Compiled: residual compliance of the casing where it turns with the tips, and what forces strain of all of it.
+
+S = E(phi) S_w E(phi)^T + still, E the waves at the tips and S_w between waves. Of few tips S is a table by the angle,
+which costs their number squared; of many only S_w E^T is made, for those that close.
+"""
+
+from __future__ import annotations
+
+from contact.base.arrays import Array
+from contact.jit.compiled import jit, jit_inside
+from contact.jit.vector import WIDTH, load, put, same, total
+from contact.loop.modal.rows import fill_some, rotate
+from contact.loop.rub.rows import RubRows
+from contact.loop.rub.state import RubState, Work
+from contact.solver.dense import dot
+
+
+@jit_inside
+def copy(row: Array, out: Array) -> None:
+    """Put `row` into `out`, which may be longer."""
+    for i in range(0, row.size, WIDTH):
+        put(out, i, load(row, i))
+
+
+@jit
+def fill_few(rows: RubRows, w: Work, size: int, step: int, before: float, angle: float) -> None:
+    """Rows of S of the chosen tips at phi_n and at phi_{n-1}."""
+    blocks, turned = w.S.shape[1] // WIDTH, False
+    for a in range(size):
+        r = w.row[a]
+        if w.S_at[r] == step:  # solved for a second time
+            continue
+        if w.S_at[r] == step - 1:
+            copy(w.S[r], w.S_old[r])
+            continue
+        if not turned:
+            rotate(w.S_waves, before)
+            turned = True
+        fill_some(rows.S, w.S_waves, r * blocks, w.S_old[r])
+    rotate(w.S_waves, angle)
+    for a in range(size):
+        if w.S_at[w.row[a]] != step:
+            w.S_at[w.row[a]] = step
+            fill_some(rows.S, w.S_waves, w.row[a] * blocks, w.S[w.row[a]])
+
+
+@jit
+def fill_soft(rows: RubRows, w: Work, j: int, slot: int, dim: int) -> None:
+    """What unit forces of tip j strain of the casing, by waves; the waves at t_n are at its place."""
+    for i in range(dim):
+        block = (rows.line[j] * dim + i) * (w.strained.size // WIDTH)
+        fill_some(rows.S, w.waves[w.side[0], rows.place[j]], block, w.soft[slot * dim + i])
+
+
+@jit_inside
+def felt(values: Array, first: int, waves: Array) -> float:
+    """Sum of products of `waves` with as many values from `first`."""
+    part = same(0.0)
+    for k in range(0, waves.size, WIDTH):
+        part = part + load(values, first + k) * load(waves, k)
+    result: float = total(part)
+    return result
+
+
+@jit
+def soft_at(rows: RubRows, w: Work, row: int, j: int, i: int, dim: int) -> float:
+    """Turning part of S between row `row` of `soft`, or all forces where negative, and direction i of tip j."""
+    waves = w.waves[w.side[0], rows.place[j]]
+    first = (rows.line[j] * dim + i) * waves.size
+    if row < 0:
+        return float(felt(w.strained, first, waves))
+    return float(felt(w.soft, row * w.strained.size + first, waves))
+
+
+@jit
+def strains(s: RubState, rows: RubRows, w: Work, size: int, dim: int, angle: float) -> None:
+    """S lam in every direction of every tip, and the part of it that turns."""
+    for k in range(w.strain.size):
+        w.strain[k], w.turning[k] = 0.0, 0.0
+    for a in range(size):
+        r = w.row[a]
+        for k in range(w.strain.size):
+            w.strain[k] += rows.still[r, k] * s.lam[r]
+    if size == 0 or not rows.turns:
+        return
+    if rows.few:  # S is symmetric
+        for a in range(size):
+            for k in range(w.strain.size):
+                w.turning[k] += w.S[w.row[a], k] * s.lam[w.row[a]]
+    else:
+        for j in range(s.mu.size):
+            if w.fresh[w.side[0], rows.place[j]] == 1:
+                for i in range(dim):
+                    w.turning[j * dim + i] = soft_at(rows, w, -1, j, i, dim)
+                continue
+            rotate(w.turn, rows.angle[j] - angle)
+            for i in range(dim):
+                w.turning[j * dim + i] = felt(w.strained, (rows.line[j] * dim + i) * w.turn.size, w.turn)
+    for k in range(w.strain.size):
+        w.strain[k] += w.turning[k]
+
+
+@jit
+def strains_before(s: RubState, rows: RubRows, w: Work, size: int, dim: int, before: float) -> None:
+    """The part that turns of S lam with S at phi_{n-1}, along the directions of the chosen tips."""
+    if rows.few:
+        for a in range(size):
+            w.before[w.row[a]] = dot(w.S_old[w.row[a]], s.lam, s.lam.size)
+        return
+    n = w.turn.size
+    for k in range(0, w.pressed.size, WIDTH):
+        put(w.pressed, k, same(0.0))
+        put(w.strained, k, same(0.0))
+    for a in range(size // dim):
+        j = w.chosen[a]
+        rotate(w.turn, rows.angle[j] - before)
+        for i in range(dim):
+            first, part = (rows.line[j] * dim + i) * n, same(s.lam[j * dim + i])
+            for k in range(0, n, WIDTH):
+                put(w.pressed, first + k, load(w.pressed, first + k) + part * load(w.turn, k))
+    for b in range(w.pressed.shape[0]):
+        fill_some(rows.S, w.pressed[b], b * (w.strained.size // WIDTH), w.spread)
+        for k in range(0, w.strained.size, WIDTH):
+            put(w.strained, k, load(w.strained, k) + load(w.spread, k))
+    for a in range(size // dim):
+        j = w.chosen[a]
+        rotate(w.turn, rows.angle[j] - before)
+        for i in range(dim):
+            w.before[j * dim + i] = felt(w.strained, (rows.line[j] * dim + i) * n, w.turn)
