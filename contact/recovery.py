@@ -1,8 +1,7 @@
 """Displacements of rubbing bodies from modal coordinates: kept modes plus residual compliance.
 
-u = rows q + S F at the channels and u = recovery q + recovery_S F elsewhere, F the forces on the channels:
-on the casing force h(phi) radially and -s mu force h(phi) along theta, on the blade force (-n + s mu t), with
-s the sense of rotation. Without the S term the rim and the tip are wrong where it matters, at the contact.
+u = rows q + S F at the channels and u = recovery q + recovery_S F elsewhere, F the forces on the channels. Without the
+S term the rim and the tip are wrong where it matters, at the contact.
 """
 
 from __future__ import annotations
@@ -15,23 +14,10 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.rub import Rub
-from contact.model.law import Law, Unilateral
 from contact.model.trig import harmonics
 from contact.result import Result
-
-
-def channel_forces(rim: RotatingRim, result: Result, *, law: Law | None = None) -> tuple[Array, Array]:
-    """Forces on the channels of casing (ns, 2(2N+1)) and blade (ns, K) at `result.state_time`."""
-    pull = math.copysign((law or Unilateral()).mu, rim.speed) if rim.speed else 0.0
-    force = result.state_force()[:, :1]
-    phi = math.radians(rim.angle_deg) - rim.speed * result.state_time
-    waves = harmonics(rim.casing.n_max, phi)
-    casing = force * np.concatenate([waves, -pull * waves], axis=1)
-    a, blade = math.radians(rim.lean_deg), np.zeros(len(rim.blade.channels))
-    blade[rim.blade.channel("span")] = -math.cos(a) - pull * math.sin(a)
-    blade[rim.blade.channel("flap")] = -math.sin(a) + pull * math.cos(a)
-    return casing, force * blade
 
 
 def at_channels(body: ModalBody, q: Array, forces: Array) -> Array:
@@ -57,14 +43,15 @@ def at_outputs(body: ModalBody, q: Array, forces: Array) -> Array:
     return np.asarray(q @ body.output_rows.T + forces @ body.output_S.T)
 
 
-def rub_forces(rub: Rub, result: Result, name: str) -> tuple[Array, Array]:
-    """Instants (ns,) and forces on the channels of one body of a rub (ns, K), from the forces stored in `result.state`.
+def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Array, Array]:
+    """Instants (ns,) and forces on the channels of one body (ns, K), from the forces stored in `result.state`.
 
     `name` is "casing", "blade" or "blade 2" as in `Rub.names`; feed them to `at_channels`, `at_points` together with
     `result.state_of(name)`. The gap's share of the tip is -n, so that the tips' forces on their blade have that sign.
 
     Raises InputError for names that the rub does not have and results without stored states.
     """
+    rub = rub_of(scene) if isinstance(scene, RotatingRim) else scene
     if name not in rub.names:
         raise InputError(f"name: found {name!r}, expected one of {', '.join(rub.names)}")
     forces = result.state_of("tips")

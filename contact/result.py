@@ -39,7 +39,7 @@ class Result:
     """One run: n samples, K contacts. Forces are compressive >= 0 [N]; `lam` = -force is the public sign.
 
     `time` (n,) [s]; `force`, `gap` (n, K); `impulse_history` (n, K): impulse up to time + dt/2 [N s]; `intervals` of
-    contact per contact [s], `sticking` those without slip (on a `Patch`), both located within
+    contact per contact [s], `sticking` those without slip, both located within
     their steps (on a `Rub`: to a step);
     `impulse`, `peak_force`, `max_penetration` [m], `residual` = max|min(-lam W_ii, g)| [m], `contact_steps` and
     `reversals` (steps in which the slip changed sign) (K,), all over every step whatever was stored. `state` (ns, N)
@@ -172,7 +172,7 @@ class Result:
                 "updates, take a stiffer spring, or plain Lagrange"
             )
         if self.reversals.any():
-            lines.append(f"slip changed sign in {int(self.reversals.sum())} steps: sticking is not modelled there")
+            lines.append(f"the tip slipped against the rim's motion in {int(self.reversals.sum())} steps")
         if self.wear is not None:
             lines.append(f"coating: {self.wear!r}")
         if len(self.tracks) > 1:

@@ -133,11 +133,10 @@ class AugmentedLagrangian:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coulomb:
-    """Rigid contact with slip friction of coefficient `mu` >= 0: tangential force = -mu force sgn(v_t).
+    """Rigid contact with friction of coefficient `mu` >= 0: |force_T| <= mu force_N, -mu force_N v_T/|v_T| in slip.
 
-    Slip only: the sign is that of the sliding speed one half step before, there is no stick. On a rim the
-    surface speed R Omega exceeds vibration speeds, so the sign does not change; contact steps in which it
-    did are counted in `Result.reversals`.
+    A tip sticks where a force inside the cone holds it. Contact steps in which a single tip slips against the way the
+    rim turns are counted in `Result.reversals`.
 
     >>> Coulomb(mu=0.3).mu
     0.3
@@ -165,7 +164,7 @@ class Abradable:
 
     `E`, `yield_stress`, `hardening` [Pa]; `thickness` [m]; the tip covers `width` [m] along the axis and `tip` [m]
     around, `bars` of them; `machined` [m] is cut before the run, from the rim's highest point to a
-    circle; `mu` of friction, sliding as for `Coulomb`, at the tips of a `Rub` with stick.
+    circle; `mu` of friction, as for `Coulomb`.
 
     >>> coating = Abradable(E=1e9, yield_stress=5e6, hardening=1e8, thickness=2e-3, width=0.04, tip=2e-3)
     >>> coating.stress(1e-4), round(coating.dissipated(1e-4))

@@ -14,8 +14,10 @@ from contact.jit.compiled import jit, jit_entry, jit_inside
 from contact.jit.vector import WIDTH, below_zero, entry, larger, load, put, same
 from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
 from contact.loop.modal.free_flight import PAUSE, FreeFlight, discrete_energy, skip_free_flight
-from contact.loop.tally import note_event
+from contact.loop.modal.stick import INSIDE
+from contact.loop.tally import note_event, note_stick
 from contact.record.record import Samples, Tally
+from contact.solver.friction.one_contact import drag_ratio
 
 
 class BatchTerms(NamedTuple):
@@ -72,7 +74,7 @@ class BatchState(NamedTuple):
     c: Array
     weight: Array
     alike: Array  # (4, m): al, be, c, weight where all runs have the same, else empty
-    normal: BatchTerms  # rows of the modes, then clearance, S_nn, S_nt
+    normal: BatchTerms  # rows of the modes, then clearance, S_nn, S_nt, S_tt
     tangent: BatchTerms
     angle: Array
     speed: Array
@@ -87,16 +89,18 @@ class BatchState(NamedTuple):
     end: Indices
     retry: Indices
     failed: Indices
-    memory: Array  # (5, 8), as `ModalState.memory`
-    Q: Array  # (m + 4, 8): the rows of `normal`, then one that nothing reads
+    memory: Array  # (10, 8), as on a rim alone
+    Q: Array  # (m + 5, 8): the rows of `normal`, then one that nothing reads
     Q_next: Array
     T: Array  # (m + 1, 8)
     waves: Array  # (harmonics, 2, 8): cos n phi, sin n phi
     waves_next: Array
-    work: Array  # (15, 8)
+    work: Array  # (18, 8)
 
 
-FREE, TEST, FORCE, PULL, DRAG, H_, SCALE, NORMAL, TANGENT, DAMPING, SLIDE, ANGLE, H_T, BEFORE, GAP = range(15)
+FREE, TEST, FORCE, PULL, DRAG, H_, SCALE, NORMAL, TANGENT, DAMPING, SLIDE, ANGLE, N_T, BEFORE, GAP = range(15)
+T_N, T_T, SLIP = 15, 16, 17
+STRAIN, HEAT, DRIVE = 7, 8, 9  # rows of `memory`; 4 .. 6 are S_nn, S_nt, S_tt
 
 
 @jit_inside
@@ -199,9 +203,10 @@ def skip_in_batch(
         sums.damping[k] += discrete_energy(q, own, be, c) - before
         s.step[k] += steps
         s.memory[1, k] = land(s, waves, Q, k, s.step[k] - 1, 1.0, d)
-        s.memory[4, k] = Q[s.q.shape[0] + 1, k]
+        for i in range(3):
+            s.memory[4 + i, k] = Q[s.q.shape[0] + 1 + i, k]
         s.memory[0, k] = land(s, waves, Q, k, s.step[k], 0.0, d)
-        s.memory[2, k], s.memory[3, k] = 0.0, 0.0
+        s.memory[2, k], s.memory[3, k], s.memory[STRAIN, k] = 0.0, 0.0, 0.0
     return steps
 
 
@@ -234,38 +239,45 @@ def fly(s: BatchState, Q_next: Array, ahead: Array, old: Array, new: Array) -> b
 
 
 @jit_inside
-def touch(s: BatchState, Q: Array, Q_next: Array, waves: Array, old: Array, rubs: bool) -> None:
+def touch(s: BatchState, Q: Array, Q_next: Array, waves: Array, new: Array, rubs: bool) -> None:
     """Slip, Delassus numbers and forces of the lanes whose gap would close."""
-    H, H_t, slide, m = same(0.0), same(0.0), same(0.0), s.q.shape[0]
+    nn, nt, tn, tt, slip, m = same(0.0), same(0.0), same(0.0), same(0.0), same(0.0), s.q.shape[0]
     alike = s.alike.size > 0
     if rubs:
         fill_lanes(s.tangent, waves, s.T)
     for i in range(s.q.shape[0]):
         at = i * WIDTH
-        stiff = load(Q_next, at) * coefficient(s, alike, 2, s.c, i)
-        H = H + stiff * load(Q, at)
+        row, c = load(Q, at), coefficient(s, alike, 2, s.c, i)
+        ahead = load(Q_next, at)
+        nn = nn + ahead * c * row
         if rubs:
-            row = load(s.T, at)
-            slide = slide + row * load(old, at)
-            H_t = H_t + stiff * row
-    put(s.work, H_ * WIDTH, H)
-    put(s.work, H_T * WIDTH, H_t)
-    put(s.work, SLIDE * WIDTH, slide)
+            along = load(s.T, at)
+            pull = along * c
+            nt, tn, tt, slip = nt + ahead * pull, tn + pull * row, tt + pull * along, slip + along * load(new, at)
+    put(s.work, H_ * WIDTH, nn)
+    put(s.work, N_T * WIDTH, nt)
+    put(s.work, T_N * WIDTH, tn)
+    put(s.work, T_T * WIDTH, tt)
+    put(s.work, SLIP * WIDTH, slip)
     for k in range(s.step.size):
-        force, scale, pull, H_k, test = 0.0, 1.0, 0.0, 0.0, s.work[TEST, k]
+        force, scale, pull, H, test = 0.0, 1.0, 0.0, 0.0, s.work[TEST, k]
         if s.live[k] == 1 and not test >= 0.0:
+            share = 0.25 if s.averaged[k] == 1.0 else 1.0
+            S_nn, S_nt, S_tt = Q[m + 1, k], Q[m + 2, k], Q[m + 3, k]
             if s.mu[k] > 0.0:
-                sliding = s.surface[k] + s.work[SLIDE, k] / s.h[k]
-                pull = s.mu[k] if sliding > 0.0 else (-s.mu[k] if sliding < 0.0 else 0.0)
-                s.work[SLIDE, k] = sliding
-            H_k = s.work[H_, k] - pull * s.work[H_T, k]
-            scale = (0.25 * H_k if s.averaged[k] == 1.0 else H_k) + Q[m + 1, k] - pull * Q[m + 2, k]
+                slide = s.work[SLIP, k] + s.h[k] * s.surface[k] - s.memory[STRAIN, k]
+                n, across = share * s.work[H_, k] + S_nn, share * s.work[N_T, k] + S_nt
+                along, t = s.work[T_N, k] + S_nt, s.work[T_T, k] + S_tt
+                pull = drag_ratio(n, across, along, t, test, slide, s.mu[k])
+                s.work[SLIDE, k] = slide
+            H = s.work[H_, k] - pull * s.work[N_T, k]
+            scale = share * H + S_nn - pull * S_nt
             force = -test / scale if scale > 0.0 else math.nan
             if not force >= 0.0:
-                s.failed[k], force = 1, 0.0
+                s.failed[k], force, pull, scale, H = 1, 0.0, 0.0, 1.0, 0.0
             s.retry[k] = max(s.retry[k], s.step[k] + PAUSE)
         s.work[FORCE, k], s.work[PULL, k], s.work[DRAG, k] = force, pull, pull * force
-        s.work[H_, k], s.work[SCALE, k] = H_k, scale
+        s.work[H_, k], s.work[SCALE, k] = H, scale
 
 
 @jit_inside
@@ -300,12 +312,24 @@ def add_up(s: BatchState, sums: Tally, Q: Array) -> None:
     scale, pull = load(s.work, SCALE * WIDTH), load(s.work, PULL * WIDTH)
     free, now, last, h = load(s.work, FREE * WIDTH), load(s.memory, 0), load(s.memory, WIDTH), load(s.h, 0)
     m = s.q.shape[0]
-    half, S = same(0.5) * force, load(Q, (m + 1) * WIDTH) - pull * load(Q, (m + 2) * WIDTH)
+    half, drag = same(0.5), same(0.0) - pull * force
+    S_nn, S_nt, S_tt = load(Q, (m + 1) * WIDTH), load(Q, (m + 2) * WIDTH), load(Q, (m + 3) * WIDTH)
     after = free + H * force
-    work = half * (after - last) + half * force * (S - load(s.memory, 4 * WIDTH)) * load(s.turns, 0)
-    put(sums.work, 0, load(sums.work, 0) + work)
-    put(sums.rotation, 0, load(sums.rotation, 0) + (half * load(s.work, NORMAL * WIDTH) - work))
-    put(sums.friction, 0, load(sums.friction, 0) - half * pull * load(s.work, TANGENT * WIDTH))
+    d_nn, d_nt, d_tt = (
+        S_nn - load(s.memory, 4 * WIDTH), S_nt - load(s.memory, 5 * WIDTH), S_tt - load(s.memory, 6 * WIDTH)
+    )  # fmt: skip
+    turned = force * (d_nn * force + d_nt * drag) + drag * (d_nt * force + d_tt * drag)
+    work = half * (force * (after - last) + turned * load(s.turns, 0))
+    strain, before = S_nt * force + S_tt * drag, load(s.memory, STRAIN * WIDTH)
+    soft = drag * (strain - before)
+    put(sums.work, 0, load(sums.work, 0) + (work - soft))
+    put(sums.rotation, 0, load(sums.rotation, 0) + (half * force * load(s.work, NORMAL * WIDTH) - work))
+    put(sums.friction, 0, load(sums.friction, 0) + (half * drag * load(s.work, TANGENT * WIDTH) + soft))
+    slip = load(s.work, SLIDE * WIDTH) + (load(s.work, T_N * WIDTH) + S_nt) * force
+    slip = slip + (load(s.work, T_T * WIDTH) + S_tt) * drag
+    put(s.memory, HEAT * WIDTH, load(s.memory, HEAT * WIDTH) - drag * slip)
+    put(s.memory, DRIVE * WIDTH, load(s.memory, DRIVE * WIDTH) - drag * h * load(s.surface, 0))
+    put(s.memory, STRAIN * WIDTH, strain)
     put(sums.damping, 0, load(sums.damping, 0) - load(s.work, DAMPING * WIDTH))
     impulse, none = load(sums.impulse, 0) + force * h, same(0.0)
     put(sums.impulse, 0, impulse)
@@ -319,7 +343,9 @@ def add_up(s: BatchState, sums: Tally, Q: Array) -> None:
     put(s.memory, WIDTH, now)
     put(s.memory, 2 * WIDTH, force)
     put(s.memory, 3 * WIDTH, pull)
-    put(s.memory, 4 * WIDTH, S)
+    put(s.memory, 4 * WIDTH, S_nn)
+    put(s.memory, 5 * WIDTH, S_nt)
+    put(s.memory, 6 * WIDTH, S_tt)
 
 
 @jit_inside
@@ -328,7 +354,7 @@ def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, befo
     force, h, step = s.work[FORCE, k], s.h[k], s.step[k]
     if force > 0.0:
         sums.contact_steps[k] += 1
-        if s.mu[k] > 0.0 and s.work[SLIDE, k] * s.surface[k] < 0.0:
+        if s.mu[k] > 0.0 and s.work[PULL, k] * s.surface[k] < 0.0 and abs(s.work[PULL, k]) == s.mu[k]:
             sums.reversals[k] += 1
         if sums.closed[k] == 0:
             predicted = s.work[FREE, k]
@@ -336,6 +362,9 @@ def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, befo
             note_event(sums, out, k, 1, step * h + part * h)
     elif sums.closed[k] == 1:
         note_event(sums, out, k, 0, step * h - 0.5 * h)
+    if s.mu[k] > 0.0:
+        stuck = force > 0.0 and abs(s.work[PULL, k]) < s.mu[k] * (1.0 - INSIDE)
+        note_stick(sums, out, k, int(stuck), step * h)
     if step == kept.due[0, k]:
         row = kept.filled[0, k]
         kept.time[row, k], kept.force[row, k], kept.gap[row, k] = step * h, force, s.work[GAP, k]
@@ -346,12 +375,15 @@ def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, befo
 
 @jit_inside
 def keep_state(s: BatchState, kept: BatchSamples, k: int) -> None:
-    """Store the displacements of lane k at the start of a step that is due."""
+    """Store the displacements of lane k at the start of a step that is due, and the forces of that step."""
     if s.step[k] == kept.due[1, k]:
         row = kept.filled[1, k]
         kept.state_time[row, k] = s.step[k] * s.h[k]
         for i in range(s.q.shape[0]):
             kept.state[row, i, k] = s.q[i, k]
+        kept.state[row, s.q.shape[0], k] = s.work[FORCE, k]
+        if kept.state.shape[1] > s.q.shape[0] + 1:
+            kept.state[row, s.q.shape[0] + 1, k] = -s.work[DRAG, k]
         kept.filled[1, k] += 1
         kept.due[1, k] += kept.every[1, k]
 
@@ -376,20 +408,20 @@ def advance_batch(
                     if skipped == 0:
                         skipped = skip_in_batch(s, flights, sums, Q, waves, new, k, room)
                     s.retry[k] = s.step[k] + max(1, -skipped)  # not twice at a step, should the loop be left here
-                if s.step[k] == s.end[k]:
-                    stop = True
-                else:
-                    keep_state(s, kept, k)
+                stop = stop or s.step[k] == s.end[k]
         if stop:
             break
         old, new, swapped = new, old, not swapped
         rotate_lanes(s, ahead, 1)
         touching = fly(s, Q_next, ahead, old, new)
-        for row in range(FORCE, SCALE):
+        for row in (FORCE, PULL, DRAG, H_, SLIDE, T_N, T_T):
             put(s.work, row * WIDTH, same(0.0))
         put(s.work, SCALE * WIDTH, same(1.0))
         if touching:
-            touch(s, Q, Q_next, waves, old, rubs)
+            touch(s, Q, Q_next, waves, new, rubs)
+        for k in range(s.step.size):
+            if s.live[k] == 1:
+                keep_state(s, kept, k)
         move_lanes(s, Q, old, new, touching, rubs)
         put(s.work, BEFORE * WIDTH, load(s.memory, 0))
         add_up(s, sums, Q)

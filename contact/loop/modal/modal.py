@@ -13,7 +13,7 @@ from contact.solver.unilateral.scalar import scalar_force
 
 
 class ModalState(NamedTuple):
-    """q_n, D = q_n - q_{n-1} (m,), coefficients, `memory` = (g_n, g_{n-1} of q, force, friction, S)."""
+    """q_n, D = q_n - q_{n-1} (m,), coefficients, `memory` = (g_n, g_{n-1} of q, force), more on a rim."""
 
     q: Array
     d: Array

@@ -1,7 +1,8 @@
 """Compiled step loop of the exact-modal scheme on a rotating rim: rows turn with the contact point.
 
-Arrays over the modes are padded with zeros to whole blocks of eight; the places m, m + 1, m + 2 of a row hold the
-clearance, S_nn and S_nt at its angle, where the motion is always zero.
+Arrays over the modes are padded with zeros to whole blocks of eight; the places m .. m + 3 of a row hold the
+clearance, S_nn, S_nt and S_tt at its angle, where the motion is always zero. `memory` = (g_n, g_{n-1} of q, force, its
+drag over it, S_nn, S_nt, S_tt at phi_{n-1}, tangential S lam, heat, work of the drive against friction).
 """
 
 from __future__ import annotations
@@ -14,17 +15,20 @@ from contact.jit.compiled import jit, jit_entry, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
 from contact.loop.modal.free_flight import FOREVER, PAUSE, FreeFlight, discrete_energy, skip_free_flight
 from contact.loop.modal.modal import ModalState
-from contact.loop.modal.rows import RowBlocks, fill, move, product, rotate
-from contact.loop.tally import note_contact, store, store_state
+from contact.loop.modal.rows import RowBlocks, fill, move, product, rotate, weighted
+from contact.loop.modal.stick import INSIDE
+from contact.loop.tally import note_contact, note_stick, state_due, store, store_state
 from contact.record.record import Samples, Tally
-from contact.solver.abradable.one_tip import Coating, crush, first_bar, machined, surface
+from contact.solver.abradable.one_tip import Coating, crush, first_bar, force_on, machined, surface
+from contact.solver.dense import assign
+from contact.solver.friction.one_contact import drag_ratio
 from contact.solver.unilateral.scalar import scalar_force
 
 
 class RimRows(NamedTuple):
     """Rows of the modes with clearance and compliance, the speeds of the rim, and work space."""
 
-    normal: RowBlocks  # rows of the modes, then clearance, S_nn, S_nt
+    normal: RowBlocks  # rows of the modes, then clearance, S_nn, S_nt, S_tt
     tangent: RowBlocks
     modes: int
     S_turns: bool  # S depends on the angle
@@ -32,6 +36,7 @@ class RimRows(NamedTuple):
     speed: float
     surface: float  # R Omega
     mu: float
+    seen: Array  # what is stored of an instant: displacements, forces
     waves: Array  # (2, harmonics): cos n phi, sin n phi, n = 0, 1, ..., whole vectors of them
     waves_next: Array
 
@@ -63,7 +68,8 @@ def skip_on_rim(
     rotate(rows.waves_next, rows.angle - rows.speed * (step + steps - 1) * h)
     fill(rows.normal, rows.waves_next, Q)
     s.memory[1] = Q[m] + product(Q, s.q) - product(Q, d)
-    s.memory[4] = Q[m + 1]
+    put_compliance(s.memory, Q, m)
+    s.memory[7] = 0.0
     rotate(rows.waves, rows.angle - rows.speed * (step + steps) * h)
     fill(rows.normal, rows.waves, Q)
     s.memory[0] = Q[m] + product(Q, s.q)
@@ -84,15 +90,36 @@ def fly(s: ModalState, Q_next: Array, old: Array, new: Array) -> float:
 
 
 @jit_inside
-def delassus(s: ModalState, Q: Array, Q_next: Array, T: Array, old: Array) -> tuple[float, float, float]:
-    """Q_next c Q, Q_next c T, and T D."""
-    H, H_t, slip = same(0.0), same(0.0), same(0.0)
+def put_compliance(memory: Array, Q: Array, m: int) -> None:
+    """Keep S_nn, S_nt and S_tt of a row for the next step."""
+    memory[4], memory[5], memory[6] = Q[m + 1], Q[m + 2], Q[m + 3]
+
+
+@jit_inside
+def tangential(s: ModalState, Q: Array, Q_next: Array, T: Array, new: Array) -> tuple[float, float, float, float]:
+    """Q_next c T, T c Q, T c T, and the slip T D* of the rim."""
+    nt, tn, tt, slip = same(0.0), same(0.0), same(0.0), same(0.0)
     for i in range(0, s.q.size, WIDTH):
-        row, stiff = load(T, i), load(Q_next, i) * load(s.c, i)
-        H = H + stiff * load(Q, i)
-        H_t = H_t + stiff * row
-        slip = slip + row * load(old, i)
-    return total(H), total(H_t), total(slip)
+        along = load(T, i)
+        pull = along * load(s.c, i)
+        nt, tn, tt = nt + load(Q_next, i) * pull, tn + pull * load(Q, i), tt + pull * along
+        slip = slip + along * load(new, i)
+    return total(nt), total(tn), total(tt), total(slip)
+
+
+@jit
+def coated_ratio(c: Coating, bar: int, cut: float, nn: float, nt: float, tn: float, tt: float, gap: float,
+                 slip: float, mu: float) -> float:  # fmt: skip
+    """Return what `drag_ratio` does, of a tip that presses into a coating."""
+    normal = force_on(c, bar, cut, nn - nt * tn / tt, gap - nt * slip / tt)
+    tangent = -(slip + tn * normal) / tt
+    if normal > 0.0 and abs(tangent) <= mu * normal:
+        return -tangent / normal
+    for sign in (1.0, -1.0):
+        normal = force_on(c, bar, cut, nn - sign * mu * nt, gap)
+        if sign * ((tn - sign * mu * tt) * normal + slip) >= 0.0:
+            return sign * mu
+    return math.nan
 
 
 @jit_inside
@@ -125,7 +152,7 @@ def advance_rim(
     waves, ahead = rows.waves, rows.waves_next
     rotate(waves, rows.angle - rows.speed * first * h)
     fill(rows.normal, waves, Q)
-    now, last, S_last = s.memory[0], s.memory[1], s.memory[4]
+    now, last = s.memory[0], s.memory[1]
     while step < end:
         if step >= retry and now > 0.0 and last > 0.0 and sums.closed[0] == 0:
             room = min(end - step, untouched(out, sums, step))
@@ -134,11 +161,10 @@ def advance_rim(
             if skipped > 0:
                 step += skipped
                 retry = step
-                now, last, S_last = s.memory[0], s.memory[1], s.memory[4]
+                now, last = s.memory[0], s.memory[1]
                 s.memory[2], s.memory[3] = 0.0, 0.0
                 waves, ahead = rows.waves, rows.waves_next
                 continue
-        store_state(sums, out, step, step * h, s.q[:m])
         old, new = new, old
         rotate(ahead, rows.angle - rows.speed * (step + 1) * h)
         fill(rows.normal, ahead, Q_next)
@@ -151,29 +177,49 @@ def advance_rim(
             skin = surface(coating, bar, cut)
             coating.memory[1], coating.memory[2] = 0.0, skin
         if not test + skin >= 0.0:
+            nn, nt, tn, tt, slip = weighted(Q_next, s.c, Q), 0.0, 0.0, 0.0, 0.0
             if rubs:
                 fill(rows.tangent, waves, T)
-            H, H_t, slip = delassus(s, Q, Q_next, T, old)
-            slide = rows.surface + slip / h
+                nt, tn, tt, slip = tangential(s, Q, Q_next, T, new)
+            share, slide = 0.25 if averaged else 1.0, slip + h * rows.surface - s.memory[7]
+            S_nn, S_nt, S_tt = Q[m + 1], Q[m + 2], Q[m + 3]
             if rubs:
-                pull = rows.mu if slide > 0.0 else (-rows.mu if slide < 0.0 else 0.0)
-            H -= pull * H_t
-            S = Q[m + 1] - pull * Q[m + 2]
-            scale = (0.25 * H if averaged else H) + S
+                n, across, along, t = share * nn + S_nn, share * nt + S_nt, tn + S_nt, tt + S_tt
+                if coated:
+                    pull = coated_ratio(coating, bar, cut, n, across, along, t, test, slide, rows.mu)
+                else:
+                    pull = drag_ratio(n, across, along, t, test, slide, rows.mu)
+            H = nn - pull * nt
+            scale = share * H + S_nn - pull * S_nt
             force = crush(coating, bar, cut, scale, test) if coated else scalar_force(scale, test)
             if not force >= 0.0:
                 s.memory[2], s.memory[3] = H, scale
                 return step
             normal, tangent = push(s, Q, T, old, new, force, pull * force)
-            if rubs and slide * rows.surface < 0.0:
-                sums.reversals[0] += 1
+            drag = -pull * force
             work = 0.5 * force * (free + H * force - last)
             if rows.S_turns:  # what S(phi) stores changes because the point moves, not because force does
-                work += 0.5 * force * force * (S - S_last)
-            sums.work[0] += work
+                d_nn, d_nt, d_tt = S_nn - s.memory[4], S_nt - s.memory[5], S_tt - s.memory[6]
+                work += 0.5 * (force * (d_nn * force + d_nt * drag) + drag * (d_nt * force + d_tt * drag))
             sums.rotation[0] += 0.5 * force * normal - work
-            sums.friction[0] -= 0.5 * force * pull * tangent
+            strain = S_nt * force + S_tt * drag
+            soft = drag * (strain - s.memory[7])
+            sums.work[0] += work - soft
+            sums.friction[0] += 0.5 * drag * tangent + soft
+            s.memory[7] = strain
+            s.memory[8] -= drag * (slide + (tn + S_nt) * force + (tt + S_tt) * drag)
+            s.memory[9] -= drag * h * rows.surface
+            if rubs and pull * rows.surface < 0.0 and abs(pull) == rows.mu:
+                sums.reversals[0] += 1
             retry = max(retry, step + PAUSE)
+        else:
+            s.memory[7] = 0.0
+        if state_due(sums, out, step):
+            assign(rows.seen, s.q, m)
+            rows.seen[m] = force
+            if rubs:
+                rows.seen[m + 1] = -pull * force
+            store_state(sums, out, step, step * h, rows.seen)
         sums.damping[0] += move(s, old, new)
         s.gap[0] = test + scale * force
         if coated:
@@ -182,14 +228,16 @@ def advance_rim(
         s.memory[2] = force
         s.memory[3] = pull
         note_contact(sums, out, 0, h, step * h, force, s.gap[0], scale, now + skin, free + skin)
+        if rubs:
+            note_stick(sums, out, 0, int(force > 0.0 and abs(pull) < rows.mu * (1.0 - INSIDE)), step * h)
         last, now = now, free + H * force
         store(sums, out, step, step * h, s.force, s.gap)
-        S_last = Q[m + 1] - pull * Q[m + 2]
+        put_compliance(s.memory, Q, m)
         Q, Q_next = Q_next, Q
         waves, ahead = ahead, waves
         step += 1
         taken += 1
-    s.memory[0], s.memory[1], s.memory[4] = now, last, S_last
+    s.memory[0], s.memory[1] = now, last
     if taken % 2 == 1:  # the two buffers changed places an odd number of times
         for i in range(s.d.size):
             s.d[i] = s.old[i]

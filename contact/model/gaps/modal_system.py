@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -72,8 +72,8 @@ class RowTable:
 class ModalSystem:
     """q'' + 2 zeta omega q' + omega^2 q = load + W^T lam, one contact.
 
-    Fixed point: g = clearance + Q q + S lam. Rim (`table` is given): Q, T, S = S_nn - mu s S_nt and the
-    clearance depend on phi. `first` are the bodies' offsets into q.
+    Fixed point: g = clearance + Q q + S_nn lam. Rim (`table` is given): Q, T, the residual compliances along
+    the normal and the tangent and the clearance depend on phi. `first` are the bodies' offsets into q.
     """
 
     omega: Array
@@ -87,6 +87,7 @@ class ModalSystem:
     clearance: Trig
     S_nn: Trig
     S_nt: Trig
+    S_tt: Trig = field(default_factory=lambda: fourier([]))
     potential: float = 0.0  # at t = 0
     table: RowTable | None = None
     speed: float = 0.0
@@ -94,12 +95,12 @@ class ModalSystem:
     radius: float = 0.0
 
     def sums(self) -> tuple[Terms, Terms]:
-        """Sums of waves of a rim: Q followed by clearance, S_nn and S_nt; and T."""
+        """Sums of waves of a rim: Q followed by clearance, S_nn, S_nt and S_tt; and T."""
         assert self.table is not None
         return self.table.normal.followed_by(self._series()), self.table.tangent
 
     def _series(self) -> Terms:
-        parts = self.clearance, self.S_nn, self.S_nt
+        parts = self.clearance, self.S_nn, self.S_nt, self.S_tt
         owner = np.repeat(np.arange(len(parts)), [part.harmonic.size for part in parts])
         harmonic = np.concatenate([part.harmonic for part in parts])
         cos, sin = np.concatenate([part.cos for part in parts]), np.concatenate([part.sin for part in parts])
@@ -136,7 +137,8 @@ def rim_system(rim: RotatingRim) -> ModalSystem:
     table = _table(casing.rows[:size], casing.rows[size:], -normal @ blade.rows, -tangent @ blade.rows, N)
     S_nn = _raised(quadratic(casing.S[:size, :size], N), float(normal @ blade.S @ normal))
     S_nt = _raised(quadratic(casing.S[:size, size:], N), float(normal @ blade.S @ tangent))
-    noise = NOISE * S_nn.largest
+    S_tt = _raised(quadratic(casing.S[size:, size:], N), float(tangent @ blade.S @ tangent))
+    noise = NOISE * max(S_nn.largest, S_tt.largest)
     return ModalSystem(
         omega=readonly(np.concatenate([casing.omega, blade.omega])),
         zeta=readonly(np.concatenate([casing.zeta, blade.zeta])),
@@ -148,7 +150,7 @@ def rim_system(rim: RotatingRim) -> ModalSystem:
         names=("casing", "blade"), masses=(math.nan, math.nan),
         Q=readonly(table.rows(math.radians(rim.angle_deg))[0]),
         clearance=fourier([(0, rim.clearance, 0.0), *rim.terms]),
-        S_nn=pruned(S_nn, noise), S_nt=pruned(S_nt, noise),
+        S_nn=pruned(S_nn, noise), S_nt=pruned(S_nt, noise), S_tt=pruned(S_tt, noise),
         table=table, speed=rim.speed, angle=math.radians(rim.angle_deg), radius=casing.radius,
     )  # fmt: skip
 

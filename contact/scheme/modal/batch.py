@@ -27,7 +27,7 @@ BUDGET = 20_000  # steps a call takes at most: room for the events of so many
 NEVER = 1 << 40
 SUMS = (
     "impulse", "work", "rotation", "friction", "damping", "peak", "penetration", "residual", "closed",
-    "contact_steps", "reversals",
+    "stuck", "contact_steps", "reversals",
 )  # fmt: skip
 SHARED = ("al", "be", "c", "weight")
 OF_MODES = ("q", "d", *SHARED)
@@ -186,7 +186,7 @@ class Batch:
         return events._replace(
             time=kept.time[:n, k].copy(), force=kept.force[:n, k, None].copy(), gap=kept.gap[:n, k, None].copy(),
             impulse=kept.impulse[:n, k, None].copy(), state_time=kept.state_time[:states, k].copy(),
-            state=kept.state[:states, :, k].copy(),
+            state=kept.state[:states, : job.run.size, k].copy(),
         )  # fmt: skip
 
 
@@ -194,23 +194,23 @@ def batch(jobs: Sequence[Job]) -> Batch:
     """Empty lanes for runs of one number of modes."""
     from contact.loop.batch.batch import BatchState
 
-    m = jobs[0].run.size
+    m = jobs[0].run.system.omega.size
     layouts = {name: Layout.of([getattr(job.rim, name) for job in jobs]) for name in TERMS}
     arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0].rim, name)) for name, layout in layouts.items()}
     arrays |= {name: aligned(m, WIDTH) for name in (*OF_MODES, "old")}
     arrays["alike"] = _alike([job.rim.state for job in jobs])
-    arrays |= {"Q": aligned(m + 4, WIDTH), "Q_next": aligned(m + 4, WIDTH), "T": aligned(m + 1, WIDTH)}
+    arrays |= {"Q": aligned(m + 5, WIDTH), "Q_next": aligned(m + 5, WIDTH), "T": aligned(m + 1, WIDTH)}
     arrays |= {name: aligned(WIDTH) for name in NUMBERS}
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
     arrays |= {
         name: aligned(max(layout.top for layout in layouts.values()) // 2 + 1, 2, WIDTH)
         for name in ("waves", "waves_next")
     }
-    lanes = BatchState(away=np.full(WIDTH, AWAY), memory=aligned(5, WIDTH), work=aligned(15, WIDTH), **arrays)
+    lanes = BatchState(away=np.full(WIDTH, AWAY), memory=aligned(10, WIDTH), work=aligned(18, WIDTH), **arrays)
     return Batch(
         lanes=lanes, layouts=layouts, flights=_free_flights(jobs, m),
         sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
-        events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs, m),
+        events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs),
         rubs=any(job.rim.rows.mu > 0.0 for job in jobs),
     )  # fmt: skip
 
@@ -237,11 +237,11 @@ def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
     )  # fmt: skip
 
 
-def _kept(jobs: Sequence[Job], m: int) -> BatchSamples:
+def _kept(jobs: Sequence[Job]) -> BatchSamples:
     from contact.loop.batch.batch import BatchSamples
 
-    rows = max(job.steps // job.record.every + 1 for job in jobs)
+    rows, size = max(job.steps // job.record.every + 1 for job in jobs), max(job.run.size for job in jobs)
     states = max(job.steps // job.record.state_every + 1 if job.record.state_every else 0 for job in jobs)
     arrays: dict[str, Any] = {name: np.zeros((rows, WIDTH)) for name in ("time", "force", "gap", "impulse")}
     arrays |= {name: np.zeros((2, WIDTH), dtype=np.int64) for name in ("due", "every", "filled")}
-    return BatchSamples(state_time=np.zeros((states, WIDTH)), state=np.zeros((states, m, WIDTH)), **arrays)
+    return BatchSamples(state_time=np.zeros((states, WIDTH)), state=np.zeros((states, size, WIDTH)), **arrays)

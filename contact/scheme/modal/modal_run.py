@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contact.base.arrays import Array
+from contact.base.arrays import Array, readonly
 from contact.model.gaps.modal_system import ModalSystem
 from contact.model.waves import Terms
 from contact.record.energy import Stored
@@ -17,7 +17,7 @@ from contact.record.record import Samples, Tally
 from contact.record.wear import Wear
 from contact.scheme.modal.propagator import window
 from contact.scheme.modal.wear_track import Tracks
-from contact.scheme.protocol import Block, Motion
+from contact.scheme.protocol import Block, Motion, Notes
 
 if TYPE_CHECKING:
     from contact.loop.modal.free_flight import FreeFlight
@@ -32,7 +32,7 @@ class RimRun:
     state: ModalState  # views of `wide`
     wide: ModalState  # in whole blocks of eight
     rows: RimRows
-    normal: Terms  # what the rows are sums of: Q, clearance, S_nn and S_nt
+    normal: Terms  # what the rows are sums of: Q, clearance, S_nn, S_nt and S_tt
     tangent: Terms
     flight: FreeFlight
     averaged: bool
@@ -62,14 +62,15 @@ class ModalRun:
 
     @property
     def size(self) -> int:
-        """Number of modes."""
-        return self.system.omega.size
+        """Modes, then, on a rim, the forces."""
+        return self.system.omega.size if self.rim is None else self.rim.rows.seen.size
 
     @property
     def blocks(self) -> tuple[Block, ...]:
         """Name, first and one past the last mode of each body."""
         first = self.system.first.tolist()
-        return tuple(zip(self.system.names, first[:-1], first[1:], strict=True))
+        found = tuple(zip(self.system.names, first[:-1], first[1:], strict=True))
+        return found if self.rim is None else (*found, ("tips", first[-1], self.size))
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
@@ -80,6 +81,13 @@ class ModalRun:
     def wear(self) -> tuple[Wear, ...]:
         """What a coating has lost so far; none without one."""
         return () if self.tracks is None else self.tracks.wear()
+
+    def notes(self) -> Notes:
+        """Heat and drive of friction on a rim."""
+        if self.rim is None or not self.rim.rows.mu > 0.0:
+            return Notes()
+        heat, drive = self.rim.state.memory[8:10]
+        return Notes(heat=readonly([heat]), drive=readonly([drive]))
 
     def why(self) -> str:
         """Explain a failed step."""

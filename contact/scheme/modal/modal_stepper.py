@@ -65,7 +65,7 @@ def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: in
     phi = system.angle - system.speed * steps * parts.h
     force, pull = float(state.memory[2]), float(state.memory[3])
     Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q * 0.0)
-    residual = 0.5 * force**2 * (system.S_nn(phi) - pull * system.S_nt(phi))
+    residual = 0.5 * force**2 * (system.S_nn(phi) - 2.0 * pull * system.S_nt(phi) + pull**2 * system.S_tt(phi))
     residual += 0.0 if tracks is None else tracks.elastic
     return parts.stored(state.q, state.d, (Q - pull * T) * force, residual, system.potential)
 
@@ -88,10 +88,14 @@ def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalS
         rows = system.table.rows(phi)[0] if system.table is not None else system.Q
         return system.clearance(phi) + float(rows @ q)
 
+    before = system.angle + system.speed * parts.h
     return ModalState(
         q=q, d=d, old=np.zeros(q.size), al=parts.al, be=parts.be, c=parts.c, kick=parts.c * system.load,
         weight=(1.0 - parts.al) / (2.0 * parts.c),
-        memory=np.array([gap(0, q), gap(-1, q - d), 0.0, 0.0, system.S_nn(system.angle)]),
+        memory=np.array([
+            gap(0, q), gap(-1, q - d), 0.0, 0.0, *(S(before) for S in (system.S_nn, system.S_nt, system.S_tt)), 0.0,
+            0.0, 0.0,
+        ]),
         force=np.zeros(1), gap=np.zeros(1),
     )  # fmt: skip
 
@@ -126,8 +130,8 @@ def _rim_loop(rim: RimRun, h: float, tracks: Tracks | None) -> Loop:
 
 
 def padded(modes: int) -> int:
-    """Modes, clearance, S_nn and S_nt in whole blocks of eight."""
-    return whole(modes + 3)
+    """Modes, clearance, S_nn, S_nt and S_tt in whole blocks of eight."""
+    return whole(modes + 4)
 
 
 def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms) -> RimRows:
@@ -142,6 +146,7 @@ def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms) -> R
         block[: part.sums] = part.full(2 * count)
     return RimRows(
         normal=RowBlocks(*row_blocks(blocks[0])), tangent=RowBlocks(*row_blocks(blocks[1])), modes=m,
-        S_turns=max(system.S_nn.degree, system.S_nt.degree) > 0, angle=system.angle, speed=system.speed,
-        surface=system.radius * system.speed, mu=mu, waves=aligned(2, count), waves_next=aligned(2, count),
+        S_turns=max(part.degree for part in (system.S_nn, system.S_nt, system.S_tt)) > 0, angle=system.angle,
+        speed=system.speed, surface=system.radius * system.speed, mu=mu, seen=np.zeros(m + (2 if mu > 0.0 else 1)),
+        waves=aligned(2, count), waves_next=aligned(2, count),
     )  # fmt: skip

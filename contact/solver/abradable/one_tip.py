@@ -111,6 +111,12 @@ def crush(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
 
 
 @jit
+def force_on(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
+    """Force of the tip; nothing flows yet."""
+    return max(-(gap + settled(c, first, cut, D, gap)) / D, 0.0)
+
+
+@jit
 def wear(c: Coating, first: int, cut: float, depth: float) -> None:
     """Let the bars under the tip flow, and add what that dissipates: integral of (Y + H w) dw over each bar."""
     c.memory[1], c.memory[2] = 0.0, depth

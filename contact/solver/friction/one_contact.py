@@ -6,8 +6,28 @@ force_T = -mu s force_N and force_N = -b_N/(W_NN - mu s W_NT), s the sign of u_T
 
 from __future__ import annotations
 
+import math
+
 from contact.base.arrays import Array
 from contact.jit.compiled import jit
+
+
+@jit
+def drag_ratio(nn: float, nt: float, tn: float, tt: float, gap: float, slip: float, mu: float) -> float:
+    """-force_T/force_N of a contact that would close: inside the cone it sticks; NaN where neither way does.
+
+    u_N = nn force_N + nt force_T + gap, u_T = tn force_N + tt force_T + slip.
+    """
+    det = nn * tt - nt * tn
+    normal, tangent = nt * slip - tt * gap, tn * gap - nn * slip  # times det
+    if det > 0.0 and normal > 0.0 and abs(tangent) <= mu * normal:
+        return -tangent / normal
+    for sign in (1.0, -1.0):
+        ratio = sign * mu
+        normal = -gap / (nn - ratio * nt)
+        if normal >= 0.0 and sign * ((tn - tt * ratio) * normal + slip) >= 0.0:
+            return ratio
+    return math.nan
 
 
 @jit
@@ -22,17 +42,9 @@ def one_contact(W: Array, b: Array, mu: float, dim: int, force: Array) -> bool:
     if dim == 1:
         force[0] = -b[0] / W[0, 0]
         return bool(force[0] >= 0.0)
-    det = W[0, 0] * W[1, 1] - W[0, 1] * W[1, 0]
-    if not det > 0.0:
+    if not W[0, 0] * W[1, 1] > W[0, 1] * W[1, 0]:
         return False
-    normal, tangent = (W[0, 1] * b[1] - W[1, 1] * b[0]) / det, (W[1, 0] * b[0] - W[0, 0] * b[1]) / det
-    if normal >= 0.0 and abs(tangent) <= mu * normal:
-        force[0], force[1] = normal, tangent
-        return True
-    for sign in (1.0, -1.0):
-        normal = -b[0] / (W[0, 0] - mu * sign * W[0, 1])
-        tangent = -mu * sign * normal
-        if sign * (W[1, 0] * normal + W[1, 1] * tangent + b[1]) >= 0.0:
-            force[0], force[1] = normal, tangent
-            return True
-    return False
+    ratio = drag_ratio(W[0, 0], W[0, 1], W[1, 0], W[1, 1], b[0], b[1], mu)
+    force[0] = -b[0] / (W[0, 0] - ratio * W[0, 1])
+    force[1] = -ratio * force[0]
+    return bool(force[0] >= 0.0)

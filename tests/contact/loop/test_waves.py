@@ -25,8 +25,8 @@ def system(imperfect, cos=2.5e-4):
 
 
 def rows_at(system, phi):
-    """Normal rows, then clearance, S_nn, S_nt, as formulas."""
-    found = [part(phi) for part in (system.clearance, system.S_nn, system.S_nt)]
+    """Normal rows, then clearance, S_nn, S_nt, S_tt, as formulas."""
+    found = [part(phi) for part in (system.clearance, system.S_nn, system.S_nt, system.S_tt)]
     return np.concatenate([system.table.rows(phi)[0], found])
 
 
@@ -68,8 +68,8 @@ def test_blocks_of_a_rim_are_its_rows_its_clearance_and_its_compliance(imperfect
     found = np.zeros(8 * (rows.normal.start.size - 1))
     for phi in (0.0, 1.234, -7.5):
         turn_and_fill(rows.normal, rows.waves, phi, found)
-        assert np.allclose(found[: m + 3], rows_at(one, phi), rtol=0.0, atol=1e-14 * np.abs(found).max())
-        assert not found[m + 3 :].any()
+        assert np.allclose(found[: m + 4], rows_at(one, phi), rtol=0.0, atol=1e-14 * np.abs(found).max())
+        assert not found[m + 4 :].any()
         turn_and_fill(rows.tangent, rows.waves, phi, found)
         assert np.allclose(found[:m], one.table.rows(phi)[1], rtol=0.0, atol=1e-14 * np.abs(found).max())
         assert not found[m:].any()
@@ -90,13 +90,13 @@ def test_lanes_of_unlike_runs_hold_the_rows_of_each():
     layout = Layout.of(parts)
     lanes, m, phi = layout.empty(parts[0]), systems[0].omega.size, 0.77
     assert not layout.alike
-    assert lanes.row.size == lanes.start.size - 1 == m + 3
+    assert lanes.row.size == lanes.start.size - 1 == m + 4
     for k, part in enumerate(parts):
         layout.load(lanes, part, k)
-    found = in_lanes(layout, lanes, m + 3, phi)
+    found = in_lanes(layout, lanes, m + 4, phi)
     for k, one in enumerate(systems):
-        assert np.allclose(found[: m + 3, k], rows_at(one, phi), rtol=0.0, atol=1e-14)
-    assert not found[: m + 3, 3:].any()
+        assert np.allclose(found[: m + 4, k], rows_at(one, phi), rtol=0.0, atol=1e-14)
+    assert not found[: m + 4, 3:].any()
 
 
 def test_like_runs_share_their_coefficients():

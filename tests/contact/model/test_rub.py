@@ -21,14 +21,14 @@ def law(mu):
     return ct.Coulomb(mu=mu) if mu else ct.Unilateral()
 
 
-def one_tip(*, S=1e-8, imperfect=0.0, speed_hz=5.0):
+def one_tip(*, S=1e-8, imperfect=0.0, speed_hz=5.0, clearance=-1e-5):
     """The same scene twice: as a RotatingRim and as a Rub with one tip."""
     bodies = ring(S=S, imperfect=imperfect), blade(S=2.0 * S)
     rim = ct.RotatingRim(
-        *bodies, clearance=-1e-5, speed_hz=speed_hz, lean_deg=25.0, out_of_roundness=WAVES, angle_deg=13.0
+        *bodies, clearance=clearance, speed_hz=speed_hz, lean_deg=25.0, out_of_roundness=WAVES, angle_deg=13.0
     )
     rub = ct.Rub(
-        bodies[0], bodies[1:], [ct.ContactPoint(lean_deg=25.0, angle_deg=13.0)], clearance=-1e-5,
+        bodies[0], bodies[1:], [ct.ContactPoint(lean_deg=25.0, angle_deg=13.0)], clearance=clearance,
         speed=ct.Speed.constant(speed_hz), profile=ct.RimProfile.fourier(WAVES),
     )  # fmt: skip
     return rim, rub
@@ -37,28 +37,34 @@ def one_tip(*, S=1e-8, imperfect=0.0, speed_hz=5.0):
 @pytest.mark.slow
 @pytest.mark.parametrize("S", [0.0, 1e-8])
 @pytest.mark.parametrize("imperfect", [0.0, 0.05])
-@pytest.mark.parametrize("mu", [0.0, 0.2])
-def test_one_sliding_tip_is_the_rotating_rim(S, imperfect, mu):
+@pytest.mark.parametrize(("mu", "speed_hz"), [(0.0, 5.0), (0.2, 5.0), (0.4, -0.05)])
+def test_one_tip_is_the_rotating_rim(S, imperfect, mu, speed_hz):
+    """Fast, the tip slides all the time; slowly, it sticks and slips."""
     record = ct.Record(state_every=1)
     rim, rub = (
-        ct.run(scene, law=law(mu), t_end=0.05, dt=1e-5, record=record) for scene in one_tip(S=S, imperfect=imperfect)
+        ct.run(scene, law=law(mu), t_end=0.05, dt=1e-5, record=record)
+        for scene in one_tip(S=S, imperfect=imperfect, speed_hz=speed_hz, clearance=-1e-5 if speed_hz > 0.0 else -1e-4)
     )
     assert ("averaged" in rim.scheme) == ("averaged" in rub.scheme) == (S > 0.0)
-    assert np.abs(rub.force - rim.force).max() <= 1e-10 * rim.force.max()
-    assert np.abs(rub.state[:, : -rub.state_of("tips").shape[1]] - rim.state).max() <= 1e-12 * np.abs(rim.state).max()
-    assert np.abs(rub.gap - rim.gap).max() <= 1e-16
+    assert np.abs(rub.force - rim.force).max() <= 1e-9 * rim.force.max()
+    assert rub.blocks == rim.blocks
+    assert np.abs(rub.state_of("tips") - rim.state_of("tips")).max() <= 1e-9 * rim.force.max()
+    for name in ("casing", "blade"):
+        assert np.abs(rub.state_of(name) - rim.state_of(name)).max() <= 1e-9 * np.abs(rim.state_of(name)).max()
+    assert np.abs(rub.gap - rim.gap).max() <= 1e-9 * np.abs(rim.gap).max()
     assert len(rub.intervals[0]) == len(rim.intervals[0])
-    # a rub's friction bends S too, which is then the contact's loss
-    same = ("contact", "friction", "rotation", "damping") if mu == 0.0 or S == 0.0 else ("damping",)
-    for name in same:
+    assert [len(times) for times in rub.sticking] == [len(times) for times in rim.sticking]
+    assert bool(rim.sticking) == (speed_hz == -0.05)
+    for name in ("contact", "friction", "rotation", "damping"):
         value = getattr(rim.energy, name)
-        assert getattr(rub.energy, name) == pytest.approx(value, rel=1e-9, abs=1e-12 * rim.energy.scale), name
-    work, other = (e.contact + e.friction + e.rotation for e in (rub.energy, rim.energy))
-    assert work == pytest.approx(other, rel=1e-9)
-    assert rub.energy.rotation == pytest.approx(rim.energy.rotation, rel=2e-2)
+        assert getattr(rub.energy, name) == pytest.approx(value, rel=1e-7, abs=1e-10 * rim.energy.scale), name
     for name in ("impulse", "peak_force", "contact_steps"):
         assert getattr(rub, name) == pytest.approx(getattr(rim, name), rel=1e-9)
+    if mu > 0.0:
+        assert rub.notes.heat == pytest.approx(rim.notes.heat, rel=1e-7)
+        assert rub.notes.drive == pytest.approx(rim.notes.drive, rel=1e-7)
     assert abs(rub.energy.unaccounted) <= 1e-11 * rub.energy.scale
+    assert abs(rim.energy.unaccounted) <= 1e-11 * rim.energy.scale
 
 
 def rows_at(rub, t, dim):
