@@ -1,5 +1,6 @@
 from . import growth, record, scene, scheme
 from .base.errors import InputError, LimitError, NumericsError
+from .confirmed import interactions
 from .model import bodies, gaps
 from .model.bodies.beam import BeamInCircle
 from .model.bodies.body import PointMass, Rod, Wall
@@ -58,6 +59,7 @@ __all__ = [
     "bodies",
     "gaps",
     "growth",
+    "interactions",
     "load_scene",
     "record",
     "run",

@@ -18,6 +18,7 @@ from contact.io.npz import write_npz
 from contact.io.outfiles import finite
 from contact.model.bodies.modal_body import read_npz
 from contact.model.law import pressure
+from contact.record.divergence import Divergence
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import MOST_SAMPLES, Record, Samples
 from contact.record.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear, joined
@@ -45,7 +46,7 @@ class Result:
     `reversals` (steps in which the slip changed sign) (K,), all over every step whatever was stored. `state` (ns, N)
     displacements or modal coordinates u at `state_time`, or R u (ns, c) where `channels` = R (c, N) is not empty.
     `every`: of how many steps one was stored as a sample, 0 when the record asked for instants. `tracks`: what
-    each track of an abradable coating lost.
+    each track of an abradable coating lost. `divergence`: why the run ended before its time, None where it did not.
 
     The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
     """
@@ -77,6 +78,7 @@ class Result:
     sticking: tuple[Intervals, ...] = ()
     tracks: tuple[Wear, ...] = ()
     notes: Notes = field(default_factory=Notes)
+    divergence: Divergence | None = None
 
     @property
     def wear(self) -> Wear | None:
@@ -86,7 +88,7 @@ class Result:
     @property
     def flags(self) -> tuple[str, ...]:
         """Where the run left the range of its theory, in words and numbers; empty where it did not."""
-        return self.notes.flags
+        return self.notes.flags if self.divergence is None else (*self.notes.flags, self.divergence.words)
 
     @property
     def lam(self) -> Array:
@@ -211,7 +213,8 @@ class Result:
             "contacts": contacts, "bodies": [finite(asdict(motion)) for motion in self.motions],
             "energy": self.energy.to_dict(), "steps": self.steps, "dt": self.dt, "window": self.window,
             "every": self.every, "scheme": self.scheme, "source": self.source, "seconds": self.seconds,
-            "flags": list(self.flags), "coating": [track.to_dict() for track in self.tracks],
+            "flags": list(self.flags), "divergence": None if self.divergence is None else self.divergence.to_dict(),
+            "coating": [track.to_dict() for track in self.tracks],
         }  # fmt: skip
 
     def save(self, path: str | Path) -> None:
@@ -224,8 +227,9 @@ class Result:
             "scheme": self.scheme, "source": self.source, "every": self.every,
         }  # fmt: skip
         rest["notes"] = {
-            "flags": self.flags, "heat": self.notes.heat.tolist(), "drive": self.notes.drive.tolist()
+            "flags": self.notes.flags, "heat": self.notes.heat.tolist(), "drive": self.notes.drive.tolist()
         }  # fmt: skip
+        rest["divergence"] = None if self.divergence is None else asdict(self.divergence)
         data = {name: getattr(self, name) for name in ARRAYS}
         rest["tracks"] = [{name: getattr(t, name) for name in (*WEAR_NUMBERS, "tips")} for t in self.tracks]
         for k, track in enumerate(self.tracks):
@@ -245,6 +249,8 @@ class Result:
         rest["notes"] = Notes(
             flags=tuple(notes["flags"]), heat=readonly(notes["heat"]), drive=readonly(notes["drive"])
         )  # fmt: skip
+        if rest.get("divergence") is not None:
+            rest["divergence"] = Divergence(**rest["divergence"])
         rest["blocks"] = tuple((name, start, end) for name, start, end in rest["blocks"])
         rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
         rest |= {name: readonly(data[name]) for name in ARRAYS}

@@ -7,14 +7,16 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import singledispatch
+from typing import Literal
 
 import numpy as np
 
 from contact.base.arrays import require_positive
-from contact.base.errors import InputError, NumericsError
+from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.model.bodies.beam import BeamInCircle
 from contact.model.bodies.body import Body
 from contact.model.bodies.chain import assemble
+from contact.model.gaps.limits import RIM, TIP, passed
 from contact.model.law import Law, Unilateral, kind
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import Record, Samples, samples, sparse
@@ -24,16 +26,23 @@ from contact.scheme.linear.penalty import PenaltyDifference
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Problem, Scheme, Stepper
 
-CHUNK = 20_000  # steps per compiled call
+CHUNK = 20_000  # steps per compiled call, which end at every LEDGER-th step
+LEDGER = 20_000  # steps between looks at the energy
+ADDED = 3.0  # times all other energy since the first call: contact that adds more feeds on itself
 MOST_STEPS = 10**10  # hours to days of computing: beyond, a number was mistyped
 
 What = Sequence[Body] | Problem
 Progress = Callable[[float], None]
+OnLimit = Literal["stop", "flag"]
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Scene:
-    """What to run and how, as a scene file says it; every setting may be left out or overridden in `run`."""
+    """What to run and how, as a scene file says it; every setting may be left out or overridden in `run`.
+
+    `on_limit` "stop": a run whose rim moves beyond half its wall, or that diverges otherwise, is an error that keeps
+    the result so far. "flag": it goes on to a tenth of the radius, ends there without an error, and is flagged.
+    """
 
     what: What
     law: Law | None = None
@@ -44,6 +53,7 @@ class Scene:
     gravity: float = 0.0
     record: Record | None = None
     source: dict[str, str] = field(default_factory=dict)
+    on_limit: OnLimit = "stop"
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -61,7 +71,7 @@ def steps(stepper: Stepper, count: int, *, record: Record) -> Iterator[Chunk]:
     first, contacts, at = 0, stepper.sums.closed.size, record.steps(dt=stepper.dt, count=count)
     most = min(CHUNK, record.chunk(contacts, stepper.size))
     while first < count:
-        size = min(most, count - first)
+        size = min(most, count - first, LEDGER - first % LEDGER)
         here = at[np.searchsorted(at, first) : np.searchsorted(at, first + size)]
         out = samples(record, size, contacts, stepper.size, here)
         stepper.sums.filled[:] = 0
@@ -92,6 +102,7 @@ def run(
     gravity: float | None = None,
     record: Record | None = None,
     progress: Progress | None = None,
+    on_limit: OnLimit | None = None,
 ) -> Result:
     """Run a scene from t = 0 to the first step at or after `t_end` [s].
 
@@ -101,10 +112,10 @@ def run(
     CentralDifference for bodies (PenaltyDifference for a Penalty law) and ExactModal for what is modal; `dt` [s] or
     `courant` sets the step;
     `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done.
-    `record` defaults to every step, or to as many as make 1,000,000 samples.
+    `record` defaults to every step, or to as many as make 1,000,000 samples. `on_limit` as in `Scene`.
 
     Raises InputError (also beyond 1e10 steps) and LimitError before the first step, NumericsError (which
-    carries the result so far) at the step that failed.
+    carries the result so far) at the step that failed, DivergedError (one of these) at the step that passed a limit.
 
     >>> from contact.model.bodies.body import Rod, Wall
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
@@ -115,7 +126,8 @@ def run(
     settings = what if isinstance(what, Scene) else Scene(what=what)
     settings = replace(
         settings, law=law or settings.law, scheme=scheme or settings.scheme, record=record or settings.record,
-        t_end=settings.t_end if t_end is None else t_end, gravity=settings.gravity if gravity is None else gravity,
+        on_limit=on_limit or settings.on_limit, t_end=settings.t_end if t_end is None else t_end,
+        gravity=settings.gravity if gravity is None else gravity,
     )  # fmt: skip
     if dt is not None or courant is not None:
         settings = replace(settings, dt=dt, courant=courant)
@@ -124,8 +136,11 @@ def run(
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Prepared:
-    """A run at t = 0: how many steps it takes, what it stores; `start` is its energy."""
+    """A run at t = 0: how many steps it takes, what it stores; `start` is its energy; `mu` friction."""
 
+    problem: Problem
+    mu: float
+    on_limit: OnLimit
     stepper: Stepper
     count: int
     record: Record
@@ -145,12 +160,17 @@ def prepared(scene: Scene) -> Prepared:
     if scene.dt is not None and scene.dt > 0.0:
         _count(scene.t_end, scene.dt)
     stepper = scheme.prepare(problem, law, dt=scene.dt, courant=scene.courant)
+    limits = getattr(stepper, "limits", None)
+    if scene.on_limit not in ("stop", "flag"):
+        raise InputError(f"on_limit: found {scene.on_limit!r}, expected 'stop' or 'flag'")
+    if limits is not None and scene.on_limit == "flag" and math.isfinite(limits[TIP]):
+        limits[RIM] = limits[TIP]
     count = _count(scene.t_end, stepper.dt)
     record = scene.record or sparse(count)
     record.steps(dt=stepper.dt, count=count)  # raises before the first step, as the buffers do for channels
     return Prepared(
-        stepper=stepper, count=count, record=record, source=scene.source,
-        load_step=stepper.dt**2 * getattr(problem, "load_response", 0.0),
+        problem=problem, mu=law.mu, on_limit=scene.on_limit, stepper=stepper, count=count, record=record,
+        source=scene.source, load_step=stepper.dt**2 * getattr(problem, "load_response", 0.0),
         start=stepper.stored(),
     )  # fmt: skip
 
@@ -170,37 +190,89 @@ def completed(ready: Prepared, progress: Progress | None = None) -> Result:
     """Run what is prepared to its end."""
     stepper, record = ready.stepper, ready.record
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
-    began, chunks = time.perf_counter(), []
+    began, chunks, taken = time.perf_counter(), [], 0
+    calm: EnergyBudget | None = None  # of the first call, which may begin with bodies that overlap
     for chunk in steps(stepper, ready.count, record=record):
         chunks.append(chunk)
         if progress is not None:
             progress(chunk.done)
-    taken = sum(chunk.steps for chunk in chunks)
-    return finished(ready, [c.samples for c in chunks], taken, time.perf_counter() - began, chunks[-1].failed)
+        taken += chunk.steps
+        if chunk.failed < 0 and taken % LEDGER == 0:
+            now = _budget(ready)
+            if _runs_away(now, calm or now):
+                break
+            calm = calm or now
+    return finished(ready, [c.samples for c in chunks], taken, time.perf_counter() - began, chunks[-1].failed, calm)
 
 
-def finished(ready: Prepared, parts: Sequence[Samples], taken: int, seconds: float, failed: int = -1) -> Result:
-    """Result of a run after `taken` steps; raises NumericsError, which carries it, where step `failed` >= 0 failed."""
-    stepper, sums = ready.stepper, ready.stepper.sums
+def _budget(ready: Prepared) -> EnergyBudget:
+    """Energies up to now."""
+    sums = ready.stepper.sums
     with np.errstate(over="ignore", invalid="ignore"):  # a run that overflowed is read too
-        energy = EnergyBudget(
-            start=ready.start, end=stepper.stored(), contact=float(np.sum(sums.work)),
+        return EnergyBudget(
+            start=ready.start, end=ready.stepper.stored(), contact=float(np.sum(sums.work)),
             rotation=float(np.sum(sums.rotation)),
             friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]),
             external=float(sums.external[0]), body_force=float(sums.body_force[0]),
             algorithmic=float(sums.algorithmic[0]), load_step=ready.load_step,
         )  # fmt: skip
+
+
+def _runs_away(now: EnergyBudget, calm: EnergyBudget) -> bool:
+    """Whether the energy is no number any more, or contact has added more than all else since `calm`."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        since = now.since(calm)
+    return not math.isfinite(now.unaccounted) or -since.lost_in_contact > ADDED * since.others
+
+
+def finished(
+    ready: Prepared, parts: Sequence[Samples], taken: int, seconds: float, failed: int = -1,
+    calm: EnergyBudget | None = None,
+) -> Result:  # fmt: skip
+    """Result of a run after `taken` steps; raises NumericsError, which carries it, where step `failed` >= 0 failed.
+
+    `calm`: energies early on, from where contact may not add any.
+    """
+    stepper, energy = ready.stepper, _budget(ready)
+    limit = None if failed < 0 else passed(getattr(stepper, "limits", None))
+    if not math.isfinite(energy.unaccounted):
+        limit = limit or ("overflow", math.nan, math.nan)
+        parts = [_finite(part) for part in parts]
+    elif failed < 0 and calm is not None and _runs_away(energy, calm):
+        since = energy.since(calm)
+        limit = "energy", -since.lost_in_contact, ADDED * since.others
+    with np.errstate(over="ignore", invalid="ignore"):
         result = collect(stepper, parts, energy, taken, seconds, ready.source, ready.record)
-    at, why = failed, ""
-    if at >= 0:
-        why = stepper.why()
-    elif not math.isfinite(energy.unaccounted):
-        at, why = taken - 1, "the energy is not a finite number, the motion has outgrown the arithmetic"
-    if why:
-        error = NumericsError(f"step {at} (t = {at * stepper.dt:.6g} s): {why}")
-        error.result = result
-        raise error
-    return result
+    if limit is None and failed < 0:
+        return result
+    at = failed if failed >= 0 else taken - 1
+    error: NumericsError
+    if limit is None:
+        error = NumericsError(f"step {at} (t = {at * stepper.dt:.6g} s): {stepper.why()}")
+    else:
+        from contact.diverged import divergence
+
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            result = replace(result, divergence=divergence(ready.problem, ready.mu, result, limit))
+        if ready.on_limit == "flag" and limit[0] != "overflow":
+            return result
+        assert result.divergence is not None
+        error = DivergedError(f"step {at} (t = {at * stepper.dt:.6g} s): {result.divergence.words}")
+    error.result = result
+    raise error
+
+
+def _finite(part: Samples) -> Samples:
+    """Samples up to the first that is not a number."""
+    bad = np.flatnonzero(~np.isfinite(part.force + part.gap).all(axis=1))
+    if not bad.size:
+        return part
+    n = int(bad[0])
+    states = int(np.searchsorted(part.state_time, part.time[n]))
+    return part._replace(
+        time=part.time[:n], force=part.force[:n], gap=part.gap[:n], impulse=part.impulse[:n],
+        state_time=part.state_time[:states], state=part.state[:states],
+    )  # fmt: skip
 
 
 def _problem(what: What, gravity: float) -> Problem:

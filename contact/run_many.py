@@ -9,7 +9,7 @@ from typing import cast
 
 import numpy as np
 
-from contact.base.errors import InputError, NumericsError
+from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.record.record import Record, Samples
 from contact.result import Result
 from contact.run import Prepared, Scene, completed, finished, prepared
@@ -88,8 +88,8 @@ def _fits(ready: Prepared) -> bool:
     return 8.0 * WIDTH * stored <= MOST_BYTES
 
 
-def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Result | None]]:
-    """Outcomes of prepared runs of one size in the order in which lanes end; None for a run that failed."""
+def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outcome | None]]:
+    """Outcomes of prepared runs of one size in the order in which lanes end; None where no force was found."""
     jobs = [_job(ready) for _, ready in group]
     shared = batch(jobs)
     waiting = list(range(len(jobs)))[::-1]
@@ -105,22 +105,24 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Resul
         shared.advance()
         for k, number in list(lanes.items()):
             events[k].append(_events(shared, k))
-            failed, ended = bool(shared.lanes.failed[k]), shared.lanes.step[k] == shared.lanes.end[k]
+            failed, ended = int(shared.lanes.failed[k]), shared.lanes.step[k] == shared.lanes.end[k]
             if failed or ended:
-                job, (i, ready) = jobs[number], group[number]
+                job, (i, ready), taken = jobs[number], group[number], int(shared.lanes.step[k])
                 kept = shared.unload(k, job, _joined(events.pop(k)))
                 del lanes[k]
                 seconds = (time.perf_counter() - began) * job.steps / steps
-                yield i, None if failed else _result(ready, kept, seconds)
+                yield i, None if failed == 1 else _result(ready, kept, taken, seconds, taken if failed else -1)
 
 
 def _job(ready: Prepared) -> Job:
     return Job(run=cast(ModalRun, ready.stepper), steps=ready.count, record=ready.record)
 
 
-def _result(ready: Prepared, kept: Samples, seconds: float) -> Result | None:
+def _result(ready: Prepared, kept: Samples, taken: int, seconds: float, failed: int) -> Outcome | None:
     try:
-        return finished(ready, [kept], ready.count, seconds)
+        return finished(ready, [kept], taken, seconds, failed)
+    except DivergedError as error:
+        return error
     except NumericsError:
         return None
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from casingfem.cli.running import ProgressMessage, deliver, options
+from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fail, options
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -46,8 +46,8 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 
 
 def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None:
-    """Load, run, deliver."""
-    from contact import RotatingRim, Rub, load_scene
+    """Load, run, deliver; of a run that failed or diverged, what there is up to that step."""
+    from contact import NumericsError, RotatingRim, Rub, load_scene
     from contact import run as run_contact
     from contact.scene.load import SceneError, read_scene
 
@@ -57,7 +57,13 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
         problem = f"scene.kind: found {kind!r}, expected 'rim', 'rub' or 'disk' (casingfem contact runs them all)"
         raise SceneError([f"{file}: {problem}"])
     with ProgressMessage(f"{command} {file.name}: starting; a first run compiles its loop") as working:
-        result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
+        broken: NumericsError | None = None
+        try:
+            result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
+        except NumericsError as error:
+            if error.result is None:
+                raise
+            result, broken = error.result, error
     document = result.to_dict()
     files: dict[str, Content] = {}
     if out is not None:
@@ -65,6 +71,8 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
         if result.tracks and len(result.tracks[0].map_time) > 1:
             files |= pictures(result.tracks)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)
+    if broken is not None:
+        fail(f"{command} {file}: the numerics failed: {broken}", NUMERICS_FAILED)
 
 
 def pictures(tracks: "Sequence[Wear]") -> dict[str, Content]:

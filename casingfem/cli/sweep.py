@@ -30,7 +30,7 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
     """Run SCENE over the keys that its [sweep] varies: one table, one picture.
 
     With --out DIR every finished run is kept in DIR/store: the same command goes on where a sweep was broken off.
-    Runs that fail are rows that say why; where none is done, the exit code is 3.
+    Runs that fail or diverge are rows that say why; where none is done, the exit code is 3.
     """
     from contact.sweep.plan import load_sweep
     from contact.sweep.sweep import run_sweep
@@ -45,15 +45,16 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
         found = run_sweep(plan, folder=store, jobs=jobs or os.cpu_count() or 1, scheduler=scheduler, progress=progress)
     rows = [dict(zip(plan.keys, run.values, strict=True)) | row for run, row in zip(plan.runs, found.rows, strict=True)]
     document = {
-        "runs": rows, "keys": list(plan.keys), "failed": found.failed, "resumed": found.resumed,
-        "seconds": working.seconds, "source": plan.source,
+        "runs": rows, "keys": list(plan.keys), "failed": found.failed, "diverged": found.diverged,
+        "resumed": found.resumed, "seconds": working.seconds, "source": plan.source,
     }  # fmt: skip
     files: dict[str, Content] = {} if out is None else result_files(found, document)
     deliver(document, words(found, working.seconds), as_json=as_json, out=out, files=files)
-    if found.failed == len(rows):
+    if found.failed + found.diverged == len(rows):
+        became = "failed, diverged or were" if found.diverged else "failed or were"
         all_of = "the only run" if len(rows) == 1 else f"all {len(rows)} runs"
         fail(
-            f"sweep {file}: the numerics failed: {all_of} failed or were refused, the first: {found.why}",
+            f"sweep {file}: the numerics failed: {all_of} {became} refused, the first: {found.why}",
             NUMERICS_FAILED,
         )
 
@@ -71,7 +72,7 @@ def words(found: "SweepResult", seconds: float) -> str:
         most, run = max(growing, key=lambda pair: pair[0])
         at = ", ".join(f"{key} = {value}" for key, value in zip(plan.keys, run.values, strict=True))
         lines.append(f"largest growth {most:.4g} 1/s at {at}")
-    for status in ("refused", "failed"):
+    for status in ("refused", "failed", "diverged"):
         reasons = [row["why"] for row in rows if row["status"] == status]
         if reasons:
             lines.append(f"{len(reasons)} of {counted(len(rows))} {status}, the first: {reasons[0]}")

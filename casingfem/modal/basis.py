@@ -41,8 +41,8 @@ class ModalBasis:
         Residual compliance [m/N], (channels, channels), symmetric.
     kind
         "rim": Fourier amplitudes around an edge; "point": displacements of one place.
-    n_max, radius
-        Of a rim: highest harmonic and mean radius [m].
+    n_max, radius, thickness
+        Of a rim: highest harmonic, mean radius and least thickness of the wall [m], 0 where that is not known.
     recovery, recovery_S, recovery_points
         Displacements elsewhere, u = recovery q + recovery_S lam: (3 points, modes), (3 points, channels),
         (points, 3); empty unless asked for.
@@ -70,6 +70,7 @@ class ModalBasis:
     kind: str
     n_max: int = 0
     radius: float = 0.0
+    thickness: float = 0.0
     recovery: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     recovery_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     recovery_points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
@@ -145,6 +146,7 @@ class ModalBasis:
             kind=str(data["kind"]),
             n_max=int(data.get("n_max", 0)),
             radius=float(data.get("radius", 0.0)),
+            thickness=float(data.get("thickness", 0.0)),
             outputs=tuple(str(name) for name in data.get("outputs", ())),
             spin=float(data.get("spin", 0.0)),
             provenance=provenance,

@@ -14,6 +14,7 @@ from casingfem.modal.basis import ModalBasis
 from casingfem.modal.fourier import SHIFT, lowest
 from casingfem.modal.interface import Rim
 from casingfem.modal.mode_set import frequency_scale
+from casingfem.modal.roundness import rim_thickness
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.axisymmetric import Meridian, harmonic_matrices
 from casingfem.structure.shell.shell import Shell
@@ -87,6 +88,7 @@ def harmonic_basis(
         kind="rim",
         n_max=rim.n_max,
         radius=rim_radius(shell, rim),
+        thickness=rim_thickness(shell, rim),
         provenance={"method": "harmonic", "residual": residual},
     )
 

@@ -24,7 +24,7 @@ from casingfem.modal.basis import ModalBasis
 from casingfem.modal.interface import Rim, Tip, TipNodes, interface_rows, rim_lines, tip_directions
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.modal.output import Output, output_rows
-from casingfem.modal.roundness import rim_shape
+from casingfem.modal.roundness import rim_shape, rim_thickness
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.plausible import warn_of
@@ -127,6 +127,7 @@ def reduce(
         kind="rim" if isinstance(interface, Rim) else "point",
         n_max=interface.n_max if isinstance(interface, Rim) else 0,
         radius=rim_radius(system, interface) if isinstance(interface, Rim) else 0.0,
+        thickness=rim_thickness(structure, interface) if isinstance(interface, Rim) else 0.0,
         provenance=provenance(system, method, modes),
         **stored,
     )

@@ -1,4 +1,4 @@
-"""The out-of-roundness of a rim: from the surveyed radius of a casing to the gap of its blades."""
+"""What contact needs to know of a rim's shape: its out-of-roundness, from a survey to the gap, and its thickness."""
 
 import numpy as np
 
@@ -28,6 +28,13 @@ def rim_shape(shell: Shell, rim: Rim) -> FloatArray:
         waves[0] = 0.0
         found.append(np.concatenate([waves.real, -waves.imag[1:]]))
     return np.array(found)
+
+
+def rim_thickness(shell: Shell, rim: Rim) -> float:
+    """Least thickness of the wall on a rim's lines [m]: linear theory carries deflections of part of it."""
+    theta = 2.0 * np.pi * np.arange(LEAST) / LEAST
+    places = rim_places(shell, rim)
+    return float(min(shell.geometry(np.full(LEAST, place), theta).thickness.min() for place in places))
 
 
 def out_of_roundness(casing: Shell, rim: Rim, *, line: int = 0) -> list[dict[str, float]]:

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from casingfem.io.arrays import FloatArray
-from casingfem.plot.style import AFTER, BEFORE, DIVERGING, new_figure, styled
+from casingfem.plot.style import AFTER, BEFORE, DIVERGING, SKY, new_figure, styled
 
 PANELS = (
     ("amplitude_m", "amplitude [m]"),
@@ -16,60 +17,83 @@ PANELS = (
     ("growth_1_s", "growth [1/s]"),
     ("dominant_n", "dominant n"),
 )
+LOGARITHMIC = ("amplitude_m", "diverged_at_s")
+ROBUST = 98.0  # per cent of the values span a colour scale: one run far out leaves the others their colours
+Mask = NDArray[np.bool_]
+Marks = Mapping[str, tuple[str, Mask]]
 
 
 @styled
 def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Amplitude, contact fraction, growth and dominant nodal diameter of all runs.
 
-    `keys` names the varied numbers, one or two of them; `values` (runs, keys). Runs that were refused or broke off are
-    crosses.
+    `keys` names the varied numbers, one or two of them; `values` (runs, keys). Runs that diverged are
+    triangles, with the time they took to where that is drawn; refused or broken ones are crosses.
     """
     figure = new_figure(8.2, 6.4)
-    done = np.array([row["status"] == "done" for row in rows], dtype=bool)
-    for k, (name, label) in enumerate(PANELS):
+    status = np.array([row["status"] for row in rows])
+    marks = {
+        "diverged": ("^", status == "diverged"),
+        "refused or failed": ("x", np.isin(status, ("refused", "failed"))),
+    }
+    done = status == "done"
+    for k, (name, label) in enumerate(panels(status)):
         axes = figure.add_subplot(2, 2, k + 1)
         measured = np.array([np.nan if row[name] is None else float(row[name]) for row in rows])
+        shown = (
+            status == "diverged" if name == "diverged_at_s" else done | (status == "diverged") & (name == "growth_1_s")
+        )
         if len(keys) == 1:
-            _curve(axes, values[:, 0], measured, done)
+            _curve(axes, values[:, 0], measured, shown, marks)
             axes.set(xlabel=keys[0], ylabel=label)
         else:
-            _map(figure, axes, values, measured, done, label)
+            _map(figure, axes, values, measured, shown, label, marks)
             axes.set(xlabel=keys[0], ylabel=keys[1])
-        if name == "amplitude_m" and len(keys) == 1 and np.any(measured[done] > 0.0):
+        if name in LOGARITHMIC and len(keys) == 1 and np.any(measured[shown] > 0.0):
             axes.set_yscale("log")
     return figure
 
 
-def _curve(axes: Any, x: FloatArray, measured: FloatArray, done: np.ndarray[Any, np.dtype[np.bool_]]) -> None:
-    order = np.argsort(x[done], kind="stable")
-    axes.plot(x[done][order], measured[done][order], ".-", color=BEFORE, markersize=3.5, linewidth=0.8)
-    for at in x[~done]:
-        axes.axvline(at, color=AFTER, linewidth=0.8, linestyle=":")
+def panels(status: NDArray[np.str_]) -> list[tuple[str, str]]:
+    """What is drawn: where runs diverged, when they did takes the place of the dominant n."""
+    late = ("diverged_at_s", "diverged after [s]")
+    return [*PANELS[:3], late if "diverged" in status else PANELS[3]]
+
+
+def _curve(axes: Any, x: FloatArray, measured: FloatArray, shown: Mask, marks: Marks) -> None:
+    order = np.argsort(x[shown], kind="stable")
+    axes.plot(x[shown][order], measured[shown][order], ".-", color=BEFORE, markersize=3.5, linewidth=0.8)
+    for label, (mark, which) in marks.items():
+        if which.any():
+            colour = SKY if mark == "^" else AFTER
+            axes.plot(
+                x[which], np.zeros(which.sum()), mark, color=colour, markersize=4.0, label=label, clip_on=False,
+                transform=axes.get_xaxis_transform(),
+            )  # fmt: skip
+            axes.legend(fontsize=8)
 
 
 def _map(
-    figure: Figure,
-    axes: Any,
-    values: FloatArray,
-    measured: FloatArray,
-    done: np.ndarray[Any, np.dtype[np.bool_]],
-    label: str,
+    figure: Figure, axes: Any, values: FloatArray, measured: FloatArray, shown: Mask, label: str, marks: Marks
 ) -> None:
     colours: dict[str, Any] = {}
+    known = measured[shown & np.isfinite(measured)]
     if label.startswith("growth"):
-        most = float(np.nanmax(np.abs(measured), initial=0.0)) or 1.0
-        colours = {"cmap": DIVERGING, "vmin": -most, "vmax": most}
-    elif label.startswith("amplitude") and np.any(measured[done] > 0.0):
-        colours = {"norm": LogNorm()}
+        most = float(np.percentile(np.abs(known), ROBUST)) if known.size else 0.0
+        colours = {"cmap": DIVERGING, "vmin": -(most or 1.0), "vmax": most or 1.0}
+    elif label.startswith(("amplitude", "diverged")) and np.any(known > 0.0):
+        low, high = np.percentile(known[known > 0.0], [100.0 - ROBUST, ROBUST])
+        colours = {"norm": LogNorm(low, max(high, 1.01 * low))}
     x, y = np.unique(values[:, 0]), np.unique(values[:, 1])
     column, row = np.searchsorted(x, values[:, 0]), np.searchsorted(y, values[:, 1])
     if x.size * y.size == len(np.unique(column * y.size + row)) and min(x.size, y.size) > 1:
         cells = np.full((y.size, x.size), np.nan)
-        cells[row, column] = np.where(done, measured, np.nan)
+        cells[row, column] = np.where(shown, measured, np.nan)
         drawn = axes.pcolormesh(x, y, cells, shading="nearest", rasterized=True, **colours)
     else:
-        drawn = axes.scatter(values[done, 0], values[done, 1], c=measured[done], s=9.0, **colours)
-    axes.plot(values[~done, 0], values[~done, 1], "x", color=AFTER, markersize=4.0)
+        drawn = axes.scatter(values[shown, 0], values[shown, 1], c=measured[shown], s=9.0, **colours)
+    for mark, which in marks.values():
+        if not (mark == "^" and shown[which].all()):
+            axes.plot(values[which, 0], values[which, 1], mark, color=SKY if mark == "^" else AFTER, markersize=4.0)
     axes.grid(visible=False)
-    figure.colorbar(drawn, ax=axes, label=label)
+    figure.colorbar(drawn, ax=axes, label=label, extend="both" if colours else "neither")

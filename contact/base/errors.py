@@ -17,3 +17,7 @@ class NumericsError(RuntimeError):
     """A run failed midway: `result`, a Result, keeps everything recorded up to the step that failed."""
 
     result: Any = None
+
+
+class DivergedError(NumericsError):
+    """A motion outgrew what its model carries: `result.divergence` says which limit, when and how fast."""

@@ -1,8 +1,13 @@
 from .closed_contact import poles, rim_stability, stability
 from .growth_map import StabilityMap
+from .interaction_table import Interactions, interactions
+from .perfect_mean import perfect_mean
 
 __all__ = [
+    "Interactions",
     "StabilityMap",
+    "interactions",
+    "perfect_mean",
     "poles",
     "rim_stability",
     "stability",

@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.growth.coincidence import close_speeds, coincidences, in_words
+from contact.growth.coincidence import close_speeds, coincidences, in_words, waves
 from contact.growth.growth_map import StabilityMap, scan
+from contact.growth.secular import closed_poles
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, SplitError, rim_contact
 
 FLOOR = 1e-8  # of the highest frequency [rad/s]: growth below it is round-off of an undamped system
+MANY = 30  # modes: with fewer, eigenvalues are as quick
 BATCH = 2_000_000  # entries of the state matrices formed at once
 
 
@@ -60,9 +62,27 @@ def _states(contact: ClosedContact, speed_hz: Array) -> Array:
     return A
 
 
+def state_matrix(contact: ClosedContact, speed_hz: float) -> tuple[Array, float]:
+    """Matrix of x' = A x at one speed, x = (q, (D + Omega G) q/scale), and that scale [rad/s]."""
+    scale = float(contact.omega.max(initial=0.0)) or 1.0
+    return _states(contact, np.array([speed_hz]))[0], scale
+
+
 def growth(contact: ClosedContact, speed_hz: Array) -> Array:
     """Largest real part of the poles [1/s], (speeds,): positive diverges."""
-    return np.asarray(poles(contact, speed_hz).real.max(axis=1))
+    return np.array([float(every.real.max()) for every in poles_each(contact, speed_hz)])
+
+
+def poles_each(contact: ClosedContact, speed_hz: Array) -> list[NDArray[np.complex128]]:
+    """Poles at each speed in no order: of one contact with many modes by its equation."""
+    speed = np.atleast_1d(np.asarray(speed_hz, dtype=float))
+    if len(contact.Q) > 1 or contact.omega.size < MANY or not np.isfinite(speed).all():
+        return list(poles(contact, speed))
+    seen = {
+        sense: (waves(contact, sense), float(contact.compliance(sense)[0, 0])) for sense in np.unique(np.sign(speed))
+    }
+    found = (closed_poles(*seen[np.sign(hz)], 2.0 * np.pi * hz) for hz in speed)
+    return [poles(contact, speed[k : k + 1])[0] if every is None else every for k, every in enumerate(found)]
 
 
 def stability(contact: ClosedContact, speed_hz: Array) -> StabilityMap:

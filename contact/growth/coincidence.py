@@ -21,6 +21,8 @@ from contact.growth.growth_map import StabilityMap
 from contact.model.gaps.permanent import ClosedContact, HandPair, equal_modes
 
 Complex = NDArray[np.complex128]
+NEAR = 0.05  # of the speed: by how much several contacts may shift a coincidence
+COUPLED = 0.05  # of two bodies seen alike: less is what meshes and round-off add
 
 
 class Waves(NamedTuple):
@@ -84,12 +86,8 @@ def loaded(pair: HandPair) -> Loaded:
 
 
 def waves(contact: ClosedContact, sense: float) -> Waves:
-    """Modes as waves e^(i k theta): eigenvectors of G within groups of equal modes of the turning body."""
-    m = contact.omega.size
-    U, order = np.eye(m, dtype=complex), np.zeros(m)
-    for group in equal_modes(contact.omega[: contact.casing], contact.zeta[: contact.casing]):
-        block = np.ix_(group, group)
-        order[group], U[block] = np.linalg.eigh(-1j * contact.G[block])
+    """Modes as waves e^(i k theta), and what one contact sees of them."""
+    U, order = _turning_shapes(contact)
     product = (contact.Q @ U)[0] * (U.conj().T @ contact.pushes(sense).T)[:, 0]
     return Waves(order, contact.omega, contact.zeta, product)
 
@@ -116,6 +114,54 @@ def coincidences(contact: ClosedContact) -> tuple[Coincidence, ...]:
     return tuple(sorted(found, key=lambda c: c.speed_hz))
 
 
+def free_coincidences(contact: ClosedContact) -> tuple[Coincidence, ...]:
+    """The meetings that several contacts see, at the speeds they have without contact; what they do, poles tell.
+
+    A wave and a mode meet where the contacts see both alike: |sum of products| above COUPLED of the largest there can
+    be, which by n diameters a disk's tuned modes do only with theirs. Modes of one frequency count once.
+    """
+    found = []
+    for sense in (1.0, -1.0):
+        U, order = _turning_shapes(contact)
+        seen = contact.Q @ U
+        size = np.linalg.norm(seen, axis=0)
+        for j in range(contact.casing, contact.omega.size):
+            for k in np.flatnonzero((np.abs(order) > 0.5) & (size > 0.0)):
+                alike = abs(np.vdot(seen[:, k], seen[:, j])) / (size[k] * size[j]) if size[j] > 0.0 else 0.0
+                if alike < COUPLED:
+                    continue
+                for sign in (1.0, -1.0):
+                    speed = (sign * contact.omega[k] - contact.omega[j]) / order[k]
+                    if speed * sense > 0.0:
+                        found.append(_free(contact, int(k), int(j), float(order[k]), sign, float(speed)))
+    alike = {(c.n, c.branch, round(c.casing_hz, 6), round(c.blade_hz, 6), c.free_hz > 0.0): c for c in found}
+    return tuple(sorted(alike.values(), key=lambda c: c.speed_hz))
+
+
+def _free(contact: ClosedContact, k: int, j: int, order: float, sign: float, speed: float) -> Coincidence:
+    turn = 2.0 * math.pi
+    return Coincidence(
+        n=round(abs(order)), branch=_branch(sign, speed * order), casing_hz=float(contact.omega[k]) / turn,
+        blade_hz=float(contact.omega[j]) / turn, free_hz=speed / turn, speed_hz=speed / turn,
+        half_hz=NEAR * abs(speed) / turn,
+        growth=math.nan, drives=sign < 0.0,
+    )  # fmt: skip
+
+
+def _branch(sign: float, turned: float) -> str:
+    return "sum" if sign < 0.0 else "backward" if turned > 0.0 else "forward"
+
+
+def _turning_shapes(contact: ClosedContact) -> tuple[Complex, Array]:
+    """Modes as waves e^(i k theta): eigenvectors of G within groups of equal modes, (m, m), and their orders k (m,)."""
+    m = contact.omega.size
+    U, order = np.eye(m, dtype=complex), np.zeros(m)
+    for group in equal_modes(contact.omega[: contact.casing], contact.zeta[: contact.casing]):
+        block = np.ix_(group, group)
+        order[group], U[block] = np.linalg.eigh(-1j * contact.G[block])
+    return U, order
+
+
 def _meeting(contact: ClosedContact, seen: Waves, k: int, j: int, sign: float, speed: float) -> Coincidence:
     """The quadratic of one wave and one mode, everything else a compliance S."""
     nu = seen.omega[j]
@@ -133,7 +179,7 @@ def _meeting(contact: ClosedContact, seen: Waves, k: int, j: int, sign: float, s
     growth = float(-min((mean + root).imag, (mean - root).imag))
     centre = speed + shift / float(seen.order[k])
     n, turn = round(abs(float(seen.order[k]))), 2.0 * math.pi
-    branch = "sum" if sign < 0.0 else "backward" if speed * seen.order[k] > 0.0 else "forward"
+    branch = _branch(sign, speed * float(seen.order[k]))
     return Coincidence(
         n=n, branch=branch, casing_hz=float(seen.omega[k]) / turn, blade_hz=float(nu) / turn, free_hz=speed / turn,
         speed_hz=centre / turn, half_hz=2.0 * abs(coupling) ** 0.5 / n / turn, growth=growth,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,7 +15,10 @@ Growth = Callable[[Array], Array]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class StabilityMap:
-    """Growth rate [1/s] over speed [Hz], (speeds,), its refined maximum, and the bands in which it is positive."""
+    """Growth rate [1/s] over speed [Hz], (speeds,), its refined maximum, and the bands in which it is positive.
+
+    `seen_hz`, `seen_growth`: all speeds looked at, close to where something is to be seen.
+    """
 
     speed_hz: Array
     growth: Array
@@ -23,6 +26,8 @@ class StabilityMap:
     peak_growth: float
     bands_hz: tuple[tuple[float, float], ...]
     words: str = ""
+    seen_hz: Array = field(default_factory=lambda: np.zeros(0))
+    seen_growth: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def diverges(self) -> bool:
@@ -63,7 +68,7 @@ def scan(rate: Growth, speed_hz: Array, *, floor: float, seeds: Array | None = N
         every, values = np.insert(every, place, where), np.insert(values, place, peak)
     return StabilityMap(
         speed_hz=speed, growth=readonly(values[np.isin(every, speed)]), peak_speed_hz=where, peak_growth=peak,
-        bands_hz=_bands(rate, every, values, floor),
+        bands_hz=_bands(rate, every, values, floor), seen_hz=readonly(every), seen_growth=readonly(values),
     )  # fmt: skip
 
 

@@ -34,6 +34,7 @@ SOURCES = (
     *sorted((ROOT / "jit").glob("*.py")),
     ROOT / "record/record.py",
     ROOT / "model/bodies/band.py",
+    ROOT / "model/gaps/limits.py",
     *sorted((ROOT / "loop").rglob("*.py")),
     *sorted((ROOT / "solver").rglob("*.py")),
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,6 +75,21 @@ class EnergyBudget:
         work = self.contact + self.rotation + self.friction + self.damping + self.external + self.body_force
         work += self.algorithmic
         return self.end.discrete - self.start.discrete - work
+
+    @property
+    def others(self) -> float:
+        """Energy that was there or was exchanged with anything but the contact [J], absolute values summed."""
+        start, fell = self.start, self.start.potential - self.end.potential
+        parts = (start.kinetic, start.strain, start.residual, fell, self.rotation, self.friction, self.external,
+                 self.body_force, self.load_step)  # fmt: skip
+        return sum(map(abs, parts))
+
+    def since(self, earlier: EnergyBudget) -> EnergyBudget:
+        """What changed since an earlier budget of the same run."""
+        works = ("contact", "rotation", "friction", "damping", "external", "body_force", "algorithmic")
+        return replace(
+            self, start=earlier.end, **{name: getattr(self, name) - getattr(earlier, name) for name in works}
+        )
 
     @property
     def scale(self) -> float:

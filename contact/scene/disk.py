@@ -17,16 +17,15 @@ from contact.model.gaps.rub_laws import RimProfile, Speed
 from contact.scene.coating import CoatingTable
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness
-from contact.scene.scheme import NotNegative, Positive, Table
+from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, Table
 
 Ratio = Annotated[FiniteFloat, Field(ge=0, lt=1)]
 
 
-class DiskHead(Table):
+class DiskHead(RunHead):
     """[scene] of kind "disk"."""
 
     kind: Literal["disk"]
-    t_end: Positive
 
 
 class DiskPairTable(Table):
@@ -78,7 +77,7 @@ class DiskContact(Roundness):
     """[contact]: clearance [m], friction coefficient, out-of-roundness."""
 
     clearance: FiniteFloat
-    friction: NotNegative = 0.0
+    friction: Friction = 0.0
 
 
 class DiskSpeed(Table):

@@ -177,7 +177,7 @@ def _rim(table: RimFile, file: Path, text: bytes) -> Scene:
         what=rim, law=law,
         scheme=ExactModal(law=table.scheme.law), t_end=table.scene.t_end, dt=table.scheme.dt,
         record=_record(table.record, file),
-        source=_source(file, text, *(path.read_bytes() for path in paths.values())),
+        source=_source(file, text, *(path.read_bytes() for path in paths.values())), on_limit=table.scene.on_limit,
     )  # fmt: skip
 
 
@@ -252,6 +252,7 @@ def _patch(table: PatchFile, file: Path, text: bytes) -> Scene:
     return Scene(
         what=what, law=Coulomb(mu=mu) if mu else Unilateral(), scheme=ExactModal(), t_end=table.scene.t_end,
         dt=table.scheme.dt, record=_record(table.record, file), source=_source(file, text, *basis),
+        on_limit=table.scene.on_limit,
     )  # fmt: skip
 
 
@@ -271,6 +272,7 @@ def _rub(table: RubFile | DiskFile, file: Path, text: bytes) -> Scene:
         what=what, law=law, scheme=ExactModal(law=table.scheme.law),
         t_end=table.scene.t_end, dt=table.scheme.dt, record=_record(table.record, file),
         source=_source(file, text, *(path.read_bytes() for path in table.files(file.parent))),
+        on_limit=table.scene.on_limit,
     )  # fmt: skip
 
 

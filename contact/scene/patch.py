@@ -13,14 +13,13 @@ from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.patch import Patch
 from contact.scene.record import RecordTable
-from contact.scene.scheme import NotNegative, Positive, Table
+from contact.scene.scheme import NotNegative, Positive, RunHead, Table
 
 
-class PatchHead(Table):
+class PatchHead(RunHead):
     """[scene] of kind "patch"."""
 
     kind: Literal["patch"]
-    t_end: Positive
 
 
 class PatchBodyTable(Table):

@@ -19,14 +19,13 @@ from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 from contact.scene.coating import CoatingTable
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness
-from contact.scene.scheme import NotNegative, Positive, Table
+from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, Table
 
 
-class RubHead(Table):
+class RubHead(RunHead):
     """[scene] of kind "rub"."""
 
     kind: Literal["rub"]
-    t_end: Positive
 
 
 class RubCasing(Table):
@@ -79,7 +78,7 @@ class RubContact(Roundness):
     """[contact]: clearance [m], friction, out-of-roundness as harmonics and as a CSV file theta_deg,depth_m."""
 
     clearance: FiniteFloat
-    friction: NotNegative = 0.0
+    friction: Friction = 0.0
     profile: str | None = None
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
 from contact.scheme.linear.cd_lagrange import CDLagrange
@@ -23,6 +23,18 @@ from contact.scheme.protocol import Scheme
 
 Positive = Annotated[FiniteFloat, Field(gt=0)]
 NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+FRICTION = 2.0  # metals rub at .1 to .8, rubber at 1: above, a number was mistyped
+
+
+def _plausible(mu: float) -> float:
+    if mu > FRICTION:
+        raise ValueError(
+            f"at most {FRICTION:g} (steel on steel 0.1 to 0.8): a percentage or an angle? 0.3 is 30 %, or tan(16.7 deg)"
+        )
+    return mu
+
+
+Friction = Annotated[NotNegative, AfterValidator(_plausible)]
 Unit = Annotated[FiniteFloat, Field(ge=0, le=1)]
 Kind = Literal[
     "forward-lagrange", "penalty", "newmark", "hht", "moreau-jean", "cd-lagrange", "paoli-schatzman",
@@ -56,6 +68,13 @@ class Table(BaseModel):
     """A table of the file: unknown keys are errors."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class RunHead(Table):
+    """[scene] of what has limits: where a run ends, and whether one that passes a limit is an error or a flag."""
+
+    t_end: Positive
+    on_limit: Literal["stop", "flag"] = "stop"
 
 
 class Waviness(Table):

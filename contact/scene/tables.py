@@ -12,7 +12,7 @@ from contact.scene.patch import PatchFile
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness
 from contact.scene.rub import RubFile
-from contact.scene.scheme import NotNegative, Positive, SchemeTable, Table
+from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, SchemeTable, Table
 
 
 class RodTable(Table):
@@ -73,11 +73,10 @@ class RodsFile(Table):
     record: RecordTable | None = None
 
 
-class RimHead(Table):
+class RimHead(RunHead):
     """[scene] of kind "rim"."""
 
     kind: Literal["rim"]
-    t_end: Positive
 
 
 class CasingTable(Table):
@@ -100,7 +99,7 @@ class RimContact(Roundness):
     """[contact] of a rim: clearance [m], friction coefficient, out-of-roundness."""
 
     clearance: FiniteFloat
-    friction: NotNegative = 0.0
+    friction: Friction = 0.0
     angle_deg: FiniteFloat = 0.0
 
 

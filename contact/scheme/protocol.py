@@ -74,7 +74,8 @@ Block = tuple[str, int, int]
 class Stepper(Protocol):
     """A run in progress; see the module's contract.
 
-    It may have two more: `wear()`, what each track of a coating has lost so far, and `notes()` on the run so far.
+    It may have three more: `wear()`, what each track of a coating has lost so far, `notes()` on the run so far, and
+    `limits`, those of `motion_limits`, at which `advance` stops after the step that passed one.
     """
 
     @property

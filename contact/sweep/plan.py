@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Value = float | str | int
 COUNTS = ("seed", "draw", "elements", "modes", "count", "blades", "line", "bars", "updates", "p", "n", "n_max")
 PART = re.compile(r"^(\w+)(?:\[(\d+)\])?$")
-MEASURES = 2  # number of the definition of what is measured on a run: a change of it changes every hash
+MEASURES = 3  # number of the definition of what is measured on a run: a change of it changes every hash
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

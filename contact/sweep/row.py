@@ -9,9 +9,10 @@ from typing import Any, cast
 import numpy as np
 
 from contact.base.arrays import Array
-from contact.base.errors import NumericsError
+from contact.base.errors import DivergedError, NumericsError
 from contact.io.outfiles import finite
-from contact.model.gaps.gap import FAR, RotatingRim
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.limits import FAR
 from contact.model.gaps.rub import Rub
 from contact.record.record import Record
 from contact.result import Result
@@ -23,7 +24,7 @@ WINDOWS = 8  # parts of a run whose amplitudes give its growth
 COLUMNS = (
     "status", "steps", "contact_fraction", "closings", "impulse_N_s", "peak_force_N", "max_penetration_m", "residual_m",
     "lost_in_contact_J", "friction_J", "damping_J", "rotation_J", "worn_J", "unaccounted_rel", "amplitude_m",
-    "blade_rms_m", "growth_1_s", "dominant_n", "dominant_rms_m", "flags", "why",
+    "blade_rms_m", "growth_1_s", "dominant_n", "dominant_rms_m", "diverged_at_s", "flags", "why",
 )  # fmt: skip
 
 
@@ -40,14 +41,15 @@ def sweep_record(steps: int) -> Record:
 
 
 def row_of(scene: Scene | None, outcome: Outcome) -> dict[str, Any]:
-    """One row; a refused or failed run says why, a failed one has what it reached."""
+    """One row; a refused, failed or diverged run says why, the last two have what they reached."""
     row: dict[str, Any] = dict.fromkeys(COLUMNS)
-    if isinstance(outcome, Result):
-        return (
-            row
-            | {"status": "done", "flags": "; ".join(_flags(outcome, _rim(scene))), "why": ""}
-            | _numbers(scene, outcome)
-        )
+    result = outcome.result if isinstance(outcome, DivergedError) else outcome
+    if isinstance(result, Result):
+        ended = result.divergence
+        row |= {"status": "done", "flags": "; ".join(_flags(result, _rim(scene))), "why": ""}
+        if ended is not None:
+            row |= {"status": "diverged", "diverged_at_s": ended.time, "why": ended.words}
+        return row | _numbers(scene, result)
     if isinstance(outcome, NumericsError):
         return row | {"status": "failed", "flags": "", "why": str(outcome)} | _numbers(scene, outcome.result)
     return row | {"status": "refused", "flags": "", "why": str(outcome)}
@@ -69,6 +71,9 @@ def _numbers(scene: Scene | None, result: Result | None) -> dict[str, Any]:
     }  # fmt: skip
     if len(result.state):
         found |= _motion(scene, result)
+    ended = result.divergence
+    if ended is not None and not math.isfinite(found.get("growth_1_s") or math.nan):
+        found["growth_1_s"] = ended.growth  # too few states, but enough samples
     plain: dict[str, Any] = finite(found)  # JSON and CSV have no word for nan and inf
     return plain
 
@@ -136,7 +141,7 @@ def growth_rate(time: Array, motion: Array) -> float:
 
 def _flags(result: Result, rim: RotatingRim | Rub | None) -> list[str]:
     """What a reader of the row should know."""
-    found = list(result.flags)
+    found = list(result.notes.flags)
     energy = result.energy
     if result.reversals.any():
         found.append(f"slip reversed in {int(result.reversals.sum())} steps")

@@ -51,11 +51,16 @@ class SweepResult:
     @property
     def failed(self) -> int:
         """Runs that were refused or broke off."""
-        return sum(row["status"] != "done" for row in self.rows)
+        return sum(row["status"] in ("refused", "failed") for row in self.rows)
+
+    @property
+    def diverged(self) -> int:
+        """Runs that ended at a limit of their model."""
+        return sum(row["status"] == "diverged" for row in self.rows)
 
     @property
     def why(self) -> str:
-        """Why the first of those was refused or broke off; empty where all runs are done."""
+        """Why the first that is not done was refused, broke off or diverged; empty where all are done."""
         return next((str(row["why"]) for row in self.rows if row["status"] != "done"), "")
 
 

@@ -76,6 +76,7 @@ CAMPAIGNS = (
     Campaign("speed", "times of the main calls", ("casingfem", "contact")),
     Campaign("speed.sweeps", "times of sweeps", ("contact",)),
     Campaign("speed.tips", "microseconds a step of a rub by its tips", RUBS),
+    Campaign("robustness.diverging", "scenes that diverge stop with the cause named, mistyped ones are refused", RUBS),
     Campaign("robustness.sweep_kills", "sweeps under kill -9 lose nothing", ("contact/sweep",)),
     Campaign("rig", "the chain of `make study`", ("casingfem", "contact")),
 )  # fmt: skip

@@ -1,8 +1,8 @@
-"""A sweep on a local Dask cluster whose workers and driver are killed."""
+"""A sweep on a local Dask cluster whose workers and driver are killed; scenes that diverge, or are mistyped."""
 
 import pytest
 
-from reports.robustness import sweep_kills
+from reports.robustness import diverging, sweep_kills
 
 
 @pytest.mark.campaign
@@ -14,3 +14,11 @@ def test_a_sweep_under_kill_9_loses_nothing(tmp_path):
     assert row["unreadable files"] == 0
     assert row["table identical"]
     assert row["identical from a new index"]
+
+
+@pytest.mark.slow
+def test_scenes_that_diverge_are_stopped_and_mistyped_ones_refused(tmp_path):
+    rows = diverging.main(tmp_path, quick=True)
+    verdicts = {row["verdict"] for row in rows}
+    assert {"stopped", "refused"} <= verdicts <= {"stopped", "refused", "flagged", "swept"}
+    assert len(diverging.cases()) == 40

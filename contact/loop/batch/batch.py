@@ -16,6 +16,7 @@ from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
 from contact.loop.modal.free_flight import PAUSE, FreeFlight, discrete_energy, skip_free_flight
 from contact.loop.modal.stick import INSIDE
 from contact.loop.tally import note_event, note_stick
+from contact.model.gaps.limits import LOOK, REACHED, RIM, TIP
 from contact.record.record import Samples, Tally
 from contact.solver.friction.one_contact import drag_ratio
 
@@ -88,7 +89,9 @@ class BatchState(NamedTuple):
     step: Indices
     end: Indices
     retry: Indices
-    failed: Indices
+    failed: Indices  # 1 no force was found, 2 the motion passed a limit
+    reach: Array  # (m, 8), as `RimRows.reach`
+    limits: Array  # (4, 8), of `motion_limits`
     memory: Array  # (10, 8), as on a rim alone
     Q: Array  # (m + 5, 8): the rows of `normal`, then one that nothing reads
     Q_next: Array
@@ -306,8 +309,11 @@ def move_lanes(s: BatchState, Q: Array, old: Array, new: Array, touching: bool, 
 
 
 @jit_inside
-def add_up(s: BatchState, sums: Tally, Q: Array) -> None:
-    """Sums of one step of every lane, and the gaps the next one needs; where no force is, it does no work."""
+def add_up(s: BatchState, sums: Tally, Q: Array, Q_next: Array) -> bool:
+    """Sums of one step of every lane, and the gaps the next one needs; where no force is, it does no work.
+
+    Returns whether some tip has moved further against its rim than it may.
+    """
     force, H = load(s.work, FORCE * WIDTH), load(s.work, H_ * WIDTH)
     scale, pull = load(s.work, SCALE * WIDTH), load(s.work, PULL * WIDTH)
     free, now, last, h = load(s.work, FREE * WIDTH), load(s.memory, 0), load(s.memory, WIDTH), load(s.h, 0)
@@ -346,6 +352,11 @@ def add_up(s: BatchState, sums: Tally, Q: Array) -> None:
     put(s.memory, 4 * WIDTH, S_nn)
     put(s.memory, 5 * WIDTH, S_nt)
     put(s.memory, 6 * WIDTH, S_tt)
+    moved = after - load(Q_next, m * WIDTH)
+    reached = larger(load(s.limits, (REACHED + TIP) * WIDTH), larger(moved, none - moved))
+    put(s.limits, (REACHED + TIP) * WIDTH, reached)
+    far: bool = below_zero(load(s.limits, TIP * WIDTH) - reached)
+    return far
 
 
 @jit_inside
@@ -371,6 +382,16 @@ def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, befo
         kept.impulse[row, k] = sums.impulse[k]
         kept.filled[0, k] += 1
         kept.due[0, k] += kept.every[0, k]
+
+
+@jit_inside
+def rim_too_far(s: BatchState, k: int) -> bool:
+    """Note the rim's deflection in lane k, as `rim_amplitude`; whether that or the tip's motion passes its limit."""
+    limits, total = s.limits, 0.0
+    for i in range(s.q.shape[0]):
+        total += (s.reach[i, k] * s.q[i, k]) ** 2
+    limits[REACHED + RIM, k] = max(limits[REACHED + RIM, k], total**0.5)
+    return not (limits[REACHED + RIM, k] <= limits[RIM, k] and limits[REACHED + TIP, k] <= limits[TIP, k])
 
 
 @jit_inside
@@ -424,12 +445,14 @@ def advance_batch(
                 keep_state(s, kept, k)
         move_lanes(s, Q, old, new, touching, rubs)
         put(s.work, BEFORE * WIDTH, load(s.memory, 0))
-        add_up(s, sums, Q)
+        far = add_up(s, sums, Q, Q_next)
         for k in range(s.step.size):
             if s.live[k] == 1 and s.failed[k] == 0:
                 note_lane(s, sums, out, kept, s.work[BEFORE, k], k)
+                if (far or s.step[k] % LOOK == 0) and rim_too_far(s, k):
+                    s.failed[k] = 2
                 s.step[k] += 1
-            stop = stop or (s.live[k] == 1 and (s.failed[k] == 1 or s.step[k] == s.end[k]))
+            stop = stop or (s.live[k] == 1 and (s.failed[k] > 0 or s.step[k] == s.end[k]))
         Q, Q_next, waves, ahead = Q_next, Q, ahead, waves
         if stop:
             break

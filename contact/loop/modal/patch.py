@@ -9,6 +9,7 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_entry
+from contact.loop.limits import outgrown, tip_motion
 from contact.loop.modal.stick import Sticking, note_sticking
 from contact.loop.tally import note_contact, store, store_state
 from contact.record.record import Samples, Tally
@@ -45,6 +46,7 @@ class PatchState(NamedTuple):
     gap: Array
     past: Sticking
     counts: Array  # most iterations of one step, sum of iterations, steps with contact, fault
+    limits: Array  # as `motion_limits`: of gaps, without a rim
 
 
 class PatchWork(NamedTuple):
@@ -178,7 +180,10 @@ def advance_patch(
             note_contact(sums, out, i, h, step * h, s.force[i], s.gap[i], s.own[i], before, w.b[row])
             if rough:
                 note_sticking(s.past, sums, out, i, step * h, h, s.mu[i], s.W, s.lam, w.b)
+            tip_motion(s.limits, s.place[i])
         store(sums, out, step, step * h, s.force, s.gap)
+        if outgrown(s.limits):
+            return step + 1
     return -1
 
 

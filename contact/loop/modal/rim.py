@@ -13,11 +13,13 @@ from typing import NamedTuple
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_entry, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
+from contact.loop.limits import outgrown, rim_amplitude, tip_motion
 from contact.loop.modal.free_flight import FOREVER, PAUSE, FreeFlight, discrete_energy, skip_free_flight
 from contact.loop.modal.modal import ModalState
 from contact.loop.modal.rows import RowBlocks, fill, move, product, rotate, weighted
 from contact.loop.modal.stick import INSIDE
 from contact.loop.tally import note_contact, note_stick, state_due, store, store_state
+from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
 from contact.solver.abradable.one_tip import Coating, crush, first_bar, force_on, machined, surface
 from contact.solver.dense import assign
@@ -31,12 +33,14 @@ class RimRows(NamedTuple):
     normal: RowBlocks  # rows of the modes, then clearance, S_nn, S_nt, S_tt
     tangent: RowBlocks
     modes: int
+    reach: Array  # how far each of the casing's modes moves the rim at most, zero for others
     S_turns: bool  # S depends on the angle
     angle: float
     speed: float
     surface: float  # R Omega
     mu: float
     seen: Array  # what is stored of an instant: displacements, forces
+    limits: Array  # of `motion_limits`
     waves: Array  # (2, harmonics): cos n phi, sin n phi, n = 0, 1, ..., whole vectors of them
     waves_next: Array
 
@@ -149,7 +153,7 @@ def advance_rim(
     coated, rubs = coating.worn.size > 0, rows.mu > 0.0
     bar, cut, skin = 0, 0.0, 0.0  # first bar under the tip, depths there of the cut and of the surface
     end, step, taken, retry = first + steps, first, 0, first if flight.powers.shape[0] else first + steps
-    waves, ahead = rows.waves, rows.waves_next
+    waves, ahead, stopped = rows.waves, rows.waves_next, False
     rotate(waves, rows.angle - rows.speed * first * h)
     fill(rows.normal, waves, Q)
     now, last = s.memory[0], s.memory[1]
@@ -233,6 +237,11 @@ def advance_rim(
         last, now = now, free + H * force
         store(sums, out, step, step * h, s.force, s.gap)
         put_compliance(s.memory, Q, m)
+        if step % LOOK == 0:
+            rim_amplitude(rows.limits, rows.reach, s.q)
+        tip_motion(rows.limits, now - Q_next[m])
+        if outgrown(rows.limits):
+            stopped, end = True, step + 1
         Q, Q_next = Q_next, Q
         waves, ahead = ahead, waves
         step += 1
@@ -241,4 +250,4 @@ def advance_rim(
     if taken % 2 == 1:  # the two buffers changed places an odd number of times
         for i in range(s.d.size):
             s.d[i] = s.old[i]
-    return -1
+    return step if stopped else -1

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from contact.jit.compiled import jit
-from contact.loop.modal.rows import move, product, product_of_sum
+from contact.loop.limits import tip_motion
+from contact.loop.modal.rows import move, product_of_sum
 from contact.loop.modal.stick import INSIDE
 from contact.loop.rub.compliance import strains_before
 from contact.loop.rub.rows import RubRows, blade_dot
@@ -72,9 +73,9 @@ def note(s: RubState, rows: RubRows, w: Work, dim: int, sums: Tally, out: Sample
             before, predicted = s.now[j] + s.skin[j], s.test[j]
             s.last[j], s.now[j], s.known[j] = s.now[j], s.free[j], 1
         if s.inside[j] == 2:
-            s.peaks[0] = max(s.peaks[0], abs(product(w.normal[1 - w.side[0], rows.place[j]], s.q)))
             if dim > 1:
-                s.peaks[1] = max(s.peaks[1], abs(blade_dot(rows, R + 1, j, s.q)))
+                s.peaks[0] = max(s.peaks[0], abs(blade_dot(rows, R + 1, j, s.q)))
+            tip_motion(s.limits, s.free[j] - rows.clearance[j] - w.rigid[rows.place[j]])
         note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)
         if dim > 1:
             note_stick(sums, out, j, int(sticks(s, R, dim, j)), time)

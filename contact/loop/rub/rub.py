@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from contact.jit.compiled import jit_entry
 from contact.jit.vector import WIDTH, put, same
+from contact.loop.limits import outgrown, rim_amplitude
 from contact.loop.rub.abradable import flow, stand
 from contact.loop.rub.alone import alone
 from contact.loop.rub.compliance import fill_few, strains
@@ -16,6 +17,7 @@ from contact.loop.rub.rows import RubLaws, RubRows, turned
 from contact.loop.rub.solve import gather, others_close, push, solve, update_gaps
 from contact.loop.rub.state import RubState, Work
 from contact.loop.tally import due, state_due, store, store_state
+from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
 from contact.solver.abradable.tips import Coats
 from contact.solver.dense import assign
@@ -76,4 +78,9 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         store(sums, out, step, t, s.force, s.gap)
         before, angle, omega = angle, ahead, omega_ahead
         w.side[0] = 1 - w.side[0]
+        if step % LOOK == 0:
+            for line in range(rows.reach.shape[0]):
+                rim_amplitude(s.limits, rows.reach[line], s.q)
+        if outgrown(s.limits):
+            return step + 1
     return -1

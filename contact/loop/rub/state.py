@@ -52,7 +52,8 @@ class RubState(NamedTuple):
     seen: Array  # (m + K d,) what `Result.state` holds: q and lam of one instant
     heat: Array  # dissipated by slip
     drive: Array  # work of the drive against friction
-    peaks: Array  # largest |u_r| of the rim at a tip, tangential motion of a tip
+    peaks: Array  # (1,) largest tangential motion of a tip
+    limits: Array  # of `motion_limits`
     counts: Array  # most iterations of one step, their sum, steps with contact, fault
 
 

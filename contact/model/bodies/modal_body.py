@@ -28,12 +28,13 @@ class ModalBody:
 
     `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance
     of everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN,
-    then tangential.cos0 .. tangential.sinN, then maybe axial alike, with `n_max` = N and `radius` [m]; of several
-    rim lines line0.radial.cos0 .. line1..., `lines` (L, 2) their axial positions and radii [m]. `recovery` (R, m),
-    `recovery_S` (R, K) and `recovery_points` (R, 3) give displacements elsewhere; `output_rows` (O, m) and `output_S`
-    (O, K) the quantities named in `outputs`. `K_omega` (m, m): what Omega^2 - spin^2 adds to the modal stiffness of a
-    body whose basis was made at `spin` [rad/s]. `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the
-    whole body, Phi^T M e, along x, y and the axis of a rim, along span, flap and chord of a blade.
+    then tangential.cos0 .. tangential.sinN, then maybe axial alike, with `n_max` = N, `radius` and the least
+    `thickness` of the wall [m], 0 where it is not known; of several rim lines line0.radial.cos0 .. line1..., `lines`
+    (L, 2) their axial positions and radii [m]. `recovery` (R, m), `recovery_S` (R, K) and `recovery_points` (R, 3) give
+    displacements elsewhere; `output_rows` (O, m) and `output_S` (O, K) the quantities named in `outputs`. `K_omega`
+    (m, m): what Omega^2 - spin^2 adds to the modal stiffness of a body whose basis was made at `spin` [rad/s].
+    `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the whole body, Phi^T M e, along x, y and the
+    axis of a rim, along span, flap and chord of a blade.
     `out_of_roundness` (L, 2 N + 1) [m]: deviation of each rim line's radius, cos0 .. cosN, sin1 .. sinN.
 
     Raises InputError for shapes that do not fit, NaN, negative frequencies or an asymmetric S.
@@ -51,6 +52,7 @@ class ModalBody:
     kind: str = "point"
     n_max: int = 0
     radius: float = 0.0
+    thickness: float = 0.0
     provenance: str = "{}"
     recovery: Array | None = None
     recovery_S: Array | None = None
@@ -102,7 +104,7 @@ class ModalBody:
             return
         if self.kind != "rim":
             raise InputError(f"kind: found {self.kind!r}, expected 'rim' or 'point'")
-        require_not_negative(n_max=self.n_max, radius=self.radius)
+        require_not_negative(n_max=self.n_max, radius=self.radius, thickness=self.thickness)
         size = 2 * self.n_max + 1
         directions = 3 if any("axial" in name for name in self.channels) else 2
         expected = rim_channels(self.n_max, directions, max(len(self.channels) // (size * directions), 1))
@@ -198,6 +200,7 @@ class ModalBody:
             "format": FORMAT, "omega": self.omega, "zeta": self.zeta, "channels": np.array(self.channels),
             "rows": self.rows, "S": self.S, "kind": self.kind, "n_max": self.n_max, "radius": self.radius,
             "provenance": self.provenance, "outputs": np.array(self.outputs, dtype=np.str_), "spin": self.spin,
+            "thickness": self.thickness,
         }  # fmt: skip
         data |= {name: getattr(self, name) for name in OPTIONAL if getattr(self, name) is not None}
         write_npz(Path(path), data)
@@ -212,7 +215,7 @@ class ModalBody:
                 channels=tuple(str(name) for name in np.atleast_1d(data["channels"])), kind=str(data["kind"]),
                 n_max=int(data.get("n_max", np.array(0))), radius=float(data.get("radius", np.array(0.0))),
                 outputs=tuple(str(name) for name in np.atleast_1d(data.get("outputs", np.zeros(0, dtype=np.str_)))),
-                spin=float(data.get("spin", np.array(0.0))),
+                spin=float(data.get("spin", np.array(0.0))), thickness=float(data.get("thickness", np.array(0.0))),
                 provenance=str(data.get("provenance", "{}")), **{n: data[n] for n in OPTIONAL if n in data},
             )  # fmt: skip
         except (InputError, TypeError, ValueError) as error:

@@ -18,8 +18,7 @@ from contact.base.arrays import (
 )
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
-
-FAR = 0.1  # of the radius: a larger clearance or interference is a mistyped unit
+from contact.model.gaps.limits import FAR, require_near
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -129,6 +128,8 @@ class RotatingRim:
         terms = tuple(dict(term) for term in self.out_of_roundness)
         for term in terms:
             require_term(term)
+        far = sum(math.hypot(term.get("cos", 0.0), term.get("sin", 0.0)) for term in terms)
+        require_near(self.casing.radius, out_of_roundness=far)
         object.__setattr__(self, "out_of_roundness", terms)
 
     def blade_normal(self) -> tuple[str, Array]:

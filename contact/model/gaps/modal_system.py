@@ -73,7 +73,8 @@ class ModalSystem:
     """q'' + 2 zeta omega q' + omega^2 q = load + W^T lam, one contact.
 
     Fixed point: g = clearance + Q q + S_nn lam. Rim (`table` is given): Q, T, the residual compliances along
-    the normal and the tangent and the clearance depend on phi. `first` are the bodies' offsets into q.
+    the normal and the tangent and the clearance depend on phi. `radius` and `thickness` of a rim [m], 0 where not
+    known. `first` are the bodies' offsets into q.
     """
 
     omega: Array
@@ -93,6 +94,7 @@ class ModalSystem:
     speed: float = 0.0
     angle: float = 0.0
     radius: float = 0.0
+    thickness: float = 0.0
 
     def sums(self) -> tuple[Terms, Terms]:
         """Sums of waves of a rim: Q followed by clearance, S_nn, S_nt and S_tt; and T."""
@@ -152,6 +154,7 @@ def rim_system(rim: RotatingRim) -> ModalSystem:
         clearance=fourier([(0, rim.clearance, 0.0), *rim.terms]),
         S_nn=pruned(S_nn, noise), S_nt=pruned(S_nt, noise), S_tt=pruned(S_tt, noise),
         table=table, speed=rim.speed, angle=math.radians(rim.angle_deg), radius=casing.radius,
+        thickness=casing.thickness,
     )  # fmt: skip
 
 

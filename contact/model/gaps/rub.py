@@ -11,7 +11,7 @@ from contact.base.arrays import Array, readonly, require_count, require_finite, 
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
-from contact.model.gaps.gap import FAR
+from contact.model.gaps.limits import FAR, require_near
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 
 
@@ -97,12 +97,12 @@ class Rub:
 
     g_j = clearance + clearance_j + d(phi_j) - closing(t) + whirl + u_r(phi_j) - n_j.u_blade, the laws of
     `rub_laws`; slip R Omega + v_theta - t_j.v_blade around, v_z - v_blade,z along the axis. All contacts are solved
-    together, with the residual compliances that couple them. `thickness` of the wall [m], if given, bounds the
-    deflection that linear theory carries: `Result.flags` says when it was passed. `forces`: gravity and whirl on the
-    modes that are kept; the static share of the others is left out.
+    together, with the residual compliances that couple them. `thickness` of the wall [m], that of the casing's basis
+    where it is left out, bounds the deflection that linear theory carries: a run stops there, or is flagged.
+    `forces`: gravity and whirl on the modes that are kept; the static share of the others is left out.
 
     Raises InputError for bases of the wrong kind, channels that are missing, tips that differ in their directions,
-    or a clearance beyond a tenth of the radius.
+    or a clearance, closing, whirl or profile beyond a tenth of the radius.
     """
 
     casing: ModalBody
@@ -145,8 +145,13 @@ class Rub:
             require_shape("K_omega", stiff.K_omega, (m, m))
         for force in self.forces:
             self._require_participation(force)
+        radius = min(self.casing.line_radius(tip.line) for tip in self.tips)
+        require_near(radius, closing=float(self.closing.by[np.abs(self.closing.by).argmax()]))
+        require_near(radius, whirl=sum(whirl.amplitude for whirl in self.whirl), out_of_roundness=self.profile.farthest)
         if not self.thickness > 0.0:
             raise InputError(f"thickness: found {self.thickness!r}, expected metres > 0")
+        if math.isfinite(self.thickness):
+            require_near(radius, thickness=self.thickness)
 
     def _require_participation(self, force: BodyForce) -> None:
         for k, (name, body) in enumerate(zip(self.names, self.bodies, strict=True)):
@@ -176,6 +181,11 @@ class Rub:
             raise InputError(
                 f"clearance: found {total:g} m at tip {j} on a radius of {radius:g} m, expected at most a tenth of it"
             )
+
+    @property
+    def wall(self) -> float:
+        """Thickness of the wall [m]: the one given, else that of the casing's basis; infinite where none is known."""
+        return self.thickness if math.isfinite(self.thickness) else self.casing.thickness or math.inf
 
     @property
     def dimensions(self) -> int:

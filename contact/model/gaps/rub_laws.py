@@ -184,6 +184,13 @@ class RimProfile:
         return sum(a * math.cos(p * phi) + b * math.sin(p * phi) for p, a, b in self.terms)
 
     @property
+    def farthest(self) -> float:
+        """A bound on |d| [m]."""
+        table = self.table
+        base = float(np.abs(table[:, 1]).max()) if len(table) else 0.0
+        return base + sum(math.hypot(a, b) for _, a, b in self.terms)
+
+    @property
     def lowest(self) -> float:
         """A bound from below [m]: the table's lowest point less the terms' amplitudes."""
         table = self.table

@@ -35,6 +35,7 @@ STEPS = ("live", "step", "end", "retry", "failed")
 NUMBERS = ("angle", "speed", "surface", "mu", "h", "averaged", "turns")
 TERMS = ("normal", "tangent")
 FOUR = 4  # rows that are summed at once where lanes share their coefficients
+NONE = np.array([np.inf, np.inf, 0.0, 0.0])  # limits there
 AWAY = 1e300  # gap where there is no run
 
 
@@ -153,7 +154,8 @@ class Batch:
         own |= {"live": 1, "step": 0, "end": job.steps, "retry": 0, "failed": 0}
         for name, value in own.items():
             getattr(lanes, name)[k] = value
-        lanes.memory[:, k] = rim.state.memory
+        lanes.memory[:, k], lanes.limits[:, k] = rim.state.memory, rim.rows.limits
+        lanes.reach[:, k] = rim.rows.reach[: len(lanes.reach)]
         self._load_free_flight(k, job)
         for name in SUMS:
             getattr(self.sums, name)[k] = 0
@@ -177,12 +179,12 @@ class Batch:
         """Write lane k's state and sums back into its run; what it stored, with its `events`."""
         rim, lanes, kept = job.rim, self.lanes, self.kept
         rim.state.q[:], rim.state.d[:], rim.state.memory[:] = lanes.q[:, k], lanes.d[:, k], lanes.memory[:, k]
-        rim.flight.taken[:] = self.flights.taken[k]
+        rim.flight.taken[:], rim.rows.limits[:] = self.flights.taken[k], lanes.limits[:, k]
         for name in SUMS:
             getattr(job.run.sums, name)[0] = getattr(self.sums, name)[k]
-        job.run.steps[0] = job.steps
+        job.run.steps[0] = int(lanes.step[k])
         n, states = (int(value) for value in kept.filled[:, k])
-        lanes.live[k], lanes.away[k] = 0, AWAY
+        lanes.live[k], lanes.away[k], lanes.limits[:, k] = 0, AWAY, NONE
         return events._replace(
             time=kept.time[:n, k].copy(), force=kept.force[:n, k, None].copy(), gap=kept.gap[:n, k, None].copy(),
             impulse=kept.impulse[:n, k, None].copy(), state_time=kept.state_time[:states, k].copy(),
@@ -197,7 +199,7 @@ def batch(jobs: Sequence[Job]) -> Batch:
     m = jobs[0].run.system.omega.size
     layouts = {name: Layout.of([getattr(job.rim, name) for job in jobs]) for name in TERMS}
     arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0].rim, name)) for name, layout in layouts.items()}
-    arrays |= {name: aligned(m, WIDTH) for name in (*OF_MODES, "old")}
+    arrays |= {name: aligned(m, WIDTH) for name in (*OF_MODES, "old", "reach")}
     arrays["alike"] = _alike([job.rim.state for job in jobs])
     arrays |= {"Q": aligned(m + 5, WIDTH), "Q_next": aligned(m + 5, WIDTH), "T": aligned(m + 1, WIDTH)}
     arrays |= {name: aligned(WIDTH) for name in NUMBERS}
@@ -206,7 +208,14 @@ def batch(jobs: Sequence[Job]) -> Batch:
         name: aligned(max(layout.top for layout in layouts.values()) // 2 + 1, 2, WIDTH)
         for name in ("waves", "waves_next")
     }
-    lanes = BatchState(away=np.full(WIDTH, AWAY), memory=aligned(10, WIDTH), work=aligned(18, WIDTH), **arrays)
+    lanes = BatchState(
+        away=np.full(WIDTH, AWAY),
+        memory=aligned(10, WIDTH),
+        limits=aligned(4, WIDTH),
+        work=aligned(18, WIDTH),
+        **arrays,
+    )
+    lanes.limits[:] = NONE[:, None]
     return Batch(
         lanes=lanes, layouts=layouts, flights=_free_flights(jobs, m),
         sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact.base.arrays import Array, readonly
+from contact.model.gaps.limits import REACHED, RIM, wall_flags
 from contact.model.gaps.modal_system import ModalSystem
 from contact.model.waves import Terms
 from contact.record.energy import Stored
@@ -75,19 +76,27 @@ class ModalRun:
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
         failed = self.loop(self.sums, out, first, steps)
-        self.steps[0] = first + steps
+        self.steps[0] = first + steps if failed < 0 else failed
         return failed
+
+    @property
+    def limits(self) -> Array | None:
+        """Those of `motion_limits`; a fixed point has none."""
+        return None if self.rim is None else self.rim.rows.limits
+
+    def notes(self) -> Notes:
+        """How far the rim went; heat and drive of friction."""
+        if self.rim is None:
+            return Notes()
+        flags = wall_flags(float(self.rim.rows.limits[REACHED + RIM]), self.system.thickness)
+        if not self.rim.rows.mu > 0.0:
+            return Notes(flags=flags)
+        heat, drive = self.rim.state.memory[8:10]
+        return Notes(flags=flags, heat=readonly([heat]), drive=readonly([drive]))
 
     def wear(self) -> tuple[Wear, ...]:
         """What a coating has lost so far; none without one."""
         return () if self.tracks is None else self.tracks.wear()
-
-    def notes(self) -> Notes:
-        """Heat and drive of friction on a rim."""
-        if self.rim is None or not self.rim.rows.mu > 0.0:
-            return Notes()
-        heat, drive = self.rim.state.memory[8:10]
-        return Notes(heat=readonly([heat]), drive=readonly([drive]))
 
     def why(self) -> str:
         """Explain a failed step."""

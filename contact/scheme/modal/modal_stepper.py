@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact.base.arrays import Array, aligned
+from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import ModalSystem
 from contact.model.law import Abradable
 from contact.model.waves import Terms
@@ -129,6 +130,16 @@ def _rim_loop(rim: RimRun, h: float, tracks: Tracks | None) -> Loop:
     return loop if tracks is None else watched
 
 
+def _reach(system: ModalSystem) -> Array:
+    """How far unit motion of each of the first body's modes moves the rim at most, (whole blocks,); zero for others."""
+    table, modes = system.table, int(system.first[1])
+    assert table is not None
+    owner = np.repeat(np.arange(system.omega.size), np.diff(table.start))
+    reach = np.bincount(owner, np.hypot(table.q_cos, table.q_sin), minlength=padded(system.omega.size))
+    reach[modes:] = 0.0
+    return np.asarray(reach, dtype=float)
+
+
 def padded(modes: int) -> int:
     """Modes, clearance, S_nn, S_nt and S_tt in whole blocks of eight."""
     return whole(modes + 4)
@@ -146,6 +157,7 @@ def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms) -> R
         block[: part.sums] = part.full(2 * count)
     return RimRows(
         normal=RowBlocks(*row_blocks(blocks[0])), tangent=RowBlocks(*row_blocks(blocks[1])), modes=m,
+        reach=_reach(system), limits=motion_limits(system.radius, system.thickness),
         S_turns=max(part.degree for part in (system.S_nn, system.S_nt, system.S_tt)) > 0, angle=system.angle,
         speed=system.speed, surface=system.radius * system.speed, mu=mu, seen=np.zeros(m + (2 if mu > 0.0 else 1)),
         waves=aligned(2, count), waves_next=aligned(2, count),

@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from contact.loop.modal.patch import PatchState, PatchWork
 
 
+FAR_FETCHED = 1e6  # times what start and load could move a gap: a motion that feeds on itself
+STEPS = 1e6
+
+
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class PatchStepper:
     """State of a run with several contacts; `state.counts` tells the solver's iterations."""
@@ -62,6 +66,11 @@ class PatchStepper:
         failed = advance_patch(self.state, self.work, self.rough, self.sums, out, self.dt, first, steps)
         self.work.room.otherwise.pass_on()
         return failed
+
+    @property
+    def limits(self) -> Array:
+        """How far the gaps may open or close [m], as those of `motion_limits`."""
+        return self.state.limits
 
     def why(self) -> str:
         """Explain a failed step."""
@@ -112,11 +121,22 @@ def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> P
         mu=np.full(k, mu), slide=slide.ravel(), lam=np.zeros(len(rows)), moved=rows @ d,
         place=clearance + rows[::dim] @ q, force=np.zeros(k), gap=np.zeros(k),
         past=Sticking(np.zeros((2, len(rows))), np.zeros(k), np.zeros(k), np.zeros(k)), counts=np.zeros(4),
+        limits=np.array([math.inf, FAR_FETCHED * _reach(problem, rows[::dim], parts), 0.0, 0.0]),
     )  # fmt: skip
     return PatchStepper(
         problem=problem, parts=parts, state=state, work=patch_work(state, rough), rough=rough, sums=tally(k),
         label=label,
     )  # fmt: skip
+
+
+def _reach(problem: Patch, normal: Array, parts: Propagator) -> float:
+    """How far start and load could move a gap [m]: of modes that vibrate, and of rigid ones over STEPS steps."""
+    elastic, time = parts.omega > 0.0, STEPS * parts.h
+    omega = np.where(elastic, parts.omega, 1.0)
+    speed, load = (np.abs(np.asarray(part)) for part in (problem.velocity, problem.load))
+    moved = np.where(elastic, speed / omega + 2.0 * load / omega**2, speed * time + 0.5 * load * time**2)
+    reach = np.abs(np.asarray(problem.clearance)) + np.abs(normal) @ (np.abs(np.asarray(problem.displacement)) + moved)
+    return float(reach.max()) or math.inf
 
 
 def _delassus(rows: Array, c: Array, S: Array) -> Array:

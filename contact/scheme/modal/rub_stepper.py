@@ -10,6 +10,7 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices, readonly
 from contact.base.errors import LimitError
+from contact.model.gaps.limits import REACHED, RIM, motion_limits, wall_flags
 from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_forces import force_at_start, plane_participation
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
 FEW = 64  # directions of all tips, up to which S between them is a table by the angle
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
-FOLLOWED = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
 NAMES = (*OF_MODES, "contact")  # arrays over the modes that loops take in whole blocks
 
 
@@ -84,7 +84,7 @@ class RubStepper:
         else:
             tracks, coats = self.worn
             failed = tracks.watch(self.dt, first, steps, lambda start, count: self._some(coats, out, start, count))
-        self.steps[0] = first + steps
+        self.steps[0] = first + steps if failed < 0 else failed
         return failed
 
     def _some(self, coats: Coats | None, out: Samples, first: int, steps: int) -> int:
@@ -103,6 +103,11 @@ class RubStepper:
     def wear(self) -> tuple[Wear, ...]:
         """What each track of a coating has lost so far; none without one."""
         return () if self.worn is None else self.worn[0].wear()
+
+    @property
+    def limits(self) -> Array:
+        """Those of `motion_limits`."""
+        return self.state.limits
 
     def why(self) -> str:
         """Explain a failed step."""
@@ -126,7 +131,8 @@ class RubStepper:
 
     def notes(self) -> Notes:
         """Heat and drive of friction, and what the run went through that its theory does not carry."""
-        flags = _flags(self.rub, self.system, float(self.state.peaks[0]), float(self.state.peaks[1]))
+        deflection, tangential = float(self.limits[REACHED + RIM]), float(self.state.peaks[0])
+        flags = (*wall_flags(deflection, self.rub.wall), *_flags(self.rub, self.system, tangential))
         return Notes(flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive))
 
 
@@ -163,7 +169,7 @@ def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions
         scale=none(K), now=none(K),
         last=none(K), known=np.zeros(K, dtype=np.int64), inside=np.zeros(K, dtype=np.int64), free=none(K),
         test=none(K), skin=none(K), force=none(K), gap=none(K), seen=none(m + R), heat=none(K), drive=none(K),
-        peaks=none(2), counts=none(4),
+        peaks=none(1), limits=motion_limits(float(system.radius.min()), rub.wall), counts=none(4),
     )  # fmt: skip
 
 
@@ -290,20 +296,14 @@ def rub_delassus(rub: Rub, parts: Propagator, mu: float) -> tuple[float, float, 
     return float(H.flat[worst]), float(soft.flat[worst]), float(rho.flat[worst])
 
 
-def _flags(rub: Rub, system: RubSystem, deflection: float, tangential: float) -> tuple[str, ...]:
-    found = []
-    if deflection > FOLLOWED * rub.thickness:
-        found.append(
-            f"rim deflected by {deflection:.3g} m, {deflection / rub.thickness:.2g} of the wall: linear theory carries "
-            f"{FOLLOWED:g} of it"
-        )
+def _flags(rub: Rub, system: RubSystem, tangential: float) -> tuple[str, ...]:
     radius = float(system.radius.min())
     if tangential > 0.0 and tangential**2 / (2.0 * radius) > 0.1 * _play(rub):
-        found.append(
+        return (
             f"a tip moved {tangential:.3g} m along the rim, whose curvature changes the gap there by "
-            f"{tangential**2 / (2.0 * radius):.3g} m: the gap law leaves this out"
+            f"{tangential**2 / (2.0 * radius):.3g} m: the gap law leaves this out",
         )
-    return tuple(found)
+    return ()
 
 
 def _play(rub: Rub) -> float:

@@ -53,7 +53,7 @@ def test_what_is_not_given_is_nothing(tmp_path):
     for made in (bare, ModalBasis.load(bare.save(tmp_path / "bare.npz"))):
         rest = {field.name: getattr(made, field.name) for field in fields(ModalBasis) if field.name not in given}
         assert {name: value for name, value in rest.items() if np.size(value)} == {
-            "n_max": 0, "radius": 0.0, "spin": 0.0, "provenance": {},
+            "n_max": 0, "radius": 0.0, "thickness": 0.0, "spin": 0.0, "provenance": {},
         }  # fmt: skip
 
 

@@ -16,6 +16,7 @@ RUB = """
 [scene]
 kind = "rub"
 t_end = 0.01
+on_limit = "flag"
 [casing]
 basis = "casing.npz"
 thickness = 1e-6

@@ -1,0 +1,211 @@
+"""One answer to "at which speed?": the table of `contact.growth.interactions`, and a run beside it that confirms it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import singledispatch
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.base.arrays import Array, readonly
+from contact.base.errors import InputError
+from contact.growth.closed_contact import poles_each, state_matrix
+from contact.growth.interaction_table import Interactions
+from contact.growth.interaction_table import interactions as by_theory
+from contact.growth.perfect_mean import mean_contact, perfect_mean
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.bladed_disk import pair_rim
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.permanent import ClosedContact, HandPair
+from contact.model.gaps.rub import ContactPoint, Rub, Start
+from contact.model.gaps.rub_laws import Closing, RimProfile, Speed
+from contact.model.law import Coulomb, Unilateral
+from contact.record.record import Record
+from contact.run import run
+from contact.scheme.modal.exact_modal import ExactModal
+from contact.scheme.modal.propagator import propagator
+
+PRESS, PUSHED = 1e-5, 1e-3  # of the radius, how much contacts overlap, small beside what slips in a period; of the
+# force, how much vibrates at first
+FOLDS, LONGEST, FEWEST = 5.0, 2.0, 40  # e-folds that are run, seconds at most, periods at least
+WINDOWS = 9  # half overlapping
+A_PERIOD, PHASE, TURNED = 10.0, 0.4, 0.1  # samples; radians of the fastest mode, of the highest harmonic, in a step
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConfirmingRun:
+    """A run in time beside the poles: `speed_hz` [turns/s], growth by both [1/s], over `seconds` of motion.
+
+    The same bodies with every contact pressed together and started in the motion that grows fastest, so that nothing
+    but theory's own assumptions is tested: that contacts stay closed and slide.
+    """
+
+    speed_hz: float
+    poles: float
+    run: float
+    seconds: float
+
+    @property
+    def off(self) -> float:
+        """Growth of the run over that of the poles, minus 1."""
+        return self.run / self.poles - 1.0 if self.poles else math.nan
+
+    def to_dict(self) -> dict[str, float]:
+        """JSON-ready."""
+        return {
+            "speed_hz": self.speed_hz, "growth_poles_1_s": self.poles, "growth_run_1_s": self.run,
+            "off_rel": self.off, "seconds": self.seconds,
+        }  # fmt: skip
+
+    def __repr__(self) -> str:
+        return (
+            f"run at {self.speed_hz:.5g} Hz, contact pressed closed: growth {self.run:.4g} 1/s over {self.seconds:.3g} "
+            f"s, {self.poles:.4g} 1/s by poles ({100.0 * self.off:+.2g} %)"
+        )
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Confirmed:
+    """The table of interactions `found`, and the run at its worst speed; none where nothing diverges."""
+
+    found: Interactions
+    run: ConfirmingRun | None
+
+    def to_dict(self) -> dict[str, object]:
+        """The document of `casingfem interactions --json`."""
+        return {**self.found.to_dict(), "run": None if self.run is None else self.run.to_dict()}
+
+    def __repr__(self) -> str:
+        return repr(self.found) + ("" if self.run is None else f"\n{self.run!r}")
+
+
+def interactions(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float = 0.0) -> Confirmed:
+    """Where a casing and its blade, or disk, interact over speeds [turns/s], confirmed by a run at the worst.
+
+    Parameters and errors as `contact.growth.interactions`, which leaves out the run.
+    """
+    found = by_theory(what, speed_hz, mu=mu)
+    return Confirmed(found=found, run=confirming_run(what, found.worst_hz, mu=mu) if found.map.diverges else None)
+
+
+def confirming_run(what: RotatingRim | Rub | HandPair, speed_hz: float, *, mu: float = 0.0) -> ConfirmingRun:
+    """Growth in time of closed, sliding contact at one speed [turns/s], started in its leading motion.
+
+    Raises InputError where the contacts do not press at rest, so that none stays closed.
+    """
+    rub, mu = closed_rub(what, speed_hz, mu)
+    contact, averaged = mean_contact(rub, mu=mu)
+    if averaged:
+        raise InputError("casing: found split pairs, expected a perfect casing: contact.growth.perfect_mean gives one")
+    leading = max(poles_each(contact, np.array([speed_hz]))[0], key=lambda s: float(s.real))
+    dt, period = _step(rub), 2.0 * math.pi / max(abs(leading.imag), 1.0)
+    q, v = _start(contact, speed_hz, leading, -rub.clearance, dt)
+    m = contact.casing
+    sizes = np.cumsum([body.omega.size for body in rub.blades])[:-1]
+    blades = zip(np.split(q[m:], sizes), np.split(v[m:], sizes), strict=True)
+    rub = replace(
+        rub, casing_start=Start(displacement=readonly(q[:m]), velocity=readonly(v[:m])),
+        blade_starts=tuple(Start(displacement=readonly(x), velocity=readonly(y)) for x, y in blades),
+    )  # fmt: skip
+    seconds = float(np.clip(FOLDS / max(abs(leading.real), 1e-9), min(FEWEST * period, LONGEST), LONGEST))
+    seconds = min(seconds, FOLDS / leading.real) if leading.real > 0.0 else seconds
+    every = max(1, int(period / A_PERIOD / dt), int(seconds / dt) // 20_000)
+    result = run(
+        rub, law=Coulomb(mu=mu) if mu else Unilateral(), scheme=ExactModal(), t_end=seconds, dt=dt,
+        record=Record(every=every), on_limit="flag",
+    )  # fmt: skip
+    mean = np.diff(result.impulse_history.sum(axis=1)) / (every * result.dt)
+    closed = np.all(result.force[1:] > 0.0, axis=1)
+    last = int(np.argmin(closed)) if not closed.all() else closed.size
+    rate = exponent(mean[:last], every * result.dt, abs(leading.imag) / (2.0 * math.pi))
+    return ConfirmingRun(speed_hz=speed_hz, poles=float(leading.real), run=rate, seconds=last * every * result.dt)
+
+
+def exponent(values: Array, step: float, freq_hz: float) -> float:
+    """Growth [1/s] of the vibration near a frequency: slope of its level in WINDOWS windows, each with Hann's weights.
+
+    >>> t = 1e-3 * np.arange(2000)
+    >>> noise = 0.1 * np.sin(1900.0 * t)
+    >>> round(exponent(5.0 + np.exp(1.5 * t) * np.sin(700.0 * t) + noise, 1e-3, 700.0 / (2.0 * np.pi)), 2)
+    1.5
+    """
+    size = 2 * values.size // (WINDOWS + 1)
+    if size < 8:
+        return math.nan
+    starts = np.linspace(0, values.size - size, WINDOWS).astype(int)
+    weights = np.hanning(size) * np.exp(-2.0j * math.pi * freq_hz * step * np.arange(size))
+    level = [abs(np.sum((values[i : i + size] - values[i : i + size].mean()) * weights)) for i in starts]
+    return float(np.polyfit(starts * step, np.log(level), 1)[0])
+
+
+def _start(contact: ClosedContact, speed_hz: float, leading: complex, press: float, dt: float) -> tuple[Array, Array]:
+    """Displacement and velocity in the bodies' own frames at t = 0: equilibrium, and the leading motion.
+
+    A run starts from the free motion through both; the velocity is that of one which makes the step before t = 0 as
+    if the contact had pressed then too.
+    """
+    m, sense, turn = contact.omega.size, math.copysign(1.0, speed_hz), 2.0 * math.pi * speed_hz * contact.G
+    S, W = contact.compliance(sense), contact.pushes(sense)
+    A = turn @ turn + np.diag(2.0 * contact.zeta * contact.omega) @ turn + np.diag(contact.omega**2)
+    overlap = np.full(len(contact.Q), press)
+    q = np.linalg.solve(A + contact.joined(sense), W.T @ np.linalg.solve(S, overlap))
+    force = np.linalg.solve(S, overlap - contact.Q @ q)
+    if not force.min() > 0.0:
+        raise InputError(f"contact: found forces at rest down to {force.min():g} N at {speed_hz:g} Hz, expected > 0")
+    matrix, scale = state_matrix(contact, speed_hz)
+    values, vectors = np.linalg.eig(matrix)
+    shape = vectors[:, int(np.abs(values - leading).argmin())]
+    size = PUSHED * float(force.min()) / float(np.abs(np.linalg.solve(S, contact.Q @ shape[:m])).max())
+    q, v = q + size * shape[:m].real, turn @ q + size * scale * shape[m:].real
+    push = W.T @ np.linalg.solve(S, overlap - contact.Q @ q)
+    none = np.zeros(m)
+    pushed, free = (propagator(contact.omega, contact.zeta, load, dt) for load in (push, none))
+    return q, (pushed.backward(q, v) - free.backward(q, none)) / free.backward(none, np.ones(m))
+
+
+def _step(rub: Rub) -> float:
+    """Step [s] that resolves the fastest mode and the turning."""
+    fastest = max(float(body.omega.max(initial=0.0)) for body in rub.bodies)
+    return min(PHASE / fastest, TURNED / (rub.casing.n_max * max(rub.speed.fastest, 1e-9)))
+
+
+@singledispatch
+def closed_rub(what: RotatingRim | Rub | HandPair, speed_hz: float, mu: float) -> tuple[Rub, float]:
+    """The same bodies as a rub at this speed whose contacts overlap and whose rim is round, and its friction."""
+    raise InputError(f"what: found {type(what).__name__}, expected a RotatingRim, a Rub or a HandPair")
+
+
+@closed_rub.register
+def _(what: Rub, speed_hz: float, mu: float) -> tuple[Rub, float]:
+    casing = _perfect(what)
+    tips = tuple(replace(tip, clearance=0.0, axial=None) for tip in what.tips)
+    return replace(
+        what, casing=casing, tips=tips, clearance=-PRESS * casing.radius, speed=Speed.constant(speed_hz),
+        profile=RimProfile(), closing=Closing.none(), whirl=(), stiffening=(), forces=(), thickness=math.inf,
+        casing_start=Start(), blade_starts=(),
+    ), mu  # fmt: skip
+
+
+@closed_rub.register
+def _(what: RotatingRim, speed_hz: float, mu: float) -> tuple[Rub, float]:
+    tip = ContactPoint(lean_deg=what.lean_deg)
+    return closed_rub(Rub(what.casing, (what.blade,), (tip,)), speed_hz, mu)
+
+
+@closed_rub.register
+def _(what: HandPair, speed_hz: float, mu: float) -> tuple[Rub, float]:
+    """A leaning blade moves along its flap alone."""
+    x, a = what.blade.modal_mass**-0.5, math.radians(what.lean_deg)
+    blade = ModalBody(
+        omega=np.array([what.blade.omega]), zeta=np.array([what.blade.zeta]), channels=("span", "flap"),
+        rows=np.array([[0.0], [x / math.sin(a)]] if a else [[x], [0.0]]), S=np.eye(2) * what.compliance,
+    )  # fmt: skip
+    casing = pair_rim(what.casing, radius=0.5)
+    return closed_rub(Rub(casing, (blade,), (ContactPoint(lean_deg=what.lean_deg),)), speed_hz, what.friction)
+
+
+def _perfect(what: Rub) -> ModalBody:
+    """The casing of a rub, or the mean of its split pairs."""
+    return perfect_mean(what.casing) if mean_contact(what)[1] else what.casing

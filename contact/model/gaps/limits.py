@@ -1,0 +1,63 @@
+"""How far a rim and the tips before it may move: beyond, a linear model has no meaning, and most often it diverges."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from contact.base.arrays import Array
+from contact.base.errors import InputError
+
+FAR = 0.1  # of the radius: a larger clearance or interference is a mistyped unit, a larger motion none
+WALL = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
+RIM, TIP, REACHED = 0, 1, 2  # entries of `limits`: what is allowed, and from REACHED on what was reached
+LOOK = 64  # steps between looks at a rim's deflection
+
+
+def motion_limits(radius: float, thickness: float) -> Array:
+    """Largest deflection of the rim, largest motion of a tip against it [m]; then those reached.
+
+    `thickness` 0 or infinite where it is not known: a tenth of the radius bounds both then.
+
+    >>> motion_limits(0.5, 3e-3).tolist(), motion_limits(0.5, 0.0).tolist()
+    ([0.0015, 0.05, 0.0, 0.0], [0.05, 0.05, 0.0, 0.0])
+    """
+    far = FAR * radius if radius > 0.0 else math.inf
+    return np.array([min(WALL * thickness, far) if thickness > 0.0 else far, far, 0.0, 0.0])
+
+
+def passed(limits: Array | None) -> tuple[str, float, float] | None:
+    """Name of the limit that a run passed, what it reached and what was allowed [m]; None where it kept within.
+
+    >>> passed(np.array([1e-3, 0.05, 2e-3, 0.01])), passed(np.array([1e-3, 0.05, 5e-4, 0.01]))
+    (('wall', 0.002, 0.001), None)
+    """
+    if limits is None:
+        return None
+    for kind in (TIP, RIM):
+        if not limits[REACHED + kind] <= limits[kind]:
+            wall = kind == RIM and limits[RIM] < limits[TIP]
+            name = "gap" if math.isinf(limits[RIM]) else "wall" if wall else "radius"
+            return name, float(limits[REACHED + kind]), float(limits[kind])
+    return None
+
+
+def wall_flags(deflection: float, thickness: float) -> tuple[str, ...]:
+    """What to say of a rim's largest deflection [m]; nothing where linear theory carries it."""
+    if not (math.isfinite(thickness) and thickness > 0.0 and deflection > WALL * thickness):
+        return ()
+    return (
+        f"rim deflected by {deflection:.3g} m, {deflection / thickness:.2g} of the wall: linear theory carries "
+        f"{WALL:g} of it",
+    )
+
+
+def require_near(radius: float, **lengths: float) -> None:
+    """Raise InputError for the first length [m] beyond a tenth of the radius: a mistyped unit."""
+    for name, value in lengths.items():
+        if not abs(value) <= FAR * radius:
+            raise InputError(
+                f"{name}: found {value:g} m on a radius of {radius:g} m, expected at most a tenth of it: millimetres "
+                f"are written {1e-3 * value:g}"
+            )

@@ -1,0 +1,149 @@
+"""Runs that outgrow their model: stopped at the step that passed a limit, everything kept, the cause in words."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.diverged import recent_growth, theory_of
+from contact.model.gaps.permanent import rim_contact
+from tests.contact.synthetic_rim import blade, ring
+
+DIGS = ct.Coulomb(mu=0.3)  # above tan(10 deg)
+
+
+def rim(speed_hz=60.0, thickness=1e-3, **more):
+    """At 60 Hz the closed contact diverges by 320 1/s, at 20 Hz by 30 1/s, at 5 Hz it does not grow far in a second."""
+    given = {"clearance": -1e-5, "speed_hz": speed_hz, "lean_deg": 10.0} | more
+    return ct.RotatingRim(replace(ring(), thickness=thickness), blade(), **given)
+
+
+def diverging(what, **more):
+    with pytest.raises(ct.NumericsError) as caught:
+        ct.run(what, **({"law": DIGS, "t_end": 1.0, "dt": 2e-5} | more))
+    return caught.value
+
+
+@pytest.mark.slow
+def test_a_rim_stops_at_half_its_wall_and_keeps_all_up_to_there():
+    error = diverging(rim())
+    result, found = error.result, error.result.divergence
+    assert found.limit == "wall"
+    assert 5e-4 < found.reached < 1.5e-3  # looked at every 64 steps
+    assert found.step == result.steps == result.time.size
+    assert found.time == pytest.approx(result.steps * 2e-5)
+    assert np.isfinite(result.force).all()
+    assert result.energy.unaccounted < 1e-9 * result.energy.scale
+    assert str(error).startswith(f"step {found.step} (t = {found.time:.6g} s): diverged: the rim moved")
+    for words in ("By theory a contact that stays closed diverges at 60 Hz", "Energy came from", "[coating]"):
+        assert words in str(error)
+    whole = ct.run(rim(), law=DIGS, t_end=result.steps * 2e-5 - 1e-6, dt=2e-5, on_limit="flag")
+    assert np.array_equal(whole.force, result.force)  # the same run, to the bit
+
+
+@pytest.mark.slow
+def test_flags_run_on_to_a_tenth_of_the_radius_and_growth_is_theorys():
+    result = ct.run(rim(), law=DIGS, t_end=1.0, dt=2e-5, on_limit="flag")
+    found = result.divergence
+    assert found.limit == "radius"
+    assert 0.045 <= found.reached < 0.06
+    assert found.theory == pytest.approx(320.0, rel=0.01)
+    assert found.growth == pytest.approx(found.theory, rel=0.05)
+    assert [flag[:13] for flag in result.flags] == ["rim deflected", "diverged: rim"]
+    assert result.to_dict()["divergence"]["limit"] == "radius"
+
+
+@pytest.mark.slow
+def test_without_a_thickness_a_tenth_of_the_radius_is_the_bound_and_calm_runs_are_not_touched():
+    assert diverging(rim(thickness=0.0)).result.divergence.limit == "radius"
+    calm = ct.run(rim(5.0), law=DIGS, t_end=0.2, dt=2e-5)
+    assert (calm.divergence, calm.flags) == (None, ())
+
+
+@pytest.mark.slow
+def test_lanes_stop_where_a_run_alone_does():
+    scenes = [
+        ct.Scene(what=rim(speed), law=DIGS, t_end=0.4, dt=2e-5, on_limit=on_limit)
+        for speed, on_limit in ((60.0, "stop"), (5.0, "stop"), (20.0, "stop"), (60.0, "flag"))
+    ]
+    far, calm, slow, flagged = ct.run_many(scenes)
+    assert isinstance(calm, ct.Result)
+    for outcome, scene in ((far, scenes[0]), (slow, scenes[2])):
+        alone = diverging(scene)
+        assert type(outcome) is type(alone)
+        assert outcome.result.steps == alone.result.steps
+        np.testing.assert_allclose(outcome.result.force, alone.result.force, rtol=1e-6, atol=1e-9)
+        assert outcome.result.divergence.limit == alone.result.divergence.limit == "wall"
+    assert flagged.divergence.limit == "radius"
+
+
+@pytest.mark.slow
+def test_many_tips_stop_too_and_a_saved_result_says_why(tmp_path):
+    tips = tuple(ct.ContactPoint(angle_deg=angle, lean_deg=10.0) for angle in (0.0, 180.0))
+    rub = ct.Rub(rim().casing, [blade()], tips, clearance=-1e-5, speed=ct.Speed.constant(60.0))
+    error = diverging(rub)
+    assert error.result.divergence.limit == "wall"
+    error.result.save(tmp_path / "rub.npz")
+    kept = ct.Result.load(tmp_path / "rub.npz").divergence.to_dict()
+    assert kept == error.result.divergence.to_dict()
+    assert diverging(replace(rub, thickness=1.0)).result.divergence.limit == "radius"  # the rub's own goes before
+
+
+@pytest.mark.slow
+def test_a_patch_that_is_flung_far_beyond_its_start_and_load_stops():
+    block = ct.ModalBody(omega=[1.0, 0.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)))
+    patch = ct.Patch(body=block, normal=("y",), tangent=(("x",),), load=[0.0, 1.0], displacement=[1.0, 0.0])
+    scene = ct.Scene(what=patch, law=ct.Coulomb(mu=0.1), t_end=0.5, dt=1e-3)
+    assert ct.run(scene).divergence is None  # it only flies off
+    ready = ct.run.__globals__["prepared"](scene)
+    ready.stepper.limits[1] = 0.01
+    with pytest.raises(ct.NumericsError, match=r"a gap moved 0\.01") as caught:
+        ct.run.__globals__["completed"](ready)
+    assert caught.value.result.steps == caught.value.result.time.size == 142  # t^2/2 passes 0.01 after 0.1414 s
+
+
+def test_growth_is_read_where_the_rise_is():
+    t = np.linspace(0.0, 2.0, 40001)
+    late = np.where(t > 1.5, np.exp(40.0 * (t - 1.5)), 1.0) * np.sin(3000.0 * t)
+    assert recent_growth(t, late)[0] == pytest.approx(40.0, rel=0.03)
+    assert recent_growth(t[:50], late[:50])[0] is None
+
+
+def test_theory_of_split_pairs_is_their_means():
+    split = ct.RotatingRim(ring(imperfect=1e-3), blade(), clearance=0.0, speed_hz=60.0, lean_deg=10.0)
+    rate, words = theory_of(split, 0.3, 0.0)
+    assert rate == pytest.approx(315.5, rel=0.01)  # Floquet's theory of the split casing, 315.555
+    assert words.startswith("By theory (its pairs' mean)")
+    with pytest.raises(ct.InputError, match="turn into themselves"):
+        rim_contact(split, mu=0.3)
+
+
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"out_of_roundness": [{"p": 2, "cos": 0.3}]}, "found 0.3 m on a radius of .* millimetres are written 0.0003"),
+        ({"clearance": 0.2}, "clearance: found 0.2 m"),
+    ],
+)  # fmt: skip
+def test_mistyped_lengths_of_a_rim_are_refused(given, match):
+    with pytest.raises(ct.InputError, match=match):
+        rim(**given)
+
+
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"closing": ct.gaps.Closing.exponential(0.1, 0.1)}, "closing: found 0.0999"),
+        ({"whirl": (ct.gaps.Whirl(amplitude=0.06),)}, "whirl: found 0.06 m"),
+        ({"profile": ct.RimProfile(theta=[0.0, 2.0, 4.0], depth=[0.0, 0.3, 0.0])}, "out_of_roundness: found 0.3 m"),
+    ],
+)
+def test_mistyped_lengths_of_a_rub_are_refused(given, match):
+    with pytest.raises(ct.InputError, match=match):
+        ct.Rub(ring(), [blade()], [ct.ContactPoint()], **given)
+
+
+def test_what_to_do_at_a_limit_is_one_of_two():
+    with pytest.raises(ct.InputError, match="on_limit: found 'go', expected 'stop' or 'flag'"):
+        ct.run(rim(), t_end=1e-3, dt=2e-5, on_limit="go")
