@@ -30,8 +30,9 @@ from contact.scheme.modal.propagator import propagator
 PRESS, PUSHED = 1e-5, 1e-3  # of the radius, how much contacts overlap, small beside what slips in a period; of the
 # force, how much vibrates at first
 FOLDS, LONGEST, FEWEST = 5.0, 2.0, 40  # e-folds that are run, seconds at most, periods at least
-WINDOWS = 9  # half overlapping
-A_PERIOD, PHASE, TURNED = 10.0, 0.4, 0.1  # samples; radians of the fastest mode, of the highest harmonic, in a step
+A_PERIOD = 10.0  # samples
+PHASE, FOLLOWED, TURNED = 0.4, 0.02, 0.1  # radians of the fastest mode, of the leading motion, of the highest
+# harmonic, in a step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,49 +101,64 @@ def confirming_run(what: RotatingRim | Rub | HandPair, speed_hz: float, *, mu: f
     if averaged:
         raise InputError("casing: found split pairs, expected a perfect casing: contact.growth.perfect_mean gives one")
     leading = max(poles_each(contact, np.array([speed_hz]))[0], key=lambda s: float(s.real))
-    dt, period = _step(rub), 2.0 * math.pi / max(abs(leading.imag), 1.0)
-    q, v = _start(contact, speed_hz, leading, -rub.clearance, dt)
+    dt, period = _step(rub, leading), 2.0 * math.pi / max(abs(leading.imag), 1.0)
+    press, q, v = _start(contact, speed_hz, leading, -rub.clearance, dt)
     m = contact.casing
     sizes = np.cumsum([body.omega.size for body in rub.blades])[:-1]
     blades = zip(np.split(q[m:], sizes), np.split(v[m:], sizes), strict=True)
     rub = replace(
-        rub, casing_start=Start(displacement=readonly(q[:m]), velocity=readonly(v[:m])),
+        rub, clearance=-press, casing_start=Start(displacement=readonly(q[:m]), velocity=readonly(v[:m])),
         blade_starts=tuple(Start(displacement=readonly(x), velocity=readonly(y)) for x, y in blades),
     )  # fmt: skip
     seconds = float(np.clip(FOLDS / max(abs(leading.real), 1e-9), min(FEWEST * period, LONGEST), LONGEST))
     seconds = min(seconds, FOLDS / leading.real) if leading.real > 0.0 else seconds
-    every = max(1, int(period / A_PERIOD / dt), int(seconds / dt) // 20_000)
+    every = max(1, int(min(period / A_PERIOD, seconds / FEWEST / A_PERIOD) / dt))
     result = run(
         rub, law=Coulomb(mu=mu) if mu else Unilateral(), scheme=ExactModal(), t_end=seconds, dt=dt,
         record=Record(every=every), on_limit="flag",
     )  # fmt: skip
-    mean = np.diff(result.impulse_history.sum(axis=1)) / (every * result.dt)
+    mean = np.diff(result.impulse_history, axis=0) / (every * result.dt)
     closed = np.all(result.force[1:] > 0.0, axis=1)
     last = int(np.argmin(closed)) if not closed.all() else closed.size
-    rate = exponent(mean[:last], every * result.dt, abs(leading.imag) / (2.0 * math.pi))
+    k = int(np.std(mean[:last], axis=0).argmax())  # the tip that sees it best: over all of a disk it may sum to nothing
+    rate = exponent(mean[:last, k], every * result.dt, abs(leading.imag) / (2.0 * math.pi))
     return ConfirmingRun(speed_hz=speed_hz, poles=float(leading.real), run=rate, seconds=last * every * result.dt)
 
 
 def exponent(values: Array, step: float, freq_hz: float) -> float:
-    """Growth [1/s] of the vibration near a frequency: slope of its level in WINDOWS windows, each with Hann's weights.
+    """Growth [1/s] of the motion near a frequency, which may be 0: c + e^(s t) (a cos w t + b sin w t), least squares.
 
     >>> t = 1e-3 * np.arange(2000)
     >>> noise = 0.1 * np.sin(1900.0 * t)
     >>> round(exponent(5.0 + np.exp(1.5 * t) * np.sin(700.0 * t) + noise, 1e-3, 700.0 / (2.0 * np.pi)), 2)
     1.5
     """
-    size = 2 * values.size // (WINDOWS + 1)
-    if size < 8:
+    from scipy.optimize import least_squares
+
+    if values.size < 8:
         return math.nan
-    starts = np.linspace(0, values.size - size, WINDOWS).astype(int)
-    weights = np.hanning(size) * np.exp(-2.0j * math.pi * freq_hz * step * np.arange(size))
-    level = [abs(np.sum((values[i : i + size] - values[i : i + size].mean()) * weights)) for i in starts]
-    return float(np.polyfit(starts * step, np.log(level), 1)[0])
+    t = step * np.arange(values.size)
+    scale, span, w = float(np.std(values)) or 1.0, float(t[-1]), 2.0 * math.pi * freq_hz
+
+    def left(found: Array) -> Array:
+        grown = np.exp(found[0] / span * t)
+        columns = [np.ones(t.size), grown]
+        if found.size > 1:
+            phase = (w + found[1] / span) * t
+            columns[1:] = [grown * np.cos(phase), grown * np.sin(phase)]
+        basis = np.stack(columns, axis=1)
+        return np.asarray((values - basis @ np.linalg.lstsq(basis, values, rcond=None)[0]) / scale)
+
+    best = least_squares(left, np.full(2 if w * span > 1.0 else 1, 1e-3))
+    return float(best.x[0] / span)
 
 
-def _start(contact: ClosedContact, speed_hz: float, leading: complex, press: float, dt: float) -> tuple[Array, Array]:
-    """Displacement and velocity in the bodies' own frames at t = 0: equilibrium, and the leading motion.
+def _start(
+    contact: ClosedContact, speed_hz: float, leading: complex, press: float, dt: float
+) -> tuple[float, Array, Array]:
+    """Overlap, displacement and velocity in the bodies' frames at t = 0: equilibrium, and the leading motion.
 
+    Faster than its waves a rim gives way outwards: there a gap, not an overlap, has contacts that press at rest.
     A run starts from the free motion through both; the velocity is that of one which makes the step before t = 0 as
     if the contact had pressed then too.
     """
@@ -152,8 +168,11 @@ def _start(contact: ClosedContact, speed_hz: float, leading: complex, press: flo
     overlap = np.full(len(contact.Q), press)
     q = np.linalg.solve(A + contact.joined(sense), W.T @ np.linalg.solve(S, overlap))
     force = np.linalg.solve(S, overlap - contact.Q @ q)
+    if force.max() < 0.0:
+        press, overlap, q, force = -press, -overlap, -q, -force
     if not force.min() > 0.0:
-        raise InputError(f"contact: found forces at rest down to {force.min():g} N at {speed_hz:g} Hz, expected > 0")
+        found = f"forces at rest from {force.min():g} to {force.max():g} N at {speed_hz:g} Hz"
+        raise InputError(f"contact: found {found}, expected all above 0: not every contact stays closed")
     matrix, scale = state_matrix(contact, speed_hz)
     values, vectors = np.linalg.eig(matrix)
     shape = vectors[:, int(np.abs(values - leading).argmin())]
@@ -162,13 +181,17 @@ def _start(contact: ClosedContact, speed_hz: float, leading: complex, press: flo
     push = W.T @ np.linalg.solve(S, overlap - contact.Q @ q)
     none = np.zeros(m)
     pushed, free = (propagator(contact.omega, contact.zeta, load, dt) for load in (push, none))
-    return q, (pushed.backward(q, v) - free.backward(q, none)) / free.backward(none, np.ones(m))
+    return (
+        press,
+        q,
+        (pushed.backward(q, v) - free.backward(q, none)) / free.backward(none, np.ones(m)),
+    )
 
 
-def _step(rub: Rub) -> float:
-    """Step [s] that resolves the fastest mode and the turning."""
+def _step(rub: Rub, leading: complex) -> float:
+    """Step [s] that resolves the fastest mode, the motion that is followed, and the turning."""
     fastest = max(float(body.omega.max(initial=0.0)) for body in rub.bodies)
-    return min(PHASE / fastest, TURNED / (rub.casing.n_max * max(rub.speed.fastest, 1e-9)))
+    return min(PHASE / fastest, FOLLOWED / abs(leading), TURNED / (rub.casing.n_max * max(rub.speed.fastest, 1e-9)))
 
 
 @singledispatch

@@ -2,7 +2,7 @@
 
 import click
 
-from casingfem.cli.contact import contact, rub, stability
+from casingfem.cli.contact import contact, interactions, rub, stability
 from casingfem.cli.correlate import correlate
 from casingfem.cli.doctor import doctor
 from casingfem.cli.example import example
@@ -11,7 +11,7 @@ from casingfem.cli.identify import identify
 from casingfem.cli.locate import locate
 from casingfem.cli.mistune import mistune
 from casingfem.cli.rig import rig
-from casingfem.cli.study import modes, reduce, report, schema, update
+from casingfem.cli.study import campbell, modes, reduce, report, schema, update
 from casingfem.cli.sweep import sweep
 
 __all__ = ["main"]
@@ -32,6 +32,7 @@ def main() -> None:
 
 for command in (
     modes,
+    campbell,
     identify,
     correlate,
     mistune,
@@ -42,6 +43,7 @@ for command in (
     contact,
     rub,
     stability,
+    interactions,
     sweep,
     report,
     schema,

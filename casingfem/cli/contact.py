@@ -1,4 +1,4 @@
-"""Commands on scene.toml: contact, rub and stability."""
+"""Commands on scene.toml: contact, rub, stability and interactions."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,8 +10,17 @@ from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fai
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
+    from contact.confirmed import Confirmed
     from contact.record.wear import Wear
 
+STABILITY = (
+    "These are poles of a contact that stays closed: the growth column of `casingfem interactions`, which adds which "
+    "coincidence it is. The growth of a run or a sweep is less where contact opens."
+)
+RELATED = (
+    "`casingfem stability` draws the same growth over speed. A run or a sweep (growth_1_s) is slower where contact is "
+    'intermittent, and its status is "diverged" where the rim passes half its wall.'
+)
 SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
 
 
@@ -42,7 +51,56 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
     with ProgressMessage(f"stability {file.name}"):
         found = scene.solve()
     document = found.to_dict()
-    deliver(document, repr(found), as_json=as_json, out=out, files={"stability.json": json_text(document)})
+    files: dict[str, Content] = {"stability.json": json_text(document)}
+    if out is not None:
+        from casingfem.plot.interaction import figure_stability
+        from casingfem.plot.style import png
+
+        files["stability.png"] = png(figure_stability(found))
+    deliver(document, f"{found!r}\n{STABILITY}", as_json=as_json, out=out, files=files)
+
+
+@click.command()
+@SCENE
+@options
+def interactions(file: Path, as_json: bool, out: Path | None) -> None:
+    """At which speeds do casing and blade, or disk, interact? SCENE is a pair, a rim, a rub or a disk.
+
+    One table of all coincidences with the speeds at which closed contact diverges, by theory, and a run in time at the
+    worst speed that confirms the growth. speed.scan says which speeds; without it, up to twice the scene's.
+    """
+    from contact.scene.stability import load_interactions
+
+    scene = load_interactions(file)
+    with ProgressMessage(f"interactions {file.name}: poles, then a run at the worst speed"):
+        found = scene.solve()
+    document = found.to_dict()
+    files: dict[str, Content] = {"interactions.json": json_text(document)}
+    if out is not None:
+        from casingfem.plot.interaction import figure_interactions
+        from casingfem.plot.style import png
+
+        files["interactions.csv"] = interaction_rows(found)
+        files["interactions.png"] = png(figure_interactions(found.found, found.run))
+    deliver(document, f"{found!r}\n{RELATED}", as_json=as_json, out=out, files=files)
+
+
+def interaction_rows(found: "Confirmed") -> str:
+    """The table as CSV, a card with what each column means above it."""
+    from dataclasses import asdict
+
+    from contact.growth.interaction_table import COLUMNS
+
+    rows = [asdict(row) for row in found.found.rows]
+    lines = [
+        "# COMPUTED: interactions by linear theory of closed contact",
+        *(f"# {n}: {m}" for n, m in COLUMNS.items()),
+    ]
+    lines.append(
+        "n,branch,casing_hz,blade_hz,free_hz,closed_hz,wave_hz,from_hz,to_hz,growth_1_s,growth_hz,turns,pulses"
+    )
+    lines += [",".join("" if value != value else str(value) for value in row.values()) for row in rows]
+    return "\n".join(lines) + "\n"
 
 
 def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None:

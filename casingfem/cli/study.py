@@ -1,4 +1,4 @@
-"""Commands on study.toml: modes, update, reduce, report, schema."""
+"""Commands on study.toml: modes, campbell, update, reduce, report, schema."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -118,6 +118,41 @@ def modes_csv(found: "ModeSet", study: "Study | MeshStudy", sigma: float) -> str
         cells = {**row, "sigma_hz": sigma * float(str(row["freq_hz"])), "zeta": None}
         lines.append(",".join("" if cells[name] is None else str(cells[name]) for name in COLUMNS + COMPUTED))
     return "\n".join(lines) + "\n"
+
+
+@click.command()
+@STUDY
+@click.option("--to-hz", type=click.FloatRange(0.0, min_open=True), default=None,
+              help="Highest speed [turns/s]; one and a half times that of STUDY if left out.")  # fmt: skip
+@click.option("--steps", type=click.IntRange(2, 500), default=16, show_default=True, help="Speeds from 0 on.")
+@click.option("--count", type=click.IntRange(1, 100), default=6, show_default=True, help="Modes, the lowest at rest.")
+@click.option("--orders", type=click.IntRange(1, 100), default=8, show_default=True, help="Engine orders.")
+@options
+def campbell(
+    file: Path, as_json: bool, out: Path | None, to_hz: float | None, steps: int, count: int, orders: int
+) -> None:
+    """Frequencies of the turning structure of STUDY over speed, and where engine orders meet them."""
+    import numpy as np
+
+    from casingfem.modal.campbell import campbell as compute
+    from casingfem.study import load_study
+
+    study = load_study(file)
+    rotation = study.shell.rotation
+    if rotation is None:
+        raise study.error("rotation", "none", "a [rotation], which a Campbell diagram needs")
+    top = to_hz if to_hz is not None else 1.5 * abs(rotation.omega) / (2.0 * np.pi)
+    if top == 0.0:
+        raise click.UsageError("--to-hz: STUDY is at rest: give the highest speed")
+    with ProgressMessage(f"campbell of {file.name}"):
+        found = compute(study.shell, 2.0 * np.pi * np.linspace(0.0, top, steps), count)
+    document = {**found.to_json(orders), "source": study.source}
+    files: dict[str, Content] = {"campbell.json": json_text(document, indent=1)}
+    if out is not None:
+        from casingfem.plot.style import png
+
+        files |= {"campbell.csv": found.to_csv(), "campbell.png": png(found.plot(orders=orders))}
+    deliver(document, found.table(orders), as_json=as_json, out=out, files=files)
 
 
 @click.command()

@@ -71,7 +71,10 @@ def words(found: "SweepResult", seconds: float) -> str:
     if growing:
         most, run = max(growing, key=lambda pair: pair[0])
         at = ", ".join(f"{key} = {value}" for key, value in zip(plan.keys, run.values, strict=True))
-        lines.append(f"largest growth {most:.4g} 1/s at {at}")
+        lines.append(
+            f"largest growth {most:.4g} 1/s at {at}: of whole runs, impacts and all; where contact stays closed"
+        )
+        lines.append("it is that of `casingfem interactions`, elsewhere less")
     for status in ("refused", "failed", "diverged"):
         reasons = [row["why"] for row in rows if row["status"] == status]
         if reasons:

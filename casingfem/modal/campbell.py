@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -52,6 +54,44 @@ class Campbell:
         [(0, 26.316)]
         """
         return zero_crossings(self.speed_hz, self.freq - order * self.speed_hz[:, None])
+
+    def plot(self, *, orders: int = 8) -> Any:
+        """Draw frequencies over speed with engine orders 1 .. `orders`, their crossings marked: a matplotlib Figure.
+
+        >>> data = Campbell(omega=np.array([0.0, 2 * np.pi * 50]), freq=np.array([[100.0], [110.0]]),
+        ...                 southwell=np.zeros(1), overlap=np.ones((2, 1)))
+        >>> data.plot(orders=4).axes[0].get_xlabel()
+        'speed [turns/s]'
+        """
+        pictures = import_module("casingfem.plot.interaction")  # by name: what draws stands above what it draws
+        return pictures.figure_speeds(self, orders=orders)
+
+    def table(self, orders: int = 8) -> str:
+        """Frequencies at the first, middle and last speed, Southwell's coefficient, and engine orders that are met."""
+        shown = sorted({0, len(self.omega) // 2, len(self.omega) - 1})
+        lines = ["mode  " + "  ".join(f"{self.speed_hz[k]:8.4g} Hz" for k in shown) + "  Southwell  engine orders met"]
+        for mode in range(self.freq.shape[1]):
+            met = [f"{order} at {at:.4g} Hz" for order, k, at in self._met(orders) if k == mode]
+            cells = "  ".join(f"{self.freq[k, mode]:11.3f}" for k in shown)
+            lines.append(f"{mode + 1:4d}  {cells}  {self.southwell[mode]:9.4f}  {', '.join(met) or '-'}")
+        return "\n".join(lines)
+
+    def _met(self, orders: int) -> list[tuple[int, int, float]]:
+        return [(order, k, at) for order in range(1, orders + 1) for k, at in self.crossings(order)]
+
+    def to_json(self, orders: int = 8) -> dict[str, object]:
+        """JSON-ready: speeds, frequencies by speed, Southwell's coefficients, crossings with engine orders."""
+        return {
+            "speed_hz": self.speed_hz.tolist(), "freq_hz": self.freq.tolist(), "southwell": self.southwell.tolist(),
+            "overlap": self.overlap.tolist(),
+            "crossings": [{"order": order, "mode": k + 1, "speed_hz": at} for order, k, at in self._met(orders)],
+        }  # fmt: skip
+
+    def to_csv(self) -> str:
+        """One row a speed, one column a mode."""
+        head = ",".join(["speed_hz", *(f"mode{k + 1}_hz" for k in range(self.freq.shape[1]))])
+        rows = [",".join(map(str, [hz, *freq])) for hz, freq in zip(self.speed_hz, self.freq.tolist(), strict=True)]
+        return "\n".join(["# COMPUTED: frequencies in the rotating frame", head, *rows]) + "\n"
 
 
 def zero_crossings(speed: FloatArray, gap: FloatArray) -> list[tuple[int, float]]:

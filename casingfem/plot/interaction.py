@@ -21,10 +21,7 @@ def figure_campbell(found: Interactions, blade: Blade, *, orders: int = 8) -> Fi
     axes: Any = figure.add_subplot()
     speed = np.linspace(*found.speed_hz, 400)
     top = 1.35 * max([c.blade_hz for c in found.meetings] or [_highest(found, blade)])
-    for order in range(1, orders + 1):
-        axes.plot(speed, order * speed, color=PERFECT, linewidth=0.6, linestyle=":", zorder=1)
-        edge = min(speed[-1], top / order)
-        axes.annotate(f"{order}", (edge, order * edge), fontsize=6.5, color=PERFECT, ha="right", va="bottom")
+    _engine_orders(axes, speed, top, orders)
     met = {(c.n, c.m) for c in found.meetings}
     for n, m, freq in found.pairs:
         if (n, m) in met:
@@ -132,3 +129,102 @@ def figure_growth(
     axes.set_ylabel("growth [1/s]")
     axes.legend(fontsize=8)
     return figure
+
+
+@styled
+def figure_speeds(found: Campbell, *, orders: int = 8) -> Figure:
+    """A structure's frequencies over speed with engine orders, their crossings as dots."""
+    figure = new_figure(7.6, 4.6)
+    axes: Any = figure.add_subplot()
+    top = 1.15 * float(found.freq.max())
+    _engine_orders(axes, found.speed_hz, top, orders)
+    for k, column in enumerate(found.freq.T, 1):
+        axes.plot(found.speed_hz, column, color=BEFORE)
+        axes.annotate(f"{k}", (found.speed_hz[-1], column[-1]), fontsize=8, color=BEFORE, va="center")
+    for order in range(1, orders + 1):
+        for _, at in found.crossings(order):
+            axes.plot(at, order * at, "o", color=AFTER, markersize=5)
+    axes.set(xlabel="speed [turns/s]", ylabel="frequency in the rotating frame [Hz]", ylim=(0.0, top))
+    axes.set_xlim(float(found.speed_hz[0]), float(found.speed_hz[-1]))
+    return figure
+
+
+def _engine_orders(axes: Any, speed: FloatArray, top: float, orders: int) -> None:
+    for order in range(1, orders + 1):
+        axes.plot(speed, order * speed, color=PERFECT, linewidth=0.6, linestyle=":", zorder=1)
+        edge = min(float(speed[-1]), top / order)
+        axes.annotate(f"{order}", (edge, order * edge), fontsize=6.5, color=PERFECT, ha="right", va="bottom")
+
+
+@styled
+def figure_stability(found: Any) -> Figure:
+    """Growth of a closed contact over speed, a `contact.growth.StabilityMap`, bands that diverge shaded."""
+    figure = new_figure(7.6, 3.6)
+    axes: Any = figure.add_subplot()
+    _growth(axes, found)
+    axes.set_xlabel("speed [turns/s]")
+    return figure
+
+
+@styled
+def figure_interactions(found: Any, run: Any = None, *, orders: int = 8) -> Figure:
+    """Campbell in the blade's frame: poles of closed contact in the colour of their growth, waves, engine orders.
+
+    `found` as `contact.growth.interactions` gives it. Speeds that diverge are shaded, those at which an out-of-round
+    rim opens the contact hatched; below, growth over speed with the confirming run as a dot.
+    """
+    figure = new_figure(8.2, 6.4)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1.0))
+    speed, top = found.pole_speed_hz, _top(found)
+    _engine_orders(upper, speed, top, orders)
+    for n, freq, _ in found.waves:
+        if np.min(np.abs(freq - n * speed)) < top:
+            upper.plot(speed, np.abs(freq - n * speed), color=SKY, linewidth=0.6, zorder=2)
+    for freq in found.blade_hz:
+        if freq < top:
+            upper.axhline(freq, color=BEFORE, linewidth=0.8, zorder=2)
+    at = np.broadcast_to(speed[:, None], found.pole_hz.shape)
+    grows = found.pole_growth > 1e-6 * max(found.map.peak_growth, 0.0)  # less is round-off of what does not
+    calm = ~grows
+    upper.plot(at[calm], found.pole_hz[calm], ",", color=PERFECT, zorder=3, rasterized=True)
+    most = max(float(np.percentile(found.pole_growth[grows], 98.0)) if grows.any() else 0.0, 1e-12)
+    drawn = upper.scatter(
+        at[grows], found.pole_hz[grows], c=found.pole_growth[grows], s=9.0, cmap="plasma_r", vmin=0.0, vmax=most,
+        zorder=4, linewidths=0.0,
+    )  # fmt: skip
+    figure.colorbar(drawn, ax=upper, label="growth [1/s], contact closed", extend="max")
+    for low, high in found.map.bands_hz:
+        upper.axvspan(low, high, color=AFTER, alpha=0.12, linewidth=0.0)
+    for low, high in found.opens_hz:
+        lower.axvspan(low, high, facecolor="none", edgecolor=PERFECT, hatch="//", linewidth=0.0, alpha=0.5)
+    for row in found.rows:
+        if row.branch == "sum" and row.blade_hz < top:
+            upper.annotate(f"n = {row.n}", (row.growth_hz, row.blade_hz), fontsize=7, zorder=5)
+    upper.set(ylim=(0.0, top), ylabel="frequency at the blade [Hz]")
+    for label, colour in (("|f_c - n f|", SKY), ("blade alone", BEFORE)):
+        upper.plot([], [], color=colour, label=label)
+    upper.plot([], [], color=PERFECT, linestyle=":", linewidth=0.8, label="engine orders")
+    upper.plot([], [], ".", color=PERFECT, markersize=3, label="closed contact, decays")
+    figure.legend(loc="outside upper left", ncols=4)
+    _growth(lower, found.map)
+    if run is not None:
+        lower.plot(run.speed_hz, run.run, "o", color="black", markersize=5, label="run", zorder=4)
+        lower.legend(fontsize=8)
+    lower.set(xlabel="speed [turns/s]", xlim=(float(speed[0]), float(speed[-1])))
+    return figure
+
+
+def _top(found: Any) -> float:
+    """Highest frequency to draw [Hz]: above all that interacts."""
+    met = [float(row.blade_hz) for row in found.rows if np.isfinite(row.blade_hz)]
+    return 1.35 * max([*met, float(min(found.blade_hz, default=1.0))])
+
+
+def _growth(axes: Any, found: Any) -> None:
+    """Growth over speed, the bands that diverge shaded, on a scale that one sharp peak does not flatten."""
+    axes.axhline(0.0, color="#777777", linewidth=0.8)
+    axes.plot(found.speed_hz, found.growth, color=BEFORE, linewidth=1.0)
+    axes.plot(found.peak_speed_hz, found.peak_growth, "^", color=AFTER, markersize=5)
+    for low, high in found.bands_hz:
+        axes.axvspan(low, high, color=AFTER, alpha=0.12, linewidth=0.0)
+    axes.set_ylabel("growth [1/s]")

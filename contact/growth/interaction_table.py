@@ -147,7 +147,7 @@ def interactions(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu:
         raise InputError("speed_hz: found speeds that do not ascend from above 0, expected two or more that do")
     contact, averaged = _closed(what, mu)
     met = coincidences(contact) if len(contact.Q) == 1 else free_coincidences(contact)
-    here = tuple(c for c in met if speed[0] <= c.speed_hz <= speed[-1])
+    here = tuple(c for c in met if c.free_hz > 0.0 and speed[0] <= c.speed_hz <= speed[-1])
     found = stability(contact, speed)
     press, terms = _pressed(what)
     at = np.unique(np.concatenate([np.linspace(speed[0], speed[-1], 61), [c.speed_hz for c in here]]))

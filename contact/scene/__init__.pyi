@@ -1,8 +1,9 @@
 from .load import SceneError, load_scene, scene_schema
-from .stability import load_stability
+from .stability import load_interactions, load_stability
 
 __all__ = [
     "SceneError",
+    "load_interactions",
     "load_scene",
     "load_stability",
     "scene_schema",

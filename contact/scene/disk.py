@@ -17,7 +17,7 @@ from contact.model.gaps.rub_laws import RimProfile, Speed
 from contact.scene.coating import CoatingTable
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness
-from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, Table
+from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, ScanTable, Table
 
 Ratio = Annotated[FiniteFloat, Field(ge=0, lt=1)]
 
@@ -81,9 +81,10 @@ class DiskContact(Roundness):
 
 
 class DiskSpeed(Table):
-    """[speed]: turns per second."""
+    """[speed]: turns per second; `scan` the speeds of interactions."""
 
     hz: FiniteFloat
+    scan: ScanTable | None = None
 
 
 class DiskScheme(Table):

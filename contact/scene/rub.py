@@ -19,7 +19,7 @@ from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 from contact.scene.coating import CoatingTable
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness
-from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, Table
+from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, ScanTable, Table
 
 
 class RubHead(RunHead):
@@ -85,12 +85,13 @@ class RubContact(Roundness):
 class RubSpeed(Table):
     """[speed]: turns per second, one number, or as many as there are times [s], straight between them.
 
-    `turning` says which side turns, which gravity and whirl can tell.
+    `turning` says which side turns, which gravity and whirl can tell; `scan` the speeds of interactions.
     """
 
     hz: FiniteFloat | list[FiniteFloat]
     time: list[FiniteFloat] | None = None
     turning: Literal["casing", "blades"] = "casing"
+    scan: ScanTable | None = None
 
     @model_validator(mode="after")
     def _fits(self) -> RubSpeed:

@@ -77,6 +77,20 @@ class RunHead(Table):
     on_limit: Literal["stop", "flag"] = "stop"
 
 
+class ScanTable(Table):
+    """Speeds from, to [Hz] and how many of them: what `casingfem stability` and `interactions` look at."""
+
+    from_hz: FiniteFloat
+    to_hz: FiniteFloat
+    steps: Annotated[int, Field(ge=2, le=1_000_000)] = 401
+
+    @model_validator(mode="after")
+    def _ascends(self) -> ScanTable:
+        if not self.from_hz < self.to_hz:
+            raise ValueError(f"from_hz = {self.from_hz!r} and to_hz = {self.to_hz!r}, expected from_hz < to_hz")
+        return self
+
+
 class Waviness(Table):
     """One harmonic of the rim's radius [m], positive where the gap is larger."""
 

@@ -1,4 +1,4 @@
-"""Scene files for `casingfem stability`: a pair by hand, or a rim and a blade by their bases, over speeds."""
+"""Scene files for `casingfem stability` and `interactions`: a pair by hand, or a rim and its blades, over speeds."""
 
 from __future__ import annotations
 
@@ -10,15 +10,20 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
+from contact.confirmed import Confirmed, interactions
 from contact.growth.closed_contact import rim_stability, stability
 from contact.growth.growth_map import StabilityMap
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair, ModalPair
+from contact.model.gaps.rub import Rub
 from contact.model.law import Unilateral
 from contact.scene.load import SceneError, load_scene, read_scene
 
 if TYPE_CHECKING:
-    from contact.scene.tables import PairFile, ScanTable
+    from contact.scene.scheme import ScanTable
+    from contact.scene.tables import PairFile
+
+AROUND, STEPS = 2.0, 200  # times the scene's speed, in so many steps, where nothing else is said
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -53,6 +58,42 @@ def load_stability(path: str | Path) -> StabilityScene:
     scene = load_scene(file)
     mu = (scene.law or Unilateral()).mu
     return StabilityScene(what=cast(RotatingRim, scene.what), speed_hz=_speeds(scan), mu=mu)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class InteractionScene:
+    """What may interact, the speeds [Hz] to look at, and friction."""
+
+    what: HandPair | RotatingRim | Rub
+    speed_hz: Array
+    mu: float = 0.0
+
+    def solve(self) -> Confirmed:
+        """The table, and the run at its worst speed."""
+        return interactions(self.what, self.speed_hz, mu=self.mu)
+
+
+def load_interactions(path: str | Path) -> InteractionScene:
+    """Read a scene of kind "pair", "rim", "rub" or "disk"; without speed.scan, speeds up to AROUND times the scene's.
+
+    Raises SceneError, which lists every problem with file, key, what was found and what is expected.
+    """
+    file = Path(path)
+    table, _ = read_scene(file)
+    if table.scene.kind == "pair":
+        return InteractionScene(what=_pair(table, file), speed_hz=_speeds(table.speed))
+    if table.scene.kind not in ("rim", "rub", "disk"):
+        raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair', 'rim', 'rub' or 'disk'"])
+    scene = load_scene(file)
+    what, top = cast("RotatingRim | Rub", scene.what), float(np.max(np.abs(table.speed.hz)))
+    if table.speed.scan is not None:
+        speeds = _speeds(table.speed.scan)
+    elif top > 0.0:
+        speeds = np.linspace(top * AROUND / STEPS, top * AROUND, STEPS)
+    else:
+        expected = "{from_hz = ..., to_hz = ..., steps = ...} where the scene does not turn"
+        raise SceneError([f"{file}: speed.scan: missing, expected {expected}"])
+    return InteractionScene(what=what, speed_hz=speeds, mu=(scene.law or Unilateral()).mu)
 
 
 def _pair(table: PairFile, file: Path) -> HandPair:

@@ -12,7 +12,7 @@ from contact.scene.patch import PatchFile
 from contact.scene.record import RecordTable
 from contact.scene.roundness import Roundness
 from contact.scene.rub import RubFile
-from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, SchemeTable, Table
+from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, ScanTable, SchemeTable, Table
 
 
 class RodTable(Table):
@@ -101,20 +101,6 @@ class RimContact(Roundness):
     clearance: FiniteFloat
     friction: Friction = 0.0
     angle_deg: FiniteFloat = 0.0
-
-
-class ScanTable(Table):
-    """Speeds from, to [Hz] and how many of them: what `casingfem stability` looks at."""
-
-    from_hz: FiniteFloat
-    to_hz: FiniteFloat
-    steps: Annotated[int, Field(ge=2, le=1_000_000)] = 401
-
-    @model_validator(mode="after")
-    def _ascends(self) -> ScanTable:
-        if not self.from_hz < self.to_hz:
-            raise ValueError(f"from_hz = {self.from_hz!r} and to_hz = {self.to_hz!r}, expected from_hz < to_hz")
-        return self
 
 
 class SpeedTable(Table):
