@@ -23,5 +23,9 @@ _exported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
-    """A name of the stub, or one that stood here once."""
+    """A name of the stub, or one that stood here once; the version, which is looked up when it is asked for."""
+    if name == "__version__":
+        from contact.version import __version__
+
+        return __version__
     return former(__name__, FORMER, name) if name in FORMER else _exported(name)

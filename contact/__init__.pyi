@@ -22,7 +22,8 @@ from .scheme.linear.moreau_jean import MoreauJean
 from .scheme.linear.newmark import Newmark
 from .scheme.linear.penalty import PenaltyDifference
 from .scheme.modal.exact_modal import ExactModal
-from .version import __version__
+
+__version__: str
 
 __all__ = [
     "Abradable",
@@ -55,7 +56,6 @@ __all__ = [
     "Speed",
     "Unilateral",
     "Wall",
-    "__version__",
     "bodies",
     "gaps",
     "growth",

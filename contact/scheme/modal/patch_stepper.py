@@ -17,7 +17,8 @@ from contact.model.bodies.patch import Patch
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.propagator import Propagator, window
-from contact.scheme.protocol import Block, Motion
+from contact.scheme.protocol import Block, Motion, Notes
+from contact.solver.friction.coulomb import inexact
 
 if TYPE_CHECKING:
     from contact.loop.modal.patch import PatchState, PatchWork
@@ -82,6 +83,11 @@ class PatchStepper:
         if fault == ROUGH:
             return "no forces found that obey Coulomb's law in every contact: reduce dt or mu"
         return "the motion is not a number"
+
+    def notes(self) -> Notes:
+        """What friction left of the motion, where double precision does no better."""
+        said = inexact(float(self.work.room.left[0]))
+        return Notes(flags=(said,) if said else ())
 
     def stored(self) -> Stored:
         """Energy at t_n; what S stores counts as residual."""

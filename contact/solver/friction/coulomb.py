@@ -27,16 +27,21 @@ from contact.solver.friction.room import Room, friction_room
 DRAWS, ROUNDS = 24, 8  # covering vectors, and closer facets with each
 MOST_CONTACTS = 144  # contacts times covering vectors: pivoting grows with the cube
 SPREAD, CLOSER = math.pi / 4.0, 0.4  # between facets [rad], and how much closer in the next round
+LEFT = 1e-6  # of a contact's free motion: a larger error is told
 SLIPS = 1e-9  # of the largest motion: less is sticking
 
 
 class Friction(NamedTuple):
-    """`force` and `motion` (contacts, dimensions), normal first; iterations; |F| over the largest force."""
+    """`force` and `motion` (contacts, dimensions), normal first; iterations; |F| over the largest force.
+
+    `left`: the largest error of a contact as a motion, over its own free motion.
+    """
 
     force: Array
     motion: Array
     iterations: int
     residual: float
+    left: float = 0.0
 
 
 def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -> Friction:
@@ -54,7 +59,8 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
     InputError
         Shapes that do not fit, mu < 0, values that are not finite, contacts without compliance.
     NumericsError
-        No solution to `TOLERANCE` from any start: with friction there need not be one.
+        No solution to `TOLERANCE` from any start: with friction there need not be one. Or one whose motions are off by
+        more than `LEFT` of a contact's free motion, because forces in double precision can do no better.
 
     A block pushed down with 1 and sideways with 2 slips under mu = 1 and sticks under mu = 3:
 
@@ -77,8 +83,21 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
     iterations, residual = friction_forces(W, b.ravel(), friction, b.shape[1], len(b), force, room)
     if not residual <= TOLERANCE:
         raise NumericsError(f"friction: residual {residual:.2e} after {iterations} iterations, wanted {TOLERANCE:.0e}")
+    left = float(room.left[0])
+    if not left <= LEFT:
+        raise NumericsError(f"friction: {inexact(left)}")
     motion = (W @ force + b.ravel()).reshape(b.shape)
-    return Friction(force=force.reshape(b.shape), motion=motion, iterations=iterations, residual=residual)
+    return Friction(force.reshape(b.shape), motion, iterations, residual, left)
+
+
+def inexact(left: float) -> str:
+    """What to say of forces that leave so much of a contact's free motion; nothing up to LEFT."""
+    if left <= LEFT:
+        return ""
+    return (
+        f"forces leave {left:.1e} of a contact's motion in a step: contacts are coupled so closely, W conditioned to "
+        "about 1e10 and more, that double precision does no better; let contacts yield (S), or leave some out"
+    )
 
 
 def solver_room(contacts: int, dim: int) -> Room:
@@ -92,7 +111,10 @@ def friction_forces(W: Array, b: Array, mu: Array, dim: int, count: int, force: 
     iterations, residual = newton(W, b, mu, dim, count, force, room)
     if residual <= TOLERANCE:
         return iterations, residual
-    return iterations + MOST_ITERATIONS, otherwise(W, b, mu, dim, count, force, room, 0)
+    residual = otherwise(W, b, mu, dim, count, force, room, 0)
+    if residual <= TOLERANCE:
+        _, residual = newton(W, b, mu, dim, count, force, room)  # which is there at once: notes what is left
+    return iterations + MOST_ITERATIONS, residual
 
 
 def pivoted(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[Array, float]:
@@ -115,6 +137,7 @@ def pivoted(W: Array, b: Array, mu: Array, dim: int, force: Array) -> tuple[Arra
             trial = near.copy()
             newton(scaled, short, mu, dim, k, trial, space)
             trial *= unit
+            space.left[0] = 0.0
             _, found = newton(W, b, mu, dim, k, trial, space)
             if found < residual:
                 force, residual = trial, found

@@ -8,6 +8,10 @@ Eng. 92, 1991, 353)
 
 Newton's matrix is regularised by a hair, so that redundant contacts (singular W) have a solution too; a step that does
 not reduce |F| is halved, and where that fails projected Gauss-Seidel sweeps find a better start.
+
+F small beside the largest force can be a motion as large as the contact's own free one, where contacts yield by powers
+of ten more than others or are coupled so closely that forces nearly cancel: steps without the hair polish that away,
+down to what double precision carries, and `Room.left` tells what is left.
 """
 
 from __future__ import annotations
@@ -25,6 +29,7 @@ SWEEPS = 8  # Gauss-Seidel sweeps in the first burst
 HAIR = 1e-11  # regularisation of Newton's matrix, whose entries are of order one
 HALVINGS = 8
 UNDAMPED = 8
+CLOSE, POLISHES = 1e-10, 12  # error as motion, over the free motion, that is polished; steps of that at most
 
 
 @jit
@@ -44,12 +49,14 @@ def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
     for iteration in range(MOST_ITERATIONS + 1):
         scale = force_scale(b, rho, dim, count, force)
         if found <= TOLERANCE * scale or iteration == MOST_ITERATIONS:
+            if found <= TOLERANCE * scale:
+                polish(W, b, mu, dim, count, force, room)
             release(rho, dim, count, u, force)
             return iteration, found / scale if scale > 0.0 else found
         if undamped == 0:
             assign(base, force, size)
         n = law_slope(W, mu, rho, dim, count, force, u, J, closed)
-        newton_step(J, closed, n, miss, inside, room.vectors[RIGHT], step, size)
+        newton_step(J, closed, n, miss, inside, room.vectors[RIGHT], step, size, HAIR)
         part = 1.0
         for _ in range(1 if undamped > 0 else HALVINGS):
             for i in range(size):
@@ -71,6 +78,48 @@ def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
         found = law_residual(W, b, mu, rho, dim, count, force, u, miss)
         undamped, sweeps = UNDAMPED, 2 * sweeps
     return MOST_ITERATIONS, found
+
+
+@jit
+def polish(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> None:
+    """Newton steps without the hair while they halve the error as motion; notes in `room.left` what is left."""
+    size, rho, u, miss = count * dim, room.pairs, room.vectors[U], room.vectors[MISS]
+    step, trial, trial_miss = room.vectors[STEP], room.vectors[TRIAL], room.vectors[TRIAL_MISS]
+    J, inside, closed = room.matrices[JACOBIAN], room.matrices[INNER], room.whole[CLOSED]
+    left = motion_miss(b, rho, dim, count, miss)
+    for _ in range(POLISHES):
+        if left <= CLOSE:
+            break
+        n = law_slope(W, mu, rho, dim, count, force, u, J, closed)
+        newton_step(J, closed, n, miss, inside, room.vectors[RIGHT], step, size, 0.0)
+        for i in range(size):
+            trial[i] = force[i] - step[i]
+        law_residual(W, b, mu, rho, dim, count, trial, u, trial_miss)
+        now = motion_miss(b, rho, dim, count, trial_miss)
+        if not now < 0.5 * left:
+            law_residual(W, b, mu, rho, dim, count, force, u, miss)
+            break
+        assign(force, trial, size)
+        assign(miss, trial_miss, size)
+        left = now
+    room.left[0] = max(room.left[0], left)
+
+
+@jit
+def motion_miss(b: Array, rho: Array, dim: int, count: int, miss: Array) -> float:
+    """Largest F of a contact as a motion, F/rho, over its own free motion |b|, or where it has none the largest."""
+    most, worst = 0.0, 0.0
+    for i in range(count * dim):
+        most = max(most, abs(b[i]))
+    for k in range(count):
+        own, error = 0.0, 0.0
+        for i in range(k * dim, (k + 1) * dim):
+            own = max(own, abs(b[i]))
+            error = max(error, abs(miss[i]) / rho[k, 0 if i == k * dim else 1])
+        scale = own if own > 0.0 else most
+        if error > 0.0:
+            worst = max(worst, error / scale)
+    return worst
 
 
 @jit
@@ -198,8 +247,8 @@ def law_slope(W: Array, mu: Array, rho: Array, dim: int, count: int, force: Arra
 
 @jit
 def newton_step(J: Array, closed: Indices, n: int, miss: Array, inside: Array, right: Array, step: Array,
-                size: int) -> None:  # fmt: skip
-    """Solve J step = miss, what does not press first; NaN where J is singular."""
+                size: int, hair: float) -> None:  # fmt: skip
+    """Solve J step = miss, J regularised by a hair, what does not press first; NaN where J is singular."""
     assign(step, miss, size)
     for a in range(n):
         step[closed[a]] = 0.0
@@ -207,7 +256,7 @@ def newton_step(J: Array, closed: Indices, n: int, miss: Array, inside: Array, r
         right[a] = miss[closed[a]] - dot(J[a], step, size)
         for b in range(n):
             inside[a, b] = J[a, closed[b]]
-        inside[a, a] += HAIR
+        inside[a, a] += hair
     solved = solve_in_place(inside, right, n)
     for a in range(n):
         step[closed[a]] = right[a] if solved else math.nan  # no step: sweeps follow

@@ -77,6 +77,7 @@ class Room(NamedTuple):
     matrices: Array  # (3, N, N)
     pairs: Array  # (K, 2)
     whole: Indices  # (2, N)
+    left: Array  # (1,) largest error of a solution as motion, over the free motion of its contact
     otherwise: Otherwise
 
 
@@ -86,5 +87,6 @@ def friction_room(contacts: int, dim: int, pivoted: Pivoted | None = None) -> Ro
     vectors, matrices = np.zeros((12, size)), np.zeros((3, size, size))
     return Room(
         vectors=vectors, matrices=matrices, pairs=np.zeros((contacts, 2)), whole=np.zeros((2, size), dtype=np.int64),
+        left=np.zeros(1),
         otherwise=Otherwise(matrices[INNER], vectors[MISS], vectors[STEP], vectors[TRIAL], pivoted),
     )  # fmt: skip

@@ -280,3 +280,49 @@ def test_a_sweep_solves_contacts_that_do_not_feel_each_other():
     room.vectors[TRIAL] = 7.0
     assert room.otherwise.call(3, 2, 1) == 0.0
     np.testing.assert_allclose(room.vectors[TRIAL], [1.0, -0.1, 1.0, -0.5, 0.0, 0.0], rtol=1e-3)
+
+
+def motion_error(W, b, mu, force):
+    """Largest distance from the law as a motion, over the free motion of its contact, independent of the solver's."""
+    u, d, worst = (W @ force.ravel()).reshape(b.shape) + b, b.shape[1], 0.0
+    for k in range(len(b)):
+        i, own = k * d, np.abs(b[k]).max()
+        normal = W[i, i]
+        tangent = np.linalg.eigvalsh(W[i + 1 : i + d, i + 1 : i + d]).max()
+        pressed = max(force[k, 0] - u[k, 0] / normal, 0.0)
+        aim = force[k, 1:] - u[k, 1:] / tangent
+        held = aim * min(1.0, mu * pressed / max(np.linalg.norm(aim), 1e-300))
+        worst = max(worst, abs(force[k, 0] - pressed) * normal / own, np.abs(force[k, 1:] - held).max() * tangent / own)
+    return worst
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("cond", [1e6, 1e10, 1e12])
+def test_closely_coupled_contacts_are_solved_in_motion_too_or_it_is_said(cond, dim):
+    """Few modes behind many contacts: forces nearly cancel, and 1e-12 of the largest was up to 0.4 of the motion."""
+    rng, solved = np.random.default_rng(7), 0
+    for _ in range(60):
+        c = int(rng.integers(2, 7))
+        A = rng.standard_normal((c * dim, max(3, c * dim // 3)))
+        W = A @ A.T / (c * dim) + np.eye(c * dim) / cond
+        b = rng.standard_normal((c, dim)) - np.eye(dim)[0]
+        try:
+            found = coulomb(W, b, 0.3)
+        except NumericsError:
+            continue
+        solved += 1
+        assert found.left <= 1e-6
+        assert motion_error(W, b, 0.3, found.force) <= 2.0 * max(found.left, 1e-10)
+    assert solved >= (60 if cond == 1e6 else 40)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_contacts_that_yield_by_powers_of_ten_more_are_as_exact_as_the_others(dim):
+    rng = np.random.default_rng(11)
+    for _ in range(60):
+        c = int(rng.integers(2, 7))
+        U, _ = np.linalg.qr(rng.standard_normal((c * dim, c * dim)))
+        yields = np.repeat(np.geomspace(1.0, 1e6, c), dim)
+        W = (U * np.geomspace(1.0, 0.1, c * dim)) @ U.T * yields[:, None] * yields
+        b = (rng.standard_normal((c, dim)) - np.eye(dim)[0]) * np.geomspace(1.0, 1e6, c)[:, None]
+        assert motion_error(W, b, 0.3, coulomb(W, b, 0.3).force) <= 1e-9
