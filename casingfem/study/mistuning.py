@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from casingfem.modal.mistuning import (
     Mistuning,
@@ -31,6 +31,7 @@ from casingfem.modal.mistuning import (
 from casingfem.modal.mode_set import Modes
 from casingfem.study.load import Study, load_study
 from casingfem.study.problems import StudyError
+from contact.io.checked_json import read_checked, write_checked
 from contact.io.outfiles import json_text, write_atomic
 
 CHUNK = 5  # draws a file: what a killed run loses at most, for each process
@@ -92,10 +93,10 @@ def run_mistune(
         waiting = {executor.submit(compute_chunk, chunk): chunk for chunk in missing}
         done = resumed
         for future in as_completed(waiting):
-            content, chunk = result_of(future, executor), waiting[future]
+            content, chunk = json.loads(json_text(result_of(future, executor))), waiting[future]
             if store is not None:
-                write_atomic(store / chunk_name(chunk), json_text(content))
-            kept[chunk.start] = json.loads(json_text(content))
+                write_checked(store / chunk_name(chunk), "draws", content, first=chunk.start)
+            kept[chunk.start] = content
             done += len(chunk)
             if progress is not None:
                 progress(done)
@@ -133,7 +134,7 @@ def open_store(study: Study, folder: Path) -> Path:
     """
     key = json_text({"source": study.source, "count": study.file.modes.count})
     mark = folder / "study.json"
-    if mark.exists() and mark.read_text(encoding="utf-8") != key:
+    if mark.exists() and mark.read_bytes() != key.encode("utf-8"):
         raise StudyError([f"{study.path}: {folder} holds draws of another study or version: give another --out DIR"])
     write_atomic(mark, key)
     return folder
@@ -149,12 +150,8 @@ def chunk_name(chunk: range) -> str:
 
 
 def read(store: Path, chunk: range) -> dict[str, Any] | None:
-    """A chunk's content, None where it is not there."""
-    try:
-        content: dict[str, Any] = json.loads((store / chunk_name(chunk)).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return None
-    return content
+    """A chunk's content, None where it is not there or not whole."""
+    return cast("dict[str, Any] | None", read_checked(store / chunk_name(chunk), "draws", first=chunk.start))
 
 
 # --- in the worker processes ----------------------------------------------------------------------------------

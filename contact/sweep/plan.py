@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contact.io.checked_json import digest_of
 from contact.result import versions
 from contact.scene.load import SceneError, problem_text, scene_data, scene_of
-from contact.sweep.store import digest_of
 
 if TYPE_CHECKING:
     from contact.sweep.tables import SweepTable, VaryTable

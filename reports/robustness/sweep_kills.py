@@ -194,15 +194,27 @@ def disturb(cluster: Cluster, runs: int, workers: int, drivers: int) -> tuple[in
     return killed[0], killed[1], time.monotonic() - began
 
 
+def damaged(store: Path) -> Path:
+    """The store with one bit flipped in every hundredth run file, one file cut and one emptied."""
+    rng = np.random.default_rng(SEED)
+    files = Store.open(store).files()
+    for file in files[2::100]:
+        data = bytearray(file.read_bytes())
+        data[int(rng.integers(len(data)))] ^= 1 << int(rng.integers(8))
+        file.write_bytes(data)
+    files[0].write_bytes(files[0].read_bytes()[:-20])
+    files[1].write_bytes(b"")
+    return store
+
+
 def compared(plan: SweepPlan, undisturbed: SweepResult, store: Path) -> Row:
     """What the store holds after all kills, against the undisturbed table."""
     expected, there = table(undisturbed), run_sweep(plan, folder=store)
-    Store.open(store).rebuild()
     return {
         "finished before the table was asked for": there.resumed,
         "unreadable files": len(Store.open(store).unreadable()),
         "table identical": table(there) == expected,
-        "identical from a new index": table(run_sweep(plan, folder=store)) == expected,
+        "identical after damage": table(run_sweep(plan, folder=damaged(store))) == expected,
     }
 
 
@@ -227,7 +239,7 @@ def main(out: Path, quick: bool = False) -> Sequence[Row]:
         "s undisturbed, 2 processes": alone, "s with kills, 2 Dask workers": seconds,
     }  # fmt: skip
     row |= compared(plan, undisturbed, cluster.store)
-    whole = row["table identical"] and row["identical from a new index"] and not row["unreadable files"]
+    whole = row["table identical"] and row["identical after damage"] and not row["unreadable files"]
     row["verdict"] = "pass" if whole else "FAIL"
     show("A sweep under kill -9", [{"what": name, "value": value} for name, value in row.items()])
     write(out / "sweep_kills.csv", [row])

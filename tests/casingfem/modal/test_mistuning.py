@@ -190,15 +190,19 @@ def test_a_killed_run_goes_on_to_the_same_bits(study, tmp_path):
     assert 1 <= len(kept) < 4
     assert not list(broken.glob("mistune*"))
     for chunk in kept:
-        assert len(json.loads(chunk.read_text())["pairs"]) >= 5
+        assert len(json.loads(chunk.read_text())["draws"]["pairs"]) >= 5
     assert children
     assert gone(children)  # nobody waits for work for ever
     resumed = CliRunner().invoke(main, [*arguments, str(broken), "--processes", "2"])
     assert (resumed.exit_code, resumed.stderr) == (0, "")
     document = json.loads(resumed.stdout)
     assert document["resumed"] == 5 * len(kept)
+    chunk = broken / "draws" / "draws_000010_000014.json"
+    chunk.write_text(chunk.read_text().replace("1", "2", 1))
     assert document["restart_errors"]["0"] < 1e-6
     assert CliRunner().invoke(main, [*arguments, str(whole), "--processes", "1"]).exit_code == 0
+    assert tables(whole) == tables(broken)
+    assert json.loads(CliRunner().invoke(main, [*arguments, str(broken)]).stdout)["resumed"] == 15
     assert tables(whole) == tables(broken)
     assert (whole / "mistune.png").stat().st_size > 5000
 

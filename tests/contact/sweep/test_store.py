@@ -1,11 +1,11 @@
-"""A store of runs: whole files or none, an index that can be made again."""
+"""A store of runs: whole files or none, and what is altered is no run."""
 
 import json
-import sqlite3
 
 import pytest
 
-from contact.sweep.store import Store, digest_of, read_run, run_path, write_run
+from contact.io.checked_json import digest_of
+from contact.sweep.store import Store, read_run, run_path, write_run
 
 ROWS = {digest_of({"run": k}): {"status": "done", "x": k / 3.0, "why": ""} for k in range(20)}
 
@@ -25,45 +25,14 @@ def test_rows_come_back_to_the_last_bit(tmp_path):
 
 
 def test_files_written_by_workers_are_found_and_files_removed_are_forgotten(tmp_path):
-    store = filled(tmp_path)
+    filled(tmp_path)
     new, (gone, *_) = digest_of({"run": "new"}), ROWS
     write_run(tmp_path, new, {"status": "done"})
     run_path(tmp_path, gone).unlink()
-    assert new not in store.rows([new])
     found = Store.open(tmp_path).rows([new, *ROWS])
     assert found[new] == {"status": "done"}
     assert gone not in found
     assert len(found) == 20
-
-
-@pytest.mark.parametrize("damage", ["lost", "not a database", "no table"])
-def test_a_broken_index_is_made_again(tmp_path, damage):
-    store = filled(tmp_path)
-    for extra in tmp_path.glob("index.sqlite-*"):
-        extra.unlink()
-    store.index.unlink()
-    if damage == "not a database":
-        store.index.write_bytes(b"garbage" * 1000)
-    if damage == "no table":
-        sqlite3.connect(store.index).close()
-    assert Store.open(tmp_path).rows(ROWS) == ROWS
-
-
-def test_an_index_that_is_none_is_closed_before_it_is_made_again(tmp_path, monkeypatch):
-    """From Python 3.13 on a connection left open is a warning, raised in whatever runs when it is collected."""
-    store, opened, connect = filled(tmp_path), [], sqlite3.connect
-    store.index.write_bytes(b"garbage" * 1000)
-
-    def watched(*arguments, **named):
-        opened.append(connect(*arguments, **named))
-        return opened[-1]
-
-    monkeypatch.setattr(sqlite3, "connect", watched)
-    Store.open(tmp_path)
-    assert len(opened) == 2
-    for index in opened:
-        with pytest.raises(sqlite3.ProgrammingError, match="closed"):
-            index.execute("SELECT 1")
 
 
 def test_torn_or_changed_files_are_seen(tmp_path):
@@ -79,8 +48,30 @@ def test_torn_or_changed_files_are_seen(tmp_path):
     assert {first, second} <= set(bad)
     assert len(bad) == 4
     assert read_run(tmp_path / "nowhere.json") is None
-    store.rebuild()
     assert len(store.rows(ROWS)) == 16
+    store.note(ROWS)
+    assert store.rows(ROWS) == ROWS
+
+
+@pytest.mark.parametrize("content", ["[" * 100_000, '{"row": ' * 100_000, "9" * 5000, "null", "[]", "{}", "NaN"])
+def test_what_is_no_run_is_none(tmp_path, content):
+    path = run_path(tmp_path, digest_of("a run"))
+    path.parent.mkdir(parents=True)
+    path.write_text(content)
+    assert read_run(path) is None
+
+
+def test_no_flipped_bit_changes_a_row(tmp_path):
+    """A bit of each byte in turn: the row is the same, or there is none."""
+    store = filled(tmp_path)
+    digest, row = next(iter(ROWS.items()))
+    path = run_path(tmp_path, digest)
+    data = path.read_bytes()
+    for k in range(len(data)):
+        changed = bytearray(data)
+        changed[k] ^= 1 << k % 8
+        path.write_bytes(changed)
+        assert store.rows([digest]) in ({}, {digest: row})
 
 
 def test_a_half_written_file_has_a_name_of_its_own(tmp_path, monkeypatch):

@@ -284,6 +284,10 @@ def test_order_processes_and_resuming_change_no_bit(scene, tmp_path):
     assert seen[-1] == 9
     assert len(Store.open(store).files()) == 9
     assert sweep.run_sweep(plan, folder=store).resumed == 9
+    altered = Store.open(store).files()[4]
+    altered.write_text(altered.read_text().replace('"closings": ', '"closings": 1', 1))
+    again = sweep.run_sweep(plan, folder=store)
+    assert (again.resumed, sweep.table(again)) == (8, plain)
 
 
 def test_bodies_on_an_axis_are_swept_too(tmp_path):
