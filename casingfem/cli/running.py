@@ -12,7 +12,7 @@ from typing import Any, NoReturn, ParamSpec, TypeVar
 import click
 
 from casingfem.cli.model_warnings import collected, collecting
-from contact.io.outfiles import Content, json_text, write_files
+from contact.io.outfiles import Content, json_text, settle, write_files
 
 BAD_INPUT, NUMERICS_FAILED = 2, 3
 PATIENCE = 1.0  # seconds before a terminal is told what takes so long
@@ -36,6 +36,9 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
     @wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
+            for path in kwargs.values():
+                if isinstance(path, Path):
+                    settle(path if path.is_dir() else path.parent)
             with collecting():
                 return command(*args, **kwargs)
         except (ValueError, RuntimeError) as error:
@@ -49,7 +52,7 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
         except OSError as error:
             if isinstance(error, BrokenPipeError):
                 raise
-            fail(f"{error.filename}: {error.strerror}", BAD_INPUT)
+            fail(f"{error.filename or 'standard output'}: {error.strerror or error}", BAD_INPUT)
 
     return run
 

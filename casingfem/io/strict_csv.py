@@ -21,6 +21,7 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, IntArray
+from contact.io.outfiles import settle
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
@@ -90,6 +91,7 @@ def read(path: str | os.PathLike[str]) -> StrictCsv:
     FileNotFoundError
         When there is no such file.
     """
+    settle(Path(path).parent)
     data = Path(path).read_bytes()
     try:
         text = data.decode("utf-8-sig")

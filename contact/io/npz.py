@@ -12,7 +12,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.io.outfiles import write_atomic
+from contact.io.outfiles import settle, write_atomic
 
 
 def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, ArrayLike], *, compressed: bool = False) -> Path:
@@ -34,6 +34,7 @@ def load_npz(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
         No file, another kind of file, or one with pickled objects.
     """
     try:
+        settle(Path(path).parent)
         with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
     except (OSError, ValueError, EOFError, AttributeError, BadZipFile, zlib.error) as error:

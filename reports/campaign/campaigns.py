@@ -79,5 +79,6 @@ CAMPAIGNS = (
     Campaign("speed.tips", "microseconds a step of a rub by its tips", RUBS),
     Campaign("robustness.diverging", "scenes that diverge stop with the cause named, mistyped ones are refused", RUBS),
     Campaign("robustness.sweep_kills", "sweeps under kill -9 lose nothing", ("contact/sweep",)),
+    Campaign("robustness.set_kills", "sets under kill -9 are the old or the new", ("contact/io", "casingfem/cli")),
     Campaign("rig", "the chain of `make study`", ("casingfem", "contact")),
 )  # fmt: skip
