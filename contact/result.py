@@ -239,8 +239,14 @@ class Result:
     @staticmethod
     def load(path: str | Path) -> Result:
         """Read a saved result; raises InputError naming file and key."""
-        data = read_npz(Path(path), FORMAT, ("document", *ARRAYS))
-        rest: dict[str, Any] = json.loads(str(data["document"]))
+        data = read_npz(Path(path), FORMAT, ("document", *ARRAYS), ("format", "document"))
+        try:
+            return Result._of(json.loads(str(data["document"])), data)
+        except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+            raise InputError(f"{path}: key 'document': found one without, or with another, {error}") from error
+
+    @staticmethod
+    def _of(rest: dict[str, Any], data: dict[str, Any]) -> Result:
         energy: dict[str, Any] = rest.pop("energy")
         energy |= {name: Stored(**energy[name]) for name in ("start", "end")}
         for name in ("intervals", "sticking"):

@@ -1,20 +1,26 @@
 """Files of arrays (npz), read with all that is wanted or refused; `contact.io.npz` writes them."""
 
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 from casingfem.errors import InputError
 from casingfem.io.arrays import Array
-from contact.io.npz import load_npz
+from contact.io.npz import ArrayKind, load_npz, require_kinds
 
 
-def read_npz(path: str | os.PathLike[str], wanted: Collection[str] = (), expected: str = "") -> dict[str, Array]:
+def read_npz(
+    path: str | os.PathLike[str],
+    wanted: Collection[str] = (),
+    expected: str = "",
+    kinds: Mapping[str, ArrayKind] | None = None,
+) -> dict[str, Array]:
     """All arrays of a file by name.
 
     Raises
     ------
     InputError
-        No file, another kind of file, or one without an array that is wanted; `expected` says what it should be.
+        No file, another kind of file, or one without an array that is wanted; `expected` says what it should be. Where
+        `kinds` are given, also for an array of another kind; those that they do not name are real numbers.
     """
     try:
         stored = load_npz(path)
@@ -24,4 +30,9 @@ def read_npz(path: str | os.PathLike[str], wanted: Collection[str] = (), expecte
     if missing := set(wanted) - stored.keys():
         found = f"an npz without {', '.join(sorted(missing))}"
         raise InputError(str(path), found=found, expected=expected or ", ".join(sorted(wanted)))
+    if kinds is not None:
+        try:
+            require_kinds(stored, kinds)
+        except ValueError as error:
+            raise InputError(f"{path}: {error}") from error
     return stored

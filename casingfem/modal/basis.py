@@ -16,9 +16,11 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, frozen
 from casingfem.io.npz import read_npz
-from contact.io.npz import write_npz
+from contact.io.names import names_fault
+from contact.io.npz import compliance_fault, whole, write_npz
 
 FORMAT = "casingfem-modal-basis-1"
+TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 OPTIONAL = (
     "recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation",
     "out_of_roundness",
@@ -85,8 +87,8 @@ class ModalBasis:
     provenance: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        modes, channels = len(self.omega), len(self.channels)
-        shapes = {"zeta": (modes,), "rows": (channels, modes), "S": (channels, channels)}
+        modes, channels = np.size(self.omega), len(self.channels)
+        shapes = {"omega": (modes,), "zeta": (modes,), "rows": (channels, modes), "S": (channels, channels)}
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:
                 raise InputError(f"{name} must have shape {shape}, found {getattr(self, name).shape}")
@@ -94,6 +96,13 @@ class ModalBasis:
             if not np.all(np.isfinite(getattr(self, name))):
                 raise InputError(f"{name} holds values that are not finite")
             object.__setattr__(self, name, frozen(getattr(self, name)))
+        if len(self) and float(self.omega.min()) < 0.0:
+            raise InputError(f"omega: found {self.omega.min():g} rad/s, expected every frequency >= 0")
+        for key in ("channels", "outputs"):
+            if fault := names_fault(getattr(self, key)):
+                raise InputError(f"{key}: found {fault}")
+        if fault := compliance_fault(self.S):
+            raise InputError(f"S: found {fault}")
         if self.kind not in ("rim", "point"):
             raise InputError(f'kind must be "rim" or "point", found {self.kind!r}')
 
@@ -127,31 +136,30 @@ class ModalBasis:
         InputError
             If the file is missing, is no modal basis, or lacks an array.
         """
-        data = read_npz(path)
+        data = read_npz(path, kinds=dict.fromkeys(TEXTS, "text"))
         if str(data.get("format")) != FORMAT:
             raise InputError(f"{path}: expected format {FORMAT!r}, found {str(data.get('format'))!r}")
         if missing := {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys():
             raise InputError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
         extra = {name: data[name] for name in OPTIONAL if name in data}
         try:
-            provenance = json.loads(str(data.get("provenance", "{}")))
-        except ValueError as error:
-            raise InputError(f"{path}: the provenance is not JSON ({error})") from error
-        return cls(
-            omega=data["omega"],
-            zeta=data["zeta"],
-            channels=tuple(str(name) for name in data["channels"]),
-            rows=data["rows"],
-            S=data["S"],
-            kind=str(data["kind"]),
-            n_max=int(data.get("n_max", 0)),
-            radius=float(data.get("radius", 0.0)),
-            thickness=float(data.get("thickness", 0.0)),
-            outputs=tuple(str(name) for name in data.get("outputs", ())),
-            spin=float(data.get("spin", 0.0)),
-            provenance=provenance,
-            **extra,
-        )
+            return cls(
+                omega=data["omega"],
+                zeta=data["zeta"],
+                channels=tuple(str(name) for name in data["channels"]),
+                rows=data["rows"],
+                S=data["S"],
+                kind=str(data["kind"]),
+                n_max=whole(data, "n_max"),
+                radius=float(data.get("radius", 0.0)),
+                thickness=float(data.get("thickness", 0.0)),
+                outputs=tuple(str(name) for name in data.get("outputs", ())),
+                spin=float(data.get("spin", 0.0)),
+                provenance=json.loads(str(data.get("provenance", "{}"))),
+                **extra,
+            )
+        except (TypeError, ValueError, RecursionError) as error:
+            raise InputError(f"{path}: {error}") from error
 
     def __repr__(self) -> str:
         """One line: modes, band, channels, the part of the compliance that S carries."""

@@ -1,18 +1,30 @@
-"""Files of plain arrays (npz): without pickle, written whole or not at all."""
+"""Files of plain arrays (npz): without pickle, written whole or not at all, read with each member checked first."""
 
 from __future__ import annotations
 
 import os
 import zlib
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
-from zipfile import BadZipFile
+from tokenize import TokenError
+from typing import Any, Literal
+from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.io.outfiles import settle, write_atomic
+
+ArrayKind = Literal["text", "complex", "real"]
+KINDS: dict[ArrayKind, tuple[str, str]] = {
+    "text": ("U", "text"),
+    "complex": ("iufc", "numbers"),
+    "real": ("iuf", "real numbers"),
+}
+ROOM, PACKED = 64e6, 100.0  # bytes that any file may unpack to; beyond, how many times its own size
+HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+DAMAGE = (OSError, ValueError, EOFError, SyntaxError, TokenError, RecursionError, MemoryError, BadZipFile, zlib.error)
 
 
 def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, ArrayLike], *, compressed: bool = False) -> Path:
@@ -31,11 +43,89 @@ def load_npz(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     Raises
     ------
     ValueError
-        No file, another kind of file, or one with pickled objects.
+        No file, another kind of file, or a member that is damaged, encrypted, packed beyond measure, or not of plain
+        numbers or text; it is named.
     """
+    name = ""
     try:
         settle(Path(path).parent)
-        with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, EOFError, AttributeError, BadZipFile, zlib.error) as error:
-        raise ValueError(str(error)) from error
+        arrays = {}
+        with ZipFile(path) as archive:
+            _check(archive, Path(path).stat().st_size)
+            for info in archive.infolist():
+                name = f"member {info.filename.removesuffix('.npy')!r}: "
+                arrays[info.filename.removesuffix(".npy")] = _member(archive, info)
+    except DAMAGE as error:
+        raise ValueError(f"{name}{error or type(error).__name__}") from error
+    return arrays
+
+
+def require_kinds(arrays: Mapping[str, NDArray[Any]], kinds: Mapping[str, ArrayKind]) -> None:
+    """Raise ValueError for the first array not of its kind; those that `kinds` does not name are real numbers."""
+    for name, array in arrays.items():
+        letters, expected = KINDS[kinds.get(name, "real")]
+        if array.dtype.kind not in letters:
+            raise ValueError(f"member {name!r}: found {array.dtype}, expected {expected}")
+
+
+def _check(archive: ZipFile, size: int) -> None:
+    """Refuse, before anything is unpacked, what is no npz or was made to fill the memory."""
+    members = archive.infolist()
+    largest = max(members, key=lambda info: info.file_size, default=None)
+    unpacked = sum(info.file_size for info in members)
+    if largest is not None and unpacked > max(ROOM, PACKED * size):
+        found = f"member {largest.filename!r} that helps to unpack {size / 1e6:.3g} MB to {unpacked / 1e6:.3g} MB"
+        raise ValueError(f"found {found}, expected at most {PACKED:g} times as much")
+    for name, times in Counter(info.filename for info in members).items():
+        if times > 1 or not name.endswith(".npy"):
+            raise ValueError(f"found {name!r}{f' {times} times' if times > 1 else ''}, expected arrays, each once")
+
+
+def _member(archive: ZipFile, info: ZipInfo) -> NDArray[Any]:
+    """One array, its header held against its size before memory is asked for."""
+    if info.flag_bits & 1 or info.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
+        how = "encrypted" if info.flag_bits & 1 else f"packed by method {info.compress_type}"
+        raise ValueError(f"found it {how}, expected it stored or deflated")
+    with archive.open(info) as stream:
+        version = np.lib.format.read_magic(stream)
+        if version not in HEADERS:
+            raise ValueError(f"found version {version} of the npy format, expected 1.0 or 2.0")
+        shape, _, dtype = HEADERS[version](stream)
+        if dtype.kind not in "biufcU":
+            raise ValueError(f"found {dtype}, expected numbers or text")
+        size = int(np.prod([*map(float, shape), dtype.itemsize]))
+        if size != info.file_size - stream.tell() or (not dtype.itemsize and 0 not in shape and shape):
+            raise ValueError(f"found {info.file_size} bytes, expected those of {dtype} of shape {shape}")
+        stream.seek(0)
+        array: NDArray[Any] = np.lib.format.read_array(stream, allow_pickle=False)
+        return array
+
+
+def whole(arrays: Mapping[str, NDArray[Any]], name: str) -> int:
+    """A number that counts; 0 where there is none.
+
+    >>> whole({"n_max": np.array(8)}, "n_max")
+    8
+    """
+    value = arrays.get(name, np.array(0))
+    if value.ndim or not float(value).is_integer() or not 0 <= value <= 1_000_000:
+        raise ValueError(f"{name}: found {value.tolist()!r}, expected a whole number from 0 to 1,000,000")
+    return int(value)
+
+
+def compliance_fault(S: NDArray[Any]) -> str:
+    """What is wrong with a static compliance matrix, which is symmetric and has no negative eigenvalue; else nothing.
+
+    >>> compliance_fault(np.diag([1e-8, 0.0])), compliance_fault(np.array([[1e-8, 0.0], [1e-8, 0.0]]))
+    ('', 'asymmetry 1.00e+00 of its scale, expected a symmetric matrix')
+    """
+    scale = float(np.abs(S).max(initial=0.0))
+    skew = float(np.abs(S - S.T).max(initial=0.0))
+    if skew > 1e-8 * scale:
+        return f"asymmetry {skew / scale:.2e} of its scale, expected a symmetric matrix"
+    try:
+        np.linalg.cholesky(S / (scale or 1.0) + 1e-6 * np.eye(len(S)))  # a fifth of the time of eigenvalues
+    except np.linalg.LinAlgError:
+        least = float(np.linalg.eigvalsh(S)[0])
+        return f"the eigenvalue {least:.3g} m/N, expected none below 0: a force would pull its own point away"
+    return ""

@@ -110,6 +110,8 @@ def problem_text(file: Path, detail: Any, table: str = "") -> str:
     """Write one pydantic error as file: key: found, expected."""
     key = table
     for part in detail["loc"]:
+        if isinstance(part, str) and part.endswith("]"):  # pydantic's name of one kind of value among several
+            continue
         key += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if key else str(part)
     if detail["type"] == "extra_forbidden":
         return f"{file}: {key}: unknown key"

@@ -7,7 +7,7 @@ from statistics import NormalDist
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
@@ -15,6 +15,10 @@ from contact.scene.scheme import Positive, Table, Waviness
 
 NINETY = NormalDist().inv_cdf(0.9)  # standard deviations between the median and the 90th percentile
 RAYLEIGH = math.sqrt(math.log(10.0) / math.log(2.0))  # 90th percentile over median of two equal Gaussian coefficients
+Terms = Annotated[
+    Annotated[list[Waviness], Tag("[harmonics]")] | Annotated[Literal["basis"], Tag("[name]")],
+    Discriminator(lambda value: "[harmonics]" if isinstance(value, list) else "[name]"),
+]
 Whole = Annotated[int, Field(ge=0)]
 
 
@@ -84,7 +88,7 @@ class Roundness(Table):
     `out_of_roundness` lists harmonics {p, cos, sin} [m], or is "basis": what the casing was surveyed to have.
     """
 
-    out_of_roundness: list[Waviness] | Literal["basis"] = Field(default_factory=list)
+    out_of_roundness: Terms = Field(default_factory=list)
     random_out_of_roundness: RandomRoundness | None = None
     draw: Whole | None = None
 

@@ -65,9 +65,9 @@ OF_LAWS = {
 
 
 class Table(BaseModel):
-    """A table of the file: unknown keys are errors."""
+    """A table of the file: unknown keys, inf and nan are errors; nothing is converted, but whole numbers to float."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 class RunHead(Table):

@@ -86,7 +86,7 @@ class ScanRecord:
         InputError
             A file that lacks an array, or is no npz file.
         """
-        data = read_npz(path, {"fs", "velocity", "angle", "tones", "card"})
+        data = read_npz(path, {"fs", "velocity", "angle", "tones", "card"}, kinds={"card": "text"})
         return cls(
             fs=float(data["fs"]),
             velocity=data["velocity"],

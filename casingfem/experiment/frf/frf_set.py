@@ -17,7 +17,7 @@ from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.io.npz import read_npz
 from casingfem.io.strict_csv import StrictCsv, read
-from contact.io.npz import write_npz
+from contact.io.npz import ArrayKind, write_npz
 from contact.io.outfiles import write_atomic
 
 Kind = Literal["frf", "time", "spectrum"]
@@ -205,7 +205,9 @@ class FrfSet:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> FrfSet:
         """Read what `save` wrote, without pickle."""
-        stored = read_npz(path, {"kind", "x", "responses", *PLACES, "unit", "card"}, "what FrfSet.save wrote")
+        wanted = {"kind", "x", "responses", *PLACES, "unit", "card"}
+        kinds: dict[str, ArrayKind] = {"kind": "text", "unit": "text", "card": "text", "responses": "complex"}
+        stored = read_npz(path, wanted, "what FrfSet.save wrote", kinds)
         arrays = {name: stored[name] for name in ("x", "responses", *PLACES)}
         kind, unit, card = _kind(str(stored["kind"]), str(path)), str(stored["unit"]), tuple(stored["card"].tolist())
         return cls(kind=kind, unit=unit, card=card, path=str(path), **arrays)

@@ -10,7 +10,8 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
-from contact.io.npz import load_npz, write_npz
+from contact.io.names import names_fault
+from contact.io.npz import compliance_fault, load_npz, require_kinds, whole, write_npz
 
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
@@ -18,6 +19,7 @@ OPTIONAL = (
     "recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation",
     "out_of_roundness",
 )  # fmt: skip
+TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -37,7 +39,7 @@ class ModalBody:
     axis of a rim, along span, flap and chord of a blade.
     `out_of_roundness` (L, 2 N + 1) [m]: deviation of each rim line's radius, cos0 .. cosN, sin1 .. sinN.
 
-    Raises InputError for shapes that do not fit, NaN, negative frequencies or an asymmetric S.
+    Raises InputError for shapes that do not fit, NaN, negative frequencies, an asymmetric or indefinite S.
 
     >>> body = ModalBody(omega=[100.0], zeta=[0.01], channels=("span",), rows=[[2.0]], S=[[0.0]])
     >>> body
@@ -82,6 +84,9 @@ class ModalBody:
             if self.recovery_S is not None:
                 require_shape("recovery_S", self.recovery_S, (len(self.recovery), K))
         object.__setattr__(self, "outputs", tuple(str(name) for name in self.outputs))
+        for key in ("channels", "outputs"):
+            if fault := names_fault(getattr(self, key)):
+                raise InputError(f"{key}: found {fault}")
         wanted = len(self.outputs)
         for name, shape in (
             ("output_rows", (wanted, m)),
@@ -93,10 +98,8 @@ class ModalBody:
             if getattr(self, name) is not None:
                 require_shape(name, getattr(self, name), shape)
         _require_modes(self.omega, self.zeta)
-        scale = float(np.abs(self.S).max(initial=0.0))
-        skew = float(np.abs(self.S - self.S.T).max(initial=0.0))
-        if skew > 1e-8 * scale:
-            raise InputError(f"S: found asymmetry {skew / scale:.2e} of its scale, expected a symmetric matrix")
+        if fault := compliance_fault(self.S):
+            raise InputError(f"S: found {fault}")
         self._require_kind()
 
     def _require_kind(self) -> None:
@@ -107,12 +110,12 @@ class ModalBody:
         require_not_negative(n_max=self.n_max, radius=self.radius, thickness=self.thickness)
         size = 2 * self.n_max + 1
         directions = 3 if any("axial" in name for name in self.channels) else 2
-        expected = rim_channels(self.n_max, directions, max(len(self.channels) // (size * directions), 1))
-        if self.channels != expected:
-            found = ", ".join(self.channels[:3])
+        lines = max(len(self.channels) // (size * directions), 1)
+        expected = size * directions * lines
+        if len(self.channels) != expected or self.channels != rim_channels(self.n_max, directions, lines):
             raise InputError(
-                f"channels: found {len(self.channels)} ({found}, ...), expected the {len(expected)} channels "
-                f"of a rim with n_max = {self.n_max}: {expected[0]}, ..., {expected[-1]}"
+                f"channels: found {len(self.channels)} ({', '.join(self.channels[:3])}, ...), expected the {expected} "
+                f"channels of a rim with n_max = {self.n_max}: radial.cos0, radial.cos1, ..."
             )
         if self.lines is not None:
             require_shape("lines", self.lines, (self.rim_lines, 2))
@@ -208,12 +211,12 @@ class ModalBody:
     @staticmethod
     def load(path: str | Path) -> ModalBody:
         """Read a modal basis file; raises InputError that names the file and the key."""
-        data = read_npz(Path(path), FORMAT, REQUIRED)
+        data = read_npz(Path(path), FORMAT, REQUIRED, TEXTS)
         try:
             return ModalBody(
                 omega=data["omega"], zeta=data["zeta"], rows=data["rows"], S=data["S"],
                 channels=tuple(str(name) for name in np.atleast_1d(data["channels"])), kind=str(data["kind"]),
-                n_max=int(data.get("n_max", np.array(0))), radius=float(data.get("radius", np.array(0.0))),
+                n_max=whole(data, "n_max"), radius=float(data.get("radius", np.array(0.0))),
                 outputs=tuple(str(name) for name in np.atleast_1d(data.get("outputs", np.zeros(0, dtype=np.str_)))),
                 spin=float(data.get("spin", np.array(0.0))), thickness=float(data.get("thickness", np.array(0.0))),
                 provenance=str(data.get("provenance", "{}")), **{n: data[n] for n in OPTIONAL if n in data},
@@ -242,8 +245,8 @@ def _require_modes(omega: Array, zeta: Array) -> None:
         raise InputError(f"zeta: found {zeta.min():g} .. {zeta.max():g}, expected 0 <= zeta < 1")
 
 
-def read_npz(path: Path, wanted: str, required: tuple[str, ...]) -> dict[str, Any]:
-    """Read every array of an npz file of this format; raises InputError naming file and key."""
+def read_npz(path: Path, wanted: str, required: tuple[str, ...], texts: tuple[str, ...]) -> dict[str, Any]:
+    """Read every array of an npz file of this format, numbers but for `texts`; raises InputError with file and key."""
     if not path.exists():
         raise InputError(f"{path}: found no such file, expected an npz file")
     try:
@@ -256,4 +259,8 @@ def read_npz(path: Path, wanted: str, required: tuple[str, ...]) -> dict[str, An
     missing = [name for name in required if name not in data]
     if missing:
         raise InputError(f"{path}: missing keys {', '.join(missing)}")
+    try:
+        require_kinds(data, dict.fromkeys(texts, "text"))
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from error
     return data

@@ -203,6 +203,30 @@ def test_broken_record_tables(tmp_path, lines, words):
     assert words in "\n".join(problems(tmp_path, f"{RODS}[record]\n{lines}\n"))
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("friction = 0.3", "friction = true", "contact.friction: found True, expected a valid number"),
+        ("hz = 5.0", 'hz = "5.0"', "speed.hz: found '5.0', expected a valid number"),
+        ("p = 2,", "p = 2.0,", "contact.out_of_roundness[1].p: found 2.0, expected a valid integer"),
+        ("p = 2,", "p = true,", "contact.out_of_roundness[1].p: found True, expected a valid integer"),
+        ("lean_deg = 10.0", "lean_deg = nan", "blade.lean_deg: found nan, expected a finite number"),
+        ("[{p = 2, cos = 2e-5}, {p = 3, cos = 5e-6}]", "2.0", "contact.out_of_roundness: found 2.0, expected 'basis'"),
+        ('basis = "blade.npz"', "basis = 7", "blade.basis: found 7, expected a valid string"),
+    ],
+)  # fmt: skip
+def test_values_of_another_type_are_refused_as_in_studies(tmp_path, old, new, key):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    file = tmp_path / "rim.toml"
+    file.write_text(RIM.replace(old, new, 1))
+    with pytest.raises(ct.InputError) as caught:
+        ct.load_scene(file)
+    assert [problem.endswith(key) or key + "," in problem for problem in caught.value.problems] == [True]
+    file.write_text(RIM.replace("hz = 5.0", "hz = 5").replace("t_end = 0.02", "t_end = 1"))
+    assert ct.load_scene(file).t_end == 1.0  # a whole number is a number
+
+
 @pytest.mark.parametrize("clearance", ["0.0451", "-1.0"])
 def test_a_clearance_in_the_wrong_unit(tmp_path, clearance):
     ring().save(tmp_path / "casing.npz")
