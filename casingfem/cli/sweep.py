@@ -35,8 +35,9 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
     from contact.sweep.plan import load_sweep
     from contact.sweep.sweep import run_sweep
 
-    plan = load_sweep(file)
-    with ProgressMessage(f"sweep {file.name}") as working:
+    with ProgressMessage(f"sweep {file.name}: its runs and their files") as working:
+        plan = load_sweep(file)
+        working.say(f"sweep {file.name}")
 
         def progress(done: int) -> None:
             working.say(f"sweep {file.name}: {done} of {len(plan.runs)} runs, {working.seconds:.0f} s")

@@ -91,6 +91,8 @@ def read(path: str | os.PathLike[str]) -> StrictCsv:
     FileNotFoundError
         When there is no such file.
     """
+    if "\0" in os.fspath(path):
+        raise InputError(repr(os.fspath(path)), found="a name with a zero byte", expected="a file")
     settle(Path(path).parent)
     data = Path(path).read_bytes()
     try:

@@ -9,6 +9,7 @@ from scipy.sparse import csc_array
 from casingfem.errors import NumericsError, sentence
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
+from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
 from casingfem.linalg.pencil import Mass, Pencil, make_pencil
@@ -133,6 +134,7 @@ def solve_modes(
     if count < 1 or count + extra >= size:
         asked = f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}"
         raise CountError(sentence("modes-count", asked))
+    require_affordable(count, size)
     pencil = make_pencil(K, mass)
     for step in (1.0, 1e2, 1e4):  # a shift too close to rigid motions drowns the elastic modes in their round-off
         try:

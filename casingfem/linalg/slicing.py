@@ -13,6 +13,7 @@ import numpy as np
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
+from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.krylov import BLOCKS, ConvergenceError, RitzPairs, nearest
 from casingfem.linalg.pencil import Pencil
@@ -98,6 +99,7 @@ def slices(pencil: Pencil, low: float, high: float, shift: float, direct: Direct
     counter = Counter(pencil, abs(shift), direct)
     start = End(shift, 0, settled=True) if low == 0.0 else counter.counted(low, -1.0)
     ends = [counter.counted(high, 1.0)]
+    require_affordable(ends[0].below - start.below, pencil.size)
     while ends:
         end = ends[-1]
         if end.place <= start.place:  # the last slice had to reach beyond it

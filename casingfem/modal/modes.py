@@ -6,6 +6,7 @@ from typing import overload
 import numpy as np
 
 from casingfem.errors import ModelError, warn
+from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.eigen import Band, solve, sturm_count
 from casingfem.linalg.factor import Direct
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
@@ -16,7 +17,9 @@ from casingfem.modal.ritz import RitzModes, ritz_modes
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
+from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.extent import extent
 from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
@@ -24,6 +27,7 @@ from casingfem.structure.shell.system import System
 __all__ = ["MeshModes", "ModeSet", "Modes", "count_below", "modes"]
 
 COUNT = 40
+HIGHEST = 1e15  # Hz: beyond, its square leaves the range of what is counted
 
 
 @overload
@@ -108,6 +112,9 @@ def modes(
         raise ModelError("modes-method", f'method must be "auto", "shell" or "fourier", found {method!r}')
     warn_of(shell)
     if method == "fourier" or (method == "auto" and shell.axisymmetric and system is None):
+        mesh = shell.mesh
+        nodes = mesh.order * mesh.around * (mesh.order * (len(mesh.breaks) - 1) + 1)
+        require_affordable(plate_count(shell, wanted), DOFS * nodes)
         found_by_n = fourier_modes(shell, wanted) if isinstance(wanted, int) else fourier_band(shell, wanted)
         return checked_resolution(found_by_n, around=False)
     started = time.perf_counter()
@@ -150,14 +157,25 @@ def count_or_band(count: int | None, band: Band | None) -> int | Band:
     """What is asked for, checked; 40 modes if nothing is said."""
     if count is not None and band is not None:
         raise ModelError("modes-band", "found both a count of modes and a band")
-    if band is not None and not 0.0 <= band[0] < band[1] < np.inf:
+    if band is not None and not 0.0 <= band[0] < band[1] < HIGHEST:
         raise ModelError("modes-band", f"the band runs from {band[0]!r} to {band[1]!r} Hz")
     if count is not None and count < 1:
         raise ModelError("modes-count", f"count must be at least 1, found {count}")
     return band or count or COUNT
 
 
+def plate_count(shell: Shell, wanted: int | Band) -> float:
+    """How many modes are wanted: those of a band by the modal density of a plate, sqrt(3) area/(c t) a hertz."""
+    if isinstance(wanted, int):
+        return float(wanted)
+    size, steel = extent(shell), shell.material
+    c = float(np.sqrt(np.real(steel.E / (steel.rho * (1.0 - steel.nu**2)))))
+    return float(np.sqrt(3.0) * size.sides.prod() * (wanted[1] - wanted[0]) / (c * size.thickness.min()))
+
+
 def count_below(shell: Shell, freq: float) -> int:
     """Number of modes below a frequency [Hz], by one factorisation and its inertia."""
+    if not freq < HIGHEST:
+        raise ModelError("modes-band", f"modes below {freq!r} Hz were to be counted")
     system = assemble(shell)
     return sturm_count(system.K, system.mass, (2.0 * np.pi * freq) ** 2)

@@ -17,7 +17,7 @@ class Material:
     Raises
     ------
     ModelError
-        If E or rho is not positive and finite, or nu lies outside (-1, 0.5).
+        If E or rho is not positive, or beyond what floats can carry, or nu lies outside (-1, 0.5).
 
     Examples
     --------
@@ -33,9 +33,9 @@ class Material:
     def __post_init__(self) -> None:
         for name in ("E", "rho"):
             value = np.real(getattr(self, name))
-            if not (np.isfinite(value) and value > 0.0):
+            if not 1e-25 <= value <= 1e25:  # beyond, products of stiffness and mass leave the range of floats
                 raise ModelError(
-                    f"material-{NAMES[name]}", f"material.{name} must be positive and finite, found {value!r}"
+                    f"material-{NAMES[name]}", f"material.{name} must lie between 1e-25 and 1e25, found {value!r}"
                 )
         nu = np.real(self.nu)
         if not -1.0 < nu < 0.5:

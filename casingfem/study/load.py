@@ -1,7 +1,6 @@
 """study.toml -> Study: the objects a study describes, or every problem of the file at once."""
 
 import hashlib
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -26,6 +25,7 @@ from casingfem.study.tables.tasks import ParameterTable, ReduceTable, UpdateTabl
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes
+from contact.io.toml import read_toml
 
 PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem")
 
@@ -97,7 +97,7 @@ def load_any(path: str | Path) -> Study | MeshStudy:
     """
     file = Path(path)
     problems = Problems(file)
-    text, data = read_toml(file)
+    text, data = tables_of(file)
     tables = validated(data, problems)
     if is_imported(data):
         structure = build_imported(tables, data, problems)
@@ -124,21 +124,15 @@ def load_any(path: str | Path) -> Study | MeshStudy:
     )
 
 
-def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
-    """The bytes and the tables of a TOML file."""
+def tables_of(file: Path) -> tuple[bytes, dict[str, Any]]:
+    """The bytes and the tables of a study file."""
     try:
-        text = file.read_bytes()
-        return text, tomllib.loads(text.decode("utf-8"))
+        return read_toml(file)
     except OSError as error:
         raise StudyError([with_code("study-file", f"{file}: found {error.strerror}, expected a study.toml")]) from None
-    except UnicodeDecodeError as error:
-        line = text.count(b"\n", 0, error.start) + 1
-        found = f"byte 0x{text[error.start]:02x}, which is not UTF-8"
-        raise StudyError(
-            [with_code("study-file", f"{file}: line {line}: found {found}, expected a UTF-8 text file")]
-        ) from None
-    except tomllib.TOMLDecodeError as error:
-        raise StudyError([with_code("study-toml", f"{file}: not TOML: {error}")]) from None
+    except ValueError as error:
+        code = "study-toml" if str(error).startswith("not TOML") else "study-file"
+        raise StudyError([with_code(code, f"{file}: {error}")]) from None
 
 
 def validated(data: dict[str, Any], problems: Problems) -> StudyFile:

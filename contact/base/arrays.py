@@ -12,6 +12,8 @@ from contact.base.errors import InputError
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+HUGE = 1e60  # of numbers with units: squares and products of them stay finite
+MANY = 10_000_000  # of whole numbers that count what is stored
 
 
 def readonly(values: ArrayLike) -> Array:
@@ -43,10 +45,12 @@ def require_shape(name: str, array: Array, shape: Sequence[int]) -> None:
 
 
 def require_positive(**fields: float) -> None:
-    """Raise InputError for the first field that is not a finite number > 0."""
+    """Raise InputError for the first field that is not a finite number > 0, or too far from 1 to be multiplied."""
     for name, value in fields.items():
         if not (math.isfinite(value) and value > 0.0):
             raise InputError(f"{name}: found {value!r}, expected a finite number > 0")
+        if not 1.0 / HUGE <= value <= HUGE:
+            raise InputError(f"{name}: found {value!r}, expected a number between {1.0 / HUGE:g} and {HUGE:g}")
 
 
 def require_not_negative(**fields: float) -> None:
@@ -57,10 +61,12 @@ def require_not_negative(**fields: float) -> None:
 
 
 def require_count(least: int = 1, **fields: object) -> None:
-    """Raise InputError for the first field that is not a whole number >= `least`."""
+    """Raise InputError for the first field that is not a whole number >= `least`, or more than memory holds."""
     for name, value in fields.items():
         if not isinstance(value, int) or value < least:
             raise InputError(f"{name}: found {value!r}, expected a whole number >= {least}")
+        if value > MANY:
+            raise InputError(f"{name}: found {value if value < 1e18 else 'over 1e18'}, expected at most {MANY}")
 
 
 def require_finite(**fields: float) -> None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
 from collections.abc import Callable
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from contact.base.errors import InputError
+from contact.io.toml import read_toml
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.body import Body, PointMass, Rod, Wall
 from contact.model.bodies.chain import assemble
@@ -75,12 +75,12 @@ def read_scene(file: Path) -> tuple[File, bytes]:
 def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:
     """Read a scene file as it stands: its tables and its text. Raises SceneError."""
     try:
-        text = file.read_bytes()
-        return tomllib.loads(text.decode("utf-8")), text
+        text, data = read_toml(file)
+        return data, text
     except OSError as error:
         raise SceneError([f"{file}: cannot be read ({error.strerror}), expected a scene.toml"]) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SceneError([f"{file}: not TOML: {error}"]) from error
+    except ValueError as error:
+        raise SceneError([f"{file}: {error}"]) from error
 
 
 def scene_schema() -> dict[str, Any]:
@@ -197,7 +197,7 @@ def _basis(path: Path) -> ModalBody:
     """A basis file, read once as long as it stays the same."""
     try:
         stat = path.stat()
-    except OSError:
+    except (OSError, ValueError):  # the latter of a name with a zero byte
         return ModalBody.load(path)  # which says what is wrong
     return _basis_as(path, stat.st_mtime_ns, stat.st_size)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import itertools
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -94,6 +95,8 @@ def _table(data: object, file: Path) -> SweepTable:
 
 def _combinations(table: SweepTable, file: Path) -> Iterator[tuple[Value, ...]]:
     """Values of the keys, run by run."""
+    from contact.sweep.tables import MOST_RUNS
+
     if table.kind == "random":
         assert table.draws is not None
         assert table.seed is not None
@@ -108,6 +111,8 @@ def _combinations(table: SweepTable, file: Path) -> Iterator[tuple[Value, ...]]:
             raise SceneError([f"{file}: sweep.vary: found lists of {sorted(sizes)} values, expected one length"])
         yield from zip(*columns, strict=True)
     else:
+        if (runs := math.prod(map(len, columns))) > MOST_RUNS:
+            raise SceneError([f"{file}: sweep.vary: found {runs} combinations, expected at most {MOST_RUNS}"])
         yield from itertools.product(*columns)
 
 

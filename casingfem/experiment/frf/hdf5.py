@@ -11,6 +11,7 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import PLACES, FrfSet
 from casingfem.extras import remedy
+from casingfem.io.probe import fault_of
 from contact.io.outfiles import write_atomic
 
 ARRAYS = ("x", "responses", *PLACES)
@@ -27,12 +28,12 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
     InputError
         h5py is not installed; a file that is no HDF5, lacks a data set or the unit; what `FrfSet` refuses.
     """
-    h5py = _h5py(path)
+    _h5py(path)
+    if Path(path).is_file() and (fault := fault_of(Path(path), __name__, "_contents")):
+        raise InputError(str(path), found=f"no readable HDF5 file ({fault})", expected="HDF5")
     try:
-        with h5py.File(path, "r") as file:
-            arrays = {name: np.asarray(file[name]) for name in ARRAYS if isinstance(file.get(name), h5py.Dataset)}
-            attributes = dict(file.attrs)
-    except OSError as error:
+        arrays, attributes = _contents(Path(path))
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:  # h5py's, for each kind of damage
         raise InputError(str(path), found=f"no readable HDF5 file ({error})", expected="HDF5") from error
     for name in ("x", "responses"):
         if name not in arrays:
@@ -45,6 +46,14 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
     card = tuple(str(line) for line in np.atleast_1d(attributes.get("card", ())).tolist())
     kind: Any = str(attributes.get("kind", "frf"))
     return FrfSet.from_arrays(kind=kind, unit=str(attributes["unit"]), card=card, path=str(path), **arrays)
+
+
+def _contents(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Data sets and attributes."""
+    h5py = _h5py(path)
+    with h5py.File(path, "r") as file:
+        arrays = {name: np.asarray(file[name]) for name in ARRAYS if isinstance(file.get(name), h5py.Dataset)}
+        return arrays, dict(file.attrs)
 
 
 def write_hdf5(frfs: FrfSet, path: str | os.PathLike[str]) -> Path:

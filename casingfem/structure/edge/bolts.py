@@ -64,8 +64,9 @@ class Bolts:
     frame: ClassVar[Literal["cartesian", "edge"]] = "cartesian"
 
     def __post_init__(self) -> None:
-        if not 1 <= self.count <= 1000:
-            raise ModelError("bolt-count", f"bolts.count must lie between 1 and 1000, found {self.count!r}")
+        if not (isinstance(self.count, int | np.integer) and 1 <= self.count <= 1000):
+            found = f"bolts.count must be a whole number between 1 and 1000, found {self.count!r}"
+            raise ModelError("bolt-count", found)
         if np.ndim(self.k) and len(np.atleast_1d(self.k)) != 3:
             raise ModelError("bolt-stiffness", f"bolts.k must be one number or three, found {self.k!r}")
         values = np.real([*self.stiffness, self.k_rot, *self.loose.values()])

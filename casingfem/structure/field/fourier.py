@@ -21,6 +21,7 @@ from casingfem.io.arrays import Array, IntArray
 from casingfem.structure.field.spline import Spline
 
 Coefficient: TypeAlias = float | complex
+MOST = 10_000  # harmonics that a mesh can have, and far more
 
 
 class FieldValues(NamedTuple):
@@ -345,6 +346,8 @@ def _harmonics(p: ArrayLike) -> IntArray:
     harmonics = given.astype(np.int64)
     if np.any(harmonics < 0):
         raise ModelError("field-harmonics", f"FourierField: harmonics must be >= 0, found {harmonics.min()}")
+    if np.any(harmonics > MOST):
+        raise ModelError("field-harmonics", f"FourierField: harmonics must be <= {MOST}, found {harmonics.max()}")
     numbers, counts = np.unique(harmonics, return_counts=True)
     if np.any(counts > 1):
         raise ModelError("field-harmonics", f"FourierField: harmonic {numbers[counts > 1][0]} is given twice")

@@ -5,6 +5,7 @@ what would move nodes behind the reader's back (coordinate systems, includes). E
 `PID 7`; the grids of SPC and SPC1 with set 3 on components 123 are `SPC 3 123`, and all of set 3 `SPC 3`.
 """
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
-from casingfem.structure.imported.draft import Block, Draft, Lookup
+from casingfem.structure.imported.draft import Block, Draft, Lookup, require_last_line
 
 SOLIDS = {
     ("CTETRA", 4): "tetra", ("CTETRA", 10): "tetra10", ("CHEXA", 8): "hexahedron", ("CHEXA", 20): "hexahedron20",
@@ -25,6 +26,7 @@ SHELLS = {"CQUAD4": ("quad", 4), "CQUADR": ("quad", 4), "CQUAD8": ("quad8", 8), 
 PLACES = {"CTETRA": 10, "CHEXA": 20, "CPENTA": 15, "CPYRAM": 13}
 BRICK20 = (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)  # upright edges come before the upper ones here
 CONSTRAINTS = ("RBE2", "RBE3", "RBAR", "MPC", "CELAS1", "CELAS2", "CBUSH", "CONM2", "CBAR", "CBEAM", "CROD")
+MOST = 99_999_999  # of numbers, which have eight digits
 SHORT_EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 
 
@@ -35,6 +37,7 @@ class Card:
     line: int
     name: str
     fields: list[str]
+    room: int = 0  # fields on its lines, filled or not
 
 
 def read_bdf(path: Path) -> Draft:
@@ -45,7 +48,9 @@ def read_bdf(path: Path) -> Draft:
     ModelError
         With the line, if the file is malformed or has what cannot be read.
     """
-    return Parser(path.name).read(path.read_text(encoding="utf-8", errors="replace"))
+    text = path.read_text(encoding="utf-8", errors="replace")
+    require_last_line(text, path.name)
+    return Parser(path.name).read(text)
 
 
 def split_line(line: str) -> tuple[str, list[str]]:
@@ -89,6 +94,7 @@ def cards(text: str) -> Iterator[Card]:
                 yield card
             card, full = Card(number, head.rstrip("*").upper(), data), 0
         full += 4 if "*" in head else 8
+        card.room = full
     if card is not None:
         yield card
 
@@ -128,23 +134,31 @@ class Parser:
     def integer(self, card: Card, text: str) -> int:
         """A whole number."""
         try:
-            return int(text)
+            number = int(text)
         except ValueError:
             raise self.fault(card, f"found {text!r}, expected a whole number") from None
+        if abs(number) > MOST:
+            raise self.fault(card, f"found {text!r}, expected a number of at most eight digits")
+        return number
 
     def real(self, card: Card, text: str) -> float:
         """A real number in Nastran's ways: 1.5, 1.5-3, 1.5D-3; empty is zero."""
         plain = SHORT_EXPONENT.sub(r"e\1", text.upper().replace("D", "E").lower()) if "e" not in text.lower() else text
         try:
-            return float(plain or 0.0)
+            value = float(plain or 0.0)
         except ValueError:
-            raise self.fault(card, f"found {text!r}, expected a real number") from None
+            value = math.nan
+        if not math.isfinite(value):
+            raise self.fault(card, f"found {text!r}, expected a real number")
+        return value
 
     def take_grid(self, card: Card) -> None:
         """GRID: number, coordinate system, x, y, z, ..."""
         fields = [*card.fields, "", "", "", "", ""]
         if fields[1] not in ("", "0"):
             raise self.fault(card, f"grid {fields[0]} in coordinate system {fields[1]}, expected the basic one")
+        if card.room < 5:
+            raise self.fault(card, f"grid {fields[0]} ends before z, expected a second line")
         x, y, z = (self.real(card, text) for text in fields[2:5])
         number = self.integer(card, fields[0])
         self.grids.append((number, x, y, z))
@@ -154,6 +168,8 @@ class Parser:
     def take_element(self, card: Card) -> None:
         """An element: number, property, nodes."""
         places = PLACES.get(card.name) or SHELLS[card.name][1]
+        if len(card.fields) < 3:
+            raise self.fault(card, f"found {len(card.fields)} fields, expected a number, a property and nodes")
         number = self.integer(card, card.fields[0])
         given = [text for text in card.fields[2 : 2 + places] if text]
         kind = SOLIDS.get((card.name, len(given))) if card.name in PLACES else SHELLS[card.name][0]
@@ -166,6 +182,8 @@ class Parser:
     def take_constraint(self, card: Card) -> None:
         """SPC: set, grid, components, value, ...; SPC1: set, components, grids or first THRU last."""
         fields = card.fields
+        if len(fields) < 3 or "" in fields[: 2 if card.name == "SPC1" else 1]:
+            raise self.fault(card, f"found the fields {', '.join(fields) or 'none'}, expected a set, components, grids")
         if card.name == "SPC":
             for k in range(1, len(fields) - 1, 3):
                 if fields[k]:
@@ -175,8 +193,7 @@ class Parser:
         grids = [text for text in fields[2:] if text]
         if len(grids) == 3 and grids[1].upper() == "THRU":
             first, last = self.integer(card, grids[0]), self.integer(card, grids[2])
-            known = {grid[0] for grid in self.grids}
-            members = [n for n in range(first, last + 1) if n in known]
+            members = [grid[0] for grid in self.grids if first <= grid[0] <= last]
         else:
             members = [self.integer(card, text) for text in grids]
         self.constraints.setdefault((fields[0], fields[1]), []).extend(members)

@@ -13,8 +13,10 @@ from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
+from contact.io.names import names_fault
 
 DIMENSIONS = {"vertex": 0, "wedge": 3, "pyramid": 3, "polygon": 2} | {name: kind.dim for name, kind in KINDS.items()}
+ENDS = ("*END", "**", "ENDDATA", "$")  # lines that a text may end with, ended or not
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,6 +67,18 @@ class Lookup:
         return np.asarray(self.order[place])
 
 
+def require_last_line(text: str, source: str) -> None:
+    """Refuse a text whose last line is not ended: its last number may be a part of one.
+
+    Raises
+    ------
+    ModelError
+        With that line.
+    """
+    if text and text[-1] not in "\r\n" and not (last := text.splitlines()[-1].strip()).upper().startswith(ENDS):
+        raise ModelError("mesh-file", f"{source}: the last line, {last[-40:]!r}, has no end: cut short?")
+
+
 def build(draft: Draft, source: str) -> MeshData:
     """The mesh of a draft.
 
@@ -98,6 +112,8 @@ def build(draft: Draft, source: str) -> MeshData:
         source=source,
     )
     names = dict.fromkeys([*draft.cell_sets, *draft.facet_sets, *draft.node_sets])
+    if fault := names_fault(names):
+        raise ModelError("mesh-file", f"{source}: found the group {fault}")
     return replace(mesh, groups={name: make_group(name, draft, mesh, start) for name in names})
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.draft import Block, Draft, Lookup
+from casingfem.structure.imported.draft import Block, Draft, Lookup, require_last_line
 
 FAMILIES = {
     "C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "hexahedron20", "C3D6": "wedge",
@@ -29,6 +29,7 @@ NODES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge"
 TETRA_FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))  # S1 to S4
 CUBE_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))  # S1 to S6
 REFUSED = {"INCLUDE": "another file", "SYSTEM": "a local coordinate system"}
+MOST = 1e15  # of numbers that a mesh has: beyond, a float does not tell them apart
 CONSTRAINTS = ("TIE", "EQUATION", "MPC", "RIGID BODY", "COUPLING", "SHELL TO SOLID COUPLING")
 
 
@@ -50,7 +51,9 @@ def read_inp(path: Path) -> Draft:
     ModelError
         With the line, if the file is malformed or has what cannot be read.
     """
-    return Parser(path.name).read(path.read_text(encoding="utf-8", errors="replace"))
+    text = path.read_text(encoding="utf-8", errors="replace")
+    require_last_line(text, path.name)
+    return Parser(path.name).read(text)
 
 
 def cards(text: str) -> Iterator[Card]:
@@ -77,6 +80,7 @@ class Parser:
 
     def __init__(self, source: str) -> None:
         self.source = source
+        self.size = 0  # of the text
         self.points: list[FloatArray] = []
         self.numbers: list[IntArray] = []
         self.elements: list[tuple[str, IntArray, IntArray]] = []  # kind, numbers, node numbers
@@ -91,6 +95,7 @@ class Parser:
 
     def read(self, text: str) -> Draft:
         """Take every card in turn."""
+        self.size = len(text)
         takers = {"NODE": self.take_nodes, "ELEMENT": self.take_elements, "NSET": self.take_set,
                   "ELSET": self.take_set, "SURFACE": self.take_surface}  # fmt: skip
         parts = 0
@@ -118,6 +123,8 @@ class Parser:
                 rows.append([kind(cell) for cell in text.rstrip(",").split(",")])
             except ValueError:
                 raise self.fault(line, f"found {text!r}, expected numbers") from None
+            if not all(abs(value) < MOST for value in rows[-1]):
+                raise self.fault(line, f"found {text!r}, expected numbers below {MOST:g}")
         return rows
 
     def take_nodes(self, card: Card) -> None:
@@ -126,6 +133,8 @@ class Parser:
         for (line, text), row in zip(card.data, rows, strict=True):
             if len(row) != 4:
                 raise self.fault(line, f"found {text!r}, expected a node number and x, y, z")
+            if not row[0].is_integer():
+                raise self.fault(line, f"found the node {row[0]:g}, expected a whole number")
         table = np.array(rows, dtype=float).reshape(-1, 4)
         self.points.append(table[:, 1:])
         self.numbers.append(table[:, 0].astype(np.int64))
@@ -139,10 +148,14 @@ class Parser:
         if not families:
             raise ModelError("mesh-unsupported-cell", f"{self.source}: line {card.line}: *ELEMENT of type {name!r}")
         kind = FAMILIES[max(families, key=len)]
-        flat = np.array([n for row in self.values(card, int) for n in row], dtype=np.int64)
-        if len(flat) % (NODES[kind] + 1):
-            raise self.fault(card.line, f"*ELEMENT {name}: {len(flat)} numbers, expected {NODES[kind] + 1} an element")
-        table = flat.reshape(-1, NODES[kind] + 1)
+        wanted, flat = NODES[kind] + 1, list[int]()
+        for (line, _), row in zip(card.data, self.values(card, int), strict=True):
+            if len(flat) % wanted + len(row) > wanted:  # each element starts on a line of its own
+                raise self.fault(line, f"found {len(flat) % wanted + len(row)} numbers, expected {wanted} an element")
+            flat += row
+        if len(flat) % wanted:
+            raise self.fault(card.line, f"*ELEMENT {name}: {len(flat)} numbers, expected {wanted} an element")
+        table = np.array(flat, dtype=np.int64).reshape(-1, wanted)
         self.elements.append((kind, table[:, 0], table[:, 1:]))
         if "ELSET" in card.parameters:
             self.add(self.element_sets, card.parameters["ELSET"], table[:, 0])
@@ -159,16 +172,19 @@ class Parser:
             if "GENERATE" in card.parameters:
                 try:
                     first, last, step = [*map(int, cells), 1][:3]
-                    found.append(np.arange(first, last + 1, step))
+                    members = range(first, last + 1, step)
                 except ValueError:
                     raise self.fault(line, f"found {text!r}, expected first, last, step") from None
+                if len(members) > self.size:
+                    raise self.fault(line, f"found {text!r}, {len(members)} numbers, more than the file can hold")
+                found.append(np.array(members, dtype=np.int64))
                 continue
             found += [self.numbers_of(sets, cell, line) for cell in cells if cell]
         self.add(sets, name, np.concatenate([*found, np.zeros(0, dtype=np.int64)]))
 
     def numbers_of(self, sets: dict[str, list[IntArray]], cell: str, line: int) -> IntArray:
         """A number, or the members of a set named before."""
-        if cell.isdigit():
+        if cell.isdecimal() and int(cell) < MOST:
             return np.array([int(cell)])
         if cell.upper() not in sets:
             raise self.fault(line, f"no set {cell!r} up to here")
@@ -194,9 +210,10 @@ class Parser:
 
     def draft(self) -> Draft:
         """Numbers to indices."""
-        if not self.points or not self.elements:
-            raise ModelError("mesh-no-cells", f"{self.source}: found {len(self.points)} node blocks and no elements")
-        numbers = np.concatenate(self.numbers)
+        self.elements = [block for block in self.elements if len(block[1])]
+        numbers = np.concatenate([np.zeros(0, dtype=np.int64), *self.numbers])
+        if not len(numbers) or not self.elements:
+            raise ModelError("mesh-no-cells", f"{self.source}: found {len(numbers)} nodes and no elements")
         nodes = Lookup(numbers, self.source, "node")
         blocks = [Block(kind, nodes(cells), ids) for kind, ids, cells in self.elements]
         elements = Lookup(np.concatenate([b.numbers for b in blocks]), self.source, "element")

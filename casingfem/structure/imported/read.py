@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 
 from casingfem.errors import ModelError
+from casingfem.io.probe import fault_of
 from casingfem.structure.imported.bdf import read_bdf
 from casingfem.structure.imported.draft import Block, Draft, build, joined
 from casingfem.structure.imported.inp import read_inp
 from casingfem.structure.imported.mesh_data import MeshData
 
+LONGEST = 10_000  # characters of a line of names
 WORDS = ("point", "curve", "surface", "volume")
 
 
@@ -93,6 +95,7 @@ def read_gmsh(file: Path) -> Draft:
     for section in (b"Nodes", b"Elements"):
         if b"$" + section not in content or b"$End" + section not in content:
             raise ModelError("mesh-file", f"{file.name}: ${section.decode()} is missing or not closed: cut short?")
+    require_modest(content, file)
     mesh = from_meshio(file, "gmsh")
     blocks = blocks_of(mesh, file)
     names = {(int(dim), int(tag)): name for name, (tag, dim) in mesh.field_data.items()}
@@ -109,6 +112,22 @@ def read_gmsh(file: Path) -> Draft:
     points, numbers = np.asarray(mesh.points, dtype=float), np.arange(1, len(mesh.points) + 1)
     blocks, sets = without_copies(blocks, sets)
     return Draft(points=points, node_numbers=numbers, blocks=blocks, cell_sets=sets)
+
+
+def require_modest(content: bytes, file: Path) -> None:
+    """Refuse what meshio would fill the memory or spend hours with: it makes room for the largest number of a node."""
+    title = content.partition(b"$PhysicalNames")[2].partition(b"$EndPhysicalNames")[0]
+    if len(max(title.split(b"\n"), key=len)) > LONGEST:
+        raise ModelError("mesh-file", f"{file.name}: $PhysicalNames: a line of more than {LONGEST} characters")
+    if re.search(rb"\$MeshFormat\s+\S+\s+1\b", content[:1000]):  # binary
+        if fault := fault_of(file, "meshio.gmsh", "read"):
+            raise ModelError("mesh-file", f"{file.name}: cannot be read ({fault})")
+        return
+    most = max(10**7, len(content))
+    for number in re.findall(rb"(?<!\S)-?\d{8,}(?!\S)", content):
+        if abs(int(number[:30])) > most:
+            found = f"the number {number[:30].decode()} in a file of {len(content)} bytes"
+            raise ModelError("mesh-file", f"{file.name}: {found}, expected at most {most}")
 
 
 def without_copies(blocks: list[Block], sets: dict[str, Any]) -> tuple[list[Block], dict[str, Any]]:

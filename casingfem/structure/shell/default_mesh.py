@@ -14,6 +14,8 @@ from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.variation import around_period, finest_harmonic, outer_supports
 
+MANY = 30  # stretches between the ends of strips: more of them are too short for polynomials of high order
+
 
 def default_mesh(shell: ShellParts) -> ShellMesh:
     """The mesh used when none is given; `python -m reports.modes.frustum` measures the choice.
@@ -24,9 +26,10 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     harmonics below 2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned;
     where springs vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian:
     the shear layer of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length
-    sqrt(R t). Strips put an element line at each of their ends, and each stretch between them is divided on its own.
-    Bolts are followed: a multiple of their number around, which by itself keeps whole what symmetry does, at 8 nodes a
-    wave where nothing else varies; and a layer along their edge, which is free between them.
+    sqrt(R t). Strips put an element line at each of their ends, and each stretch between them is divided on its own;
+    where there are many, the order falls. Bolts are followed: a multiple of their number around, which by itself keeps
+    whole what symmetry does, at 8 nodes a wave where nothing else varies; and a layer along their edge, which is free
+    between them.
     """
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
     t, length, span = shell.thinnest, float(a1 - a0), float(b1 - b0)
@@ -36,7 +39,8 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
         around = int(np.clip(round(2.0 * size / length), 2, 8))
         rows = int(np.clip(round(2.0 * length / size), 2, 8))
         return ShellMesh(order=8, rows=divided(shell, 1.0 / rows) if shell.strips else rows, around=around)
-    order = 7
+    stretches = len(breaks_between(shell.strips, shell.chart.bounds[0])) - 1
+    order = 7 if stretches <= MANY else max(2, 7 * MANY // stretches)
     middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
     lowest = 0.46 * radius / np.sqrt(t * length)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -247,7 +248,7 @@ def _require_modes(omega: Array, zeta: Array) -> None:
 
 def read_npz(path: Path, wanted: str, required: tuple[str, ...], texts: tuple[str, ...]) -> dict[str, Any]:
     """Read every array of an npz file of this format, numbers but for `texts`; raises InputError with file and key."""
-    if not path.exists():
+    if not os.path.exists(path):  # unlike Path.exists also answers for a name with a zero byte
         raise InputError(f"{path}: found no such file, expected an npz file")
     try:
         data = load_npz(path)

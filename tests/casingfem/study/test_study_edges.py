@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from casingfem.study.load import load_study, read_toml
+from casingfem.study.load import load_study, tables_of
 from casingfem.study.problems import StudyError
 from casingfem.study.updated import perfect, updated_toml
 from casingfem.updating.addresses import get_value
@@ -156,4 +156,4 @@ def test_degrees_on_the_straight_edge_of_a_plate_are_refused(study, more, key):
 def test_a_byte_that_is_no_text_is_named_with_its_line(tmp_path, text, line):
     (tmp_path / "study.toml").write_bytes(text)
     with pytest.raises(StudyError, match=rf"study\.toml: line {line}: found byte 0x\w\w, which is not UTF-8"):
-        read_toml(tmp_path / "study.toml")
+        tables_of(tmp_path / "study.toml")

@@ -327,3 +327,9 @@ def test_contacts_that_yield_by_powers_of_ten_more_are_as_exact_as_the_others(di
         W = (U * np.geomspace(1.0, 0.1, c * dim)) @ U.T * yields[:, None] * yields
         b = (rng.standard_normal((c, dim)) - np.eye(dim)[0]) * np.geomspace(1.0, 1e6, c)[:, None]
         assert motion_error(W, b, 0.3, coulomb(W, b, 0.3).force) <= 1e-9
+
+
+def test_a_singular_last_basis_is_no_solution():
+    """Lemke's path ends on a basis that numpy calls singular: None, as on a ray, and no error of numpy's."""
+    M = np.array([[1e179, 1e179], [2e-270, 0.0]])
+    assert pivoting(M, np.array([-2.0, -1.0]), np.ones(2)) is None

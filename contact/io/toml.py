@@ -1,0 +1,28 @@
+"""TOML files of both packages: bytes and tables, or one sentence about what is wrong."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+
+def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
+    """The bytes and the tables of a TOML file.
+
+    Raises
+    ------
+    OSError
+        No file that can be read.
+    ValueError
+        A file that is no text ("line 2: found ...") or no TOML ("not TOML: ...").
+    """
+    text = file.read_bytes()
+    try:
+        return text, tomllib.loads(text.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        line = text.count(b"\n", 0, error.start) + 1
+        found = f"byte 0x{text[error.start]:02x}, which is not UTF-8"
+        raise ValueError(f"line {line}: found {found}, expected a UTF-8 text file") from None
+    except RecursionError:
+        raise ValueError("not TOML: found values nested some hundred deep, expected tables and lists") from None
+    except ValueError as error:  # also of numbers with thousands of digits
+        raise ValueError(f"not TOML: {error}") from None

@@ -1,0 +1,121 @@
+"""Input that once ended in a traceback or never: every command answers, or says what it would cost."""
+
+import time
+from itertools import pairwise
+
+import pytest
+from click.testing import CliRunner
+
+import casingfem as cf
+from casingfem.cli import main
+
+STUDY = """[material]
+E = 2e11
+nu = 0.3
+rho = 7800.0
+[chart]
+kind = "cylinder"
+radius = 0.2
+height = 0.2
+[shell]
+thickness = 2e-3
+[support.base]
+kind = "clamped"
+[modes]
+count = 4
+"""
+RODS = """[scene]
+kind = "rods"
+t_end = 1e-4
+[[rod]]
+length = 1.0
+area = 1e-4
+E = 2e11
+rho = 7800.0
+elements = 10
+velocity = -1.0
+[wall]
+x = -1e-6
+[scheme]
+kind = "forward-lagrange"
+courant = 0.9
+"""
+UPDATE = '[update]\ntable = "table.csv"\n[[update.parameter]]\nname = "material.E"\nlower = 1e11\nupper = 3e11\n'
+RIM = """[scene]
+kind = "rim"
+t_end = 1.0
+[casing]
+basis = "a\\u0000.npz"
+[blade]
+basis = "b.npz"
+[contact]
+clearance = 1e-4
+[speed]
+hz = 1.0
+[scheme]
+kind = "exact-modal"
+dt = 1e-5
+"""
+NESTED = "a = " + "[" * 3000 + "]" * 3000
+VARIED = '[[sweep.vary]]\nkey = "rod[1].{}"\nfrom = 1e-3\nto = 2e-3\nsteps = 1000000\n'
+CASES = {
+    "nested study": ("modes", NESTED, "not TOML: found values nested some hundred deep"),
+    "nested scene": ("contact", NESTED, "not TOML: found values nested some hundred deep"),
+    "nested tables": ("contact", "a = " + "{a = " * 3000 + "1" + "}" * 3000, "not TOML: found values nested"),
+    "digits": ("modes", STUDY.replace("count = 4", "count = " + "9" * 5000), "not TOML: Exceeds the limit"),
+    "a scene of no text": ("contact", "\udcff", "line 1: found byte 0xff, which is not UTF-8"),
+    "modes": ("modes", STUDY.replace("count = 4", "count = 100000"), "13 GB of shapes, expected at most 12369"),
+    "modes of an update": ("update", STUDY + UPDATE.replace('csv"', 'csv"\ncount = 100000'), "13 GB of shapes"),
+    "a wide band": ("modes", STUDY.replace("count = 4", "band_hz = [0.0, 1e7]"), "some 4.1e+05 of 16170 unknowns"),
+    "any band": ("modes", STUDY.replace("count = 4", "band_hz = [0.0, 1e24]"), "the band runs from 0.0 to 1e+24 Hz"),
+    "a frequency": ("update", STUDY + UPDATE.replace("table.csv", "high.csv"), "e+300 Hz were to be counted"),
+    "elements": ("contact", RODS.replace("= 10\n", "= 1000000000\n"), "elements: found 1000000000, expected at most"),
+    "more elements": ("contact", RODS.replace("= 10\n", "= " + "9" * 400 + "\n"), "elements: found over 1e18"),
+    "no mass": ("contact", RODS.replace("7800.0", "1e-300"), "rho: found 1e-300, expected a number between 1e-60"),
+    "a basis with a zero byte": ("contact", RIM, "casing.basis"),
+    "a survey with a zero byte": ("modes", STUDY + '[[imperfection]]\nof = "radius"\nsurvey = "\\u0000"\n', "zero"),
+    "runs": ("sweep", RODS + "[sweep]\n" + VARIED.format("x") + VARIED.format("area"), "found 1000000000000"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_it_is_refused_at_once(tmp_path, case):
+    command, text, words = CASES[case]
+    (tmp_path / "table.csv").write_text("# SYNTHETIC\nmode,n,freq_hz,sigma_hz\n1,,1000,1\n2,,2000,1\n")
+    (tmp_path / "high.csv").write_text("# SYNTHETIC\nmode,n,freq_hz,sigma_hz\n1,,1e300,1\n2,,2e300,1\n")
+    file = tmp_path / "file.toml"
+    file.write_text(text, encoding="utf-8", errors="surrogateescape")
+    started = time.process_time()
+    result = CliRunner().invoke(main, [command, str(file)])
+    assert (result.exit_code, words in result.stderr, str(file) in result.stderr) == (2, True, True), result.stderr
+    assert time.process_time() - started < 8.0
+
+
+def test_a_hundred_strips_are_answered():
+    """Rows as short as that need no polynomials of order 7: the mesh has 210 nodes along the meridian, not 700."""
+    steel = cf.Material(E=2e11, nu=0.3, rho=7800.0)
+    ends = [0.2 * k / 100 for k in range(101)]
+    strips = [cf.Strip(start=low, end=high, thickness=2e-3) for low, high in pairwise(ends)]
+    parts = {"chart": cf.Cylinder(radius=0.2, height=0.2), "material": steel, "supports": {"base": cf.Clamped()}}
+    divided = cf.Shell(**parts, thickness=2e-3, strips=strips)
+    assert divided.mesh.order * len(divided.mesh.breaks) < 220
+    plain, found = (cf.modes(shell, 2).freq[0] for shell in (cf.Shell(**parts, thickness=2e-3), divided))
+    assert found == pytest.approx(plain, rel=3e-4)
+
+
+@pytest.mark.parametrize("change", [{"E": 1e-300}, {"rho": 1e-300}, {"E": 1e300}])
+def test_materials_beyond_what_floats_can_carry(change):
+    with pytest.raises(cf.errors.InputError, match=r"must lie between 1e-25 and 1e25, found 1e.300"):
+        cf.Material(**({"E": 2e11, "nu": 0.3, "rho": 7800.0} | change))
+
+
+def test_a_table_whose_name_has_a_zero_byte():
+    with pytest.raises(cf.errors.InputError, match="found a name with a zero byte"):
+        cf.FrequencyTable.from_csv("table\0.csv")
+
+
+def test_numbers_of_bolts_and_waves_are_whole_and_modest():
+    with pytest.raises(cf.errors.InputError, match=r"a whole number between 1 and 1000, found 7.5"):
+        cf.Bolts(count=7.5, k=1e8)
+    with pytest.raises(cf.errors.InputError, match="harmonics must be <= 10000, found 1000000000"):
+        cf.FourierField.of({10**9: 1e-3})
