@@ -20,7 +20,7 @@ __all__ = ["main"]
 @click.group(
     name="casingfem",
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Exit codes: 0 done, 2 bad input, 3 the numerics failed.",
+    epilog="Exit codes: 0 done, 2 bad input, 3 the numerics failed, 130 stopped by Ctrl-C.",
 )
 @click.version_option(package_name="casingfem", prog_name="casingfem")
 def main() -> None:

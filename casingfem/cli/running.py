@@ -14,7 +14,8 @@ import click
 from casingfem.cli.model_warnings import collected, collecting
 from contact.io.outfiles import Content, json_text, settle, write_files
 
-BAD_INPUT, NUMERICS_FAILED = 2, 3
+BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
+STORES = {"sweep": "store", "mistune": "draws"}  # where commands keep what is finished
 PATIENCE = 1.0  # seconds before a terminal is told what takes so long
 
 P = ParamSpec("P")
@@ -41,6 +42,8 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
                     settle(path if path.is_dir() else path.parent)
             with collecting():
                 return command(*args, **kwargs)
+        except KeyboardInterrupt:
+            fail(what_is_safe(click.get_current_context().info_name, kwargs.get("out")), INTERRUPTED)
         except (ValueError, RuntimeError) as error:
             if not is_own_error(error):
                 raise
@@ -55,6 +58,16 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
             fail(f"{error.filename or 'standard output'}: {error.strerror or error}", BAD_INPUT)
 
     return run
+
+
+def what_is_safe(command: str | None, out: object) -> str:
+    """One sentence for who has pressed Ctrl-C: what is there, and how to go on."""
+    store = STORES.get(command or "")
+    if isinstance(out, Path) and store:
+        return f"stopped: what is finished is safe in {out / store}; the same command goes on from there"
+    if isinstance(out, Path):
+        return f"stopped: no file in {out} is half written; run the same command again"
+    return "stopped: nothing was kept; run the same command again" + (", with --out DIR it goes on" if store else "")
 
 
 def is_own_error(error: Exception) -> bool:

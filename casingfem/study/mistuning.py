@@ -8,13 +8,11 @@ processes, their order, or how often the run was broken off, the tables are the 
 import json
 import math
 import os
-import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context, parent_process
-from multiprocessing.process import BaseProcess
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, cast
 
@@ -33,6 +31,7 @@ from casingfem.study.load import Study, load_study
 from casingfem.study.problems import StudyError
 from contact.io.checked_json import read_checked, write_checked
 from contact.io.outfiles import json_text, write_atomic
+from contact.io.workers import end_with_parent, ended_on_failure
 
 CHUNK = 5  # draws a file: what a killed run loses at most, for each process
 CHECKED = 50  # every so many draws one is also solved from nothing, and the difference reported
@@ -88,7 +87,7 @@ def run_mistune(
     resumed = sum(len(chunk) for chunk in chunks if chunk.start in kept)
     missing = [chunk for chunk in chunks if chunk.start not in kept]
     workers = min(processes or os.cpu_count() or 1, max(len(missing), 1))
-    with one_thread(), pool(study, workers) as executor:
+    with one_thread(), pool(study, workers) as executor, ended_on_failure():
         perfect = executor.submit(mean_pairs)
         waiting = {executor.submit(compute_chunk, chunk): chunk for chunk in missing}
         done = resumed
@@ -170,19 +169,11 @@ _worker: list[WorkerState] = []  # of this process, filled once by `set_up`
 
 def set_up(path: str, digest: str) -> None:
     """Load the study and solve its mean shell; end with the parent, even if it was killed."""
-    parent = parent_process()
-    if parent is not None:
-        threading.Thread(target=end_with, args=(parent,), daemon=True).start()
+    end_with_parent()
     study = load_study(path)
     if study.source["sha256"] != digest:
         raise RuntimeError(f"{path} changed while its draws were computed")
     _worker.append(WorkerState(study, mean_modes(study.shell, study.file.modes.count)))
-
-
-def end_with(parent: BaseProcess) -> None:
-    """Wait for the parent's end, then end: what kill -9 leaves behind would wait for work for ever."""
-    parent.join()
-    os._exit(1)
 
 
 def mean_pairs() -> list[Pair]:

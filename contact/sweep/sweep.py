@@ -6,18 +6,16 @@ already. So the table is the same to the last bit.
 
 from __future__ import annotations
 
-import os
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from multiprocessing import get_context, parent_process
-from multiprocessing.process import BaseProcess
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 from contact.base.errors import InputError
+from contact.io.workers import end_with_parent, ended_on_failure
 from contact.run import Scene
 from contact.run_many import Outcome, run_many
 from contact.scene.load import scene_of
@@ -82,12 +80,13 @@ def run_sweep(
     store = None if folder is None else Store.open(folder)
     rows: Rows = {} if store is None else store.rows(run.digest for run in plan.runs)
     resumed = sum(run.digest in rows for run in plan.runs)
-    for found in _workers(tasks(plan, rows, folder, jobs), jobs, scheduler):
-        rows |= found
-        if store is not None:
-            store.note(found)
-        if progress is not None:
-            progress(len(rows))
+    with ended_on_failure():
+        for found in _workers(tasks(plan, rows, folder, jobs), jobs, scheduler):
+            rows |= found
+            if store is not None:
+                store.note(found)
+            if progress is not None:
+                progress(len(rows))
     return SweepResult(plan=plan, rows=tuple(rows[run.digest] for run in plan.runs), resumed=resumed)
 
 
@@ -162,18 +161,6 @@ def in_processes(todo: Sequence[Task], jobs: int) -> Iterator[Rows]:
                 yield rows
         if waiting and min(tries[number] for number in waiting) >= TRIES:
             raise InputError(f"sweep: {len(waiting)} tasks ended with their worker killed, {TRIES} times over")
-
-
-def end_with_parent() -> None:
-    """Let a worker end when its parent does, even if that was killed."""
-    parent = parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
-
-
-def _end_with(parent: BaseProcess) -> None:
-    parent.join()
-    os._exit(1)
 
 
 def columns(plan: SweepPlan) -> tuple[str, ...]:

@@ -1,5 +1,10 @@
 """Input that once ended in a traceback or never: every command answers, or says what it would cost."""
 
+import json
+import os
+import signal
+import subprocess
+import sys
 import time
 from itertools import pairwise
 
@@ -119,3 +124,42 @@ def test_numbers_of_bolts_and_waves_are_whole_and_modest():
         cf.Bolts(count=7.5, k=1e8)
     with pytest.raises(cf.errors.InputError, match="harmonics must be <= 10000, found 1000000000"):
         cf.FourierField.of({10**9: 1e-3})
+
+
+@pytest.mark.parametrize(
+    ("command", "out", "words"),
+    [
+        ("modes", None, "stopped: nothing was kept; run the same command again\n"),
+        ("modes", "out", "stopped: no file in {out} is half written; run the same command again\n"),
+        ("sweep", None, "stopped: nothing was kept; run the same command again, with --out DIR it goes on\n"),
+        ("sweep", "out", "stopped: what is finished is safe in {out}/store; the same command goes on from there\n"),
+    ],
+)
+def test_ctrl_c_says_what_is_safe(tmp_path, monkeypatch, command, out, words):
+    def pressed(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("casingfem.study.load_any", pressed)
+    monkeypatch.setattr("contact.sweep.plan.load_sweep", pressed)
+    arguments = [command, "file.toml", *(["--out", str(tmp_path / out)] if out else [])]
+    result = CliRunner().invoke(main, arguments)
+    assert (result.exit_code, result.stderr) == (130, words.format(out=tmp_path / "out"))
+
+
+@pytest.mark.slow
+def test_ctrl_c_in_a_sweep_ends_its_workers_and_it_goes_on(tmp_path):
+    """SIGINT to the whole group, as a terminal sends it, while two workers are busy."""
+    file, out = tmp_path / "sweep.toml", tmp_path / "out"
+    vary = '[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nfrom = -2.0\nto = -1.0\nsteps = 64\n'
+    file.write_text(RODS.replace("1e-4\n[[rod", "0.05\n[[rod") + vary)
+    line = [sys.executable, "-m", "casingfem", "sweep", str(file), "--jobs", "2", "--out", str(out)]
+    process = subprocess.Popen(line, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    deadline = time.monotonic() + 120.0
+    while not list(out.glob("store/runs/*/*.json")) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    said = process.communicate(timeout=20.0)[1]  # returns when the last worker has closed it
+    assert process.returncode == 130
+    assert said == f"stopped: what is finished is safe in {out}/store; the same command goes on from there\n"
+    again = CliRunner().invoke(main, ["sweep", str(file), "--jobs", "1", "--out", str(out), "--json"])
+    assert json.loads(again.stdout)["resumed"] >= 1
