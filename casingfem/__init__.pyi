@@ -35,7 +35,7 @@ from .structure.material import Material
 from .structure.mesh.shell_mesh import ShellMesh
 from .structure.shell import loads
 from .structure.shell.shell import Shell
-from .structure.shell.static import solve_static
+from .structure.static import solve_static
 from .updating.parameters import Parameter
 from .updating.updating import update
 from .version import __version__

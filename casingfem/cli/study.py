@@ -200,10 +200,10 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
 
     The basis is written to --out DIR, else beside STUDY if its key reduce.out names the file.
     """
-    from casingfem.study import load_study
+    from casingfem.study import load_any
     from casingfem.study.tasks import run_reduce
 
-    study = load_study(file)
+    study = load_any(file)
     with ProgressMessage(f"reduction of {file.name}") as working:
         basis = run_reduce(study)
     wanted = study.file.reduce.out if study.file.reduce is not None else None

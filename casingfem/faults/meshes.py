@@ -163,4 +163,12 @@ MESHES = {
         "cells of a kind that is not supported",
         "use tetrahedra or bricks for solids, quadrilaterals for shells",
     ),
+    "structure-unknown": Fault(
+        "what was given is no structure, or not one of the kind that this needs",
+        "give a cf.Shell, cf.Solid or cf.MeshShell, or a value with the members of cf.imported.MeshStructure",
+    ),
+    "structure-chart": Fault(
+        "this needs a shell on a chart: an imported part has no fields, no bolts and no chart's edges",
+        "model the part as a cf.Shell; modes, statics, reduction, rotation and updates take imported parts too",
+    ),
 }

@@ -21,7 +21,8 @@ RESULTS = {
     ),
     "interface-edge": Fault(
         "the interface is not an edge that contact can see",
-        "name a curved edge of a casing (Rim), or root or tip of an open panel or blade (Tip)",
+        "name a curved edge of a casing (Rim), or root or tip of an open panel or blade (Tip); of an imported part a "
+        "group of facets that closes around the axis (Rim) or ends the blade (Tip)",
     ),
     "interface-harmonics": Fault(
         "the rim's harmonics exceed what the mesh resolves",
@@ -36,8 +37,8 @@ RESULTS = {
         "give places of the chart's first parameter within its bounds; leave lines out for the edge itself",
     ),
     "interface-nodes": Fault(
-        "a blade's tip is cut into no pieces, or into too many",
-        "take 1 to 100 pieces",
+        "a blade's tip is cut into no pieces, or into too many; or contact names nodes that are not there",
+        "take 1 to 100 pieces, of an imported part no more than its mesh resolves; name nodes of its file, each once",
     ),
     "law-stations": Fault(
         "a law from root to tip is neither a number nor a list of them",
@@ -97,8 +98,8 @@ RESULTS = {
         "give each its own",
     ),
     "output-place": Fault(
-        "an output lies off the surface",
-        "give parameters within the chart's bounds",
+        "an output lies off the surface, or at a place that structures of this kind do not have",
+        "give parameters within the chart's bounds; of imported parts a NodeDisplacement, of solids a NodeStress too",
     ),
     "reduce-damping": Fault(
         "the damping ratio is not one of a vibrating mode",

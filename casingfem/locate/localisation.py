@@ -25,7 +25,7 @@ from casingfem.modal.affine import AffineModel, affine_model, bolt_changes, mass
 from casingfem.modal.modes import count_below
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.variation import outer_supports
 from casingfem.updating.calibration import calibrated
 
@@ -123,6 +123,7 @@ def locate(
     ModelError
         locate-among, locate-bolts, locate-edge, locate-unlabelled; locate-baseline where the baseline lacks pairs.
     """
+    require_shell(shell, "locate")
     check_labelled(table)
     reduced, angles = model or search_model(shell, table, among=among, edge=edge)
     if baseline is not None:

@@ -1,7 +1,8 @@
 from .basis import ModalBasis
 from .campbell import Campbell
 from .interaction import DiskFrequencies, Interactions, interactions
-from .interface import Rim, Tip, TipNodes
+from .interface import AtNodes, Rim, Tip, TipNodes
+from .mesh_output import NodeDisplacement, NodeStrain, NodeStress
 from .mistuning import Mistuning, mistune
 from .modes import MeshModes, Modes
 from .output import Displacement, Strain
@@ -9,6 +10,7 @@ from .reduction import reduce
 from .whirl import WhirlModes, whirl_modes
 
 __all__ = [
+    "AtNodes",
     "Campbell",
     "DiskFrequencies",
     "Displacement",
@@ -17,6 +19,9 @@ __all__ = [
     "Mistuning",
     "ModalBasis",
     "Modes",
+    "NodeDisplacement",
+    "NodeStrain",
+    "NodeStress",
     "Rim",
     "Strain",
     "Tip",

@@ -13,7 +13,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, frozen
 from casingfem.modal.modes import modes
 from casingfem.structure.shell.assembly import assemble, spin
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.shell import Shell, require_shell
 
 SPARE = 6  # modes computed beyond those followed, so that one may leave the range and another come in
 
@@ -135,6 +135,7 @@ def campbell(shell: Shell, omega: Sequence[float] | FloatArray, count: int = 6) 
     >>> cf.campbell(blade, [0.0, 500.0, 1000.0], count=1).freq[:, 0].round(1).tolist()
     [63.6, 140.7, 254.8]
     """
+    require_shell(shell, "campbell")
     if shell.rotation is None:
         raise ModelError("rotation-none", "campbell: found a shell without rotation")
     system = assemble(replace(shell, rotation=None))

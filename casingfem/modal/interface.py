@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
 
@@ -23,7 +24,8 @@ class Rim:
     refined (a point force on a shear-deformable edge would sink in without limit).
 
     `axial` adds the motion along the axis. `lines`: places of the chart's first parameter (z of a frustum) of several
-    lines around in place of the edge, for blades whose tips are long in that direction.
+    lines around in place of the edge, for blades whose tips are long in that direction. `axis` through `point`: of an
+    imported part, whose edge is a group of facets; a chart's axis is z.
 
     >>> Rim("top", n_max=2).names
     ('cos0', 'cos1', 'cos2', 'sin1', 'sin2')
@@ -33,6 +35,8 @@ class Rim:
     n_max: int = 40
     axial: bool = False
     lines: tuple[float, ...] = ()
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -57,10 +61,16 @@ class Rim:
 class Tip:
     """The tip edge of a blade as one place: mean displacement along the blade (span) and across it (flap).
 
-    span points from the root to the tip, flap along the surface normal at mid-edge.
+    span points from the root to the tip, flap along the surface normal at mid-edge; on a group of facets of an imported
+    part as `mesh_interface.tip_frame` says.
     """
 
     edge: str = "tip"
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels."""
+        return ("span", "flap")
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +93,36 @@ class TipNodes:
         return tuple(f"node{k}.{name}" for k in range(self.count) for name in ("span", "flap", "chord"))
 
 
-def interface_rows(system: System, interface: Rim | Tip | TipNodes) -> tuple[FloatArray, tuple[str, ...]]:
+@dataclass(frozen=True, slots=True)
+class AtNodes:
+    """Nodes of an imported part by the numbers its file gives them: displacements along x, y, z of each.
+
+    A force at a node of a solid or shell sinks in further the finer the mesh is; with the pieces of `TipNodes` the
+    compliance has a limit.
+
+    >>> AtNodes((6, 79)).channels
+    ('6.x', '6.y', '6.z', '79.x', '79.y', '79.z')
+    """
+
+    nodes: tuple[int, ...]
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels, node by node."""
+        return tuple(f"{number}.{axis}" for number in self.nodes for axis in "xyz")
+
+
+Interface: TypeAlias = Rim | Tip | TipNodes | AtNodes
+
+
+def interface_rows(system: System, interface: Interface) -> tuple[FloatArray, tuple[str, ...]]:
     """Rows (channels, 5 nodes) of any interface, and its channel names."""
+    if isinstance(interface, AtNodes):
+        found = f"nodes {', '.join(map(str, interface.nodes))} of a chart, whose nodes have no numbers"
+        raise ModelError("interface-nodes", f"at: found {found}")
     if isinstance(interface, Rim):
+        if (interface.axis, interface.point) != ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)):
+            raise ModelError("interface-edge", "a Rim of a chart turns about z, found another axis")
         return rim_rows(system, interface)
     return tip_rows(system, interface) if isinstance(interface, Tip) else node_rows(system, interface)
 

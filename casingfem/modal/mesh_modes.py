@@ -13,13 +13,10 @@ from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
 from casingfem.structure.geometry.rigid_body import rigid_motions
-from casingfem.structure.imported.assembly import MeshSystem, mapped
+from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, mapped
 from casingfem.structure.imported.revolution import elements_around, round_about_z
-from casingfem.structure.imported.shell import MeshShell, assemble_mesh_shell
-from casingfem.structure.imported.solid import Solid, assemble_solid
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of the system's `frequency_scale`
-IMPORTED = (Solid, MeshShell)
 LARGE, THICK = 20_000, 0.1  # unknowns, and wall over size, from which LOBPCG with multigrid is quicker
 COUNTABLE = 70_000  # unknowns of a thick solid up to which a Sturm count is affordable: 3 GB at 60,000
 DEGREE = 3  # of the polynomials in r and z that carry the meridional shape in the projection
@@ -29,11 +26,11 @@ DEGREE = 3  # of the polynomials in r and z that carry the meridional shape in t
 class MeshModes(ModeSet):
     """Modes of an imported structure: `fields` stand at the nodes of its mesh."""
 
-    structure: Solid | MeshShell
+    structure: MeshStructure
 
 
 def mesh_modes(
-    structure: Solid | MeshShell,
+    structure: MeshStructure,
     wanted: int | Band = 40,
     *,
     system: MeshSystem | None = None,
@@ -55,6 +52,7 @@ def mesh_modes(
     --------
     >>> from casingfem.structure.material import Material
     >>> from casingfem.structure.imported.grid import grid_mesh, revolved
+    >>> from casingfem.structure.imported.solid import Solid
     >>> from casingfem.structure.edge.support import Clamped
     >>> ring = grid_mesh("hexahedron20", (1, 24, 2), revolved((0.5, 0.45), (0.0, 0.25), 0.04), wrap=1,
     ...                  groups={"base": (2, 0.0)})
@@ -64,7 +62,7 @@ def mesh_modes(
     ([3, 3, 2, 2], ((0, 1), (2, 3)))
     """
     started = time.perf_counter()
-    system = system or assemble_mesh(structure)
+    system = system or structure.assembled()
     assembled = time.perf_counter()
     if multigrid is None:
         multigrid = direct == "superlu" and large_and_thick(system)
@@ -100,11 +98,8 @@ def large_and_thick(system: MeshSystem) -> bool:
     from 10,000 unknowns on, a plate of .035 loses at 22,000, one of .003 fails:
     `python -m reports.speed.solid_solvers --large`.
     """
-    if not isinstance(system.structure, Solid) or system.size < LARGE:
-        return False
-    E, _, rho = system.structure.constants()
-    wall = system.frequency_scale * system.structure.mesh.size**2 / np.sqrt((E / rho).min())
-    return bool(wall >= THICK * system.structure.mesh.size)
+    mesh = system.structure.mesh
+    return mesh.cell_kind.dim == 3 and system.size >= LARGE and system.wall >= THICK * mesh.size
 
 
 def solved_by(system: MeshSystem, wanted: int | Band, direct: Direct, *, multigrid: bool) -> EigenResult:
@@ -116,11 +111,6 @@ def solved_by(system: MeshSystem, wanted: int | Band, direct: Direct, *, multigr
     return solve(system.K, system.M, wanted, shift=shift, direct=direct)
 
 
-def assemble_mesh(structure: Solid | MeshShell) -> MeshSystem:
-    """The matrices of an imported structure."""
-    return assemble_solid(structure) if isinstance(structure, Solid) else assemble_mesh_shell(structure)
-
-
 def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
     """Warn of a body with more motions near zero than its supports leave rigid: parts hinge on an edge or a node."""
     near_zero = int(np.count_nonzero(2.0 * np.pi * freq < RIGID * system.frequency_scale))
@@ -130,7 +120,7 @@ def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
         warn("mesh-mechanism", found, stacklevel=5)
 
 
-def projected(structure: Solid | MeshShell, fields: Array, n_max: int) -> Rings:
+def projected(structure: MeshStructure, fields: Array, n_max: int) -> Rings:
     """Mass-weighted Fourier content of nodal fields: u = Re sum_nj c_nj P_j(r, z) e^(i n theta).
 
     P_j are polynomials in r and z, orthonormal over the mass; each stands in the place of a ring of nodes, so labels,

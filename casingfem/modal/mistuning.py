@@ -12,7 +12,7 @@ from casingfem.modal.mode_set import Modes
 from casingfem.modal.modes import modes
 from casingfem.modal.warm_start import guarded, restarted_modes
 from casingfem.structure.field.random import drop_random, is_random, redrawn
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.shell import Shell, require_shell
 
 LEVELS = (0.5, 0.9, 0.99)
 
@@ -182,6 +182,7 @@ def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[in
 
 def require_pairs(shell: Shell) -> None:
     """Refuse shells whose modes do not come in pairs, and those on which nothing is random."""
+    require_shell(shell, "mistune")
     if not shell.chart.periodic:
         raise ValueError("mistuning is about the pairs of closed casings; this chart is open")
     redrawn_shell(shell, 0)

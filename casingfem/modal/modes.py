@@ -10,14 +10,11 @@ from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.eigen import Band, solve, sturm_count
 from casingfem.linalg.factor import Direct
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
-from casingfem.modal.mesh_modes import IMPORTED, MeshModes, mesh_modes
+from casingfem.modal.mesh_modes import MeshModes, mesh_modes
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
 from casingfem.modal.resolution import checked_resolution
 from casingfem.modal.ritz import RitzModes, ritz_modes
-from casingfem.structure.imported.assembly import MeshSystem
-from casingfem.structure.imported.shell import MeshShell
-from casingfem.structure.imported.solid import Solid
-from casingfem.structure.mesh.kinematics import DOFS
+from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.extent import extent
 from casingfem.structure.shell.plausible import warn_of
@@ -42,7 +39,7 @@ def modes(
 ) -> Modes: ...
 @overload
 def modes(
-    shell: Solid | MeshShell,
+    shell: MeshStructure,
     count: int | None = None,
     *,
     band: Band | None = None,
@@ -51,7 +48,7 @@ def modes(
     direct: Direct = "superlu",
 ) -> MeshModes: ...
 def modes(
-    shell: Shell | Solid | MeshShell,
+    shell: Shell | MeshStructure,
     count: int | None = None,
     *,
     band: Band | None = None,
@@ -67,8 +64,8 @@ def modes(
     Parameters
     ----------
     shell
-        The structure: a shell on a chart, or an imported `Solid` or `MeshShell`. Without supports the rigid
-        motions come first and are marked as such.
+        The structure: a shell on a chart, an imported `Solid` or `MeshShell`, or any `MeshStructure`. Without supports
+        the rigid motions come first and are marked as such.
     count
         Number of modes; 40 where no band is given either.
     band
@@ -104,7 +101,8 @@ def modes(
     [7, 7, 9, 9]
     """
     wanted = count_or_band(count, band)
-    if isinstance(shell, IMPORTED):
+    if not isinstance(shell, Shell):
+        require_structure(shell, "modes")
         if method != "auto":
             raise ValueError(f'method must be "auto" for an imported structure, found {method!r}')
         return mesh_modes(shell, wanted, system=system if isinstance(system, MeshSystem) else None, direct=direct)
@@ -173,9 +171,9 @@ def plate_count(shell: Shell, wanted: int | Band) -> float:
     return float(np.sqrt(3.0) * size.sides.prod() * (wanted[1] - wanted[0]) / (c * size.thickness.min()))
 
 
-def count_below(shell: Shell, freq: float) -> int:
+def count_below(structure: Shell | MeshStructure, freq: float) -> int:
     """Number of modes below a frequency [Hz], by one factorisation and its inertia."""
     if not freq < HIGHEST:
         raise ModelError("modes-band", f"modes below {freq!r} Hz were to be counted")
-    system = assemble(shell)
-    return sturm_count(system.K, system.mass, (2.0 * np.pi * freq) ** 2)
+    system = assemble(structure) if isinstance(structure, Shell) else structure.assembled()
+    return sturm_count(system.K, system.M, (2.0 * np.pi * freq) ** 2)

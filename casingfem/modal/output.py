@@ -5,11 +5,13 @@ contact is, and a strain comes from the shell's own kinematics (`structure.kinem
 """
 
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
+from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.mesh.kinematics import DOFS, frame, strain_slots
 from casingfem.structure.mesh.place import place_jets
 from casingfem.structure.shell.system import System
@@ -81,20 +83,30 @@ class Strain:
         return row
 
 
-Output = Displacement | Strain
+class Output(Protocol):
+    """What can be stored with a basis: a name, and a row over the nodal fields of the structure."""
+
+    @property
+    def name(self) -> str:
+        """What it is called in a run."""
+
+    def row(self, system: Any) -> FloatArray:
+        """Row over the nodal fields, (nodes, dofs of a node)."""
 
 
-def output_rows(system: System, outputs: tuple[Output, ...]) -> FloatArray:
-    """Rows of all outputs, (outputs, 5 nodes)."""
+def output_rows(system: System | MeshSystem, outputs: tuple[Output, ...]) -> FloatArray:
+    """Rows of all outputs, (outputs, dofs * nodes)."""
     names = [output.name for output in outputs]
     if len(set(names)) < len(names):
         raise ModelError("output-name", f"outputs: found the names {', '.join(names)}, expected each once")
     rows = [output.row(system).ravel() for output in outputs]
-    return np.array(rows).reshape(len(rows), system.grid.nodes.shape[1] * DOFS)
+    return np.array(rows).reshape(len(rows), len(system.points) * system.dofs)
 
 
 def jets_at(system: System, name: str, at: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
     """Nodes (functions,) and weights of value and slopes (3, functions) at one place."""
+    if not isinstance(system, System):
+        raise ModelError("output-place", f"output {name!r}: found parameters of a chart on an imported part")
     try:
         nodes, jets = place_jets(system.grid, np.array([at[0]]), np.array([at[1]]))
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Reduction of a shell to a modal basis seen from its interface.
+"""Reduction of a structure to a modal basis seen from its interface.
 
 Free modes with residual compliance (MacNeal, Computers & Structures 1, 1971, 581): the modes of the supported
 shell, and S = P^T K^-1 P - (P^T Phi) Lambda^-1 (Phi^T P) for all that they leave out, P the interface's load
@@ -21,11 +21,11 @@ from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.eigen import START_SEED
 from casingfem.linalg.factor import Factor, factorise
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.interface import Rim, Tip, TipNodes, interface_rows, rim_lines, tip_directions
+from casingfem.modal.interface import Interface, Rim
+from casingfem.modal.interface_view import load_columns, view
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.modal.output import Output, output_rows
-from casingfem.modal.roundness import rim_shape, rim_thickness
-from casingfem.structure.mesh.kinematics import DOFS
+from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
 from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.rigid import free_motions
@@ -36,24 +36,25 @@ METHODS = ("free", "craig-bampton")
 
 
 def reduce(
-    structure: Shell,
-    interface: Rim | Tip | TipNodes,
+    structure: Shell | MeshStructure,
+    interface: Interface,
     *,
     modes: int = 40,
     method: str = "free",
     zeta: float = 0.0,
     recovery: bool = False,
     outputs: Sequence[Output] = (),
-    system: System | None = None,
+    system: System | MeshSystem | None = None,
 ) -> ModalBasis:
-    """Reduce a supported shell to `modes` modes seen from an interface.
+    """Reduce a supported structure to `modes` modes seen from an interface.
 
     Parameters
     ----------
     structure
-        The shell, supported.
+        A supported shell on a chart, an imported `Solid` or `MeshShell`, or any `MeshStructure`.
     interface
-        `Rim` of a casing, `Tip` or `TipNodes` of a blade.
+        `Rim` of a casing, `Tip` or `TipNodes` of a blade; on an imported part their edge is a group of facets.
+        `AtNodes` of an imported part.
     modes
         Free modes kept, or fixed-interface modes beside the static shapes.
     method
@@ -61,16 +62,17 @@ def reduce(
     zeta
         Damping ratio given to every mode.
     recovery
-        Also store what recovers all displacements of the shell.
+        Also store what recovers the displacements at all nodes.
     outputs
-        `Displacement` and `Strain` at chosen places, to be had from a run by their names.
+        To be had from a run by their names: `Displacement` and `Strain` at places of a chart, `NodeDisplacement`,
+        `NodeStrain` and `NodeStress` of an imported part.
     system
-        The assembled shell, if there is one already.
+        The assembled structure, if there is one already.
 
     Raises
     ------
     ValueError
-        Unknown method, negative damping, an interface the shell does not have, or rigid motions.
+        Unknown method, negative damping, an interface the structure does not have, or rigid motions.
     NumericsError
         If the stiffness is singular.
     """
@@ -78,17 +80,23 @@ def reduce(
         raise ModelError("reduce-method", f"method must be one of {', '.join(METHODS)}, found {method!r}")
     if not 0.0 <= zeta < 1.0:
         raise ModelError("reduce-damping", f"zeta must lie in [0, 1), found {zeta!r}")
+    if not isinstance(structure, Shell):
+        require_structure(structure, "reduce")
     if not any(structure.supports.values()):
-        raise ModelError("reduce-rigid", "an unsupported shell has rigid motions")
-    warn_of(structure)
-    system = system or assemble(structure)
+        raise ModelError("reduce-rigid", "an unsupported structure has rigid motions")
+    if isinstance(structure, Shell):
+        warn_of(structure)
+        system = system or assemble(structure)
+    else:
+        system = system or structure.assembled()
     if not 1 <= modes < system.size // 2:
         raise ModelError("modes-count", f"modes must lie between 1 and {system.size // 2 - 1} here, found {modes!r}")
-    rows, channels = interface_rows(system, interface)
+    seen = view(system, interface)
     wanted = output_rows(system, tuple(outputs))
-    P = load_columns(system, rows)
+    P = seen.loads
     if not P.any():
-        raise ModelError("interface-held", f"interface: edge {interface.edge!r} is held, nothing can be pushed there")
+        where = getattr(interface, "edge", "")  # nodes that are held are refused one by one
+        raise ModelError("interface-held", f"interface: edge {where!r} is held, nothing can be pushed there")
     factor = factorise(system.K)
     attachment = factor.solve(P)
     if method == "free":
@@ -96,7 +104,7 @@ def reduce(
     else:
         vectors, omega = craig_bampton_vectors(system, factor, P, attachment, modes)
     at_interface = P.T @ vectors
-    S = np.zeros((len(channels), len(channels)))
+    S = np.zeros((P.shape[1], P.shape[1]))
     if method == "free":
         S = P.T @ attachment - (at_interface / omega**2) @ at_interface.T
         S = 0.5 * (S + S.T)
@@ -105,30 +113,32 @@ def reduce(
     if recovery:
         stored = {
             "recovery": system.expand(vectors)[:, :3].reshape(-1, len(omega)),
-            "recovery_S": system.expand(left)[:, :3].reshape(-1, len(channels)),
+            "recovery_S": system.expand(left)[:, :3].reshape(-1, P.shape[1]),
             "recovery_points": system.points,
         }
     if outputs:
-        seen = load_columns(system, wanted).T
-        stored |= {"output_rows": seen @ vectors, "output_S": seen @ left}
-    if structure.rotation is not None:
+        restricted = load_columns(system, wanted).T
+        stored |= {"output_rows": restricted @ vectors, "output_S": restricted @ left}
+    rotation = structure.rotation if isinstance(structure, Shell) else None
+    if rotation is not None:
+        assert isinstance(structure, Shell)
         stored["K_omega"] = stiffening(structure, vectors)
     return ModalBasis(
         omega=omega,
         zeta=np.full(len(omega), zeta),
-        channels=channels,
+        channels=seen.channels,
         outputs=tuple(output.name for output in outputs),
-        spin=0.0 if structure.rotation is None else structure.rotation.omega,
-        lines=rim_lines(system, interface) if isinstance(interface, Rim) else np.zeros((0, 2)),
-        out_of_roundness=rim_shape(structure, interface) if isinstance(interface, Rim) else np.zeros((0, 0)),
+        spin=0.0 if rotation is None else rotation.omega,
+        lines=seen.lines,
+        out_of_roundness=seen.out_of_roundness,
         rows=at_interface,
         S=S,
-        participation=participation(system, interface, vectors),
+        participation=participation(system, seen.axes, vectors),
         kind="rim" if isinstance(interface, Rim) else "point",
         n_max=interface.n_max if isinstance(interface, Rim) else 0,
-        radius=rim_radius(system, interface) if isinstance(interface, Rim) else 0.0,
-        thickness=rim_thickness(structure, interface) if isinstance(interface, Rim) else 0.0,
-        provenance=provenance(system, method, modes),
+        radius=seen.radius,
+        thickness=seen.thickness,
+        provenance=provenance(system, method, modes) | seen.facts,
         **stored,
     )
 
@@ -141,69 +151,61 @@ def stiffening(structure: Shell, vectors: FloatArray) -> FloatArray:
     return np.asarray(0.5 * (added + added.T))
 
 
-def participation(system: System, interface: Rim | Tip | TipNodes, vectors: FloatArray) -> FloatArray:
+def participation(system: System | MeshSystem, axes: FloatArray, vectors: FloatArray) -> FloatArray:
     """Phi^T M e of unit translations e, (3, modes) [sqrt(kg)]: along x, y, z of a casing, span, flap, chord of a blade.
 
     Its squares are effective masses: over all modes they add up to the mass that moves.
     """
-    axes = np.eye(3) if isinstance(interface, Rim) else tip_directions(system, interface)
-    shift = np.zeros((len(system.frames), DOFS, 3))
-    shift[:, :3] = axes.T
-    moved = system.collect(shift, np.zeros((system.own, 3)))
-    return np.asarray((system.mass[:, None] * moved).T @ vectors)
+    return np.asarray((system.M @ system.translations(axes)).T @ vectors)
 
 
-def load_columns(system: System, rows: FloatArray) -> FloatArray:
-    """Interface rows over nodal fields -> load columns on the free dofs, (free, channels)."""
-    return np.asarray(system.restrict(rows.T.reshape(-1, DOFS, len(rows))))
+def free_vectors(system: System | MeshSystem, count: int) -> tuple[FloatArray, FloatArray]:
+    """Mass-normalised modes of the supported structure on its free dofs, and their omega."""
+    if isinstance(system, System):
+        of_shell = lowest_modes(system.shell, count, method="shell", system=system)
+        refuse_rigid(of_shell.rigid)
+        return system.collect(of_shell.fields, of_shell.own), of_shell.omega
+    refuse_rigid(system.rigid)
+    found = lowest_modes(system.structure, count, system=system)
+    return system.restrict(found.fields), found.omega
 
 
-def rim_radius(system: System, rim: Rim) -> float:
-    """Mean radius of a rim [m]."""
-    return float(np.linalg.norm(system.points[system.grid.edges[rim.edge].nodes, :2], axis=1).mean())
-
-
-def free_vectors(system: System, count: int) -> tuple[FloatArray, FloatArray]:
-    """Mass-normalised modes of the supported shell on its free dofs, and their omega."""
-    found = lowest_modes(system.shell, count, method="shell", system=system)
-    if found.rigid:
-        raise ModelError("reduce-rigid", f"the shell has {found.rigid} rigid motions")
-    return system.collect(found.fields, found.own), found.omega
+def refuse_rigid(rigid: int) -> None:
+    """Refuse a structure that its supports leave rigid motions."""
+    if rigid:
+        raise ModelError("reduce-rigid", f"the structure has {rigid} rigid motions")
 
 
 def craig_bampton_vectors(
-    system: System, factor: Factor, P: FloatArray, attachment: FloatArray, count: int
+    system: System | MeshSystem, factor: Factor, P: FloatArray, attachment: FloatArray, count: int
 ) -> tuple[FloatArray, FloatArray]:
     """Diagonalised Craig-Bampton basis: static interface shapes and `count` fixed-interface modes.
 
     The inverse of K under P^T u = 0 is K^-1 - K^-1 P (P^T K^-1 P)^-1 P^T K^-1; its largest eigenvalues are the
     fixed-interface modes, so one factorisation serves both parts.
     """
-    rigid = free_motions(system.shell, system.grid).shape[2]
-    if rigid:
-        raise ModelError("reduce-rigid", f"the shell has {rigid} rigid motions")
+    refuse_rigid(free_motions(system.shell, system.grid).shape[2] if isinstance(system, System) else system.rigid)
+    loaded = P.any(axis=0)  # a channel along which a support holds the node has no shape
+    P, attachment = P[:, loaded], attachment[:, loaded]
     compliance = P.T @ attachment
     held = cho_factor(0.5 * (compliance + compliance.T))
-    root = np.sqrt(system.mass)
 
     def constrained(x: FloatArray) -> FloatArray:
-        loaded = root * np.ravel(x)
-        return np.asarray(root * (factor.solve(loaded) - attachment @ cho_solve(held, attachment.T @ loaded)))
+        return np.asarray(factor.solve(np.ravel(x)) - attachment @ cho_solve(held, attachment.T @ np.ravel(x)))
 
-    start = constrained(np.random.default_rng(START_SEED).standard_normal(system.size))
-    operator = LinearOperator((system.size, system.size), matvec=constrained, dtype=float)
-    _, inner = eigsh(operator, count, which="LM", v0=start)
-    static = cho_solve(held, attachment.T).T
-    V = np.hstack([static, inner / root[:, None]])
-    V /= np.sqrt(np.einsum("ij,i,ij->j", V, system.mass, V))
-    K, M = V.T @ (system.K @ V), V.T @ (system.mass[:, None] * V)
+    start = constrained(system.M @ np.random.default_rng(START_SEED).standard_normal(system.size))
+    inverse = LinearOperator((system.size, system.size), matvec=constrained, dtype=float)
+    _, inner = eigsh(system.K, count, M=system.M, sigma=0.0, OPinv=inverse, which="LM", v0=start)
+    V = np.hstack([cho_solve(held, attachment.T).T, inner])
+    V /= np.sqrt(np.einsum("ij,ij->j", V, system.M @ V))
+    K, M = V.T @ (system.K @ V), V.T @ (system.M @ V)
     values, turn = eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
     return V @ turn, np.sqrt(values)
 
 
-def provenance(system: System, method: str, count: int) -> dict[str, object]:
+def provenance(system: System | MeshSystem, method: str, count: int) -> dict[str, object]:
     """Method, package versions, and a hash of the matrices the basis was made from."""
-    digest = hashlib.sha256(system.K.data.tobytes() + system.mass.tobytes()).hexdigest()
+    digest = hashlib.sha256(system.K.data.tobytes() + system.M.data.tobytes()).hexdigest()
     versions = {}
     for package in ("casingfem", "numpy", "scipy", "scikit-fem"):
         try:

@@ -5,7 +5,7 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.interface import Rim, rim_places
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.shell import Shell, require_shell
 
 LEAST = 64  # angles at which the radius is read
 ROUND_OFF = 1e-14  # of the radius
@@ -67,6 +67,7 @@ def out_of_roundness(casing: Shell, rim: Rim, *, line: int = 0) -> list[dict[str
     >>> [(term["p"], round(term["cos"], 9)) for term in terms]
     [(3, 0.0005)]
     """
+    require_shell(casing, "out_of_roundness")
     shapes = rim_shape(casing, rim)
     if not 0 <= line < len(shapes):
         raise ModelError("interface-lines", f"line must lie between 0 and {len(shapes) - 1} here, found {line!r}")

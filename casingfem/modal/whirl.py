@@ -20,7 +20,7 @@ from casingfem.linalg.factor import factorise
 from casingfem.modal.harmonics import ring_content
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.shell.assembly import assemble, spin
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.system import System
 
 
@@ -87,6 +87,7 @@ def whirl_modes(shell: Shell, count: int = 10) -> WhirlModes:
     >>> low.nodal_diameters.tolist(), low.sense.tolist()
     ([7, 7], [1, -1])
     """
+    require_shell(shell, "whirl_modes")
     if shell.rotation is None:
         raise ModelError("rotation-none", "whirl_modes: found a shell without rotation")
     from_rest = assemble(at_rest(shell))

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from casingfem.modal.interface import AtNodes, Interface, Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.shell import MeshShell
@@ -13,16 +15,18 @@ from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.support import Fixed, MeshSupport
 from casingfem.structure.material import Material
 from casingfem.study.problems import Problems, StudyError
+from casingfem.study.rotation import axis_vector, vector
 from casingfem.study.schema import StudyFile
 from casingfem.study.tables.shapes import ImportTable
 from casingfem.study.tables.supports import ElasticTable, FixedTable, SupportTable
+from casingfem.study.tables.tasks import ReduceTable
 
-OWN = ("material", "solid", "shell", "support", "modes")  # the tables of such a study; others need a chart
+OWN = ("material", "solid", "shell", "support", "modes", "reduce")  # the tables of such a study; others need a chart
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MeshStudy:
-    """What a study file on an imported mesh describes; it has modes, and cannot be updated or reduced.
+    """What a study file on an imported mesh describes.
 
     Attributes
     ----------
@@ -30,6 +34,8 @@ class MeshStudy:
         Where it was read from, and its tables as written.
     structure
         The solid or shell.
+    interface
+        Of [reduce]: the group or nodes that contact sees; None without.
     source
         Name and hash of the input (the file and its mesh), versions, seed: what a result carries.
     """
@@ -37,6 +43,7 @@ class MeshStudy:
     path: Path
     file: StudyFile
     structure: Solid | MeshShell
+    interface: Interface | None
     source: dict[str, Any]
 
     def error(self, key: str, found: str, expected: str) -> StudyError:
@@ -57,7 +64,7 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
     for name in data:
         if name in StudyFile.model_fields and name not in OWN:
             problems.add(
-                name, "a table for shells on a chart", f"no [{name}] beside an imported mesh, which has modes only"
+                name, "a table for shells on a chart", f"no [{name}] beside an imported mesh", "structure-chart"
             )
     if "solid" in data and "shell" in data:
         problems.add("shell", "it beside [solid]", "one of the two")
@@ -77,6 +84,31 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
         if tables.shell is not None:
             return MeshShell(mesh=mesh, thickness=tables.shell.thickness, material=material, supports=supports)
     return None
+
+
+def mesh_interface(
+    table: ReduceTable | None, structure: Solid | MeshShell | None, problems: Problems
+) -> Interface | None:
+    """What [reduce] of an imported mesh names: nodes, a rim by harmonics, a tip in pieces or as a whole."""
+    if table is None:
+        return None
+    rim = sorted({"n_max", "axial", "axis", "point"} & table.model_fields_set)
+    for key in ("lines", *(rim if table.nodes is not None else ())):
+        if key in table.model_fields_set:
+            problems.add(f"reduce.{key}", str(getattr(table, key)), "no such key here", "study-key")
+    if table.at is not None:
+        for key in ("nodes", *rim):
+            if key in table.model_fields_set:
+                problems.add(f"reduce.{key}", "it beside at", "the nodes alone", "study-key")
+        return AtNodes(tuple(table.at))
+    edge = table.interface or ""
+    if structure is not None:
+        with problems.at("reduce.interface"):
+            check_groups(structure.mesh, [edge])
+    if rim:
+        n_max = 40 if table.n_max is None else table.n_max
+        return Rim(edge, n_max, axial=table.axial, axis=axis_vector(table.axis), point=vector(table.point))
+    return Tip(edge) if table.nodes is None else TipNodes(edge, table.nodes)
 
 
 def build_mesh(table: ImportTable, key: str, problems: Problems) -> MeshData | None:

@@ -18,7 +18,7 @@ from casingfem.modal.interface import Rim, Tip, TipNodes
 from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.shell.shell import Shell
 from casingfem.study.build import build_shell, try_chart
-from casingfem.study.imported import MeshStudy, build_imported, is_imported
+from casingfem.study.imported import MeshStudy, build_imported, is_imported, mesh_interface
 from casingfem.study.problems import Problems, StudyError
 from casingfem.study.schema import REQUIRED, StudyFile
 from casingfem.study.tables.tasks import ParameterTable, ReduceTable, UpdateTable
@@ -83,7 +83,7 @@ def load_study(path: str | Path) -> Study:
     study = load_any(path)
     if isinstance(study, MeshStudy):
         key = "solid" if study.file.solid is not None else "shell.mesh"
-        raise study.error(key, "an imported mesh, which has modes only", "a shell on a [chart] for this command")
+        raise study.error(key, "an imported mesh", "a shell on a [chart] for this command")
     return study
 
 
@@ -101,9 +101,11 @@ def load_any(path: str | Path) -> Study | MeshStudy:
     tables = validated(data, problems)
     if is_imported(data):
         structure = build_imported(tables, data, problems)
+        seen = mesh_interface(tables.reduce, structure, problems)
         if problems or structure is None:
             raise StudyError(problems)
-        return MeshStudy(path=file, file=tables, structure=structure, source=source(file, text, tables))
+        origin = source(file, text, tables)
+        return MeshStudy(path=file, file=tables, structure=structure, interface=seen, source=origin)
     shell = build_shell(tables, problems)
     table, parameters, start = load_update(tables, shell, problems)
     shapes = load_shapes(tables.update, start, table, problems)
@@ -202,6 +204,12 @@ def with_start_value(shell: Shell, entry: ParameterTable) -> Shell:
 def load_interface(table: ReduceTable | None, chart: Chart | None, problems: Problems) -> Rim | Tip | TipNodes | None:
     """The rim or tip that [reduce] names."""
     if table is None or chart is None:
+        return None
+    for key in ("at", "axis", "point"):
+        if getattr(table, key) is not None:
+            found = str(getattr(table, key))
+            problems.add(f"reduce.{key}", found, "no such key: it is for imported meshes", "study-key")
+    if table.interface is None:
         return None
     curved = [edge for edge, (held, _) in chart.edges.items() if held == 0]
     if table.interface not in curved:

@@ -96,7 +96,8 @@ class Attempt:
 
 def table_of(error: ValueError, key: str) -> str:
     """The key to name: another table's where the error's code says that it is at fault."""
-    head = getattr(error, "code", "").partition("-")[0]
+    code = getattr(error, "code", "")
+    head = "" if code.startswith(("mesh-no-group", "mesh-group", "mesh-support")) else code.partition("-")[0]
     return key if head not in ("material", "chart", "shell", "mesh") or key.startswith(head) else head
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from casingfem.structure.geometry.chart import Chart
-from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.rotation import Rotation, Vector
 from casingfem.study.problems import Problems
 from casingfem.study.tables.shapes import RotationTable
 
@@ -29,11 +29,16 @@ def build_rotation(table: RotationTable | None, chart: Chart | None, problems: P
         if on_hub:
             stagger = float(np.radians(table.stagger_deg))
             return Rotation.of_blade(chart, omega=omega, hub_radius=table.hub_radius or 0.0, stagger=stagger)
-        axis = NAMED[table.axis] if isinstance(table.axis, str) else table.axis or NAMED["z"]
-        return Rotation(omega=omega, axis=_vector(axis), centre=_vector(table.centre or (0.0, 0.0, 0.0)))
+        return Rotation(omega=omega, axis=axis_vector(table.axis), centre=vector(table.centre))
     return None
 
 
-def _vector(numbers: tuple[float, ...] | list[float]) -> tuple[float, float, float]:
-    x, y, z = numbers
+def axis_vector(axis: str | list[float] | None) -> Vector:
+    """An axis as a study has it: by name or by its components; z if left out."""
+    return NAMED[axis] if isinstance(axis, str) else NAMED["z"] if axis is None else vector(axis)
+
+
+def vector(numbers: list[float] | None) -> Vector:
+    """Three numbers; the origin if left out."""
+    x, y, z = numbers or (0.0, 0.0, 0.0)
     return x, y, z

@@ -7,6 +7,7 @@ from casingfem.modal.basis import ModalBasis
 from casingfem.modal.reduction import reduce
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
+from casingfem.study.imported import MeshStudy
 from casingfem.study.load import Study
 from casingfem.study.problems import StudyError
 from casingfem.updating.posterior import Laplace, laplace
@@ -70,8 +71,8 @@ def judge_update(
     return found
 
 
-def run_reduce(study: Study, shell: Shell | None = None, system: System | None = None) -> ModalBasis:
-    """The reduction a study describes, of its own shell or of another (an updated one).
+def run_reduce(study: Study | MeshStudy, shell: Shell | None = None, system: System | None = None) -> ModalBasis:
+    """The reduction a study describes, of its own structure or of another shell (an updated one).
 
     Raises
     ------
@@ -83,7 +84,7 @@ def run_reduce(study: Study, shell: Shell | None = None, system: System | None =
         raise study.error("reduce", "nothing", "a table [reduce]: interface, modes")
     try:
         basis = reduce(
-            study.shell if shell is None else shell,
+            study.structure if shell is None else shell,
             study.interface,
             modes=tables.modes,
             method=tables.method,

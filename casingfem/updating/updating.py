@@ -14,7 +14,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import count_below
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.updating.following import paired_rows
 from casingfem.updating.levenberg import levenberg_marquardt
 from casingfem.updating.parameters import Parameter, check_parameters
@@ -85,6 +85,7 @@ def update(
         raise InputError("vary: name at least one parameter")
     if not 0.0 <= model_error < 1.0:
         raise InputError(f"model_error must lie in [0, 1), found {model_error!r}")
+    require_shell(structure, "update")
     check_parameters(structure, vary)
     count = count or mode_count(table, structure)
     if shapes is not None and shapes.shapes.shape[1] != len(table):

@@ -19,6 +19,11 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+try:
+    import fcntl
+except ImportError:  # not on Windows
+    fcntl = None  # type: ignore[assignment]
+
 Content = str | bytes | Callable[[Path], object]  # what a file holds, or what writes it at a path
 NEW = ".new"  # a complete set that is not all in its place
 HERE = re.sub(r"\W", "_", platform.node())
@@ -74,14 +79,32 @@ def settle(folder: Path) -> None:
     new = folder / NEW
     if not new.is_dir():
         return
-    names = [path.relative_to(new) for path in sorted(new.rglob("*")) if not path.is_dir()]
-    for name in names:
-        (folder / name).unlink(missing_ok=True)
-    for name in names:
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        with suppress(FileNotFoundError):  # another process moves them too
-            os.replace(new / name, folder / name)
-    shutil.rmtree(new, ignore_errors=True)
+    with _alone(folder):  # else one would remove what another has just moved
+        inside = sorted(new.rglob("*"))
+        names = [path.relative_to(new) for path in inside if not path.is_dir()]
+        for name in names:
+            (folder / name).unlink(missing_ok=True)
+        for name in names:
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            with suppress(FileNotFoundError):  # moved meanwhile, where there is no lock
+                os.replace(new / name, folder / name)
+        for path in (*reversed(inside), new):
+            with suppress(OSError):  # a file that was moved, or a folder with the next set in it already
+                path.rmdir()
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """One process at a time, where the system can; the lock goes with the process that holds it."""
+    descriptor = os.open(folder, os.O_RDONLY) if fcntl is not None else -1
+    try:
+        if fcntl is not None:
+            with suppress(OSError):  # some network drives have none
+                fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        if descriptor >= 0:
+            os.close(descriptor)
 
 
 def clear_parts(folder: Path, name: str = "") -> None:

@@ -13,7 +13,7 @@ from casingfem.modal.mode_set import Modes
 from casingfem.structure.mesh.kinematics import DOFS, dot
 from casingfem.structure.mesh.place import interpolation
 from casingfem.structure.mesh.shell_mesh import Grid
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.system import System
 
 FAR = 0.02  # of the shell's size: a sensor further from the surface is refused
@@ -96,6 +96,7 @@ def sensors_on(
     ModelError
         sensor-far.
     """
+    require_shell(shell, "sensors_on")
     where, towards = np.asarray(points, float), np.asarray(directions, float)
     numbers = np.arange(1, len(where) + 1) if labels is None else np.asarray(labels)
     a, b, distance = on_wall(shell, where, numbers, tolerance=tolerance)

@@ -84,6 +84,19 @@ class Rotation:
         return cls(omega=omega, axis=(x, y, z), centre=(a, b, c))
 
 
+def axis_frame(axis: Vector) -> FloatArray:
+    """Right-handed unit rows (e1, e2, a) of an axis a, (3, 3): e1 nearest to x, or to y where the axis runs along x.
+
+    >>> axis_frame((0.0, 0.0, 2.0)).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    a = Rotation(omega=0.0, axis=axis).direction
+    start = np.eye(3)[int(abs(a[0]) > abs(a[1]) and abs(a[0]) > abs(a[2]))]
+    e1 = start - (start @ a) * a
+    e1 /= np.linalg.norm(e1)
+    return np.array([e1, np.cross(a, e1), a])
+
+
 def blade_frame(chart: Chart) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Middle of the root, span, chord and surface normal there, (3,) each; span = chord x normal."""
     (a, _), (b0, b1) = chart.bounds

@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 
+from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.geometry.rigid_body import rigid_left
 from casingfem.structure.imported.cell_kind import KINDS, rule
@@ -20,7 +21,10 @@ CHUNK = 4_000_000  # entries of a strain table held at a time
 
 
 class MeshStructure(Protocol):
-    """What can be assembled: `Solid` or `MeshShell`."""
+    """What everything beyond a chart asks of a structure: `Solid`, `MeshShell`, or one of your own.
+
+    Modes, statics, reduction, and what is built on them take whatever has these members.
+    """
 
     @property
     def mesh(self) -> MeshData:
@@ -32,6 +36,23 @@ class MeshStructure(Protocol):
 
     def density(self) -> FloatArray:
         """Mass per volume or area of each cell, (cells,)."""
+
+    def assembled(self) -> "MeshSystem":
+        """The matrices on the free dofs."""
+
+
+def require_structure(structure: object, what: str) -> None:
+    """Refuse what does not satisfy `MeshStructure`, naming the members it lacks.
+
+    Raises
+    ------
+    ModelError
+        `structure-unknown`.
+    """
+    members = ("mesh", "supports", "density", "assembled")
+    if lacking := [name for name in members if not hasattr(structure, name)]:
+        found = f"{what}: found {type(structure).__name__}, which has no {', '.join(lacking)}"
+        raise ModelError("structure-unknown", found)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -50,6 +71,8 @@ class MeshSystem:
         Dofs of a node: 3 in solids, 5 in shells.
     rigid
         Rigid motions that the supports leave, 0 to 6.
+    wall
+        Wall thickness t [m]; of solids twice the volume over the surface.
     frequency_scale
         Bending frequency c t/size^2 [rad/s] of the body taken as flat: a floor for its elastic modes.
     """
@@ -60,6 +83,7 @@ class MeshSystem:
     free: IntArray
     dofs: int
     rigid: int
+    wall: float
     frequency_scale: float
 
     @property
@@ -82,6 +106,12 @@ class MeshSystem:
         """Nodal forces (nodes, dofs, columns) -> free dofs (free, columns)."""
         return np.asarray(forces.reshape(len(self.points) * self.dofs, -1)[self.free])
 
+    def translations(self, axes: FloatArray) -> FloatArray:
+        """Unit translations of the body along the rows of `axes` (k, 3) on the free dofs, (free, k)."""
+        shift = np.zeros((len(self.points), self.dofs, len(axes)))
+        shift[:, :3] = axes.T
+        return np.asarray(self.restrict(shift))
+
 
 def assembled(
     structure: MeshStructure,
@@ -89,7 +119,8 @@ def assembled(
     M: csc_array,
     springs: Sequence[csc_array],
     motions: FloatArray,
-    scale: float,
+    wall: float,
+    sound: float,
 ) -> MeshSystem:
     """The system of all dofs put on the free ones: those of a cell that no support holds.
 
@@ -101,8 +132,8 @@ def assembled(
         Matrices of the elastic supports, (all, all) each.
     motions
         Rigid motions on all dofs, (all, 6).
-    scale
-        The system's `frequency_scale`.
+    wall, sound
+        Wall thickness [m], and the least speed of sound c = sqrt(E/rho) [m/s].
     """
     mesh, size = structure.mesh, K.shape[0]
     dofs = size // len(mesh.points)
@@ -118,7 +149,8 @@ def assembled(
         free=free,
         dofs=dofs,
         rigid=rigid_left(motions, held, list(springs)),
-        frequency_scale=scale,
+        wall=wall,
+        frequency_scale=sound * wall / mesh.size**2,
     )
 
 

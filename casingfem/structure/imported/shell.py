@@ -98,6 +98,10 @@ class MeshShell:
         """Mass per area of each cell [kg/m^2], (cells,)."""
         return np.full(len(self.mesh.cells), self.material.rho * self.thickness)
 
+    def assembled(self) -> MeshSystem:
+        """Its matrices on the free dofs."""
+        return assemble_mesh_shell(self)
+
 
 def with_centres(mesh: MeshData) -> MeshData:
     """Eight-noded cells with a ninth node where their shape functions put the middle; others as they are."""
@@ -160,8 +164,9 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     dofs = cell_dofs(mesh.cells, DOFS)
     K = scatter(stiffness(shell, normals, frames), dofs, size)
     M = scatter(consistent_mass(shell, frames), dofs, size)
-    scale = float(np.sqrt(shell.material.E / shell.material.rho) * shell.thickness / mesh.size**2)
-    return assembled(shell, K, M, edge_springs(shell, frames), rigid_motions(mesh.points, normals, frames), scale)
+    sound = float(np.sqrt(shell.material.E / shell.material.rho))
+    motions = rigid_motions(mesh.points, normals, frames)
+    return assembled(shell, K, M, edge_springs(shell, frames), motions, shell.thickness, sound)
 
 
 def stiffness(shell: MeshShell, normals: FloatArray, frames: FloatArray) -> FloatArray:

@@ -33,6 +33,7 @@ from casingfem.structure.imported.support import MeshSupport, check_support
 from casingfem.structure.material import Material
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -102,6 +103,10 @@ class Solid:
         """Mass per volume of each cell [kg/m^3], (cells,)."""
         return np.asarray(self.constants()[2])
 
+    def assembled(self) -> MeshSystem:
+        """Its matrices on the free dofs."""
+        return assemble_solid(self)
+
 
 def assemble_solid(solid: Solid) -> MeshSystem:
     """Assemble stiffness and consistent mass of a solid on its free dofs."""
@@ -113,35 +118,46 @@ def assemble_solid(solid: Solid) -> MeshSystem:
     K = scatter(stiffness(on, constants), dofs, size)
     M = scatter(consistent_mass(on, constants[2]), dofs, size)
     area = facet_shape_products(mesh, mesh.boundary)[2].sum()
-    wall = 2.0 * on.measure.sum() / area
     E, _, rho = constants
-    scale = float(np.sqrt((E / rho).min()) * wall / mesh.size**2)
-    return assembled(solid, K, M, foundations(solid), rigid_motions(mesh.points), scale)
+    wall, sound = float(2.0 * on.measure.sum() / area), float(np.sqrt((E / rho).min()))
+    return assembled(solid, K, M, foundations(solid), rigid_motions(mesh.points), wall, sound)
 
 
 def stiffness(on: Mapped, constants: FloatArray) -> FloatArray:
     """Stiffness of each cell, (cells, 3 nodes, 3 nodes), dofs node by node."""
+    root = np.linalg.cholesky(elasticity(constants))  # D = root root^T
+    nodes, points = on.values.shape
+    cells = constants.shape[1]
+    matrices = np.empty((cells, 3 * nodes, 3 * nodes))
+    step = max(1, CHUNK // (points * 6 * nodes * 3))
+    for start in range(0, cells, step):
+        part = slice(start, start + step)
+        slopes = np.linalg.inv(on.tangents[part]) @ on.slopes.transpose(2, 0, 1)  # dN/dx, (cells, q, 3, nodes)
+        B = strain_table(slopes) * np.sqrt(on.measure[part])[:, :, None, None]
+        flat = (root[part].transpose(0, 2, 1)[:, None] @ B).reshape(len(slopes), points * 6, 3 * nodes)
+        np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[part])
+    return matrices
+
+
+def elasticity(constants: FloatArray) -> FloatArray:
+    """Stress of strain in the order of `COMPONENTS`, (cells, 6, 6), from E, nu, rho (3, cells)."""
     E, nu, _ = constants
     mu, lam = E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
     D = np.zeros((len(E), 6, 6))
     D[:, :3, :3] = lam[:, None, None]
     D[:, range(6), range(6)] += np.stack([2 * mu] * 3 + [mu] * 3, axis=1)
-    root = np.linalg.cholesky(D)  # D = root root^T
-    nodes, points = on.values.shape
-    matrices = np.empty((len(E), 3 * nodes, 3 * nodes))
-    step = max(1, CHUNK // (points * 6 * nodes * 3))
-    for start in range(0, len(E), step):
-        part = slice(start, start + step)
-        slopes = np.linalg.inv(on.tangents[part]) @ on.slopes.transpose(2, 0, 1)  # dN/dx, (cells, q, 3, nodes)
-        B = np.zeros((*slopes.shape[:2], 6, nodes, 3))
-        for row, (i, j) in enumerate(VOIGT):
-            B[:, :, row, :, i] += slopes[:, :, j]
-            if i != j:
-                B[:, :, row, :, j] += slopes[:, :, i]
-        B = B.reshape(*slopes.shape[:2], 6, 3 * nodes) * np.sqrt(on.measure[part])[:, :, None, None]
-        flat = (root[part].transpose(0, 2, 1)[:, None] @ B).reshape(len(slopes), points * 6, 3 * nodes)
-        np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[part])
-    return matrices
+    return D
+
+
+def strain_table(slopes: FloatArray) -> FloatArray:
+    """Strains, `COMPONENTS`, over the dofs of a cell's nodes, (..., 6, 3 nodes), from dN/dx (..., 3, nodes)."""
+    *places, _, nodes = slopes.shape
+    B = np.zeros((*places, 6, nodes, 3))
+    for row, (i, j) in enumerate(VOIGT):
+        B[..., row, :, i] += slopes[..., j, :]
+        if i != j:
+            B[..., row, :, j] += slopes[..., i, :]
+    return B.reshape(*places, 6, 3 * nodes)
 
 
 def consistent_mass(on: Mapped, rho: FloatArray) -> FloatArray:

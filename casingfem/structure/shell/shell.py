@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import cast
 
+from casingfem.errors import ModelError
 from casingfem.io.arrays import read_only
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.checks import check_on_mesh, check_parts
@@ -69,3 +70,16 @@ class Shell(ShellParts):
         if cast(ShellMesh | None, self.mesh) is None:
             object.__setattr__(self, "mesh", default_mesh(self))
         check_on_mesh(self)
+
+
+def require_shell(structure: object, what: str) -> None:
+    """Refuse what has no chart where one is needed.
+
+    Raises
+    ------
+    ModelError
+        `structure-chart`, naming what was found.
+    """
+    if not isinstance(structure, Shell):
+        found = f"{what}: found {type(structure).__name__}, which has no chart"
+        raise ModelError("structure-chart", found)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
@@ -46,9 +46,19 @@ class System:
     own: int = 0
 
     @property
+    def dofs(self) -> int:
+        """Dofs of a node."""
+        return DOFS
+
+    @property
     def size(self) -> int:
         """Number of free dofs."""
         return len(self.free)
+
+    @cached_property
+    def M(self) -> csc_array:
+        """The mass as a matrix, (free, free), diagonal."""
+        return csc_array(diags_array(self.mass))
 
     @cached_property
     def points(self) -> FloatArray:
@@ -69,6 +79,12 @@ class System:
         turned = np.einsum("nji,njk->nik", self.frames, forces).reshape(len(self.frames) * DOFS, -1)
         felt = np.vstack([turned, np.zeros((self.own, turned.shape[1]))])[self.free]
         return np.asarray(felt if self.change is None else self.change.T @ felt)
+
+    def translations(self, axes: FloatArray) -> FloatArray:
+        """Unit translations of the body along the rows of `axes` (k, 3) on the free dofs, (free, k)."""
+        shift = np.zeros((len(self.frames), DOFS, len(axes)))
+        shift[:, :3] = axes.T
+        return np.asarray(self.collect(shift, np.zeros((self.own, len(axes)))))
 
     def collect(self, fields: Array, own: Array) -> Array:
         """Back from `expand` and `expand_own`: motions (nodes, 5, columns), (own, columns) -> (free, columns)."""

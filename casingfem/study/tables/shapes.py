@@ -2,9 +2,9 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Field, model_validator
 
-from casingfem.study.tables.table import Edge, Length, NotNegative, Positive, Table
+from casingfem.study.tables.table import Axis, Edge, Length, NotNegative, Positive, Table, Vector
 
 
 class MaterialTable(Table):
@@ -150,9 +150,6 @@ class MeshTable(Table):
     around: int | None = Field(default=None, ge=1, le=10_000, description="elements around")
 
 
-Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
-
-
 class RotationTable(Table):
     """[rotation]: a blade on its hub (hub_radius, stagger_deg), or any axis (axis, centre)."""
 
@@ -161,11 +158,5 @@ class RotationTable(Table):
         default=None, description="from the axis to the middle of the root [m], open charts"
     )
     stagger_deg: float = Field(default=0.0, ge=-360, le=360, description="from the axis to the root's chord [degrees]")
-    axis: (
-        Annotated[
-            Annotated[Literal["x", "y", "z"], Tag("name")] | Annotated[Vector, Tag("vector")],
-            Discriminator(lambda value: "name" if isinstance(value, str) else "vector"),
-        ]
-        | None
-    ) = Field(default=None, description='"x", "y", "z" or a direction [x, y, z]; z if left out')
+    axis: Axis | None = Field(default=None, description='"x", "y", "z" or a direction [x, y, z]; z if left out')
     centre: Vector | None = Field(default=None, description="a point on the axis [m]; the origin if left out")

@@ -1,8 +1,8 @@
 """What all tables of a study file share: strict values, and numbers with the ranges that physics leaves them."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag
 
 
 def at_least(least: float) -> AfterValidator:
@@ -21,6 +21,11 @@ NotNegative = Annotated[float, Field(ge=0, le=1e25)]
 Length = Annotated[float, Field(gt=0, le=1e3), at_least(1e-7)]  # more than a kilometre is meant in mm
 Relative = Annotated[float, Field(ge=-1, le=1)]
 Edge = str
+Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+Axis = Annotated[
+    Annotated[Literal["x", "y", "z"], Tag("name")] | Annotated[Vector, Tag("vector")],
+    Discriminator(lambda value: "name" if isinstance(value, str) else "vector"),
+]
 
 
 class Table(BaseModel):

@@ -1,11 +1,13 @@
 """The tables of what is computed: modes, an update, a reduction."""
 
-from typing import Literal, Self, TypedDict
+from typing import Annotated, Literal, Self, TypedDict
 
 from pydantic import Field, model_validator
 
+from casingfem.modal.mesh_output import NodeDisplacement, NodeStrain, NodeStress
 from casingfem.modal.output import Displacement, Output, Strain
-from casingfem.study.tables.table import Edge, NotNegative, Positive, Table
+from casingfem.structure.imported.solid import COMPONENTS
+from casingfem.study.tables.table import Axis, Edge, NotNegative, Positive, Table, Vector
 
 
 class Wanted(TypedDict, total=False):
@@ -79,22 +81,39 @@ class UpdateTable(Table):
 
 
 class OutputTable(Table):
-    """[[reduce.output]]: a displacement (direction), or a strain (strain and side), at parameters of the chart."""
+    """[[reduce.output]]: a displacement (direction), a strain, or a stress, at a place of the chart or a node."""
 
     name: str = Field(min_length=1)
-    at: list[float] = Field(min_length=2, max_length=2, description="parameters of the chart")
+    at: Annotated[list[float], Field(min_length=2, max_length=2)] | None = Field(
+        default=None, description="parameters of the chart"
+    )
+    node: int | None = Field(default=None, description="number of a node of an imported mesh")
     direction: Literal["x", "y", "z", "normal", "radial", "tangential"] | None = None
-    strain: Literal["11", "22", "12"] | None = None
+    strain: Literal["11", "22", "12", "xx", "yy", "zz", "yz", "xz", "xy"] | None = None
+    stress: Literal["xx", "yy", "zz", "yz", "xz", "xy"] | None = None
     side: float | None = Field(default=None, ge=-1, le=1, description="face: 1 where the normal points, -1, or between")
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        if (self.direction is None) == (self.strain is None) or (self.side is not None and self.strain is None):
+        given = [value for value in (self.direction, self.strain, self.stress) if value is not None]
+        if len(given) != 1 or (self.side is not None and self.strain is None):
             raise ValueError("found direction, strain, side that do not go together, expected direction, or strain")
+        if (self.at is None) == (self.node is None):
+            raise ValueError("found at and node, or neither, expected one: at on a chart, node on an imported mesh")
+        if self.at is not None and (self.stress is not None or self.strain in COMPONENTS):
+            raise ValueError(f"found {given[0]!r} at a place of a chart, expected a strain 11, 22 or 12")
+        if self.node is not None and (self.strain in ("11", "22", "12") or self.side is not None):
+            raise ValueError("found a strain of the wall at a node, expected xx, yy, zz, yz, xz or xy")
         return self
 
     def output(self) -> Output:
         """The output as `reduce` takes it."""
+        if self.node is not None:
+            if self.direction is not None:
+                return NodeDisplacement(name=self.name, node=self.node, direction=self.direction)
+            kind = NodeStrain if self.stress is None else NodeStress
+            return kind(name=self.name, node=self.node, component=self.stress or self.strain or "")
+        assert self.at is not None
         at = (self.at[0], self.at[1])
         if self.direction is not None:
             return Displacement(name=self.name, at=at, direction=self.direction)
@@ -105,13 +124,24 @@ class OutputTable(Table):
 class ReduceTable(Table):
     """[reduce]."""
 
-    interface: Edge = Field(min_length=1, description="the edge that contact sees")
+    interface: Edge | None = Field(default=None, min_length=1, description="the edge or group that contact sees")
+    at: Annotated[list[int], Field(min_length=1, max_length=1000)] | None = Field(
+        default=None, description="numbers of nodes of an imported mesh, instead of interface: channels x, y, z of each"
+    )
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of a casing's rim")
     axial: bool = Field(default=False, description="a casing's rim along the axis too")
     lines: list[float] = Field(default_factory=list, description="places along a casing's meridian, for the edge")
     nodes: int | None = Field(default=None, ge=1, le=100, description="pieces of a blade's tip, for one mean place")
+    axis: Axis | None = Field(default=None, description='axis of an imported rim, "x", "y", "z" or [x, y, z]')
+    point: Vector | None = Field(default=None, description="a point on it [m]; the origin if left out")
     output: list[OutputTable] = Field(default_factory=list, description="displacements and strains to be had from runs")
     modes: int = Field(default=40, ge=1, le=100_000, description="number of modes kept")
     method: Literal["free", "craig-bampton"] = "free"
     zeta: float = Field(default=0.0, ge=0, lt=1, description="damping ratio of every mode")
     out: str | None = Field(default=None, pattern=r"^[^/\\]+\.npz$", description="a file name ending in .npz")
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        if (self.interface is None) == (self.at is None):
+            raise ValueError("found interface and at, or neither, expected one: an edge or group, or nodes of a mesh")
+        return self

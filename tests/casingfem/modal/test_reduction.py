@@ -8,8 +8,9 @@ import pytest
 from casingfem.linalg.eigen import factorise
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.interface import Rim, Tip, rim_rows, tip_directions, tip_rows
+from casingfem.modal.interface_view import load_columns
 from casingfem.modal.modes import modes
-from casingfem.modal.reduction import free_vectors, load_columns, reduce
+from casingfem.modal.reduction import free_vectors, reduce
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Panel, Plate

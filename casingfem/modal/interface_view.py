@@ -1,0 +1,101 @@
+"""What contact sees of a structure: the loads and channels of an interface, of a chart's shell or an imported part."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from casingfem.io.arrays import FloatArray
+from casingfem.modal import mesh_interface
+from casingfem.modal.interface import AtNodes, Interface, Rim, interface_rows, rim_lines, tip_directions
+from casingfem.modal.roundness import rim_shape, rim_thickness
+from casingfem.structure.imported.assembly import MeshSystem
+from casingfem.structure.shell.system import System
+
+NONE = np.zeros((0, 0))
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class View:
+    """An interface on an assembled structure.
+
+    Attributes
+    ----------
+    loads
+        Unit forces on the channels, (free, channels).
+    channels
+        Their names.
+    axes
+        Directions of the participation factors: x, y and the axis of a rim, span, flap, chord of a tip, (3, 3).
+    lines, out_of_roundness, radius, thickness
+        Of a rim, as in `ModalBasis`.
+    facts
+        What the provenance says of it.
+    """
+
+    loads: FloatArray
+    channels: tuple[str, ...]
+    axes: FloatArray
+    lines: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    out_of_roundness: FloatArray = field(default_factory=lambda: NONE)
+    radius: float = 0.0
+    thickness: float = 0.0
+    facts: dict[str, Any] = field(default_factory=dict)
+
+
+def view(system: System | MeshSystem, interface: Interface) -> View:
+    """An interface as a structure has it.
+
+    Raises
+    ------
+    ModelError
+        Where the structure has no such edge, group or node.
+    """
+    return of_chart(system, interface) if isinstance(system, System) else of_mesh(system, interface)
+
+
+def of_chart(system: System, interface: Interface) -> View:
+    """The interface of a shell on a chart."""
+    rows, channels = interface_rows(system, interface)
+    loads = load_columns(system, rows)
+    if isinstance(interface, Rim):
+        return View(
+            loads=loads,
+            channels=channels,
+            axes=np.eye(3),
+            lines=rim_lines(system, interface),
+            out_of_roundness=rim_shape(system.shell, interface),
+            radius=float(np.linalg.norm(system.points[system.grid.edges[interface.edge].nodes, :2], axis=1).mean()),
+            thickness=rim_thickness(system.shell, interface),
+        )
+    assert not isinstance(interface, AtNodes)  # refused with the rows
+    return View(loads=loads, channels=channels, axes=tip_directions(system, interface))
+
+
+def of_mesh(system: MeshSystem, interface: Interface) -> View:
+    """The interface of an imported part."""
+    if isinstance(interface, Rim):
+        rim = mesh_interface.rim_rows(system, interface)
+        return View(
+            loads=load_columns(system, rim.rows),
+            channels=interface.channels,
+            axes=rim.axes,
+            lines=rim.line,
+            out_of_roundness=rim.shape,
+            radius=float(rim.line[0, 1]),
+        )
+    if isinstance(interface, AtNodes):
+        rows = mesh_interface.node_rows(system, interface)
+        return View(loads=load_columns(system, rows), channels=interface.channels, axes=np.eye(3))
+    rows, axes = mesh_interface.tip_rows(system, interface)
+    facts = {"directions": dict(zip(("span", "flap", "chord"), axes.round(12).tolist(), strict=True))}
+    return View(loads=load_columns(system, rows), channels=interface.channels, axes=axes, facts=facts)
+
+
+def load_columns(system: System | MeshSystem, rows: FloatArray) -> FloatArray:
+    """Rows over nodal fields -> load columns on the free dofs, (free, rows); rows may leave the rotations out."""
+    nodes = len(system.points)
+    given = rows.reshape(len(rows), nodes, -1)
+    nodal = np.zeros((nodes, system.dofs, len(rows)))
+    nodal[:, : given.shape[2]] = given.transpose(1, 2, 0)
+    return np.asarray(system.restrict(nodal))

@@ -1,0 +1,188 @@
+"""Interfaces of imported parts: rows over the nodal displacements at a group's facets, or at nodes of the file.
+
+A group of facets (the end face of a solid, the edge of a shell) is seen by surface integrals of the shape functions
+N_i: a tip by the mean displacement of its pieces, sum_i u_i int N_i dA/A, a rim by the harmonics that fit its motion
+best, c = G^-1 int phi u dA with G = int phi phi^T dA. A force on a channel acts spread over the same facets.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.modal.interface import AtNodes, Rim, Tip, TipNodes
+from casingfem.structure.geometry.rotation import axis_frame
+from casingfem.structure.imported.assembly import MeshSystem, mapped
+from casingfem.structure.imported.cell_kind import rule
+from casingfem.structure.imported.checks import check_groups
+from casingfem.structure.imported.shell import directors
+
+DEGREE = 8  # of the quadrature on facets: pieces cut them, harmonics are no polynomials
+OPEN = np.pi / 12.0  # largest angle between neighbouring points of a rim [rad]
+CLOSED = 0.5  # net normal over area of a tip's facets below which they point nowhere
+
+
+class Facets(NamedTuple):
+    """A group's facets at quadrature points, flattened: positions, weights, normals (outwards), shape functions."""
+
+    x: FloatArray  # (points, 3)
+    weight: FloatArray  # area or length, (points,)
+    outward: FloatArray  # (points, 3): normal of a solid's face; of a shell's edge square to it in the surface
+    nodes: IntArray  # (points, nodes of a facet)
+    values: FloatArray  # (points, nodes of a facet)
+
+    def sums(self, functions: FloatArray, count: int) -> FloatArray:
+        """Integrals of f N_i over the facets for functions f at the points (functions, points): (functions, count)."""
+        total = np.zeros((len(functions), count))
+        np.add.at(total.T, self.nodes, (functions * self.weight).T[:, None, :] * self.values[:, :, None])
+        return total
+
+
+def facets_of(system: MeshSystem, name: str) -> Facets:
+    """The facets of a group; ModelError where it has none."""
+    mesh = system.structure.mesh
+    check_groups(mesh, [name])
+    facets = mesh.group_facets(name)
+    if not len(facets):
+        raise ModelError("mesh-group-no-facets", f"{mesh.source}: interface {name!r}")
+    nodes = mesh.facet_nodes(facets)
+    kind = mesh.cell_kind.facet
+    on = mapped(kind, mesh.points, nodes, DEGREE)
+    values = rule(kind, DEGREE)[2].T  # (q, nodes)
+    if mesh.cell_kind.dim == 3:
+        outward = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])
+    else:
+        normal = np.einsum("qk,ekc->eqc", values, directors(mesh)[nodes])
+        outward = np.cross(on.tangents[:, :, 0], normal)
+        middle = mesh.points[mesh.cells[facets[:, 0]]].mean(axis=1)
+        outward *= np.sign(np.einsum("eqc,eqc->eq", outward, on.x - middle[:, None]).sum(axis=1))[:, None, None]
+    outward = outward / np.linalg.norm(outward, axis=2, keepdims=True)
+    q = len(values)
+    return Facets(
+        x=on.x.reshape(-1, 3),
+        weight=np.abs(on.measure).ravel(),
+        outward=outward.reshape(-1, 3),
+        nodes=np.repeat(nodes, q, axis=0),
+        values=np.tile(values, (len(nodes), 1)),
+    )
+
+
+def tip_frame(system: MeshSystem, facets: Facets, name: str) -> FloatArray:
+    """Span, flap and chord of a tip, (3, 3) unit rows, with span = chord x flap.
+
+    Span is the mean outward normal of the facets; chord their longest extent across it, towards positive values of its
+    largest component. On shells flap follows the surface normal, and chord = flap x span.
+    """
+    total = facets.weight @ facets.outward
+    size = float(np.linalg.norm(total))
+    if size < CLOSED * facets.weight.sum():
+        found = f"{system.structure.mesh.source}: the facets of {name!r} point to all sides"
+        raise ModelError("interface-edge", found)
+    span = total / size
+    away = facets.x - np.average(facets.x, axis=0, weights=facets.weight)
+    away -= np.outer(away @ span, span)
+    chord = np.linalg.eigh((away.T * facets.weight) @ away)[1][:, -1]
+    chord = chord * np.sign(chord[np.abs(chord).argmax()])
+    flap = np.cross(span, chord)
+    if system.structure.mesh.cell_kind.dim == 2:
+        surface = np.einsum("qk,qkc,q->c", facets.values, directors(system.structure.mesh)[facets.nodes], facets.weight)
+        turn = np.sign(surface @ flap)
+        flap, chord = turn * flap, turn * chord
+    return np.array([span, flap, chord])
+
+
+def tip_rows(system: MeshSystem, tip: Tip | TipNodes) -> tuple[FloatArray, FloatArray]:
+    """Rows (channels, nodes, 3) of a tip as a whole or in pieces of equal chord, and its directions (3, 3)."""
+    facets = facets_of(system, tip.edge)
+    frame = tip_frame(system, facets, tip.edge)
+    count = tip.count if isinstance(tip, TipNodes) else 1
+    if not 1 <= count <= 100:
+        raise ModelError("interface-nodes", f"TipNodes.count must lie between 1 and 100, found {count!r}")
+    along = facets.x @ frame[2]
+    ends = system.points[np.unique(facets.nodes)] @ frame[2]
+    piece = np.clip(((along - ends.min()) / np.ptp(ends) * count).astype(int), 0, count - 1)
+    pieces = (piece == np.arange(count)[:, None]).astype(float)
+    area = pieces @ facets.weight
+    if not area.all():
+        empty = int(area.argmin())
+        raise ModelError("interface-nodes", f"TipNodes: piece {empty} of {count} on {tip.edge!r} has no facet")
+    means = facets.sums(pieces / area[:, None], len(system.points))
+    directions = frame if isinstance(tip, TipNodes) else frame[:2]
+    return np.einsum("kn,dc->kdnc", means, directions).reshape(-1, len(system.points), 3), frame
+
+
+class RimView(NamedTuple):
+    """A rim: rows (channels, nodes, 3), axial place and mean radius [m], radius harmonics, and its axes (3, 3)."""
+
+    rows: FloatArray
+    line: FloatArray
+    shape: FloatArray
+    axes: FloatArray
+
+
+def rim_rows(system: MeshSystem, rim: Rim) -> RimView:
+    """A rim by harmonics about its axis.
+
+    Raises
+    ------
+    ModelError
+        `interface-edge` for facets that do not close around the axis, `interface-harmonics` for more harmonics than
+        its nodes resolve, `interface-lines` for lines, which need a chart.
+    """
+    if rim.lines:
+        raise ModelError("interface-lines", f"rim.lines: found {rim.lines} on an imported mesh, expected a group")
+    facets, count = facets_of(system, rim.edge), len(system.points)
+    axes = axis_frame(rim.axis)
+    x = (facets.x - np.asarray(rim.point)) @ axes.T
+    radius, theta = np.hypot(x[:, 0], x[:, 1]), np.arctan2(x[:, 1], x[:, 0])
+    places = (system.points[np.unique(facets.nodes)] - np.asarray(rim.point)) @ axes.T
+    resolved = len(np.unique(np.round(np.arctan2(places[:, 1], places[:, 0]), 6))) // 3
+    if not 0 < rim.n_max <= resolved:
+        found = f"rim.n_max must lie between 1 and {resolved} on {rim.edge!r}, found {rim.n_max}"
+        raise ModelError("interface-harmonics", found)
+    n = np.arange(rim.n_max + 1)[:, None]
+    waves = np.concatenate([np.cos(n * theta), np.sin(n[1:] * theta)])
+    gap = float(np.diff(np.sort(theta), append=theta.min() + 2.0 * np.pi).max())
+    if gap > OPEN:
+        found = f"{rim.edge!r} has a gap of {np.degrees(gap):.0f} degrees"
+        raise ModelError("interface-edge", f"a Rim needs facets all around its axis, {found}")
+    waves = np.linalg.solve((waves * facets.weight) @ waves.T, waves)
+    e1, e2, a = axes
+    c, s = np.cos(theta)[:, None], np.sin(theta)[:, None]
+    units = [c * e1 + s * e2, c * e2 - s * e1, np.broadcast_to(a, (len(theta), 3))][: len(rim.directions)]
+    rows = np.stack(
+        [np.stack([facets.sums(waves * unit[:, k], count) for k in range(3)], axis=-1) for unit in units]
+    ).reshape(-1, count, 3)
+    mean = float(np.average(radius, weights=facets.weight))
+    shape = (waves * facets.weight) @ (radius - mean)
+    shape[0] = 0.0
+    shape[np.abs(shape) < 1e-9 * mean] = 0.0
+    line = np.array([[float(np.average(x[:, 2], weights=facets.weight)), mean]])
+    return RimView(rows, line, shape[None], axes)
+
+
+def node_rows(system: MeshSystem, at: AtNodes) -> FloatArray:
+    """Rows (3 nodes, nodes, 3) of nodes by the numbers that the file gives them."""
+    places = node_places(system, at.nodes)
+    loose = np.zeros(len(system.points) * system.dofs, dtype=bool)
+    loose[system.free] = True
+    for number, place in zip(at.nodes, places, strict=True):
+        if not loose[system.dofs * place : system.dofs * place + 3].any():
+            source = system.structure.mesh.source
+            raise ModelError("interface-held", f"{source}: node {number} is held, nothing can be pushed there")
+    rows = np.zeros((len(places), 3, len(system.points), 3))
+    rows[np.arange(len(places))[:, None], np.arange(3), places[:, None], np.arange(3)] = 1.0
+    return rows.reshape(-1, len(system.points), 3)
+
+
+def node_places(system: MeshSystem, numbers: tuple[int, ...]) -> IntArray:
+    """Indices of nodes by their numbers in the file; ModelError for one that is not there, or twice."""
+    mesh = system.structure.mesh
+    used = mesh.used
+    places = dict(zip(mesh.node_numbers[used[::-1]].tolist(), used[::-1].tolist(), strict=True))  # the first of each
+    missing = [number for number in numbers if number not in places]
+    if missing or len(set(numbers)) < len(numbers) or not numbers:
+        what = f"node {missing[0]} that no cell has" if missing else f"the nodes {list(numbers)}, expected each once"
+        raise ModelError("interface-nodes", f"{mesh.source}: at: found {what}")
+    return np.array([places[number] for number in numbers], dtype=np.int64)

@@ -1,0 +1,101 @@
+"""Outputs at nodes of an imported part: displacement; strain and stress of solids, the mean over the node's cells."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray
+from casingfem.modal.mesh_interface import node_places
+from casingfem.structure.imported.assembly import MeshSystem
+from casingfem.structure.imported.cell_kind import shape_functions
+from casingfem.structure.imported.solid import COMPONENTS, Solid, elasticity, strain_table
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeDisplacement:
+    """Displacement [m] of a node, by its number in the file, along x, y or z.
+
+    >>> NodeDisplacement(name="tip", node=6, direction="z").node
+    6
+    """
+
+    name: str
+    node: int
+    direction: str
+
+    def row(self, system: MeshSystem) -> FloatArray:
+        """Row over the nodal fields, (nodes, dofs)."""
+        if self.direction not in ("x", "y", "z"):
+            raise ModelError("output-direction", f"output {self.name!r}: found direction {self.direction!r}")
+        row = np.zeros((len(system.points), system.dofs))
+        row[node_place(system, self.name, self.node), "xyz".index(self.direction)] = 1.0
+        return row
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeStrain:
+    """Strain [-] of a solid at a node: "xx", "yy", "zz", or the shear angle "yz", "xz", "xy" (2 eps_yz, ...).
+
+    >>> NodeStrain(name="root", node=3, component="xx").component
+    'xx'
+    """
+
+    name: str
+    node: int
+    component: str
+
+    def row(self, system: MeshSystem) -> FloatArray:
+        """Row over the nodal fields, (nodes, dofs)."""
+        return mean_row(system, self.name, self.node, self.component, stress=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeStress:
+    """Stress [Pa] of a solid at a node: "xx", "yy", "zz", "yz", "xz", "xy".
+
+    >>> NodeStress(name="root", node=3, component="xx").component
+    'xx'
+    """
+
+    name: str
+    node: int
+    component: str
+
+    def row(self, system: MeshSystem) -> FloatArray:
+        """Row over the nodal fields, (nodes, dofs)."""
+        return mean_row(system, self.name, self.node, self.component, stress=True)
+
+
+def node_place(system: MeshSystem, name: str, node: int) -> int:
+    """Index of an output's node; ModelError on a chart, or where no cell has it."""
+    if not isinstance(system, MeshSystem):
+        raise ModelError("output-place", f"output {name!r}: found node {node} of a chart, whose nodes have no numbers")
+    try:
+        return int(node_places(system, (node,))[0])
+    except ModelError as error:
+        raise ModelError("output-place", f"output {name!r}: found node {node}, which no cell has") from error
+
+
+def mean_row(system: MeshSystem, name: str, node: int, component: str, *, stress: bool) -> FloatArray:
+    """Row of a strain or stress at a node: the mean of what each of its cells has there."""
+    place = node_place(system, name, node)
+    solid = system.structure
+    if not isinstance(solid, Solid):
+        found = f"a {type(solid).__name__}, expected a Solid: strains at nodes are those of solids"
+        raise ModelError("output-place", f"output {name!r}: found {found}")
+    if component not in COMPONENTS:
+        raise ModelError("output-direction", f"output {name!r}: found component {component!r}")
+    mesh = solid.mesh
+    cells, local = np.nonzero(mesh.cells == place)
+    _, slopes = shape_functions(mesh.kind, np.ascontiguousarray(mesh.cell_kind.places.T))
+    tangents = np.einsum("dke,ekc->edc", slopes[:, :, local], mesh.points[mesh.cells[cells]])
+    gradients = np.linalg.solve(tangents, slopes[:, :, local].transpose(2, 0, 1))  # dN/dx, (cells, 3, nodes)
+    table = strain_table(gradients)
+    if stress:
+        table = elasticity(solid.constants()[:, cells]) @ table
+    at = COMPONENTS.index(component)
+    rows = table[:, at].reshape(len(cells), -1, 3) / len(cells)
+    row = np.zeros((len(system.points), system.dofs))
+    np.add.at(row[:, :3], mesh.cells[cells], rows)
+    return row

@@ -1,0 +1,120 @@
+"""Static loads on imported parts, as nodal forces in Cartesian axes.
+
+`Gravity`, `EdgeLoad` (per area of a solid's facets, per length of a shell's edge), `Pressure` and `SurfaceLoad` (on the
+wall of a shell) are those of the shells on charts; forces at nodes and pressures on a solid's facets stand here. A load
+of your own has `on_mesh(structure) -> (nodes, 3)`.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias, runtime_checkable
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.assembly import Mapped, MeshStructure, mapped
+from casingfem.structure.imported.checks import check_groups
+from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.shell.loads import EdgeLoad, Gravity, Pressure, SurfaceLoad, Vector
+
+
+@runtime_checkable
+class OnMesh(Protocol):
+    """A load that knows its nodal forces on an imported part."""
+
+    def on_mesh(self, structure: MeshStructure) -> FloatArray:
+        """Nodal forces [N], (nodes, 3)."""
+
+
+MeshLoad: TypeAlias = OnMesh | Gravity | EdgeLoad | Pressure | SurfaceLoad
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeLoad:
+    """A force [N] at a node, by the number that the file gives it.
+
+    The displacement under it grows without limit as the mesh is refined; elsewhere it converges.
+
+    >>> NodeLoad(node=6, force=(0.0, 0.0, 1.0)).node
+    6
+    """
+
+    node: int
+    force: Vector
+
+    def on_mesh(self, structure: MeshStructure) -> FloatArray:
+        """Nodal forces [N], (nodes, 3)."""
+        mesh = structure.mesh
+        place = mesh.used[mesh.node_numbers[mesh.used] == self.node]
+        if not len(place):
+            raise ModelError("load-place", f"{mesh.source}: load at node {self.node}, which no cell has")
+        loads = np.zeros_like(mesh.points)
+        loads[place[0]] = self.force
+        return loads
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FacetPressure:
+    """A pressure [Pa] on the facets of a solid's group, against their outward normal.
+
+    >>> FacetPressure(group="skin", pressure=1e5).pressure
+    100000.0
+    """
+
+    group: str
+    pressure: float
+
+    def on_mesh(self, structure: MeshStructure) -> FloatArray:
+        """Nodal forces [N], (nodes, 3)."""
+        mesh = structure.mesh
+        if mesh.cell_kind.dim != 3:
+            raise ModelError("load-edge", f"{mesh.source}: a FacetPressure on a shell, expected a Pressure on its wall")
+        on, nodes = group_facets(mesh, self.group)
+        normal = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])  # of the size of the area
+        return spread(mesh, on, nodes, -self.pressure * normal / np.linalg.norm(normal, axis=2, keepdims=True))
+
+
+def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
+    """Nodal forces of a load, (nodes, 3).
+
+    Raises
+    ------
+    ModelError
+        `load-edge` for a load that an imported part cannot have.
+    """
+    mesh = structure.mesh
+    match load:
+        case OnMesh():
+            return load.on_mesh(structure)
+        case Gravity():
+            on = mapped(mesh.kind, mesh.points, mesh.cells)
+            force = structure.density()[:, None, None] * np.asarray(load.acceleration)
+            return spread(mesh, on, mesh.cells, np.broadcast_to(force, on.x.shape))
+        case EdgeLoad():
+            on, nodes = group_facets(mesh, load.edge)
+            return spread(mesh, on, nodes, np.broadcast_to(np.asarray(load.force), on.x.shape))
+        case Pressure() | SurfaceLoad() if mesh.cell_kind.dim == 2:
+            on = mapped(mesh.kind, mesh.points, mesh.cells)
+            if isinstance(load, SurfaceLoad):
+                return spread(mesh, on, mesh.cells, np.broadcast_to(np.asarray(load.force), on.x.shape))
+            normal = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])
+            unit = normal / np.linalg.norm(normal, axis=2, keepdims=True)
+            return spread(mesh, on, mesh.cells, load.pressure * unit)
+    raise ModelError("load-edge", f"{mesh.source}: a {type(load).__name__} on an imported mesh of {mesh.kind} cells")
+
+
+def group_facets(mesh: MeshData, name: str) -> tuple[Mapped, IntArray]:
+    """The facets of a group, mapped, and their nodes."""
+    check_groups(mesh, [name])
+    facets = mesh.group_facets(name)
+    if not len(facets):
+        raise ModelError("mesh-group-no-facets", f"{mesh.source}: load on {name!r}")
+    nodes = mesh.facet_nodes(facets)
+    return mapped(mesh.cell_kind.facet, mesh.points, nodes), nodes
+
+
+def spread(mesh: MeshData, on: Mapped, nodes: IntArray, density: FloatArray) -> FloatArray:
+    """Nodal forces of a force per volume, area or length (cells, q, 3)."""
+    loads = np.zeros_like(mesh.points)
+    np.add.at(loads, nodes, np.einsum("kq,eq,eqc->ekc", on.values, np.abs(on.measure), density, optimize=True))
+    return loads

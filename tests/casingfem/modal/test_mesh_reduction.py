@@ -1,0 +1,314 @@
+"""Reduction of imported parts: static compliance, interfaces against those of charts, outputs, refusals."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.errors import ModelError
+from casingfem.linalg.factor import factorise
+from casingfem.modal.interface import AtNodes, Rim, Tip, TipNodes
+from casingfem.modal.interface_view import view
+from casingfem.modal.mesh_output import NodeDisplacement, NodeStrain, NodeStress
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.loads import NodeLoad
+
+TABLE = cf.FrequencyTable.from_csv(Path(__file__).parents[3] / "data" / "experiments" / "rig_casing.csv")
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
+CLAMPED = {"root": cf.Clamped()}
+
+
+def blade_place(u):
+    """A twisted blade: 30 degrees over its span."""
+    a = np.radians(30.0) * u[:, 0]
+    y, z = 0.04 * (u[:, 1] - 0.5), 0.005 * (u[:, 2] - 0.5)
+    return np.stack([0.11 * u[:, 0], np.cos(a) * y - np.sin(a) * z, np.sin(a) * y + np.cos(a) * z], axis=1)
+
+
+def solid(kind="hexahedron20", counts=(6, 3, 1)):
+    return cf.Solid(mesh=grid_mesh(kind, counts, blade_place, groups=ENDS), material=STEEL, supports=CLAMPED)
+
+
+def strip(counts=(6, 3), flip=False):
+    """A flat blade as an imported shell."""
+
+    def place(u):
+        y = (0.5 - u[:, 1] if flip else u[:, 1] - 0.5) * 0.04
+        return np.stack([0.11 * u[:, 0], y, 0.0 * y], axis=1)
+
+    mesh = grid_mesh("quad9", counts, place, groups=ENDS)
+    return cf.MeshShell(mesh=mesh, thickness=5.4e-3, material=STEEL, supports=CLAMPED)
+
+
+def ring(kind="quad9", counts=(24, 3), place=None, thickness=0.02):
+    wall = place or revolved((0.5, 0.45), (0.0, 0.25), thickness)
+    groups = {"base": (1, 0.0), "top": (1, 1.0)}
+    mesh = grid_mesh(kind, counts, lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups=groups, wrap=0)
+    return cf.MeshShell(mesh=mesh, thickness=thickness, material=STEEL, supports={"base": cf.Clamped()})
+
+
+def tube(groups):
+    """A casing of solids."""
+    mesh = grid_mesh("hexahedron20", (1, 48, 5), revolved((0.5, 0.45), (0.0, 0.25), 0.02), groups=groups, wrap=1)
+    return cf.Solid(mesh=mesh, material=STEEL, supports={"base": cf.Clamped()})
+
+
+def corners(structure):
+    """Two nodes at the tip by their numbers."""
+    mesh = structure.mesh
+    tip = mesh.groups["tip"].nodes
+    return tuple(mesh.node_numbers[tip[[0, len(tip) // 2]]].tolist())
+
+
+@pytest.mark.parametrize("method", ["free", "craig-bampton"])
+@pytest.mark.parametrize("part", [solid, lambda: solid("tetra10", (5, 2, 1)), strip], ids=["brick", "tetra", "shell"])
+def test_compliance_at_nodes_is_the_static_answer_to_forces_there(part, method):
+    """rows diag(1/omega^2) rows^T + S column by column against a static solution of its own."""
+    structure = part()
+    nodes = corners(structure)
+    basis = cf.reduce(structure, AtNodes(nodes), modes=8, method=method)
+    assert basis.channels[:3] == tuple(f"{nodes[0]}.{axis}" for axis in "xyz")
+    for k, node in enumerate(nodes):
+        for i, force in enumerate(np.eye(3)):
+            bent = cf.solve_static(structure, [NodeLoad(node=node, force=tuple(force))])
+            answer = np.concatenate([bent.at(other) for other in nodes])
+            np.testing.assert_allclose(
+                basis.compliance[:, 3 * k + i], answer, rtol=1e-7, atol=1e-9 * np.abs(answer).max()
+            )
+    if method == "free":
+        np.testing.assert_allclose(basis.freq, cf.modes(structure, 8).freq, rtol=1e-12)
+        assert np.linalg.eigvalsh(basis.S).min() > -1e-12 * np.trace(basis.S)
+
+
+@pytest.mark.parametrize("interface", [Tip("tip"), TipNodes("tip", 3)], ids=["one", "pieces"])
+def test_a_tip_is_that_of_the_same_blade_on_a_chart(interface):
+    chart = cf.Shell(
+        chart=cf.Plate(length=0.11, width=0.04), thickness=5.4e-3, material=STEEL, supports=CLAMPED,
+        mesh=cf.ShellMesh(order=8, rows=2, around=2),
+    )  # fmt: skip
+    exact = cf.reduce(chart, interface, modes=6)
+    found = cf.reduce(strip((24, 12)), interface, modes=6)
+    np.testing.assert_allclose(found.freq, exact.freq, rtol=1e-3)
+    assert found.channels == exact.channels
+    np.testing.assert_allclose(found.compliance, exact.compliance, atol=1e-3 * np.abs(exact.compliance).max())
+    np.testing.assert_allclose(found.participation**2, exact.participation**2, atol=1e-3 * 0.5)
+    directions = found.provenance["directions"]
+    np.testing.assert_allclose(list(directions.values()), [[1, 0, 0], [0, 0, 1], [0, 1, 0]], atol=1e-9)
+
+
+def test_flap_follows_the_normal_of_a_shell():
+    turned = view(strip(flip=True).assembled(), Tip("tip"))
+    np.testing.assert_allclose(turned.axes, [[1, 0, 0], [0, 0, -1], [0, -1, 0]], atol=1e-9)
+
+
+def test_a_solids_tip_pieces_carry_the_whole_tip():
+    """Pieces weighted by their areas are the tip as a whole, rigid translations move each piece by one."""
+    system = solid().assembled()
+    pieces, whole = view(system, TipNodes("tip", 3)), view(system, Tip("tip"))
+    np.testing.assert_allclose(pieces.loads[:, ::3].mean(axis=1), whole.loads[:, 0], atol=1e-12)
+    moved = pieces.loads.T @ system.translations(pieces.axes)
+    np.testing.assert_allclose(moved, np.tile(np.eye(3), (3, 1)), atol=1e-12)
+    np.testing.assert_allclose(pieces.axes @ pieces.axes.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(pieces.axes[0], [1.0, 0.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(np.cross(pieces.axes[2], pieces.axes[1]), pieces.axes[0], atol=1e-12)
+    np.testing.assert_allclose(np.abs(pieces.axes[2]), [0.0, np.cos(np.pi / 6), 0.5], atol=1e-3)
+
+
+@pytest.mark.slow
+def test_a_rim_is_that_of_the_same_casing_on_a_chart():
+    chart = cf.Shell(
+        chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=0.01, material=STEEL,
+        supports={"base": cf.Clamped()},
+    )  # fmt: skip
+    rim = Rim("top", n_max=6, axial=True)
+    exact, found = (cf.reduce(part, rim, modes=12) for part in (chart, ring(counts=(72, 12), thickness=0.01)))
+    np.testing.assert_allclose(found.freq, exact.freq, rtol=1e-3)
+    np.testing.assert_allclose(found.compliance, exact.compliance, atol=4e-3 * np.abs(exact.compliance).max())
+    assert found.channels == exact.channels
+    assert found.radius == pytest.approx(0.45, rel=1e-5)
+    np.testing.assert_allclose(found.lines, [[0.25, 0.45]], rtol=1e-5)
+    assert np.abs(found.out_of_roundness).max() < 1e-9
+
+
+def test_a_rim_about_another_axis_is_the_same_rim():
+    wall = revolved((0.5, 0.45), (0.0, 0.25), 0.02)
+    # x -> y', y -> z', z -> x': then e1 of the x axis is y
+    moved = ring(place=lambda u: np.roll(wall(u), 1, axis=1) + np.array([0.1, 0.2, 0.3]))
+    rim = Rim("top", n_max=4)
+    about_x = replace(rim, axis=(2.0, 0.0, 0.0), point=(0.0, 0.2, 0.3))
+    one, other = cf.reduce(ring(), rim, modes=6), cf.reduce(moved, about_x, modes=6)
+    np.testing.assert_allclose(other.compliance, one.compliance, atol=1e-9 * np.abs(one.compliance).max())
+    np.testing.assert_allclose(view(moved.assembled(), about_x).axes, np.roll(np.eye(3), 1, axis=1), atol=1e-12)
+    assert other.radius == pytest.approx(one.radius)
+    assert other.lines[0, 0] == pytest.approx(one.lines[0, 0] + 0.1)
+
+
+@pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")
+def test_a_solids_rim_is_its_end_face():
+    found = cf.reduce(tube({"base": (2, 0.0), "top": (2, 1.0)}), Rim("top", n_max=3), modes=6)
+    exact = cf.reduce(ring(), Rim("top", n_max=3), modes=6)
+    np.testing.assert_allclose(found.freq, exact.freq, rtol=2e-2)
+    np.testing.assert_allclose(np.diag(found.compliance), np.diag(exact.compliance), rtol=3e-2)
+
+
+def test_an_oval_rim_knows_its_shape():
+    wall = revolved((0.5, 0.45), (0.0, 0.25), 0.02)
+
+    def place(u):
+        x = wall(u)
+        x[:, :2] *= 1.0 + 1e-3 * np.cos(3 * np.arctan2(x[:, 1], x[:, 0]) - 0.4)[:, None]
+        return x
+
+    shape = cf.reduce(ring(place=place), Rim("top", n_max=4), modes=4).out_of_roundness[0]
+    np.testing.assert_allclose(shape[[3, 4 + 3]], 0.45e-3 * np.array([np.cos(0.4), np.sin(0.4)]), rtol=1e-3)
+    assert np.abs(np.delete(shape, [3, 7])).max() < 2e-6
+
+
+def test_outputs_at_nodes_are_those_of_the_static_solution():
+    structure = solid()
+    node = corners(structure)[0]
+    root = int(structure.mesh.node_numbers[structure.mesh.groups["root"].nodes[0]])
+    outputs = [
+        NodeDisplacement(name="tip z", node=node, direction="z"),
+        NodeStrain(name="root eps", node=root, component="xx"),
+        NodeStress(name="root sigma", node=root, component="xy"),
+    ]
+    system = structure.assembled()
+    basis = cf.reduce(structure, Tip("tip"), modes=5, outputs=outputs, recovery=True, system=system)
+    P = view(system, Tip("tip")).loads
+    exact = system.expand(factorise(system.K).solve(P))
+    static = basis.output_rows @ (basis.rows.T / basis.omega[:, None] ** 2) + basis.output_S
+    rows = np.array([output.row(system) for output in outputs])
+    answer = np.einsum("knd,ndc->kc", rows, exact)
+    np.testing.assert_allclose(static, answer, atol=1e-9 * np.abs(answer).max(axis=1, keepdims=True).max())
+    everywhere = basis.recovery @ (basis.rows.T / basis.omega[:, None] ** 2) + basis.recovery_S
+    np.testing.assert_allclose(everywhere, exact.reshape(-1, 2), atol=1e-9 * np.abs(exact).max())
+
+
+def test_stress_of_a_pulled_bar_is_force_over_area():
+    mesh = grid_mesh("tetra10", (2, 1, 1), lambda u: u * [1.0, 0.1, 0.1], groups=ENDS)
+    bar = cf.Solid(mesh=mesh, material=replace(STEEL, nu=0.0), supports=CLAMPED)
+    pulled = cf.solve_static(bar, [cf.loads.EdgeLoad(edge="tip", force=(3e6, 0.0, 0.0))])
+    row = NodeStress(name="s", node=int(mesh.node_numbers[0]), component="xx").row(bar.assembled())
+    assert float((row * pulled.fields).sum()) == pytest.approx(3e6, rel=1e-9)
+    row = NodeStrain(name="e", node=int(mesh.node_numbers[-1]), component="xx").row(bar.assembled())
+    assert float((row * pulled.fields).sum()) == pytest.approx(3e6 / 210e9, rel=1e-9)
+
+
+@dataclass(frozen=True)
+class Doubled:
+    """A structure of one's own: a solid twice as stiff, by the members that `MeshStructure` names and no more."""
+
+    solid: cf.Solid
+
+    @property
+    def mesh(self):
+        return self.solid.mesh
+
+    @property
+    def supports(self):
+        return self.solid.supports
+
+    def density(self):
+        return self.solid.density()
+
+    def assembled(self):
+        system = self.solid.assembled()
+        return replace(system, structure=self, K=2.0 * system.K)
+
+
+def test_a_structure_of_ones_own_needs_the_protocol_alone():
+    one, twice = solid(), Doubled(solid())
+    np.testing.assert_allclose(cf.modes(twice, 4).freq, np.sqrt(2.0) * cf.modes(one, 4).freq, rtol=1e-9)
+    a, b = (cf.reduce(part, TipNodes("tip", 2), modes=4) for part in (one, twice))
+    np.testing.assert_allclose(b.compliance, 0.5 * a.compliance, atol=1e-9 * np.abs(a.compliance).max())
+    load = [cf.loads.Gravity()]
+    assert cf.solve_static(twice, load).energy == pytest.approx(0.5 * cf.solve_static(one, load).energy)
+
+
+OPEN = grid_mesh(
+    "quad9", (12, 2), lambda u: revolved((0.5, 0.45), (0.0, 0.25), 0.02)(np.insert(u, 0, 0.5, axis=1) * [1, 0.8, 1]),
+    groups={"base": (1, 0.0), "top": (1, 1.0)},
+)  # fmt: skip
+BAD = {
+    "no node": (solid, AtNodes((1, 99999)), "node 99999 that no cell has"),
+    "twice": (solid, AtNodes((1, 1)), "each once"),
+    "held": (solid, AtNodes((1,)), "node 1 is held"),
+    "group": (solid, Tip("tpi"), "no group 'tpi' .did you mean 'tip'"),
+    "pieces": (lambda: strip((2, 1)), TipNodes("tip", 60), "has no facet"),
+    "held edge": (solid, Tip("root"), "edge 'root' is held"),
+    "harmonics": (ring, Rim("top", 40), "between 1 and 16 on 'top', found 40"),
+    "lines": (ring, Rim("top", 3, lines=(0.1,)), "rim.lines: found"),
+    "gaps": (
+        lambda: cf.MeshShell(mesh=OPEN, thickness=0.02, material=STEEL, supports={"base": cf.Clamped()}),
+        Rim("top", 3), "'top' has a gap of 7. degrees",
+    ),
+    "all round": (lambda: tube({"base": (2, 0.0), "top": (0, 1.0)}), Tip("top"), "point to all sides"),
+    "free": (lambda: replace(solid(), supports={}), Tip("tip"), "rigid motions"),
+    "chart": (
+        lambda: cf.Shell(chart=cf.Plate(length=1.0, width=1.0), thickness=0.1, material=STEEL, supports=CLAMPED),
+        AtNodes((3,)), "nodes 3 of a chart",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+@pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
+def test_interfaces_that_are_not_there_are_named(name):
+    part, interface, message = BAD[name]
+    with pytest.raises(ModelError, match=message):
+        cf.reduce(part(), interface, modes=3)
+
+
+def test_a_chart_axis_is_z():
+    casing = cf.Shell(
+        chart=cf.Cylinder(radius=0.5, height=0.2), thickness=0.02, material=STEEL, supports={"base": cf.Clamped()}
+    )
+    with pytest.raises(ModelError, match="turns about z"):
+        cf.reduce(casing, Rim("top", 3, axis=(1.0, 0.0, 0.0)), modes=3)
+
+
+def test_outputs_of_the_wrong_kind_of_structure_are_refused_in_words():
+    chart = cf.Shell(chart=cf.Plate(length=1.0, width=1.0), thickness=0.1, material=STEEL, supports=CLAMPED)
+    for part, output, message in (
+        (chart, NodeDisplacement(name="a", node=1, direction="x"), "node 1 of a chart"),
+        (solid(), cf.modal.Displacement(name="a", at=(0.0, 0.0)), "parameters of a chart on an imported part"),
+        (solid(), NodeStress(name="a", node=99999, component="xx"), "node 99999, which no cell has"),
+        (solid(), NodeStress(name="a", node=1, component="rr"), "component 'rr'"),
+        (strip(), NodeStrain(name="a", node=1, component="xx"), "strains at nodes are those of solids"),
+        (solid(), NodeDisplacement(name="a", node=1, direction="r"), "direction 'r'"),
+    ):
+        with pytest.raises(ModelError, match=message):
+            cf.reduce(part, Tip("tip"), modes=3, outputs=[output])
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda x: cf.modes(x, 3),
+        lambda x: cf.solve_static(x, [cf.loads.Gravity()]),
+        lambda x: cf.reduce(x, Tip("tip")),
+    ],
+)
+def test_what_is_no_structure_is_told_what_it_lacks(call):
+    with pytest.raises(ModelError, match="found Material, which has no mesh, supports, density, assembled"):
+        call(STEEL)
+
+
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("campbell", lambda x: cf.campbell(x, [0.0])),
+        ("whirl_modes", lambda x: cf.whirl_modes(x, 2)),
+        ("mistune", lambda x: cf.mistune(x, 1)),
+        ("out_of_roundness", lambda x: cf.out_of_roundness(x, Rim("top"))),
+        ("locate", lambda x: cf.locate(x, TABLE)),
+        ("update", lambda x: cf.update(x, TABLE, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)])),
+    ],
+)
+def test_what_needs_a_chart_says_so(name, call):
+    with pytest.raises(ModelError, match=f"{name}: found Solid, which has no chart: .*structure-chart"):
+        call(solid())
