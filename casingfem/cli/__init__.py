@@ -9,6 +9,7 @@ from casingfem.cli.example import example
 from casingfem.cli.explain import explain
 from casingfem.cli.identify import identify
 from casingfem.cli.locate import locate
+from casingfem.cli.matrices import export_matrices, import_matrices
 from casingfem.cli.mistune import mistune
 from casingfem.cli.rig import rig
 from casingfem.cli.study import campbell, modes, reduce, report, schema, update
@@ -40,6 +41,8 @@ for command in (
     update,
     locate,
     reduce,
+    import_matrices,
+    export_matrices,
     contact,
     rub,
     stability,

@@ -171,4 +171,24 @@ MESHES = {
         "this needs a shell on a chart: an imported part has no fields, no bolts and no chart's edges",
         "model the part as a cf.Shell; modes, statics, reduction, rotation and updates take imported parts too",
     ),
+    "matrix-dofs": Fault(
+        "the matrices do not say which node and direction a row belongs to",
+        "give --dofs, a table with the columns node, direction; beside .mtx files a .dof file does; in arrays, dofs",
+    ),
+    "matrix-file": Fault(
+        "a file of matrices is malformed, cut short, or not of this kind",
+        "write it again from the program it comes from; real, square matrices are read",
+    ),
+    "matrix-format": Fault(
+        "the files are not of a format of matrices, or not of one format",
+        "give one .pch, .bdf, .op4, .sti, .mat, .h5 or .npz, or the .mtx files of stiffness and mass",
+    ),
+    "matrix-names": Fault(
+        "stiffness and mass cannot be told by the names of the matrices",
+        "name the stiffness K... or ...STIF..., the mass M..., the damping B..., C... or ...DAMP..., one each",
+    ),
+    "matrix-size": Fault(
+        "matrices and dofs do not belong together",
+        "give square matrices of one size, with one dof for each row",
+    ),
 }

@@ -2,6 +2,7 @@ from .basis import ModalBasis
 from .campbell import Campbell
 from .interaction import DiskFrequencies, Interactions, interactions
 from .interface import AtNodes, Rim, Tip, TipNodes
+from .matrices import basis_matrices, structure_matrices
 from .mesh_output import NodeDisplacement, NodeStrain, NodeStress
 from .mistuning import Mistuning, mistune
 from .modes import MeshModes, Modes
@@ -27,8 +28,10 @@ __all__ = [
     "Tip",
     "TipNodes",
     "WhirlModes",
+    "basis_matrices",
     "interactions",
     "mistune",
     "reduce",
+    "structure_matrices",
     "whirl_modes",
 ]

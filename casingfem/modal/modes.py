@@ -15,6 +15,7 @@ from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
 from casingfem.modal.resolution import checked_resolution
 from casingfem.modal.ritz import RitzModes, ritz_modes
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
+from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.extent import extent
 from casingfem.structure.shell.plausible import warn_of

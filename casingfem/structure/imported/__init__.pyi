@@ -1,5 +1,7 @@
 from .assembly import MeshStructure, MeshSystem
 from .loads import FacetPressure, NodeLoad
+from .matrix.matrix_set import MatrixSet
+from .matrix.read import read_matrices
 from .mesh_data import Group, MeshData
 from .read import read_mesh
 from .shell import MeshShell
@@ -11,6 +13,7 @@ __all__ = [
     "FacetPressure",
     "Fixed",
     "Group",
+    "MatrixSet",
     "MeshData",
     "MeshDeflection",
     "MeshShell",
@@ -18,5 +21,6 @@ __all__ = [
     "MeshSystem",
     "NodeLoad",
     "Solid",
+    "read_matrices",
     "read_mesh",
 ]

@@ -1,6 +1,7 @@
 from .beam import BeamInCircle, HingedBeam
 from .body import PointMass, Rod, Wall
 from .linear import Forcing, LinearBody, Part
+from .matrices import Matrices, MatrixReport, body_of
 from .modal_body import ModalBody
 from .patch import Patch
 from .ring_modes import ThinRing, ring_elements, ring_modes
@@ -10,6 +11,8 @@ __all__ = [
     "Forcing",
     "HingedBeam",
     "LinearBody",
+    "Matrices",
+    "MatrixReport",
     "ModalBody",
     "Part",
     "Patch",
@@ -17,6 +20,7 @@ __all__ = [
     "Rod",
     "ThinRing",
     "Wall",
+    "body_of",
     "ring_elements",
     "ring_modes",
 ]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from contact.base.arrays import Array, readonly, require_not_negative, require_p
 from contact.base.errors import InputError
 from contact.io.names import names_fault
 from contact.io.npz import compliance_fault, load_npz, require_kinds, whole, write_npz
+
+if TYPE_CHECKING:
+    from contact.model.bodies.matrices import Contact, Dof
 
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
@@ -208,6 +212,40 @@ class ModalBody:
         }  # fmt: skip
         data |= {name: getattr(self, name) for name in OPTIONAL if getattr(self, name) is not None}
         write_npz(Path(path), data)
+
+    @staticmethod
+    def from_matrices(
+        M: Any,
+        K: Any,
+        C: Any = None,
+        *,
+        dofs: Sequence[Dof],
+        contact: Contact,
+        points: Mapping[int, Sequence[float]] | None = None,
+        units: str = "m-kg-s",
+        modes: int | None = None,
+        zeta: float = 0.0,
+    ) -> ModalBody:
+        """Modes and residual compliance of someone's matrices M, K and maybe C, dense or sparse.
+
+        `dofs`: (node, direction) of each row, directions x, y, z, rx, ry, rz or 1 to 6; q or 0 for a scalar, such as a
+        mode of a Craig-Bampton set. `contact`: nodes (channels 6.x, 6.y, 6.z), dofs, or channel name -> row over the
+        dofs. `points`: node -> x, y, z. `units` of all of them, length-mass-time. `modes` kept: 20 if left out, or all
+        if they are fewer. `zeta` where there is no C. A free body keeps its rigid modes; modes left out go into S, as
+        do massless dofs. The provenance holds what `ct.bodies.body_of` reports: mass, inertia, rigid modes, symmetry,
+        frequencies, residual compliance.
+
+        Raises InputError naming the matrix, dof or unit that cannot be used.
+
+        >>> two = ModalBody.from_matrices([[2.0, 0.0], [0.0, 1.0]], [[2e6, -1e6], [-1e6, 1e6]], contact=[2],
+        ...                               dofs=[(1, "x"), (2, "x")], modes=1)
+        >>> two.channels, f"{(two.rows**2 / two.omega**2 + two.S).item():.6g}"  # the static compliance 1/k + 1/k
+        (('2.x',), '2e-06')
+        """
+        from contact.model.bodies.matrices import Matrices, body_of
+
+        matrices = Matrices.of(M, K, C, dofs=dofs, points=points, units=units)
+        return body_of(matrices, contact, modes=modes, zeta=zeta)[0]
 
     @staticmethod
     def load(path: str | Path) -> ModalBody:

@@ -1,0 +1,113 @@
+"""Commands on matrices: import those of another program as a basis, export ours."""
+
+from pathlib import Path
+
+import click
+
+from casingfem.cli.model_warnings import collected
+from casingfem.cli.running import ProgressMessage, deliver, options, with_exit_codes
+from contact.io.outfiles import json_text, write_files
+
+FILES = click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
+TABLE = click.Path(path_type=Path)
+
+
+def node_list(context: click.Context, option: click.Parameter, value: str | None) -> list[int] | None:
+    """Node numbers, as 6,79."""
+    if value is None:
+        return None
+    parts = [part.strip() for part in value.split(",")]
+    if not all(part.isdecimal() for part in parts):
+        raise click.BadParameter(f"found {value!r}, expected node numbers such as 6,79", context, option)
+    return list(map(int, parts))
+
+
+@click.command(name="import")
+@FILES
+@click.option("--nodes", type=TABLE, metavar="CSV", help="Table node,x,y,z; contact is at these nodes if left out.")
+@click.option("--dofs", type=TABLE, metavar="CSV", help="Table node,direction, a line for each row of the matrices.")
+@click.option("--contact", callback=node_list, metavar="6,79", help="Nodes that contact sees: channels 6.x 6.y 6.z ...")
+@click.option("--units", default="m-kg-s", show_default=True, help="Length, mass, time of the files, such as mm-t-s.")
+@click.option("--modes", "count", type=click.IntRange(1), default=20, show_default=True, help="Modes kept.")
+@click.option(
+    "--zeta", type=click.FloatRange(0.0, 1.0, max_open=True), default=0.0, help="Damping ratio where there is no C."
+)
+@click.option("--out", type=TABLE, metavar="NPZ", help="Write the basis there.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")
+@with_exit_codes
+def import_matrices(
+    files: tuple[Path, ...],
+    nodes: Path | None,
+    dofs: Path | None,
+    contact: list[int] | None,
+    units: str,
+    count: int,
+    zeta: float,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Reduce the matrices M, K and maybe C of another program to a basis, and say what they are.
+
+    FILE: DMIG cards (.pch, .bdf), OP4, CalculiX's .sti, .mat, HDF5 or npz, or the .mtx files of stiffness and mass.
+    Reduced sets (Craig-Bampton) are taken alike; their modal dofs are scalars, direction q or 0.
+    """
+    from casingfem.errors import InputError
+    from casingfem.structure.imported.matrix.read import read_matrices, read_nodes
+    from contact.model.bodies.matrices import DIRECTIONS, Matrices, body_of
+    from contact.model.bodies.matrices import as_json as facts_json
+
+    if out is not None and out.suffix != ".npz":
+        raise click.UsageError(f"--out: found {out.name!r}, expected a file name ending in .npz")
+    with ProgressMessage(f"import of {files[0].name}") as working:
+        read = read_matrices(files, nodes=nodes, dofs=dofs)
+        seen = contact if contact is not None else [] if nodes is None else list(read_nodes(nodes))
+        if not seen:
+            raise InputError(str(files[0]), found="no nodes that contact sees", expected="--contact, or --nodes")
+        labels = [(node, DIRECTIONS[direction]) for node, direction in read.dofs.tolist()]
+        matrices = Matrices.of(
+            read.M, read.K, read.C, dofs=labels, units=units, points={n: x.tolist() for n, x in read.points.items()}
+        )
+        body, facts = body_of(matrices, seen, modes=min(count, matrices.size), zeta=zeta)
+    document = {
+        "file": None if out is None else str(out),
+        "freq_hz": (body.omega / 6.283185307179586).tolist(),
+        "zeta": body.zeta.tolist(),
+        "channels": list(body.channels),
+        "matrices": facts_json(facts),
+        "words": facts.words,
+        "seconds": working.seconds,
+        "warnings": collected(),
+    }
+    if out is not None:
+        write_files(out.parent, {out.name: body.save})
+    if as_json:
+        click.echo(json_text(document), nl=False)
+        return
+    click.echo(f"{facts}\n{body}\n" + ("not written: give --out FILE.npz" if out is None else f"wrote {out}"))
+
+
+@click.command(name="export")
+@click.argument("file", metavar="STUDY|BASIS", type=click.Path(path_type=Path))
+@click.option(
+    "--format", "form", type=click.Choice(["mtx", "pch", "op4", "npz", "mat"]), default="mtx", show_default=True
+)
+@options
+def export_matrices(file: Path, form: str, as_json: bool, out: Path | None) -> None:
+    """Write the matrices of the structure of STUDY, or of BASIS (an npz), for other programs, SI, to --out DIR.
+
+    A basis becomes channels and scalars; with residual compliance its channels carry no mass.
+    """
+    from casingfem.modal.basis import ModalBasis
+    from casingfem.modal.matrices import basis_matrices, structure_matrices
+    from casingfem.structure.imported.matrix.write import matrix_files
+    from casingfem.study import load_any
+
+    with ProgressMessage(f"matrices of {file.name}") as working:
+        if file.suffix == ".npz":
+            matrices = basis_matrices(ModalBasis.load(file))
+        else:
+            matrices = structure_matrices(load_any(file).structure)
+        files = matrix_files(matrices, file.stem + ("_matrices" if form == "npz" else ""), form)
+    document = {"files": list(files), "dofs": len(matrices.dofs), "seconds": working.seconds}
+    text = f"{len(matrices.dofs)} unknowns" + ("" if out is not None else ", not written: give --out DIR")
+    deliver(document, text, as_json=as_json, out=out, files=files)

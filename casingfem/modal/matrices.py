@@ -1,0 +1,101 @@
+"""A structure or a basis as matrices M, K, C with the meaning of their rows: what other programs take."""
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, null_space, pinv
+from scipy.sparse import csc_array
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.modal.basis import ModalBasis
+from casingfem.structure.imported.assembly import MeshStructure, require_structure
+from casingfem.structure.imported.matrix.matrix_set import MatrixSet
+from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.shell import Shell
+
+SOUND = 1e-9  # least over largest eigenvalue of S, and of rows, below which they cannot be inverted
+
+
+def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
+    """K and M of a structure on its free dofs [SI], nodes by their numbers.
+
+    Shells have two rotations about tangents of their own at each node; they are labelled 4 and 5 and mean nothing to
+    another program beyond the matrices. Nodes of a chart are counted from 1.
+
+    Raises
+    ------
+    ModelError
+        `matrix-size` for a shell whose edges bring dofs of their own, or hold directions that are not Cartesian.
+    """
+    if isinstance(structure, Shell):
+        system = assemble(structure)
+        straight = np.array_equal(system.frames, np.broadcast_to(np.eye(system.dofs), system.frames.shape))
+        if system.own or system.change is not None or not straight:
+            raise ModelError("matrix-size", "matrices: found rings, masses or an edge held in its own frame")
+        numbers = np.arange(1, len(system.points) + 1)
+        return of_system(system.K, system.M, system.free, system.dofs, numbers, system.points)
+    require_structure(structure, "matrices")
+    assembled = structure.assembled()
+    mesh = structure.mesh
+    numbers = mesh.node_numbers.copy()
+    own = numbers == 0  # the middles of eight-noded cells have no number in the file
+    numbers[own] = numbers.max() + 1 + np.arange(np.count_nonzero(own))
+    return of_system(assembled.K, assembled.M, assembled.free, assembled.dofs, numbers, mesh.points)
+
+
+def of_system(
+    K: csc_array, M: csc_array, free: IntArray, width: int, numbers: IntArray, points: FloatArray
+) -> MatrixSet:
+    """Matrices on the free dofs, labelled."""
+    dofs = np.stack([numbers[free // width], free % width + 1], axis=1)
+    used = np.unique(free // width)
+    places = dict(zip(numbers[used].tolist(), points[used], strict=True))
+    return MatrixSet(K=K, M=M, dofs=dofs, points=places)
+
+
+def basis_matrices(basis: ModalBasis) -> MatrixSet:
+    """A basis as matrices on its channels u and scalars q: exactly the same body, static and dynamic.
+
+    With residual compliance lam = S^-1 (u - rows q), and the channels carry no mass:
+
+        K = [[S^-1, -S^-1 rows], [-rows^T S^-1, omega^2 + rows^T S^-1 rows]],   M = [[0, 0], [0, 1]]
+
+    Without (Craig-Bampton) the modes are turned so that the channels come first: q = rows^+ u + Z z, rows Z = 0.
+    Channels such as 6.x keep node and direction; others are scalars 1, 2, ... in the basis's order, and so are q.
+
+    Raises
+    ------
+    ModelError
+        `matrix-size` where channels hang together: S is singular and not zero, or rows have less rank than channels.
+    """
+    k, m = basis.rows.shape
+    stiff, damp = basis.omega**2, 2.0 * basis.zeta * basis.omega
+    if basis.S.any():
+        sizes = np.linalg.eigvalsh(basis.S)
+        if sizes[0] <= SOUND * sizes[-1]:
+            raise ModelError("matrix-size", f"basis: found a singular S, eigenvalues {sizes[0]:.1e} to {sizes[-1]:.1e}")
+        factor = cho_factor(basis.S)
+        R, inverse = cho_solve(factor, basis.rows), cho_solve(factor, np.eye(k))
+        K = np.block([[inverse, -R], [-R.T, np.diag(stiff) + basis.rows.T @ R]])
+        M = np.diag(np.concatenate([np.zeros(k), np.ones(m)]))
+        C = np.diag(np.concatenate([np.zeros(k), damp]))
+    else:
+        sizes = np.linalg.svd(basis.rows, compute_uv=False)
+        if k > m or sizes[-1] <= SOUND * sizes[0]:
+            raise ModelError("matrix-size", f"basis: found {k} channels that {m} modes do not move independently")
+        T = np.hstack([pinv(basis.rows), null_space(basis.rows)])
+        K, M, C = T.T @ (stiff[:, None] * T), T.T @ T, T.T @ (damp[:, None] * T)
+    return MatrixSet(
+        K=csc_array(K), M=csc_array(M), C=csc_array(C) if damp.any() else None, dofs=channel_dofs(basis, len(K) - k)
+    )
+
+
+def channel_dofs(basis: ModalBasis, scalars: int) -> IntArray:
+    """Node and direction of the channels, then the scalars."""
+    labels = [name.rpartition(".") for name in basis.channels]
+    plain = all(node.isdecimal() and axis in ("x", "y", "z") for node, _, axis in labels)
+    if plain:
+        dofs = [(int(node), 1 + "xyz".index(axis)) for node, _, axis in labels]
+    else:
+        dofs = [(number, 0) for number in range(1, len(labels) + 1)]
+    top = max(node for node, _ in dofs)
+    return np.array([*dofs, *((top + 1 + i, 0) for i in range(scalars))])

@@ -1,0 +1,92 @@
+"""M, K and maybe C of a part with the meaning of their rows, in the units of the file they come from."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse import coo_array, csc_array
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+
+WORDS = {"K": re.compile("STIF"), "M": re.compile("MASS"), "C": re.compile("DAMP|DMPV")}
+LETTERS = {"K": re.compile("K(?!4)"), "M": re.compile("M"), "C": re.compile("[BC]")}  # K4 is structural damping
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class MatrixSet:
+    """Matrices of one part, (n, n) each, symmetric where the file says so.
+
+    Attributes
+    ----------
+    K, M, C
+        Stiffness, mass, damping; C is None where there is none.
+    dofs
+        Node and direction of each row, (n, 2): 1 to 3 along x, y, z, 4 to 6 about them, 0 a scalar.
+    points
+        Node -> position, (3,).
+    source
+        Name of the file, for messages.
+    """
+
+    K: csc_array
+    M: csc_array
+    C: csc_array | None = None
+    dofs: IntArray
+    points: Mapping[int, FloatArray] = field(default_factory=dict)
+    source: str = "matrices"
+
+    def __post_init__(self) -> None:
+        shapes = {name: A.shape for name, A in (("K", self.K), ("M", self.M), ("C", self.C)) if A is not None}
+        n = len(self.dofs)
+        if set(shapes.values()) != {(n, n)}:
+            found = ", ".join(f"{name} {shape[0]} x {shape[1]}" for name, shape in shapes.items())
+            raise ModelError("matrix-size", f"{self.source}: found {found} and {n} dofs")
+
+
+def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
+    """Which of the names is K, which M, which C: KAAX, MAAX, BAAX; k.mtx, m.mtx; job_STIF1, job_MASS1.
+
+    Raises
+    ------
+    ModelError
+        `matrix-names` where K or M has none or several.
+
+    >>> roles_of(["KAAX", "MAAX", "K4AAX", "PAX"], "part.pch")
+    {'K': 'KAAX', 'M': 'MAAX'}
+    """
+    found: dict[str, str] = {}
+    roles = [role_of(name) for name in names]
+    for role in LETTERS:
+        fitting = [name for name, own in zip(names, roles, strict=True) if own == role]
+        if len(fitting) > 1 or (not fitting and role != "C"):
+            have = ", ".join(names) or "none"
+            raise ModelError("matrix-names", f"{source}: found the matrices {have}, {len(fitting)} of them for {role}")
+        if fitting:
+            found[role] = fitting[0]
+    return found
+
+
+def role_of(name: str) -> str:
+    """K, M or C by a word in a name, by the letter that its last part begins with, or its first; "" for none.
+
+    >>> role_of("job_STIF1"), role_of("kit_M"), role_of("KAAX"), role_of("PAX")
+    ('K', 'M', 'K', '')
+    """
+    upper = name.upper()
+    by_word = [role for role, pattern in WORDS.items() if pattern.search(upper)]
+    last = re.split(r"[_.-]", upper)[-1]
+    by_letter = [role for part in (last, upper) for role, pattern in LETTERS.items() if pattern.match(part)]
+    return [*by_word, *by_letter, ""][0]
+
+
+def from_triples(rows: IntArray, columns: IntArray, values: FloatArray, size: int) -> csc_array:
+    """A matrix from its entries, numbered from 0; where one triangle alone is given, the other is the same."""
+    full = coo_array((values, (rows, columns)), shape=(size, size)).tocsc()
+    one_sided = not np.any(rows > columns) or not np.any(rows < columns)
+    if one_sided:
+        diagonal = csc_array(coo_array((full.diagonal(), (np.arange(size), np.arange(size))), shape=(size, size)))
+        full = csc_array(full + full.T - diagonal)
+    full.eliminate_zeros()
+    return full

@@ -1,0 +1,109 @@
+"""Read matrices of any format: the ending tells which."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from casingfem.errors import InputError, ModelError
+from casingfem.io import strict_csv
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.matrix.arrays import read_arrays
+from casingfem.structure.imported.matrix.dmig import read_dmig
+from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
+from casingfem.structure.imported.matrix.op4 import read_op4
+from casingfem.structure.imported.matrix.text import read_calculix, read_mtx_pair
+
+DMIG = (".pch", ".bdf", ".dmig", ".dat")
+ARRAYS = (".npz", ".mat", ".h5", ".hdf5")
+CALCULIX = (".sti", ".mas", ".dof")
+ENDINGS = (*DMIG, ".op4", ".mtx", *CALCULIX, *ARRAYS)
+DIRECTIONS = {"q": 0, "x": 1, "y": 2, "z": 3, "rx": 4, "ry": 5, "rz": 6} | {str(k): k for k in range(7)}
+
+
+def read_matrices(
+    paths: Sequence[str | Path], *, nodes: str | Path | None = None, dofs: str | Path | None = None
+) -> MatrixSet:
+    """Read K, M and maybe C of a part, in the file's own units.
+
+    Parameters
+    ----------
+    paths
+        One file of DMIG cards (.pch, .bdf), OP4, CalculiX (.sti, .mas and .dof side by side), .mat, HDF5 or npz, or
+        the .mtx files of K, M and maybe C.
+    nodes
+        A table with the columns node, x, y, z.
+    dofs
+        A table with the columns node, direction (x, y, z, rx, ry, rz, q, or 1 to 6 and 0), a line for each row of the
+        matrices; for formats that do not say it.
+
+    Raises
+    ------
+    ModelError
+        `matrix-file`, `matrix-names`, `matrix-dofs`, `matrix-size`: what the files lack, with the line where it is one.
+    """
+    files = [Path(path) for path in paths]
+    endings = {file.suffix.lower() for file in files}
+    rows = None if dofs is None else read_dofs(Path(dofs))
+    first = files[0]
+    if len(endings) != 1 or not endings <= set(ENDINGS) or (len(files) > 1 and endings != {".mtx"}):
+        found = ", ".join(file.name for file in files)
+        raise ModelError("matrix-format", f"found {found}")
+    ending = endings.pop()
+    if ending in DMIG:
+        found_set = read_dmig(first)
+    elif ending in CALCULIX:
+        found_set = read_calculix(first)
+    elif ending == ".mtx":
+        found_set = read_mtx_pair(files, rows)
+    elif ending == ".op4":
+        found_set = of_op4(first, rows)
+    else:
+        found_set = read_arrays(first, rows)
+    if nodes is None:
+        return found_set
+    return replace(found_set, points={**found_set.points, **read_nodes(Path(nodes))})
+
+
+def of_op4(path: Path, dofs: IntArray | None) -> MatrixSet:
+    """K, M and C of an OP4 file, which does not say what its rows are."""
+    matrices = read_op4(path)
+    roles = roles_of(list(matrices), path.name)
+    if dofs is None:
+        raise ModelError("matrix-dofs", f"{path.name}: an OP4 file has no dofs")
+    found = {role: matrices[name] for role, name in roles.items()}
+    return MatrixSet(K=found["K"], M=found["M"], C=found.get("C"), dofs=dofs, source=path.name)
+
+
+def read_nodes(path: Path) -> dict[int, FloatArray]:
+    """Positions of nodes, from a table node, x, y, z."""
+    table = table_with(path, ("node", "x", "y", "z"))
+    numbers = table.integers("node")
+    values, first = np.unique(numbers, return_index=True)
+    if len(values) < len(numbers):
+        again = int(np.setdiff1d(np.arange(len(numbers)), first)[0])
+        raise table.refuse(row=again, column="node", found=f"node {numbers[again]} again", expected="each once")
+    places = np.stack([table.numbers(axis) for axis in "xyz"], axis=1)
+    return dict(zip(numbers.tolist(), places, strict=True))
+
+
+def read_dofs(path: Path) -> IntArray:
+    """Node and direction of each row, from a table node, direction, (n, 2)."""
+    table = table_with(path, ("node", "direction"))
+    rows = []
+    for k, (node, word) in enumerate(zip(table.cells["node"], table.cells["direction"], strict=True)):
+        direction = DIRECTIONS.get(word.strip().lower())
+        if direction is None or not node.strip().isdecimal():
+            raise table.refuse(row=k, found=f"{node}, {word}", expected=f"a node, and {', '.join(DIRECTIONS)}")
+        rows.append((int(node), direction))
+    return np.array(rows, dtype=np.int64).reshape(-1, 2)
+
+
+def table_with(path: Path, columns: tuple[str, ...]) -> strict_csv.StrictCsv:
+    """A table that has some columns."""
+    table = strict_csv.read(path)
+    if missing := [name for name in columns if name not in table.header]:
+        found, expected = f"no column {', '.join(missing)}", f"columns {', '.join(columns)}"
+        raise InputError(str(path), line=table.header_line, found=found, expected=expected)
+    return table

@@ -1,0 +1,114 @@
+"""Matrices as lists of entries: Matrix Market, Abaqus's .mtx, CalculiX's .sti, .mas and .dof."""
+
+from pathlib import Path
+
+import numpy as np
+from scipy.io import mmread
+from scipy.sparse import csc_array
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.matrix.matrix_set import MatrixSet, from_triples, roles_of
+
+Labelled = tuple[csc_array, IntArray | None]  # a matrix, and what its rows are where the file says it
+
+
+def numbers(path: Path, columns: int) -> FloatArray:
+    """A table of numbers separated by commas or blanks, lines of `*` and `%` left out, (rows, columns)."""
+    lines = [
+        line.replace(",", " ").replace("D", "E").replace("d", "e")
+        for line in path.read_text(encoding="utf-8", errors="replace").splitlines()
+        if line.strip() and line.lstrip()[0] not in "*%#"
+    ]
+    try:
+        table = np.loadtxt(lines, ndmin=2) if lines else np.zeros((0, columns))
+    except ValueError as error:
+        raise ModelError("matrix-file", f"{path.name}: {error}") from None
+    if table.shape[1] != columns:
+        found = f"{table.shape[1]} columns"
+        raise ModelError("matrix-file", f"{path.name}: found {found}, expected {columns}")
+    return np.asarray(table)
+
+
+def read_mtx(path: Path) -> Labelled:
+    """A matrix of a .mtx file, Matrix Market's or Abaqus's (node, dof, node, dof, value a line)."""
+    with path.open("rb") as stream:
+        head = stream.read(14)
+    if head == b"%%MatrixMarket":
+        try:
+            return csc_array(mmread(path)), None
+        except (ValueError, TypeError, OSError) as error:
+            raise ModelError("matrix-file", f"{path.name}: {error}") from None
+    table = numbers(path, 5)
+    ends = table[:, :4].astype(np.int64).reshape(-1, 2, 2)
+    dofs, place = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
+    rows, columns = place.ravel().reshape(-1, 2).T
+    return from_triples(rows, columns, table[:, 4], len(dofs)), dofs
+
+
+def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
+    """K, M and maybe C of .mtx files, told apart by their names; dofs from the files or beside them.
+
+    Raises
+    ------
+    ModelError
+        `matrix-dofs` where neither the files nor a list say what the rows are.
+    """
+    named = {path.stem: path for path in paths}
+    source = ", ".join(path.name for path in paths)
+    read = {role: read_mtx(named[name]) for role, name in roles_of(list(named), source).items()}
+    K, own = read["K"]
+    if dofs is None and own is None:
+        beside = named[roles_of(list(named), source)["K"]].with_suffix(".dof")
+        if not beside.exists():
+            raise ModelError("matrix-dofs", f"{source}: found no {beside.name} beside it")
+        dofs = read_dof(beside)
+    matrices = {role: aligned(A, labels, own, source) for role, (A, labels) in read.items()}
+    labels = own if own is not None else dofs
+    assert labels is not None
+    return MatrixSet(K=K, M=matrices["M"], C=matrices.get("C"), dofs=labels, source=source)
+
+
+def aligned(A: csc_array, labels: IntArray | None, wanted: IntArray | None, source: str) -> csc_array:
+    """A matrix with its rows in the order of another's."""
+    if labels is None or wanted is None or np.array_equal(labels, wanted):
+        return A
+    place = {tuple(dof): k for k, dof in enumerate(wanted.tolist())}
+    missing = [tuple(dof) for dof in labels.tolist() if tuple(dof) not in place]
+    if missing:
+        raise ModelError("matrix-size", f"{source}: dof {missing[0]} has mass or damping and no stiffness")
+    rows = np.array([place[tuple(dof)] for dof in labels.tolist()])
+    entries = A.tocoo()
+    return csc_array((entries.data, (rows[entries.row], rows[entries.col])), shape=(len(wanted), len(wanted)))
+
+
+def read_dof(path: Path) -> IntArray:
+    """CalculiX's list of dofs, node.direction a line, (n, 2)."""
+    rows = []
+    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").split("\n"), 1):
+        if not line.strip():
+            continue
+        node, point, direction = line.strip().partition(".")
+        if not (point and node.isdecimal() and direction.isdecimal() and int(direction) <= 6):
+            found = f"line {number}: found {line.strip()!r}, expected node.direction, such as 6.1"
+            raise ModelError("matrix-file", f"{path.name}: {found}")
+        rows.append((int(node), int(direction)))
+    return np.array(rows, dtype=np.int64).reshape(-1, 2)
+
+
+def read_calculix(path: Path) -> MatrixSet:
+    """The matrices of SOLVER=MATRIXSTORAGE: NAME.sti, NAME.mas and NAME.dof, given by any of them."""
+    parts = {suffix: path.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof")}
+    for part in parts.values():
+        if not part.exists():
+            raise ModelError("matrix-file", f"{path.name}: found no {part.name} beside it")
+    dofs = read_dof(parts[".dof"])
+    matrices = []
+    for suffix in (".sti", ".mas"):
+        table = numbers(parts[suffix], 3)
+        places = table[:, :2].astype(np.int64) - 1
+        if len(places) and not (0 <= places.min() and places.max() < len(dofs)):
+            found = f"row {places.max() + 1} of {len(dofs)} dofs"
+            raise ModelError("matrix-size", f"{parts[suffix].name}: found {found}")
+        matrices.append(from_triples(places[:, 0], places[:, 1], table[:, 2], len(dofs)))
+    return MatrixSet(K=matrices[0], M=matrices[1], dofs=dofs, source=path.name)

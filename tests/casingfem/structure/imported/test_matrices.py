@@ -1,0 +1,412 @@
+"""Matrices of other programs: every format gives the same basis; what is wrong is named with its line."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.io import savemat
+from scipy.sparse import csc_array, tril
+
+import casingfem as cf
+import contact as ct
+from casingfem.cli import main
+from casingfem.errors import InputError, ModelError
+from casingfem.modal.interface import AtNodes
+from casingfem.modal.matrices import basis_matrices, structure_matrices
+from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
+from casingfem.structure.imported.matrix.op4 import read_op4
+from casingfem.structure.imported.matrix.read import read_matrices
+from casingfem.structure.imported.matrix.write import NAMES, matrix_files
+from contact.model.gaps.rub_laws import Speed
+
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+MESH = grid_mesh(
+    "hexahedron20", (3, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.11, 0.04, 5.4e-3],
+    groups={"root": (0, 0.0), "tip": (0, 1.0)},
+)  # fmt: skip
+BLADE = cf.Solid(mesh=MESH, material=STEEL, supports={"root": cf.Clamped()})
+NODES = tuple(MESH.node_numbers[MESH.groups["tip"].nodes[[0, -1]]].tolist())
+EXACT = cf.reduce(BLADE, AtNodes(NODES), modes=6)
+SET = structure_matrices(BLADE)
+
+
+def body(read, **kind):
+    labels = [(node, NAMES[direction]) for node, direction in read.dofs.tolist()]
+    points = {node: x.tolist() for node, x in read.points.items()}
+    return ct.ModalBody.from_matrices(
+        read.M, read.K, read.C, dofs=labels, points=points, contact=NODES, modes=6, **kind
+    )
+
+
+def compliance(basis):
+    return (basis.rows / basis.omega**2) @ basis.rows.T + basis.S
+
+
+def same(found, digits=1e-9):
+    """The basis of the matrices is that of the structure: frequencies, statics, motions of the channels."""
+    np.testing.assert_allclose(found.omega, EXACT.omega, rtol=digits)
+    size = np.abs(EXACT.compliance).max()
+    np.testing.assert_allclose(compliance(found), EXACT.compliance, atol=10 * digits * size)
+    np.testing.assert_allclose(np.abs(found.rows), np.abs(EXACT.rows), atol=1e3 * digits * np.abs(EXACT.rows).max())
+    assert found.channels == EXACT.channels
+
+
+def written(folder, form, matrices=SET, stem="part"):
+    for name, content in matrix_files(matrices, stem, form).items():
+        path = folder / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    tables = {"nodes": folder / f"{stem}_nodes.csv", "dofs": folder / f"{stem}_dofs.csv"}
+    given = {"mtx": tables, "op4": tables}.get(form, {})
+    files = [folder / f"{stem}_{k}.mtx" for k in "KM"] if form == "mtx" else [folder / f"{stem}.{form}"]
+    return read_matrices(files, **given)
+
+
+@pytest.mark.parametrize(
+    ("form", "digits"), [("mtx", 1e-9), ("op4", 1e-9), ("npz", 1e-9), ("mat", 1e-9), ("pch", 1e-5)]
+)
+def test_every_format_gives_the_same_basis(form, digits, tmp_path):
+    """To round-off; DMIG cards have ten digits."""
+    read = written(tmp_path, form)
+    same(body(read), digits)
+    assert set(read.points) == set(SET.points)
+    np.testing.assert_allclose(read.points[NODES[0]], SET.points[NODES[0]], rtol=1e-9)
+
+
+def test_matrices_in_millimetres_and_tonnes():
+    """Mass in t, stiffness in N/mm, points in mm."""
+    read = replace(SET, M=1e-3 * SET.M, K=1e-3 * SET.K, points={n: 1e3 * x for n, x in SET.points.items()})
+    found = body(read, units="mm-t-s")
+    same(found)
+    facts = json.loads(found.provenance)["matrices"]
+    mass = 7800 * 0.11 * 0.04 * 5.4e-3
+    assert 0.7 * mass < facts["mass"][0] < mass  # of the dofs that move
+    np.testing.assert_allclose(np.asarray(facts["centre"])[1:], 0.0, atol=1e-12)
+
+
+def test_calculix_files(tmp_path):
+    """Lower or upper triangle, one row a line, dofs as node.direction."""
+    for name, A in (("sti", SET.K), ("mas", SET.M)):
+        part = tril(A).tocoo()
+        lines = [f"{j + 1} {i + 1} {v:.16e}" for i, j, v in zip(part.row, part.col, part.data, strict=True)]
+        (tmp_path / f"job.{name}").write_text("\n".join(lines) + "\n")
+    (tmp_path / "job.dof").write_text("".join(f"{node}.{direction}\n" for node, direction in SET.dofs.tolist()))
+    same(body(read_matrices([tmp_path / "job.sti"])))
+
+
+def test_abaqus_mtx_files(tmp_path):
+    """Node, dof, node, dof, value a line, lower triangle, the mass in an order of its own."""
+    for name, A, turn in (("STIF1", SET.K, 1), ("MASS1", SET.M, -1)):
+        part = tril(A).tocoo()
+        lines = [
+            f"{SET.dofs[i][0]},{SET.dofs[i][1]}, {SET.dofs[j][0]},{SET.dofs[j][1]}, {v:.17e}"
+            for i, j, v in zip(part.row, part.col, part.data, strict=True)
+        ]
+        (tmp_path / f"job_{name}.mtx").write_text("** written\n" + "\n".join(lines[::turn]) + "\n")
+    found = read_matrices([tmp_path / "job_MASS1.mtx", tmp_path / "job_STIF1.mtx"])
+    same(body(found))
+
+
+def test_small_fields_and_full_matrices_of_dmig(tmp_path):
+    """Form 1, small fields, an entry a line after the first; a scalar point has component 0."""
+    text = """BEGIN BULK
+DMIG    KAAX    0       1       1       0
+DMIG    KAAX    7       1               7       1       3.+6            +A
++A      101     0       -1.+6
+DMIG    KAAX    101     0               7       1       -1.+6           +B
++B      101     0       1.+6
+DMIG    MAAX    0       6       2       0
+DMIG,MAAX,7,1,,7,1,2.
+DMIG,MAAX,101,0,,101,0,1.
+ENDDATA
+"""
+    (tmp_path / "set.pch").write_text(text)
+    read = read_matrices([tmp_path / "set.pch"])
+    assert read.dofs.tolist() == [[7, 1], [101, 0]]
+    np.testing.assert_array_equal(read.K.toarray(), [[3e6, -1e6], [-1e6, 1e6]])
+    np.testing.assert_array_equal(read.M.toarray(), np.diag([2.0, 1.0]))
+
+
+def binary_op4(name, A, kind="<f8", long=True, dense=False):
+    """A matrix in OP4's records, as Nastran writes them."""
+    order, words = kind[0], int(kind[-1]) // 4
+
+    def record(data):
+        length = np.array([len(data)], f"{order}i4").tobytes()
+        return length + data + length
+
+    def ints(*values):
+        return np.array(values, f"{order}i4").tobytes()
+
+    n = A.shape[0]
+    out = record(ints(n, -n if long else n, 6, words) + name.ljust(8).encode())
+    for j in range(n):
+        column = A[:, [j]].toarray().ravel().astype(kind)
+        rows = np.flatnonzero(column)
+        if dense:
+            values = column[rows[0] : rows[-1] + 1]
+            out += record(ints(j + 1, rows[0] + 1, words * len(values)) + values.tobytes())
+            continue
+        data = b""
+        for part in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
+            length = words * len(part)
+            head = ints(length + 1, part[0] + 1) if long else ints(part[0] + 1 + 65536 * (length + 1))
+            data += head + column[part].tobytes()
+        out += record(ints(j + 1, 0, len(data) // 4) + data)
+    return out + record(ints(n + 1, 1, words) + np.ones(1, kind).tobytes())
+
+
+@pytest.mark.parametrize("kind", ["<f8", ">f8", "<f4"])
+@pytest.mark.parametrize("layout", [{"long": True}, {"long": False}, {"long": False, "dense": True}])
+def test_binary_op4(kind, layout, tmp_path):
+    path = tmp_path / "part.op4"
+    path.write_bytes(binary_op4("KGG", SET.K, kind, **layout) + binary_op4("MGG", SET.M, kind, **layout))
+    found = read_op4(path)
+    assert list(found) == ["KGG", "MGG"]
+    for name, A in (("KGG", SET.K), ("MGG", SET.M)):
+        np.testing.assert_array_equal(found[name].toarray(), A.toarray().astype(kind))
+
+
+def test_text_op4_with_short_rows_and_dense_columns(tmp_path):
+    """The two other layouts of text files, written by hand."""
+    text = "       1       4       2       2K       1P,3E23.16\n       1       2       3\n"
+    text += " 1.0000000000000000E+00 2.0000000000000000E+00 3.0000000000000000E+00\n"
+    text += "       2       1       1\n 1.0000000000000000E+00\n"
+    text += f"       1      -4       2       2L       1P,3E23.16\n       1       0       {2 + 6}\n       7       2\n"
+    text += " 1.0000000000000000E+00 2.0000000000000000E+00 3.0000000000000000E+00\n"
+    text += "       2       1       1\n 1.0000000000000000E+00\n"
+    text += f"       1       4       2       2S       1P,3E23.16\n       1       0       {1 + 6}\n{2 + 65536 * 7}\n"
+    text += " 1.0000000000000000E+00 2.0000000000000000E+00 3.0000000000000000E+00\n"
+    text += "       2       1       1\n 1.0000000000000000E+00\n"
+    (tmp_path / "a.op4").write_text(text)
+    for A in read_op4(tmp_path / "a.op4").values():
+        np.testing.assert_array_equal(A.toarray().ravel(), [0.0, 1.0, 2.0, 3.0])
+
+
+def test_dense_arrays_with_names_of_their_own(tmp_path):
+    savemat(tmp_path / "a.mat", {"Kr": SET.K.toarray(), "Mr": SET.M.toarray(), "dofs": SET.dofs, "note": "by hand"})
+    same(body(read_matrices([tmp_path / "a.mat"])))
+
+
+def test_matlab_hdf5(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, A in (("K", SET.K), ("M", SET.M)):
+            group = file.create_group(name)
+            group.attrs["MATLAB_sparse"] = A.shape[0]
+            for part, values in (("data", A.data), ("ir", A.indices), ("jc", A.indptr)):
+                group[part] = values
+        file["dofs"] = SET.dofs
+    same(body(read_matrices([tmp_path / "a.h5"])))
+
+
+@pytest.mark.parametrize("method", ["free", "craig-bampton"])
+@pytest.mark.parametrize("interface", [AtNodes(NODES), cf.TipNodes("tip", 1)], ids=["nodes", "pieces"])
+def test_a_basis_is_its_matrices(method, interface):
+    """Static compliance and dynamic compliance at some frequency, of the matrices and of the basis."""
+    basis = cf.reduce(BLADE, interface, modes=7, method=method, zeta=0.01)
+    matrices, k = basis_matrices(basis), len(basis.channels)
+    for f in (0.0, 300.0, 1100.0):
+        s = 2j * np.pi * f
+        full = np.linalg.inv((matrices.K + s * matrices.C + s**2 * matrices.M).toarray())[:k, :k]
+        modal = (basis.rows / (basis.omega**2 + 2 * s * basis.zeta * basis.omega + s**2)) @ basis.rows.T + basis.S
+        np.testing.assert_allclose(full, modal, atol=1e-7 * np.abs(modal).max())
+    if isinstance(interface, AtNodes):
+        labels = [(node, NAMES[direction]) for node, direction in matrices.dofs.tolist()]
+        back = ct.ModalBody.from_matrices(
+            matrices.M, matrices.K, matrices.C, dofs=labels, contact=NODES, modes=len(labels)
+        )
+        np.testing.assert_allclose(back.omega, basis.omega, rtol=1e-7)
+        np.testing.assert_allclose(compliance(back), basis.compliance, atol=1e-8 * np.abs(basis.compliance).max())
+        np.testing.assert_allclose(back.S, basis.S, atol=1e-7 * np.abs(basis.compliance).max())
+        np.testing.assert_allclose(back.zeta, 0.01, rtol=1e-5)
+
+
+def test_a_shell_on_a_chart_as_matrices():
+    plate = cf.Shell(
+        chart=cf.Plate(length=0.1, width=0.05), thickness=2e-3, material=STEEL, supports={"root": cf.Clamped()},
+        mesh=cf.ShellMesh(order=4, rows=2, around=1),
+    )  # fmt: skip
+    read = structure_matrices(plate)
+    labels = [(node, NAMES[direction]) for node, direction in read.dofs.tolist()]
+    tip = int(read.dofs[-1, 0])
+    found = ct.ModalBody.from_matrices(read.M, read.K, dofs=labels, contact=[tip], modes=5)
+    np.testing.assert_allclose(found.omega, cf.modes(plate, 5).omega, rtol=1e-8)
+    ringed = cf.Shell(
+        chart=cf.Cylinder(radius=0.5, height=0.2), thickness=0.01, material=STEEL,
+        supports={"base": cf.Clamped(), "top": cf.ShearDiaphragm()}, mesh=cf.ShellMesh(order=4, rows=1, around=7),
+    )  # fmt: skip
+    with pytest.raises(ModelError, match="an edge held in its own frame"):
+        structure_matrices(ringed)
+
+
+def test_bases_whose_channels_hang_together_are_refused():
+    basis = cf.reduce(BLADE, AtNodes(NODES), modes=5)
+    with pytest.raises(ModelError, match="a singular S"):
+        basis_matrices(replace(basis, S=np.ones_like(basis.S) * 1e-9))
+    with pytest.raises(ModelError, match="6 channels that 5 modes do not move"):
+        basis_matrices(replace(basis, S=np.zeros_like(basis.S)))
+
+
+@pytest.mark.slow
+def test_a_craig_bampton_set_from_outside_rubs_as_our_own():
+    """The same set as matrices: impulses and contact times to 1e-6."""
+    casing = cf.Shell(
+        chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=3e-3, material=STEEL,
+        supports={"base": cf.Clamped()}, mesh=cf.ShellMesh(order=6, rows=1, around=9),
+    )  # fmt: skip
+    own = cf.reduce(BLADE, AtNodes(NODES), modes=6, method="craig-bampton", zeta=0.002)
+    matrices = basis_matrices(own)
+    labels = [(node, NAMES[direction]) for node, direction in matrices.dofs.tolist()]
+    n = len(labels)
+    outside = ct.ModalBody.from_matrices(matrices.M, matrices.K, matrices.C, dofs=labels, contact=NODES, modes=n)
+    rim = modal_body(cf.reduce(casing, cf.Rim("top", n_max=8), modes=18, zeta=0.002))
+    tips = tuple(ct.ContactPoint(span=f"{node}.x", flap=f"{node}.z", lean_deg=10.0) for node in NODES)
+    results = [
+        ct.run(
+            ct.Rub(rim, (blade,), tips, clearance=-2e-5, speed=Speed.constant(5.0), thickness=3e-3),
+            law=ct.Coulomb(mu=0.2), t_end=1e-3, dt=4e-7,
+        )
+        for blade in (modal_body(own), outside)
+    ]  # fmt: skip
+    one, other = results
+    assert one.impulse.sum() > 0.0
+    np.testing.assert_allclose(other.impulse, one.impulse, rtol=1e-6)
+    assert len(one.intervals[0]) == len(other.intervals[0])
+    np.testing.assert_allclose(other.intervals[0], one.intervals[0], rtol=1e-6)
+
+
+def modal_body(basis):
+    """A basis as contact takes it, without a file."""
+    return ct.ModalBody(
+        omega=basis.omega, zeta=basis.zeta, channels=basis.channels, rows=basis.rows, S=basis.S, kind=basis.kind,
+        n_max=basis.n_max, radius=basis.radius,
+    )  # fmt: skip
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def test_import_and_export_on_the_command_line(tmp_path):
+    """A basis out as DMIG cards and in again; the printout says what the matrices are."""
+    EXACT.save(tmp_path / "two.npz")
+    ran = run("export", tmp_path / "two.npz", "--format", "pch", "--out", tmp_path / "out")
+    assert ran.exit_code == 0, ran.stderr
+    arguments = ["import", tmp_path / "out" / "two.pch", "--contact", f"{NODES[0]},{NODES[1]}", "--modes", "6"]
+    ran = run(*arguments, "--out", tmp_path / "back.npz")
+    assert ran.exit_code == 0, ran.stderr
+    assert "12 unknowns, 6 of them without mass, 0 rigid modes" in ran.stdout
+    assert "residual compliance: present" in ran.stdout
+    np.testing.assert_allclose(cf.ModalBasis.load(tmp_path / "back.npz").omega, EXACT.omega, rtol=1e-6)
+    document = json.loads(run(*arguments, "--json").stdout)
+    assert document["matrices"]["massless"] == 6
+    assert document["channels"] == list(EXACT.channels)
+
+
+def test_import_takes_contact_and_positions_from_the_table_of_nodes(tmp_path):
+    written(tmp_path, "mtx")
+    tip = "node,x,y,z\n" + "".join(f"{n},{','.join(map(str, SET.points[n].tolist()))}\n" for n in NODES)
+    (tmp_path / "tip.csv").write_text(tip)
+    ran = run(
+        "import", tmp_path / "part_K.mtx", tmp_path / "part_M.mtx", "--dofs", tmp_path / "part_dofs.csv",
+        "--nodes", tmp_path / "tip.csv", "--modes", "6", "--json",
+    )  # fmt: skip
+    assert ran.exit_code == 0, ran.stderr
+    document = json.loads(ran.stdout)
+    np.testing.assert_allclose(document["freq_hz"], EXACT.freq, rtol=1e-9)
+    assert document["channels"] == list(EXACT.channels)
+
+
+PCH = """DMIG    KAAX           0       6       2       0
+DMIG*   KAAX                           7               1
+*                      7               1 1.000000000D+06
+DMIG    MAAX           0       6       2       0
+DMIG*   MAAX                           7               1
+*                      7               1 1.000000000D+00
+"""
+BAD = {
+    "complex": (PCH.replace("6       2       0\nDMIG*   K", "6       3       0\nDMIG*   K"), "line 1: DMIG: .*type 3"),
+    "rectangular": (PCH.replace("0       6       2", "0       9       2", 1), "line 1: DMIG: found KAAX of form 9"),
+    "no header": (PCH.split("\n", 1)[1], "line 1: DMIG: found a column of KAAX before its header"),
+    "no mass": (PCH[: PCH.index("DMIG    MAAX")], "found the matrices KAAX, 0 of them for M"),
+    "two": (PCH + PCH.replace("KAAX", "KBBX").replace("MAAX", "BAAX"), "2 of them for K"),
+    "number": (PCH.replace("1.000000000D+06", "1.0x0000000D+06"), "line 2: DMIG: .*expected a real number"),
+    "value": (PCH.replace(" 1.000000000D+06", ""), "expected node, component and value of a row"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_punch_files_name_the_line(name, tmp_path):
+    text, message = BAD[name]
+    (tmp_path / "set.pch").write_text(text)
+    with pytest.raises(ModelError, match=message):
+        read_matrices([tmp_path / "set.pch"])
+    assert run("import", tmp_path / "set.pch", "--contact", "7").exit_code == 2
+
+
+def test_an_op4_file_cut_anywhere_is_refused_or_whole(tmp_path):
+    small = MatrixSet(K=csc_array(np.diag([2.0, 3.0])), M=csc_array(np.eye(2)), dofs=np.array([[1, 1], [2, 1]]))
+    text = matrix_files(small, "a", "op4")["a.op4"].encode()
+    binary = binary_op4("K", small.K) + binary_op4("M", small.M)
+    path = tmp_path / "a.op4"
+    for content in (text, binary):
+        for end in range(5, len(content) - 1):
+            path.write_bytes(content[:end])
+            try:
+                found = read_op4(path)
+            except ModelError:
+                continue
+            for name, A in found.items():
+                np.testing.assert_allclose(A.toarray(), {"K": small.K, "M": small.M}[name].toarray(), rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        ({"a.op4": "x"}, "a.op4: line 1: found 'x'"),
+        ({"a.sti": "1 1 1.0\n", "a.mas": "1 1 1.0\n"}, "found no a.dof beside it"),
+        ({"a.sti": "1 1 1.0\n", "a.mas": "1 1 1.0\n", "a.dof": "6.9\n"}, "line 1: found '6.9'"),
+        ({"a.sti": "1 3 1.0\n", "a.mas": "1 1 1.0\n", "a.dof": "6.1\n"}, "a.sti: found row 3 of 1 dofs"),
+        ({"a.sti": "1 1 x\n", "a.mas": "1 1 1.0\n", "a.dof": "6.1\n"}, "a.sti: .*x"),
+        ({"a.sti": "1 1\n", "a.mas": "1 1 1.0\n", "a.dof": "6.1\n"}, "found 2 columns, expected 3"),
+        ({"K.mtx": "%%MatrixMarket matrix array real general\n", "M.mtx": ""}, "K.mtx: "),
+        ({"a.pch": "", "b.sti": ""}, "found a.pch, b.sti"),
+        ({"a.xyz": ""}, "found a.xyz"),
+        ({"a.mat": "no"}, "no readable .mat file"),
+        ({"a.h5": "no"}, "no readable HDF5 file"),
+    ],
+)
+def test_bad_files_are_named(files, message, tmp_path):
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    given = [tmp_path / name for name in files]
+    with pytest.raises(InputError, match=message):
+        read_matrices(given if len({path.suffix for path in given}) < 3 and given[0].suffix != ".sti" else given[:1])
+
+
+def test_formats_without_dofs_ask_for_them(tmp_path):
+    written(tmp_path, "op4")
+    written(tmp_path, "mtx")
+    np.savez(tmp_path / "a.npz", K=np.eye(2), M=np.eye(2))
+    for files in ([tmp_path / "part.op4"], [tmp_path / "part_K.mtx", tmp_path / "part_M.mtx"], [tmp_path / "a.npz"]):
+        with pytest.raises(ModelError, match="matrix-dofs"):
+            read_matrices(files)
+    (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n7,w\n")
+    with pytest.raises(InputError, match="line 3: found 7, w"):
+        read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
+    (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n")
+    with pytest.raises(ModelError, match="K 2 x 2, M 2 x 2 and 1 dofs"):
+        read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
+    (tmp_path / "nodes.csv").write_text("node,x,y,z\n7,0,0,0\n7,0,0,1\n")
+    (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n7,y\n")
+    with pytest.raises(InputError, match="found node 7 again"):
+        read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv", nodes=tmp_path / "nodes.csv")
+
+
+def test_names_of_matrices():
+    assert roles_of(["K2GG", "M2GG", "B2GG", "K42GG"], "a") == {"K": "K2GG", "M": "M2GG", "C": "B2GG"}
+    assert roles_of(["kit_M", "kit_K"], "a") == {"K": "kit_K", "M": "kit_M"}
+    assert roles_of(["job_STIF1", "job_MASS1", "job_DMPV1"], "a")["K"] == "job_STIF1"

@@ -1,0 +1,207 @@
+"""Bodies from matrices: exact small systems, free bodies, massless dofs, damping, units, reports, refusals."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_array, diags_array
+
+import contact as ct
+from contact.model.bodies.matrices import Matrices, body_of
+from contact.model.bodies.units import units_of
+
+
+def rod(n, fixed, *, E=210e9, rho=7800.0, A=1e-4, L=1.0):
+    """Lumped rod along x: n elements, node numbers from 1 at the left, the fixed ones taken out."""
+    h = L / n
+    K = diags_array([np.full(n, -1.0), np.r_[1.0, np.full(n - 1, 2.0), 1.0], np.full(n, -1.0)], offsets=[-1, 0, 1])
+    M = np.full(n + 1, rho * A * h)
+    M[[0, -1]] *= 0.5
+    free = [k for k in range(n + 1) if k + 1 not in fixed]
+    K = csc_array(E * A / h * K)[free][:, free]
+    dofs = [(k + 1, "x") for k in free]
+    return csc_array(diags_array(M[free])), K, dofs, {k + 1: (k * h, 0.0, 0.0) for k in range(n + 1)}
+
+
+def compliance(body):
+    elastic = body.omega > 0.0
+    return (body.rows[:, elastic] / body.omega[elastic] ** 2) @ body.rows[:, elastic].T + body.S
+
+
+@pytest.mark.parametrize("modes", [1, 5, 40])
+def test_a_held_rod_has_its_frequencies_and_its_static_compliance(modes):
+    M, K, dofs, points = rod(40, {41})
+    body = ct.ModalBody.from_matrices(M, K, dofs=dofs, points=points, contact=[1, 21], modes=modes)
+    k = np.arange(1, 6)[:modes]
+    exact = 2 * 40 * np.sqrt(210e9 / 7800) * np.sin((2 * k - 1) * np.pi / 160)
+    np.testing.assert_allclose(body.omega[:5], exact, rtol=1e-9)
+    flexible = 1.0 / (210e9 * 1e-4)
+    np.testing.assert_allclose(compliance(body), [[flexible, flexible / 2], [flexible / 2, flexible / 2]], rtol=1e-9)
+    assert body.channels == ("1.x", "21.x")
+    assert (modes < 40) == bool(body.S.any())  # all 40 kept: nothing is left
+
+
+def test_a_free_rod_keeps_its_rigid_mode_and_the_compliance_of_the_others():
+    """By inertia relief, against the pseudo-inverse over the elastic modes."""
+    M, K, dofs, _ = rod(20, set())
+    body = ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1, 8], modes=6)
+    assert body.omega[0] == 0.0
+    root = np.sqrt(M.diagonal())
+    lam, X = np.linalg.eigh(K.toarray() / np.outer(root, root))
+    seen = (X / root[:, None])[[0, 7]]
+    np.testing.assert_allclose(body.omega[1:], np.sqrt(lam[1:6]), rtol=1e-9)
+    np.testing.assert_allclose(compliance(body), (seen[:, 1:] / lam[1:]) @ seen[:, 1:].T, rtol=1e-8)
+    np.testing.assert_allclose(body.rows[:, 0] ** 2, 1.0 / (7800 * 1e-4), rtol=1e-9)
+    facts = json.loads(body.provenance)["matrices"]
+    assert facts["rigid"] == 1
+    np.testing.assert_allclose(body.participation[0] ** 2, [0.78, *np.zeros(5)], atol=1e-9)
+
+
+def test_massless_dofs_go_into_the_residual():
+    """A spring 2e6 to a mass of 3 kg on 1e6: one mode, and the whole static compliance at the massless end."""
+    K = [[2e6, -2e6], [-2e6, 3e6]]
+    body = ct.ModalBody.from_matrices(np.diag([0.0, 3.0]), K, dofs=[(1, "x"), (2, "x")], contact=[1])
+    assert body.omega.tolist() == pytest.approx([np.sqrt(1e6 / 3)], rel=1e-9)
+    assert compliance(body).item() == pytest.approx(1 / 1e6 + 1 / 2e6, rel=1e-9)
+    assert body.S.item() == pytest.approx(1 / 2e6, rel=1e-9)
+
+
+def test_many_unknowns_by_lanczos_are_as_those_by_all_modes(monkeypatch):
+    M, K, dofs, _ = rod(60, {61})
+    dense = ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], modes=8)
+    monkeypatch.setattr("contact.model.bodies.matrices.DENSE", 10)
+    sparse = ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], modes=8)
+    np.testing.assert_allclose(sparse.omega, dense.omega, rtol=1e-9)
+    np.testing.assert_allclose(sparse.S, dense.S, rtol=1e-6)
+    free = ct.ModalBody.from_matrices(*rod(60, set())[:2], dofs=rod(60, set())[2], contact=[1], modes=8)
+    assert free.omega[0] == 0.0
+    assert free.omega[1] > 1e3
+
+
+def test_damping_ratios_and_what_they_leave_out():
+    M, K, dofs, _ = rod(10, {11})
+    proportional = body_of(Matrices.of(M, K, 1e-6 * K, dofs=dofs), [1], modes=4)
+    np.testing.assert_allclose(proportional[0].zeta, 0.5e-6 * proportional[0].omega, rtol=1e-9)
+    assert proportional[1].coupling == pytest.approx(0.0, abs=1e-9)
+    C = np.zeros(K.shape)
+    C[0, 0] = 100.0
+    assert body_of(Matrices.of(M, K, C, dofs=dofs), [1], modes=4)[1].coupling == pytest.approx(1.0, rel=1e-6)
+    assert set(ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], zeta=0.01).zeta) == {0.01}
+
+
+def dumbbell(units):
+    """Two masses of 2 and 1 kg, 3 m apart along x, all six directions of each joined by stiff springs."""
+    T = np.eye(6)
+    T[:3, 3:] = -np.array([[0, -0.0, 0.0], [0.0, 0, -3.0], [-0.0, 3.0, 0]])  # u2 = u1 + w x (3, 0, 0)
+    D = np.diag([1e6] * 3 + [1e5] * 3)
+    B = np.hstack([-T, np.eye(6)])
+    K, M = B.T @ D @ B, np.diag([2.0] * 3 + [0.1] * 3 + [1.0] * 3 + [0.2] * 3)
+    system = units_of(units)
+    scale = np.diag(([1.0] * 3 + [1.0 / system.length] * 3) * 2)
+    dofs = [(node, direction) for node in (5, 9) for direction in range(1, 7)]
+    points = {5: np.zeros(3), 9: np.array([3.0, 0, 0]) / system.length}
+    given = scale @ M @ scale / system.mass, scale @ K @ scale / system.stiffness
+    return Matrices.of(*given, dofs=dofs, points=points, units=units)
+
+
+@pytest.mark.parametrize("units", ["m-kg-s", "mm-t-s", "in-lbf-s", "mm-kg-ms"])
+def test_mass_centre_and_inertia_in_any_units(units):
+    body, facts = body_of(dumbbell(units), [9], modes=12)
+    assert facts.mass == pytest.approx((3.0, 3.0, 3.0), rel=1e-9)
+    assert facts.centre == pytest.approx((1.0, 0.0, 0.0), abs=1e-9)
+    np.testing.assert_allclose(facts.inertia, np.diag([0.3, 6.3, 6.3]), atol=1e-8)
+    assert facts.rigid == 6
+    assert body.channels == ("9.x", "9.y", "9.z")
+    assert facts.freq_hz[0] > 1.0
+    assert "3 3 3 along x, y, z" in str(facts)
+
+
+def test_frequencies_do_not_depend_on_the_units():
+    one, other = (body_of(dumbbell(units), [9], modes=12)[0] for units in ("m-kg-s", "mm-t-s"))
+    np.testing.assert_allclose(other.omega, one.omega, rtol=1e-7)
+    np.testing.assert_allclose(np.abs(other.rows[:, 6:]), np.abs(one.rows[:, 6:]), atol=1e-7)
+
+
+def craig_bampton(M, K, boundary, count):
+    """Someone's Craig-Bampton set: boundary dofs first, then amplitudes of fixed-interface modes."""
+    n = K.shape[0]
+    inner = [k for k in range(n) if k not in boundary]
+    M, K = M.toarray(), K.toarray()
+    static = np.zeros((n, len(boundary)))
+    static[boundary] = np.eye(len(boundary))
+    static[inner] = -np.linalg.solve(K[np.ix_(inner, inner)], K[np.ix_(inner, boundary)])
+    root = np.sqrt(np.diag(M)[inner])
+    _, X = np.linalg.eigh(K[np.ix_(inner, inner)] / np.outer(root, root))
+    fixed = np.zeros((n, count))
+    fixed[inner] = (X / root[:, None])[:, :count]
+    T = np.hstack([static, fixed])
+    return T.T @ M @ T, T.T @ K @ T
+
+
+def test_a_craig_bampton_set_is_diagonalised_and_truncated_into_its_residual():
+    M, K, dofs, _ = rod(60, {61})
+    mass, stiff = craig_bampton(M, K, [0], 9)
+    labels = [(1, "x"), *((100 + k, "q") for k in range(9))]
+    whole, facts = body_of(Matrices.of(mass, stiff, dofs=labels), [1], modes=10)
+    assert not whole.S.any()
+    assert "residual compliance: none" in str(facts)
+    full = ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], modes=10)
+    np.testing.assert_allclose(whole.omega[:4], full.omega[:4], rtol=2e-3)
+    assert np.all(whole.omega[:4] > full.omega[:4])
+    np.testing.assert_allclose(compliance(whole), compliance(full), rtol=1e-9)
+    fewer, facts = body_of(Matrices.of(mass, stiff, dofs=labels), [1], modes=6)
+    np.testing.assert_allclose(compliance(fewer), compliance(full), rtol=1e-9)
+    assert facts.residual > 0.01
+    assert f"{100 * facts.residual:.3g} % of the static compliance" in facts.words
+
+
+def test_a_free_craig_bampton_set_has_its_whole_mass():
+    M, K, dofs, _ = rod(60, set())
+    mass, stiff = craig_bampton(M, K, [0], 5)
+    labels = [dofs[0], *((100 + k, 0) for k in range(5))]
+    body, facts = body_of(Matrices.of(mass, stiff, dofs=labels), [1])
+    assert facts.mass == pytest.approx((0.78, 0.0, 0.0), rel=1e-9)
+    assert facts.rigid == 1
+    assert facts.inertia is None
+    assert "inertia: not known" in str(facts)
+    assert body.omega[0] == 0.0
+
+
+TWO = {"dofs": [(1, "x"), (2, "x")], "contact": [1]}
+I2 = np.eye(2)
+
+
+@pytest.mark.parametrize(
+    ("M", "K", "change", "message"),
+    [
+        (I2, np.eye(3), {}, r"K: found shape \(3, 3\), expected \(2, 2\)"),
+        (I2, [[1.0, 0.5], [0.0, 1.0]], {}, "K: found asymmetry of 5.00e-01"),
+        (I2, [[1.0, np.nan], [0.0, 1.0]], {}, "K: found entries that are NaN"),
+        (I2, [[1.0, 2.0], [2.0, 1.0]], {}, "without negative modes"),
+        (np.diag([1.0, -1.0]), I2, {}, "M: found"),
+        (np.zeros((2, 2)), I2, {}, "M: found zeros alone"),
+        (I2, I2, {"dofs": [(1, "x"), (1, "x")]}, "dofs: found 1.x twice"),
+        (I2, I2, {"dofs": [(1, "x"), (1, "w")]}, "direction 'w' at node 1"),
+        (I2, I2, {"contact": [3]}, "contact: found node 3"),
+        (I2, I2, {"contact": [(1, "y")]}, "contact: found 1.y, which is no dof"),
+        (I2, I2, {"contact": []}, "contact: found"),
+        (I2, I2, {"contact": {"tip": [1.0]}}, "contact: found rows of 1 entries, expected 2"),
+        (I2, I2, {"units": "mm-t"}, "units: found 'mm-t', expected length"),
+        (I2, I2, {"units": "mm-stone-s"}, "units: found 'mm-stone-s'"),
+        (I2, I2, {"modes": 3}, "modes: found 3, expected 1 to the 2"),
+        (I2, I2, {"points": {1: (0.0, 0.0)}}, "points: found .* for node 1"),
+        (I2, [[1.0, -1.0], [-1.0, 1.0]], {"C": 10 * I2}, "C: found a damping ratio of"),
+    ],
+)
+def test_what_cannot_be_a_body_is_named(M, K, change, message):
+    with pytest.raises(ct.InputError, match=message):
+        ct.ModalBody.from_matrices(M, K, **{**TWO, "modes": 2, **change})
+
+
+def test_channels_of_ones_own():
+    M, K, dofs, _ = rod(4, {5})
+    mean = {"mean": [0.5, 0.5, 0.0, 0.0]}
+    body = ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=mean, modes=2)
+    assert body.channels == ("mean",)
+    G = np.linalg.inv(K.toarray())
+    assert compliance(body).item() == pytest.approx(0.25 * G[:2, :2].sum(), rel=1e-9)
