@@ -11,9 +11,15 @@ from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, frozen
+from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
+from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
+from casingfem.structure.imported.spin import MeshSpin
 from casingfem.structure.shell.assembly import assemble, spin
-from casingfem.structure.shell.shell import Shell, require_shell
+from casingfem.structure.shell.prestress import Spin
+from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
 
 SPARE = 6  # modes computed beyond those followed, so that one may leave the range and another come in
 
@@ -108,13 +114,14 @@ def zero_crossings(speed: FloatArray, gap: FloatArray) -> list[tuple[int, float]
     return met
 
 
-def campbell(shell: Shell, omega: Sequence[float] | FloatArray, count: int = 6) -> Campbell:
-    """Follow the lowest `count` modes of a shell over speeds [rad/s], one assembly and one static solution for all.
+def campbell(structure: Shell | MeshStructure, omega: Sequence[float] | FloatArray, count: int = 6) -> Campbell:
+    """Follow the lowest `count` modes of a structure over speeds [rad/s], one assembly and one static solution for all.
 
     Parameters
     ----------
-    shell
-        A supported shell with a `rotation`; its own speed is not used.
+    structure
+        A supported `Shell`, `Solid` or `MeshShell` with a `rotation`; its own speed is not used. A solid is taken about
+        its steady shape at each speed where its displacements ask for it.
     omega
         Speeds [rad/s], ascending.
     count
@@ -123,7 +130,7 @@ def campbell(shell: Shell, omega: Sequence[float] | FloatArray, count: int = 6) 
     Raises
     ------
     ModelError
-        `rotation-none` for a shell without an axis; `rotation-unstable` where K(Omega) is not positive definite.
+        `rotation-none` for a structure without an axis; `rotation-unstable` where K(Omega) is not positive definite.
 
     Examples
     --------
@@ -135,27 +142,53 @@ def campbell(shell: Shell, omega: Sequence[float] | FloatArray, count: int = 6) 
     >>> cf.campbell(blade, [0.0, 500.0, 1000.0], count=1).freq[:, 0].round(1).tolist()
     [63.6, 140.7, 254.8]
     """
-    require_shell(shell, "campbell")
-    if shell.rotation is None:
-        raise ModelError("rotation-none", "campbell: found a shell without rotation")
-    system = assemble(replace(shell, rotation=None))
-    added = spin(system, shell.rotation)
+    system, added = spin_from_rest(structure, "campbell")
     speeds = np.asarray(omega, dtype=float)
     wanted = count + SPARE
     freq, overlap = np.empty((len(speeds), count)), np.ones((len(speeds), count))
     before = southwell = np.zeros(0)
     for k, speed in enumerate(speeds):
-        turning = replace(shell, rotation=shell.rotation.at(float(speed)))
-        K = csc_array(system.K + added.stiffness(speed))
-        found = modes(turning, wanted, system=replace(system, shell=turning, K=K))
+        found = modes_at(structure, system, csc_array(system.K + added.stiffness(float(speed))), float(speed), wanted)
         shapes = np.asarray(system.restrict(found.fields))
         if k == 0:
             columns = np.arange(count)
             southwell = np.einsum("fk,fk->k", shapes[:, :count], added.K1 @ shapes[:, :count])
         else:
-            likeness = np.abs(before.T @ (system.mass[:, None] * shapes))
+            likeness = np.abs(before.T @ (system.M @ shapes))
             _, columns = linear_sum_assignment(-(likeness**2))
             overlap[k] = likeness[np.arange(count), columns]
         before = shapes[:, columns]
         freq[k] = found.freq[columns]
     return Campbell(omega=frozen(speeds), freq=frozen(freq), southwell=frozen(southwell), overlap=frozen(overlap))
+
+
+def spin_from_rest(structure: Shell | MeshStructure, what: str) -> tuple[System | MeshSystem, Spin | MeshSpin]:
+    """The structure assembled at rest, and what rotation about its axis adds.
+
+    Raises
+    ------
+    ModelError
+        `rotation-none` for a structure without an axis.
+    """
+    if not isinstance(structure, Shell):
+        require_structure(structure, what)
+    rotation: Rotation | None = getattr(structure, "rotation", None)
+    if rotation is None:
+        raise ModelError("rotation-none", f"{what}: found a structure without rotation")
+    if isinstance(structure, Shell):
+        at_rest = assemble(replace(structure, rotation=None))
+        return at_rest, spin(at_rest, rotation)
+    still: Any = replace(structure, rotation=None)  # type: ignore[type-var]  # what has a rotation is a dataclass
+    resting = still.assembled()
+    return resting, still.spin(resting, rotation)
+
+
+def modes_at(
+    structure: Shell | MeshStructure, system: System | MeshSystem, K: csc_array, speed: float, count: int
+) -> ModeSet:
+    """Modes at a speed, with its stiffness."""
+    owner: Any = structure
+    turning = replace(owner, rotation=owner.rotation.at(speed))
+    if isinstance(system, System):
+        return modes(turning, count, system=replace(system, shell=turning, K=K))
+    return modes(turning, count, system=replace(system, structure=turning, K=K))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.errors import warn
+from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.eigen import Band, EigenResult, solve
 from casingfem.linalg.factor import Direct
@@ -68,6 +68,8 @@ def mesh_modes(
         multigrid = direct == "superlu" and large_and_thick(system)
     found = solved_by(system, wanted, direct, multigrid=multigrid)
     solved = time.perf_counter()
+    if getattr(structure, "rotation", None) is not None and found.eigenvalues[0] < 0.0:
+        raise ModelError("rotation-unstable", f"modes: found omega^2 = {found.eigenvalues[0]:.4g} rad^2/s^2")
     freq = found.freq
     check_rigid(system, freq)
     rigid = min(system.rigid, len(freq)) if isinstance(wanted, int) or wanted[0] == 0.0 else 0

@@ -9,7 +9,6 @@ static push at the interface exactly as the full model does.
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
@@ -21,12 +20,14 @@ from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.eigen import START_SEED
 from casingfem.linalg.factor import Factor, factorise
 from casingfem.modal.basis import ModalBasis
+from casingfem.modal.campbell import spin_from_rest
 from casingfem.modal.interface import Interface, Rim
 from casingfem.modal.interface_view import load_columns, view
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.modal.output import Output, output_rows
+from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
-from casingfem.structure.shell.assembly import assemble, spin
+from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.rigid import free_motions
 from casingfem.structure.shell.shell import Shell
@@ -119,9 +120,8 @@ def reduce(
     if outputs:
         restricted = load_columns(system, wanted).T
         stored |= {"output_rows": restricted @ vectors, "output_S": restricted @ left}
-    rotation = structure.rotation if isinstance(structure, Shell) else None
+    rotation: Rotation | None = getattr(structure, "rotation", None)
     if rotation is not None:
-        assert isinstance(structure, Shell)
         stored["K_omega"] = stiffening(structure, vectors)
     return ModalBasis(
         omega=omega,
@@ -143,11 +143,10 @@ def reduce(
     )
 
 
-def stiffening(structure: Shell, vectors: FloatArray) -> FloatArray:
-    """Modal stiffness Phi^T K1 Phi that each (rad/s)^2 adds to a rotating shell, (modes, modes)."""
-    assert structure.rotation is not None
-    at_rest = assemble(replace(structure, rotation=None))
-    added = vectors.T @ (spin(at_rest, structure.rotation).K1 @ vectors)
+def stiffening(structure: Shell | MeshStructure, vectors: FloatArray) -> FloatArray:
+    """Modal stiffness Phi^T K1 Phi that each (rad/s)^2 adds to a rotating structure, (modes, modes)."""
+    _, from_rest = spin_from_rest(structure, "reduce")
+    added = vectors.T @ (from_rest.K1 @ vectors)
     return np.asarray(0.5 * (added + added.T))
 
 

@@ -15,13 +15,21 @@ from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.support import Fixed, MeshSupport
 from casingfem.structure.material import Material
 from casingfem.study.problems import Problems, StudyError
-from casingfem.study.rotation import axis_vector, vector
+from casingfem.study.rotation import axis_vector, build_mesh_rotation, vector
 from casingfem.study.schema import StudyFile
 from casingfem.study.tables.shapes import ImportTable
 from casingfem.study.tables.supports import ElasticTable, FixedTable, SupportTable
 from casingfem.study.tables.tasks import ReduceTable
 
-OWN = ("material", "solid", "shell", "support", "modes", "reduce")  # the tables of such a study; others need a chart
+OWN = (
+    "material",
+    "solid",
+    "shell",
+    "support",
+    "modes",
+    "rotation",
+    "reduce",
+)  # the tables of such a study; others need a chart
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -73,6 +81,7 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
         with problems.at("material"):
             material = Material(**tables.material.model_dump())
     supports = build_supports(tables.support, problems)
+    rotation = build_mesh_rotation(tables.rotation, problems)
     table, key = (tables.solid, "solid") if tables.solid is not None else (tables.shell, "shell")
     mesh = None if table is None else build_mesh(table, key, problems)
     if mesh is None or material is None or problems:
@@ -80,9 +89,15 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
     with problems.at(key):
         if tables.solid is not None:
             own = {name: Material(**part.model_dump()) for name, part in tables.solid.material.items()}
-            return Solid(mesh=mesh, material=material, materials=own, supports=supports)
+            return Solid(mesh=mesh, material=material, materials=own, supports=supports, rotation=rotation)
         if tables.shell is not None:
-            return MeshShell(mesh=mesh, thickness=tables.shell.thickness, material=material, supports=supports)
+            return MeshShell(
+                mesh=mesh,
+                thickness=tables.shell.thickness,
+                material=material,
+                supports=supports,
+                rotation=rotation,
+            )
     return None
 
 

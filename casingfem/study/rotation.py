@@ -17,8 +17,9 @@ def build_rotation(table: RotationTable | None, chart: Chart | None, problems: P
     """
     if table is None or chart is None:
         return None
+    point = table.centre or table.point
     on_hub = table.hub_radius is not None or table.stagger_deg != 0.0
-    if on_hub and (table.axis is not None or table.centre is not None):
+    if on_hub and (table.axis is not None or point is not None):
         problems.add("rotation", "a hub radius or a stagger beside an axis or a centre", "one way to place the axis")
         return None
     if not on_hub and table.axis is None and not chart.periodic:
@@ -29,7 +30,25 @@ def build_rotation(table: RotationTable | None, chart: Chart | None, problems: P
         if on_hub:
             stagger = float(np.radians(table.stagger_deg))
             return Rotation.of_blade(chart, omega=omega, hub_radius=table.hub_radius or 0.0, stagger=stagger)
-        return Rotation(omega=omega, axis=axis_vector(table.axis), centre=vector(table.centre))
+        return Rotation(omega=omega, axis=axis_vector(table.axis), centre=vector(point))
+    return None
+
+
+def build_mesh_rotation(table: RotationTable | None, problems: Problems) -> Rotation | None:
+    """The rotation of an imported part: about an axis in the mesh's coordinates, which must be named."""
+    if table is None:
+        return None
+    for key in ("hub_radius", "stagger_deg"):
+        if key in table.model_fields_set:
+            problems.add(f"rotation.{key}", "it on an imported mesh", "axis and point", "structure-chart")
+    if table.axis is None:
+        problems.add(
+            "rotation.axis", "nothing", "the axis of an imported part, such as [1.0, 0.0, 0.0]", "study-missing"
+        )
+        return None
+    with problems.at("rotation"):
+        omega, point = 2.0 * np.pi * table.speed_hz, table.centre or table.point
+        return Rotation(omega=omega, axis=axis_vector(table.axis), centre=vector(point))
     return None
 
 

@@ -1,7 +1,9 @@
-"""Imported meshes: five formats of one part, solids and shells against references, and where thin bricks lock.
+"""Imported meshes: five formats of one part, solids and shells against references, where thin bricks lock, rubs.
 
-`python -m reports.modes.imported [--quick] [--out DIR]` prints four tables and writes them: imported_formats.csv,
-imported_solids.csv, imported_shells.csv, imported_locking.csv. The part of the first table is written in every format
+`python -m reports.modes.imported [--quick] [--out DIR]` prints six tables and writes them: imported_formats.csv,
+imported_solids.csv, imported_shells.csv, imported_locking.csv, imported_calculix.csv (frequencies at rest and at speed,
+static compliance, reports/modes/calculix.py) and imported_rubs.csv (a rub of parts from outside against the same parts
+on charts). The part of the first table is written in every format
 by reports/modes/mesh_files.py, read back with its study as `casingfem modes` does, and compared with the mesh in
 memory.
 --quick leaves out the finest meshes.
@@ -13,11 +15,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+import contact as ct
 from casingfem.io.arrays import FloatArray
+from casingfem.modal.basis import ModalBasis
+from casingfem.modal.interface import Rim, TipNodes
 from casingfem.modal.mesh_modes import MeshModes, mesh_modes
 from casingfem.modal.modes import modes
+from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.support import Clamped
-from casingfem.structure.geometry.chart import Frustum
+from casingfem.structure.geometry.chart import Frustum, Plate
 from casingfem.structure.imported.grid import Placing, grid_mesh, revolved
 from casingfem.structure.imported.mesh_data import Group, MeshData
 from casingfem.structure.imported.shell import MeshShell
@@ -26,6 +32,7 @@ from casingfem.structure.imported.support import Fixed
 from casingfem.structure.material import Material
 from casingfem.structure.shell.shell import Shell
 from casingfem.study import load_any
+from reports.modes.calculix import compared
 from reports.modes.frustum import exact_frequencies
 from reports.modes.mesh_files import WRITERS, group_name
 from reports.tables import DATA, Row, command_line, show, write
@@ -223,13 +230,80 @@ def locking(quick: bool) -> list[Row]:
     return rows
 
 
+def strip_blade(kind: str) -> Shell | MeshShell | Solid:
+    """A steel strip of 110 x 40 x 5.4 mm: on a chart, as an imported shell, as an imported solid."""
+    length, width, t = 0.110, 0.040, 5.4e-3
+    ends = {"root": (0, 0.0), "tip": (0, 1.0)}
+    held = {"root": Clamped()}
+    if kind == "chart":
+        return Shell(chart=Plate(length=length, width=width), thickness=t, material=STEEL, supports=held)
+    if kind == "shell":
+        flat = grid_mesh(
+            "quad9", (24, 12), lambda u: np.insert((u - [0.0, 0.5]) * [length, width], 2, 0.0, axis=1), groups=ends
+        )
+        return MeshShell(mesh=flat, thickness=t, material=STEEL, supports=held)
+    block = grid_mesh("hexahedron20", (16, 6, 2), lambda u: (u - [0.0, 0.5, 0.5]) * [length, width, t], groups=ends)
+    return Solid(mesh=block, material=STEEL, supports=held)
+
+
+def rub_casing(kind: str, t: float, quick: bool) -> Shell | MeshShell:
+    """The reference frustum with a wall of t, on a chart or as an imported shell."""
+    if kind == "chart":
+        return Shell(chart=Frustum(r_base=0.50, r_top=0.45, height=0.25), thickness=t, material=STEEL, supports=BASE)
+    return skin("quad9", (61, 8) if quick else (121, 16), t)
+
+
+def body(basis: ModalBasis) -> ct.ModalBody:
+    """A basis as contact takes it, without a file."""
+    return ct.ModalBody(
+        omega=basis.omega, zeta=basis.zeta, channels=basis.channels, rows=basis.rows, S=basis.S, kind=basis.kind,
+        n_max=basis.n_max, radius=basis.radius,
+    )  # fmt: skip
+
+
+def rubs(quick: bool) -> list[Row]:
+    """The first contacts of a rub: three tips of an imported blade on an imported casing, and the same on charts."""
+    t, n_max = (0.010, 8) if quick else (5e-3, 16)
+    rim, tips = Rim("top", n_max=n_max), TipNodes("tip", 3)
+    made = {
+        kind: reduce(rub_casing(kind, t, quick), rim, modes=20 if quick else 40, zeta=0.002)
+        for kind in ("chart", "shell")
+    }
+    blades = {kind: reduce(strip_blade(kind), tips, modes=6, zeta=0.002) for kind in ("chart", "shell", "solid")}
+    rows: list[Row] = []
+    for casing, blade in (("chart", "chart"), ("shell", "shell"), ("shell", "solid")):
+        places = tuple(ct.ContactPoint(span=f"node{k}.span", flap=f"node{k}.flap", lean_deg=10.0) for k in range(3))
+        rub = ct.Rub(
+            body(made[casing]), (body(blades[blade]),), places, clearance=-2e-5,
+            speed=ct.gaps.Speed.constant(5.0), thickness=t,
+        )  # fmt: skip
+        result = ct.run(rub, law=ct.Coulomb(mu=0.2), t_end=5e-3, dt=2e-6)
+        rows.append(
+            {
+                "casing": casing,
+                "blade": blade,
+                "first release [ms]": float(1e3 * result.intervals[1][0][1]),
+                "second contact [ms]": float(1e3 * result.intervals[1][1][0]),
+                "impulse [N s]": float(result.impulse.sum()),
+                "blade [Hz]": float(blades[blade].freq[0]),
+                "casing [Hz]": float(made[casing].freq[0]),
+            }
+        )
+    for row in rows:
+        for name in ("first release [ms]", "second contact [ms]", "impulse [N s]"):
+            row[f"{name.split(' [')[0]}: change"] = float(row[name]) / float(rows[0][name]) - 1.0  # type: ignore[arg-type]
+    return rows
+
+
 def main(out: Path, quick: bool = False) -> list[Row]:
-    """Print and write the four tables; returns their rows."""
+    """Print and write the six tables; returns their rows."""
     tables = {
         "formats": ("One part in five formats, 20 modes", formats(out)),
         "solids": ("Solids against references", solids(quick)),
         "shells": ("The reference frustum on quadrilaterals against 3-D elasticity, 40 modes", shells(quick)),
         "locking": ("One brick through the wall, 48 around, 8 along: lowest mode against the shell", locking(quick)),
+        "calculix": ("A twisted blade on the same cells as in CalculiX 2.20: worst relative error", compared(quick)),
+        "rubs": ("The first 5 ms of a rub, parts from outside against charts", rubs(quick)),
     }
     for name, (title, rows) in tables.items():
         show(title, rows)

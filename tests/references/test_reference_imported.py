@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from reports.modes import imported
+from reports.modes import calculix, imported
 from reports.verification import imported as verify_imported
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # locking is what it shows
@@ -24,7 +24,20 @@ def test_report_on_imported_meshes(tmp_path, capsys):
     assert shells["gap in perfect pairs"].max() < 1e-10
     locking = pd.read_csv(tmp_path / "imported_locking.csv").set_index("R/t")
     assert locking.loc[100, "hexahedron27: error"] > 0.04 > 20 * 0.75 * locking.loc[30, "quad9 shell: error"]
+    blades = pd.read_csv(tmp_path / "imported_calculix.csv")
+    assert blades["worst error"].max() < 1e-6
+    rubs = pd.read_csv(tmp_path / "imported_rubs.csv")
+    assert rubs[["first release: change", "second contact: change"]].abs().to_numpy().max() < 0.01
+    assert rubs["impulse: change"].abs().max() < 0.02
     assert "One part in five formats" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_a_twisted_blade_is_that_of_calculix_at_rest_and_at_speed():
+    """The same cells: seven digits are printed; about the nonlinear steady state at 10,000 rpm."""
+    rows = calculix.compared(quick=True)
+    assert [row["quantity"] for row in rows] == [*(f"freq_hz at {rpm} rpm" for rpm in calculix.RPM), "compliance"]
+    assert max(float(row["worst error"]) for row in rows) < 1e-6
 
 
 @pytest.mark.campaign

@@ -21,6 +21,7 @@ from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rigid_body import rigid_motions
+from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import (
     CHUNK,
     MeshSystem,
@@ -34,6 +35,7 @@ from casingfem.structure.imported.cell_kind import SHELLS, shape_functions
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.findings import cells_named
 from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.spin import MeshSpin, spun
 from casingfem.structure.imported.support import MeshSupport, check_support
 from casingfem.structure.imported.tying import tied_strains
 from casingfem.structure.material import Material
@@ -59,6 +61,8 @@ class MeshShell:
         length on displacements, t^3/12 k_face on rotations.
     shear_correction
         Factor of the transverse shear stiffness.
+    rotation
+        Steady rotation: speed and axis; at rest if left out.
 
     Raises
     ------
@@ -79,6 +83,7 @@ class MeshShell:
     material: Material
     supports: Mapping[str, MeshSupport] = field(default_factory=dict)
     shear_correction: float = 5.0 / 6.0
+    rotation: Rotation | None = None
 
     def __post_init__(self) -> None:
         if self.mesh.kind not in SHELLS:
@@ -99,8 +104,15 @@ class MeshShell:
         return np.full(len(self.mesh.cells), self.material.rho * self.thickness)
 
     def assembled(self) -> MeshSystem:
-        """Its matrices on the free dofs."""
-        return assemble_mesh_shell(self)
+        """Its matrices on the free dofs, at its speed if it rotates."""
+        system = assemble_mesh_shell(self)
+        return system if self.rotation is None else spun(system, self.spin(system, self.rotation), self.rotation.omega)
+
+    def spin(self, at_rest: MeshSystem, rotation: Rotation) -> MeshSpin:
+        """What rotation about an axis adds to its matrices at rest."""
+        from casingfem.structure.imported.shell_spin import shell_spin
+
+        return shell_spin(at_rest, self, rotation)
 
 
 def with_centres(mesh: MeshData) -> MeshData:
@@ -171,12 +183,8 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
 
 def stiffness(shell: MeshShell, normals: FloatArray, frames: FloatArray) -> FloatArray:
     """Stiffness of each cell, (cells, 5 nodes, 5 nodes), dofs node by node."""
-    mesh, t = shell.mesh, shell.thickness
-    C = shell.material.plane_stress()
-    D = np.zeros((8, 8))
-    D[:3, :3], D[3:6, 3:6] = t * C, t**3 / 12.0 * C
-    D[6, 6] = D[7, 7] = shell.shear_correction * shell.material.shear_modulus * t
-    root = np.linalg.cholesky(D).T  # D = root^T root
+    mesh = shell.mesh
+    root = np.linalg.cholesky(wall_stiffness(shell)).T  # D = root^T root
     size = DOFS * mesh.cell_kind.nodes
     matrices = np.empty((len(mesh.cells), size, size))
     step = max(1, CHUNK // (20 * 8 * size))
@@ -187,6 +195,15 @@ def stiffness(shell: MeshShell, normals: FloatArray, frames: FloatArray) -> Floa
         flat = weighted.reshape(len(cells), -1, size)
         np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[start : start + step])
     return matrices
+
+
+def wall_stiffness(shell: MeshShell) -> FloatArray:
+    """Resultants of the strains (eps, chi, gamma) along orthonormal tangents, (8, 8)."""
+    t, C = shell.thickness, shell.material.plane_stress()
+    D = np.zeros((8, 8))
+    D[:3, :3], D[3:6, 3:6] = t * C, t**3 / 12.0 * C
+    D[6, 6] = D[7, 7] = shell.shear_correction * shell.material.shear_modulus * t
+    return D
 
 
 def consistent_mass(shell: MeshShell, frames: FloatArray) -> FloatArray:

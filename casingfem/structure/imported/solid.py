@@ -16,6 +16,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rigid_body import rigid_motions
+from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import (
     CHUNK,
     Mapped,
@@ -29,6 +30,7 @@ from casingfem.structure.imported.assembly import (
 from casingfem.structure.imported.cell_kind import SOLIDS
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.spin import MeshSpin, spun
 from casingfem.structure.imported.support import MeshSupport, check_support
 from casingfem.structure.material import Material
 
@@ -50,6 +52,8 @@ class Solid:
         Group of cells -> material.
     supports
         Group -> `Clamped`, `Fixed`, or `ElasticEdge(k_face=...)`, a foundation [N/m^3] on the group's facets.
+    rotation
+        Steady rotation: speed and axis; at rest if left out.
 
     Raises
     ------
@@ -69,6 +73,7 @@ class Solid:
     material: Material
     materials: Mapping[str, Material] = field(default_factory=dict)
     supports: Mapping[str, MeshSupport] = field(default_factory=dict)
+    rotation: Rotation | None = None
 
     def __post_init__(self) -> None:
         if self.mesh.kind not in SOLIDS:
@@ -104,8 +109,15 @@ class Solid:
         return np.asarray(self.constants()[2])
 
     def assembled(self) -> MeshSystem:
-        """Its matrices on the free dofs."""
-        return assemble_solid(self)
+        """Its matrices on the free dofs, at its speed if it rotates."""
+        system = assemble_solid(self)
+        return system if self.rotation is None else spun(system, self.spin(system, self.rotation), self.rotation.omega)
+
+    def spin(self, at_rest: MeshSystem, rotation: Rotation) -> MeshSpin:
+        """What rotation about an axis adds to its matrices at rest."""
+        from casingfem.structure.imported.solid_spin import solid_spin
+
+        return solid_spin(at_rest, self, rotation)
 
 
 def assemble_solid(solid: Solid) -> MeshSystem:
@@ -149,25 +161,31 @@ def elasticity(constants: FloatArray) -> FloatArray:
     return D
 
 
-def strain_table(slopes: FloatArray) -> FloatArray:
-    """Strains, `COMPONENTS`, over the dofs of a cell's nodes, (..., 6, 3 nodes), from dN/dx (..., 3, nodes)."""
+def strain_table(slopes: FloatArray, gradient: FloatArray | None = None) -> FloatArray:
+    """Strains, `COMPONENTS`, over the dofs of a cell's nodes, (..., 6, 3 nodes), from dN/dx (..., 3, nodes).
+
+    With a gradient F_ki (..., 3, 3) those of F^T grad v: of Green's strain about F, or of e2(u, v) with F = grad u.
+    """
     *places, _, nodes = slopes.shape
     B = np.zeros((*places, 6, nodes, 3))
     for row, (i, j) in enumerate(VOIGT):
-        B[..., row, :, i] += slopes[..., j, :]
-        if i != j:
-            B[..., row, :, j] += slopes[..., i, :]
+        for one, other in {(i, j), (j, i)}:
+            if gradient is None:
+                B[..., row, :, one] += slopes[..., other, :]
+            else:
+                B[..., row, :, :] += slopes[..., other, :, None] * gradient[..., None, :, one]
     return B.reshape(*places, 6, 3 * nodes)
 
 
-def consistent_mass(on: Mapped, rho: FloatArray) -> FloatArray:
-    """Mass of each cell, (cells, 3 nodes, 3 nodes), dofs node by node."""
+def consistent_mass(on: Mapped, rho: FloatArray, block: FloatArray | None = None) -> FloatArray:
+    """Mass of each cell, (cells, 3 nodes, 3 nodes), dofs node by node: int rho v.B u, B = `block` (3, 3) or 1."""
     nodes, points = on.values.shape
     products = (on.values[:, None] * on.values[None, :]).reshape(-1, points)
     scalar = ((on.measure * rho[:, None]) @ products.T).reshape(-1, nodes, nodes)
     matrices = np.zeros((len(rho), nodes, 3, nodes, 3))
-    for i in range(3):
-        matrices[:, :, i, :, i] = scalar
+    B = np.eye(3) if block is None else block
+    for i, j in np.argwhere(B).tolist():
+        matrices[:, :, i, :, j] = B[i, j] * scalar
     return matrices.reshape(len(rho), 3 * nodes, 3 * nodes)
 
 

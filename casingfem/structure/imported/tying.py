@@ -81,12 +81,18 @@ def covariant_strains(
 def tied_strains(kind: str, x: FloatArray, n: FloatArray, e: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Strains in a local orthonormal frame at the quadrature points (cells, q, 8, 5 k), and the measure (cells, q)."""
     _, weights, _, slopes = rule(kind)
-    covariant = np.empty((len(x), len(weights), 8, 5 * x.shape[1]))
+    covariant = tied_covariant(kind, x, n, e)
+    x_r, x_s = np.einsum("dkq,ekc->deqc", slopes, x, optimize=True)
+    return to_local(x_r, x_s) @ covariant, np.linalg.norm(np.cross(x_r, x_s), axis=-1) * weights
+
+
+def tied_covariant(kind: str, x: FloatArray, n: FloatArray, e: FloatArray) -> FloatArray:
+    """Covariant strains at the quadrature points, taken from where they are tied, (cells, q, 8, 5 k)."""
+    covariant = np.empty((len(x), rule(kind)[0].shape[1], 8, 5 * x.shape[1]))
     for rows, places, spread in tying(kind):
         sampled = covariant_strains(kind, places, rows, x, n, e)
         covariant[:, :, list(rows)] = np.einsum("qt,etrd->eqrd", spread, sampled, optimize=True)
-    x_r, x_s = np.einsum("dkq,ekc->deqc", slopes, x, optimize=True)
-    return to_local(x_r, x_s) @ covariant, np.linalg.norm(np.cross(x_r, x_s), axis=-1) * weights
+    return covariant
 
 
 def to_local(x_r: FloatArray, x_s: FloatArray) -> FloatArray:

@@ -151,7 +151,7 @@ class MeshTable(Table):
 
 
 class RotationTable(Table):
-    """[rotation]: a blade on its hub (hub_radius, stagger_deg), or any axis (axis, centre)."""
+    """[rotation]: a blade on its hub (hub_radius, stagger_deg), or any axis (axis, and point or centre on it)."""
 
     speed_hz: float = Field(ge=0, le=1e5, description="turns a second")
     hub_radius: Annotated[float, Field(ge=0, le=1e3)] | None = Field(
@@ -160,3 +160,10 @@ class RotationTable(Table):
     stagger_deg: float = Field(default=0.0, ge=-360, le=360, description="from the axis to the root's chord [degrees]")
     axis: Axis | None = Field(default=None, description='"x", "y", "z" or a direction [x, y, z]; z if left out')
     centre: Vector | None = Field(default=None, description="a point on the axis [m]; the origin if left out")
+    point: Vector | None = Field(default=None, description="the same as centre")
+
+    @model_validator(mode="after")
+    def _one_point(self) -> "RotationTable":
+        if self.centre is not None and self.point is not None:
+            raise ValueError("found centre and point, expected one of them: they are the same")
+        return self

@@ -74,6 +74,19 @@ def test_materials_by_group_and_foundations(tmp_path):
     assert structure.supports["base"].k_face == 1e12
 
 
+ROTATION = "[rotation]\nspeed_hz = 50.0\naxis = [0.0, 0.0, 1.0]\npoint = [-0.15, 0.0, 0.0]\n"
+
+
+def test_rotation_of_an_imported_part(tmp_path):
+    structure = load_any(study(tmp_path, SOLID + ROTATION)).structure
+    assert structure.rotation.omega == pytest.approx(100 * np.pi)
+    assert structure.rotation.centre == (-0.15, 0.0, 0.0)
+    named = ROTATION.replace("[0.0, 0.0, 1.0]", '"x"').replace("point", "centre")
+    assert load_any(study(tmp_path, SOLID + named)).structure.rotation.axis == (1.0, 0.0, 0.0)
+    shell = SOLID.replace("[solid]", "[shell]\nthickness = 0.03")
+    assert load_any(study(tmp_path, shell + ROTATION, SKIN)).structure.rotation.omega > 0.0
+
+
 def test_the_hash_covers_the_mesh(tmp_path):
     path = study(tmp_path, SOLID)
     before = load_any(path).source["sha256"]
@@ -94,6 +107,9 @@ BAD = {
     "reduce lines": (SOLID + '[reduce]\ninterface = "top"\nlines = [0.1]\n', "reduce.lines: .*no such key here"),
     "rim in pieces": (SOLID + '[reduce]\ninterface = "top"\nnodes = 2\nn_max = 3\n', "reduce.n_max: found 3"),
     "shell beside": (SOLID + "[shell]\nthickness = 0.01\n", "shell: found it beside"),
+    "no axis": (SOLID + "[rotation]\nspeed_hz = 5.0\n", "rotation.axis: found nothing"),
+    "hub": (SOLID + ROTATION + "hub_radius = 0.2\n", "rotation.hub_radius: found it on an imported mesh"),
+    "two points": (SOLID + ROTATION + "centre = [0.0, 0.0, 0.0]\n", "found centre and point"),
     "springs": (SOLID.replace('"clamped"', '"elastic"\nk_r = 1e6'), "support.base: found k_r, expected k_face alone"),
     "diaphragm": (SOLID.replace("clamped", "shear-diaphragm"), "expected clamped, fixed or elastic"),
     "directions": (SOLID.replace('"clamped"', '"fixed"\ndirections = ["w"]'), "support.base.directions"),

@@ -1,0 +1,164 @@
+"""Rotating imported shells: what prestress and spin add to the stiffness of the degenerated shell with tied strains.
+
+With directors n + w - |w|^2 n/2, which keep their length to second order, the covariant strains are those of `tying.py`
+and, to second order in the motion,
+
+    e_ab: u,a.u,b/2    chi_ab: sym(u,a.w,b) - |w|^2 (x,a.n,b)/2    gamma_a: u,a.w - |w|^2 (x,a.n)/2
+
+each taken where the linear one is tied. Their bilinear parts about u1 are the linear table with u1 in the place of x
+and w1 in that of n.
+"""
+
+import numpy as np
+
+from casingfem.io.arrays import FloatArray
+from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.imported.assembly import CHUNK, MeshSystem, mapped
+from casingfem.structure.imported.cell_kind import rule, shape_functions
+from casingfem.structure.imported.shell import (
+    DOFS,
+    MeshShell,
+    consistent_mass,
+    directors,
+    tangent_frames,
+    wall_stiffness,
+)
+from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin
+from casingfem.structure.imported.tying import tied_covariant, to_local, tying
+
+PAIRS = ((0, 0), (1, 1), (0, 1))  # directions r, s of e_rr, e_ss, 2 e_rs
+
+
+def shell_spin(system: MeshSystem, shell: MeshShell, rotation: Rotation) -> MeshSpin:
+    """What rotation adds to an imported shell assembled at rest.
+
+    Raises
+    ------
+    ModelError
+        `static-loose` if the centrifugal force drives a rigid motion that is not held.
+    """
+    return mesh_spin(
+        system, rotation, lambda axis: shell_inertia(shell, axis), lambda fields: shell_stiffening(shell, fields)
+    )
+
+
+def shell_inertia(shell: MeshShell, rotation: Rotation) -> Inertia:
+    """Inertia of the cells about an axis, the rotary one of the directors included."""
+    mesh, t, rho = shell.mesh, shell.thickness, shell.material.rho
+    normals = directors(mesh)
+    frames = tangent_frames(normals)
+    P, a = rotation.plane, rotation.direction
+    turn = np.cross(a, np.eye(3)).T
+    on = mapped(mesh.kind, mesh.points, mesh.cells)
+    scalar = np.einsum("iq,jq,eq->eij", on.values, on.values, on.measure, optimize=True)
+    n, e = normals[mesh.cells], frames[mesh.cells]
+    up, along = n @ a, e @ a
+    lean = np.einsum("ei,ej,eiac,ejbc->eiajb", up, up, e, e, optimize=True) - np.einsum("eia,ejb->eiajb", along, along)
+    around = np.einsum("eiac,cd,ejbd->eiajb", e, turn, e, optimize=True)
+    moved, turned = rho * t * scalar, rho * t**3 / 12.0 * scalar
+    away = np.concatenate(
+        [(mesh.points - np.asarray(rotation.centre)) @ P, np.einsum("nac,cd,nd->na", frames, P, normals)], axis=1
+    )
+    return Inertia(
+        mass=consistent_mass(shell, frames),
+        softening=blocks(moved, P, turned, lean),
+        gyroscopic=blocks(2.0 * moved, turn, 2.0 * turned, around),
+        away=away,
+    )
+
+
+def blocks(moved: FloatArray, B: FloatArray, turned: FloatArray, along: FloatArray) -> FloatArray:
+    """Matrices (cells, 5 k, 5 k) of u.B u from `moved` (cells, k, k), of w_a along w_b from `turned`."""
+    cells, k = moved.shape[:2]
+    matrices = np.zeros((cells, k, DOFS, k, DOFS))
+    matrices[:, :, :3, :, :3] = moved[:, :, None, :, None] * B[:, None, :]
+    matrices[:, :, 3:, :, 3:] = turned[:, :, None, :, None] * along
+    return matrices.reshape(cells, DOFS * k, DOFS * k)
+
+
+def shell_stiffening(shell: MeshShell, fields: FloatArray) -> Stiffening:
+    """What a static state (nodes, 5) adds to the stiffness of the cells."""
+    mesh = shell.mesh
+    normals = directors(mesh)
+    frames = tangent_frames(normals)
+    D = wall_stiffness(shell)
+    u, w = fields[:, :3], np.einsum("na,nac->nc", fields[:, 3:], frames)
+    _, weights, _, slopes = rule(mesh.kind)
+    m = DOFS * mesh.cell_kind.nodes
+    first, second = np.empty((2, len(mesh.cells), m, m))
+    bowed = strained = 0.0
+    step = max(1, CHUNK // (20 * 8 * m))
+    for start in range(0, len(mesh.cells), step):
+        part = slice(start, start + step)
+        cells = mesh.cells[part]
+        x, n, e = mesh.points[cells], normals[cells], frames[cells]
+        x_r, x_s = np.einsum("dkq,ekc->deqc", slopes, x, optimize=True)
+        local = to_local(x_r, x_s)
+        measure = np.linalg.norm(np.cross(x_r, x_s), axis=-1) * weights
+        L = local @ tied_covariant(mesh.kind, x, n, e)
+        quadratic = local @ tied_covariant(mesh.kind, u[cells], w[cells], e)
+        moved = fields[cells].reshape(len(cells), 1, m, 1)
+        strain, bow = (L @ moved)[..., 0], 0.5 * (quadratic @ moved)[..., 0]
+        stress = (strain @ D) * measure[:, :, None]
+        pulled = (D @ quadratic) * measure[:, :, None, None]
+        cross = flat(L).transpose(0, 2, 1) @ flat(pulled)
+        pull = np.einsum("eqij,eqi->eqj", local, stress)  # on the covariant strains
+        first[part] = cross + cross.transpose(0, 2, 1) + geometric(mesh.kind, pull, x, n, e)
+        second[part] = flat(quadratic).transpose(0, 2, 1) @ flat(pulled)
+        strained += float((stress * strain).sum())
+        bowed += float(((bow @ D) * bow * measure[:, :, None]).sum())
+    return Stiffening(first, second, float(np.sqrt(bowed / strained)) if strained > 0.0 else 0.0)
+
+
+def flat(table: FloatArray) -> FloatArray:
+    """Points and strains as one axis, (cells, q 8, m)."""
+    return table.reshape(len(table), -1, table.shape[-1])
+
+
+def geometric(kind: str, pull: FloatArray, x: FloatArray, n: FloatArray, e: FloatArray) -> FloatArray:
+    """Second derivatives of the covariant strains times their stresses `pull` (cells, q, 8), (cells, 5 k, 5 k)."""
+    cells, k = x.shape[:2]
+    uu, uw = np.zeros((2, cells, k, k))
+    ww = np.zeros((cells, k))
+    for rows, places, spread in tying(kind):
+        N, (r, s) = shape_functions(kind, places)
+        rates = (r, s)
+        tangents = np.einsum("dkt,ekc->detc", np.stack(rates), x, optimize=True)
+        ends = np.einsum("detc,ejc->detj", tangents, n, optimize=True)  # x,a . n_j
+        for row in rows:
+            force = np.einsum("qt,eq->et", spread, pull[:, :, row], optimize=True)
+            if row < 6:
+                a, b = PAIRS[row % 3]
+                outer = sym(rates[a], rates[b], twice=a != b)
+                target = uu if row < 3 else uw
+                target += np.einsum("et,tij->eij", force, outer, optimize=True)
+                if row >= 3:
+                    bent = np.einsum("et,jt,etj->ej", force, rates[b], ends[a], optimize=True)
+                    if a != b:
+                        bent = bent + np.einsum("et,jt,etj->ej", force, rates[a], ends[b], optimize=True)
+                    ww -= bent
+            else:
+                a = row - 6
+                uw += np.einsum("et,it,jt->eij", force, rates[a], N, optimize=True)
+                ww -= np.einsum("et,jt,etj->ej", force, N, ends[a], optimize=True)
+    return placed(uu, uw, ww, e)
+
+
+def sym(one: FloatArray, other: FloatArray, *, twice: bool) -> FloatArray:
+    """N,a N,b of each place, (places, k, k), and its transpose with it where a and b differ."""
+    outer = np.einsum("it,jt->tij", one, other)
+    return np.asarray(outer + outer.transpose(0, 2, 1) if twice else outer)
+
+
+def placed(uu: FloatArray, uw: FloatArray, ww: FloatArray, e: FloatArray) -> FloatArray:
+    """Scalar matrices on u.u, u.w (cells, k, k) and w.w of a node (cells, k) as matrices on the dofs."""
+    cells, k = ww.shape
+    matrices = np.zeros((cells, k, DOFS, k, DOFS))
+    for i in range(3):
+        matrices[:, :, i, :, i] = uu
+    mixed = np.einsum("eij,ejac->eicja", uw, e, optimize=True)
+    matrices[:, :, :3, :, 3:] = mixed
+    matrices[:, :, 3:, :, :3] = mixed.transpose(0, 3, 4, 1, 2)
+    for a in (3, 4):
+        matrices[:, range(k), a, range(k), a] += ww
+    return matrices.reshape(cells, DOFS * k, DOFS * k)

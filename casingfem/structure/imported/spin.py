@@ -1,0 +1,129 @@
+"""Rotation of imported parts: K(Omega) = K + Omega^2 K1 + Omega^4 K2 about the shape at rest, or about the steady one.
+
+In the rotating frame, with Green's strain E(u) = e(u) + e2(u, u)/2, e2(u, v) = sym(grad u^T grad v),
+
+    v K1 v = int [sigma1 : grad v^T grad v + 2 e(v) : C : e2(u1, v)] - v S v,   v K2 v = int e2(u1, v) : C : e2(u1, v)
+    v S v = int rho |P v|^2,   v' G v = 2 int rho v'.(a x v),   K u1 = f,   f(v) = int rho P(x - c).v
+
+as for the shells on charts (`shell/prestress.py`); those of an imported shell are in `shell_spin.py`. Where the
+quadratic strains of Omega^2 u1 pass `LARGE` of the linear ones, the steady state of a solid is found on the deformed
+shape instead (`solid_spin.py`), and K(Omega) is its tangent.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from scipy.sparse import csc_array
+
+from casingfem.errors import warn
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.factor import solve_held
+from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.imported.assembly import MeshSystem, cell_dofs, on_free, scatter
+
+LARGE, LINEAR = 0.01, 0.3  # quadratic strains over linear ones: from which the steady shape is iterated, is doubted
+
+
+class Inertia(NamedTuple):
+    """Inertia of the cells (cells, m, m): mass, spin softening at 1 rad/s, gyroscopic; and P(x - c) at the nodes."""
+
+    mass: FloatArray
+    softening: FloatArray
+    gyroscopic: FloatArray
+    away: FloatArray  # (nodes, dofs)
+
+
+class Stiffening(NamedTuple):
+    """Stiffness that a static state adds to the cells (cells, m, m): to first order, to second, and the strains' ratio.
+
+    `ratio`: root of the energy of the quadratic strains over that of the linear ones.
+    """
+
+    first: FloatArray
+    second: FloatArray
+    ratio: float
+
+
+@dataclass(frozen=True, eq=False)
+class MeshSpin:
+    """What rotation at 1 rad/s adds to the matrices of an imported part at rest, on its free dofs.
+
+    Attributes
+    ----------
+    K1, K2
+        What omega^2 and omega^4 multiply, (free, free), symmetric [kg, kg s^2].
+    G
+        Gyroscopic matrix, (free, free), skew [kg]: times omega and the velocities.
+    fields
+        Static displacements at 1 rad/s, (nodes, dofs): times omega^2.
+    nonlinear
+        Root of the energy of the static state's quadratic strains over that of its linear ones [s^2]: times omega^2.
+    steady
+        Speed [rad/s] -> stiffness that the steady state on the deformed shape adds; None for shells.
+    """
+
+    K1: csc_array
+    K2: csc_array
+    G: csc_array
+    fields: FloatArray
+    nonlinear: float
+    steady: Callable[[float], csc_array] | None = None
+
+    def stiffness(self, omega: float) -> csc_array:
+        """What a speed [rad/s] adds to K at rest.
+
+        Warns (`rotation-large`) where linear statics no longer describe the steady state of a shell.
+        """
+        part = omega**2 * self.nonlinear
+        if self.steady is not None and part > LARGE:
+            return self.steady(omega)
+        if part > LINEAR:
+            found = f"rotation: found quadratic strains of {part:.2g} times the linear ones"
+            warn("rotation-large", found, stacklevel=4)
+        return csc_array(omega**2 * self.K1 + omega**4 * self.K2)
+
+
+def mesh_spin(
+    system: MeshSystem,
+    rotation: Rotation,
+    inertia: Callable[[Rotation], Inertia],
+    stiffening: Callable[[FloatArray], Stiffening],
+) -> MeshSpin:
+    """What rotation about an axis adds to a part assembled at rest; its speed is not used.
+
+    Parameters
+    ----------
+    inertia
+        Inertia of the cells about an axis.
+    stiffening
+        Nodal fields (nodes, dofs) -> what their stress and strain add to the stiffness of the cells.
+
+    Raises
+    ------
+    ModelError
+        `static-loose` if the centrifugal force drives a rigid motion that is not held.
+    """
+    rows = cell_dofs(system.structure.mesh.cells, system.dofs)
+    size = system.dofs * len(system.points)
+    of = inertia(rotation)
+    force = scatter(of.mass, rows, size) @ of.away.ravel()
+    fields = system.expand(solve_held(system.K, force[system.free])[:, None])[:, :, 0]
+    added = stiffening(fields)
+
+    def placed(cells: FloatArray) -> csc_array:
+        return on_free(scatter(cells, rows, size), system.free)
+
+    gyroscopic = scatter(of.gyroscopic, rows, size)
+    return MeshSpin(
+        K1=placed(added.first - of.softening),
+        K2=placed(added.second),
+        G=csc_array(gyroscopic[:, system.free][system.free]),
+        fields=fields,
+        nonlinear=added.ratio,
+    )
+
+
+def spun(system: MeshSystem, added: MeshSpin, omega: float) -> MeshSystem:
+    """A system at rest with the stiffness of a speed."""
+    return replace(system, K=csc_array(system.K + added.stiffness(omega)))

@@ -1,0 +1,185 @@
+"""Rotating imported parts: exact states, tangents, charts at the same speed, steady shapes, refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.errors import ModelError
+from casingfem.modal.campbell import spin_from_rest
+from casingfem.structure.imported.assembly import cell_dofs, mapped, scatter
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.shell import directors, tangent_frames
+from casingfem.structure.imported.shell_spin import shell_stiffening
+from casingfem.structure.imported.solid_spin import steady_stiffness, tangent
+from casingfem.structure.imported.support import Fixed
+
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
+CLAMPED = {"root": cf.Clamped()}
+LENGTH, WIDTH, THICK = 0.11, 0.04, 3e-3
+AXES = {
+    "flapping in the plane": cf.Rotation(omega=0.0, axis=(0.0, 1.0, 0.0), centre=(-0.2, 0.0, 0.0)),
+    "flapping out of it": cf.Rotation(omega=0.0, axis=(0.0, 0.0, 1.0), centre=(-0.2, 0.0, 0.0)),
+    "staggered, off the axis": cf.Rotation(omega=0.0, axis=(0.0, 1.0, 0.5), centre=(-0.2, 0.02, 0.01)),
+}
+
+
+def chart(rotation):
+    return cf.Shell(
+        chart=cf.Plate(length=LENGTH, width=WIDTH), thickness=THICK, material=STEEL, supports=CLAMPED,
+        mesh=cf.ShellMesh(order=8, rows=2, around=2), rotation=rotation,
+    )  # fmt: skip
+
+
+def skin(rotation, counts=(12, 6), kind="quad9"):
+    mesh = grid_mesh(kind, counts, lambda u: np.insert((u - [0.0, 0.5]) * [LENGTH, WIDTH], 2, 0.0, axis=1), groups=ENDS)
+    return cf.MeshShell(mesh=mesh, thickness=THICK, material=STEEL, supports=CLAMPED, rotation=rotation)
+
+
+def block(rotation, counts=(10, 4, 1)):
+    mesh = grid_mesh("hexahedron20", counts, lambda u: (u - [0.0, 0.5, 0.5]) * [LENGTH, WIDTH, THICK], groups=ENDS)
+    return cf.Solid(mesh=mesh, material=STEEL, supports=CLAMPED, rotation=rotation)
+
+
+@pytest.mark.parametrize("make", [block, skin])
+def test_a_radial_bar_stretches_as_it_must(make):
+    """nu = 0: u(L) = rho Omega^2 (c L^2/2 + L^3/3)/E from an axis a distance c below the root."""
+    part = make(AXES["flapping out of it"])
+    part = replace(part, material=replace(STEEL, nu=0.0))
+    _, added = spin_from_rest(part, "test")
+    tip = added.fields[part.mesh.groups["tip"].nodes, 0]
+    np.testing.assert_allclose(tip, 7800 * (0.2 * LENGTH**2 / 2 + LENGTH**3 / 3) / 210e9, rtol=2e-3)
+
+
+@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize(("make", "digits"), [(skin, 2e-3), (block, 2e-2)])
+def test_southwells_coefficients_are_those_of_the_chart(axis, make, digits):
+    """d(omega^2)/d(Omega^2) of the first three modes: flap, torsion, second flap."""
+    exact = cf.campbell(chart(AXES[axis]), [0.0], count=3)
+    found = cf.campbell(make(AXES[axis]), [0.0], count=3)
+    np.testing.assert_allclose(found.southwell, exact.southwell, rtol=digits, atol=digits)
+
+
+@pytest.mark.slow
+def test_a_spinning_casing_is_that_of_the_chart():
+    rotation = cf.Rotation(omega=600.0)
+    wall = revolved((0.5, 0.45), (0.0, 0.25), 0.01)
+    mesh = grid_mesh("quad9", (48, 6), lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0)}, wrap=0)
+    casing = cf.Shell(
+        chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=0.01, material=STEEL,
+        supports={"base": cf.Clamped()}, rotation=rotation,
+    )  # fmt: skip
+    found = cf.modes(cf.MeshShell(
+        mesh=mesh, thickness=0.01, material=STEEL, supports={"base": cf.Clamped()}, rotation=rotation
+    ), 6)  # fmt: skip
+    exact = cf.modes(casing, 6)
+    rest = cf.modes(replace(casing, rotation=None), 6)
+    assert np.abs(exact.freq / rest.freq - 1).min() > 0.1
+    np.testing.assert_allclose(found.freq, exact.freq, rtol=2e-3)
+    assert found.nodal_diameters.tolist() == exact.nodal_diameters.tolist()
+
+
+def test_linear_quadrilaterals_too():
+    exact = cf.campbell(chart(AXES["flapping out of it"]), [0.0], count=1).southwell
+    found = cf.campbell(skin(AXES["flapping out of it"], (24, 8), "quad"), [0.0], count=1).southwell
+    np.testing.assert_allclose(found, exact, rtol=1e-2)
+
+
+def test_the_tangent_is_the_derivative_of_the_inner_forces():
+    solid = block(None, (3, 2, 1))
+    rng = np.random.default_rng(11)
+    mesh = solid.mesh
+    on, constants = mapped(mesh.kind, mesh.points, mesh.cells), solid.constants()
+    u, v = 1e-3 * rng.standard_normal((2, *mesh.points.shape))
+    K, _ = tangent(solid, on, constants, u)
+    h = 1e-4
+    ahead, behind = (tangent(solid, on, constants, u + s * h * v)[1] for s in (1, -1))
+    exact = (ahead - behind) / (2 * h)
+    np.testing.assert_allclose(K @ v.ravel(), exact, atol=1e-6 * np.abs(exact).max())
+
+
+def test_a_rigid_turn_strains_nothing():
+    """Green's strain of a finite rotation is zero: no inner forces."""
+    solid = block(None, (3, 2, 1))
+    mesh = solid.mesh
+    a = 0.7
+    R = np.array([[np.cos(a), -np.sin(a), 0.0], [np.sin(a), np.cos(a), 0.0], [0.0, 0.0, 1.0]])
+    on = mapped(mesh.kind, mesh.points, mesh.cells)
+    K, inner = tangent(solid, on, solid.constants(), mesh.points @ R.T - mesh.points)
+    assert np.abs(inner).max() < 1e-9 * np.abs(K.data).max() * np.abs(mesh.points).max()
+
+
+@pytest.mark.parametrize("kind", ["quad9", "quad"])
+@pytest.mark.filterwarnings("ignore:.*mesh-kink")  # coarse on purpose: tangents lean against the directors
+def test_prestress_turns_with_a_small_rigid_rotation(kind):
+    """Energy of a stressed shell is unchanged by a rigid rotation of the whole: v K1 v = -f.(second-order motion).
+
+    f = K u are the forces that hold the state u; a rotation w moves positions by w x X + w x (w x X)/2. What the
+    director's second order takes along its normal is in the strains already.
+    """
+    bent = revolved((0.1, 0.08), (0.0, 0.1), 0.01)
+    mesh = grid_mesh(kind, (4, 3), lambda u: bent(np.insert(u * [0.2, 1.0], 0, 0.5, axis=1)))
+    shell = cf.MeshShell(mesh=mesh, thickness=0.01, material=STEEL)
+    system = shell.assembled()
+    u = 1e-6 * np.random.default_rng(5).standard_normal((len(mesh.points), 5))
+    added = scatter(shell_stiffening(shell, u).first, cell_dofs(mesh.cells, 5), u.size)
+    forces = (system.K @ u.ravel()).reshape(-1, 5)
+    n = directors(mesh)
+    e, X = tangent_frames(n), mesh.points - mesh.points.mean(axis=0)
+    for axis in np.eye(3):
+        W = np.cross(axis, np.eye(3)).T
+        v = np.concatenate([X @ W.T, np.einsum("nac,nc->na", e, n @ W.T)], axis=1)
+        second = np.concatenate([X @ (W @ W).T, np.einsum("nac,nc->na", e, n @ (W @ W).T)], axis=1)
+        felt, expected = v.ravel() @ (added @ v.ravel()), -float((forces * second).sum())
+        assert felt == pytest.approx(expected, rel=1e-6, abs=1e-9 * np.abs(forces).sum())
+
+
+def test_the_steady_state_tends_to_the_linear_one():
+    """What is left of the tangent beyond Omega^2 K1 falls as Omega^4."""
+    solid = block(AXES["staggered, off the axis"], (4, 2, 1))
+    system, added = spin_from_rest(solid, "test")
+    left = []
+    for omega in (40.0, 80.0):
+        full = steady_stiffness(system, solid, solid.rotation.at(omega), omega**2 * added.fields)
+        left.append(np.abs((full - omega**2 * added.K1).toarray()).max())
+    assert left[1] / left[0] == pytest.approx(16.0, rel=0.1)
+
+
+def test_campbell_of_a_solid_follows_modes_and_equals_modes_at_speed():
+    part = block(AXES["flapping out of it"])
+    found = cf.campbell(part, [0.0, 500.0, 1000.0], count=3)
+    at = cf.modes(replace(part, rotation=part.rotation.at(1000.0)), 6).freq
+    for freq in found.freq[2]:
+        assert np.abs(at / freq - 1.0).min() < 1e-9
+    assert found.overlap.min() > 0.9
+    assert np.all(np.diff(found.freq[:, 0]) > 0.0)
+
+
+def test_a_rotating_basis_knows_what_speed_adds():
+    """K_omega on its diagonal is Southwell's coefficient; the basis is that of its speed."""
+    part = skin(AXES["flapping out of it"].at(300.0))
+    basis = cf.reduce(part, cf.Tip("tip"), modes=3)
+    assert basis.spin == 300.0
+    np.testing.assert_allclose(basis.freq, cf.modes(part, 3).freq, rtol=1e-10)
+    rest = cf.campbell(part, [300.0], count=3)
+    np.testing.assert_allclose(np.diag(basis.K_omega), rest.southwell, rtol=1e-9)
+
+
+def test_softening_beyond_the_stiffness_is_refused():
+    """Turning about its own span nothing stretches, and the softening wins beyond the first frequency."""
+    about_span = cf.Rotation(omega=0.0, axis=(1.0, 0.0, 0.0))
+    first = float(cf.modes(block(None), 1).omega[0])
+    at_half = cf.modes(block(about_span.at(0.5 * first)), 1).omega[0]
+    assert at_half == pytest.approx(first * np.sqrt(0.75), rel=2e-2)
+    with pytest.raises(ModelError, match="rotation-unstable"):
+        cf.modes(block(about_span.at(1.2 * first)), 1)
+
+
+def test_parts_without_an_axis_or_without_support_are_named():
+    with pytest.raises(ModelError, match="campbell: found a structure without rotation"):
+        cf.campbell(block(None), [0.0])
+    loose = replace(block(AXES["flapping out of it"].at(10.0)), supports={"root": Fixed(directions=("z",))})
+    with pytest.raises(ModelError, match="static-loose"):
+        cf.modes(loose, 3)
