@@ -1,3 +1,4 @@
+from . import cycles
 from .closed_contact import poles, rim_stability, stability
 from .growth_map import StabilityMap
 from .interaction_table import Interactions, interactions
@@ -6,6 +7,7 @@ from .perfect_mean import perfect_mean
 __all__ = [
     "Interactions",
     "StabilityMap",
+    "cycles",
     "interactions",
     "perfect_mean",
     "poles",

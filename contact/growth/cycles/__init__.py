@@ -1,0 +1,5 @@
+"""Which periodic motions are there, how large, and are they kept? Orbits by shooting, branches by continuation."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,192 @@
+"""A modal body under a harmonic force before unilateral contacts, as a motion that contacts switch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.base.arrays import Array, readonly, require_count, require_not_negative, require_positive
+from contact.base.errors import InputError
+from contact.growth.cycles.passage import Closed, Motion
+from contact.growth.cycles.switched import Drive, Forcing, Phase, Plant
+from contact.model.bodies.patch import Patch
+
+RIGID = 1e-6  # frequency over that of the force which stands for a rigid mode: 4e-12 of its flight over a period
+ANGLE = 0.5  # of the fastest vibration between two looks at the gaps [rad]
+FEWEST, MOST = 128, 65536  # looks in a period
+Parameter = Literal["freq_hz", "amplitude", "clearance"]
+
+
+class Family(Protocol):
+    """Periodically forced motions over one parameter."""
+
+    name: str
+
+    def at(self, value: float) -> tuple[Motion, float]:
+        """Motion at a value of the parameter, and the period of its forcing [s]."""
+        ...
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """What is shown: displacements [m] whose amplitude is given."""
+        ...
+
+    @property
+    def begin(self) -> Array:
+        """State from which runs start."""
+        ...
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class DrivenBody:
+    """A modal body under amplitude cos(2 pi freq_hz t) [N] at one channel, before k contacts.
+
+    q'' + 2 zeta omega q' + omega^2 q = rows_d^T F cos + load + N^T lam,  gap = clearance + N q + S lam + lam/stiffness.
+
+    `patch` names body, contacts, constant load and where runs start; its friction is not used. A contact whose own S
+    and 1/`stiffness` [N/m] are zero is rigid and hits with Newton's `restitution`; at 0 it stays closed until its force
+    is zero. `shown` are the channels whose amplitude is given, all by default. Raises InputError.
+
+    >>> from contact.model.bodies.modal_body import ModalBody
+    >>> mass = ModalBody(omega=[1.0], zeta=[0.025], channels=("x",), rows=[[-1.0]], S=[[0.0]])
+    >>> driven = DrivenBody(patch=Patch(body=mass, normal=("x",), clearance=0.1), channel="x", amplitude=0.02,
+    ...                     stiffness=100.0)
+    >>> driven.over("freq_hz", freq_hz=0.2).name
+    'freq_hz'
+    """
+
+    patch: Patch
+    channel: str
+    amplitude: float
+    stiffness: ArrayLike = math.inf
+    restitution: ArrayLike = 0.0
+    shown: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        k, body = self.patch.contacts, self.patch.body
+        require_not_negative(amplitude=self.amplitude)
+        for name in (self.channel, *self.shown):
+            body.channel(name)
+        stiffness = readonly(np.broadcast_to(np.asarray(self.stiffness, float), (k,)))
+        restitution = readonly(np.broadcast_to(np.asarray(self.restitution, float), (k,)))
+        if not np.all(stiffness > 0.0):
+            raise InputError(f"stiffness: found {stiffness.min():g} N/m, expected > 0 (left out or inf: rigid)")
+        if not np.all((restitution >= 0.0) & (restitution <= 1.0)):
+            raise InputError(f"restitution: found {restitution.tolist()}, expected 0 to 1")
+        object.__setattr__(self, "stiffness", stiffness)
+        object.__setattr__(self, "restitution", restitution)
+        object.__setattr__(self, "shown", self.shown or tuple(dict.fromkeys(body.channels)))
+        S = self.compliance()
+        soft = np.flatnonzero(np.diag(S) > 0.0)
+        if soft.size < k and np.abs(S[np.diag(S) == 0.0]).max() > 0.0:
+            raise InputError("S: found a contact without compliance coupled to others, expected a matrix >= 0")
+        if soft.size and not np.linalg.eigvalsh(S[np.ix_(soft, soft)])[0] > 1e-12 * np.diag(S).max():
+            raise InputError("S: found contacts whose compliances depend on each other, expected a stiffness for each")
+        rigid = self.patch.rows()[:: self.patch.dimensions][np.diag(S) == 0.0]
+        if np.linalg.matrix_rank(rigid) < len(rigid):
+            raise InputError("normal: found rigid contacts that are not independent, expected a stiffness for each")
+
+    def compliance(self) -> Array:
+        """Compliance of the contacts, (k, k) [m/N]: the body's S and the obstacles'."""
+        d = self.patch.dimensions
+        return np.asarray(self.patch.compliance()[::d, ::d] + np.diag(1.0 / np.asarray(self.stiffness)))
+
+    def over(self, name: Parameter, *, freq_hz: float, looks: int | None = None) -> ForcedFamily:
+        """Motions over one parameter, the others as they are; `freq_hz` where it does not vary, or about where it does.
+
+        `looks` is the number of times in a period at which gaps are looked at; events are located whatever it is.
+        """
+        require_positive(freq_hz=freq_hz)
+        if looks is not None:
+            require_count(8, looks=looks)
+        omega = self.patch.body.omega
+        scale = readonly(np.where(omega > 0.0, omega, 2.0 * math.pi * freq_hz))
+        plant = _plant(self, freq_hz, scale)
+        return ForcedFamily(body=self, name=name, freq_hz=freq_hz, plant=plant, scale=scale, looks=looks)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ForcedFamily:
+    """A driven body over its frequency [Hz], its force [N] or the clearance of all contacts [m]."""
+
+    body: DrivenBody
+    name: str
+    freq_hz: float
+    plant: Plant
+    scale: Array  # of the velocities [rad/s]
+    looks: int | None
+    phases: dict[Closed, Phase] = field(default_factory=dict)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Channels whose amplitude is given."""
+        return self.body.shown
+
+    def at(self, value: float) -> tuple[Motion, float]:
+        """Motion at a value of the parameter, and the period of the force [s]."""
+        body, freq_hz = self.body, self.freq_hz
+        if self.name == "freq_hz":
+            freq_hz = value
+        elif self.name == "amplitude":
+            body = replace(body, amplitude=value)
+        else:
+            body = replace(body, patch=replace(body.patch, clearance=value))
+        require_positive(freq_hz=freq_hz)
+        drive = _drive(body, self.scale, freq_hz)
+        return Motion(plant=self.plant, drive=drive, step=self._step(1.0 / freq_hz), phases=self.phases), 1.0 / freq_hz
+
+    @property
+    def begin(self) -> Array:
+        """State from which runs start: that of the patch."""
+        return self.state(np.asarray(self.body.patch.displacement), np.asarray(self.body.patch.velocity))
+
+    def state(self, displacement: ArrayLike, velocity: ArrayLike) -> Array:
+        """State of modal displacements and velocities, (2 m,)."""
+        return np.concatenate([np.asarray(displacement, float), np.asarray(velocity, float) / self.scale])
+
+    def _step(self, period: float) -> float:
+        if self.looks is not None:
+            return period / self.looks
+        return period / min(max(math.ceil(period * self.plant.rate / ANGLE), FEWEST), MOST)
+
+
+def _plant(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
+    """State (q, q'/scale), gaps, what is shown; rigid modes get a frequency too low to be felt."""
+    modes, d = body.patch.body, body.patch.dimensions
+    omega = np.where(modes.omega > 0.0, modes.omega, RIGID * 2.0 * math.pi * freq_hz)
+    zeta = np.where(modes.omega > 0.0, modes.zeta, 0.0)
+    N, S = body.patch.rows()[::d], body.compliance()
+    shown, met = [modes.channel(name) for name in body.shown], body.patch.channels()[::d]
+    held_back, slowed = np.diag(omega**2 / scale), np.diag(2.0 * zeta * omega)
+    A = np.block([[np.zeros_like(slowed), np.diag(scale)], [-held_back, -slowed]])
+    soft = np.diag(S) > 0.0
+    held = np.diag(omega**2) + (N[soft].T / np.diag(S)[soft]) @ N[soft]
+    D = modes.rows[shown]
+    return Plant(
+        A=A, B=np.vstack([np.zeros_like(N.T), N.T / scale[:, None]]), C=np.hstack([N, np.zeros_like(N)]), S=S,
+        D=np.hstack([D, np.zeros_like(D)]), E=modes.S[np.ix_(shown, met)],
+        restitution=np.asarray(body.restitution),
+        rate=max(math.sqrt(float(np.linalg.eigvalsh(held)[-1])), 2.0 * math.pi * freq_hz),
+    )  # fmt: skip
+
+
+def _drive(body: DrivenBody, scale: Array, freq_hz: float) -> Drive:
+    """A force F cos(w t) at a channel, which moves gaps and channels by the residual compliance too."""
+    modes, patch = body.patch.body, body.patch
+    at, none = modes.channel(body.channel), np.zeros(scale.size)
+    met, shown = patch.channels()[:: patch.dimensions], [modes.channel(name) for name in body.shown]
+
+    def periodic(rest: ArrayLike, wave: Array) -> Forcing:
+        return Forcing(np.array(rest, dtype=float), (body.amplitude * wave[:, None]).astype(complex))
+
+    return Drive(
+        w=2.0 * math.pi * freq_hz, harmonics=np.ones(1),
+        b=periodic(
+            np.concatenate([none, np.asarray(patch.load) / scale]), np.concatenate([none, modes.rows[at] / scale])
+        ),
+        c=periodic(patch.clearance, modes.S[met, at]), d=periodic(np.zeros(len(shown)), modes.S[shown, at]),
+    )  # fmt: skip

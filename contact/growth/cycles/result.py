@@ -1,0 +1,140 @@
+"""What a continuation found: branches of orbits, special points, as a table, JSON and npz."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+from contact.growth.cycles.shooting import Orbit
+from contact.io.npz import write_npz
+
+FORMAT = "casingfem-cycles-1"
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Special:
+    """A point where something changes: "fold", "flip", "Neimark-Sacker", "branch point" or "grazing".
+
+    `orbit` is the first orbit after the change, `before` the last one before it, 1e-5 of a step apart.
+    """
+
+    kind: str
+    orbit: Orbit
+    before: Orbit
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Branch:
+    """Orbits in the order of the branch, its special points, and why it ended inside the range, if it did."""
+
+    points: tuple[Orbit, ...]
+    specials: tuple[Special, ...]
+    end: str = ""
+
+    @property
+    def value(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """Parameter of each point."""
+        return np.array([point.value for point in self.points])
+
+    @property
+    def stable(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Which points are kept."""
+        return np.array([point.stable for point in self.points])
+
+    @property
+    def multiplier(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """Largest |Floquet multiplier| of each point."""
+        return np.array([point.multiplier for point in self.points])
+
+    def amplitude(self, channel: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """Amplitude of a channel over the points [m]."""
+        return np.array([point.amplitude[channel] for point in self.points])
+
+    def of(self, kind: str) -> tuple[Special, ...]:
+        """Special points of a kind."""
+        return tuple(special for special in self.specials if special.kind == kind)
+
+    @property
+    def stretches(self) -> tuple[tuple[bool, float, float], ...]:
+        """Stable or not, from which value to which, in the order of the branch."""
+        spans = [(kept, list(part)) for kept, part in groupby(self.points, key=lambda point: point.stable)]
+        return tuple((kept, part[0].value, part[-1].value) for kept, part in spans)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Cycles:
+    """Branches of periodic orbits over a parameter: the one that was followed first, then those that leave it."""
+
+    name: str
+    branches: tuple[Branch, ...]
+    seconds: float = 0.0
+
+    def __repr__(self) -> str:
+        lines = []
+        for number, part in enumerate(self.branches, 1):
+            first = part.points[0]
+            times = "" if first.periods == 1 else f", closing after {first.periods} periods"
+            lines.append(f"branch {number}: {len(part.points)} orbits over {self.name}{times}")
+            for kept, start, stop in part.stretches:
+                lines.append(f"  {'stable' if kept else 'UNSTABLE':8} {start:.8g} to {stop:.8g}")
+            for special in part.specials:
+                size = ", ".join(f"{name} {value:.6g} m" for name, value in special.orbit.amplitude.items())
+                lines.append(f"  {special.kind} at {special.orbit.value:.8g}: {size}")
+            if part.end:
+                lines.append(f"  ends at {part.points[-1].value:.8g}: {part.end}")
+        return "\n".join(lines)
+
+    def table(self) -> list[dict[str, object]]:
+        """One row for each point, branch by branch."""
+        return [
+            {"branch": number, self.name: point.value, "periods": point.periods,
+             **{f"amplitude_{name}": size for name, size in point.amplitude.items()},
+             "multiplier": point.multiplier, "stable": point.stable, "contacts": point.contacts,
+             "closings": sum(point.closings), "gap": float(point.gap.min(initial=np.inf)),
+             "force": float(point.force.max(initial=0.0))}
+            for number, part in enumerate(self.branches, 1)
+            for point in part.points
+        ]  # fmt: skip
+
+    def to_dict(self) -> dict[str, object]:
+        """The document of `casingfem cycles --json`: the first branch, then the others."""
+        main, *others = self.branches
+        return {
+            "parameter": self.name, **self._branch(main),
+            "branches": [{"periods": part.points[0].periods, **self._branch(part)} for part in others],
+            "seconds": self.seconds,
+        }  # fmt: skip
+
+    def _branch(self, part: Branch) -> dict[str, object]:
+        folds = [self._point(special.orbit) for special in part.of("fold")]
+        return {
+            "points": [self._point(point) for point in part.points], "folds": folds,
+            "events": [{"kind": special.kind, **self._point(special.orbit)} for special in part.specials],
+            "end": part.end,
+        }  # fmt: skip
+
+    def _point(self, point: Orbit) -> dict[str, object]:
+        return {
+            self.name: point.value, "amplitude": point.amplitude, "multiplier": point.multiplier,
+            "stable": point.stable, "contacts": point.contacts,
+        }  # fmt: skip
+
+    def save(self, path: str | Path) -> None:
+        """Write npz without pickle: states, multipliers, amplitudes of every point; branch by branch."""
+        points = [point for part in self.branches for point in part.points]
+        specials = [(number, special) for number, part in enumerate(self.branches, 1) for special in part.specials]
+        write_npz(Path(path), {
+            "format": FORMAT, "parameter": self.name, "channels": np.array(list(points[0].amplitude)),
+            "branch": np.array([n for n, part in enumerate(self.branches, 1) for _ in part.points]),
+            "value": np.array([p.value for p in points]), "period": np.array([p.period for p in points]),
+            "start": np.array([p.start for p in points]), "x": np.array([p.x for p in points]),
+            "multipliers": np.array([p.multipliers for p in points]),
+            "amplitude": np.array([list(p.amplitude.values()) for p in points]),
+            "gap": np.array([p.gap for p in points]), "force": np.array([p.force for p in points]),
+            "special": np.array([special.kind for _, special in specials], dtype=np.str_),
+            "special_branch": np.array([number for number, _ in specials], dtype=np.int64),
+            "special_value": np.array([special.orbit.value for _, special in specials]),
+        })  # fmt: skip

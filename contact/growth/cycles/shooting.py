@@ -1,0 +1,188 @@
+"""Periodic orbits by Newton's method on the map of one period, their Floquet multipliers and amplitudes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.base.arrays import Array, readonly, require_count, require_finite
+from contact.base.errors import NumericsError
+from contact.growth.cycles.driven import Family
+from contact.growth.cycles.passage import Motion, Passage, passage
+
+SETTLED = 1e-9  # of the state: change over a period of a run that has come to rest
+CLOSE = 1e-8  # of the state: Newton's last step; the error is of the order of its square
+SHORT = 1e-3  # of a period: less time without rigid contact is none
+NEWTON = 15
+HALVINGS = 5
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Orbit:
+    """A periodic motion: it begins at `start` of the forcing's period and closes after `periods` of them, `period` s.
+
+    `x` is its state there, `multipliers` (n,) the eigenvalues of the derivative of that map; `amplitude` max |u| [m] by
+    channel; `gap`, `force` (k,) the least gap [m] and the largest force [N] of each contact, `closings` (k,) how often
+    each closes in the period; `touching` tells the contacts that are closed at the start.
+    """
+
+    name: str
+    value: float
+    period: float
+    periods: int
+    start: float
+    x: Array
+    multipliers: NDArray[np.complex128]
+    amplitude: dict[str, float]
+    gap: Array
+    force: Array
+    closings: tuple[int, ...]
+    touching: tuple[int, ...]
+    M: Array
+    iterations: int
+
+    @property
+    def multiplier(self) -> float:
+        """Largest |Floquet multiplier|: above 1 the orbit is left."""
+        return float(np.abs(self.multipliers).max())
+
+    @property
+    def stable(self) -> bool:
+        """Whether motions beside the orbit come back to it."""
+        return self.multiplier < 1.0
+
+    @property
+    def contacts(self) -> int:
+        """Number of contacts that touch during the period."""
+        return sum(often > 0 or contact in self.touching for contact, often in enumerate(self.closings))
+
+    def __repr__(self) -> str:
+        size = ", ".join(f"{name} {value:.6g} m" for name, value in self.amplitude.items())
+        kept = "stable" if self.stable else "unstable"
+        times = "" if self.periods == 1 else f", closes after {self.periods} periods"
+        return f"orbit at {self.name} {self.value:.8g}{times}: {size}; {kept}, |multiplier| {self.multiplier:.6g}"
+
+
+class Map(NamedTuple):
+    """The map of an orbit's period at one value of the parameter."""
+
+    motion: Motion
+    start: float
+    period: float
+
+    def __call__(self, x: Array, *, tangent: bool = True) -> Passage:
+        """Follow x over one period."""
+        return passage(self.motion, x, self.start, self.period, tangent=tangent)
+
+
+def map_of(family: Family, value: float, start: float = 0.0, periods: int = 1) -> Map:
+    """The map at a value; `start` as a fraction of the forcing's period."""
+    motion, period = family.at(value)
+    return Map(motion, start * period, periods * period)
+
+
+def orbit(
+    family: Family, value: float, *, guess: Array | None = None, start: float | None = None, periods: int = 1,
+    settle: int = 200,
+) -> Orbit:  # fmt: skip
+    """The orbit at a value of the parameter, from a guess of its state at `start`, or from a run over `settle` periods.
+
+    Without a guess the orbit begins where no rigid contact is closed. Raises NumericsError where Newton's method finds
+    none: the motion may not be periodic after `periods`, or there is no orbit.
+    """
+    require_finite(value=value)
+    require_count(periods=periods)
+    if guess is None:
+        guess, start = settled(family, value, settle, periods)
+    start = start or 0.0
+    map_ = map_of(family, value, start, periods)
+    x, iterations = guess, 0
+    found = map_(x)
+    eye = np.eye(x.size)
+    while True:
+        assert found.M is not None
+        change = np.asarray(np.linalg.solve(found.M - eye, x - found.x))
+        iterations += 1
+        size = float(np.linalg.norm(change))
+        if size <= CLOSE * float(np.linalg.norm(x)) or size == 0.0:
+            return made(family, value, map_, periods, start, x + change, found, iterations)
+        if iterations > NEWTON:
+            raise NumericsError(
+                f"{family.name} = {value:.8g}: no orbit of {periods} periods after {NEWTON} Newton steps, the last "
+                f"{size / np.linalg.norm(x):.2g} of the state"
+            )
+        x, found = _nearer(map_, x, found, change)
+
+
+def _nearer(map_: Map, x: Array, found: Passage, change: Array) -> tuple[Array, Passage]:
+    """Newton's step, halved until the motion closes better than before, or as it is where none does."""
+    before, last = np.linalg.norm(found.x - x), None
+    for k in range(HALVINGS):
+        trial = x + 0.5**k * change
+        try:
+            after = map_(trial)
+        except NumericsError:
+            continue
+        if last is None:
+            last = trial, after
+        if np.linalg.norm(after.x - trial) < before:
+            return trial, after
+    if last is None:
+        raise NumericsError("no step of Newton's method leads to a motion that can be followed")
+    return last
+
+
+def settled(family: Family, value: float, most: int, periods: int = 1) -> tuple[Array, float]:
+    """State after a run of `most` periods, fewer if it settles, and its fraction of the forcing's period."""
+    motion, period = family.at(value)
+    x = family.begin
+    found = None
+    for _ in range(most):
+        found = passage(motion, x, 0.0, periods * period, tangent=False)
+        change = np.linalg.norm(found.x - x)
+        x = found.x
+        if change <= SETTLED * np.linalg.norm(x):
+            break
+    start = _free_time(found, motion, period) if found is not None else 0.0
+    if start > 0.0:
+        x = passage(motion, x, 0.0, start * period, tangent=False).x
+    return x, start
+
+
+def _free_time(found: Passage, motion: Motion, period: float) -> float:
+    """Middle of the longest time without a closed rigid contact, over the period; 0 where none is touched."""
+    events = [event for event in found.events if motion.plant.rigid[event.contact]]
+    if not events:
+        return 0.0
+    closed: set[int] = set()
+    last, longest, middle = 0.0, 0.0, 0.0
+    for time, event in [*((event.time, event) for event in events), (period, None)]:
+        if not closed and time - last > longest:
+            longest, middle = time - last, 0.5 * (last + time)
+        last = time
+        if event is not None and event.stays:
+            closed.add(event.contact)
+        elif event is not None:
+            closed.discard(event.contact)
+    if longest < SHORT * period:
+        raise NumericsError("some rigid contact is closed at all times: give the contacts a compliance")
+    return middle / period
+
+
+def made(
+    family: Family, value: float, map_: Map, periods: int, start: float, x: Array, found: Passage, iterations: int
+) -> Orbit:  # fmt: skip
+    """The orbit of a passage that closes."""
+    assert found.M is not None
+    closings = [0] * len(found.force)
+    for event in found.events:
+        closings[event.contact] += event.closes
+    return Orbit(
+        name=family.name, value=float(value), period=map_.period, periods=periods, start=start, x=readonly(x),
+        multipliers=np.linalg.eigvals(found.M).astype(complex), gap=readonly(found.gap), force=readonly(found.force),
+        amplitude={name: float(size) for name, size in zip(family.channels, found.amplitude, strict=True)},
+        closings=tuple(closings), touching=found.first, M=readonly(found.M), iterations=iterations,
+    )  # fmt: skip

@@ -1,0 +1,187 @@
+"""Linear motion that contacts switch: one linear system with periodic forcing for each set of closed contacts.
+
+x' = A x + b(t) + B lam,  gap = C x + c(t) + S lam,  0 <= gap, lam, complementary; b, c periodic, given by harmonics.
+Where S gives (residual compliance, an obstacle's stiffness), lam = -S^-1 (C x + c) on the closed contacts. Where a
+contact has none, C B = 0: it is rigid, hits with Newton's restitution, and while it stays closed lam is what keeps
+gap'' + (p + r) gap' + p r gap = 0, which a gap that is zero at the start fulfils by staying zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.base.arrays import Array
+from contact.base.errors import InputError, NumericsError
+
+if TYPE_CHECKING:
+    from contact.loop.phase import PhaseArrays
+
+Complex = NDArray[np.complex128]
+PULLS = (1.0, 1.7)  # p and r over the system's rate: two, so that the closed contact's poles stay apart
+DEFECT = 1e11  # condition of eigenvectors beyond which they are none
+
+
+class Forcing(NamedTuple):
+    """A vector that is periodic in time: rest (n,) + Re sum of wave (n, harmonics) e^{i h w t}."""
+
+    rest: Array
+    wave: Complex
+
+    def seen(self, rows: Array) -> Forcing:
+        """Rows times the vector."""
+        return Forcing(rows @ self.rest, rows @ self.wave)
+
+    def plus(self, other: Forcing) -> Forcing:
+        """Sum of both."""
+        return Forcing(self.rest + other.rest, self.wave + other.wave)
+
+    def at(self, angle: Array) -> Array:
+        """Value where the harmonics have these angles [rad], (n,)."""
+        return np.asarray(self.rest + (self.wave @ np.exp(1j * angle)).real)
+
+    def rate(self, w: Array) -> Forcing:
+        """Derivative in time, for harmonics at w [rad/s]."""
+        return Forcing(np.zeros_like(self.rest), 1j * w * self.wave)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Plant:
+    """What does not change along a branch: A (n, n), B (n, k), C (k, n), S (k, k), what is shown: D (o, n), E (o, k).
+
+    `rate` [rad/s] is a typical one, for closed rigid contacts; `restitution` (k,).
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    S: Array
+    D: Array
+    E: Array
+    restitution: Array
+    rate: float
+
+    @property
+    def rigid(self) -> NDArray[np.bool_]:
+        """Contacts without compliance of their own, (k,)."""
+        return np.asarray(np.diag(self.S) == 0.0)
+
+    @property
+    def impulse(self) -> Array:
+        """H = C A B: velocity of each gap for a unit impulse at each contact, (k, k)."""
+        return np.asarray(self.C @ self.A @ self.B)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Drive:
+    """What does change: the base frequency w [rad/s], the harmonics, forcing of x, of the gaps and of what is shown."""
+
+    w: float
+    harmonics: Array
+    b: Forcing
+    c: Forcing
+    d: Forcing
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Phase:
+    """One set of closed contacts: lam = K x + G (forcing), x' = A x + ..., and its eigenvectors, one of each pair."""
+
+    closed: tuple[int, ...]
+    K: Array  # (closed, n)
+    solve: Array  # (closed, closed)
+    A: Array
+    lam: Complex
+    V: Complex  # (n, half), pairs counted twice
+    U: Complex  # (half, n)
+    rows: Array  # (k + o, n): what is watched, of x
+
+    def flow(self, time: float, M: Array) -> Array:
+        """e^{A time} M."""
+        return np.asarray((self.V @ (np.exp(self.lam * time)[:, None] * (self.U @ M))).real)
+
+
+def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
+    """Matrices and eigenvectors; raises InputError for rigid contacts that are not independent."""
+    A, C = plant.A, plant.C
+    k, chosen = len(C), list(closed)
+    seen, L = C.copy(), plant.S[np.ix_(chosen, chosen)].copy()
+    for row, i in enumerate(chosen):
+        if plant.rigid[i]:
+            p, r = (pull * plant.rate for pull in PULLS)
+            velocity = C[i] @ A
+            seen[i] = velocity @ A + (p + r) * velocity + p * r * C[i]
+            L[row] = plant.impulse[i, chosen]
+    if chosen and not np.linalg.cond(L) < 1e12:
+        names = ", ".join(str(i + 1) for i in chosen)
+        raise InputError(f"contact: rigid contacts {names} are not independent, expected a compliance (S or stiffness)")
+    solve = np.asarray(np.linalg.inv(L))
+    K = -solve @ seen[chosen]
+    joined = A + plant.B[:, chosen] @ K
+    lam, V = np.linalg.eig(joined)
+    if not np.linalg.cond(V) < DEFECT:
+        raise NumericsError(f"contacts closed {closed}: found two modes that have become one, expected distinct ones")
+    upper = np.flatnonzero(lam.imag >= 0.0)
+    U = np.linalg.inv(V)[upper]
+    V = V[:, upper] * np.where(lam[upper].imag > 0.0, 2.0, 1.0)
+    rows = np.vstack([C + plant.S[:, chosen] @ K, plant.D + plant.E[:, chosen] @ K])
+    rows[chosen] = K
+    assert rows.shape[0] == k + len(plant.D)
+    return Phase(closed=closed, K=K, solve=solve, A=joined, lam=lam[upper], V=V, U=np.ascontiguousarray(U), rows=rows)
+
+
+class DrivenPhase(NamedTuple):
+    """A phase under a drive."""
+
+    phase: Phase
+    b: Forcing  # of x, the contacts' share included
+    watched: Forcing
+    X: Complex  # x of the forced vibration, (n, harmonics)
+    arrays: PhaseArrays
+
+
+def driven_phase(plant: Plant, phase: Phase, drive: Drive) -> DrivenPhase:
+    """Forced vibration of the phase and the arrays of the compiled passage; raises NumericsError at resonance."""
+    from contact.loop.phase import PhaseArrays
+
+    chosen, w = list(phase.closed), drive.w * drive.harmonics
+    gaps = _forcing_of_gaps(plant, drive, w, chosen)
+    force = gaps.seen(-phase.solve)
+    b = drive.b.plus(force.seen(plant.B[:, chosen]))
+    watched = Forcing(np.concatenate([drive.c.rest, drive.d.rest]), np.vstack([drive.c.wave, drive.d.wave]))
+    watched = watched.plus(force.seen(np.vstack([plant.S[:, chosen], plant.E[:, chosen]])))
+    watched.rest[chosen], watched.wave[chosen] = force.rest, force.wave
+    up = 1j * w - phase.lam[:, None]
+    down = -1j * w - phase.lam[:, None]
+    if min(np.abs(up).min(initial=1.0), np.abs(down).min(initial=1.0)) < 1e-12 * drive.w:
+        raise NumericsError("the drive is at the resonance of an undamped mode, expected damping or another frequency")
+    ahead, back = 0.5 * (phase.U @ b.wave) / up, 0.5 * (phase.U @ b.wave.conj()) / down
+    X = phase.V @ ahead + (phase.V @ back).conj()
+    beta, seen = phase.U @ b.rest, phase.rows @ phase.V
+    wave = watched.wave + phase.rows @ X
+    arrays = PhaseArrays(
+        lam=_parts(phase.lam), beta=_parts(beta), rows=_parts(seen), rest=watched.rest.copy(), wave=_parts(wave),
+        harmonic=w,
+    )  # fmt: skip
+    return DrivenPhase(phase, b, watched, X, arrays)
+
+
+def _forcing_of_gaps(plant: Plant, drive: Drive, w: Array, chosen: list[int]) -> Forcing:
+    """What stands for c(t) in the equation of each closed contact."""
+    rest, wave = drive.c.rest[chosen].copy(), drive.c.wave[chosen].copy()
+    p, r = (pull * plant.rate for pull in PULLS)
+    for row, i in enumerate(chosen):
+        if plant.rigid[i]:
+            c, of_b = Forcing(drive.c.rest[[i]], drive.c.wave[[i]]), drive.b.seen(plant.C[[i]])
+            velocity = c.rate(w).plus(of_b)
+            pull = drive.b.seen(plant.C[[i]] @ plant.A).plus(velocity.rate(w))
+            rest[row] = pull.rest[0] + (p + r) * velocity.rest[0] + p * r * c.rest[0]
+            wave[row] = pull.wave[0] + (p + r) * velocity.wave[0] + p * r * c.wave[0]
+    return Forcing(rest, wave)
+
+
+def _parts(values: Complex) -> Array:
+    return np.ascontiguousarray(np.stack([values.real, values.imag]))

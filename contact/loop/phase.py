@@ -1,0 +1,249 @@
+"""Compiled passage through one phase: contacts stay as they are, modes move exactly, until a gap or a force is zero.
+
+In eigenvectors of the phase y' = lam y + beta, so y(t + tau) = e^{lam tau} y + tau phi(lam tau) beta with
+phi(z) = (e^z - 1)/z. What is watched (gaps of open contacts, forces of closed ones, then outputs) is
+Re(rows y) + rest + Re(sum wave e^{i harmonic w t}), without approximation; the step only says where one looks.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from contact.base.arrays import Array
+from contact.jit.compiled import jit, jit_entry
+
+TINY = 1e-12  # of what a watched value is the sum of: below, it is zero
+STILL = 1e-9  # of what a slope is the sum of: a smaller one is none
+HALVINGS = 60
+NEWTON = 60
+
+
+class PhaseArrays(NamedTuple):
+    """Real parts at [0], imaginary ones at [1]."""
+
+    lam: Array  # (2, n)
+    beta: Array  # (2, n)
+    rows: Array  # (2, watched, n)
+    rest: Array  # (watched,)
+    wave: Array  # (2, watched, harmonics)
+    harmonic: Array  # (harmonics,) in rad/s
+
+
+class PhaseWork(NamedTuple):
+    """State and work space; `most` and `least` of what is watched, `at` the time reached."""
+
+    y: Array  # (2, n)
+    new: Array  # (2, n)
+    circle: Array  # (2, harmonics): cosine and sine
+    step: Array  # (2, n)
+    drift: Array  # (2, n)
+    now: Array  # (watched,)
+    last: Array  # (watched,)
+    before: Array  # (watched,)
+    most: Array  # (watched,)
+    least: Array  # (watched,)
+    at: Array  # (1,)
+
+
+@jit
+def flow(lam: Array, i: int, tau: float) -> tuple[float, float, float, float]:
+    """Real and imaginary part of e^{lam tau} and of tau phi(lam tau)."""
+    a, b = lam[0, i] * tau, lam[1, i] * tau
+    size = math.exp(a)
+    c, s = size * math.cos(b), size * math.sin(b)
+    square = a * a + b * b
+    if square > 1e-4:
+        return c, s, tau * ((c - 1.0) * a + s * b) / square, tau * (s * a - (c - 1.0) * b) / square
+    re, im = 1.0, 0.0
+    for k in range(7, 1, -1):  # 1 + z/2 (1 + z/3 (1 + ...))
+        re, im = 1.0 + (a * re - b * im) / k, (a * im + b * re) / k
+    return c, s, tau * re, tau * im
+
+
+@jit
+def wave_at(p: PhaseArrays, row: int, t: float) -> tuple[float, float]:
+    """Periodic part of a watched value and its slope."""
+    value, slope = p.rest[row], 0.0
+    for h in range(p.harmonic.size):
+        w = p.harmonic[h]
+        c, s = math.cos(w * t), math.sin(w * t)
+        value += p.wave[0, row, h] * c - p.wave[1, row, h] * s
+        slope -= w * (p.wave[0, row, h] * s + p.wave[1, row, h] * c)
+    return value, slope
+
+
+@jit
+def watched_at(p: PhaseArrays, y: Array, row: int, t: float, tau: float) -> tuple[float, float]:
+    """A watched value and its slope, `tau` after the state y of time t."""
+    value, slope = wave_at(p, row, t + tau)
+    for i in range(y.shape[1]):
+        c, s, u, v = flow(p.lam, i, tau)
+        a, b = y[0, i], y[1, i]
+        f, g = p.beta[0, i], p.beta[1, i]
+        re, im = c * a - s * b + u * f - v * g, c * b + s * a + u * g + v * f
+        value += p.rows[0, row, i] * re - p.rows[1, row, i] * im
+        up, across = p.lam[0, i] * re - p.lam[1, i] * im + f, p.lam[0, i] * im + p.lam[1, i] * re + g
+        slope += p.rows[0, row, i] * up - p.rows[1, row, i] * across
+    return value, slope
+
+
+@jit
+def root(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) -> float:
+    """Where the value, positive after `low`, is zero before `high`, where it is negative."""
+    first = low
+    low += 0.5 * (high - low)
+    for _ in range(HALVINGS):  # the value at the start may be the zero of the event that began the phase
+        value, _slope = watched_at(p, y, row, t, low)
+        if value > 0.0:
+            break
+        high = low
+        low = first + 0.5 * (low - first)
+    tau = high
+    for _ in range(NEWTON):
+        value, slope = watched_at(p, y, row, t, tau)
+        if value > 0.0:
+            low = tau
+        else:
+            high = tau
+        guess = tau - value / slope if slope != 0.0 else high
+        if not low < guess < high:
+            guess = 0.5 * (low + high)
+        if abs(guess - tau) <= 4e-16 * (abs(t) + abs(tau)) or value == 0.0:
+            return guess
+        tau = guess
+    return tau
+
+
+@jit
+def lowest(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) -> float:
+    """Where the slope of a value turns from negative at `low` to positive at `high`."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        _value, slope = watched_at(p, y, row, t, middle)
+        if slope < 0.0:
+            low = middle
+        else:
+            high = middle
+        if high - low <= 1e-15 * abs(t):
+            break
+    return 0.5 * (low + high)
+
+
+@jit
+def move_to(p: PhaseArrays, y: Array, tau: float) -> None:
+    """Advance the state by any time."""
+    for i in range(y.shape[1]):
+        c, s, u, v = flow(p.lam, i, tau)
+        a, b = y[0, i], y[1, i]
+        y[0, i] = c * a - s * b + u * p.beta[0, i] - v * p.beta[1, i]
+        y[1, i] = c * b + s * a + u * p.beta[1, i] + v * p.beta[0, i]
+
+
+@jit
+def begun(p: PhaseArrays, w: PhaseWork, contacts: int, t: float) -> int:
+    """Watched values at the start; the contact that is past its event there, or -1."""
+    found = -1
+    for row in range(w.now.size):
+        value, slope = watched_at(p, w.y, row, t, 0.0)
+        w.now[row], w.last[row], w.most[row], w.least[row] = value, value, value, value
+        if row < contacts:
+            size, speed = abs(p.rest[row]), 0.0
+            for i in range(w.y.shape[1]):
+                part = abs(p.rows[0, row, i] * w.y[0, i]) + abs(p.rows[1, row, i] * w.y[1, i])
+                size += part
+                speed += part * (abs(p.lam[0, i]) + abs(p.lam[1, i]))
+            for h in range(p.harmonic.size):
+                part = abs(p.wave[0, row, h]) + abs(p.wave[1, row, h])
+                size += part
+                speed += part * abs(p.harmonic[h])
+            if value <= TINY * size and slope < -STILL * speed:
+                found = row
+    return found
+
+
+@jit
+def look(p: PhaseArrays, w: PhaseWork, t: float) -> None:
+    """Watched values of the new state, time t."""
+    for h in range(p.harmonic.size):
+        w.circle[0, h], w.circle[1, h] = math.cos(p.harmonic[h] * t), math.sin(p.harmonic[h] * t)
+    for row in range(w.now.size):
+        total = p.rest[row]
+        for h in range(p.harmonic.size):
+            total += p.wave[0, row, h] * w.circle[0, h] - p.wave[1, row, h] * w.circle[1, h]
+        for i in range(w.y.shape[1]):
+            total += p.rows[0, row, i] * w.new[0, i] - p.rows[1, row, i] * w.new[1, i]
+        w.before[row], w.last[row], w.now[row] = w.last[row], w.now[row], total
+
+
+@jit
+def extremes(w: PhaseWork) -> None:
+    """The largest and the smallest of what is watched, through parabolas."""
+    for row in range(w.now.size):
+        before, last, now = w.before[row], w.last[row], w.now[row]
+        w.most[row], w.least[row] = max(w.most[row], now), min(w.least[row], now)
+        if (now - last) * (last - before) < 0.0:
+            top = last - (now - before) ** 2 / (8.0 * (now - 2.0 * last + before))
+            w.most[row], w.least[row] = max(w.most[row], top), min(w.least[row], top)
+
+
+@jit
+def end_values(p: PhaseArrays, w: PhaseWork, t: float, tau: float) -> None:
+    """What is watched at the event counts too."""
+    for row in range(w.now.size):
+        value, _slope = watched_at(p, w.y, row, t, tau)
+        w.most[row], w.least[row] = max(w.most[row], value), min(w.least[row], value)
+
+
+@jit
+def first_event(p: PhaseArrays, w: PhaseWork, contacts: int, t: float, h: float, started: bool) -> tuple[int, float]:
+    """The contact that comes first to zero up to t + h, and how long after t; or -1."""
+    found, when = -1, h
+    for row in range(contacts):
+        tau = math.inf
+        if w.now[row] < 0.0:
+            tau = root(p, w.y, row, t, 0.0, h)
+        if started and w.last[row] < w.before[row] and w.last[row] < w.now[row]:
+            bend = w.now[row] - 2.0 * w.last[row] + w.before[row]
+            if w.last[row] < 0.5 * (w.now[row] - w.before[row]) ** 2 / bend + 0.1 * bend:
+                bottom = lowest(p, w.y, row, t, -h, h)
+                value, _slope = watched_at(p, w.y, row, t, bottom)
+                if value < 0.0:
+                    tau = root(p, w.y, row, t, -h, bottom)
+        if tau < when or (tau <= when and found < 0):
+            found, when = row, tau
+    return found, when
+
+
+@jit_entry
+def pass_phase(p: PhaseArrays, w: PhaseWork, contacts: int, t: float, t_end: float, longest: float) -> int:
+    """Advance y to the first event or to `t_end` in equal steps; the contact of the event, or -1. Time into `at`."""
+    n = w.y.shape[1]
+    w.at[0] = t
+    found = begun(p, w, contacts, t)
+    if found >= 0:
+        return found
+    steps = max(math.ceil((t_end - t) / longest), 1)
+    h = (t_end - t) / steps
+    for i in range(n):
+        w.step[0, i], w.step[1, i], u, v = flow(p.lam, i, h)
+        w.drift[0, i] = u * p.beta[0, i] - v * p.beta[1, i]
+        w.drift[1, i] = u * p.beta[1, i] + v * p.beta[0, i]
+    for k in range(steps):
+        now = t + k * h
+        for i in range(n):
+            a, b = w.y[0, i], w.y[1, i]
+            w.new[0, i] = w.step[0, i] * a - w.step[1, i] * b + w.drift[0, i]
+            w.new[1, i] = w.step[0, i] * b + w.step[1, i] * a + w.drift[1, i]
+        look(p, w, now + h)
+        found, tau = first_event(p, w, contacts, now, h, k > 0)
+        if found >= 0:
+            end_values(p, w, now, tau)
+            move_to(p, w.y, tau)
+            w.at[0] = now + tau
+            return found
+        extremes(w)
+        for i in range(n):
+            w.y[0, i], w.y[1, i] = w.new[0, i], w.new[1, i]
+    w.at[0] = t_end
+    return -1

@@ -1,0 +1,81 @@
+"""Branches, folds and stability against published orbits and runs in time."""
+
+import math
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.growth.cycles.shooting import map_of
+from tests.contact.growth.cycles.bodies import mass_on_stop, rod
+
+pytestmark = pytest.mark.slow
+TURN = 2.0 * math.pi
+
+
+def crossings(branch, value):
+    """Points of a branch next to where it passes a value."""
+    at = branch.value
+    return [branch.points[k] for k in np.flatnonzero((at[:-1] - value) * (at[1:] - value) <= 0.0)]
+
+
+def test_the_rod_on_a_soft_obstacle_has_the_published_orbits_and_fold():
+    """E1, r = .4: Vadcard, Batailly, Thouverez, J. Sound Vib. 531 (2022) 116950."""
+    family = rod(0.4).over("freq_hz", freq_hz=10e3)
+    found = ct.growth.cycles.branch(family, (9500.0, 10600.0)).branches[0]
+    for omega, amplitude in ((60179.5, 1.0199e-4), (62708.1, 2.7032e-4), (63354.7, 3.3620e-4), (64594.8, 4.9436e-4)):
+        near = crossings(found, omega / TURN)[0]
+        orbit = ct.growth.cycles.orbit(family, omega / TURN, guess=near.x)
+        assert orbit.amplitude["x"] == pytest.approx(amplitude, rel=1e-4)
+        assert orbit.stable
+    upper, lower = found.of("fold")
+    assert TURN * upper.orbit.value == pytest.approx(64892.9, abs=0.06)
+    assert upper.orbit.multiplier == pytest.approx(1.0, abs=0.05)
+    assert TURN * lower.orbit.value == pytest.approx(63848.2, abs=1.0)
+    assert [kept for kept, _, _ in found.stretches] == [True, False, True]
+    assert [special.kind for special in found.specials] == ["grazing", "fold", "fold", "grazing"]
+
+
+def test_the_rod_on_a_stiff_obstacle_is_not_kept_over_a_stretch_that_runs_leave():
+    family = rod(4.0).over("freq_hz", freq_hz=10e3)
+    found = ct.growth.cycles.branch(family, (9500.0, 11300.0)).branches[0]
+    for omega, amplitude in ((61817.6, 2.0560e-4), (62718.4, 2.1736e-4), (63325.7, 2.2768e-4), (65774.4, 2.9874e-4),
+                             (68397.7, 3.8436e-4)):  # fmt: skip
+        near = crossings(found, omega / TURN)[0]
+        orbit = ct.growth.cycles.orbit(family, omega / TURN, guess=near.x)
+        assert orbit.amplitude["x"] == pytest.approx(amplitude, rel=1e-3)
+    start, stop = found.of("Neimark-Sacker")
+    assert (TURN * start.orbit.value / 62711.9764, TURN * stop.orbit.value / 62711.9764) == pytest.approx(
+        (1.0263, 1.0464), abs=1e-4
+    )
+    inside = [point for point in found.points if start.orbit.value < point.value < stop.orbit.value][3]
+    assert not inside.stable
+    period, rng = map_of(family, inside.value, inside.start), np.random.default_rng(5)
+    x = inside.x * (1.0 + 1e-6 * rng.standard_normal(inside.x.size))
+    away = []
+    for _ in range(300):
+        x = period(x, tangent=False).x
+        away.append(np.linalg.norm(x - inside.x))
+    assert away[-1] > 30.0 * away[0]
+    grown = np.polyfit(np.arange(100, 300), np.log(away[100:]), 1)[0]
+    assert math.exp(grown) == pytest.approx(inside.multiplier, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "expected"),
+    [(100.0, (0.11401, 0.13720, 0.17463, 0.23460, 0.29163)), (1e5, (0.10577, 0.12159, 0.14646, 0.18296, 0.21462))],
+)
+def test_a_mass_on_a_stop_has_its_published_orbits(stiffness, expected):
+    family = mass_on_stop(stiffness).over("freq_hz", freq_hz=0.2)
+    found = ct.growth.cycles.branch(family, (0.15, 0.26)).branches[0]
+    for omega, amplitude in zip((1.07511, 1.19425, 1.31283, 1.42899, 1.50085), expected, strict=True):
+        near = crossings(found, omega / TURN)[0]
+        orbit = ct.growth.cycles.orbit(family, omega / TURN, guess=near.x)
+        assert orbit.amplitude["x"] == pytest.approx(amplitude, rel=2e-3)
+    if stiffness == 100.0:
+        assert TURN * found.of("fold")[0].orbit.value == pytest.approx(1.5579, rel=3e-3)
+
+
+def test_a_range_of_nothing_is_refused():
+    with pytest.raises(ct.InputError, match="expected a range"):
+        ct.growth.cycles.branch(mass_on_stop(100.0).over("freq_hz", freq_hz=0.2), (0.2, 0.2))

@@ -1,0 +1,141 @@
+"""A period is followed exactly, whatever the looks, and so is its derivative."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import contact as ct
+from contact.growth.cycles.passage import passage, pressing
+from contact.growth.cycles.shooting import map_of
+from tests.contact.growth.cycles.bodies import mass_on_stop, random_body, rod
+
+pytestmark = pytest.mark.slow
+HZ = 1.3 / (2.0 * math.pi)
+
+
+@pytest.mark.parametrize(
+    ("seed", "given"),
+    [
+        (2, {"stiffness": 200.0}),
+        (1, {"compliance": 2e-3}),
+        (0, {}),
+        (9, {"restitution": 0.6}),
+        (6, {"restitution": 0.6}),  # with a series of hits that ends at rest
+    ],
+)
+def test_the_derivative_is_that_of_the_motion(seed, given):
+    family = random_body(seed, 3, **given).over("freq_hz", freq_hz=HZ)
+    found = ct.growth.cycles.orbit(family, HZ, settle=300)
+    assert sum(found.closings) > 1
+    step, x, period = 1e-7, np.asarray(found.x), map_of(family, HZ, found.start)
+    assert period(x).x == pytest.approx(x, abs=1e-12)
+    columns = [(period(x + step * e).x - period(x - step * e).x) / (2.0 * step) for e in np.eye(x.size)]
+    M = period(x).M
+    assert np.array(columns).T == pytest.approx(M, abs=1e-5 * np.abs(M).max())
+
+
+def test_the_orbit_is_the_same_whatever_the_looks():
+    driven = rod(4.0)
+    found = [
+        ct.growth.cycles.orbit(driven.over("freq_hz", freq_hz=10e3, looks=looks), 10e3) for looks in (300, 1200, 4800)
+    ]
+    for other in found[1:]:
+        assert other.x == pytest.approx(found[0].x, abs=1e-10 * np.abs(found[0].x).max())
+        assert other.multiplier == pytest.approx(found[0].multiplier, abs=1e-10)
+        assert other.amplitude["x"] == pytest.approx(found[0].amplitude["x"], rel=5e-6)
+
+
+def test_an_orbit_of_the_rod_is_what_an_integrator_of_its_own_follows():
+    driven = rod(4.0)
+    family, freq_hz = driven.over("freq_hz", freq_hz=10e3), 10e3
+    found = ct.growth.cycles.orbit(family, freq_hz)
+    body, k = driven.patch.body, float(driven.stiffness[0])
+    tip, m = body.rows[0], body.omega.size
+
+    def rate(t, state):
+        q, v = state[:m], state[m:]
+        force = driven.amplitude * math.cos(2.0 * math.pi * freq_hz * t) - k * max(tip @ q - 0.2e-3, 0.0)
+        return np.concatenate([v, -2.0 * body.zeta * body.omega * v - body.omega**2 * q + tip * force])
+
+    start = np.concatenate([found.x[:m], found.x[m:] * family.scale])
+    run = solve_ivp(rate, (0.0, found.period), start, method="DOP853", rtol=1e-11, atol=1e-14, dense_output=True)
+    size = np.abs(start).max(), np.abs(start[:m]).max()
+    assert run.y[:m, -1] == pytest.approx(start[:m], abs=1e-7 * size[1])
+    tips = tip @ run.sol(np.linspace(0.0, found.period, 20_001))[:m]
+    assert found.amplitude["x"] == pytest.approx(np.abs(tips).max(), rel=1e-5)
+    assert found.force[0] == pytest.approx(k * (tips.max() - 0.2e-3), rel=1e-4)
+
+
+def test_two_equal_stops_are_one_of_twice_the_stiffness():
+    one = mass_on_stop(100.0)
+    body = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "a", "b"), rows=[[1.0], [-1.0], [-1.0]],
+                        S=np.zeros((3, 3)))  # fmt: skip
+    patch = ct.Patch(body=body, normal=("a", "b"), clearance=0.1)
+    two = replace(one, patch=patch, stiffness=50.0)
+    freq_hz = 1.07511 / (2.0 * math.pi)
+    orbits = [ct.growth.cycles.orbit(driven.over("freq_hz", freq_hz=freq_hz), freq_hz) for driven in (one, two)]
+    assert orbits[1].x == pytest.approx(orbits[0].x, abs=1e-12)
+    assert orbits[1].multiplier == pytest.approx(orbits[0].multiplier, abs=1e-10)
+    assert orbits[1].closings == (1, 1)
+    assert orbits[1].contacts == 2
+    assert orbits[1].force == pytest.approx([0.5 * orbits[0].force[0]] * 2, rel=1e-9)
+
+
+def test_a_rigid_stop_without_rebound_holds_the_mass_until_it_is_pulled():
+    """Restitution 0: the mass stays while the force is above the spring's 0.1 N, and nothing of before is left."""
+    freq_hz = 0.05
+    family = mass_on_stop(amplitude=0.2).over("freq_hz", freq_hz=freq_hz)
+    found = ct.growth.cycles.orbit(family, freq_hz)
+    assert found.gap[0] == pytest.approx(0.0, abs=1e-12)
+    assert found.multiplier < 1e-10
+    motion, period = family.at(freq_hz)
+    events = passage(motion, np.asarray(found.x), found.start * period, period).events
+    stays = [event.time for event in events if event.stays]
+    leaves = [event.time for event in events if not event.closes]
+    assert leaves[-1] > stays[-1] + 0.1
+    assert 0.2 * math.cos(2.0 * math.pi * freq_hz * leaves[-1]) == pytest.approx(0.1, abs=1e-9)
+
+
+def test_forces_of_the_pivoting_press_or_vanish():
+    rng = np.random.default_rng(77)
+    for _ in range(50):
+        A = rng.standard_normal((6, 6))
+        W, g = A @ A.T + 0.1 * np.eye(6), rng.standard_normal(6)
+        lam = pressing(W, g)
+        gap = W @ lam + g
+        assert lam.min() >= 0.0
+        assert gap.min() >= -1e-9
+        assert abs(lam @ gap) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"stiffness": 0.0}, "stiffness: found 0 N/m"),
+        ({"restitution": 1.2}, "restitution: found"),
+        ({"channel": "y"}, "channel: found 'y'"),
+        ({"amplitude": -1.0}, "amplitude: found -1.0"),
+    ],
+)
+def test_bad_input_names_its_field(given, words):
+    with pytest.raises(ct.InputError, match=words):
+        replace(mass_on_stop(100.0), **given)
+
+
+def test_contacts_that_cannot_be_told_apart_are_refused():
+    body = ct.ModalBody(omega=[1.0], zeta=[0.02], channels=("a", "b"), rows=[[-1.0], [-1.0]], S=np.zeros((2, 2)))
+    patch = ct.Patch(body=body, normal=("a", "b"), clearance=0.1)
+    with pytest.raises(ct.InputError, match="not independent"):
+        ct.growth.cycles.DrivenBody(patch=patch, channel="a", amplitude=0.5)
+
+
+def test_an_undamped_mode_at_resonance_has_no_orbit():
+    body = ct.ModalBody(omega=[2.0 * math.pi], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]])
+    driven = ct.growth.cycles.DrivenBody(
+        patch=ct.Patch(body=body, normal=("x",), clearance=1.0), channel="x", amplitude=1.0, stiffness=1.0
+    )
+    with pytest.raises(ct.NumericsError, match="resonance"):
+        ct.growth.cycles.orbit(driven.over("freq_hz", freq_hz=1.0), 1.0)
