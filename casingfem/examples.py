@@ -35,7 +35,8 @@ class Example:
     def verb(self) -> str:
         """The command that runs it."""
         if "scene" in self.tables:
-            return "sweep" if "sweep" in self.tables else VERBS.get(self.tables["scene"]["kind"], "contact")
+            own = next((verb for key, verb in (("sweep", "sweep"), ("drive", "cycles")) if key in self.tables), None)
+            return own or VERBS.get(self.tables["scene"]["kind"], "contact")
         random = any("random" in part for part in self.tables.get("imperfection", ()))
         return next((verb for verb in ("rig", "update") if verb in self.tables), "mistune" if random else "modes")
 

@@ -42,13 +42,13 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_the_pages_have_an_example_for_each_use():
-    assert len(EXAMPLES) == 8
-    assert sum(len(PRINTS.findall(code)) for code in EXAMPLES) == 8
+    assert len(EXAMPLES) == 9
+    assert sum(len(PRINTS.findall(code)) for code in EXAMPLES) == 9
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "own", "rig", "parts", "rotation"]
+    "code", EXAMPLES, ids=["update", "plot", "contact", "pytest", "own", "cycles", "rig", "parts", "rotation"]
 )
 def test_examples_run_and_print_what_they_say(code, folder, capsys):
     names: dict[str, object] = {"__name__": "example"}

@@ -4,6 +4,7 @@ import click
 
 from casingfem.cli.contact import contact, interactions, rub, stability
 from casingfem.cli.correlate import correlate
+from casingfem.cli.cycles import cycles
 from casingfem.cli.doctor import doctor
 from casingfem.cli.example import example
 from casingfem.cli.explain import explain
@@ -47,6 +48,7 @@ for command in (
     rub,
     stability,
     interactions,
+    cycles,
     sweep,
     report,
     schema,

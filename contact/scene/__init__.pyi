@@ -1,8 +1,10 @@
+from .cycles import load_cycles
 from .load import SceneError, load_scene, scene_schema
 from .stability import load_interactions, load_stability
 
 __all__ = [
     "SceneError",
+    "load_cycles",
     "load_interactions",
     "load_scene",
     "load_stability",

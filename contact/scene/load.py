@@ -84,10 +84,11 @@ def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:
 
 
 def scene_schema() -> dict[str, Any]:
-    """JSON schema of every kind of scene files, by kind."""
+    """JSON schema of every kind of scene files, by kind; "cycles" is a patch as `casingfem cycles` takes it."""
+    from contact.scene.cycles import CyclesFile
     from contact.scene.tables import FILES
 
-    return {kind: model.model_json_schema() for kind, model in FILES.items()}
+    return {kind: model.model_json_schema() for kind, model in {**FILES, "cycles": CyclesFile}.items()}
 
 
 def _validated(data: dict[str, Any], file: Path) -> File:

@@ -53,6 +53,13 @@ class PatchBodyTable(Table):
         S = np.zeros((len(channels), len(channels))) if self.S is None else _matrix("S", self.S)
         return ModalBody(omega=omega, zeta=zeta, channels=channels, rows=_matrix("rows", self.rows or []), S=S)
 
+    def modal_load(self, body: ModalBody) -> Array:
+        """The load on the modes, (m,)."""
+        load = np.zeros(body.omega.size)
+        for channel, force in self.load.items():
+            load += force * body.rows[body.channel(channel)]
+        return load
+
 
 class PatchContact(Table):
     """[[contact]]: channels along normal and tangents, clearance [m], velocity of the ground along the tangents."""
@@ -103,15 +110,13 @@ class PatchFile(Table):
     def patch(self, folder: Path) -> Patch:
         """The scene; a basis file is found in `folder`. Raises InputError."""
         body, contacts, width = self.body.modes(folder), self.contact, len(self.contact[0].tangent)
-        load = np.zeros(body.omega.size)
-        for channel, force in self.body.load.items():
-            load += force * body.rows[body.channel(channel)]
         return Patch(
             body=body, normal=tuple(contact.normal for contact in contacts),
             tangent=tuple(tuple(contact.tangent) for contact in contacts) if width else (),
             clearance=[contact.clearance for contact in contacts],
             slide=[contact.slide or [0.0] * width for contact in contacts] if width else 0.0,
-            displacement=self.body.displacement, velocity=self.body.velocity, load=load,
+            displacement=self.body.displacement, velocity=self.body.velocity,
+            load=self.body.modal_load(body),
         )  # fmt: skip
 
 

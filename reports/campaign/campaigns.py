@@ -5,6 +5,7 @@ from dataclasses import dataclass
 STRUCTURE = ("casingfem/structure", "casingfem/modal")
 UFF = ("casingfem/experiment/uff",)
 RUBS = ("contact/model", "contact/scheme", "contact/loop", "contact/solver")
+CYCLES = ("contact/growth/cycles", "contact/loop/phase.py", "contact/model/bodies")
 UPDATING = ("casingfem/updating", "casingfem/modal", "casingfem/experiment/correlation")
 IDENTIFY = ("casingfem/experiment/identify", "casingfem/experiment/frf")
 RIG = (*IDENTIFY, "casingfem/experiment/rig", "casingfem/experiment/circle", "casingfem/updating")
@@ -57,6 +58,7 @@ CAMPAIGNS = (
     Campaign("contact.rod_wall", "a rod on a wall by every scheme", ("contact",)),
     Campaign("contact.work_precision", "error against time of every scheme", ("contact",)),
     Campaign("contact.stability", "stiffness and mass ratios to 1e10, a million steps at rest", ("contact",)),
+    Campaign("contact.cycles", "periodic motions before stops: published orbits, stability, times", CYCLES),
     Campaign("contact.sparse_body", "large sparse bodies as dense ones", ("contact",)),
     Campaign("contact.targets", "every target of contact", ("contact",)),
     Campaign("contact.physics", "friction and patches", ("contact",)),

@@ -43,7 +43,8 @@ def test_the_list_has_a_line_for_each():
     )
     commands = {"bench_casing": "rig", "mistuning": "mistune", "olson_lindberg": "update", "bolted_ring": "modes",
                 "pair": "stability", "two_rods": "contact", "two_rods_sweep": "sweep", "bladed_disk": "rub",
-                "interaction_map/map": "sweep", "beam_in_ring": "contact"}  # fmt: skip
+                "interaction_map/map": "sweep", "beam_in_ring": "contact",
+                "cycles/rod_on_obstacle": "cycles"}  # fmt: skip
     assert {name: listed[name]["command"] for name in commands} == commands
 
 

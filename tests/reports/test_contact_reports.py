@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from reports.contact import physics, rod_wall, rods, sparse_body, stability, work_precision
+from reports.contact import cycles, physics, rod_wall, rods, sparse_body, stability, work_precision
 from reports.contact.targets import rods as contact_targets_rods
 from reports.contact.targets import study
 from reports.contact.targets import table as contact_targets
@@ -80,6 +80,19 @@ def test_entries_give_what_bands_give(tmp_path, capsys):
         assert row["unaccounted"] < 1e-11
         assert row["factor fill"] < row["band fill"]
     assert len(pd.read_csv(tmp_path / "sparse_body.csv")) == 6
+
+
+def test_periodic_motions_are_the_published_ones_and_agree_with_runs(tmp_path, capsys):
+    rows = cycles.main(tmp_path, quick=True)
+    assert [row["verdict"] for row in rows[:-1]] == ["pass"] * 21
+    assert rows[-1]["failed"] == 0
+    assert rows[-1]["unstable by 2 %"] > 5
+    lost = pd.read_csv(tmp_path / "cycles_unstable.csv")
+    assert (lost["|multiplier|"] > 1.0).all()
+    assert lost["error"].abs().max() < 5e-3
+    spent = pd.read_csv(tmp_path / "cycles_times.csv")
+    assert (spent["ms"] < 3.0 * spent["allowed ms"]).all()  # on whatever machine
+    assert (tmp_path / "rod_4.png").stat().st_size > 10_000
 
 
 @pytest.mark.campaign

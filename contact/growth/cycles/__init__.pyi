@@ -1,5 +1,5 @@
-from .branch import branch
 from .driven import DrivenBody
+from .follow import follow
 from .result import Branch, Cycles, Special
 from .shooting import Orbit, orbit
 
@@ -9,6 +9,6 @@ __all__ = [
     "DrivenBody",
     "Orbit",
     "Special",
-    "branch",
+    "follow",
     "orbit",
 ]

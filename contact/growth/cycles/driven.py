@@ -24,7 +24,10 @@ Parameter = Literal["freq_hz", "amplitude", "clearance"]
 class Family(Protocol):
     """Periodically forced motions over one parameter."""
 
-    name: str
+    @property
+    def name(self) -> str:
+        """The parameter."""
+        ...
 
     def at(self, value: float) -> tuple[Motion, float]:
         """Motion at a value of the parameter, and the period of its forcing [s]."""

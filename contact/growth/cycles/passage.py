@@ -27,13 +27,17 @@ TOUCH = 1e-7  # of the velocities that add up to the gap's: a slower hit is the 
 
 
 class Event(NamedTuple):
-    """A contact closes or opens; `speed` [m/s] at which a rigid one is hit, `stays` closed or rebounds."""
+    """A contact closes or opens; `speed` [m/s] at which a rigid one is hit, `stays` closed or rebounds.
+
+    `rests`: it is the end of a series of ever smaller hits.
+    """
 
     time: float
     contact: int
     closes: bool
     stays: bool
     speed: float
+    rests: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -43,6 +47,7 @@ class Passage:
     Over the period: least gap and largest force of each contact (k,), `amplitude` max |u| of what is shown (o,).
     """
 
+    start: float
     x: Array
     M: Array | None
     events: tuple[Event, ...]
@@ -148,7 +153,14 @@ def passage(motion: Motion, x: Array, start: float, period: float, *, tangent: b
         if len(events) > EVENTS:
             raise NumericsError(f"found {EVENTS} openings and closings in {time - start:.4g} s: the contact chatters")
     return Passage(
-        x=x, M=M, events=tuple(events), gap=gap, force=force, amplitude=np.maximum(most, -least)[k:], first=first
+        start=start,
+        x=x,
+        M=M,
+        events=tuple(events),
+        gap=gap,
+        force=force,
+        amplitude=np.maximum(most, -least)[k:],
+        first=first,
     )
 
 
@@ -203,7 +215,7 @@ def _at_rest(
         M = M - np.linalg.pinv(plant.C[met]) @ (plant.C[met] @ M)
         M = M - away @ (plant.C[met] @ plant.A @ M)
     now = _kept(motion, after, closed, met, time)
-    return after, M, now, Event(time, hit, True, hit in now, 0.0)
+    return after, M, now, Event(time, hit, True, hit in now, 0.0, True)
 
 
 def _kept(motion: Motion, x: Array, closed: Closed, stays: list[int], time: float) -> Closed:

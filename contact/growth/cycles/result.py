@@ -99,6 +99,15 @@ class Cycles:
             for point in part.points
         ]  # fmt: skip
 
+    def marks(self) -> list[dict[str, object]]:
+        """One row for each special point: kind, branch, parameter and amplitudes."""
+        return [
+            {"kind": special.kind, "branch": number, self.name: special.orbit.value,
+             **{f"amplitude_{name}": size for name, size in special.orbit.amplitude.items()}}
+            for number, part in enumerate(self.branches, 1)
+            for special in part.specials
+        ]  # fmt: skip
+
     def to_dict(self) -> dict[str, object]:
         """The document of `casingfem cycles --json`: the first branch, then the others."""
         main, *others = self.branches

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +26,8 @@ class Orbit:
 
     `x` is its state there, `multipliers` (n,) the eigenvalues of the derivative of that map; `amplitude` max |u| [m] by
     channel; `gap`, `force` (k,) the least gap [m] and the largest force [N] of each contact, `closings` (k,) how often
-    each closes in the period; `touching` tells the contacts that are closed at the start.
+    each closes in the period, `rests` (k,) how often a series of ever smaller hits ends; `touching` tells the contacts
+    that are closed at the start.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Orbit:
     gap: Array
     force: Array
     closings: tuple[int, ...]
+    rests: tuple[int, ...]
     touching: tuple[int, ...]
     M: Array
     iterations: int
@@ -58,6 +60,14 @@ class Orbit:
     def contacts(self) -> int:
         """Number of contacts that touch during the period."""
         return sum(often > 0 or contact in self.touching for contact, often in enumerate(self.closings))
+
+    def twice(self) -> Orbit:
+        """The same motion as one of twice the period."""
+        return replace(
+            self, periods=2 * self.periods, period=2.0 * self.period, M=readonly(self.M @ self.M),
+            multipliers=self.multipliers**2, closings=tuple(2 * often for often in self.closings),
+            rests=tuple(2 * often for often in self.rests),
+        )  # fmt: skip
 
     def __repr__(self) -> str:
         size = ", ".join(f"{name} {value:.6g} m" for name, value in self.amplitude.items())
@@ -135,31 +145,35 @@ def _nearer(map_: Map, x: Array, found: Passage, change: Array) -> tuple[Array, 
     return last
 
 
-def settled(family: Family, value: float, most: int, periods: int = 1) -> tuple[Array, float]:
-    """State after a run of `most` periods, fewer if it settles, and its fraction of the forcing's period."""
+def settled(
+    family: Family, value: float, most: int, periods: int = 1, *, x: Array | None = None, at: float = 0.0
+) -> tuple[Array, float]:
+    """State after a run of `most` periods, fewer if it settles, and its fraction of the forcing's period.
+
+    The run begins at the family's start, or at a state x, `at` of the period. It ends where no rigid contact is closed.
+    """
     motion, period = family.at(value)
-    x = family.begin
-    found = None
+    x, found = family.begin if x is None else x, None
     for _ in range(most):
-        found = passage(motion, x, 0.0, periods * period, tangent=False)
+        found = passage(motion, x, at * period, periods * period, tangent=False)
         change = np.linalg.norm(found.x - x)
         x = found.x
         if change <= SETTLED * np.linalg.norm(x):
             break
-    start = _free_time(found, motion, period) if found is not None else 0.0
-    if start > 0.0:
-        x = passage(motion, x, 0.0, start * period, tangent=False).x
-    return x, start
+    free = _free_time(found, motion, periods * period) if found is not None else 0.0
+    if free > 0.0:
+        x = passage(motion, x, at * period, free, tangent=False).x
+    return x, (at + free / period) % 1.0
 
 
 def _free_time(found: Passage, motion: Motion, period: float) -> float:
-    """Middle of the longest time without a closed rigid contact, over the period; 0 where none is touched."""
+    """Time to the middle of the longest stretch without a closed rigid contact [s]; 0 where none is touched."""
     events = [event for event in found.events if motion.plant.rigid[event.contact]]
     if not events:
         return 0.0
     closed: set[int] = set()
-    last, longest, middle = 0.0, 0.0, 0.0
-    for time, event in [*((event.time, event) for event in events), (period, None)]:
+    last, longest, middle = found.start, 0.0, found.start
+    for time, event in [*((event.time, event) for event in events), (found.start + period, None)]:
         if not closed and time - last > longest:
             longest, middle = time - last, 0.5 * (last + time)
         last = time
@@ -169,7 +183,7 @@ def _free_time(found: Passage, motion: Motion, period: float) -> float:
             closed.discard(event.contact)
     if longest < SHORT * period:
         raise NumericsError("some rigid contact is closed at all times: give the contacts a compliance")
-    return middle / period
+    return middle - found.start
 
 
 def made(
@@ -177,12 +191,13 @@ def made(
 ) -> Orbit:  # fmt: skip
     """The orbit of a passage that closes."""
     assert found.M is not None
-    closings = [0] * len(found.force)
+    closings, rests = [0] * len(found.force), [0] * len(found.force)
     for event in found.events:
         closings[event.contact] += event.closes
+        rests[event.contact] += event.rests
     return Orbit(
         name=family.name, value=float(value), period=map_.period, periods=periods, start=start, x=readonly(x),
         multipliers=np.linalg.eigvals(found.M).astype(complex), gap=readonly(found.gap), force=readonly(found.force),
         amplitude={name: float(size) for name, size in zip(family.channels, found.amplitude, strict=True)},
-        closings=tuple(closings), touching=found.first, M=readonly(found.M), iterations=iterations,
+        closings=tuple(closings), rests=tuple(rests), touching=found.first, M=readonly(found.M), iterations=iterations,
     )  # fmt: skip

@@ -56,7 +56,7 @@ def test_the_bouncing_ball_flips_at_the_force_of_the_closed_form():
     family = ball(1.0, e).over("amplitude", freq_hz=w / (2.0 * math.pi))
     height, velocity, start, _ = ball_orbit(0.95 * expected, w, e)
     first = ct.growth.cycles.orbit(family, 0.95 * expected, guess=family.state([height], [velocity]), start=start)
-    found = ct.growth.cycles.branch(family, (0.95 * expected, 1.05 * expected), first=first).branches[0]
+    found = ct.growth.cycles.follow(family, (0.95 * expected, 1.05 * expected), first=first).branches[0]
     assert [special.kind for special in found.specials] == ["flip"]
     assert found.specials[0].orbit.value == pytest.approx(expected, rel=1e-6)
     assert found.points[0].stable
@@ -123,7 +123,7 @@ def test_shaw_and_holmes_oscillator_flips_where_its_closed_form_does():
 
     family = oscillator(e, zeta, d).over("freq_hz", freq_hz=0.4)
     first = ct.growth.cycles.orbit(family, 2.2 / (2.0 * math.pi), settle=600)
-    found = ct.growth.cycles.branch(family, (first.value, 2.9 / (2.0 * math.pi)), first=first).branches[0]
+    found = ct.growth.cycles.follow(family, (first.value, 2.9 / (2.0 * math.pi)), first=first).branches[0]
     flips = found.of("flip")
     w = 2.0 * math.pi * flips[0].orbit.value
     orbit = flips[0].orbit

@@ -10,7 +10,8 @@ from scipy.integrate import solve_ivp
 import contact as ct
 from contact.growth.cycles.passage import passage, pressing
 from contact.growth.cycles.shooting import map_of
-from tests.contact.growth.cycles.bodies import mass_on_stop, random_body, rod
+from reports.contact.cycles import mass_on_stop, rod
+from tests.contact.growth.cycles.bodies import random_body
 
 pytestmark = pytest.mark.slow
 HZ = 1.3 / (2.0 * math.pi)

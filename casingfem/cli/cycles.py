@@ -1,0 +1,53 @@
+"""The command cycles: periodic motions of a driven body before contacts, over frequency or force."""
+
+import csv
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from casingfem.cli.contact import SCENE
+from casingfem.cli.running import ProgressMessage, deliver, options
+from contact.io.outfiles import Content, json_text
+
+if TYPE_CHECKING:
+    from contact.growth.cycles.result import Cycles
+
+
+@click.command()
+@SCENE
+@options
+def cycles(file: Path, as_json: bool, out: Path | None) -> None:
+    """Periodic motions of SCENE over its [drive]: how large, kept or not, where they jump.
+
+    SCENE is a patch with [drive] in place of [scheme]. With --out DIR: cycles.csv, .npz, .json and .png.
+    """
+    from contact.scene.cycles import load_cycles
+
+    scene = load_cycles(file)
+    with ProgressMessage(f"cycles {file.name}") as working:
+
+        def progress(branch: int, value: float, points: int) -> None:
+            working.say(
+                f"cycles {file.name}: branch {branch}, {points} orbits, at {value:.6g}, {working.seconds:.0f} s"
+            )
+
+        found = scene.solve(progress)
+    document = found.to_dict()
+    deliver(document, repr(found), as_json=as_json, out=out, files={} if out is None else result_files(found))
+
+
+def result_files(found: "Cycles") -> dict[str, Content]:
+    """The table, the states, the document and the picture."""
+    from casingfem.plot.cycles import figure_cycles
+    from casingfem.plot.style import png
+
+    rows, text = found.table(), io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return {
+        "cycles.csv": text.getvalue(), "cycles.npz": found.save, "cycles.json": json_text(found.to_dict(), indent=1),
+        "cycles.png": png(figure_cycles(rows, found.marks())),
+    }  # fmt: skip

@@ -1,0 +1,123 @@
+"""All branches over a range: the one that runs settle on, those beyond its ends, those of doubled period."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from contact.base.arrays import require_count, require_finite, require_positive
+from contact.base.errors import InputError, NumericsError
+from contact.growth.cycles.branch import followed
+from contact.growth.cycles.course import Course, Tangent
+from contact.growth.cycles.driven import Family
+from contact.growth.cycles.result import Branch, Cycles, Special
+from contact.growth.cycles.shooting import Orbit, orbit, settled
+
+TRIES = 100  # values in the range at which a run looks for orbits beyond the end of a branch
+SETTLE = 200  # periods of such a run
+Progress = Callable[[int, float, int], None]
+
+
+def follow(
+    family: Family, between: tuple[float, float], *, first: Orbit | None = None, longest: float = 0.02,
+    most: int = 1000, doublings: int = 0, progress: Progress | None = None,
+) -> Cycles:  # fmt: skip
+    """Follow the orbits of a family from one value of its parameter to the other, and past folds until they leave both.
+
+    `first` is an orbit at the first value, by default the one a run settles on; `longest` the longest step, 1 being a
+    change of the state by its own size, or the range; `most` the number of orbits of a branch. Where a branch ends
+    inside the range (a rigid contact grazes), a run from its last stable orbit goes on, a hundredth of the range at a
+    time, until it settles on an orbit, which is followed as another branch. From each flip the branch of doubled
+    period is followed, to `doublings` doublings. `progress` is told branch, value, orbits. Raises InputError, and
+    NumericsError where no orbit is found.
+    """
+    require_finite(start=between[0], end=between[1])
+    require_positive(longest=longest)
+    require_count(2, most=most)
+    require_count(0, doublings=doublings)
+    if between[0] == between[1]:
+        raise InputError(f"{family.name}: found {between[0]:g} to {between[1]:g}, expected a range")
+    started = time.perf_counter()
+    found: list[Branch] = []
+
+    def go(course: Course, begin: Orbit, ahead: Tangent) -> Branch:
+        number = len(found) + 1
+
+        def told(value: float, points: int) -> None:
+            if progress is not None:
+                progress(number, value, points)
+
+        found.append(followed(course, begin, ahead, longest=longest, most=most, progress=told))
+        return found[-1]
+
+    _main(family, between, first, go)
+    for branch in list(found):
+        _doubled(family, between, branch, doublings, longest, go)
+    return Cycles(name=family.name, branches=tuple(found), seconds=time.perf_counter() - started)
+
+
+Go = Callable[[Course, Orbit, Tangent], Branch]
+
+
+def _main(family: Family, between: tuple[float, float], first: Orbit | None, go: Go) -> None:
+    """From the first value to the other end, by runs where a branch ends inside."""
+    begin, sense = first, float(np.sign(between[1] - between[0]))
+    if begin is None:
+        begin = orbit(family, between[0])
+    while begin is not None:
+        course = _course(family, between, begin)
+        found = go(course, begin, Tangent(np.zeros_like(begin.x), sense))
+        reached = max(found.points, key=lambda point: sense * point.value)
+        kept = [point for point in found.points if point.stable]
+        begin = None
+        if found.end and kept and sense * (between[1] - reached.value) > 0.0:
+            begin = _beyond(family, between, max(kept, key=lambda point: sense * point.value), reached.value)
+
+
+def _beyond(family: Family, between: tuple[float, float], kept: Orbit, reached: float) -> Orbit | None:
+    """The next orbit that a run from a kept one settles on, further along the range than what is reached."""
+    step = (between[1] - between[0]) / TRIES
+    value, x, start = reached + 0.1 * step, np.array(kept.x), kept.start
+    while abs(value - between[0]) < abs(between[1] - between[0]):
+        try:
+            x, start = settled(family, value, SETTLE, x=x, at=start)
+            return orbit(family, value, guess=x, start=start)
+        except NumericsError:
+            value += step
+    return None
+
+
+def _doubled(
+    family: Family, between: tuple[float, float], branch: Branch, doublings: int, longest: float, go: Go
+) -> None:
+    """Branches of doubled period from the flips of a branch, and from theirs."""
+    if doublings == 0:
+        return
+    for flip in branch.of("flip"):
+        course = _course(family, between, flip.orbit)
+        start = _beside(course, flip, longest)
+        if start is not None:
+            _doubled(family, between, go(course, *start), doublings - 1, longest, go)
+
+
+def _beside(course: Course, flip: Special, longest: float) -> tuple[Orbit, Tangent] | None:
+    """An orbit of doubled period beside a flip, and the way away from it; None where none is found."""
+    at = flip.orbit
+    values, vectors = np.linalg.eig(at.M)
+    across = vectors[:, int(np.argmin(np.abs(values + 1.0)))].real
+    along = course.unit(Tangent(across, 0.0), at.x)
+    double = at.twice()
+    for part in (0.5, 0.25, 1.0, 0.1):
+        try:
+            begin = course.next(double, along, part * longest)
+        except (NumericsError, np.linalg.LinAlgError):
+            continue
+        return begin, Tangent(begin.x - at.x, begin.value - at.value)
+    return None
+
+
+def _course(family: Family, between: tuple[float, float], begin: Orbit) -> Course:
+    size = 1e-3 * float(np.linalg.norm(begin.x)) or 1.0
+    return Course(family=family, low=min(between), high=max(between), size=size)

@@ -1,0 +1,139 @@
+"""Scene files for `casingfem cycles`: a modal body, its contacts, a harmonic force, and what is varied."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, FiniteFloat, ValidationError, model_validator
+
+from contact.base.errors import InputError
+from contact.growth.cycles.driven import DrivenBody, ForcedFamily, Parameter
+from contact.growth.cycles.follow import Progress, follow
+from contact.growth.cycles.result import Cycles
+from contact.model.bodies.patch import Patch
+from contact.scene.load import SceneError, problem_text, scene_data
+from contact.scene.patch import PatchBodyTable
+from contact.scene.scheme import Positive, Table, Unit
+
+
+class CyclesHead(Table):
+    """[scene] of periodic solutions: the kind alone, for nothing ends."""
+
+    kind: Literal["patch"]
+
+
+class CyclesContact(Table):
+    """[[contact]]: channel along the normal, clearance [m], stiffness of the obstacle [N/m], or rigid with rebound."""
+
+    normal: str
+    clearance: FiniteFloat = 0.0
+    stiffness: Positive | None = None
+    restitution: Unit = 0.0
+
+
+class DriveTable(Table):
+    """[drive]: force amplitude [N] cos at a channel; over from_hz .. to_hz, or freq_hz and from_n .. to_n of force."""
+
+    channel: str
+    amplitude: Positive | None = None
+    freq_hz: Positive | None = None
+    from_hz: Positive | None = None
+    to_hz: Positive | None = None
+    from_n: Positive | None = None
+    to_n: Positive | None = None
+
+    @model_validator(mode="after")
+    def _one_range(self) -> DriveTable:
+        given = {name for name in self.model_fields_set if getattr(self, name) is not None} - {"channel"}
+        if given not in ({"amplitude", "from_hz", "to_hz"}, {"freq_hz", "from_n", "to_n"}):
+            found = ", ".join(sorted(given)) or "nothing"
+            raise ValueError(f"{found} found, expected amplitude, from_hz and to_hz, or freq_hz, from_n and to_n")
+        if self.from_hz == self.to_hz and self.from_n == self.to_n:
+            raise ValueError("a range without length found, expected two different ends")
+        return self
+
+    @property
+    def parameter(self) -> Parameter:
+        """What is varied."""
+        return "freq_hz" if self.from_hz is not None else "amplitude"
+
+    @property
+    def between(self) -> tuple[float, float]:
+        """From where to where."""
+        start, stop = (self.from_hz, self.to_hz) if self.from_hz is not None else (self.from_n, self.to_n)
+        return start or 0.0, stop or 0.0  # the table has one of both ranges
+
+
+class ContinuationTable(Table):
+    """[continuation]: longest step, most points, looks at gaps in a period, doublings followed, channels shown."""
+
+    longest_step: Annotated[FiniteFloat, Field(gt=0, le=1)] = 0.02
+    most_points: Annotated[int, Field(ge=2)] = 1000
+    looks: Annotated[int, Field(ge=8)] | None = None
+    doublings: Annotated[int, Field(ge=0)] = 0
+    channels: list[str] = Field(default_factory=list)
+
+
+class CyclesFile(Table):
+    """A modal body under a harmonic force before contacts."""
+
+    scene: CyclesHead
+    body: PatchBodyTable
+    contact: Annotated[list[CyclesContact], Field(min_length=1)]
+    drive: DriveTable
+    continuation: ContinuationTable = Field(default_factory=ContinuationTable)
+
+    def driven(self, folder: Path) -> DrivenBody:
+        """The body and its force; a basis file is found in `folder`. Raises InputError."""
+        body, contacts, drive = self.body.modes(folder), self.contact, self.drive
+        patch = Patch(
+            body=body, normal=tuple(contact.normal for contact in contacts),
+            clearance=[contact.clearance for contact in contacts], displacement=self.body.displacement,
+            velocity=self.body.velocity, load=self.body.modal_load(body),
+        )  # fmt: skip
+        return DrivenBody(
+            patch=patch, channel=drive.channel, amplitude=drive.amplitude or drive.between[0],
+            stiffness=[contact.stiffness or math.inf for contact in contacts],
+            restitution=[contact.restitution for contact in contacts], shown=tuple(self.continuation.channels),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class CyclesScene:
+    """What is followed, from where to where, and how."""
+
+    family: ForcedFamily
+    between: tuple[float, float]
+    how: ContinuationTable
+
+    def solve(self, progress: Progress | None = None) -> Cycles:
+        """The branches."""
+        how = self.how
+        return follow(
+            self.family, self.between, longest=how.longest_step, most=how.most_points, doublings=how.doublings,
+            progress=progress,
+        )  # fmt: skip
+
+
+def load_cycles(path: str | Path) -> CyclesScene:
+    """Read a scene of kind "patch" with [drive].
+
+    Raises SceneError, which lists every problem with file, key, what was found and what is expected.
+    """
+    file = Path(path)
+    data, _ = scene_data(file)
+    try:
+        table = CyclesFile.model_validate(data)
+    except ValidationError as error:
+        raise SceneError([problem_text(file, detail) for detail in error.errors()]) from error
+    drive = table.drive
+    try:
+        driven = table.driven(file.parent)
+        about = drive.freq_hz or 0.5 * sum(drive.between)
+        family = driven.over(drive.parameter, freq_hz=about, looks=table.continuation.looks)
+    except InputError as error:
+        raise SceneError([f"{file}: {error}"]) from error
+    return CyclesScene(family=family, between=drive.between, how=table.continuation)

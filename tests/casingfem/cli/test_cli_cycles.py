@@ -1,0 +1,62 @@
+"""The command cycles: its document, its files, its exit codes."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from casingfem.cli import main
+from casingfem.plot.cycles import figure_cycles
+from tests.contact.scene.test_scene_cycles import TEXT, written
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.mark.slow
+def test_cycles_gives_points_folds_and_files(tmp_path):
+    file = written(tmp_path, TEXT.replace("to_hz = 0.2", "to_hz = 0.26"))
+    result = invoke("cycles", file, "--json", "--out", tmp_path / "out")
+    assert result.exit_code == 0
+    document = json.loads(result.stdout)
+    assert set(document) == {
+        "parameter", "points", "folds", "events", "end", "branches", "seconds", "warnings"
+    }  # fmt: skip
+    assert set(document["points"][0]) == {"freq_hz", "amplitude", "multiplier", "stable", "contacts"}
+    assert 2.0 * np.pi * document["folds"][0]["freq_hz"] == pytest.approx(1.5579, rel=3e-3)
+    assert document["points"][0]["freq_hz"] == 0.15
+    assert document["points"][-1]["freq_hz"] == 0.26
+    with (tmp_path / "out" / "cycles.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == len(document["points"])
+    assert float(rows[7]["amplitude_x"]) == document["points"][7]["amplitude"]["x"]
+    arrays = np.load(tmp_path / "out" / "cycles.npz")
+    assert arrays["x"].shape == (len(rows), 2)
+    assert np.abs(arrays["multipliers"][7]).max() == document["points"][7]["multiplier"]
+    assert "fold" in arrays["special"]
+    assert (tmp_path / "out" / "cycles.png").stat().st_size > 10_000
+    said = invoke("cycles", file).stdout
+    assert "fold at 0.24" in said
+    assert "UNSTABLE" in said
+
+
+def test_bad_input_ends_with_2_and_writes_nothing(tmp_path):
+    file = written(tmp_path, TEXT.replace("amplitude = 0.02\n", ""))
+    result = invoke("cycles", file, "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "drive: from_hz, to_hz found" in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_stable_orbits_are_full_lines_and_the_others_dashed():
+    rows = [{"branch": 1, "freq_hz": f, "amplitude_x": a, "stable": kept}
+            for f, a, kept in ((1.0, 1.0, True), (2.0, 2.0, True), (1.5, 3.0, False), (1.2, 4.0, False))]  # fmt: skip
+    marks = [{"kind": "fold", "branch": 1, "freq_hz": 2.0, "amplitude_x": 2.0}]
+    lines = figure_cycles(rows, marks).axes[0].get_lines()
+    assert [(line.get_linestyle(), line.get_xdata().tolist()) for line in lines[:2]] == [
+        ("-", [1.0, 2.0, 1.5]), ("--", [1.5, 1.2])
+    ]  # fmt: skip
+    assert lines[2].get_marker() == "s"
