@@ -1,4 +1,4 @@
-"""The command cycles: periodic motions of a driven body before contacts, over frequency or force."""
+"""The command cycles: periodic motions of a driven body before contacts, or of a rub, over frequency, force, speed."""
 
 import csv
 import io
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 @SCENE
 @options
 def cycles(file: Path, as_json: bool, out: Path | None) -> None:
-    """Periodic motions of SCENE over its [drive]: how large, kept or not, where they jump.
+    """Periodic motions of SCENE over frequency, force or speed: how large, kept or not, where they jump.
 
-    SCENE is a patch with [drive] in place of [scheme]. With --out DIR: cycles.csv, .npz, .json and .png.
+    SCENE is a patch with [drive] in place of [scheme], or a rim with a range of speed. With --out DIR: cycles.csv, .npz, .json and .png.
     """
     from contact.scene.cycles import load_cycles
 

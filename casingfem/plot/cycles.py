@@ -10,7 +10,12 @@ from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE
 
 COLOURS = (BEFORE, AFTER, GREEN, PURPLE, SKY)
 MARKS = {"fold": "s", "flip": "D", "Neimark-Sacker": "o", "branch point": "P", "grazing": "|"}
-LABELS = {"freq_hz": "frequency [Hz]", "amplitude": "force [N]", "clearance": "clearance [m]"}
+LABELS = {
+    "speed_hz": "speed [turns/s]",
+    "freq_hz": "frequency [Hz]",
+    "amplitude": "force [N]",
+    "clearance": "clearance [m]",
+}
 
 
 @styled

@@ -1,11 +1,11 @@
-"""Scene files for `casingfem cycles`: a modal body, its contacts, a harmonic force, and what is varied."""
+"""Scene files for `casingfem cycles`: a modal body and a harmonic force, or a rim and its blade; what is varied."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
@@ -13,10 +13,13 @@ from contact.base.errors import InputError
 from contact.growth.cycles.driven import DrivenBody, ForcedFamily, Parameter
 from contact.growth.cycles.follow import Progress, follow
 from contact.growth.cycles.result import Cycles
+from contact.growth.cycles.rubbing import RimFamily
 from contact.model.bodies.patch import Patch
-from contact.scene.load import SceneError, problem_text, scene_data
+from contact.model.gaps.gap import RotatingRim
+from contact.scene.load import SceneError, problem_text, scene_data, scene_of
 from contact.scene.patch import PatchBodyTable
 from contact.scene.scheme import Positive, Table, Unit
+from contact.scene.tables import BladeTable, CasingTable, RimContact
 
 
 class CyclesHead(Table):
@@ -101,11 +104,41 @@ class CyclesFile(Table):
         )  # fmt: skip
 
 
+class SpeedRange(Table):
+    """[speed] of a rim: from where to where [Hz]."""
+
+    from_hz: FiniteFloat
+    to_hz: FiniteFloat
+
+    @model_validator(mode="after")
+    def _one_sense(self) -> SpeedRange:
+        if not self.from_hz * self.to_hz > 0.0 or self.from_hz == self.to_hz:
+            raise ValueError(f"{self.from_hz:g} to {self.to_hz:g} found, expected two different speeds of one sense")
+        return self
+
+
+class RimCyclesHead(Table):
+    """[scene] of a rim: the kind alone."""
+
+    kind: Literal["rim"]
+
+
+class RimCyclesFile(Table):
+    """A turning rim against its blade, over speed."""
+
+    scene: RimCyclesHead
+    casing: CasingTable
+    blade: BladeTable
+    contact: RimContact
+    speed: SpeedRange
+    continuation: ContinuationTable = Field(default_factory=ContinuationTable)
+
+
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class CyclesScene:
     """What is followed, from where to where, and how."""
 
-    family: ForcedFamily
+    family: ForcedFamily | RimFamily
     between: tuple[float, float]
     how: ContinuationTable
 
@@ -119,21 +152,44 @@ class CyclesScene:
 
 
 def load_cycles(path: str | Path) -> CyclesScene:
-    """Read a scene of kind "patch" with [drive].
+    """Read a scene of kind "patch" with [drive], or of kind "rim" with a range of speed.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
     """
     file = Path(path)
     data, _ = scene_data(file)
+    head = data.get("scene")
+    rim = isinstance(head, dict) and head.get("kind") == "rim"
     try:
-        table = CyclesFile.model_validate(data)
+        return _rim(data, file) if rim else _driven(CyclesFile.model_validate(data), file)
     except ValidationError as error:
         raise SceneError([problem_text(file, detail) for detail in error.errors()]) from error
-    drive = table.drive
-    try:
-        driven = table.driven(file.parent)
-        about = drive.freq_hz or 0.5 * sum(drive.between)
-        family = driven.over(drive.parameter, freq_hz=about, looks=table.continuation.looks)
+    except SceneError:
+        raise
     except InputError as error:
         raise SceneError([f"{file}: {error}"]) from error
+
+
+def _driven(table: CyclesFile, file: Path) -> CyclesScene:
+    drive = table.drive
+    about = drive.freq_hz or 0.5 * sum(drive.between)
+    family = table.driven(file.parent).over(drive.parameter, freq_hz=about, looks=table.continuation.looks)
     return CyclesScene(family=family, between=drive.between, how=table.continuation)
+
+
+def _rim(data: dict[str, Any], file: Path) -> CyclesScene:
+    """The bodies as a run has them, without its time."""
+    table = RimCyclesFile.model_validate(data)
+    if table.continuation.channels:
+        raise InputError("continuation.channels: found with a rim, which shows casing, span and flap")
+    between, how = (table.speed.from_hz, table.speed.to_hz), table.continuation
+    still = {key: data[key] for key in ("scene", "casing", "blade", "contact")}
+    run = scene_of(
+        {**still, "scene": {**still["scene"], "t_end": 1.0}, "speed": {"hz": between[0]},
+         "scheme": {"kind": "exact-modal", "dt": 1.0}}, file,
+    )  # fmt: skip
+    rim = run.what
+    assert isinstance(rim, RotatingRim)
+    return CyclesScene(
+        family=RimFamily(rim=rim, mu=run.law.mu if run.law else 0.0, looks=how.looks), between=between, how=how
+    )

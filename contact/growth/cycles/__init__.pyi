@@ -1,6 +1,7 @@
 from .driven import DrivenBody
 from .follow import follow
 from .result import Branch, Cycles, Special
+from .rubbing import RimFamily
 from .shooting import Orbit, orbit
 
 __all__ = [
@@ -8,6 +9,7 @@ __all__ = [
     "Cycles",
     "DrivenBody",
     "Orbit",
+    "RimFamily",
     "Special",
     "follow",
     "orbit",

@@ -139,8 +139,9 @@ class ForcedFamily:
         else:
             body = replace(body, patch=replace(body.patch, clearance=value))
         require_positive(freq_hz=freq_hz)
-        drive = _drive(body, self.scale, freq_hz)
-        return Motion(plant=self.plant, drive=drive, step=self._step(1.0 / freq_hz), phases=self.phases), 1.0 / freq_hz
+        period, drive = 1.0 / freq_hz, _drive(body, self.scale, freq_hz)
+        step = looks_of(period, self.plant.rate, self.looks)
+        return Motion(plant=self.plant, drive=drive, step=step, phases=self.phases), period
 
     @property
     def begin(self) -> Array:
@@ -151,10 +152,10 @@ class ForcedFamily:
         """State of modal displacements and velocities, (2 m,)."""
         return np.concatenate([np.asarray(displacement, float), np.asarray(velocity, float) / self.scale])
 
-    def _step(self, period: float) -> float:
-        if self.looks is not None:
-            return period / self.looks
-        return period / min(max(math.ceil(period * self.plant.rate / ANGLE), FEWEST), MOST)
+
+def looks_of(period: float, rate: float, looks: int | None) -> float:
+    """Step between looks at the gaps [s]: as many as wanted, or by the fastest vibration."""
+    return period / (looks or min(max(math.ceil(period * rate / ANGLE), FEWEST), MOST))
 
 
 def _plant(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:

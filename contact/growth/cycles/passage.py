@@ -146,22 +146,20 @@ def passage(motion: Motion, x: Array, start: float, period: float, *, tangent: b
         force = np.where(shut, np.maximum(force, work.most[:k]), force)
         gap = np.where(shut, np.minimum(gap, 0.0), np.minimum(gap, work.least[:k]))
         most, least = np.maximum(most, work.most), np.minimum(least, work.least)
+        for contact, row in plant.slips:
+            if shut[contact] and not work.least[k + row] > 0.0:
+                raise NumericsError(f"the slip of contact {contact + 1} turns before {time:.6g} s: it would stick")
         if hit < 0:
             break
         x, M, closed, event = _switched(motion, x, M, closed, hit, time)
         events.append(event)
         if len(events) > EVENTS:
             raise NumericsError(f"found {EVENTS} openings and closings in {time - start:.4g} s: the contact chatters")
+    shown = slice(k, k + len(plant.D) - plant.hidden)
     return Passage(
-        start=start,
-        x=x,
-        M=M,
-        events=tuple(events),
-        gap=gap,
-        force=force,
-        amplitude=np.maximum(most, -least)[k:],
-        first=first,
-    )
+        start=start, x=x, M=M, events=tuple(events), gap=gap, force=force,
+        amplitude=np.maximum(most, -least)[shown], first=first,
+    )  # fmt: skip
 
 
 def _switched(

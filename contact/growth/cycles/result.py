@@ -12,6 +12,7 @@ from contact.growth.cycles.shooting import Orbit
 from contact.io.npz import write_npz
 
 FORMAT = "casingfem-cycles-1"
+FEW = 4  # grazing points that are told one by one
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -80,9 +81,14 @@ class Cycles:
             lines.append(f"branch {number}: {len(part.points)} orbits over {self.name}{times}")
             for kept, start, stop in part.stretches:
                 lines.append(f"  {'stable' if kept else 'UNSTABLE':8} {start:.8g} to {stop:.8g}")
+            grazings = len(part.of("grazing"))
             for special in part.specials:
+                if special.kind == "grazing" and grazings > FEW:
+                    continue
                 size = ", ".join(f"{name} {value:.6g} m" for name, value in special.orbit.amplitude.items())
                 lines.append(f"  {special.kind} at {special.orbit.value:.8g}: {size}")
+            if grazings > FEW:
+                lines.append(f"  {grazings} times a contact begins or ceases to close (grazing)")
             if part.end:
                 lines.append(f"  ends at {part.points[-1].value:.8g}: {part.end}")
         return "\n".join(lines)

@@ -14,6 +14,7 @@ from contact.growth.cycles.driven import Family
 from contact.growth.cycles.passage import Motion, Passage, passage
 
 SETTLED = 1e-9  # of the state: change over a period of a run that has come to rest
+HUGE = 1e30  # change over a period of a run that diverges
 CLOSE = 1e-8  # of the state: Newton's last step; the error is of the order of its square
 SHORT = 1e-3  # of a period: less time without rigid contact is none
 NEWTON = 15
@@ -158,6 +159,8 @@ def settled(
         found = passage(motion, x, at * period, periods * period, tangent=False)
         change = np.linalg.norm(found.x - x)
         x = found.x
+        if not change < HUGE:
+            raise NumericsError(f"{family.name} = {value:.8g}: a run grows without bound")
         if change <= SETTLED * np.linalg.norm(x):
             break
     free = _free_time(found, motion, periods * period) if found is not None else 0.0

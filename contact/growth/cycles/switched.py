@@ -52,7 +52,9 @@ class Forcing(NamedTuple):
 class Plant:
     """What does not change along a branch: A (n, n), B (n, k), C (k, n), S (k, k), what is shown: D (o, n), E (o, k).
 
-    `rate` [rad/s] is a typical one, for closed rigid contacts; `restitution` (k,).
+    `rate` [rad/s] is a typical one, for closed rigid contacts; `restitution` (k,). The last `hidden` of what is shown
+    are for this program alone: `slips` names contacts with the row of their slip, which has to stay positive while they
+    are closed, or friction would turn.
     """
 
     A: Array
@@ -63,6 +65,8 @@ class Plant:
     E: Array
     restitution: Array
     rate: float
+    slips: tuple[tuple[int, int], ...] = ()
+    hidden: int = 0
 
     @property
     def rigid(self) -> NDArray[np.bool_]:
