@@ -160,6 +160,6 @@ def provenance(study: Study, seconds: dict[str, float]) -> Section:
     base = provenance_section(study, seconds)
     words = (
         "Assumptions the source study does not state: friction above tan(lean); the blade's frequency, set by its "
-        "thickness; one contact point, acting through harmonics of the rim up to n = 40; sliding only; no wear.",
+        "thickness; one contact point, acting through harmonics of the rim up to n = 40; no wear.",
     )
     return replace(base, paragraphs=base.paragraphs + words)

@@ -41,7 +41,7 @@ RECORD = ct.Record(every=20, state_every=20)
 ASSUMED = """Assumed, because the study does not state it:
 - friction of .3 above tan(lean) = .176, the blade leaning into the motion;
 - the blade is tuned anew for each speed, by its thickness, near where a contact that stays closed grows fastest;
-- one contact point, sliding only, no wear: amplitudes of a millimetre are the model's;
+- one contact point, no wear: amplitudes of a millimetre are the model's;
 - the blade is advanced 50 um past its first touch at .5 and 1 Hz, 10 um at 5 Hz. With the defect it is shut for part
   of a turn only; n = 10 grows if it gains more there than it loses to damping while the contact is open;
 - no single advance gives all four rows: how much of a turn the blade is shut depends on the advance and hardly on the
