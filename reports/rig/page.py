@@ -121,7 +121,7 @@ def rub_section(rub: Rub, plan: RubPlan) -> Section:
         ("largest windowed force [N]", float(result.windowed_force()[:, 0].max())),
         ("largest raw force [N] (does not converge with the step)", float(result.peak_force[0])),
         ("complementarity residual [m]", float(result.residual[0])),
-        ("steps with reversed slip (sticking is not modelled)", int(result.reversals[0])),
+        ("steps in which the tip slipped against the rim's motion", int(result.reversals[0])),
         ("energy brought in by the rotation [J]", float(energy.rotation)),
         ("energy brought in by friction [J]", float(energy.friction)),
         ("energy unaccounted, relative", float(abs(energy.unaccounted) / max(energy.scale, 1e-300))),

@@ -168,6 +168,7 @@ def run(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str
         scene,
         law=ct.Coulomb(mu=plan.friction),
         scheme=ct.ExactModal(),
+        on_limit="flag",  # as the study, which lets the machined rim swing on
         t_end=plan.t_end,
         dt=plan.dt,
         record=ct.Record(every=5, state_every=20),
@@ -182,6 +183,7 @@ def scene_toml(scene: ct.RotatingRim, files: tuple[Path, Path], plan: RubPlan) -
     return f"""[scene]
 kind = "rim"
 t_end = {plan.t_end!r}
+on_limit = "flag"
 
 [casing]
 basis = "{files[0].name}"
