@@ -72,7 +72,8 @@ def _fed_words(energy: EnergyBudget) -> str:
     given = sorted(((value, part) for part, value in parts.items() if value > 0.0), reverse=True)
     if not given:
         return ""
-    text = "Energy came from " + ", ".join(f"{part} ({value:.3g} J)" for value, part in given[:3]) + "."
+    named = [f"{part} ({value:.3g} J)" for value, part in given if value > 0.01 * given[0][0]]
+    text = f"Energy came from {', '.join(named)}."
     if given[0][1] == "the contact law":
         text += " Contact only pushes overlapping bodies apart: if none do, reduce dt or take the forward law."
     return text

@@ -1,6 +1,6 @@
 """Commands on scene.toml: contact, rub, stability and interactions."""
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,8 +10,8 @@ from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fai
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
+    from contact import NumericsError, Result, Scene
     from contact.confirmed import Confirmed
-    from contact.record.wear import Wear
 
 STABILITY = (
     "These are poles of a contact that stays closed: the growth column of `casingfem interactions`, which adds which "
@@ -28,7 +28,10 @@ SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
 @SCENE
 @options
 def contact(file: Path, as_json: bool, out: Path | None) -> None:
-    """Run SCENE: rods, masses and walls, a rim against a blade, or a beam in a circle."""
+    """Run SCENE: rods, masses and walls, a rim against a blade, or a beam in a circle.
+
+    --out DIR gets the result, pictures of force, gap, spectrum and energy, and the forces as a table.
+    """
     run_scene(file, "contact", as_json, out)
 
 
@@ -36,7 +39,11 @@ def contact(file: Path, as_json: bool, out: Path | None) -> None:
 @SCENE
 @options
 def rub(file: Path, as_json: bool, out: Path | None) -> None:
-    """Run SCENE: a turning casing against one blade tip (rim), or against many places of many blades (rub)."""
+    """Run SCENE: a turning casing against one blade tip (rim), or against many places of many blades (rub).
+
+    --out DIR gets the result, pictures of force, gap, spectrum, orbit and energy, and the forces as a table. A run that
+    diverges stops there, keeps all it has, and ends with exit code 3, or 0 with on_limit = "flag".
+    """
     run_scene(file, "rub", as_json, out)
 
 
@@ -105,8 +112,7 @@ def interaction_rows(found: "Confirmed") -> str:
 
 def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None:
     """Load, run, deliver; of a run that failed or diverged, what there is up to that step."""
-    from contact import NumericsError, RotatingRim, Rub, load_scene
-    from contact import run as run_contact
+    from contact import RotatingRim, Rub, load_scene
     from contact.scene.load import SceneError, read_scene
 
     scene = load_scene(file)
@@ -115,28 +121,57 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
         problem = f"scene.kind: found {kind!r}, expected 'rim', 'rub' or 'disk' (casingfem contact runs them all)"
         raise SceneError([f"{file}: {problem}"])
     with ProgressMessage(f"{command} {file.name}: starting; a first run compiles its loop") as working:
-        broken: NumericsError | None = None
-        try:
-            result = run_contact(scene, progress=lambda done: working.say(f"{command} {file.name}: {done:.0%}"))
-        except NumericsError as error:
-            if error.result is None:
-                raise
-            result, broken = error.result, error
+        result, broken = ran(scene, lambda done: working.say(f"{command} {file.name}: {done:.0%}"), out is not None)
     document = result.to_dict()
     files: dict[str, Content] = {}
     if out is not None:
+        from casingfem.cli.pictures import run_files
+
         files = {f"{command}.npz": result.save, f"{command}.json": json_text(document)}
-        if result.tracks and len(result.tracks[0].map_time) > 1:
-            files |= pictures(result.tracks)
+        files |= run_files(scene, result, command)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)
     if broken is not None:
         fail(f"{command} {file}: the numerics failed: {broken}", NUMERICS_FAILED)
 
 
-def pictures(tracks: "Sequence[Wear]") -> dict[str, Content]:
-    """Profile and wear map of each track of a coating."""
-    from casingfem.plot.style import png
-    from casingfem.plot.wear import figure_wear
+def ran(scene: "Scene", progress: Callable[[float], None], pictured: bool) -> "tuple[Result, NumericsError | None]":
+    """Run a scene; of one that failed or diverged its result so far, and why. With states where it is to be drawn."""
+    from contact import NumericsError
+    from contact.run import completed, prepared
 
-    names = ["coating.png"] if len(tracks) == 1 else [f"coating_{k}.png" for k in range(1, len(tracks) + 1)]
-    return {name: png(figure_wear(track)) for name, track in zip(names, tracks, strict=True)}
+    ready = prepared(scene)
+    if pictured and scene.record is None:
+        from casingfem.cli.pictures import with_states
+
+        ready = with_states(ready)
+    try:
+        return completed(ready, progress), None
+    except NumericsError as error:
+        if error.result is None:
+            raise
+        return error.result, error
+
+
+def is_scene(file: Path) -> bool:
+    """Whether a file is a contact scene: TOML with [scene]. What is neither, the reader of studies tells."""
+    import tomllib
+
+    try:
+        return "scene" in tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+
+
+def scene_report(file: Path, as_json: bool, folder: Path) -> None:
+    """Run a scene and write its page; of a run that failed or diverged too, which then ends with exit code 3."""
+    from casingfem.cli.pictures import page
+    from contact import load_scene
+
+    scene = load_scene(file)
+    with ProgressMessage(f"report on {file.name}: running") as working:
+        result, broken = ran(scene, lambda done: working.say(f"report on {file.name}: run {done:.0%}"), True)
+        html = page(scene, result, file, lambda what: working.say(f"report on {file.name}: {what}"))
+    document = {"report": str(folder / "report.html"), "seconds": working.seconds, "flags": list(result.flags)}
+    deliver(document, f"{working.seconds:.1f} s", as_json=as_json, out=folder, files={"report.html": html})
+    if broken is not None:
+        fail(f"report {file}: the numerics failed: {broken}", NUMERICS_FAILED)

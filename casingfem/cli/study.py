@@ -229,11 +229,15 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
 @STUDY
 @options
 def report(file: Path, as_json: bool, out: Path | None) -> None:
-    """Write report.html on STUDY, self-contained, to --out DIR (here if left out)."""
+    """Write report.html on STUDY, or on a contact scene, which is run, to --out DIR (here if left out)."""
+    from casingfem.cli.contact import is_scene, scene_report
     from casingfem.study import load_study
 
-    study = load_study(file)
     folder = out if out is not None else Path()
+    if is_scene(file):
+        scene_report(file, as_json, folder)
+        return
+    study = load_study(file)
     with ProgressMessage(f"report on {file.name}") as working:
         from casingfem.plot.report import study_report
 

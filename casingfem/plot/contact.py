@@ -1,4 +1,4 @@
-"""Pictures of a contact run: force, gap and modal amplitudes against time."""
+"""Pictures of a contact run: force, gap and amplitudes against time."""
 
 from collections.abc import Mapping
 from typing import Any, Protocol
@@ -53,13 +53,21 @@ def figure_contact(result: Run, contact: int = 0, *, coordinates: int = 4) -> Fi
     axes[1].plot(*thinned(result.time, 1e3 * result.gap[:, contact]), color=BEFORE)
     axes[1].set_ylabel("gap [mm]")
     if states:
-        largest = np.argsort(-np.abs(result.state).max(axis=0), kind="stable")[:coordinates]
+        modal = "modal" in getattr(result, "scheme", "modal")
+        largest = _largest(result)[:coordinates]
         for k, colour in zip(largest, (BEFORE, AFTER, GREEN, PURPLE, SKY), strict=False):
             axes[2].plot(*thinned(result.state_time, result.state[:, k]), color=colour, label=f"{k + 1}")
-        axes[2].set_ylabel("modal coordinate\n[kg$^{1/2}$ m]")
+        axes[2].set_ylabel("modal coordinate\n[kg$^{1/2}$ m]" if modal else "displacement [m]")
         axes[2].legend(title="number", ncols=2, fontsize=8, loc="upper left")
     axes[-1].set_xlabel("time [s]")
     return figure
+
+
+def _largest(result: Run) -> list[int]:
+    """Coordinates by their largest value; what a rub keeps behind them, the forces on its tips, left out."""
+    forces = {k for name, a, b in getattr(result, "blocks", ()) if name == "tips" for k in range(a, b)}
+    order = np.argsort(-np.abs(result.state).max(axis=0), kind="stable").tolist()
+    return [k for k in order if k not in forces]
 
 
 def thinned(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""`casingfem interactions` and `campbell`: table, document and picture; a run that diverges keeps its files."""
+"""Commands on scenes: interactions and campbell with their pictures, what --out holds, runs that diverge."""
 
 import json
 from pathlib import Path
@@ -12,6 +12,8 @@ import contact as ct
 from casingfem.cli import main
 from casingfem.modal.campbell import Campbell
 from casingfem.plot.interaction import figure_interactions
+from casingfem.plot.motion import figure_spectrum, waterfall
+from casingfem.plot.sweep import figure_sweep
 
 DATA = Path(__file__).parents[3] / "data"
 
@@ -105,3 +107,81 @@ def test_a_run_that_diverges_writes_all_it_has_and_ends_with_3(tmp_path):
     kept = ct.Result.load(tmp_path / "out" / "rub.npz")
     assert kept.divergence.limit == "wall"
     assert json.loads((tmp_path / "out" / "rub.json").read_text())["divergence"]["growth_1_s"] > 100.0
+
+
+@pytest.mark.slow
+def test_out_holds_pictures_and_the_forces(tmp_path):
+    from reports.robustness.diverging import RIM, at, bodies
+
+    bodies(tmp_path)
+    scene = tmp_path / "rim.toml"
+    scene.write_text(at(20.0, ("t_end = 2.0", "t_end = 0.2"), scene=RIM))
+    out = tmp_path / "out"
+    assert call("rub", scene, "--out", out).exit_code == 0
+    shown = {"rub.png", "rub_spectrum.png", "rub_spectrum_tip.png", "rub_orbit.png", "rub_energy.png"}
+    assert shown <= {path.name for path in out.iterdir()}
+    lines = (out / "rub_forces.csv").read_text().splitlines()
+    assert lines[0].startswith("# COMPUTED: contact forces")
+    assert lines[1] == "time_s,force1_mean_N,force1_peak_N,gap1_least_m"
+    kept = ct.Result.load(out / "rub.npz")
+    assert len(lines) - 2 == kept.time.size == 10_000
+    forces = np.loadtxt(out / "rub_forces.csv", delimiter=",", skiprows=2)
+    assert forces[:, 2].max() == pytest.approx(kept.peak_force[0], rel=1e-8)
+    page = call("report", scene, "--out", out)
+    assert page.exit_code == 0
+    html = (out / "report.html").read_text()
+    for words in ("At which speed", "Orbits of the first tip", "f_c + f_b = n f", "kind = &#34;rim&#34;"):
+        assert words in html
+    assert html.count("<img") == 6
+
+
+@pytest.mark.slow
+def test_out_of_rods_has_no_orbit(tmp_path):
+    assert call("contact", DATA / "scenes" / "two_rods.toml", "--out", tmp_path).exit_code == 0
+    names = {path.name for path in tmp_path.iterdir()}
+    assert {"contact.png", "contact_spectrum.png", "contact_energy.png", "contact_forces.csv"} <= names
+    assert not any("orbit" in name for name in names)
+
+
+def test_a_table_of_forces_goes_to_parquet_where_pyarrow_is(tmp_path):
+    arrow = pytest.importorskip("pyarrow.parquet")
+    from casingfem.cli.pictures import parquet
+
+    parquet({"time_s": np.arange(3.0)})(tmp_path / "forces.parquet")
+    assert arrow.read_table(tmp_path / "forces.parquet")["time_s"].to_pylist() == [0.0, 1.0, 2.0]
+
+
+def test_a_waterfall_follows_a_tone_that_climbs():
+    step = 1e-4
+    t = step * np.arange(20_000)
+    values = 1e-6 * np.sin(2.0 * np.pi * (100.0 * t + 100.0 * t**2))  # 100 Hz + 200 Hz/s
+    starts, freq, amplitude = waterfall(values, step)
+    seen = freq[amplitude.argmax(axis=1)]
+    middle = step * (starts + 0.5 * (values.size - starts[-1]))
+    np.testing.assert_allclose(seen, 100.0 + 200.0 * middle, atol=25.0)
+    axes = figure_spectrum(t, values, label="tip", unit="m", top_hz=800.0).axes
+    assert (axes[0].get_ylabel(), axes[1].get_xlabel()) == ("tip [m]", "time [s]")
+    mesh = axes[1].collections[0]
+    assert (mesh.norm.vmin, mesh.norm.vmax) == (-60.0, 0.0)
+    short = figure_spectrum(t[:50], values[:50], label="tip", unit="m").axes
+    assert "too short a record" in short[1].texts[0].get_text()
+
+
+def test_sweeps_draw_diverged_runs_apart():
+    rows = [
+        {"status": status, "amplitude_m": amplitude, "contact_fraction": 1.0, "growth_1_s": rate, "dominant_n": 3,
+         "diverged_at_s": at}
+        for status, amplitude, rate, at in (
+            ("done", 1e-6, -1.0, None), ("diverged", 1e-3, 40.0, 0.3), ("done", 2e-6, -2.0, None),
+            ("refused", None, None, None),
+        )
+    ]  # fmt: skip
+    figure = figure_sweep(["speed.hz"], np.array([[1.0], [2.0], [3.0], [4.0]]), rows)
+    assert [axes.get_ylabel() for axes in figure.axes][3] == "diverged after [s]"
+    amplitude, late = figure.axes[0], figure.axes[3]
+    assert amplitude.lines[0].get_xdata().tolist() == [1.0, 3.0]
+    assert late.lines[0].get_ydata().tolist() == [0.3]
+    marks = {line.get_label(): line.get_xdata().tolist() for line in amplitude.lines[1:]}
+    assert marks == {"diverged": [2.0], "refused or failed": [4.0]}
+    grid = [dict(row) for row in rows]
+    assert len(figure_sweep(["a", "b"], np.array([[1.0, 1], [1.0, 2], [2.0, 1], [2.0, 2]]), grid).axes) == 8

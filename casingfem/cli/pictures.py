@@ -1,0 +1,157 @@
+"""What `--out` of a contact command shows: pictures, the force history as a table, the page of a scene."""
+
+from collections.abc import Callable
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contact.io.outfiles import Content
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from contact.record.wear import Wear
+    from contact.result import Result
+    from contact.run import Prepared, Scene
+
+STATES = 4_000_000  # numbers that stored states may hold where the scene does not say what to record
+TOP = 1.2  # times the highest mode: frequencies drawn
+
+
+def with_states(ready: "Prepared") -> "Prepared":
+    """A run that stores states for pictures too, as many as fit into STATES numbers."""
+    from dataclasses import replace
+
+    from contact.record.record import Record
+
+    every = ready.record.every
+    wanted = max(1, -(-ready.count * max(ready.stepper.size, 1) // STATES))
+    return replace(ready, record=Record(every=every, state_every=every * -(-wanted // every)))
+
+
+def figures(scene: "Scene", result: "Result") -> dict[str, "Figure"]:
+    """All pictures that the run has the data for, by name."""
+    from casingfem.plot.contact import figure_contact
+    from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
+    from contact.histories import strain_energy, tip_motion
+
+    if not result.time.size or not result.force.shape[1]:
+        return {}
+    top = TOP / result.window
+    found: dict[str, Figure] = {"run": figure_contact(result, int(result.impulse.argmax()))}
+    if result.time.size > 1 and result.every:
+        found["spectrum"] = figure_spectrum(
+            result.time, result.windowed_force().sum(axis=1), label="force", unit="N", top_hz=top
+        )
+    motion = tip_motion(scene.what, result, scene.law)
+    if motion is not None:
+        found["spectrum_tip"] = figure_spectrum(
+            motion.time, motion.tip[:, 0], label="tip, normal", unit="m", top_hz=top
+        )
+        found["orbit"] = figure_orbit(motion)
+    found["energy"] = figure_energy(ledger(result), result.state_time, strain_energy(scene.what, result))
+    return found
+
+
+def ledger(result: "Result") -> dict[str, float]:
+    """Energy into the bodies by source [J], and what they gained."""
+    e = result.energy
+    return {
+        "contact": -e.lost_in_contact, "turning rim": e.rotation, "friction": e.friction, "damping": e.damping,
+        "loads": e.external, "gravity, whirl": e.body_force, "numerical": e.numerical,
+        "stored at the end": e.end.total - e.start.total,
+    }  # fmt: skip
+
+
+def run_files(scene: "Scene", result: "Result", command: str) -> dict[str, Content]:
+    """Pictures as png and the force history, under the names that --out gives them."""
+    from casingfem.plot.style import png
+
+    files: dict[str, Content] = {
+        f"{command}.png" if name == "run" else f"{command}_{name}.png": png(figure)
+        for name, figure in figures(scene, result).items()
+    }
+    if result.tracks and len(result.tracks[0].map_time) > 1:
+        files |= coatings(result.tracks)
+    return files | force_files(result, command)
+
+
+def force_files(result: "Result", command: str) -> dict[str, Content]:
+    """The force history: CSV, and parquet where pyarrow is installed."""
+    from contact.histories import force_table
+
+    table = force_table(result)
+
+    def csv(path: Path) -> None:
+        head = (
+            "COMPUTED: contact forces; a row's mean is that of its impulse, peak and least gap are its samples'\n"
+            + ",".join(table)
+        )
+        np.savetxt(path, np.stack(list(table.values()), axis=1), fmt="%.9g", delimiter=",", header=head, comments="# ")
+        text = path.read_text(encoding="utf-8").split("\n", 2)
+        path.write_text("\n".join([text[0], text[1].removeprefix("# "), *text[2:]]), encoding="utf-8")
+
+    files: dict[str, Content] = {f"{command}_forces.csv": csv}
+    if find_spec("pyarrow") is not None:
+        files[f"{command}_forces.parquet"] = parquet(table)
+    return files
+
+
+def parquet(table: dict[str, Any]) -> Callable[[Path], None]:
+    """Writer of a table by pyarrow, which is nobody's dependency."""
+
+    def write(path: Path) -> None:
+        arrow: Any = import_module("pyarrow")
+        import_module("pyarrow.parquet").write_table(arrow.table(table), str(path))
+
+    return write
+
+
+def coatings(tracks: "tuple[Wear, ...]") -> dict[str, Content]:
+    """Profile and wear map of each track of a coating."""
+    from casingfem.plot.style import png
+    from casingfem.plot.wear import figure_wear
+
+    names = ["coating.png"] if len(tracks) == 1 else [f"coating_{k}.png" for k in range(1, len(tracks) + 1)]
+    return {name: png(figure_wear(track)) for name, track in zip(names, tracks, strict=True)}
+
+
+def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
+    """The HTML page on a scene that was run; of rims, rubs and disks with the table of interactions."""
+    from casingfem.plot.interaction import figure_interactions
+    from casingfem.plot.scene import scene_page
+    from contact.base.errors import InputError
+    from contact.model.gaps.gap import RotatingRim
+    from contact.model.gaps.rub import Rub
+    from contact.scene.stability import load_interactions
+
+    drawn, table = figures(scene, result), ""
+    if isinstance(scene.what, RotatingRim | Rub):
+        say("interactions")
+        try:
+            found = load_interactions(file).solve()
+        except InputError as error:
+            table = f"No table of interactions: {error}"
+            drawn["interactions"] = empty()
+        else:
+            drawn["interactions"], table = figure_interactions(found.found, found.run), repr(found)
+    energy = result.energy
+    numbers = {
+        "steps": result.steps, "time step [s]": result.dt, "time simulated [s]": result.steps * result.dt,
+        "contacts": int(result.impulse.size), "impulse [N s]": float(result.impulse.sum()),
+        "largest force [N]": float(result.peak_force.max(initial=0.0)),
+        "time in contact [s]": float(result.contact_steps.max(initial=0)) * result.dt,
+        "energy not accounted for": energy.unaccounted / energy.scale if energy.scale else 0.0,
+    }  # fmt: skip
+    text = file.read_text(encoding="utf-8")
+    return scene_page(file.stem, text, repr(result), result.flags, numbers, drawn, table)
+
+
+def empty() -> "Figure":
+    """A picture of nothing."""
+    from casingfem.plot.style import new_figure
+
+    return new_figure(1.0, 1.0)

@@ -1,0 +1,66 @@
+"""Histories for pictures: a row's mean force is its impulse, tips and rim meet where they touch, energies are those."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.histories import force_table, strain_energy, tip_motion
+from tests.contact.synthetic_rim import blade, ring
+from tests.contact.synthetic_rub import nodes, rim3, tips
+
+pytestmark = pytest.mark.slow  # they compile loops
+
+
+def rubbed():
+    rim = ct.RotatingRim(ring(), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=10.0, angle_deg=30.0)
+    law = ct.Coulomb(mu=0.1)
+    return rim, law, ct.run(rim, law=law, t_end=0.05, dt=2e-5, record=ct.Record(state_every=1))
+
+
+def test_rows_of_forces_lose_no_impulse_and_no_peak():
+    _, _, result = rubbed()
+    table = force_table(result, rows=100)
+    assert len(table["time_s"]) == 100
+    spans = np.diff(np.append(table["time_s"], result.time[-1] + result.dt)) / result.dt
+    assert np.sum(table["force1_mean_N"] * spans) * result.dt == pytest.approx(result.impulse[0])
+    assert table["force1_peak_N"].max() == result.peak_force[0]
+    assert table["gap1_least_m"].min() == result.gap.min()
+    whole = force_table(result)
+    np.testing.assert_allclose(whole["force1_mean_N"], result.force[:, 0], rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("make", ["rim", "rub"])
+def test_tip_and_rim_meet_where_they_touch(make):
+    """While contact is closed, clearance + rim - tip along the normal is zero, residual compliance included."""
+    if make == "rim":
+        what, law, result = rubbed()
+        closed = result.state_force()[:, 0] > 0.05 * result.peak_force[0]
+    else:
+        tip = tips(1)
+        what = ct.Rub(rim3(), [nodes(1)], tip, clearance=-2e-5, speed=ct.Speed.constant(5.0))
+        law = ct.Coulomb(mu=0.1)
+        result = ct.run(what, law=law, t_end=0.02, dt=5e-6, record=ct.Record(state_every=1))
+        closed = result.state_of("tips")[:, 0] > 0.2 * result.peak_force[0]
+    motion = tip_motion(what, result, law)
+    gap = what.clearance + motion.rim[:, 0] - motion.tip[:, 0]
+    assert closed.sum() > 20
+    assert np.abs(gap[closed]).max() < 0.05 * np.abs(motion.rim[closed, 0]).max()
+    assert np.abs(motion.tip[:, 1]).max() > 0.0
+
+
+def test_energies_are_those_of_the_modes_and_what_has_none_has_no_history():
+    rim, law, result = rubbed()
+    found = strain_energy(rim, result)
+    assert set(found) == {"casing", "blade"}
+    whole = 0.5 * np.sum((result.state * np.concatenate([rim.casing.omega, rim.blade.omega])) ** 2, axis=1)
+    np.testing.assert_allclose(found["casing"] + found["blade"], whole)
+    bare = ct.run(rim, law=law, t_end=0.01, dt=2e-5)
+    assert strain_energy(rim, bare) == {}
+    assert tip_motion(rim, bare, law) is None
+    rods = [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1, velocity=-1.0), ct.Wall()]
+    moved = ct.run(rods, t_end=1.0, courant=0.9, record=ct.Record(state_every=1))
+    assert tip_motion(rods, moved) is None
+    assert strain_energy(rods, moved) == {}
+    assert force_table(replace(bare, time=bare.time[:0], force=bare.force[:0]))["time_s"].size == 0
