@@ -18,6 +18,7 @@ from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.propagator import Propagator, window
 from contact.scheme.protocol import Block, Motion, Notes
+from contact.solver.friction.inexact import inexact
 
 if TYPE_CHECKING:
     from contact.loop.modal.patch import PatchState, PatchWork
@@ -85,8 +86,6 @@ class PatchStepper:
 
     def notes(self) -> Notes:
         """What friction left of the motion, where double precision does no better."""
-        from contact.solver.friction.coulomb import inexact
-
         said = inexact(float(self.work.room.left[0]))
         return Notes(flags=(said,) if said else ())
 

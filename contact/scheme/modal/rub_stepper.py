@@ -25,6 +25,7 @@ from contact.scheme.modal.propagator import Propagator, window
 from contact.scheme.modal.rub_tracks import rub_tracks
 from contact.scheme.modal.wear_track import Tracks
 from contact.scheme.protocol import Block, Motion, Notes
+from contact.solver.friction.inexact import inexact
 
 if TYPE_CHECKING:
     from contact.loop.rub.rows import RubLaws, RubRows
@@ -132,8 +133,6 @@ class RubStepper:
     def notes(self) -> Notes:
         """Heat and drive of friction, and what the run went through that its theory does not carry."""
         deflection, tangential = float(self.limits[REACHED + RIM]), float(self.state.peaks[0])
-        from contact.solver.friction.coulomb import inexact
-
         said = inexact(float(self.work.room.left[0]))
         flags = (*wall_flags(deflection, self.rub.wall), *_flags(self.rub, self.system, tangential))
         flags += (said,) if said else ()

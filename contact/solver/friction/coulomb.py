@@ -20,6 +20,7 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
 from contact.jit.compiled import jit
+from contact.solver.friction.inexact import LEFT, inexact
 from contact.solver.friction.newton import MOST_ITERATIONS, TOLERANCE, newton, otherwise
 from contact.solver.friction.polyhedral_cone import GOLDEN, polyhedral_cone
 from contact.solver.friction.room import Room, friction_room
@@ -27,7 +28,6 @@ from contact.solver.friction.room import Room, friction_room
 DRAWS, ROUNDS = 24, 8  # covering vectors, and closer facets with each
 MOST_CONTACTS = 144  # contacts times covering vectors: pivoting grows with the cube
 SPREAD, CLOSER = math.pi / 4.0, 0.4  # between facets [rad], and how much closer in the next round
-LEFT = 1e-6  # of a contact's free motion: a larger error is told
 SLIPS = 1e-9  # of the largest motion: less is sticking
 
 
@@ -88,16 +88,6 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
         raise NumericsError(f"friction: {inexact(left)}")
     motion = (W @ force + b.ravel()).reshape(b.shape)
     return Friction(force.reshape(b.shape), motion, iterations, residual, left)
-
-
-def inexact(left: float) -> str:
-    """What to say of forces that leave so much of a contact's free motion; nothing up to LEFT."""
-    if left <= LEFT:
-        return ""
-    return (
-        f"forces leave {left:.1e} of a contact's motion in a step: contacts are coupled so closely, W conditioned to "
-        "about 1e10 and more, that double precision does no better; let contacts yield (S), or leave some out"
-    )
 
 
 def solver_room(contacts: int, dim: int) -> Room:

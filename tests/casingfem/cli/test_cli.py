@@ -192,7 +192,9 @@ def test_reduce_and_rub(study, tmp_path):
     result = invoke("rub", tmp_path / "rub.toml", "--json", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["contacts"][0]["impulse"] > 0.0
-    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["rub.json", "rub.npz"]
+    pictures = ["rub.png", "rub_energy.png", "rub_orbit.png", "rub_spectrum.png", "rub_spectrum_tip.png"]
+    files = sorted([*pictures, "rub.json", "rub.npz", "rub_forces.csv"])
+    assert sorted(p.name for p in (tmp_path / "out").iterdir() if p.suffix != ".parquet") == files
 
 
 def test_reduce_beside_the_study_when_it_names_the_file(study, tmp_path):
@@ -228,7 +230,9 @@ def test_contact_is_one_document_with_bodies_and_energy(tmp_path):
     assert document.keys() >= {"contacts", "bodies", "energy", "steps", "seconds"}
     assert "mean_velocity" in document["bodies"][0]
     assert {"start", "end", "lost_in_contact", "unaccounted"} <= document["energy"].keys()
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["contact.json", "contact.npz"]
+    pictures = ["contact.png", "contact_energy.png", "contact_spectrum.png"]
+    files = sorted([*pictures, "contact.json", "contact.npz", "contact_forces.csv"])
+    assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".parquet") == files
 
 
 @pytest.mark.slow
