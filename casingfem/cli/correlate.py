@@ -28,21 +28,26 @@ def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, 
     """Correlate the mode shapes of SHAPES with the modes of STUDY.
 
     SHAPES is a universal file with sets 55, or identified.npz of `casingfem identify --out`. Sensors stand at the
-    points of the file, which must lie on the wall.
+    points of the file, which must lie on the wall; on an imported mesh at its nearest nodes.
     """
     from casingfem.experiment.correlation.correlate import correlate as compare
     from casingfem.experiment.correlation.shape_files import read_shapes
     from casingfem.modal.modes import modes
     from casingfem.structure.shell.assembly import assemble
-    from casingfem.study import load_study
+    from casingfem.study import MeshStudy, load_any
 
-    study = load_study(file)
+    study = load_any(file)
     measured = read_shapes(shapes)
     with ProgressMessage(f"modes of {file.name}") as working:
-        system = assemble(study.shell)
-        count = study.file.modes.wanted.get("count") or 40
-        found = modes(study.shell, max(count, len(measured) + 4), method="shell", system=system)
-        result = compare(found, measured, reach=reach, mass=mass, system=system)
+        count = max(study.file.modes.wanted.get("count") or 40, len(measured) + 4)
+        if isinstance(study, MeshStudy):
+            part = study.structure.assembled()
+            of_part = modes(study.structure, count, system=part)
+            result = compare(of_part, measured, reach=reach, mass=mass, system=part)
+        else:
+            system = assemble(study.shell)
+            found = modes(study.shell, count, method="shell", system=system)
+            result = compare(found, measured, reach=reach, mass=mass, system=system)
     document = {**result.to_json(), "seconds": working.seconds, "warnings": collected(), "source": study.source}
     files: dict[str, Content] = {} if out is None else result_files(result, document)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)

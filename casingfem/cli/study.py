@@ -166,11 +166,11 @@ def campbell(
 @options
 def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterior: str | None) -> None:
     """Fit the parameters of STUDY to its measured frequency table, and mode shapes where it names them."""
-    from casingfem.study import load_study, updated_toml
+    from casingfem.study import load_any, updated_toml
     from casingfem.study.tasks import judge_update, run_update
     from casingfem.updating.shape_fit import shape_fit
 
-    study = load_study(file)
+    study = load_any(file)
     with ProgressMessage(f"update of {file.name}") as working:
         fit = run_update(study, lambda k, rms: working.say(f"evaluation {k}: rms {rms:.3g} sigma"))
         fit_seconds = working.seconds

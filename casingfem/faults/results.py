@@ -157,4 +157,8 @@ RESULTS = {
         "the file has a set of a number that this reader does not know; it is skipped",
         "look whether the number is the one meant",
     ),
+    "update-angles": Fault(
+        "the angles of pairs are not fitted on an imported part: its frequencies, means and splits are",
+        "nothing needs doing; model the part as a cf.Shell to fit its angles too",
+    ),
 }

@@ -132,6 +132,11 @@ class Modes(ModeSet):
     grid: Grid
     own: FloatArray
 
+    @property
+    def structure(self) -> Shell:
+        """The shell, by the name that structures of all kinds have."""
+        return self.shell
+
 
 def _number(value: float) -> float | None:
     """A float, or None where it is not a number."""

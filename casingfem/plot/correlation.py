@@ -4,6 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from casingfem.experiment.correlation.correlate import Correlation
+from casingfem.io.arrays import FloatArray
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
 
 
@@ -32,18 +34,28 @@ def figure_mac(found: Correlation) -> Figure:
 
 @styled
 def figure_comac(found: Correlation) -> Figure:
-    """COMAC and enhanced COMAC at the sensors on the wall: by angle and height of a casing, else by the parameters."""
+    """COMAC and enhanced COMAC at the sensors on the wall: by angle and height of a casing, else by what they have."""
     figure = new_figure(7.6, 3.6)
     for place, (name, values, colours) in enumerate(
         (("COMAC", found.comac, ("viridis", 0.0, 1.0)), ("enhanced COMAC", found.ecomac, ("viridis_r", 0.0, None)))
     ):
         axes = figure.add_subplot(1, 2, place + 1)
-        closed = found.modes.shell.chart.periodic
-        x = np.degrees(found.sensors.b) % 360.0 if closed else found.sensors.b
+        (x, across), (y, up) = sensor_places(found)
         colour, low, high = colours
-        dots = axes.scatter(x, found.sensors.a, c=values, cmap=colour, vmin=low, vmax=high, s=36, edgecolor=BEFORE)
-        axes.set_xlabel("angle [deg]" if closed else "second parameter")
-        axes.set_ylabel("z [m]" if closed else "first parameter")
+        dots = axes.scatter(x, y, c=values, cmap=colour, vmin=low, vmax=high, s=36, edgecolor=BEFORE)
+        axes.set_xlabel(across)
+        axes.set_ylabel(up)
         axes.set_title(name)
         figure.colorbar(dots, ax=axes)
     return figure
+
+
+def sensor_places(found: Correlation) -> tuple[tuple[FloatArray, str], tuple[FloatArray, str]]:
+    """Where the sensors are drawn, across and up, with the names of the axes."""
+    if isinstance(found.modes, MeshModes):
+        wide = np.sort(np.argsort(np.ptp(found.measured.points, axis=0))[1:])
+        across, up = ((found.measured.points[:, axis], f"{'xyz'[axis]} [m]") for axis in wide.tolist())
+        return across, up
+    if found.modes.shell.chart.periodic:
+        return (np.degrees(found.sensors.b) % 360.0, "angle [deg]"), (found.sensors.a, "z [m]")
+    return (found.sensors.b, "second parameter"), (found.sensors.a, "first parameter")

@@ -15,7 +15,7 @@ def update_section(fit: UpdateResult, reference: Modes | None) -> Section:
         models = {"perfect": Paired(reference, pair(reference, fit.table)), **models}
     models["updated"] = Paired(fit.after, fit.pairing)
     figures = []
-    if (fit.table.n >= 0).any() and fit.after.shell.chart.periodic:
+    if (fit.table.n >= 0).any() and fit.after.rings is not None:
         figures.append(Picture.of(figure_comparison(fit.table, models), comparison_caption(fit.table, models)))
     figures.append(
         Picture.of(

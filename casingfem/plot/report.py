@@ -35,10 +35,10 @@ def study_report(study: Study, say: Callable[[str], None] = lambda words: None) 
     structure = study.shell
     if study.table is not None:
         fit = clock("update", lambda: run_update(study, lambda k, rms: say(f"evaluation {k}: rms {rms:.3g}")))
-        structure = fit.structure
-        nominal = None
-        if has_imperfections(fit.before.shell):
-            nominal = clock("perfect shell", lambda: modes(perfect(fit.before.shell), len(fit.before)))
+        assert isinstance(fit.structure, Shell)  # that of the study
+        structure, start, nominal = fit.structure, study.start, None
+        if has_imperfections(start):
+            nominal = clock("perfect shell", lambda: modes(perfect(start), len(fit.before)))
         sections.append(update_section(fit, nominal))
         compared = shape_fit(fit)
         sections += [] if compared is None else [shapes_section(compared)]

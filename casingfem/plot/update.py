@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from casingfem.experiment.correlation.pairing import Pairing
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.mode_set import ModeSet
 from casingfem.plot.style import AFTER, BEFORE, DIVERGING, MEASURED, PERFECT, new_figure, styled
 from casingfem.updating.result import UpdateResult
 
@@ -25,7 +25,7 @@ SHIFTS = {"perfect": -0.24, "imperfect": -0.08, "before": -0.08, "updated": 0.24
 class Paired(NamedTuple):
     """A model's modes and how they pair with the table."""
 
-    modes: Modes
+    modes: ModeSet
     pairing: Pairing
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.modal.interface import AtNodes, Interface, Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.imported.checks import check_groups
@@ -20,16 +21,9 @@ from casingfem.study.schema import StudyFile
 from casingfem.study.tables.shapes import ImportTable
 from casingfem.study.tables.supports import ElasticTable, FixedTable, SupportTable
 from casingfem.study.tables.tasks import ReduceTable
+from casingfem.updating.parameters import Parameter
 
-OWN = (
-    "material",
-    "solid",
-    "shell",
-    "support",
-    "modes",
-    "rotation",
-    "reduce",
-)  # the tables of such a study; others need a chart
+OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "reduce")  # others need a chart
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,6 +36,10 @@ class MeshStudy:
         Where it was read from, and its tables as written.
     structure
         The solid or shell.
+    start
+        The structure with the parameters' start values put in: where an update begins.
+    table, parameters
+        Of [update]: the measured frequencies, None without; what may vary.
     interface
         Of [reduce]: the group or nodes that contact sees; None without.
     source
@@ -51,8 +49,16 @@ class MeshStudy:
     path: Path
     file: StudyFile
     structure: Solid | MeshShell
+    start: Solid | MeshShell
+    table: FrequencyTable | None
+    parameters: tuple[Parameter, ...]
     interface: Interface | None
     source: dict[str, Any]
+
+    @property
+    def shapes(self) -> None:
+        """Shapes are fitted on charts alone."""
+        return None
 
     def error(self, key: str, found: str, expected: str) -> StudyError:
         """An error that names this file and a key of it, to be raised."""
@@ -94,7 +100,9 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
             return MeshShell(
                 mesh=mesh,
                 thickness=tables.shell.thickness,
+                thicknesses=tables.shell.thicknesses,
                 material=material,
+                materials={name: Material(**part.model_dump()) for name, part in tables.shell.material.items()},
                 supports=supports,
                 rotation=rotation,
             )

@@ -16,13 +16,15 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.linalg.eigen import START_SEED
 from casingfem.modal.interface import Rim, Tip, TipNodes
 from casingfem.structure.geometry.chart import Chart
+from casingfem.structure.imported.shell import MeshShell
+from casingfem.structure.imported.solid import Solid
 from casingfem.structure.shell.shell import Shell
 from casingfem.study.build import build_shell, try_chart
 from casingfem.study.imported import MeshStudy, build_imported, is_imported, mesh_interface
 from casingfem.study.problems import Problems, StudyError
 from casingfem.study.schema import REQUIRED, StudyFile
 from casingfem.study.tables.tasks import ParameterTable, ReduceTable, UpdateTable
-from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.addresses import Structure, get_value, with_value
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes
 from contact.io.toml import read_toml
@@ -101,11 +103,22 @@ def load_any(path: str | Path) -> Study | MeshStudy:
     tables = validated(data, problems)
     if is_imported(data):
         structure = build_imported(tables, data, problems)
+        table, parameters, begun = load_update(tables, structure, problems)
+        if tables.update is not None and tables.update.shapes is not None:
+            problems.add("update.shapes", repr(tables.update.shapes), "frequencies alone", "structure-chart")
         seen = mesh_interface(tables.reduce, structure, problems)
-        if problems or structure is None:
+        if problems or structure is None or not isinstance(begun, Solid | MeshShell):
             raise StudyError(problems)
-        origin = source(file, text, tables)
-        return MeshStudy(path=file, file=tables, structure=structure, interface=seen, source=origin)
+        return MeshStudy(
+            path=file,
+            file=tables,
+            structure=structure,
+            start=begun,
+            table=table,
+            parameters=parameters,
+            interface=seen,
+            source=source(file, text, tables),
+        )
     shell = build_shell(tables, problems)
     table, parameters, start = load_update(tables, shell, problems)
     shapes = load_shapes(tables.update, start, table, problems)
@@ -151,8 +164,8 @@ def validated(data: dict[str, Any], problems: Problems) -> StudyFile:
 
 
 def load_update(
-    tables: StudyFile, shell: Shell | None, problems: Problems
-) -> tuple[FrequencyTable | None, tuple[Parameter, ...], Shell | None]:
+    tables: StudyFile, shell: Structure | None, problems: Problems
+) -> tuple[FrequencyTable | None, tuple[Parameter, ...], Structure | None]:
     """The frequency table, the parameters, and the shell with their start values."""
     if tables.update is None:
         return None, (), shell
@@ -190,7 +203,7 @@ def load_shapes(
     return None
 
 
-def with_start_value(shell: Shell, entry: ParameterTable) -> Shell:
+def with_start_value(shell: Structure, entry: ParameterTable) -> Structure:
     """The shell with a parameter at its start value, which must lie within the bounds."""
     own = float(np.real(get_value(shell, entry.name)))
     value = own if entry.start is None else entry.start

@@ -19,7 +19,7 @@ from casingfem.updating.sampling import PosteriorSamples, sample_posterior
 from casingfem.updating.updating import update
 
 
-def run_update(study: Study, progress: Progress | None = None) -> UpdateResult:
+def run_update(study: Study | MeshStudy, progress: Progress | None = None) -> UpdateResult:
     """The update a study describes.
 
     Raises
@@ -49,7 +49,7 @@ def run_update(study: Study, progress: Progress | None = None) -> UpdateResult:
 
 
 def judge_update(
-    study: Study, fit: UpdateResult, *, left_out: bool, posterior: str | None, say: Callable[[str], None]
+    study: Study | MeshStudy, fit: UpdateResult, *, left_out: bool, posterior: str | None, say: Callable[[str], None]
 ) -> dict[str, LeftOut | Laplace | PosteriorSamples]:
     """What was asked for beyond the fit, by its key in the JSON document.
 

@@ -12,7 +12,10 @@ from typing import Any
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge, Support
+from casingfem.structure.imported.shell import MeshShell
+from casingfem.structure.imported.solid import Solid
 from casingfem.structure.shell.shell import Shell
+from casingfem.study.imported import MeshStudy
 from casingfem.study.load import Study
 from casingfem.updating.addresses import address_of, get_value
 from casingfem.updating.numbers import FieldHarmonic, HeldNumber, Plain, SpringHarmonic
@@ -44,17 +47,17 @@ def even(support: Support) -> Support:
     return replace(support, loose={}) if isinstance(support, Bolts) else support
 
 
-def updated_toml(study: Study, values: Mapping[str, float], folder: Path) -> str:
+def updated_toml(study: Study | MeshStudy, values: Mapping[str, float], folder: Path) -> str:
     """The study's text with parameters at new values, its file references seen from another folder.
 
     A harmonic that the study has from a survey is changed by an [[imperfection]] of its own that adds to it.
     """
     tables = study.file.model_dump(by_alias=True, exclude_none=True, exclude_unset=True)
     for name, value in values.items():
-        put(tables, study.shell, name, value)
-    owners = [*tables.get("imperfection", []), tables.get("update", {})]
-    for owner in owners:
-        for key in owner.keys() & {"survey", "table", "shapes"}:
+        put(tables, study.structure, name, value)
+    parts = [tables.get(name, {}) for name in ("update", "solid", "shell")]
+    for owner in [*tables.get("imperfection", []), *parts]:
+        for key in owner.keys() & {"survey", "table", "shapes", "mesh"}:
             owner[key] = Path(os.path.relpath(study.path.parent / owner[key], folder)).as_posix()
     for entry in tables.get("update", {}).get("parameter", []):
         entry.pop("start", None)
@@ -63,7 +66,7 @@ def updated_toml(study: Study, values: Mapping[str, float], folder: Path) -> str
     return head + toml(tables)
 
 
-def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
+def put(tables: dict[str, Any], shell: Shell | Solid | MeshShell, name: str, value: float) -> None:
     """Set one parameter in the tables of a study file."""
     match address_of(shell, name):
         case FieldHarmonic(of, p, part):
@@ -86,6 +89,8 @@ def put(tables: dict[str, Any], shell: Shell, name: str, value: float) -> None:
             masses[int(number)].update({"angle_deg": math.degrees(value)} if key == "angle" else {key: value})
         case Plain(("chart", str(key), *station)) if key in ANGLES:
             put_at(tables, ("chart", f"{key}_deg", *station), math.degrees(value))
+        case Plain(("materials" | "thicknesses", *_)):  # of groups of an imported part: the address is the place
+            put_at(tables, name.split("."), value)
         case Plain((first, *rest)):
             put_at(tables, (*TABLES.get(str(first), (first,)), *rest), value)
 

@@ -13,7 +13,7 @@ support.<edge>.material.E | nu | rho.
 
 import re
 from dataclasses import fields, is_dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,22 +22,28 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge, outer_support
 from casingfem.structure.field.fourier import Field, FourierField
+from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.parts import DEFECTS
 from casingfem.structure.shell.shell import Shell
+from casingfem.updating.mesh_numbers import mesh_address
 from casingfem.updating.numbers import SHARED, Address, FieldHarmonic, HeldNumber, Plain, SpringHarmonic, series
+
+Structure = TypeVar("Structure", bound=Shell | MeshStructure)
 
 HARMONIC = re.compile(r"p(\d+)$")
 NUMBERS = (int, float, complex, np.number, tuple)  # what may be varied; a law has one a station
 
 
-def address_of(shell: Shell, name: str) -> Address:
-    """What a name means on this shell.
+def address_of(shell: Shell | MeshStructure, name: str) -> Address:
+    """What a name means on this shell, or imported part (`mesh_numbers.py`).
 
     Raises
     ------
     InputError
         If the structure has no such number.
     """
+    if not isinstance(shell, Shell):
+        return mesh_address(shell, name)
     parts = name.split(".")
     if len(parts) < 2:
         raise InputError(f"{name!r} is no parameter name; expected a path such as material.E")
@@ -149,7 +155,7 @@ def require_series(name: str, field: Field | None) -> None:
         raise InputError(f"{name!r}: the field is no Fourier series but {type(field).__name__}")
 
 
-def get_value(shell: Shell, name: str) -> Any:
+def get_value(shell: Shell | MeshStructure, name: str) -> Any:
     """The present value of a named number of a shell.
 
     Raises
@@ -160,7 +166,7 @@ def get_value(shell: Shell, name: str) -> Any:
     return address_of(shell, name).value(shell)
 
 
-def with_value(shell: Shell, name: str, value: Any) -> Shell:
+def with_value(shell: Structure, name: str, value: Any) -> Structure:
     """The same shell with one named number replaced; its mesh is kept.
 
     >>> from casingfem.structure.geometry.chart import Plate
@@ -171,6 +177,7 @@ def with_value(shell: Shell, name: str, value: Any) -> Shell:
     200000000000.0
     """
     try:
-        return address_of(shell, name).renewed(shell, value)
+        new: Structure = address_of(shell, name).renewed(shell, value)
     except KeyError as error:
         raise InputError(f"{name!r}: {error.args[0]}") from None
+    return new

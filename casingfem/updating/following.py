@@ -18,8 +18,10 @@ from scipy.optimize import linear_sum_assignment
 from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.mesh_modes import MeshModes
+from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.structure.shell.assembly import nodal_mass
+from casingfem.updating.mesh_numbers import nodal_inertia
 
 LOST = 1.0 / 3.0
 
@@ -32,16 +34,21 @@ class LostModeError(ValueError):
         self.rows = rows
 
 
-def overlaps(old: Modes, new: Modes) -> FloatArray:
-    """(phi_i^T M phi_j)^2 of old and new modes over their norms, (old, new)."""
-    inertia = np.repeat(nodal_mass(old.shell, old.grid), (3, 2), axis=1).ravel()[:, None]
+def overlaps(old: Modes | MeshModes, new: Modes | MeshModes) -> FloatArray:
+    """(phi_i^T M phi_j)^2 of old and new modes over their norms, (old, new); of imported parts by displacements."""
+    if isinstance(old, MeshModes):
+        inertia = np.zeros((old.fields.shape[0], old.fields.shape[1]))
+        inertia[:, :3] = nodal_inertia(old)[:, None]
+        inertia = inertia.reshape(-1, 1)
+    else:
+        inertia = np.repeat(nodal_mass(old.shell, old.grid), (3, 2), axis=1).ravel()[:, None]
     before, after = (modes.fields.reshape(-1, len(modes)) for modes in (old, new))
     weighted = inertia * after
     norms = np.sqrt(np.outer(np.sum(before**2 * inertia, axis=0), np.sum(after * weighted, axis=0)))
     return np.asarray((before.T @ weighted / norms) ** 2)
 
 
-def followed(pairing: Pairing, old: Modes, new: Modes, table: FrequencyTable) -> Pairing:
+def followed(pairing: Pairing, old: Modes | MeshModes, new: Modes | MeshModes, table: FrequencyTable) -> Pairing:
     """The pairing of old modes with rows, carried over to new ones.
 
     Raises
@@ -70,7 +77,7 @@ def followed(pairing: Pairing, old: Modes, new: Modes, table: FrequencyTable) ->
     return replace(pairing, matches=matches, unpaired_modes=rest)
 
 
-def plane_of(match: Match, modes: Modes, pairing: Pairing) -> tuple[int, ...]:
+def plane_of(match: Match, modes: ModeSet, pairing: Pairing) -> tuple[int, ...]:
     """The modes of a match; of half a doublet both, if the other half has no row of its own."""
     if len(match.modes) == 2:
         return match.modes
@@ -78,7 +85,7 @@ def plane_of(match: Match, modes: Modes, pairing: Pairing) -> tuple[int, ...]:
     return whole if all(mode in match.modes or mode in pairing.unpaired_modes for mode in whole) else match.modes
 
 
-def moved(match: Match, modes: list[int], whole: bool, new: Modes, table: FrequencyTable) -> Match:
+def moved(match: Match, modes: list[int], whole: bool, new: ModeSet, table: FrequencyTable) -> Match:
     """A match with other modes; of half a doublet the member nearer to its row, as in pairing."""
     if whole:
         pair = next((pair for pair in new.doublets if modes[0] in pair), (modes[0],))

@@ -6,7 +6,6 @@ from typing import Any, TypeAlias
 
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.field.fourier import Field, FourierField
-from casingfem.structure.shell.shell import Shell
 
 SHARED = "around"  # in the place of a spring: all springs of an edge
 
@@ -17,7 +16,7 @@ class Plain:
 
     path: tuple[str | int, ...]
 
-    def value(self, shell: Shell) -> Any:
+    def value(self, shell: Any) -> Any:
         """The number."""
         found: Any = shell
         for step in self.path:
@@ -25,10 +24,9 @@ class Plain:
             found = getattr(found, str(step)) if is_field else found[step]
         return found
 
-    def renewed(self, shell: Shell, value: Any) -> Shell:
-        """The shell with another number there."""
-        new: Shell = put_in(shell, self.path, value)
-        return new
+    def renewed(self, shell: Any, value: Any) -> Any:
+        """The structure with another number there."""
+        return put_in(shell, self.path, value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +37,11 @@ class FieldHarmonic:
     p: int
     part: str
 
-    def value(self, shell: Shell) -> Any:
+    def value(self, shell: Any) -> Any:
         """The coefficient."""
         return series(shell.defects.get(self.of)).coefficients(self.p)[self.part == "sin"]
 
-    def renewed(self, shell: Shell, value: Any) -> Shell:
+    def renewed(self, shell: Any, value: Any) -> Any:
         """The shell with another coefficient; a survey's field becomes its Fourier series."""
         field = series(shell.defects.get(self.of)).with_harmonic(self.p, **{self.part: value})
         return Plain((f"{self.of}_defect",)).renewed(shell, field)
@@ -64,16 +62,16 @@ class SpringHarmonic:
         names = ElasticEdge.stiffness_names if self.spring == SHARED else (self.spring,)
         return tuple(replace(self, spring=name) for name in names)
 
-    def values(self, shell: Shell) -> list[Any]:
+    def values(self, shell: Any) -> list[Any]:
         """The coefficient of every spring that it moves."""
         held: Any = shell.supports[self.edge]
         return [series(held.pattern(one.spring)).coefficients(self.p)[self.part == "sin"] for one in self.each]
 
-    def value(self, shell: Shell) -> Any:
+    def value(self, shell: Any) -> Any:
         """The coefficient, which all springs of "around" share."""
         return self.values(shell)[0]
 
-    def renewed(self, shell: Shell, value: Any) -> Shell:
+    def renewed(self, shell: Any, value: Any) -> Any:
         """The shell with another coefficient."""
         held: Any = shell.supports[self.edge]
         change = {self.part: value}
@@ -92,12 +90,12 @@ class HeldNumber:
     edge: str
     path: tuple[str, ...]
 
-    def value(self, shell: Shell) -> Any:
+    def value(self, shell: Any) -> Any:
         """The number; KeyError where the support has none of this name."""
         held: Any = shell.supports[self.edge]
         return held.number(self.path)
 
-    def renewed(self, shell: Shell, value: Any) -> Shell:
+    def renewed(self, shell: Any, value: Any) -> Any:
         """The shell with another number; KeyError where it cannot be changed."""
         held: Any = shell.supports[self.edge]
         return Plain(("supports", self.edge)).renewed(shell, held.with_number(self.path, value))

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from casingfem.errors import InputError
+from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import address_of, with_value
 from casingfem.updating.numbers import Address, SpringHarmonic
@@ -56,7 +57,7 @@ class Parameter:
         return 10.0**x if self.log else x
 
 
-def check_parameters(shell: Shell, vary: Sequence[Parameter]) -> None:
+def check_parameters(shell: Shell | MeshStructure, vary: Sequence[Parameter]) -> None:
     """Refuse parameters that address one number twice, start outside their bounds, or may leave the possible.
 
     Raises

@@ -11,8 +11,9 @@ from casingfem.errors import InputError
 from casingfem.experiment.correlation.pairing import Pairing, pair
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.modes import Modes, modes
+from casingfem.modal.modes import MeshModes, Modes, modes
 from casingfem.modal.neighbour import Solution, counted, solved, solved_near
+from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.following import LostModeError, followed, paired_rows
@@ -27,8 +28,8 @@ Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted resi
 class State:
     """One evaluated point; `solution` is None for perfect casings, which are solved harmonic by harmonic."""
 
-    shell: Shell
-    modes: Modes
+    shell: Shell | MeshStructure
+    modes: Modes | MeshModes
     solution: Solution | None
     pairing: Pairing
     values: FloatArray
@@ -43,7 +44,7 @@ class Problem:
     the standard deviations that hold parameters to the start, 0 for none. `exact` solves every point from nothing.
     """
 
-    shell: Shell
+    shell: Shell | MeshStructure
     table: FrequencyTable  # with the model's error in its sigma
     vary: Sequence[Parameter]
     count: int
@@ -66,7 +67,7 @@ class Problem:
         self.start = np.array([p.to_internal(get_value(self.shell, p.name)) for p in self.vary], dtype=float)
         self.prior = np.array([0.0 if p.sigma is None else 1.0 / p.sigma for p in self.vary])
 
-    def structure(self, x: FloatArray) -> Shell:
+    def structure(self, x: FloatArray) -> Shell | MeshStructure:
         """The shell at solver variables x."""
         shell = self.shell
         for parameter, value in zip(self.vary, x, strict=True):
@@ -136,7 +137,7 @@ class Problem:
             self.seconds["sensitivities"] += time.perf_counter() - started
         return self._jacobian
 
-    def _evaluated(self, shell: Shell) -> State:
+    def _evaluated(self, shell: Shell | MeshStructure) -> State:
         """A structure's modes, followed from the anchor: among half as many again if one is not found at first.
 
         Where rows paired anew, in the same groups, fit better, these are taken: a label settles what two modes that
@@ -157,7 +158,7 @@ class Problem:
             self.lost = None
         return fresh if same and np.sum(fresh.values**2) < np.sum(carried.values**2) else carried
 
-    def _followed(self, found: Modes, solution: Solution | None) -> State:
+    def _followed(self, found: Modes | MeshModes, solution: Solution | None) -> State:
         assert self.anchor is not None
         started = time.perf_counter()
         try:
@@ -166,9 +167,13 @@ class Problem:
             self.seconds["pairing"] += time.perf_counter() - started
         return self._make(found, solution, pairing)
 
-    def _solve(self, shell: Shell, count: int) -> tuple[Modes, Solution | None]:
-        if shell.axisymmetric and self.shapes is None:
-            found, solution = modes(shell, count), None
+    def _solve(self, shell: Shell | MeshStructure, count: int) -> tuple[Modes | MeshModes, Solution | None]:
+        found: Modes | MeshModes
+        solution: Solution | None = None
+        if not isinstance(shell, Shell):
+            found = modes(shell, count)
+        elif shell.axisymmetric and self.shapes is None:
+            found = modes(shell, count)
         else:
             known = None if self.exact or count > self.count or self.anchor is None else self.anchor.solution
             solution = solved(shell, count) if known is None else solved_near(shell, known, count)
@@ -177,10 +182,10 @@ class Problem:
             self.seconds[part] += spent
         return found, solution
 
-    def _pairing(self, found: Modes) -> Pairing:
+    def _pairing(self, found: Modes | MeshModes) -> Pairing:
         """The rows as they pair by label and frequency."""
         started = time.perf_counter()
-        alike = None if self.shapes is None else self.shapes.mac(found)
+        alike = self.shapes.mac(found) if self.shapes is not None and isinstance(found, Modes) else None
         pairing = pair(found, self.table, reach=self.reach, shape_mac=alike)
         self.seconds["pairing"] += time.perf_counter() - started
         if not pairing.matches:
@@ -191,12 +196,12 @@ class Problem:
             )
         return pairing
 
-    def _make(self, found: Modes, solution: Solution | None, pairing: Pairing) -> State:
+    def _make(self, found: Modes | MeshModes, solution: Solution | None, pairing: Pairing) -> State:
         pairing = replace(pairing, matches=tuple(sorted(pairing.matches, key=lambda match: match.rows)))
         residual = values(found, self.table, pairing.matches)
-        if self.shapes is not None and not self.shapes_wait:
+        if self.shapes is not None and not self.shapes_wait and isinstance(found, Modes):
             residual = np.append(residual, shape_values(found, self.shapes, pairing.matches))
-        return State(found.shell, found, solution, pairing, residual)
+        return State(found.structure, found, solution, pairing, residual)
 
     def adopt(self, x: FloatArray, state: State) -> None:
         """Take a point as evaluated."""

@@ -9,7 +9,9 @@ from scipy.optimize import brentq
 from casingfem.experiment.correlation.pairing import Pairing
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.mesh_modes import MeshModes
+from casingfem.modal.mode_set import Modes, ModeSet
+from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.identifiability import Identifiability, identifiability
 from casingfem.updating.parameters import Parameter
@@ -60,15 +62,15 @@ class UpdateResult:
         `laplace`, `sample_posterior`.
     """
 
-    structure: Shell
+    structure: Shell | MeshStructure
     parameters: tuple[Parameter, ...]
     start: tuple[float, ...]
     value: tuple[float, ...]
     covariance: FloatArray
     at_bound: tuple[bool, ...]
     prior_only: tuple[bool, ...]
-    before: Modes
-    after: Modes
+    before: Modes | MeshModes
+    after: Modes | MeshModes
     table: FrequencyTable
     pairing_before: Pairing
     pairing: Pairing
@@ -113,7 +115,7 @@ class UpdateResult:
     @property
     def free(self) -> int:
         """Degrees of freedom: residuals less parameters and what of the shapes is no information; at least 1."""
-        idle = redundant(self.after, self.problem.shapes, self.pairing.matches)
+        idle = redundant(self.after, self.problem.shapes, self.pairing.matches) if isinstance(self.after, Modes) else 0
         return max(self.residuals - idle - len(self.parameters), 1)
 
     @property
@@ -162,7 +164,7 @@ class UpdateResult:
         """Number of residuals of each match, those of shapes apart, which follow them all."""
         return [residual_count(match, self.table) for match in self.pairing.matches]
 
-    def rows(self, pairing: Pairing, modes: Modes) -> dict[int, float]:
+    def rows(self, pairing: Pairing, modes: ModeSet) -> dict[int, float]:
         """Table row -> computed frequency [Hz] under a pairing."""
         return {
             row: float(modes.freq[mode])
@@ -170,7 +172,7 @@ class UpdateResult:
             for row, mode in zip(match.rows, match.modes, strict=False)
         }
 
-    def rms(self, pairing: Pairing, modes: Modes) -> float:
+    def rms(self, pairing: Pairing, modes: ModeSet) -> float:
         """RMS relative frequency error over the rows that pair before and after; nan without any."""
         both = self.rows(self.pairing_before, self.before).keys() & self.rows(self.pairing, self.after).keys()
         errors = [f / self.table.freq_hz[row] - 1.0 for row, f in self.rows(pairing, modes).items() if row in both]

@@ -16,21 +16,26 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.shell.energies import point_fields, product_rates
 from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.mesh_numbers import mesh_product_derivatives
 from casingfem.updating.parameters import Parameter
 
 STEP = 1e-30
 
 
 def product_derivatives(
-    modes: Modes, vary: Sequence[Parameter], fields: FloatArray, own: FloatArray
+    modes: Modes | MeshModes, vary: Sequence[Parameter], fields: FloatArray, own: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """X^T K_p X and X^T M_p X for motions X of a solved shell, each (parameters, motions, motions) [per unit].
 
     Units are those of the solver: per decade for a log parameter. A rotating shell is refused (`rotation-update`).
     """
+    if isinstance(modes, MeshModes):
+        return of_mesh(modes, vary, fields)
+    assert own is not None
     if modes.shell.rotation is not None:
         raise ModelError("rotation-update", "update: found a rotating shell")
     at = point_fields(modes.shell, modes.grid, fields, own)
@@ -42,10 +47,21 @@ def product_derivatives(
     return K, M
 
 
-def eigen_derivatives(modes: Modes, vary: Sequence[Parameter]) -> FloatArray:
+def of_mesh(modes: MeshModes, vary: Sequence[Parameter], fields: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The same for an imported part, through its assembled matrices."""
+    values = [float(get_value(modes.structure, parameter.name)) for parameter in vary]
+    K, M = mesh_product_derivatives(
+        modes, values, lambda k, value: with_value(modes.structure, vary[k].name, value), fields
+    )
+    units = [np.log(10.0) * value if parameter.log else 1.0 for parameter, value in zip(vary, values, strict=True)]
+    scale = np.array(units)[:, None, None]
+    return K * scale, M * scale
+
+
+def eigen_derivatives(modes: Modes | MeshModes, vary: Sequence[Parameter]) -> FloatArray:
     """G[p, i, j] = phi_i^T (K_p - omega_i^2 M_p) phi_j, (parameters, modes, modes) [rad^2/s^2 per unit].
 
     The diagonal is d(omega_i^2)/dp; G[p, i, j]/(omega_i^2 - omega_j^2) is mode j's share in the change of mode i.
     """
-    K, M = product_derivatives(modes, vary, modes.fields, modes.own)
+    K, M = product_derivatives(modes, vary, modes.fields, getattr(modes, "own", None))
     return np.asarray(K - modes.omega[:, None] ** 2 * M)

@@ -123,7 +123,7 @@ def numbered(match: ShapeMatch) -> dict[str, object]:
 def shape_fit(fit: UpdateResult) -> ShapeFit | None:
     """Compare the shapes of an update with both its models; None for one without shapes."""
     shapes = fit.problem.shapes
-    if shapes is None:
+    if shapes is None or not (isinstance(fit.before, Modes) and isinstance(fit.after, Modes)):
         return None
     before = compared(shapes, fit.before, fit.pairing_before)
     return ShapeFit(fit=fit, shapes=shapes, before=before, after=compared(shapes, fit.after, fit.pairing))

@@ -17,6 +17,7 @@ from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.adjoint import adjoint_space
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.modal.neighbour import Solution
 from casingfem.updating.orientation import lower_phase, partner_turn, phase_loads
@@ -79,7 +80,7 @@ def residual_count(match: Match, table: FrequencyTable) -> int:
 
 
 def rates(
-    modes: Modes,
+    modes: Modes | MeshModes,
     solution: Solution | None,
     vary: Sequence[Parameter],
     table: FrequencyTable,
@@ -91,9 +92,10 @@ def rates(
     """
     turned = [match for match in matches if has_angle(match, table)]
     if not turned or solution is None:
-        K, M = product_derivatives(modes, vary, modes.fields, modes.own)
+        K, M = product_derivatives(modes, vary, modes.fields, getattr(modes, "own", None))
         still = np.zeros(len(vary))
         return Rates(G=K - modes.omega[:, None] ** 2 * M, turning={match.modes: still for match in turned})
+    assert not isinstance(modes, MeshModes)  # which have no solution to start from
     space = adjoint_space(solution, phase_loads(modes, turned))
     adjoints = np.stack([space.weights(k, match.modes[0], match.modes) for k, match in enumerate(turned)], axis=1)
     fields = np.concatenate([modes.fields, space.fields @ adjoints], axis=2)

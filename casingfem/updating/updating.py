@@ -7,14 +7,16 @@ with r from `targets.py`, exact Jacobians from `sensitivity.py`, and steps by `l
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from casingfem.errors import InputError
+from casingfem.errors import InputError, ModelError, warn
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import count_below
-from casingfem.structure.shell.shell import Shell, require_shell
+from casingfem.structure.imported.assembly import MeshStructure, require_structure
+from casingfem.structure.shell.shell import Shell
 from casingfem.updating.following import paired_rows
 from casingfem.updating.levenberg import levenberg_marquardt
 from casingfem.updating.parameters import Parameter, check_parameters
@@ -30,13 +32,13 @@ WAYS = (0.1, 1.0, 0.01)  # dampings to begin with: long first steps and short on
 SETTLED = 0.06  # two of the weights tried, which stand .058 apart in logarithm
 
 
-def mode_count(table: FrequencyTable, shell: Shell) -> int:
+def mode_count(table: FrequencyTable, shell: Shell | MeshStructure) -> int:
     """Modes to compute so that every row has a candidate: all up to 15 % past the table, and a few more."""
     return max(count_below(shell, 1.15 * float(table.freq_hz.max())), len(table)) + 4
 
 
 def update(
-    structure: Shell,
+    structure: Shell | MeshStructure,
     table: FrequencyTable,
     vary: Sequence[Parameter],
     *,
@@ -53,7 +55,8 @@ def update(
     Parameters
     ----------
     structure
-        The model; its present values are the start and the centres of the priors.
+        The model; its present values are the start and the centres of the priors. An imported part is fitted to its
+        frequencies, means and splits of pairs; not to shapes nor to the angles of pairs, which need a chart.
     table
         Measured frequencies with their sigma; doublets and orientations are used where they are given.
     vary
@@ -85,7 +88,9 @@ def update(
         raise InputError("vary: name at least one parameter")
     if not 0.0 <= model_error < 1.0:
         raise InputError(f"model_error must lie in [0, 1), found {model_error!r}")
-    require_shell(structure, "update")
+    if not isinstance(structure, Shell):
+        require_structure(structure, "update")
+        table = fitted_to_mesh(table, shapes)
     check_parameters(structure, vary)
     count = count or mode_count(table, structure)
     if shapes is not None and shapes.shapes.shape[1] != len(table):
@@ -134,6 +139,20 @@ def update(
         upper=upper,
         problem=problem,
     )
+
+
+def fitted_to_mesh(table: FrequencyTable, shapes: SensorShapes | None) -> FrequencyTable:
+    """The table without the angles of pairs, which an imported part is not fitted to; shapes are refused.
+
+    Warns `update-angles` where there are some.
+    """
+    if shapes is not None:
+        raise ModelError("structure-chart", "update: found shapes to fit on an imported part")
+    if np.isfinite(table.angle_deg).any():
+        found = f"{table.path}: {int(np.isfinite(table.angle_deg).sum())} angles of pairs on an imported part"
+        warn("update-angles", found)
+        table = replace(table, angle_deg=np.full(len(table), np.nan))
+    return table
 
 
 def covariance(jacobian: FloatArray) -> FloatArray:

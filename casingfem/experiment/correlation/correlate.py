@@ -18,7 +18,9 @@ from casingfem.experiment.correlation.orthogonality import cross_orthogonality, 
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.correlation.sensors import Sensors, sensors_of
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.mesh_modes import MeshModes
+from casingfem.modal.mode_set import Modes, ModeSet
+from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.shell.system import System
 
 DIFFERENT = 0.9  # COMAC below this is worth a look
@@ -49,7 +51,7 @@ class Correlation:
         The measured shapes on the model's modes.
     """
 
-    modes: Modes
+    modes: Modes | MeshModes
     measured: MeasuredShapes
     sensors: Sensors
     pairing: Pairing
@@ -134,9 +136,14 @@ class Correlation:
 
 
 def correlate(
-    modes: Modes, measured: MeasuredShapes, *, reach: float = 0.2, mass: str = "SEREP", system: System | None = None
+    modes: Modes | MeshModes,
+    measured: MeasuredShapes,
+    *,
+    reach: float = 0.2,
+    mass: str = "SEREP",
+    system: System | MeshSystem | None = None,
 ) -> Correlation:
-    """Correlate measured shapes with the modes of a shell.
+    """Correlate measured shapes with the modes of a shell, or of an imported part at its nearest nodes.
 
     Parameters
     ----------
@@ -222,19 +229,19 @@ def seen_nco(measured: FloatArray, computed: FloatArray, mass: FloatArray) -> Fl
     return found
 
 
-def plane_of(match: Match, modes: Modes) -> list[int]:
+def plane_of(match: Match, modes: ModeSet) -> list[int]:
     """The modes of a match, with the doublets' other members."""
     whole = {mode for pair in modes.doublets if set(pair) & set(match.modes) for mode in pair}
     return sorted(whole | set(match.modes))
 
 
-def alike(match: Match, modes: Modes, measured: FloatArray, computed: FloatArray) -> float:
+def alike(match: Match, modes: ModeSet, measured: FloatArray, computed: FloatArray) -> float:
     """MAC of a match: of the planes where the model has a doublet."""
     return subspace_mac(measured[:, list(match.rows)], computed[:, plane_of(match, modes)])
 
 
 def partners(
-    matches: tuple[Match, ...], modes: Modes, measured: FloatArray, computed: FloatArray
+    matches: tuple[Match, ...], modes: ModeSet, measured: FloatArray, computed: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Paired shapes, measured ones of unit length, and their nearest in the planes of their modes."""
     rows = [measured[:, list(match.rows)] for match in matches]

@@ -15,12 +15,13 @@ from casingfem.experiment.correlation.mac import mac
 from casingfem.experiment.correlation.sensors import Sensors
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import factorise
+from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.shell.system import System
 
 CHANNELS = 1e-10  # least ratio of the static compliance's eigenvalues: channels that are no repetition of others
 
 
-def guyan_mass(system: System, sensors: Sensors) -> FloatArray:
+def guyan_mass(system: System | MeshSystem, sensors: Sensors) -> FloatArray:
     """M_s (channels, channels) by static condensation to the channels.
 
     G = K^-1 P (P^T K^-1 P)^-1: the shape of least strain energy for given motions u = P^T x at the channels.
@@ -39,7 +40,7 @@ def guyan_mass(system: System, sensors: Sensors) -> FloatArray:
     if values[0] < CHANNELS * values[-1]:
         raise ModelError("sensor-twice", f"{len(sensors)} channels of which some measure the same motion")
     G = cho_solve(cho_factor(compliance), attachment.T).T
-    return np.asarray(G.T @ (system.mass[:, None] * G))
+    return np.asarray(G.T @ (system.M @ G))
 
 
 def serep_mass(at_sensors: FloatArray) -> FloatArray:

@@ -6,11 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.mesh.kinematics import DOFS, dot
+from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
+from casingfem.structure.mesh.kinematics import dot
 from casingfem.structure.mesh.place import interpolation
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.shell import Shell, require_shell
@@ -28,7 +31,7 @@ class Sensors:
     Attributes
     ----------
     a, b
-        Chart parameters of the nearest points, (channels,).
+        Chart parameters of the nearest points, (channels,); nan on imported parts, whose nearest nodes are taken.
     distance
         How far the surface is from the sensor [m], (channels,).
     directions
@@ -58,9 +61,9 @@ class Sensors:
         """Nodal fields (nodes, 5, modes) at the channels, (channels, modes)."""
         return np.asarray(np.einsum("cf,cfim,ci->cm", self.weights, fields[self.nodes][:, :, :3], self.directions))
 
-    def loads(self, system: System) -> FloatArray:
+    def loads(self, system: System | MeshSystem) -> FloatArray:
         """Unit forces at the channels on the free dofs, (free, channels): P with u = P^T x."""
-        forces = np.zeros((system.grid.nodes.shape[1], DOFS, len(self)))
+        forces = np.zeros((len(system.points), system.dofs, len(self)))
         channel = np.broadcast_to(np.arange(len(self))[:, None], self.nodes.shape)
         for axis in range(3):
             np.add.at(
@@ -119,18 +122,52 @@ def on_wall(
     distance = np.linalg.norm(surface.T - where, axis=1)
     size = float(np.linalg.norm(np.ptp(surface_samples(shell)[2], axis=1)))
     allowed = FAR * size if tolerance is None else tolerance
-    if distance.max() > allowed:
-        worst = int(distance.argmax())
-        message = (
-            f"sensor {numbers[worst]} at {where[worst].round(4).tolist()} m is {distance[worst]:.4g} m from the wall"
-        )
-        raise ModelError("sensor-far", f"{message}, {allowed:.4g} m are allowed")
+    refuse_far(where, numbers, distance, allowed, "the wall")
     return a, b, distance
 
 
-def sensors_of(modes: Modes, points: ArrayLike, directions: ArrayLike, labels: ArrayLike | None = None) -> Sensors:
-    """Sensors on the shell of some modes."""
+def sensors_of(
+    modes: Modes | MeshModes, points: ArrayLike, directions: ArrayLike, labels: ArrayLike | None = None
+) -> Sensors:
+    """Sensors on the structure of some modes: at the nearest points of a wall, or nodes of an imported part."""
+    if isinstance(modes, MeshModes):
+        return sensors_at_nodes(modes.structure, points, directions, labels)
     return sensors_on(modes.shell, modes.grid, points, directions, labels)
+
+
+def sensors_at_nodes(
+    structure: MeshStructure,
+    points: ArrayLike,
+    directions: ArrayLike,
+    labels: ArrayLike | None = None,
+    *,
+    tolerance: float | None = None,
+) -> Sensors:
+    """Put sensors on an imported part, each at the nearest node.
+
+    Raises
+    ------
+    ModelError
+        sensor-far, for one further than `tolerance` [m], by default 2 % of the part's size, from every node.
+    """
+    where, towards = np.asarray(points, float), np.asarray(directions, float)
+    numbers = np.arange(1, len(where) + 1) if labels is None else np.asarray(labels)
+    mesh = structure.mesh
+    distance, place = cKDTree(mesh.points[mesh.used]).query(where)
+    refuse_far(where, numbers, distance, FAR * mesh.size if tolerance is None else tolerance, "a node")
+    none = np.full(len(where), np.nan)
+    nodes = mesh.used[place][:, None]
+    weights = np.ones((len(where), 1))
+    return Sensors(a=none, b=none, distance=distance, directions=towards, labels=numbers, nodes=nodes, weights=weights)
+
+
+def refuse_far(where: FloatArray, numbers: IntArray, distance: FloatArray, allowed: float, what: str) -> None:
+    """Refuse sensors that stand away from the structure."""
+    if distance.max() > allowed:
+        worst = int(distance.argmax())
+        place = where[worst].round(4).tolist()
+        message = f"sensor {numbers[worst]} at {place} m is {distance[worst]:.4g} m from {what}"
+        raise ModelError("sensor-far", f"{message}, {allowed:.4g} m are allowed")
 
 
 def surface_samples(shell: Shell) -> tuple[FloatArray, FloatArray, FloatArray]:

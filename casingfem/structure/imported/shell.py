@@ -34,6 +34,7 @@ from casingfem.structure.imported.assembly import (
 from casingfem.structure.imported.cell_kind import SHELLS, shape_functions
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.findings import cells_named
+from casingfem.structure.imported.groups import by_group, constants_of
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.spin import MeshSpin, spun
 from casingfem.structure.imported.support import MeshSupport, check_support
@@ -56,6 +57,8 @@ class MeshShell:
         Wall thickness t [m], half of it on each side of the mesh.
     material
         Isotropic material.
+    thicknesses, materials
+        Group of cells -> thickness [m], material of its own.
     supports
         Group -> `Clamped`, `Fixed` (displacements), or `ElasticEdge(k_face=...)` on the group's edges: t k_face per
         length on displacements, t^3/12 k_face on rotations.
@@ -84,24 +87,38 @@ class MeshShell:
     supports: Mapping[str, MeshSupport] = field(default_factory=dict)
     shear_correction: float = 5.0 / 6.0
     rotation: Rotation | None = None
+    thicknesses: Mapping[str, float] = field(default_factory=dict)
+    materials: Mapping[str, Material] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.mesh.kind not in SHELLS:
             raise ModelError("mesh-not-shell", f"{self.mesh.source}: cells of kind {self.mesh.kind}")
-        if not (np.isfinite(self.thickness) and self.thickness > 0.0):
-            raise ModelError("shell-thickness", f"shell.thickness must be above 0, found {self.thickness!r}")
-        check_groups(self.mesh, [*self.supports])
+        named = {f"thicknesses.{name}": t for name, t in self.thicknesses.items()}
+        for key, t in {"thickness": self.thickness, **named}.items():
+            if not (np.isfinite(t) and t > 0.0):
+                raise ModelError("shell-thickness", f"shell.{key} must be above 0, found {t!r}")
+        check_groups(self.mesh, [*self.supports, *self.thicknesses, *self.materials])
         for name, support in self.supports.items():
             check_support(self.mesh, name, support)
         check_mesh(self.mesh)
         check_units(self.mesh, self.material)
         object.__setattr__(self, "mesh", with_centres(self.mesh))
         object.__setattr__(self, "supports", read_only(self.supports))
+        object.__setattr__(self, "thicknesses", read_only(self.thicknesses))
+        object.__setattr__(self, "materials", read_only(self.materials))
         check_folds(self.mesh)
+        self.walls()
+
+    def walls(self) -> FloatArray:
+        """Thickness, E, nu, rho of each cell, (4, cells)."""
+        t = by_group(self.mesh, (self.thickness,), {name: (value,) for name, value in self.thicknesses.items()})
+        own = {name: constants_of(material) for name, material in self.materials.items()}
+        return np.concatenate([t, by_group(self.mesh, constants_of(self.material), own)])
 
     def density(self) -> FloatArray:
         """Mass per area of each cell [kg/m^2], (cells,)."""
-        return np.full(len(self.mesh.cells), self.material.rho * self.thickness)
+        t, _, _, rho = self.walls()
+        return np.asarray(rho * t)
 
     def assembled(self) -> MeshSystem:
         """Its matrices on the free dofs, at its speed if it rotates."""
@@ -176,33 +193,38 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     dofs = cell_dofs(mesh.cells, DOFS)
     K = scatter(stiffness(shell, normals, frames), dofs, size)
     M = scatter(consistent_mass(shell, frames), dofs, size)
-    sound = float(np.sqrt(shell.material.E / shell.material.rho))
+    t, E, _, rho = shell.walls()
     motions = rigid_motions(mesh.points, normals, frames)
-    return assembled(shell, K, M, edge_springs(shell, frames), motions, shell.thickness, sound)
+    sound = float(np.sqrt((E / rho).min()))
+    return assembled(shell, K, M, edge_springs(shell, frames), motions, float(t.min()), sound)
 
 
 def stiffness(shell: MeshShell, normals: FloatArray, frames: FloatArray) -> FloatArray:
     """Stiffness of each cell, (cells, 5 nodes, 5 nodes), dofs node by node."""
     mesh = shell.mesh
-    root = np.linalg.cholesky(wall_stiffness(shell)).T  # D = root^T root
+    root = np.linalg.cholesky(wall_stiffness(shell)).transpose(0, 2, 1)  # D = root^T root
     size = DOFS * mesh.cell_kind.nodes
     matrices = np.empty((len(mesh.cells), size, size))
     step = max(1, CHUNK // (20 * 8 * size))
     for start in range(0, len(mesh.cells), step):
         cells = mesh.cells[start : start + step]
         strains, measure = tied_strains(mesh.kind, mesh.points[cells], normals[cells], frames[cells])
-        weighted = (root @ strains) * np.sqrt(measure)[:, :, None, None]
+        weighted = (root[start : start + step, None] @ strains) * np.sqrt(measure)[:, :, None, None]
         flat = weighted.reshape(len(cells), -1, size)
         np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[start : start + step])
     return matrices
 
 
 def wall_stiffness(shell: MeshShell) -> FloatArray:
-    """Resultants of the strains (eps, chi, gamma) along orthonormal tangents, (8, 8)."""
-    t, C = shell.thickness, shell.material.plane_stress()
-    D = np.zeros((8, 8))
-    D[:3, :3], D[3:6, 3:6] = t * C, t**3 / 12.0 * C
-    D[6, 6] = D[7, 7] = shell.shear_correction * shell.material.shear_modulus * t
+    """Resultants of the strains (eps, chi, gamma) along orthonormal tangents of each cell, (cells, 8, 8)."""
+    t, E, nu, _ = shell.walls()
+    C = np.zeros((3, 3, len(t)))
+    C[0, 0] = C[1, 1] = E / (1.0 - nu**2)
+    C[0, 1] = C[1, 0] = nu * C[0, 0]
+    C[2, 2] = E / (2.0 * (1.0 + nu))
+    D = np.zeros((len(t), 8, 8))
+    D[:, :3, :3], D[:, 3:6, 3:6] = (t * C).transpose(2, 0, 1), (t**3 / 12.0 * C).transpose(2, 0, 1)
+    D[:, 6, 6] = D[:, 7, 7] = shell.shear_correction * C[2, 2] * t
     return D
 
 
@@ -211,7 +233,7 @@ def consistent_mass(shell: MeshShell, frames: FloatArray) -> FloatArray:
     mesh = shell.mesh
     on = mapped(mesh.kind, mesh.points, mesh.cells)
     products = np.einsum("iq,jq,eq->eij", on.values, on.values, on.measure, optimize=True)
-    rho, t = shell.material.rho, shell.thickness
+    t, _, _, rho = shell.walls()[:, :, None, None]
     return five_dofs(rho * t * products, rho * t**3 / 12.0 * products, frames[mesh.cells])
 
 
@@ -232,8 +254,9 @@ def edge_springs(shell: MeshShell, frames: FloatArray) -> list[csc_array]:
     springs = []
     for name, support in shell.supports.items():
         if isinstance(support, ElasticEdge):
-            products, nodes, _ = facet_shape_products(shell.mesh, shell.mesh.group_facets(name))
-            k, t = support.k_face, shell.thickness
+            facets = shell.mesh.group_facets(name)
+            products, nodes, _ = facet_shape_products(shell.mesh, facets)
+            k, t = support.k_face, shell.walls()[0, facets[:, 0], None, None]
             matrices = five_dofs(k * t * products, k * t**3 / 12.0 * products, frames[nodes])
             springs.append(scatter(matrices, cell_dofs(nodes, DOFS), size))
     return springs

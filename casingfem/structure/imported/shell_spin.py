@@ -44,7 +44,8 @@ def shell_spin(system: MeshSystem, shell: MeshShell, rotation: Rotation) -> Mesh
 
 def shell_inertia(shell: MeshShell, rotation: Rotation) -> Inertia:
     """Inertia of the cells about an axis, the rotary one of the directors included."""
-    mesh, t, rho = shell.mesh, shell.thickness, shell.material.rho
+    mesh = shell.mesh
+    t, _, _, rho = shell.walls()[:, :, None, None]
     normals = directors(mesh)
     frames = tangent_frames(normals)
     P, a = rotation.plane, rotation.direction
@@ -99,14 +100,14 @@ def shell_stiffening(shell: MeshShell, fields: FloatArray) -> Stiffening:
         quadratic = local @ tied_covariant(mesh.kind, u[cells], w[cells], e)
         moved = fields[cells].reshape(len(cells), 1, m, 1)
         strain, bow = (L @ moved)[..., 0], 0.5 * (quadratic @ moved)[..., 0]
-        stress = (strain @ D) * measure[:, :, None]
-        pulled = (D @ quadratic) * measure[:, :, None, None]
+        stress = (strain @ D[part]) * measure[:, :, None]
+        pulled = (D[part, None] @ quadratic) * measure[:, :, None, None]
         cross = flat(L).transpose(0, 2, 1) @ flat(pulled)
         pull = np.einsum("eqij,eqi->eqj", local, stress)  # on the covariant strains
         first[part] = cross + cross.transpose(0, 2, 1) + geometric(mesh.kind, pull, x, n, e)
         second[part] = flat(quadratic).transpose(0, 2, 1) @ flat(pulled)
         strained += float((stress * strain).sum())
-        bowed += float(((bow @ D) * bow * measure[:, :, None]).sum())
+        bowed += float(((bow @ D[part]) * bow * measure[:, :, None]).sum())
     return Stiffening(first, second, float(np.sqrt(bowed / strained)) if strained > 0.0 else 0.0)
 
 

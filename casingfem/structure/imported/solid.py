@@ -29,6 +29,7 @@ from casingfem.structure.imported.assembly import (
 )
 from casingfem.structure.imported.cell_kind import SOLIDS
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
+from casingfem.structure.imported.groups import by_group, constants_of
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.spin import MeshSpin, spun
 from casingfem.structure.imported.support import MeshSupport, check_support
@@ -89,20 +90,7 @@ class Solid:
 
     def constants(self) -> FloatArray:
         """E, nu, rho of each cell, (3, cells); a cell in two groups of `materials` is refused."""
-        values = np.tile(np.array([[self.material.E], [self.material.nu], [self.material.rho]]), len(self.mesh.cells))
-        owner = np.full(len(self.mesh.cells), "", dtype=object)
-        for name, material in self.materials.items():
-            cells = self.mesh.groups[name].cells
-            if not len(cells):
-                raise ModelError("mesh-group-no-cells", f"{self.mesh.source}: material of group {name!r}")
-            taken = cells[owner[cells] != ""]
-            if len(taken):
-                number = self.mesh.cell_numbers[taken[0]]
-                found = f"cell {number} has the materials of {owner[taken[0]]!r} and {name!r}"
-                raise ModelError("mesh-material-twice", f"{self.mesh.source}: {found}")
-            owner[cells] = name
-            values[:, cells] = [[material.E], [material.nu], [material.rho]]
-        return values
+        return by_group(self.mesh, constants_of(self.material), {g: constants_of(m) for g, m in self.materials.items()})
 
     def density(self) -> FloatArray:
         """Mass per volume of each cell [kg/m^3], (cells,)."""

@@ -115,11 +115,13 @@ class ShellTable(ImportTable):
     """[shell]: a wall on [chart], or on an imported mesh of quadrilaterals."""
 
     thickness: Length = Field(description="nominal wall thickness [m]")
+    thicknesses: dict[str, Length] = Field(default={}, description="group of cells of a mesh -> its thickness [m]")
+    material: dict[str, MaterialTable] = Field(default={}, description="group of cells of a mesh -> its own material")
 
     @model_validator(mode="after")
     def _mesh_keys(self) -> "ShellTable":
-        if self.mesh is None and (self.scale != 1.0 or self.join != 0.0):
-            raise ValueError("found scale or join without mesh, expected them with a mesh file only")
+        if self.mesh is None and {"scale", "join", "thicknesses", "material"} & self.model_fields_set:
+            raise ValueError("found scale, join, thicknesses or material without mesh, expected them with a mesh only")
         return self
 
 

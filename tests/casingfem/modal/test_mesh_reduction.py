@@ -305,7 +305,6 @@ def test_what_is_no_structure_is_told_what_it_lacks(call):
         ("mistune", lambda x: cf.mistune(x, 1)),
         ("out_of_roundness", lambda x: cf.out_of_roundness(x, Rim("top"))),
         ("locate", lambda x: cf.locate(x, TABLE)),
-        ("update", lambda x: cf.update(x, TABLE, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)])),
     ],
 )
 def test_what_needs_a_chart_says_so(name, call):

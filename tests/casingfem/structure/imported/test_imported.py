@@ -131,7 +131,7 @@ def test_bad_studies_name_the_key(name, tmp_path):
     assert ran.exit_code == 2
 
 
-@pytest.mark.parametrize("command", ["update", "report"])
+@pytest.mark.parametrize("command", ["mistune", "report"])
 def test_what_imported_meshes_cannot_is_refused_in_words(command, tmp_path):
     path = study(tmp_path, SOLID)
     ran = CliRunner().invoke(main, [command, str(path), "--out", str(tmp_path)])
