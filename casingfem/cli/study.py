@@ -10,6 +10,7 @@ from casingfem.cli.running import ProgressMessage, deliver, options
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
+    from casingfem.modal.mesh_modes import MeshModes
     from casingfem.modal.mode_set import Modes, ModeSet
     from casingfem.study import MeshStudy, Study
 
@@ -43,17 +44,14 @@ def modes(
 
     modes.csv of --out is a frequency table, which `casingfem locate` and `update` take; it says COMPUTED.
     """
-    from casingfem.modal.modes import Modes
     from casingfem.modal.modes import modes as compute
-    from casingfem.study import MeshStudy, load_any
+    from casingfem.study import load_any
 
     if shown is not None and not (vtu or uff):
         raise click.UsageError("--modes chooses what --vtu or --uff writes: give --vtu too")
     if (vtu or uff) and out is None:
         raise click.UsageError("--vtu or --uff needs --out DIR")
     study = load_any(file)
-    if (vtu or uff) and isinstance(study, MeshStudy):
-        raise click.UsageError("--vtu or --uff writes the shapes of shells on a chart, not those of imported meshes")
     with ProgressMessage(f"modes of {file.name}"):
         found = compute(study.structure, **study.file.modes.wanted)
     if found.rigid and study.file.modes.elastic_only:
@@ -72,14 +70,14 @@ def modes(
         "modes.json": json_text(document, indent=1),
         "modes.csv": modes_csv(found, study, sigma),
     }
-    if vtu and isinstance(found, Modes):
+    if vtu:
         files |= shapes(found, shown)
-    if uff and isinstance(found, Modes):
+    if uff:
         files |= universal(found, shown)
     deliver(document, repr(found), as_json=as_json, out=out, files=files)
 
 
-def shapes(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, bytes]:
+def shapes(found: "Modes | MeshModes", shown: tuple[int, ...] | None) -> dict[str, bytes]:
     """The files of --vtu by name."""
     from casingfem.export.meshes import mode_files
 
@@ -87,7 +85,7 @@ def shapes(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, bytes]:
     return {f"vtu/{name}": content for name, content in mode_files(found, which).items()}
 
 
-def universal(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, Content]:
+def universal(found: "Modes | MeshModes", shown: tuple[int, ...] | None) -> dict[str, Content]:
     """The file of --uff."""
     from casingfem.export.modes_uff import write_modes_uff
 
@@ -95,7 +93,7 @@ def universal(found: "Modes", shown: tuple[int, ...] | None) -> dict[str, Conten
     return {"modes.uff": lambda path: write_modes_uff(found, path, which)}
 
 
-def indices(found: "Modes", shown: tuple[int, ...] | None) -> list[int] | None:
+def indices(found: "ModeSet", shown: tuple[int, ...] | None) -> list[int] | None:
     """The modes chosen, from 0, which must be among those computed."""
     if shown is not None and max(shown) > len(found):
         raise click.UsageError(f"--modes: found {max(shown)}, expected numbers up to the {len(found)} modes computed")

@@ -12,11 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.mesh.element import ElementQuadLobatto
 from casingfem.structure.mesh.kinematics import dot, frame
 
-QUAD = 9  # VTK's number of a four-noded quadrilateral
+VTK = {
+    "quad": 9, "quad8": 23, "quad9": 28, "tetra": 10, "tetra10": 24, "hexahedron": 12, "hexahedron20": 25,
+    "hexahedron27": 29,
+}  # VTK's numbers of the kinds of cells  # fmt: skip
+QUAD = VTK["quad"]
 EXAGGERATION = 0.05  # largest displacement drawn, as a part of the structure's diagonal
 PHASES = 16  # pictures in one period
 
@@ -24,19 +29,43 @@ NAMES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "u1": "UInt8"}
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="{}" version="1.0" byte_order="LittleEndian" header_type="UInt64"{}>\n'
 
 
-class DrawnSurface(NamedTuple):
-    """The nodes of a shell as a surface of quadrilaterals whose normals point outward.
+class Drawn(NamedTuple):
+    """What is drawn of a structure: its nodes (nodes, 3), cells of one kind by VTK's number, lines between nodes.
 
-    `points` and `normals` are (nodes, 3), `thickness` is (nodes,), `quads` (cells, 4) holds node numbers.
+    `rows` are the places of the nodes in the modes' fields, `labels` their numbers; `normals` (nodes, 3), pointing
+    outward, and `thickness` (nodes,) are those of a wall, None on imported parts.
     """
 
     points: FloatArray
-    quads: IntArray
-    normals: FloatArray
-    thickness: FloatArray
+    cells: IntArray
+    kind: int
+    sides: IntArray
+    rows: IntArray
+    labels: IntArray
+    normals: FloatArray | None = None
+    thickness: FloatArray | None = None
 
 
-def drawn_surface(modes: Modes) -> DrawnSurface:
+def drawn(modes: Modes | MeshModes) -> Drawn:
+    """The undeformed structure of a set of modes."""
+    return drawn_mesh(modes) if isinstance(modes, MeshModes) else drawn_surface(modes)
+
+
+def drawn_mesh(modes: MeshModes) -> Drawn:
+    """The cells of an imported part and the edges of its outside."""
+    mesh = modes.structure.mesh
+    used, place = mesh.used, np.zeros(len(mesh.points), dtype=np.int64)
+    place[used] = np.arange(len(used))
+    if mesh.cell_kind.dim == 3:
+        corners = np.array(mesh.cell_kind.facets)[mesh.boundary[:, 1]]
+        faces = np.take_along_axis(mesh.cells[mesh.boundary[:, 0]], corners, axis=1)
+    else:
+        faces = mesh.cells[:, : len(mesh.cell_kind.corners)]
+    sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+    return Drawn(mesh.points[used], place[mesh.cells], VTK[mesh.kind], place[sides], used, mesh.labels[used])
+
+
+def drawn_surface(modes: Modes) -> Drawn:
     """The undeformed mid-surface of a set of modes; outward is where the chart's first direction points."""
     shell, grid = modes.shell, modes.grid
     geometry = shell.geometry(*grid.nodes)
@@ -48,16 +77,21 @@ def drawn_surface(modes: Modes) -> DrawnSurface:
     place[tuple(ElementQuadLobatto(order).pairs.T)] = np.arange((order + 1) ** 2)
     corners = np.stack([place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:]], axis=-1).reshape(-1, 4)
     quads = grid.elements[:, corners[:, ::-1] if flip else corners].reshape(-1, 4)
-    return DrawnSurface(
+    count = len(geometry.surface.x.T)
+    return Drawn(
         points=np.real(geometry.surface.x.T),
-        quads=quads,
+        cells=quads,
+        kind=QUAD,
+        sides=np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2),
+        rows=np.arange(count),
+        labels=np.arange(1, count + 1),
         normals=np.real(-normals.T if flip else normals.T),
         thickness=np.real(geometry.thickness),
     )
 
 
 def mode_files(
-    modes: Modes,
+    modes: Modes | MeshModes,
     which: Sequence[int] | None = None,
     *,
     phases: int = PHASES,
@@ -65,8 +99,9 @@ def mode_files(
 ) -> dict[str, bytes]:
     """File name -> content: of each mode k a `mode_k.vtu`, and a `mode_k.pvd` that plays its deformed surfaces.
 
-    The VTU lies undeformed and carries, at its points, `displacement` (3 components, mass-normalised, kg^-1/2),
-    `normal_displacement` (outward positive), `thickness` [m], and freq_hz as field data. The series moves the points,
+    The VTU lies undeformed and carries, at its points, `displacement` (3 components, mass-normalised, kg^-1/2), of a
+    wall on a chart `normal_displacement` (outward positive) and `thickness` [m], and freq_hz as field data. The series
+    moves the points,
 
         x(t) = X + a cos(2 pi t) u,   a max|u| = exaggeration * diagonal,   t = 0, 1/phases, ...
 
@@ -92,53 +127,61 @@ def mode_files(
     for mode in chosen:
         if not 0 <= mode < len(modes):
             raise ValueError(f"mode {mode + 1} is not among the {len(modes)} modes")
-    surface = drawn_surface(modes)
+    surface = drawn(modes)
     files: dict[str, bytes] = {}
     for mode in chosen:
         files |= one_mode(modes, mode, surface, phases, exaggeration)
     return files
 
 
-def one_mode(modes: Modes, mode: int, surface: DrawnSurface, phases: int, exaggeration: float) -> dict[str, bytes]:
+def one_mode(modes: Modes | MeshModes, mode: int, surface: Drawn, phases: int, exaggeration: float) -> dict[str, bytes]:
     """The VTU of one mode, its series, and the files of the series."""
-    shape = modes.fields[:, :3, mode]
-    normal = np.einsum("ni,ni->n", surface.normals, shape)
+    shape = modes.fields[surface.rows, :3, mode]
     facts = {"freq_hz": modes.freq[[mode]], "nodal_diameters": modes.nodal_diameters[[mode]].astype(np.int64)}
     name = f"mode_{mode + 1:03d}"
-    data = {"displacement": shape, "normal_displacement": normal, "thickness": surface.thickness}
-    files = {f"{name}.vtu": vtu(surface.points, surface.quads, data, facts)}
+    files = {f"{name}.vtu": vtu(surface.points, surface.cells, point_data(surface, shape), facts, surface.kind)}
     diagonal = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
-    drawn = exaggeration * diagonal / float(np.linalg.norm(shape, axis=1).max())
+    largest = exaggeration * diagonal / float(np.linalg.norm(shape, axis=1).max())
     for k in range(phases // 2 + 1):
         part = np.cos(2.0 * np.pi * k / phases)
-        moved = (surface.points + drawn * part * shape).astype(np.float32)
-        data = {"displacement": part * shape, "normal_displacement": part * normal, "thickness": surface.thickness}
-        small = {key: values.astype(np.float32) for key, values in data.items()}
-        files[f"{name}_phase_{k:02d}.vtu"] = vtu(moved, surface.quads, small, facts)
+        moved = (surface.points + largest * part * shape).astype(np.float32)
+        small = {key: values.astype(np.float32) for key, values in point_data(surface, part * shape).items()}
+        files[f"{name}_phase_{k:02d}.vtu"] = vtu(moved, surface.cells, small, facts, surface.kind)
     there_and_back = [min(k, phases - k) for k in range(phases)]
     series = [(k / phases, f"{name}_phase_{file:02d}.vtu") for k, file in enumerate(there_and_back)]
     return files | {f"{name}.pvd": pvd(series)}
 
 
-def vtu(points: Array, quads: IntArray, point_data: Mapping[str, Array], field_data: Mapping[str, Array]) -> bytes:
-    """An unstructured grid of quadrilaterals with data at its points and data of the whole.
+def point_data(surface: Drawn, shape: FloatArray) -> dict[str, Array]:
+    """What a file carries at its points."""
+    data: dict[str, Array] = {"displacement": shape}
+    if surface.normals is not None and surface.thickness is not None:
+        data |= {"normal_displacement": np.einsum("ni,ni->n", surface.normals, shape), "thickness": surface.thickness}
+    return data
+
+
+def vtu(
+    points: Array, cells: IntArray, at_points: Mapping[str, Array], of_whole: Mapping[str, Array], kind: int = QUAD
+) -> bytes:
+    """An unstructured grid of cells of one kind with data at its points and data of the whole.
 
     >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     >>> vtu(square, np.array([[0, 1, 2, 3]]), {"thickness": np.ones(4)}, {})[:21]
     b'<?xml version="1.0"?>'
     """
-    count = len(quads)
+    count, width = cells.shape
+    scalars = ' Scalars="normal_displacement"' if "normal_displacement" in at_points else ""
     parts = [
         HEAD.format("UnstructuredGrid", ' compressor="vtkZLibDataCompressor"') + "<UnstructuredGrid>\n<FieldData>\n",
-        *(array(name, values, f' NumberOfTuples="{len(values)}"') for name, values in field_data.items()),
+        *(array(name, values, f' NumberOfTuples="{len(values)}"') for name, values in of_whole.items()),
         f'</FieldData>\n<Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">\n<Points>\n',
         array("Points", points),
         "</Points>\n<Cells>\n",
-        array("connectivity", quads.ravel()),
-        array("offsets", 4 * np.arange(1, count + 1)),
-        array("types", np.full(count, QUAD, dtype=np.uint8)),
-        '</Cells>\n<PointData Vectors="displacement" Scalars="normal_displacement">\n',
-        *(array(name, values) for name, values in point_data.items()),
+        array("connectivity", cells.ravel()),
+        array("offsets", width * np.arange(1, count + 1)),
+        array("types", np.full(count, kind, dtype=np.uint8)),
+        f'</Cells>\n<PointData Vectors="displacement"{scalars}>\n',
+        *(array(name, values) for name, values in at_points.items()),
         "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n",
     ]
     return "".join(parts).encode("ascii")

@@ -10,7 +10,8 @@ import numpy as np
 from casingfem.experiment.uff.nodes import Nodes, TraceLine, Units
 from casingfem.experiment.uff.set_55 import NORMAL_MODE, Shape
 from casingfem.experiment.uff.write import write_uff
-from casingfem.export.meshes import DrawnSurface, drawn_surface
+from casingfem.export.meshes import Drawn, drawn
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
 
 STRUCTURAL, TRANSLATIONS, DISPLACEMENT = 1, 2, 8  # set 55: model, data characteristic, quantity
@@ -18,13 +19,13 @@ LINE_COLOR = 8
 
 
 def write_modes_uff(
-    modes: Modes,
+    modes: Modes | MeshModes,
     path: str | os.PathLike[str],
     which: Sequence[int] | None = None,
     *,
     nodes_set: Literal["15", "2411"] = "15",
 ) -> Path:
-    """Write the modes of a shell so that test software shows them: sets 151, 164 (SI), 15 or 2411, 82, 55.
+    """Write the modes of a structure so that test software shows them: sets 151, 164 (SI), 15 or 2411, 82, 55.
 
     Shapes are mass-normalised translations in global directions, modal mass 1; set 55 keeps six digits.
 
@@ -44,29 +45,27 @@ def write_modes_uff(
     for mode in chosen:
         if not 0 <= mode < len(modes):
             raise ValueError(f"mode {mode + 1} is not among the {len(modes)} modes")
-    surface = drawn_surface(modes)
+    surface = drawn(modes)
     none = np.zeros(len(surface.points), np.int64)
-    labels = np.arange(1, len(surface.points) + 1)
     return write_uff(
         path,
-        header=("casingfem", "modes of a shell"),
+        header=("casingfem", "modes of a shell" if isinstance(modes, Modes) else "modes of an imported part"),
         units=Units(),
-        nodes=Nodes(labels=labels, points=surface.points, systems=none, motions=none),
+        nodes=Nodes(labels=surface.labels, points=surface.points, systems=none, motions=none),
         nodes_set=nodes_set,
         lines=[drawn_lines(surface)],
-        shapes=[one_shape(modes, mode) for mode in chosen],
+        shapes=[one_shape(modes, mode, surface) for mode in chosen],
     )
 
 
-def drawn_lines(surface: DrawnSurface) -> TraceLine:
-    """The sides of all quadrilaterals, each drawn once, the pen lifted between them."""
-    sides = np.stack([surface.quads, np.roll(surface.quads, -1, axis=1)], axis=-1).reshape(-1, 2)
-    once = np.unique(np.sort(sides, axis=1), axis=0) + 1
+def drawn_lines(surface: Drawn) -> TraceLine:
+    """The sides of all cells, each drawn once, the pen lifted between them."""
+    once = surface.labels[np.unique(np.sort(surface.sides, axis=1), axis=0)]
     pen = np.column_stack([once, np.zeros(len(once), np.int64)]).ravel()[:-1]
     return TraceLine(number=1, name="mid-surface", color=LINE_COLOR, nodes=pen)
 
 
-def one_shape(modes: Modes, mode: int) -> Shape:
+def one_shape(modes: Modes | MeshModes, mode: int, surface: Drawn) -> Shape:
     """One mode as set 55: frequency [Hz], modal mass 1, no damping."""
     n = int(modes.nodal_diameters[mode])
     label = f"n = {n}, m = {int(modes.meridional[mode])}" if n >= 0 else "NONE"
@@ -78,6 +77,6 @@ def one_shape(modes: Modes, mode: int) -> Shape:
         quantity=DISPLACEMENT,
         integers=(1, mode + 1),
         reals=(float(modes.freq[mode]), 1.0, 0.0, 0.0),
-        nodes=np.arange(1, len(modes.fields) + 1),
-        values=modes.fields[:, :3, mode],
+        nodes=surface.labels,
+        values=modes.fields[surface.rows, :3, mode],
     )

@@ -36,10 +36,7 @@ def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
     require_structure(structure, "matrices")
     assembled = structure.assembled()
     mesh = structure.mesh
-    numbers = mesh.node_numbers.copy()
-    own = numbers == 0  # the middles of eight-noded cells have no number in the file
-    numbers[own] = numbers.max() + 1 + np.arange(np.count_nonzero(own))
-    return of_system(assembled.K, assembled.M, assembled.free, assembled.dofs, numbers, mesh.points)
+    return of_system(assembled.K, assembled.M, assembled.free, assembled.dofs, mesh.labels, mesh.points)
 
 
 def of_system(

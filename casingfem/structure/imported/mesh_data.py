@@ -94,6 +94,14 @@ class MeshData:
         return np.unique(self.cells)
 
     @property
+    def labels(self) -> IntArray:
+        """Numbers of the nodes for other programs: the file's, and new ones where it has none, (nodes,)."""
+        numbers = self.node_numbers.copy()
+        own = numbers == 0  # the middles that eight-noded cells are given
+        numbers[own] = numbers.max() + 1 + np.arange(np.count_nonzero(own))
+        return numbers
+
+    @property
     def size(self) -> float:
         """Diagonal of the box around the nodes in use [m]."""
         return float(np.linalg.norm(np.ptp(self.points[self.used], axis=0)))

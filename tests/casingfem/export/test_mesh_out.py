@@ -58,12 +58,12 @@ def test_a_reader_finds_the_shape_as_computed(casing, folder):
 def test_the_cells_cover_the_surface_once_and_face_outward(name, request):
     modes = request.getfixturevalue(name)
     surface = drawn_surface(modes)
-    areas = quad_areas(surface.points, surface.quads)
+    areas = quad_areas(surface.points, surface.cells)
     exact = np.sum(modes.grid.measure * np.linalg.norm(np.cross(*tangents(modes), axis=0), axis=0))
     assert np.linalg.norm(areas, axis=1).sum() == pytest.approx(exact, rel=5e-3)
-    facing = np.einsum("ci,ci->c", areas, surface.normals[surface.quads[:, 0]])
+    facing = np.einsum("ci,ci->c", areas, surface.normals[surface.cells[:, 0]])
     assert np.all(facing > 0.0)
-    assert np.array_equal(np.unique(surface.quads), np.arange(len(surface.points)))
+    assert np.array_equal(np.unique(surface.cells), np.arange(len(surface.points)))
     outward = modes.shell.chart.directions(*modes.grid.nodes)[0]
     assert np.all(np.einsum("ni,in->n", surface.normals, outward) > 0.8)
 

@@ -2,6 +2,7 @@
 
 import json
 
+import meshio
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -28,6 +29,9 @@ RING = grid_mesh("hexahedron20", (1, 12, 2), WALL, groups=ENDS, wrap=1)
 SKIN = grid_mesh(
     "quad8", (12, 2), lambda u: WALL(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0), "top": (1, 1.0)}, wrap=0
 )
+
+
+TETRA = grid_mesh("tetra10", (1, 12, 2), WALL, groups=ENDS, wrap=1)
 
 
 def study(folder, text, mesh=RING, name="Gmsh 2.2, text"):
@@ -141,10 +145,32 @@ def test_what_imported_meshes_cannot_is_refused_in_words(command, tmp_path):
         load_study(path)
 
 
-def test_shapes_of_meshes_are_not_written(tmp_path):
-    ran = CliRunner().invoke(main, ["modes", str(study(tmp_path, SOLID)), "--vtu", "--out", str(tmp_path)])
-    assert ran.exit_code == 2
-    assert "not those of imported meshes" in ran.stderr
+@pytest.mark.parametrize(
+    ("text", "mesh"),
+    [(SOLID, RING), (SOLID, TETRA), (SOLID.replace("[solid]", "[shell]\nthickness = 0.03"), SKIN)],
+    ids=["bricks", "tetrahedra", "shell"],
+)
+def test_shapes_of_imported_parts_for_paraview_and_test_software(text, mesh, tmp_path):
+    """Volume cells with their displacements; nodes by the file's numbers, edges of the outside, one set 55 a mode."""
+    path = study(tmp_path, text, mesh, name="Abaqus/CalculiX")
+    ran = CliRunner().invoke(main, ["modes", str(path), "--vtu", "--uff", "--modes", "1,2", "--out", str(tmp_path)])
+    assert ran.exit_code == 0, ran.stderr
+    structure = load_any(path).structure
+    exact = cf.modes(structure, 6)
+    read = meshio.read(tmp_path / "vtu" / "mode_002.vtu")
+    np.testing.assert_allclose(read.points, structure.mesh.points, atol=1e-12)
+    (cells,) = read.cells
+    assert cells.type == structure.mesh.kind
+    assert np.array_equal(cells.data, structure.mesh.cells)
+    np.testing.assert_allclose(read.point_data["displacement"], exact.fields[:, :3, 1], rtol=1e-9, atol=1e-12)
+    universal = cf.uff.read_uff(tmp_path / "modes.uff", strict=True)
+    assert len(universal.shapes) == 2
+    assert np.array_equal(universal.nodes.labels, structure.mesh.labels)
+    np.testing.assert_allclose(universal.shapes[0].values, exact.fields[:, :3, 0], rtol=1e-5, atol=1e-6)
+    (line,) = universal.lines
+    sides = np.append(line.nodes, 0).reshape(-1, 3)
+    assert set(sides[:, :2].ravel()) <= set(universal.nodes.labels)
+    assert len(np.unique(np.sort(sides[:, :2], axis=1), axis=0)) == len(sides)
 
 
 @pytest.mark.filterwarnings("default::casingfem.errors.ModelWarning")
