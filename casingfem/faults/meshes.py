@@ -41,7 +41,7 @@ MESHES = {
     ),
     "mesh-format": Fault(
         "the ending of a mesh file is not one of those known",
-        "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX) or .bdf, .nas, .dat (Nastran)",
+        "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX), .bdf, .nas, .dat (Nastran) or .cdb (Ansys)",
     ),
     "mesh-group-empty": Fault(
         "a group holds no node of a cell",

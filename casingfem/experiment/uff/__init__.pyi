@@ -1,6 +1,9 @@
-from .read import UniversalFile, read_uff
+from .read import UniversalFile, read_headers, read_uff
+from .set_58 import FunctionHeader
 
 __all__ = [
+    "FunctionHeader",
     "UniversalFile",
+    "read_headers",
     "read_uff",
 ]

@@ -28,7 +28,7 @@ from casingfem.experiment.uff.nodes import (
     read_units,
 )
 from casingfem.experiment.uff.set_55 import Shape, read_shape
-from casingfem.experiment.uff.set_58 import Function, read_function
+from casingfem.experiment.uff.set_58 import Function, FunctionHeader, read_function, read_function_header
 from casingfem.experiment.uff.split import KINDS, RawSet, split
 from casingfem.io.arrays import IntArray
 
@@ -100,6 +100,20 @@ def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> Universal
     Nodes(2, 1 to 2)
     """
     return parse_uff(Path(path).read_bytes(), str(path), strict=strict)
+
+
+def read_headers(path: str | os.PathLike[str]) -> tuple[FunctionHeader, ...]:
+    """What stands above the functions of a universal file, of those too whose numbers are cut short.
+
+    Raises
+    ------
+    InputError
+        A header that is not as its format says.
+    FileNotFoundError
+        When there is no such file.
+    """
+    sets = split(Path(path).read_bytes(), str(path))
+    return tuple(read_function_header(raw) for raw in sets if raw.number in ("58", "58b"))
 
 
 def parse_uff(data: bytes, path: str, *, strict: bool = False) -> UniversalFile:

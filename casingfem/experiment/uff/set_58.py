@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.experiment.uff.numbers import Columns, check_end, check_lines, integers, reals, series
 from casingfem.experiment.uff.split import RawSet
 from casingfem.io.arrays import Array, FloatArray, frozen
@@ -98,6 +99,44 @@ class Function:
         return f"Function({self.word}, {places}, {len(self.x)} points, {low:g} to {high:g} {self.axes.abscissa.unit})"
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FunctionHeader:
+    """What stands above the numbers of a function, whether these are all there or not.
+
+    Parameters
+    ----------
+    kind, text, numbers, response, reference, z, axes : as of a `Function`
+    points : how many the header says
+    start, step : of an even abscissa, as the header says
+    binary : whether the numbers are bytes (58b)
+    line : where the set begins in the file
+    fault : why the numbers cannot be read, "" where they can
+    """
+
+    kind: int
+    text: tuple[str, ...]
+    numbers: tuple[int, int, int]
+    response: Channel
+    reference: Channel
+    points: int
+    start: float
+    step: float
+    z: float
+    axes: Axes
+    binary: bool
+    line: int
+    fault: str = ""
+
+    @property
+    def word(self) -> str:
+        """The kind in words."""
+        return KIND_WORDS[self.kind]
+
+    def __repr__(self) -> str:
+        there = "whole" if not self.fault else f"not whole: {self.fault}"
+        return f"FunctionHeader({self.word}, {self.text[0].strip()!r}, {self.points} points, {there})"
+
+
 class Layout(NamedTuple):
     """How a function's numbers stand: real or complex, single or double, with an abscissa or without, how many."""
 
@@ -146,6 +185,39 @@ def read_function(raw: RawSet) -> Function:
         double=layout.double,
         z=z,
         axes=axes,
+    )
+
+
+def read_function_header(raw: RawSet) -> FunctionHeader:
+    """Read what stands above the numbers of set 58 or 58b, and say whether they are whole.
+
+    Raises
+    ------
+    InputError
+        Where the header itself is not as the format says.
+    """
+    check_lines(raw, 0, TEXTS + 6, "header")
+    kind, numbers, response, reference = _identity(raw)
+    layout, start, step, z = _record7(raw)
+    try:
+        read_function(raw)
+        fault = ""
+    except InputError as error:
+        fault = str(error)
+    return FunctionHeader(
+        kind=kind,
+        text=tuple(line.rstrip() for line in raw.lines[:TEXTS]),
+        numbers=numbers,
+        response=response,
+        reference=reference,
+        points=layout.points,
+        start=start,
+        step=step if layout.even else 0.0,
+        z=z,
+        axes=Axes(*(_axis(raw, TEXTS + 2 + k) for k in range(4))),
+        binary=raw.binary is not None,
+        line=raw.first - 1,
+        fault=fault,
     )
 
 

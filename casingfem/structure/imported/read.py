@@ -1,4 +1,4 @@
-"""Read a mesh from a file: Gmsh (msh 2.2, 4.1), VTU, Abaqus/CalculiX (inp), Nastran (bdf, nas, dat).
+"""Read a mesh from a file: Gmsh (msh 2.2, 4.1), VTU, Abaqus/CalculiX (inp), Nastran (bdf, nas, dat), Ansys (cdb).
 
 Physical groups, sets and constraints become groups by name, for supports and materials. Gmsh and VTU files are read
 with meshio, whose silence is made good here: what it passes over or cuts short is counted against the file and refused.
@@ -14,6 +14,7 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.probe import fault_of
 from casingfem.structure.imported.bdf import read_bdf
+from casingfem.structure.imported.cdb import read_cdb
 from casingfem.structure.imported.draft import Block, Draft, build, joined
 from casingfem.structure.imported.inp import read_inp
 from casingfem.structure.imported.mesh_data import MeshData
@@ -28,7 +29,7 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0) -> Mes
     Parameters
     ----------
     path
-        A .msh (Gmsh 2.2 or 4.1, text or binary), .vtu, .inp, .bdf, .nas or .dat file.
+        A .msh (Gmsh 2.2 or 4.1, text or binary), .vtu, .inp, .bdf, .nas, .dat or .cdb file.
     scale
         What coordinates are multiplied by to be metres: 1e-3 for millimetres.
     join
@@ -47,7 +48,7 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0) -> Mes
     if not (np.isfinite(join) and join >= 0.0):
         raise ModelError("mesh-scale", f"{file.name}: join must be 0 or a distance, found {join!r}")
     readers = {".msh": read_gmsh, ".vtu": read_vtu, ".inp": read_inp, ".bdf": read_bdf, ".nas": read_bdf,
-               ".dat": read_bdf}  # fmt: skip
+               ".dat": read_bdf, ".cdb": read_cdb}  # fmt: skip
     reader = readers.get(file.suffix.lower())
     if reader is None:
         raise ModelError("mesh-format", f"{file.name}: found the ending {file.suffix!r}")

@@ -8,7 +8,7 @@ import pytest
 
 from casingfem.errors import InputError, ModelWarning
 from casingfem.experiment.uff.nodes import Nodes, Units
-from casingfem.experiment.uff.read import parse_uff, read_uff
+from casingfem.experiment.uff.read import parse_uff, read_headers, read_uff
 from casingfem.experiment.uff.set_58 import Axes, Axis
 from casingfem.experiment.uff.write import write_uff
 from reports.robustness import uff_mutations
@@ -277,3 +277,23 @@ def test_the_report_counts_every_file(tmp_path, capsys):
     assert {row["files"] for row in rows} == {uff_mutations.QUICK}
     assert f"{60 * len(SAMPLES)} damaged files: 0 lost data in silence" in capsys.readouterr().out
     assert (tmp_path / "uff_mutations.csv").exists()
+
+
+def test_headers_are_read_where_the_numbers_are_cut_short(tmp_path):
+    """A throughput file cut by its exporter: what it was is said, and why it is not read."""
+    given = function(even=True, is_complex=False, double=False)
+    text = written(tmp_path, functions=[given, replace(given, kind=1)]).decode()
+    lines = text.splitlines(keepends=True)
+    last = max(k for k, line in enumerate(lines) if line.strip() == "-1")
+    (tmp_path / "cut.uff").write_text("".join(lines[: last - 1] + lines[last:]))
+    whole, cut = read_headers(tmp_path / "cut.uff")
+    assert (whole.fault, whole.points, whole.response) == ("", len(given.x), given.response)
+    assert (cut.word, cut.points, cut.axes) == ("time response", len(given.x), given.axes)
+    assert "found" in cut.fault
+    assert f"{len(given.x)} points" in repr(cut)
+    assert "not whole" in repr(cut)
+    with pytest.raises(InputError, match=rf"points; expected .* lines|expected .*{len(given.x)} points"):
+        read_uff(tmp_path / "cut.uff")
+    (tmp_path / "bad.uff").write_text(text.replace(f"{len(given.x):10d}", f"{'x':>10}", 1))
+    with pytest.raises(InputError, match="set 58"):
+        read_headers(tmp_path / "bad.uff")

@@ -1,0 +1,248 @@
+"""Read the mesh of an Ansys archive (.cdb): nodes, solids and shells, components, materials.
+
+A parser of our own for the blocks that CDWRITE writes, fixed columns checked line by line; the usual library ends the
+whole program on damaged files. Elements of material 2 are the group `MAT 2`; components keep their names. Bricks that
+are written with repeated nodes are tetrahedra, wedges or pyramids. What is no solid or shell (MESH200, MASS21, contact,
+surface effects) is left out with a warning that counts it.
+
+    NBLOCK,6,SOLID,last,count   (3i9,6e21.13e3)   number, two facts, x, y, z, angles; ends with N,R5.3,LOC,-1,
+    EBLOCK,19,SOLID,last,count  (19i9)            material, type, six facts, nodes, 0, number, nodes; ends with -1
+    CMBLOCK,NAME,NODE,count     (8i10)            numbers; one below zero ends a range
+"""
+
+import re
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from casingfem.errors import ModelError, warn
+from casingfem.io.arrays import IntArray
+from casingfem.structure.imported.draft import Block, Draft, Lookup
+
+BRICKS = ("45", "95", "185", "186", "190")
+TETRAHEDRA = ("92", "187", "285")
+SHELLS = ("63", "93", "181", "281")
+WHOLE = {8: "hexahedron", 20: "hexahedron20", 4: "tetra", 10: "tetra10"}
+SHAPES = {4: "tetra", 5: "pyramid", 6: "wedge"}  # of a brick's distinct corners
+TETRA8, TETRA20 = (0, 1, 2, 4), (0, 1, 2, 4, 8, 9, 11, 16, 17, 18)  # what is left of a brick collapsed to a tetrahedron
+FACTS, COUNT, OWN = 11, 8, 10  # numbers before an element's nodes; among them how many nodes, and its own number
+NAME = re.compile(r"(\d+)$")
+COLUMNS = re.compile(r"\((\d*)i(\d+)(?:,(\d*)e(\d+)\.\d+(?:e\d+)?)?\)$", re.IGNORECASE)
+
+
+@dataclass(slots=True)
+class Archive:
+    """What the blocks of a file hold."""
+
+    source: str
+    lines: list[str]
+    nodes: list[tuple[int, float, float, float]] = field(default_factory=list)
+    elements: list[list[int]] = field(default_factory=list)  # facts, then nodes
+    types: dict[int, str] = field(default_factory=dict)
+    components: dict[str, tuple[str, list[int]]] = field(default_factory=dict)
+
+    def fault(self, at: int, message: str) -> ModelError:
+        """A malformed file, by its line from 0."""
+        return ModelError("mesh-file", f"{self.source}: line {at + 1}: {message}")
+
+    def integer(self, at: int, text: str) -> int:
+        """A whole number."""
+        try:
+            return int(text)
+        except ValueError:
+            raise self.fault(at, f"found {text.strip()!r}, expected a whole number") from None
+
+    def layout(self, at: int) -> tuple[int, int, int]:
+        """How many whole numbers stand on a line, their width, and that of the reals after them."""
+        found = COLUMNS.match(self.lines[at].strip()) if at < len(self.lines) else None
+        if found is None:
+            raise self.fault(min(at, len(self.lines) - 1), "expected the columns of a block, such as (19i9)")
+        return int(found[1] or 1), int(found[2]), int(found[4] or 0)
+
+    def whole(self, at: int, width: int) -> list[int]:
+        """The whole numbers of a line in columns."""
+        line = self.lines[at].rstrip()
+        return [self.integer(at, line[k : k + width]) for k in range(0, len(line), width)]
+
+
+def read_cdb(path: Path) -> Draft:
+    """The mesh of an archive.
+
+    Raises
+    ------
+    ModelError
+        With the line, for an archive that is malformed or cut short, or elements whose nodes are not all there.
+    """
+    archive = Archive(path.name, path.read_text(encoding="latin-1").splitlines())
+    at = 0
+    while at < len(archive.lines):
+        head, *fields = [part.strip() for part in archive.lines[at].upper().split(",")]
+        take = {"NBLOCK": take_nodes, "EBLOCK": take_elements, "CMBLOCK": take_component}.get(head)
+        if take is not None:
+            at = take(archive, at, fields)
+            continue
+        if head == "ET" and len(fields) > 1:
+            archive.types[archive.integer(at, fields[0])] = fields[1]
+        elif head in ("N", "E", "EN") and len(fields) > 1 and not fields[0].startswith("R5."):
+            raise archive.fault(at, f"found {head}, a node or element by itself, expected blocks (CDWRITE, DB)")
+        at += 1
+    return draft(archive)
+
+
+def announced(fields: list[str]) -> int | None:
+    """How many items a block says it has."""
+    return int(fields[-1]) if len(fields) > 2 and fields[-1].isdecimal() and int(fields[-1]) else None
+
+
+def check_count(archive: Archive, at: int, fields: list[str], found: int) -> None:
+    """Refuse a block with fewer or more items than it says."""
+    wanted = announced(fields)
+    if wanted is not None and found != wanted:
+        raise archive.fault(at, f"found {found} of the {wanted} items that the block announces: cut short?")
+
+
+def take_nodes(archive: Archive, at: int, fields: list[str]) -> int:
+    """NBLOCK; returns the line after it."""
+    begun, (count, width, real) = at, archive.layout(at + 1)
+    if not real:
+        raise archive.fault(at + 1, "expected columns of whole numbers and reals, such as (3i9,6e21.13e3)")
+    at += 2
+    first = len(archive.nodes)
+    while at < len(archive.lines):
+        line = archive.lines[at].rstrip()
+        if line.upper().startswith("N,") or line.strip() == "-1":
+            check_count(archive, begun, fields, len(archive.nodes) - first)
+            return at + 1
+        start = count * width
+        parts = [line[start + k * real : start + (k + 1) * real] for k in range(3)]
+        if (len(line) - start) % real and len(line) > start:
+            raise archive.fault(at, f"found {len(line)} characters, expected columns of {width} and {real}")
+        try:
+            x, y, z = (float(part) if part.strip() else 0.0 for part in parts)
+        except ValueError:
+            raise archive.fault(at, f"found {line[start:].strip()!r}, expected coordinates") from None
+        archive.nodes.append((archive.integer(at, line[:width]), x, y, z))
+        at += 1
+    raise archive.fault(begun, "NBLOCK without its end: cut short?")
+
+
+def take_elements(archive: Archive, at: int, fields: list[str]) -> int:
+    """EBLOCK; returns the line after it."""
+    if "SOLID" not in fields:
+        raise archive.fault(at, "found an EBLOCK that is not SOLID, expected EBLOCK,19,SOLID")
+    begun, (_, width, _) = at, archive.layout(at + 1)
+    at += 2
+    first = len(archive.elements)
+    while at < len(archive.lines):
+        numbers = archive.whole(at, width)
+        if numbers == [-1]:
+            check_count(archive, begun, fields, len(archive.elements) - first)
+            return at + 1
+        if len(numbers) <= FACTS:
+            raise archive.fault(at, f"found {len(numbers)} numbers, expected {FACTS} and the nodes of an element")
+        wanted = FACTS + numbers[COUNT]
+        while len(numbers) < wanted and at + 1 < len(archive.lines):
+            at += 1
+            numbers += archive.whole(at, width)
+        if len(numbers) != wanted:
+            found = f"element {numbers[OWN]} with {len(numbers) - FACTS} of {numbers[COUNT]} nodes"
+            raise archive.fault(at, f"found {found}: cut short?")
+        archive.elements.append(numbers)
+        at += 1
+    raise archive.fault(begun, "EBLOCK without its end: cut short?")
+
+
+def take_component(archive: Archive, at: int, fields: list[str]) -> int:
+    """CMBLOCK; returns the line after it."""
+    if len(fields) < 3 or fields[1] not in ("NODE", "ELEM", "ELEMENT"):
+        raise archive.fault(at, "expected CMBLOCK, name, NODE or ELEM, count")
+    begun, count = at, archive.integer(at, fields[2].partition("!")[0])
+    per_line, width, _ = archive.layout(at + 1)
+    given: list[int] = []
+    at += 2
+    while len(given) < count and at < len(archive.lines):
+        given += archive.whole(at, width)
+        at += 1
+    if len(given) != count:
+        raise archive.fault(begun, f"found {len(given)} of {count} numbers, {per_line} a line: cut short?")
+    members: list[int] = []
+    for number in given:
+        members += [number] if number > 0 else range(members[-1] + 1 if members else 1, 1 - number)
+    name = archive.lines[begun].split(",")[1].strip()
+    archive.components[name] = (fields[1][:4], members)
+    return at
+
+
+def kind_of(element: str, nodes: IntArray) -> tuple[str, IntArray] | None:
+    """Kind and nodes in VTK's order of one element; None for what is neither solid nor shell."""
+    number = NAME.search(element)
+    name = number[1] if number else element
+    if name in TETRAHEDRA:
+        return WHOLE.get(len(nodes), "tetra14"), nodes
+    if name in SHELLS:
+        kind = {4: "quad", 8: "quad8", 3: "triangle", 6: "triangle6"}.get(len(nodes), "polygon")
+        return ("triangle" if len(set(nodes[:4].tolist())) == 3 else kind), nodes
+    if name not in BRICKS:
+        return None
+    corners = len(set(nodes[:8].tolist()))
+    if corners == 8 or len(nodes) < 8:
+        return WHOLE.get(len(nodes), "polyhedron"), nodes
+    if corners == 4 and len(nodes) in (8, 20):
+        return ("tetra", nodes[list(TETRA8)]) if len(nodes) == 8 else ("tetra10", nodes[list(TETRA20)])
+    return SHAPES.get(corners, "polyhedron"), nodes[:corners]
+
+
+def draft(archive: Archive) -> Draft:
+    """Numbers to indices."""
+    source = archive.source
+    if not archive.nodes or not archive.elements:
+        found = f"{len(archive.nodes)} nodes and {len(archive.elements)} elements in blocks (NBLOCK, EBLOCK)"
+        raise ModelError("mesh-no-cells", f"{source}: found {found}")
+    table = np.array(archive.nodes)
+    numbers = table[:, 0].astype(np.int64)
+    nodes = Lookup(numbers, source, "node")
+    rows: dict[str, list[tuple[int, int, IntArray]]] = {}  # kind -> number, material, nodes
+    left_out: Counter[str] = Counter()
+    for element in archive.elements:
+        kind = archive.types.get(element[1], "")
+        if not kind:
+            raise ModelError("mesh-file", f"{source}: element {element[OWN]} of type {element[1]}, which no ET names")
+        found_kind = kind_of(kind, np.array(element[FACTS:], dtype=np.int64))
+        if found_kind is None:
+            left_out[kind] += 1
+            continue
+        name, own = found_kind
+        if (own <= 0).any():
+            message = f"element {element[OWN]} lacks middle nodes, expected all or none"
+            raise ModelError("mesh-file", f"{source}: {message}")
+        rows.setdefault(name, []).append((element[OWN], element[0], own))
+    if left_out:
+        found = ", ".join(f"{count} elements of type {kind}" for kind, count in left_out.items())
+        warn("mesh-left-out", f"{source}: {found}", stacklevel=5)
+    if not rows:
+        raise ModelError("mesh-no-cells", f"{source}: found {len(numbers)} nodes and no solid or shell elements")
+    blocks: list[Block] = []
+    sets: dict[str, list[tuple[int, IntArray]]] = {}
+    for k, (kind, entries) in enumerate(rows.items()):
+        own_numbers = np.array([entry[0] for entry in entries])
+        blocks.append(Block(kind, nodes(np.array([entry[2] for entry in entries])), own_numbers))
+        materials = np.array([entry[1] for entry in entries])
+        for material in np.unique(materials):
+            sets.setdefault(f"MAT {material}", []).append((k, np.flatnonzero(materials == material)))
+        for name, (what, members) in archive.components.items():
+            if what == "ELEM":
+                sets.setdefault(name, []).append((k, np.flatnonzero(np.isin(own_numbers, members))))
+    Lookup(np.concatenate([block.numbers for block in blocks]), source, "element")
+    return Draft(
+        points=table[:, 1:],
+        node_numbers=numbers,
+        blocks=blocks,
+        node_sets={
+            name: nodes(np.array(members, dtype=np.int64))
+            for name, (what, members) in archive.components.items()
+            if what == "NODE"
+        },
+        cell_sets=sets,
+    )

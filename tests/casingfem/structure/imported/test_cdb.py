@@ -1,0 +1,142 @@
+"""Ansys archives: bricks, tetrahedra, shells, collapsed bricks, components, materials; what is cut short is refused."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.errors import ModelError, ModelWarning
+from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.read import read_mesh
+
+ELEMENTS = {"hexahedron": 185, "hexahedron20": 186, "tetra10": 187, "tetra": 285, "quad": 181, "quad8": 281}
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+
+
+def place(u):
+    return np.insert(u, 2, 0.0, axis=1) if u.shape[1] == 2 else u * [1.0, 0.3, 0.2]
+
+
+def cdb(points, cells, element, *, materials=None, more=""):
+    """An archive as Ansys writes it: fixed columns, nodes and elements in blocks, components by number."""
+    count, size = len(points), len(cells)
+    materials = materials or [1] * size
+    lines = ["/PREP7", f"ET,1,{element}", f"NBLOCK,6,SOLID,{count:9d},{count:9d}", "(3i9,6e21.13e3)"]
+    for k, row in enumerate(points, 1):
+        reals = (f"{x:20.13E}".replace("E+", "E+0").replace("E-", "E-0") for x in row)
+        lines.append(f"{k:9d}{0:9d}{0:9d}" + "".join(reals))
+    lines += ["N,R5.3,LOC,       -1,", f"EBLOCK,19,SOLID,{size:9d},{size:9d}", "(19i9)"]
+    for k, row in enumerate(cells, 1):
+        numbers = [materials[k - 1], 1, 1, 1, 0, 0, 0, 0, len(row), 0, k, *(np.asarray(row) + 1).tolist()]
+        lines += ["".join(f"{n:9d}" for n in numbers[j : j + 19]) for j in range(0, len(numbers), 19)]
+    lines.append("       -1")
+    return "\n".join(lines) + "\n" + more
+
+
+def component(name, kind, members):
+    rows = ["".join(f"{n:10d}" for n in members[k : k + 8]) for k in range(0, len(members), 8)]
+    return f"CMBLOCK,{name:8},{kind:4},{len(members):8d}\n(8i10)\n" + "\n".join(rows) + "\n"
+
+
+def written(path, mesh, **more):
+    path.write_text(cdb(mesh.points, mesh.cells, ELEMENTS[mesh.kind], **more))
+    return read_mesh(path)
+
+
+@pytest.mark.parametrize("kind", ELEMENTS)
+def test_a_mesh_comes_back(kind, tmp_path):
+    dims = 2 if kind.startswith("quad") else 3
+    mesh = grid_mesh(kind, (3, 2, 1)[:dims], place)
+    ends = [int(n) + 1 for n in np.flatnonzero(mesh.points[:, 0] < 1e-9)]
+    more = component("ROOT", "NODE", ends) + component("HALF", "ELEM", [1, 2])
+    found = written(tmp_path / "part.cdb", mesh, more=more, materials=[1, *[2] * (len(mesh.cells) - 1)])
+    assert found.kind == kind
+    np.testing.assert_allclose(found.points, mesh.points, atol=1e-12)
+    assert np.array_equal(found.cells, mesh.cells)
+    assert found.groups["ROOT"].nodes.tolist() == [n - 1 for n in ends]
+    assert found.groups["HALF"].cells.tolist() == [0, 1]
+    assert found.groups["MAT 1"].cells.tolist() == [0]
+    assert len(found.groups["MAT 2"].cells) == len(mesh.cells) - 1
+
+
+def test_the_part_has_its_modes(tmp_path):
+    mesh = grid_mesh("hexahedron20", (4, 1, 1), place, groups={"root": (0, 0.0)})
+    root = component("ROOT", "NODE", (mesh.groups["root"].nodes + 1).tolist())
+    found = written(tmp_path / "part.cdb", mesh, more=root)
+    exact = cf.modes(cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()}), 4)
+    again = cf.modes(cf.Solid(mesh=found, material=STEEL, supports={"ROOT": cf.Clamped()}), 4)
+    np.testing.assert_allclose(again.freq, exact.freq, rtol=1e-9)
+
+
+def test_bricks_collapsed_to_tetrahedra(tmp_path):
+    """SOLID186 with K = L and M = N = O = P, middle nodes repeated alike; SOLID185 without them."""
+    mesh = grid_mesh("tetra10", (1, 1, 1), place)
+    i, j, k, m, ij, jk, ki, im, jm, km = mesh.cells.T
+    brick = np.stack([i, j, k, k, m, m, m, m, ij, jk, k, ki, m, m, m, m, im, jm, km, km], axis=1)
+    (tmp_path / "part.cdb").write_text(cdb(mesh.points, brick, 186))
+    assert np.array_equal(read_mesh(tmp_path / "part.cdb").cells, mesh.cells)
+    (tmp_path / "part.cdb").write_text(cdb(mesh.points, brick[:, :8], 185))
+    found = read_mesh(tmp_path / "part.cdb")
+    assert (found.kind, found.cells.tolist()) == ("tetra", mesh.cells[:, :4].tolist())
+
+
+def test_what_is_no_solid_is_counted(tmp_path):
+    mesh = grid_mesh("hexahedron", (2, 1, 1), place)
+    text = cdb(mesh.points, mesh.cells, 185).replace("ET,1,185", "ET,1,185\nET,2,154")
+    text = text.replace("EBLOCK,19,SOLID,        2,        2", "EBLOCK,19,SOLID,        3,        3")
+    face = [1, 2, 1, 1, 0, 0, 0, 0, 4, 0, 3, *(mesh.cells[0, :4] + 1).tolist()]
+    text = text.replace("\n       -1\n", "\n" + "".join(f"{n:9d}" for n in face) + "\n       -1\n")
+    (tmp_path / "part.cdb").write_text(text)
+    with pytest.warns(ModelWarning, match="1 elements of type 154"):
+        assert len(read_mesh(tmp_path / "part.cdb").cells) == 2
+
+
+def test_wedges_are_refused_by_name(tmp_path):
+    mesh = grid_mesh("hexahedron", (1, 1, 1), place)
+    wedge = mesh.cells[:, [0, 1, 2, 2, 4, 5, 6, 6]]
+    (tmp_path / "part.cdb").write_text(cdb(mesh.points, wedge, 185))
+    with pytest.raises(ModelError, match="1 wedge"):
+        read_mesh(tmp_path / "part.cdb")
+
+
+def test_archives_cut_short_are_refused(tmp_path):
+    mesh = grid_mesh("hexahedron20", (3, 1, 1), place)
+    text = cdb(mesh.points, mesh.cells, 186)
+    for keep in (0.2, 0.5, 0.8, 0.95):
+        (tmp_path / "part.cdb").write_text("\n".join(text.splitlines()[: int(keep * text.count("\n"))]) + "\n")
+        with pytest.raises(ModelError):
+            read_mesh(tmp_path / "part.cdb")
+    (tmp_path / "part.cdb").write_text("/PREP7\n")
+    with pytest.raises(ModelError):
+        read_mesh(tmp_path / "part.cdb")
+    with pytest.raises(FileNotFoundError):
+        read_mesh(tmp_path / "none.cdb")
+
+
+BAD = {
+    "number": (lambda text: text.replace("        1        0        0", "        x        0        0", 1),
+               "line 5: found 'x', expected a whole number"),
+    "coordinate": (lambda text: text.replace("E+000", "E+0x0", 1), "line 5: found .* expected coordinates"),
+    "columns": (lambda text: text.replace("(19i9)", "(19)"), "expected the columns of a block"),
+    "type": (lambda text: text.replace("ET,1,185", "ET,2,185"), "element 1 of type 1, which no ET names"),
+    "one by one": (lambda text: text + "EN,9,1,2,3,4\n", "found EN, a node or element by itself"),
+    "not solid": (lambda text: text.replace("EBLOCK,19,SOLID", "EBLOCK,15,"), "an EBLOCK that is not SOLID"),
+    "fewer": (lambda text: text.replace("SOLID,        1,        1", "SOLID,        1,        2"),
+              "found 1 of the 2 items"),
+    "component": (lambda text: text + component("A", "NODE", [1, 2]).replace("       2\n(8", "       5\n(8"),
+                  "found 2 of 5 numbers"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_damage_is_named_with_its_line(name, tmp_path):
+    change, message = BAD[name]
+    mesh = grid_mesh("hexahedron", (1, 1, 1), place)
+    (tmp_path / "part.cdb").write_text(change(cdb(mesh.points, mesh.cells, 185)))
+    with pytest.raises(ModelError, match=message):
+        read_mesh(tmp_path / "part.cdb")
+
+
+def test_ranges_of_components(tmp_path):
+    mesh = grid_mesh("hexahedron", (2, 1, 1), place)
+    found = written(tmp_path / "part.cdb", mesh, more=component("A", "NODE", [1, -4, 6]))
+    assert found.groups["A"].nodes.tolist() == [0, 1, 2, 3, 5]
