@@ -22,6 +22,7 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
     """Periodic motions of SCENE over frequency, force or speed: how large, kept or not, where they jump.
 
     SCENE is a patch with [drive] in place of [scheme], or a rim with a range of speed.
+
     With --out DIR: cycles.csv, .npz, .json and .png.
     """
     from contact.scene.cycles import load_cycles

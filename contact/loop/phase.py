@@ -116,16 +116,17 @@ def root(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) 
 
 
 @jit
-def lowest(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) -> float:
-    """Where the slope of a value turns from negative at `low` to positive at `high`."""
+def turn(p: PhaseArrays, y: Array, row: int, t: float, high: float, sense: float) -> float:
+    """Where within +-`high` a value is smallest (sense 1) or largest (-1): its slope changes sign once."""
+    low = -high
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         _value, slope = watched_at(p, y, row, t, middle)
-        if slope < 0.0:
+        if sense * slope < 0.0:
             low = middle
         else:
             high = middle
-        if high - low <= 1e-15 * abs(t):
+        if high - low <= 1e-9 * abs(high):
             break
     return 0.5 * (low + high)
 
@@ -177,14 +178,18 @@ def look(p: PhaseArrays, w: PhaseWork, t: float) -> None:
 
 
 @jit
-def extremes(w: PhaseWork) -> None:
-    """The largest and the smallest of what is watched, through parabolas."""
+def extremes(p: PhaseArrays, w: PhaseWork, t: float, h: float) -> None:
+    """The largest and the smallest of what is watched; those between looks, about time t, where they may be these."""
     for row in range(w.now.size):
         before, last, now = w.before[row], w.last[row], w.now[row]
         w.most[row], w.least[row] = max(w.most[row], now), min(w.least[row], now)
         if (now - last) * (last - before) < 0.0:
-            top = last - (now - before) ** 2 / (8.0 * (now - 2.0 * last + before))
-            w.most[row], w.least[row] = max(w.most[row], top), min(w.least[row], top)
+            beyond = -((now - before) ** 2) / (8.0 * (now - 2.0 * last + before))  # of a parabola, over the look
+            top = last + 2.0 * beyond
+            if top > w.most[row] or top < w.least[row]:
+                tau = turn(p, w.y, row, t, h, math.copysign(1.0, now - last))
+                value, _slope = watched_at(p, w.y, row, t, tau)
+                w.most[row], w.least[row] = max(w.most[row], value), min(w.least[row], value)
 
 
 @jit
@@ -206,7 +211,7 @@ def first_event(p: PhaseArrays, w: PhaseWork, contacts: int, t: float, h: float,
         if started and w.last[row] < w.before[row] and w.last[row] < w.now[row]:
             bend = w.now[row] - 2.0 * w.last[row] + w.before[row]
             if w.last[row] < 0.5 * (w.now[row] - w.before[row]) ** 2 / bend + 0.1 * bend:
-                bottom = lowest(p, w.y, row, t, -h, h)
+                bottom = turn(p, w.y, row, t, h, 1.0)
                 value, _slope = watched_at(p, w.y, row, t, bottom)
                 if value < 0.0:
                     tau = root(p, w.y, row, t, -h, bottom)
@@ -242,7 +247,7 @@ def pass_phase(p: PhaseArrays, w: PhaseWork, contacts: int, t: float, t_end: flo
             move_to(p, w.y, tau)
             w.at[0] = now + tau
             return found
-        extremes(w)
+        extremes(p, w, now, h)
         for i in range(n):
             w.y[0, i], w.y[1, i] = w.new[0, i], w.new[1, i]
     w.at[0] = t_end

@@ -46,7 +46,7 @@ def test_the_orbit_is_the_same_whatever_the_looks():
     for other in found[1:]:
         assert other.x == pytest.approx(found[0].x, abs=1e-10 * np.abs(found[0].x).max())
         assert other.multiplier == pytest.approx(found[0].multiplier, abs=1e-10)
-        assert other.amplitude["x"] == pytest.approx(found[0].amplitude["x"], rel=5e-6)
+        assert other.amplitude["x"] == pytest.approx(found[0].amplitude["x"], rel=1e-10)
 
 
 def test_an_orbit_of_the_rod_is_what_an_integrator_of_its_own_follows():
