@@ -31,7 +31,10 @@ class PhaseArrays(NamedTuple):
 
 
 class PhaseWork(NamedTuple):
-    """State and work space; `most` and `least` of what is watched, `at` the time reached."""
+    """State and work space; `most` and `least` of what is watched, in and out; `at` the time reached.
+
+    What is inf in `most`, or -inf in `least`, stays so, and costs nothing.
+    """
 
     y: Array  # (2, n)
     new: Array  # (2, n)
@@ -117,18 +120,33 @@ def root(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) 
 
 @jit
 def turn(p: PhaseArrays, y: Array, row: int, t: float, high: float, sense: float) -> float:
-    """Where within +-`high` a value is smallest (sense 1) or largest (-1): its slope changes sign once."""
+    """Where within +-`high` a value is smallest (sense 1) or largest (-1), by the secant of its slope (Illinois)."""
     low = -high
+    _value, below = watched_at(p, y, row, t, low)
+    _value, above = watched_at(p, y, row, t, high)
+    below, above = sense * below, sense * above
+    if not below < 0.0 < above:
+        return low if below >= 0.0 else high
+    width, side = high - low, 0
+    middle = 0.0
     for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
+        last = middle
+        middle = (low * above - high * below) / (above - below)
         _value, slope = watched_at(p, y, row, t, middle)
-        if sense * slope < 0.0:
-            low = middle
-        else:
-            high = middle
-        if high - low <= 1e-9 * abs(high):
+        slope *= sense
+        if abs(middle - last) <= 1e-9 * width or slope == 0.0:
             break
-    return 0.5 * (low + high)
+        if slope < 0.0:
+            low, below = middle, slope
+            if side == -1:
+                above *= 0.5
+            side = -1
+        else:
+            high, above = middle, slope
+            if side == 1:
+                below *= 0.5
+            side = 1
+    return middle
 
 
 @jit
@@ -147,7 +165,8 @@ def begun(p: PhaseArrays, w: PhaseWork, contacts: int, t: float) -> int:
     found = -1
     for row in range(w.now.size):
         value, slope = watched_at(p, w.y, row, t, 0.0)
-        w.now[row], w.last[row], w.most[row], w.least[row] = value, value, value, value
+        w.now[row], w.last[row] = value, value
+        w.most[row], w.least[row] = max(w.most[row], value), min(w.least[row], value)
         if row < contacts:
             size, speed = abs(p.rest[row]), 0.0
             for i in range(w.y.shape[1]):

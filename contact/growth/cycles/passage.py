@@ -14,7 +14,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import NumericsError
-from contact.growth.cycles.switched import Drive, DrivenPhase, Phase, Plant, driven_phase, phase_of
+from contact.growth.cycles.switched import Complex, Drive, DrivenPhase, Phase, Plant, driven_phase, phase_of
 
 if TYPE_CHECKING:
     from contact.loop.phase import PhaseWork
@@ -55,6 +55,22 @@ class Passage:
     force: Array
     amplitude: Array
     first: Closed
+
+
+class Extremes(NamedTuple):
+    """Over the period so far: least gaps, largest forces (k,), largest and least of what is shown (o,)."""
+
+    gap: Array
+    force: Array
+    most: Array
+    least: Array
+
+    def after(self, phase: Phase, work: PhaseWork) -> Extremes:
+        """With those of another phase."""
+        k, shut = self.gap.size, list(phase.closed)
+        gap, force = work.least[:k].copy(), self.force.copy()
+        gap[shut], force[shut] = np.minimum(self.gap[shut], 0.0), work.most[shut]
+        return Extremes(gap, force, work.most[k:], work.least[k:])
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -124,30 +140,25 @@ def passage(motion: Motion, x: Array, start: float, period: float, *, tangent: b
     plant, k = motion.plant, len(motion.plant.C)
     closed = first = motion.closed_at(x, start)
     M = np.eye(x.size) if tangent else None
-    time, end, events = start, start + period, []
-    most, least = np.full(k + len(plant.D), -np.inf), np.full(k + len(plant.D), np.inf)
-    gap, force = np.full(k, np.inf), np.zeros(k)
+    time, end, events = start, start + period, list[Event]()
+    reached = Extremes(gap=np.full(k, np.inf), force=np.zeros(k), most=np.full(len(plant.D), -np.inf),
+                       least=np.full(len(plant.D), np.inf))  # fmt: skip
     while True:
         driven = motion.phase(closed)
-        phase = driven.phase
+        phase, before = driven.phase, time
         forced = (driven.X @ np.exp(1j * motion.angle(time))).real
-        work = _work(phase, driven, phase.U @ (x - forced))
+        work = _work(plant, driven, phase.U @ (x - forced), reached)
         hit = pass_phase(driven.arrays, work, k, time, end, motion.step)
-        reached = float(work.at[0])
-        forced = (driven.X @ np.exp(1j * motion.angle(reached))).real
+        time = float(work.at[0])
+        forced = (driven.X @ np.exp(1j * motion.angle(time))).real
         x = (phase.V @ (work.y[0] + 1j * work.y[1])).real + forced
         if not np.all(np.isfinite(x)):
-            raise NumericsError(f"the motion is not a number after {reached:.4g} s")
+            raise NumericsError(f"the motion is not a number after {time:.4g} s")
         if M is not None:
-            M = phase.flow(reached - time, M)
-        time = reached
-        shut = np.zeros(k, dtype=bool)
-        shut[list(closed)] = True
-        force = np.where(shut, np.maximum(force, work.most[:k]), force)
-        gap = np.where(shut, np.minimum(gap, 0.0), np.minimum(gap, work.least[:k]))
-        most, least = np.maximum(most, work.most), np.minimum(least, work.least)
+            M = phase.flow(time - before, M)
+        reached = reached.after(phase, work)
         for contact, row in plant.slips:
-            if shut[contact] and not work.least[k + row] > 0.0:
+            if contact in closed and not work.least[k + row] > 0.0:
                 raise NumericsError(f"the slip of contact {contact + 1} turns before {time:.6g} s: it would stick")
         if hit < 0:
             break
@@ -155,10 +166,10 @@ def passage(motion: Motion, x: Array, start: float, period: float, *, tangent: b
         events.append(event)
         if len(events) > EVENTS:
             raise NumericsError(f"found {EVENTS} openings and closings in {time - start:.4g} s: the contact chatters")
-    shown = slice(k, k + len(plant.D) - plant.hidden)
+    shown = slice(0, len(plant.D) - plant.hidden)
     return Passage(
-        start=start, x=x, M=M, events=tuple(events), gap=gap, force=force,
-        amplitude=np.maximum(most, -least)[shown], first=first,
+        start=start, x=x, M=M, events=tuple(events), gap=reached.gap, force=reached.force,
+        amplitude=np.maximum(reached.most, -reached.least)[shown], first=first,
     )  # fmt: skip
 
 
@@ -231,14 +242,21 @@ def _kept(motion: Motion, x: Array, closed: Closed, stays: list[int], time: floa
     return tuple(sorted((*soft, *(i for i, force in zip(stays, pressed, strict=True) if force > 0.0))))
 
 
-def _work(phase: Phase, driven: DrivenPhase, y: Array) -> PhaseWork:
+def _work(plant: Plant, driven: DrivenPhase, y: Complex, reached: Extremes) -> PhaseWork:
     from contact.loop.phase import PhaseWork
 
-    n, rows = y.size, len(phase.rows)
-    room = np.zeros((3, 2, n))
-    values = np.zeros((5, rows))
+    phase = driven.phase
+    k, rows = reached.gap.size, len(phase.rows)
+    room, values = np.zeros((3, 2, y.size)), np.zeros((5, rows))
+    most, least = values[3], values[4]
+    most[:k], least[:k] = np.inf, reached.gap  # of an open contact the least gap counts, of a closed one the force
+    shut = list(phase.closed)
+    most[shut], least[shut] = reached.force[shut], -np.inf
+    most[k:], least[k:] = reached.most, reached.least
+    for contact, row in plant.slips:  # of this phase alone
+        most[k + row], least[k + row] = np.inf, np.inf if contact in phase.closed else -np.inf
     return PhaseWork(
         y=np.ascontiguousarray(np.stack([y.real, y.imag])), new=room[0], circle=np.zeros((2, driven.X.shape[1])),
-        step=room[1], drift=room[2], now=values[0], last=values[1], before=values[2], most=values[3], least=values[4],
+        step=room[1], drift=room[2], now=values[0], last=values[1], before=values[2], most=most, least=least,
         at=np.zeros(1),
     )  # fmt: skip
