@@ -17,7 +17,7 @@ from contact.growth.cycles.rubbing import RimFamily
 from contact.model.bodies.patch import Patch
 from contact.model.gaps.gap import RotatingRim
 from contact.scene.load import SceneError, problem_text, scene_data, scene_of
-from contact.scene.patch import PatchBodyTable
+from contact.scene.patch import GroundTable, PatchBodyTable
 from contact.scene.scheme import Positive, Table, Unit
 from contact.scene.tables import BladeTable, CasingTable, RimContact
 
@@ -29,9 +29,11 @@ class CyclesHead(Table):
 
 
 class CyclesContact(Table):
-    """[[contact]]: channel along the normal, clearance [m], stiffness of the obstacle [N/m], or rigid with rebound."""
+    """[[contact]]: normal, tangent and its slide [m/s], clearance [m]; an obstacle's stiffness [N/m], or rebound."""
 
     normal: str
+    tangent: str | None = None
+    slide: FiniteFloat = 0.0
     clearance: FiniteFloat = 0.0
     stiffness: Positive | None = None
     restitution: Unit = 0.0
@@ -86,21 +88,31 @@ class CyclesFile(Table):
     scene: CyclesHead
     body: PatchBodyTable
     contact: Annotated[list[CyclesContact], Field(min_length=1)]
+    ground: GroundTable = Field(default_factory=GroundTable)
     drive: DriveTable
     continuation: ContinuationTable = Field(default_factory=ContinuationTable)
+
+    @model_validator(mode="after")
+    def _alike(self) -> CyclesFile:
+        if len({contact.tangent is None for contact in self.contact}) > 1:
+            raise ValueError("contacts with and without tangent found, expected a tangent in all or none")
+        return self
 
     def driven(self, folder: Path) -> DrivenBody:
         """The body and its force; a basis file is found in `folder`. Raises InputError."""
         body, contacts, drive = self.body.modes(folder), self.contact, self.drive
         patch = Patch(
             body=body, normal=tuple(contact.normal for contact in contacts),
-            clearance=[contact.clearance for contact in contacts], displacement=self.body.displacement,
+            tangent=tuple((contact.tangent,) for contact in contacts if contact.tangent is not None),
+            slide=[[contact.slide] for contact in contacts], clearance=[contact.clearance for contact in contacts],
+            displacement=self.body.displacement,
             velocity=self.body.velocity, load=self.body.modal_load(body),
         )  # fmt: skip
         return DrivenBody(
             patch=patch, channel=drive.channel, amplitude=drive.amplitude or drive.between[0],
             stiffness=[contact.stiffness or math.inf for contact in contacts],
-            restitution=[contact.restitution for contact in contacts], shown=tuple(self.continuation.channels),
+            restitution=[contact.restitution for contact in contacts], mu=self.ground.friction,
+            shown=tuple(self.continuation.channels),
         )  # fmt: skip
 
 

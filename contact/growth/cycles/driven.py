@@ -48,11 +48,13 @@ class Family(Protocol):
 class DrivenBody:
     """A modal body under amplitude cos(2 pi freq_hz t) [N] at one channel, before k contacts.
 
-    q'' + 2 zeta omega q' + omega^2 q = rows_d^T F cos + load + N^T lam,  gap = clearance + N q + S lam + lam/stiffness.
+    q'' + 2 zeta omega q' + omega^2 q = rows_d^T F cos + load + W^T lam,  gap = clearance + N q + S lam + lam/stiffness,
+    W = N - mu s T, s the sign of the slip T q' - slide of each contact.
 
-    `patch` names body, contacts, constant load and where runs start; its friction is not used. A contact whose own S
-    and 1/`stiffness` [N/m] are zero is rigid and hits with Newton's `restitution`; at 0 it stays closed until its force
-    is zero. `shown` are the channels whose amplitude is given, all by default. Raises InputError.
+    `patch` names body, contacts, constant load and where runs start. A contact whose own S and 1/`stiffness` [N/m]
+    are zero is rigid and hits with Newton's `restitution`; at 0 it stays closed until its force is zero. Friction `mu`
+    needs one tangent for each contact and a ground that slides, fast enough that no slip turns. `shown` are the
+    channels whose amplitude is given, all by default. Raises InputError.
 
     >>> from contact.model.bodies.modal_body import ModalBody
     >>> mass = ModalBody(omega=[1.0], zeta=[0.025], channels=("x",), rows=[[-1.0]], S=[[0.0]])
@@ -67,11 +69,14 @@ class DrivenBody:
     amplitude: float
     stiffness: ArrayLike = math.inf
     restitution: ArrayLike = 0.0
+    mu: float = 0.0
     shown: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         k, body = self.patch.contacts, self.patch.body
-        require_not_negative(amplitude=self.amplitude)
+        require_not_negative(amplitude=self.amplitude, mu=self.mu)
+        if self.mu > 0.0 and (self.patch.dimensions != 2 or not np.all(np.asarray(self.patch.slide) != 0.0)):
+            raise InputError("mu: found friction, expected one tangent and a slide other than 0 for each contact")
         for name in (self.channel, *self.shown):
             body.channel(name)
         stiffness = readonly(np.broadcast_to(np.asarray(self.stiffness, float), (k,)))
@@ -87,16 +92,25 @@ class DrivenBody:
         soft = np.flatnonzero(np.diag(S) > 0.0)
         if soft.size < k and np.abs(S[np.diag(S) == 0.0]).max() > 0.0:
             raise InputError("S: found a contact without compliance coupled to others, expected a matrix >= 0")
-        if soft.size and not np.linalg.eigvalsh(S[np.ix_(soft, soft)])[0] > 1e-12 * np.diag(S).max():
+        if soft.size and not np.linalg.eigvalsh((S + S.T)[np.ix_(soft, soft)])[0] > 1e-12 * np.diag(S).max():
             raise InputError("S: found contacts whose compliances depend on each other, expected a stiffness for each")
         rigid = self.patch.rows()[:: self.patch.dimensions][np.diag(S) == 0.0]
         if np.linalg.matrix_rank(rigid) < len(rigid):
             raise InputError("normal: found rigid contacts that are not independent, expected a stiffness for each")
 
+    def pushes(self) -> Array:
+        """What a unit force at each contact is, normal and along the slide, on the patch's rows: (k dimensions, k)."""
+        patch = self.patch
+        found = np.zeros((patch.contacts * patch.dimensions, patch.contacts))
+        found[:: patch.dimensions] = np.eye(patch.contacts)
+        if self.mu > 0.0:
+            found[1::2] = np.diag(self.mu * np.sign(np.asarray(patch.slide)[:, 0]))
+        return found
+
     def compliance(self) -> Array:
-        """Compliance of the contacts, (k, k) [m/N]: the body's S and the obstacles'."""
-        d = self.patch.dimensions
-        return np.asarray(self.patch.compliance()[::d, ::d] + np.diag(1.0 / np.asarray(self.stiffness)))
+        """Compliance of the contacts, (k, k) [m/N]: the body's S, with friction's share, and the obstacles'."""
+        own = self.patch.compliance()[:: self.patch.dimensions] @ self.pushes()
+        return np.asarray(own + np.diag(1.0 / np.asarray(self.stiffness)))
 
     def over(self, name: Parameter, *, freq_hz: float, looks: int | None = None) -> ForcedFamily:
         """Motions over one parameter, the others as they are; `freq_hz` where it does not vary, or about where it does.
@@ -104,6 +118,8 @@ class DrivenBody:
         `looks` is the number of times in a period at which gaps are looked at; events are located whatever it is.
         """
         require_positive(freq_hz=freq_hz)
+        if name not in ("freq_hz", "amplitude", "clearance"):
+            raise InputError(f"name: found {name!r}, expected 'freq_hz', 'amplitude' or 'clearance'")
         if looks is not None:
             require_count(8, looks=looks)
         omega = self.patch.body.omega
@@ -163,19 +179,33 @@ def _plant(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
     modes, d = body.patch.body, body.patch.dimensions
     omega = np.where(modes.omega > 0.0, modes.omega, RIGID * 2.0 * math.pi * freq_hz)
     zeta = np.where(modes.omega > 0.0, modes.zeta, 0.0)
-    N, S = body.patch.rows()[::d], body.compliance()
-    shown, met = [modes.channel(name) for name in body.shown], body.patch.channels()[::d]
+    rows, pushes, S = body.patch.rows(), body.pushes(), body.compliance()
+    N, W = rows[::d], pushes.T @ rows
     held_back, slowed = np.diag(omega**2 / scale), np.diag(2.0 * zeta * omega)
     A = np.block([[np.zeros_like(slowed), np.diag(scale)], [-held_back, -slowed]])
     soft = np.diag(S) > 0.0
-    held = np.diag(omega**2) + (N[soft].T / np.diag(S)[soft]) @ N[soft]
-    D = modes.rows[shown]
+    held = omega.max() ** 2 + float(np.linalg.norm((N[soft].T / np.diag(S)[soft]) @ W[soft], 2))
+    D, T = _shown(body), rows[1::d] if body.mu > 0.0 else rows[:0]
+    away = -np.sign(np.asarray(body.patch.slide))[: len(T)]  # the slip's
     return Plant(
-        A=A, B=np.vstack([np.zeros_like(N.T), N.T / scale[:, None]]), C=np.hstack([N, np.zeros_like(N)]), S=S,
-        D=np.hstack([D, np.zeros_like(D)]), E=modes.S[np.ix_(shown, met)],
-        restitution=np.asarray(body.restitution),
-        rate=max(math.sqrt(float(np.linalg.eigvalsh(held)[-1])), 2.0 * math.pi * freq_hz),
+        A=A, B=np.vstack([np.zeros_like(W.T), W.T / scale[:, None]]), C=np.hstack([N, np.zeros_like(N)]), S=S,
+        D=np.block([[D, np.zeros_like(D)], [np.zeros_like(T), away * T * scale]]),
+        E=np.vstack([_shown_by(body) @ pushes, np.zeros((len(T), len(N)))]), restitution=np.asarray(body.restitution),
+        rate=max(math.sqrt(held), 2.0 * math.pi * freq_hz), slips=tuple((i, len(D) + i) for i in range(len(T))),
+        hidden=len(T),
     )  # fmt: skip
+
+
+def _shown(body: DrivenBody) -> Array:
+    """Rows of the channels shown, (o, m)."""
+    modes = body.patch.body
+    return np.asarray(modes.rows[[modes.channel(name) for name in body.shown]])
+
+
+def _shown_by(body: DrivenBody) -> Array:
+    """What forces on the patch's rows move the channels shown by, through S, (o, k dimensions)."""
+    modes = body.patch.body
+    return np.asarray(modes.S[np.ix_([modes.channel(name) for name in body.shown], body.patch.channels())])
 
 
 def _drive(body: DrivenBody, scale: Array, freq_hz: float) -> Drive:
@@ -183,6 +213,7 @@ def _drive(body: DrivenBody, scale: Array, freq_hz: float) -> Drive:
     modes, patch = body.patch.body, body.patch
     at, none = modes.channel(body.channel), np.zeros(scale.size)
     met, shown = patch.channels()[:: patch.dimensions], [modes.channel(name) for name in body.shown]
+    slip = np.abs(np.asarray(patch.slide)[:, 0]) if body.mu > 0.0 else np.zeros(0)
 
     def periodic(rest: ArrayLike, wave: Array) -> Forcing:
         return Forcing(np.array(rest, dtype=float), (body.amplitude * wave[:, None]).astype(complex))
@@ -192,5 +223,6 @@ def _drive(body: DrivenBody, scale: Array, freq_hz: float) -> Drive:
         b=periodic(
             np.concatenate([none, np.asarray(patch.load) / scale]), np.concatenate([none, modes.rows[at] / scale])
         ),
-        c=periodic(patch.clearance, modes.S[met, at]), d=periodic(np.zeros(len(shown)), modes.S[shown, at]),
+        c=periodic(patch.clearance, modes.S[met, at]),
+        d=periodic(np.concatenate([np.zeros(len(shown)), slip]), np.concatenate([modes.S[shown, at], 0.0 * slip])),
     )  # fmt: skip

@@ -70,6 +70,35 @@ def test_an_orbit_of_the_rod_is_what_an_integrator_of_its_own_follows():
     assert found.force[0] == pytest.approx(k * (tips.max() - 0.2e-3), rel=1e-4)
 
 
+@pytest.mark.parametrize("slide", [12.0, -12.0])
+def test_sliding_friction_is_what_an_integrator_of_its_own_follows(slide):
+    """A block of three modes on a belt: normal and tangential motion coupled, the slip never turns."""
+    rng, mu, k, m = np.random.default_rng(8), 0.4, 40.0, 3
+    rows, omega = rng.standard_normal((2, m)), np.array([1.0, 1.7, 2.9])
+    body = ct.ModalBody(omega=omega, zeta=np.full(m, 0.08), channels=("n", "t"), rows=rows, S=np.zeros((2, 2)))
+    patch = ct.Patch(body=body, normal=("n",), tangent=(("t",),), slide=slide, clearance=0.05)
+    driven = ct.growth.cycles.DrivenBody(patch=patch, channel="n", amplitude=0.3, stiffness=k, mu=mu)
+    family = driven.over("freq_hz", freq_hz=0.2)
+    found = ct.growth.cycles.orbit(family, 0.2, settle=400)
+
+    def rate(t, state):
+        q, v = state[:m], state[m:]
+        lam = k * max(-(0.05 + rows[0] @ q), 0.0)
+        friction = -mu * lam * math.copysign(1.0, rows[1] @ v - slide)
+        force = rows[0] * (lam + 0.3 * math.cos(2.0 * math.pi * 0.2 * t)) + rows[1] * friction
+        return np.concatenate([v, force - 0.16 * omega * v - omega**2 * q])
+
+    start = np.concatenate([found.x[:m], found.x[m:] * omega])
+    run = solve_ivp(rate, (0.0, 5.0), start, method="DOP853", rtol=1e-11, atol=1e-13, dense_output=True)
+    assert found.closings[0] > 0
+    assert run.y[:, -1] == pytest.approx(start, abs=1e-8)
+    side = rows[1] @ run.sol(np.linspace(0.0, 5.0, 5001))[:m]
+    assert found.amplitude["t"] == pytest.approx(np.abs(side).max(), rel=1e-5)
+    slow = replace(driven, patch=replace(patch, slide=1e-4 * slide))
+    with pytest.raises(ct.NumericsError, match="slip of contact 1 turns"):
+        ct.growth.cycles.orbit(slow.over("freq_hz", freq_hz=0.2), 0.2)
+
+
 def test_two_equal_stops_are_one_of_twice_the_stiffness():
     one = mass_on_stop(100.0)
     body = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "a", "b"), rows=[[1.0], [-1.0], [-1.0]],
@@ -119,6 +148,7 @@ def test_forces_of_the_pivoting_press_or_vanish():
         ({"restitution": 1.2}, "restitution: found"),
         ({"channel": "y"}, "channel: found 'y'"),
         ({"amplitude": -1.0}, "amplitude: found -1.0"),
+        ({"mu": 0.1}, "mu: found friction, expected one tangent"),
     ],
 )
 def test_bad_input_names_its_field(given, words):
