@@ -7,13 +7,15 @@ off: what its polynomials have to follow is then small.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from casingfem.experiment.identify.bands import Band
 from casingfem.experiment.identify.ema_poles import lscf_poles
-from casingfem.experiment.identify.pole_fit import PoleFit
+from casingfem.experiment.identify.own_shifts import aligned, shifted_reading
+from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
 from casingfem.experiment.identify.pole_selection import select_poles
 from casingfem.experiment.identify.pole_window import Window
 from casingfem.experiment.identify.stabilisation import Stabilisation, stabilise
@@ -34,11 +36,12 @@ class Responses(NamedTuple):
 
 
 class BandFits(NamedTuple):
-    """One fit for each band, and what the fit was of beside its own modes: (channels, lines)."""
+    """One fit for each band, its stabilisation diagram, and whether peaks are shifted from channel to channel."""
 
     bands: list[Band]
     fits: list[PoleFit]
     diagrams: list[Stabilisation]
+    shifted: bool
 
 
 class _Mode(NamedTuple):
@@ -57,6 +60,7 @@ def fit_bands(data: Responses, bands: list[Band], order: int | None) -> BandFits
         diagram, starts = _sweep(data, band, order)
         diagrams.append(diagram)
         fits.append(select_poles(_window(data, band, []), starts) if band.peaks else None)
+    fits, shifted = _read(data, bands, fits)
     for _ in range(PASSES):
         for k, band in enumerate(bands):
             modes = _modes(data, bands, fits)
@@ -64,8 +68,32 @@ def fit_bands(data: Responses, bands: list[Band], order: int | None) -> BandFits
             inside = [mode for mode in modes if low <= mode.freq <= high]
             outside = [mode for mode in modes if not low <= mode.freq <= high]
             starts = np.array([(mode.freq, mode.zeta) for mode in inside]).reshape(-1, 2)
-            fits[k] = select_poles(_window(data, band, outside), starts)
-    return BandFits(bands, [fit for fit in fits if fit is not None], diagrams)
+            window, fit = _window(data, band, outside), fits[k]
+            if shifted and fit is not None:
+                fits[k] = _without_shifts(replace(window, residues=fit.window.residues), starts)
+            else:
+                fits[k] = select_poles(window, starts)
+    return BandFits(bands, [fit for fit in fits if fit is not None], diagrams, shifted)
+
+
+def _read(data: Responses, bands: list[Band], fits: list[PoleFit | None]) -> tuple[list[PoleFit | None], bool]:
+    """The fits, and whether peaks are shifted from channel to channel; then with as few poles as that leaves."""
+    readings = [
+        None if fit is None else shifted_reading(fit, *core_of(data.freq, band))
+        for band, fit in zip(bands, fits, strict=True)
+    ]
+    if sum(reading.evidence for reading in readings if reading is not None) <= 0.0:
+        return fits, False
+    return [
+        fit if fit is None or reading is None else fit_poles(fit.window, *reading.starts.T)
+        for fit, reading in zip(fits, readings, strict=True)
+    ], True
+
+
+def _without_shifts(window: Window, starts: FloatArray) -> PoleFit:
+    """The fit of what the channels would show without shifts; sigma knows of them."""
+    straight, shift = aligned(fit_poles(window, *starts.T))
+    return replace(fit_poles(straight, *starts.T), shift=shift)
 
 
 def core_of(freq: FloatArray, band: Band) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.mode_shapes import mode_shape, residue_matrix
 from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.experiment.identify.pole_selection import hidden_split
+from casingfem.experiment.identify.verdict import verdicts
 from casingfem.io.arrays import Array, FloatArray
 
 BALANCE = 0.2  # least `balance` of a shape that is two
@@ -40,6 +41,7 @@ class FoundMode:
     signal: float
     split_bound: float
     double: bool
+    doubt: str = ""
     unresolved: bool = False
 
 
@@ -49,15 +51,21 @@ def found_modes(
     grid: SensorGrid,
     signs: FloatArray,
     circle: Circle | None,
-) -> list[FoundMode]:
-    """Modes of all bands, ascending; one that two bands found beside their common edge counts once."""
+) -> tuple[list[FoundMode], tuple[str, ...]]:
+    """Modes of all bands, ascending, and what was left out, in words; one that two bands found counts once."""
     modes: list[FoundMode] = []
+    left_out: list[tuple[float, str]] = []
     for fit, (low, high) in zip(fits, cores, strict=True):
         here = [_mode(fit, pole, grid, signs, circle) for pole in range(len(fit.freq))]
-        here = _merged(fit, here)
+        judged = verdicts(fit, [mode.collinearity for mode in here])
+        gone = [k for k, (_, out) in enumerate(judged) if out]
+        left_out += [(here[k].freq, judged[k][0]) for k in gone if low <= here[k].freq < high]
+        here = [replace(mode, doubt=doubt) for mode, (doubt, _) in zip(here, judged, strict=True)]
+        here = _merged(fit, here, gone)
         inside = [mode for mode in here if low <= mode.freq < high]
         modes += [mode for mode in inside if not (modes and _same(modes[-1], mode))]
-    return sorted(modes, key=lambda mode: mode.freq)
+    words = tuple(f"left out: {freq:.2f} Hz, {why}" for freq, why in sorted(left_out))
+    return sorted(modes, key=lambda mode: mode.freq), words
 
 
 def _same(first: FoundMode, second: FoundMode) -> bool:
@@ -77,7 +85,7 @@ def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: 
     double = shape.second > 1.0 and shape.balance > BALANCE
     return FoundMode(
         freq=freq,
-        sigma_freq=freq * float(sigma[pole]),
+        sigma_freq=freq * float(np.hypot(sigma[pole], fit.shift[pole])),
         zeta=zeta,
         sigma_zeta=float(sigma[len(fit.freq) + pole] * zeta),
         n=label.n,
@@ -95,12 +103,14 @@ def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: 
     )
 
 
-def _merged(fit: PoleFit, modes: list[FoundMode]) -> list[FoundMode]:
+def _merged(fit: PoleFit, modes: list[FoundMode], gone: list[int]) -> list[FoundMode]:
     """Put neighbours whose poles differ by no more than chance into one: a pair whose members are not told apart."""
     distinct: list[FoundMode] = []
     last = -2
     for k, mode in enumerate(modes):
-        if k and last != k - 1 and mode.n == modes[k - 1].n and not _distinct(fit, k - 1, k):
+        if k in gone:
+            last = k
+        elif k and last != k - 1 and mode.n == modes[k - 1].n and not _distinct(fit, k - 1, k):
             distinct[-1] = _one_of(fit, modes, k - 1, k)
             last = k
         else:

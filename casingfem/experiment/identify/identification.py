@@ -84,7 +84,7 @@ def identify(
     found = fit_bands(data, find_bands(freq, H, noise), order)
     cores = [core_of(freq, band) for band in found.bands]
     circle = None if angles is None else Circle.of(grid.theta, n_max)
-    modes = found_modes(found.fits, cores, grid, radial_signs(grid), circle)
+    modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), circle)
     doublets = paired(modes)
     modes = settled(modes, doublets)
     return Identified(
@@ -95,11 +95,18 @@ def identify(
         fitted=_fitted(found, H),
         doublets=doublets,
         unresolved=tuple(k for k, mode in enumerate(modes) if mode.unresolved),
-        notes=notes_of(modes, doublets),
+        doubts=tuple(mode.doubt for mode in modes),
+        notes=(*shift_note(found.shifted), *notes_of(modes, doublets), *left_out),
         diagram=join(found.diagrams, cores),
         card=frfs.card,
         seconds=time.perf_counter() - started,
     )
+
+
+def shift_note(shifted: bool) -> tuple[str, ...]:
+    """What a test with shifted peaks is said to be."""
+    words = "peaks lie at different frequencies in different channels (roving mass, moved hammer?): means are given"
+    return (words,) if shifted else ()
 
 
 def _lines(frfs: FrfSet, band: tuple[float, float] | None) -> tuple[FloatArray, Array]:

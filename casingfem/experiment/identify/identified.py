@@ -14,7 +14,7 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified_file import read_fields, write_fields
 from casingfem.experiment.identify.stabilisation import Stabilisation
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -53,8 +53,10 @@ class Identified:
         (channels, lines).
     diagram
         Poles of all orders.
+    doubts
+        For each mode what is doubtful about it, "" where it is sure.
     notes
-        What cannot be told apart, in words.
+        What cannot be told apart and what was left out, in words.
     card
         Source lines.
     """
@@ -81,6 +83,7 @@ class Identified:
     fitted: Array
     measured: Array
     diagram: Stabilisation
+    doubts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     card: tuple[str, ...] = ()
     seconds: float = 0.0
@@ -93,6 +96,11 @@ class Identified:
     def __len__(self) -> int:
         """Return the number of modes."""
         return len(self.freq)
+
+    @property
+    def sure(self) -> BoolArray:
+        """Modes about which nothing is doubtful, (modes,)."""
+        return np.array([not (self.doubts and self.doubts[k]) for k in range(len(self))], bool)
 
     @property
     def splits(self) -> FloatArray:
@@ -122,9 +130,13 @@ class Identified:
             n=self.n,
             angle_deg=self.angle_deg,
             zeta=self.zeta,
-            card=(*self.card, *card, made, *self.notes),
+            card=(*self.card, *card, made, *self.doubtful(), *self.notes),
             path="identified",
         )
+
+    def doubtful(self) -> tuple[str, ...]:
+        """The modes that are not sure, and why, in words."""
+        return tuple(f"mode {k + 1} is doubtful: {self.doubts[k]}" for k in np.flatnonzero(~self.sure).tolist())
 
     def save(self, path: str | os.PathLike[str], *, responses: bool = True) -> Path:
         """Write an npz file of plain arrays, whole or not at all; `load` reads it.
@@ -169,15 +181,19 @@ class Identified:
                 "split_bound_rel": float(self.split_bound[k]),
                 "collinearity": float(self.collinearity[k]),
                 "signal_to_noise": float(self.signal[k]),
+                "verdict": "sure" if sure else "doubtful",
+                "doubt": "" if sure else self.doubts[k],
             }
-            for k in range(len(self))
+            for k, sure in enumerate(self.sure.tolist())
         ]
 
     def __repr__(self) -> str:
         pairs = f", {len(self.doublets)} doublets" if self.doublets else ""
         left = f", deviation {100.0 * self.deviation:.2g} %" if len(self.lines) else ", without responses"
+        doubtful = int(np.sum(~self.sure))
+        verdict = f", {doubtful} doubtful" if doubtful else ""
         lines = [
-            f"Identified({len(self)} modes{pairs}{left})",
+            f"Identified({len(self)} modes{verdict}{pairs}{left})",
             f"{'mode':>4} {'freq [Hz]':>11} {'+-':>7} {'zeta [%]':>9} {'+-':>7} {'n':>3} {'pure':>5}"
             f" {'angle [deg]':>11} {'+-':>6} {'pair':>4}",
         ]
@@ -188,8 +204,9 @@ class Identified:
                 for value in (row["n_purity"], row["angle_deg"], row["sigma_angle_deg"])
             )
             pair = row["doublet"] or ("?" if k in self.unresolved else "-")
+            verdict = "" if row["verdict"] == "sure" else "  doubtful"
             lines.append(
                 f"{k + 1:>4} {row['freq_hz']:>11.4f} {row['sigma_hz']:>7.2g} {100 * row['zeta']:>9.5f}"
-                f" {100 * row['sigma_zeta']:>7.2g} {n:>3} {purity:>5} {angle:>11} {sigma:>6} {pair:>4}"
+                f" {100 * row['sigma_zeta']:>7.2g} {n:>3} {purity:>5} {angle:>11} {sigma:>6} {pair:>4}{verdict}"
             )
-        return "\n".join([*lines, *self.notes])
+        return "\n".join([*lines, *self.doubtful(), *self.notes])

@@ -19,7 +19,7 @@ from contact.io.npz import write_npz
 
 WANTED = "what Identified.save or `casingfem identify --out` wrote"
 PARTS: dict[str, Any] = {"sensors": SensorGrid, "diagram": Stabilisation}
-TEXTS = ("notes", "card")
+TEXTS = ("doubts", "notes", "card")
 BY_MODE = ("freq", "sigma_freq", "zeta", "sigma_zeta", "n", "purity", "angle_deg", "sigma_angle", "residue_scale",
            "collinearity", "signal", "split_bound")  # fmt: skip
 
@@ -47,7 +47,8 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
     """
     inner = {f"{name}.{field.name}" for name, part in PARTS.items() for field in fields(part)}
     Path(path).stat()  # OSError without a file, as every other reader of shapes
-    stored = read_npz(path, (names - PARTS.keys()) | inner, WANTED)
+    stored = read_npz(path, (names - PARTS.keys() - {"doubts"}) | inner, WANTED)
+    stored.setdefault("doubts", np.zeros(0, np.str_))  # files of before have no verdicts
     check(stored, str(path))
     values: dict[str, Any] = {name: stored[name] for name in names - PARTS.keys()}
     for name, part in PARTS.items():
@@ -56,6 +57,7 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
     return values | {
         "doublets": tuple((low, high) for low, high in pairs),
         "unresolved": tuple(stored["unresolved"].astype(int).tolist()),
+        "doubts": tuple(stored["doubts"].tolist()),
         "notes": tuple(stored["notes"].tolist()),
         "card": tuple(stored["card"].tolist()),
         "seconds": float(stored["seconds"]),
@@ -72,6 +74,8 @@ def check(stored: Mapping[str, Array], path: str) -> None:
         if stored[name].shape != shape:
             expected = f"{shape} for {modes} modes at {sensors} sensors"
             raise InputError(path, found=f"{name} of shape {stored[name].shape}", expected=expected)
+    if stored["doubts"].size not in (0, modes):
+        raise InputError(path, found=f"{stored['doubts'].size} doubts", expected=f"one for each of {modes} modes")
     for name in ("freq", "sigma_freq", "zeta", "shapes", "sigma_shapes"):
         if not np.all(np.isfinite(stored[name])):
             raise InputError(path, found=f"{name} with nan or infinity", expected="finite numbers")

@@ -40,7 +40,7 @@ class PoleFit:
     `squares` is the sum of squared deviations, `variance` that per degree of freedom; `covariance` (2 poles, 2 poles)
     of (ln f, ln zeta), over `variance`; `gram` (poles, columns, poles, columns) of the inverse of Phi^T Phi; `tilt`
     (poles, columns, 2 poles, columns) = Phi^+ D, what residues follow when poles move; `spread` (lines, channels)
-    complex, the deviation.
+    complex, the deviation; `shift` (poles,) the standard deviation of ln f from peaks shifted between channels.
     """
 
     window: Window
@@ -53,10 +53,11 @@ class PoleFit:
     gram: FloatArray
     tilt: FloatArray
     spread: Array
+    shift: FloatArray
     converged: bool
 
     def __post_init__(self) -> None:
-        for name in ("freq", "zeta", "A", "covariance", "gram", "tilt", "spread"):
+        for name in ("freq", "zeta", "A", "covariance", "gram", "tilt", "spread", "shift"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
@@ -91,10 +92,10 @@ class _System(NamedTuple):
     tilt: FloatArray
 
 
-def fit_poles(window: Window, freq: FloatArray, zeta: FloatArray) -> PoleFit:
+def fit_poles(window: Window, freq: FloatArray, zeta: FloatArray, *, steps: int = STEPS) -> PoleFit:
     """Refine poles from a start by Levenberg-Marquardt; residues and residuals follow linearly.
 
-    Ends when a step gains nothing against the noise, or after 60 (`converged` says so).
+    Ends when a step gains nothing against the noise, or after `steps` (`converged` says so).
 
     Examples
     --------
@@ -108,7 +109,7 @@ def fit_poles(window: Window, freq: FloatArray, zeta: FloatArray) -> PoleFit:
     """
     at = _state(window, np.array(freq, float), np.array(zeta, float))
     damping, converged = 1e-3, len(freq) == 0
-    for _ in range(0 if converged else STEPS):
+    for _ in range(0 if converged else steps):
         new = _step(window, at, damping)
         gain = at.squares - new.squares
         if gain >= 0.0:
@@ -179,6 +180,7 @@ def _finished(window: Window, at: _State, converged: bool) -> PoleFit:
         gram=(inverse @ inverse.T).reshape(m, s, m, s),
         tilt=system.tilt.reshape(m, s, 2 * m, s),
         spread=at.R[:half] + 1j * at.R[half:],
+        shift=np.zeros(m),
         converged=converged,
     )
 

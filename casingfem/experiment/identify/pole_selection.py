@@ -21,9 +21,11 @@ from casingfem.io.arrays import FloatArray
 GRID = 400  # frequencies tried for a further pole
 BEYOND = 0.03  # of the frequency
 LOCAL = 5.0, 12  # about a pole: half-power half-widths, lines at least
-NARROW = 1.5  # lines in a half-power bandwidth, below which nothing is resolved
+NARROW = 0.3  # lines in a half-power bandwidth, below which there is no peak
 UNSURE = 0.3  # standard deviation of ln zeta beyond which a pole is no resonance
 LEAST_GAIN = 0.25  # of the penalty, that a place must be worth by the gradient before it is tried
+TRIAL_STEPS = 15  # of a fit that tries a further pole
+MORE = 4  # poles that are added to half as many as the start has, at most
 TRIES = 3  # places tried before the search ends
 NEAR, SAME = 3.0, 0.9  # half-power bandwidths; MAC
 ENOUGH = 6  # channels below which shapes say nothing
@@ -45,7 +47,7 @@ def select_poles(window: Window, starts: FloatArray) -> PoleFit:
         turned = _searched(replace(window, residues="complex"), np.column_stack([fit.freq, fit.zeta]))
         more = turned.parameters - fit.parameters
         if (fit.squares - turned.squares) / turned.noise > more * np.log(window.Y.size):
-            return turned
+            fit = turned
     return fit
 
 
@@ -57,7 +59,7 @@ def reach(window: Window) -> tuple[float, float]:
 def _searched(window: Window, starts: FloatArray) -> PoleFit:
     """Prune the starts, then add poles where the deviation asks for them."""
     fit = pruned(fit_poles(window, starts[:, 0], starts[:, 1]))
-    for _ in range(2 * len(starts) + 8):
+    for _ in range(len(starts) // 2 + MORE):
         more = _one_more(fit)
         if more is None:
             return fit
@@ -69,7 +71,7 @@ def gains(fit: PoleFit) -> FloatArray:
     """Rise of the sum of squares, in units of the noise there, if a pole were left out and the others stayed."""
     each = range(len(fit.freq))
     rise = [np.einsum("sc,st,tc->", fit.A[k], np.linalg.inv(fit.gram[k, :, k, :]), fit.A[k]) for k in each]
-    return np.array([rise[k] / noise_at(fit, k) for k in each], float)
+    return np.array([rise[k] / noise_at(fit, k) / alike_lines(fit, k) for k in each], float)
 
 
 def noise_at(fit: PoleFit, pole: int) -> float:
@@ -79,6 +81,23 @@ def noise_at(fit: PoleFit, pole: int) -> float:
     width = max(LOCAL[1], int(LOCAL[0] * fit.zeta[pole] * fit.freq[pole] / (lines[1] - lines[0])))
     near = fit.spread[max(at - width, 0) : at + width]
     return max(fit.noise, 0.5 * float(np.mean(np.abs(near) ** 2)) if near.size else 0.0)
+
+
+def alike_lines(fit: PoleFit, pole: int) -> float:
+    """Over how many lines the deviation about a pole is alike: 1 for white noise, more for what the model lacks.
+
+    1 + 2 sum_l (1 - l/L) rho_l with the autocorrelation rho over the lines, up to L = a half-power bandwidth.
+    """
+    lines = fit.window.freq
+    at, step = int(np.searchsorted(lines, fit.freq[pole])), float(lines[1] - lines[0])
+    width = max(LOCAL[1], int(LOCAL[0] * fit.zeta[pole] * fit.freq[pole] / step))
+    near = fit.spread[max(at - width, 0) : at + width]
+    most = min(int(2.0 * fit.zeta[pole] * fit.freq[pole] / step), len(near) // 3)
+    whole = float(np.sum(np.abs(near) ** 2))
+    if most < 2 or whole == 0.0:
+        return 1.0
+    rho = [float(np.sum((near[lag:] * near[:-lag].conj()).real)) / whole for lag in range(1, most)]
+    return max(1.0, 1.0 + 2.0 * float(np.sum((1.0 - np.arange(1, most) / most) * rho)))
 
 
 def pruned(fit: PoleFit) -> PoleFit:
@@ -126,9 +145,10 @@ def _one_more(fit: PoleFit) -> PoleFit | None:
     together = [places[:2]] if len(places) > 1 else []
     for added in [[place] for place in places] + together:
         f, zeta = np.array(added).T
-        trial = fit_poles(fit.window, np.append(fit.freq, f), np.append(fit.zeta, zeta))
+        trial = fit_poles(fit.window, np.append(fit.freq, f), np.append(fit.zeta, zeta), steps=TRIAL_STEPS)
         new = int(np.argmin(np.abs(trial.freq - f[0])))
-        if (fit.squares - trial.squares) / noise_at(trial, new) <= len(added) * penalty(fit.window):
+        gain = (fit.squares - trial.squares) / noise_at(trial, new) / alike_lines(trial, new)
+        if gain <= len(added) * penalty(fit.window):
             continue
         trial = pruned(trial)
         better = (fit.squares - trial.squares) / trial.noise > penalty(fit.window)

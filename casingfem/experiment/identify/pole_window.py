@@ -52,9 +52,12 @@ class Window:
 
     def slopes(self, f: FloatArray, zeta: FloatArray) -> FloatArray:
         """Derivatives of `resonances` by ln f of all poles, then by ln zeta, (2 lines, 2 poles x columns)."""
+        return self.as_real(np.concatenate(self.peaks(f, zeta)[1], axis=1))
+
+    def peaks(self, f: FloatArray, zeta: FloatArray) -> tuple[Array, tuple[Array, Array]]:
+        """Complex resonances (lines, poles) of unit residue, and their derivatives by ln f and ln zeta."""
         g, by_zeta, w, below = self._resonances(f, zeta)
-        by_f = 2.0 * g * (1.0 - w**2 / below) + by_zeta
-        return self.as_real(np.concatenate([by_f, by_zeta], axis=1))
+        return g, (2.0 * g * (1.0 - w**2 / below) + by_zeta, by_zeta)
 
     def residuals(self) -> FloatArray:
         """Columns (2 lines, TERMS x columns) of modes outside the window."""

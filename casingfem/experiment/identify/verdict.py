@@ -1,0 +1,90 @@
+"""How sure a mode is: sure, doubtful with the reasons in words, or left out.
+
+A pole may lower the sum of squares and yet be no mode: it follows what the model lacks. Each test below asks for what
+a mode has beyond that; one that fails two limits by far is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from casingfem.experiment.identify.own_shifts import noise_squares
+from casingfem.experiment.identify.pole_fit import PoleFit
+from casingfem.experiment.identify.pole_selection import gains, noise_at, penalty
+
+FREQ = 0.1, 0.5  # standard deviation of the frequency over the half-power bandwidth: doubtful, left out
+ZETA = 0.2, 0.6  # of ln zeta
+DAMPED = 0.06, 0.3  # damping ratio
+GAIN = 3.0, 0.0  # fall of the sum of squares over what a pole must bring
+PEAK = 3.0, 0.5  # peak over the fit's deviation about it, both rms over the channels
+LINES = 1.5, 0.5  # lines within the half-power bandwidth
+IN_PHASE = 0.6, 0.0  # share of the shape's energy that is in phase
+BESIDE = 3.0, 6, 0.8  # bandwidths to a stronger neighbour; channels below which shapes say nothing; MAC, else
+MISFIT = 3.0, 6.0, 0.7  # squares over the noise's; then bandwidths to a neighbour whose peak is so much larger
+FEW = 0.12, 8  # share of the channels that has the energy: of a local mode; from so many channels on
+
+
+def verdicts(fit: PoleFit, collinearity: list[float]) -> list[tuple[str, bool]]:
+    """For each pole of a fit what is doubtful about it, "" where nothing is, and whether it is to be left out."""
+    worth = gains(fit) / penalty(fit.window) if len(fit.freq) else np.zeros(0)
+    found = []
+    for pole, phase in enumerate(collinearity):
+        reasons = [*_reasons(fit, pole, float(worth[pole]), phase), *_beside(fit, pole)]
+        found.append(("; ".join(text for text, _ in reasons), any(out for _, out in reasons)))
+    return found
+
+
+def _reasons(fit: PoleFit, pole: int, worth: float, phase: float) -> Iterator[tuple[str, bool]]:
+    """What speaks against a pole, and whether so much that it is left out."""
+    f, zeta = float(fit.freq[pole]), float(fit.zeta[pole])
+    variance = fit.noise * np.diag(fit.covariance)
+    freq = float(np.hypot(np.sqrt(variance[pole]), fit.shift[pole])) / (2.0 * zeta)
+    damping = float(np.sqrt(variance[len(fit.freq) + pole]))
+    lines = 2.0 * zeta * f / float(fit.window.freq[1] - fit.window.freq[0])
+    size = np.linalg.norm(fit.A[pole], axis=0)
+    peak = float(np.sqrt(np.mean(size**2))) * (f / fit.window.scale) ** fit.window.power / (2.0 * zeta)
+    ratio = peak / np.sqrt(2.0 * noise_at(fit, pole))
+    share = float(np.sum(size**2) ** 2 / np.sum(size**4)) / len(size)
+    if freq > FREQ[0]:
+        yield f"frequency uncertain by {freq:.2g} of its bandwidth", freq > FREQ[1]
+    if damping > ZETA[0]:
+        yield f"damping uncertain by {100.0 * damping:.0f} %", damping > ZETA[1]
+    if zeta > DAMPED[0]:
+        yield f"damping of {100.0 * zeta:.2g} %", zeta > DAMPED[1]
+    if worth < GAIN[0]:
+        yield "hardly above what the fit leaves, whose lines are alike", False
+    if ratio < PEAK[0]:
+        yield f"peak {ratio:.2g} times what the fit leaves there", ratio < PEAK[1]
+    if lines < LINES[0]:
+        yield f"bandwidth of {lines:.2g} lines", lines < LINES[1]
+    if phase < IN_PHASE[0]:
+        yield f"only {100.0 * phase:.0f} % of its shape in phase", False
+    if len(size) >= FEW[1] and share < FEW[0]:
+        yield f"seen by {max(1, round(share * len(size)))} of {len(size)} channels: local, of a fixture?", False
+
+
+def _beside(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
+    """Whether a stronger neighbour's peak, which the fit may not follow, explains a pole."""
+    peaks = np.linalg.norm(fit.A.reshape(len(fit.A), -1), axis=1) / fit.zeta
+    shapes = (fit.A[:, 0] + 1j * fit.A[:, -1] if fit.A.shape[1] == 2 else fit.A[:, 0]) / fit.window.weight
+    misfit = fit.squares / max(noise_squares(fit), fit.window.floor**2 * fit.window.Y.size, 1e-300)
+    for other in np.flatnonzero((peaks > peaks[pole]) & (fit.zeta < DAMPED[0])).tolist():
+        width = 2.0 * np.sqrt(fit.zeta[pole] * fit.freq[pole] * fit.zeta[other] * fit.freq[other])
+        away = abs(float(fit.freq[pole] - fit.freq[other])) / width
+        mac = abs(np.vdot(shapes[pole], shapes[other])) ** 2
+        alike = mac > BESIDE[2] * np.vdot(shapes[pole], shapes[pole]).real * np.vdot(shapes[other], shapes[other]).real
+        if away < BESIDE[0] and (alike or shapes.shape[1] < BESIDE[1]):
+            why = "of the same shape" if shapes.shape[1] >= BESIDE[1] else "too few channels to tell their shapes"
+            yield f"{away:.1f} bandwidths from the stronger mode at {fit.freq[other]:.2f} Hz, {why}: one mode?", False
+            return
+        if misfit > MISFIT[0] and away < MISFIT[1] and peaks[pole] < MISFIT[2] * peaks[other]:
+            yield (
+                (
+                    f"beside the stronger mode at {fit.freq[other]:.2f} Hz, where the fit leaves"
+                    f" {np.sqrt(misfit):.1f} times the noise"
+                ),
+                False,
+            )
+            return

@@ -1,0 +1,76 @@
+"""Tests unlike a bench's: peaks shifted from channel to channel, modes that one cannot be sure of."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+
+X = np.arange(645.0, 685.0, 0.1)
+THETA = np.linspace(0.0, np.pi, 12, endpoint=False)
+COS, SIN = 0.8 * np.cos(2 * THETA - 0.3), 0.6 * np.sin(2 * THETA - 0.3)
+
+
+def mode(freq, zeta, shape, shift=0.0):
+    """Accelerance of one mode, each channel's frequency shifted by a factor of its own."""
+    own = freq * (1.0 + shift * np.ones(len(shape)))[:, None]
+    return -shape[:, None] * X**2 / (own**2 - X**2 + 2j * zeta * own * X)
+
+
+def measured(H, snr_db, seed):
+    rng = np.random.default_rng(seed)
+    size = 10 ** (-snr_db / 20) * np.sqrt(np.mean(np.abs(H) ** 2, axis=1, keepdims=True) / 2)
+    H = H + size * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
+    return cf.frf.FrfSet.from_arrays(kind="frf", x=X, responses=H, unit="(m/s^2)/N", response_point=range(len(H)))
+
+
+@pytest.mark.parametrize("bandwidths", [0.1, 0.5, 2.0])
+def test_one_mode_whose_peak_is_shifted_between_channels_is_one(bandwidths):
+    rng = np.random.default_rng(31)
+    shift = 0.002 * bandwidths * rng.uniform(-1, 1, 12)
+    phases = np.exp(0.1j * rng.standard_normal(12))
+    found = cf.identify(measured(mode(665.0, 1e-3, COS * phases, shift), 40.0, 5))
+    assert len(found) == 1
+    assert found.notes[0].startswith("peaks lie at different frequencies")
+    assert found.zeta[0] == pytest.approx(1e-3, rel=0.02)  # not broadened
+    assert abs(found.freq[0] - 665.0 * (1 + shift.mean())) < 4 * found.sigma_freq[0]
+    assert found.sigma_freq[0] > 665.0 * shift.std() / 12  # knows of the shifts
+
+
+def test_a_pair_with_shifts_is_a_pair_and_a_pair_without_knows_of_none():
+    shift = 2e-4 * np.random.default_rng(31).uniform(-1, 1, 12)
+    for by, noted in ((shift, True), (0.0, False)):
+        H = mode(665.0, 1e-3, COS, by) + mode(665.7, 1e-3, SIN, by)
+        found = cf.identify(measured(H, 40.0, 6))
+        assert len(found) == 2
+        assert any(note.startswith("peaks lie at") for note in found.notes) == noted
+        np.testing.assert_allclose(found.zeta, 1e-3, rtol=0.02)
+
+
+def test_a_clear_mode_is_sure_and_a_faint_local_one_is_not(tmp_path):
+    local = np.zeros(12)
+    local[4] = 0.05
+    found = cf.identify(measured(mode(660.0, 1e-3, COS) + mode(672.0, 4e-3, local), 35.0, 7))
+    assert found.freq.round().tolist() == [660.0, 672.0]
+    assert found.sure.tolist() == [True, False]
+    assert "seen by 1 of 12 channels" in found.doubts[1]
+    assert [row["verdict"] for row in found.records()] == ["sure", "doubtful"]
+    assert "mode 2 is doubtful: " in repr(found)
+    assert any(line.startswith("mode 2 is doubtful") for line in found.table().card)
+    assert cf.Identified.load(found.save(tmp_path / "found.npz")).doubts == found.doubts
+
+
+def test_a_file_of_before_has_no_doubts(tmp_path):
+    found = cf.identify(measured(mode(660.0, 1e-3, COS), 35.0, 7))
+    with np.load(found.save(tmp_path / "found.npz")) as archive:
+        np.savez(tmp_path / "old.npz", **{name: archive[name] for name in archive.files if name != "doubts"})
+    assert cf.Identified.load(tmp_path / "old.npz").sure.tolist() == [True]
+    with np.load(tmp_path / "found.npz") as archive:
+        np.savez(tmp_path / "bad.npz", **{**archive, "doubts": np.array(["a", "b"])})
+    with pytest.raises(cf.errors.InputError, match="2 doubts"):
+        cf.Identified.load(tmp_path / "bad.npz")
+
+
+def test_a_peak_narrower_than_the_lines_is_found_and_its_damping_doubted():
+    found = cf.identify(measured(mode(665.0, 6e-5, COS), 60.0, 3))
+    assert found.freq.round(2).tolist() == [665.0]
+    assert "lines" in found.doubts[0]
