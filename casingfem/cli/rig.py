@@ -41,6 +41,7 @@ def rig(file: Path, as_json: bool, out: Path | None) -> None:
         "frfs": None if test.frfs is None else {
             "channels": len(test.frfs), "lines": len(test.frfs.x), "unit": test.frfs.unit
         },
+        "troubles": None if test.troubles is None else test.troubles.records(),
         "waves": None if test.waves is None else [w._asdict() for w in test.waves.waves() if w.seen],
         "waves_unit": waves_unit(test),
         "seconds": working.seconds,

@@ -16,6 +16,8 @@ from casingfem.experiment.rig.rig import Rig
 from casingfem.experiment.rig.scan import Scan, Tone, Turning, scan
 from casingfem.experiment.rig.structure import Place, circle, damping_spread, rig_of
 from casingfem.experiment.rig.truth import truth
+from casingfem.experiment.rig.unkind import Unkind, UnkindTest, UnkindTruth, unkind_frfs
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import modes
 from casingfem.study.load import Study
 from casingfem.study.problems import StudyError
@@ -35,7 +37,10 @@ class Layout:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RigTest:
-    """What a test made: rig and layout, truth, responses, coherence, kept records, the scan and its waves."""
+    """What a test made: rig and layout, truth, responses, coherence, kept records, the scan and its waves.
+
+    `troubles` is the truth behind those of a test in a hall.
+    """
 
     rig: Rig
     layout: Layout
@@ -45,6 +50,7 @@ class RigTest:
     records: tuple[FrfSet, ...]
     scan: Scan | None
     waves: CircleScan | None
+    troubles: UnkindTruth | None = None
 
 
 def run_rig(study: Study) -> RigTest:
@@ -77,8 +83,11 @@ def all_records(study: Study, table: RigTable) -> RigTest:
     card = origin(rig, f"study: {study.path.name}, sha256 {study.source['sha256']}, seed {table.seed}")
     whole = [k for k in (layout.circle, circle_of(table, layout)) if len(k)][:1]
     made = None if table.scan is None else scanned(rig, table, table.scan, layout, card)
+    troubled = None if table.test is None else unkind(rig, table, table.test, layout, card)
     frfs, coherence, records = (
-        (None, None, ()) if table.test is None else responses(rig, table, table.test, layout, card)
+        ((None, None, ()) if table.test is None else responses(rig, table, table.test, layout, card))
+        if troubled is None
+        else (troubled.frfs, troubled.coherence, ())
     )
     return RigTest(
         rig=rig,
@@ -91,6 +100,7 @@ def all_records(study: Study, table: RigTable) -> RigTest:
         waves=None
         if made is None or table.scan is None
         else demodulate(made.record, table.scan.orders, runout=len(table.scan.runout)),
+        troubles=None if troubled is None else troubled.truth,
     )
 
 
@@ -138,14 +148,33 @@ def circle_of(table: RigTable, layout: Layout) -> range:
     return layout.sensors if whole else range(0)
 
 
+def unkind(rig: Rig, table: RigTable, test: ResponsesTable, layout: Layout, card: tuple[str, ...]) -> UnkindTest | None:
+    """Frequency responses of a test in a hall, None where the study has no troubles."""
+    if test.troubles is None or test.snr_db is None:
+        return None
+    what = Unkind(snr_db=test.snr_db, **test.troubles.model_dump())
+    drives, sensors = layout.drives, layout.sensors
+    return unkind_frfs(
+        rig, lines_of(test), what, sensors=sensors, drives=drives, seed=table.seed + NOISE, quantity=table.quantity,
+        card=card,
+    )  # fmt: skip
+
+
+def lines_of(test: ResponsesTable) -> FloatArray:
+    """Lines [Hz] of exact responses."""
+    low, high = test.band_hz
+    return np.asarray(low + test.resolution_hz * np.arange(int((high - low) / test.resolution_hz + 1e-9) + 1))
+
+
 def responses(
     rig: Rig, table: RigTable, test: ResponsesTable, layout: Layout, card: tuple[str, ...]
 ) -> tuple[FrfSet, FrfSet | None, tuple[FrfSet, ...]]:
     """Frequency responses, and where they come from records their coherence, and the records if they are kept."""
     low, high = test.band_hz
     if test.kind == "exact":
-        lines = low + test.resolution_hz * np.arange(int((high - low) / test.resolution_hz + 1e-9) + 1)
-        frfs = rig.frfs(lines, sensors=layout.sensors, drives=layout.drives, quantity=table.quantity, card=card)
+        frfs = rig.frfs(
+            lines_of(test), sensors=layout.sensors, drives=layout.drives, quantity=table.quantity, card=card
+        )
         return (frfs if test.snr_db is None else noisy(frfs, test.snr_db, seed=table.seed + NOISE)), None, ()
     force = excitation(test)
     block = int(2 ** np.ceil(np.log2(BAND * force.highest / test.resolution_hz)))

@@ -48,6 +48,7 @@ CAMPAIGNS = (
     Campaign("robustness.uff_mutations", "damaged universal files are read whole or refused", UFF),
     Campaign("updating.pairing", "doublets are paired with what was measured", UPDATING),
     Campaign("updating.identification", "modes of twenty SYNTHETIC tests against the truth", IDENTIFY),
+    Campaign("updating.unkind", "modes of forty SYNTHETIC tests with everything that goes wrong in a hall", RIG),
     Campaign("updating.fan_blade", "the example script of an update", UPDATING),
     Campaign("updating.checks", "derivatives, cost, and models of the measured blade", UPDATING),
     Campaign("updating.twin", "200 noisy updates: intervals hold the truth", UPDATING),

@@ -1,8 +1,8 @@
-"""The report on identification: two casings with forty modes each."""
+"""The reports on identification: two casings with forty modes each, two tests with everything that goes wrong."""
 
 import pytest
 
-from reports.updating import identification
+from reports.updating import identification, unkind
 
 
 @pytest.mark.campaign
@@ -16,3 +16,16 @@ def test_every_pair_half_a_bandwidth_apart_is_found_and_nothing_else(tmp_path, c
         assert row["angle error deg"] < 0.5
     assert (tmp_path / "identification.csv").exists()
     assert "By split" in capsys.readouterr().out
+
+
+@pytest.mark.campaign
+def test_tests_unlike_a_bench_have_few_spurious_modes_among_the_sure(tmp_path, capsys):
+    rows = unkind.main(tmp_path, quick=True)
+    assert len(rows) == 2
+    for row in rows:
+        assert row["modes"] >= 28
+        assert row["modes sure"] >= 0.5 * row["modes"]
+        assert row["modes sure"] + row["modes doubtful"] >= 0.9 * row["modes"]
+        assert row["spurious"] <= 1
+    assert (tmp_path / "unkind_modes.csv").exists()
+    assert "In one line" in capsys.readouterr().out

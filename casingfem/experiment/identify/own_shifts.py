@@ -20,8 +20,9 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 
 REACH = 0.012, 6.0  # largest shift: relative, in damping ratios
 GRID = 25  # starts over it
+AROUND, LEAST_LINES = 8.0, 40  # damping ratios beyond it that lines are taken from, and so many at least
 STEPS = 16
-SETTLED = 1e-5  # of the noise's squares: a gain that ends the fit
+SETTLED = 0.5  # of the noise's variance: a gain that ends the fit
 LEAST, MOST_ZETA = 1e-6, 0.5
 TRUST = 0.7  # of a half-power half-width: largest step
 MOST = 4  # shifted modes that a cluster of poles is taken for, at most
@@ -44,14 +45,16 @@ class OwnPeaks(NamedTuple):
 def own_peaks(fit: PoleFit, poles: IntArray, starts: FloatArray, noise: float) -> OwnPeaks:
     """Refit poles of a fit, from starts (as many or fewer, 2), with a frequency of their own in each channel.
 
-    Variable projection as in `pole_fit.py`, all channels at once, from the best of a grid of common shifts; damping
-    is common to the channels and the other poles stay. `noise` is the variance of an entry: a step that gains little
-    of it is the last.
+    What other poles and polynomials have is taken off first, and the lines are those near by. Variable projection as
+    in `pole_fit.py`, all channels at once, from the best of a grid of common shifts; damping is common to the
+    channels. `noise` is the variance of an entry: a step that gains less is the last.
     """
-    window = fit.window
-    others = np.setdiff1d(np.arange(len(fit.freq)), poles)
-    fixed = np.concatenate([window.resonances(fit.freq[others], fit.zeta[others]), window.residuals()], axis=1)
-    Q = np.linalg.qr(fixed)[0]
+    window, lines = fit.window, near_lines(fit, poles)
+    A = fit.A[poles][:, 0] + (1j * fit.A[poles][:, 1] if fit.window.columns == 2 else 0.0)
+    R = fit.spread[lines] + window.peaks(fit.freq[poles], fit.zeta[poles])[0][lines] @ A
+    window = replace(window, freq=window.freq[lines], Y=np.concatenate([R.real, R.imag]))
+    unit = (fit.window.scale / window.scale) ** window.power
+    Q = np.linalg.qr(window.residuals())[0]
     R = _complex(window.Y - Q @ (Q.T @ window.Y))
     real, channels = window.columns == 1, R.shape[1]
     f, z = starts[:, :1], starts[:, 1:]
@@ -72,11 +75,20 @@ def own_peaks(fit: PoleFit, poles: IntArray, starts: FloatArray, noise: float) -
             damping *= 10.0
             at = _state(window, Q, R, at.p, at.q, damping)
             continue
-        settled = at.squares - new.squares < SETTLED * window.Y.size * noise
+        settled = at.squares - new.squares < SETTLED * noise
         at, damping = new, 0.3 * damping
         if settled:
             break
-    return OwnPeaks(np.exp(at.p), np.exp(at.q[:, 0]), at.A, at.information, at.squares)
+    return OwnPeaks(np.exp(at.p), np.exp(at.q[:, 0]), unit * at.A, at.information, at.squares)
+
+
+def near_lines(fit: PoleFit, poles: IntArray) -> slice:
+    """Lines about poles, as far as their peaks may be shifted and a few bandwidths more."""
+    freq, zeta = fit.freq[poles], float(fit.zeta[poles].max())
+    reach = min(REACH[0], REACH[1] * zeta) + AROUND * zeta
+    ends = np.searchsorted(fit.window.freq, [freq.min() * (1.0 - reach), freq.max() * (1.0 + reach)]).tolist()
+    first = max(min(ends[0], ends[1] - LEAST_LINES, len(fit.window.freq) - LEAST_LINES), 0)
+    return slice(first, min(max(ends[1], first + LEAST_LINES), len(fit.window.freq)))
 
 
 class Reading(NamedTuple):
@@ -102,13 +114,18 @@ def shifted_reading(fit: PoleFit, low: float, high: float) -> Reading:
         if not low <= middle < high:
             poles += [*zip(fit.freq[cluster].tolist(), fit.zeta[cluster].tolist(), strict=True)]
             continue
-        common = fit.squares / noise + log * (s * channels + 2) * len(cluster)
-        counts = range(1, min(MOST, len(cluster)) + 1)
-        owns = [own_peaks(fit, cluster, merged(fit, cluster, m), noise) for m in counts]
-        costs = [own.squares / noise + log * ((s + 1) * channels + 1) * m for own, m in zip(owns, counts, strict=True)]
-        best = int(np.argmin(costs))
-        evidence += common - costs[best]
-        poles += [*zip(common_freq(owns[best], noise)[0].tolist(), owns[best].zeta.tolist(), strict=True)]
+        squares = float(np.sum(np.abs(fit.spread[near_lines(fit, cluster)]) ** 2))
+        common = squares / noise + log * (s * channels + 2) * len(cluster)
+        best, least = None, np.inf
+        for m in range(1, min(MOST, len(cluster)) + 1):
+            own = own_peaks(fit, cluster, merged(fit, cluster, m), noise)
+            cost = own.squares / noise + log * ((s + 1) * channels + 1) * m
+            if cost >= least:
+                break
+            best, least = own, cost
+        assert best is not None
+        evidence += common - least
+        poles += [*zip(common_freq(best, noise)[0].tolist(), best.zeta.tolist(), strict=True)]
     return Reading(np.array(sorted(poles)).reshape(-1, 2), evidence)
 
 

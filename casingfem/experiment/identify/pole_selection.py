@@ -24,6 +24,7 @@ LOCAL = 5.0, 12  # about a pole: half-power half-widths, lines at least
 NARROW = 0.3  # lines in a half-power bandwidth, below which there is no peak
 UNSURE = 0.3  # standard deviation of ln zeta beyond which a pole is no resonance
 LEAST_GAIN = 0.25  # of the penalty, that a place must be worth by the gradient before it is tried
+CHANNELS = 30, 60  # combinations of them that the search sees, where there are more than so many
 TRIAL_STEPS = 15  # of a fit that tries a further pole
 MORE = 4  # poles that are added to half as many as the start has, at most
 TRIES = 3  # places tried before the search ends
@@ -40,15 +41,25 @@ def penalty(window: Window) -> float:
 def select_poles(window: Window, starts: FloatArray) -> PoleFit:
     """Fit with as many poles as the data carry, from starts (poles, 2) of freq [Hz], zeta.
 
-    Real residues first; complex ones if real ones leave more than the noise and complex ones earn themselves.
+    Real residues first; complex ones if real ones leave more than the noise and complex ones earn themselves. Where
+    there are many channels, how many poles there are is decided on their principal components.
     """
-    fit = _searched(window, starts)
-    if fit.variance > MISFIT and fit.variance > window.floor**2 and window.residues == "real":
-        turned = _searched(replace(window, residues="complex"), np.column_stack([fit.freq, fit.zeta]))
+    few = principal(window)
+    fit = _searched(few, starts)
+    if fit.variance > MISFIT and fit.variance > few.floor**2 and few.residues == "real":
+        turned = _searched(replace(few, residues="complex"), np.column_stack([fit.freq, fit.zeta]))
         more = turned.parameters - fit.parameters
-        if (fit.squares - turned.squares) / turned.noise > more * np.log(window.Y.size):
+        if (fit.squares - turned.squares) / turned.noise > more * np.log(few.Y.size):
             fit = turned
-    return fit
+    return fit if few is window else fit_poles(replace(window, residues=fit.window.residues), fit.freq, fit.zeta)
+
+
+def principal(window: Window) -> Window:
+    """A window with the strongest real combinations of its channels, if there are many; noise stays as it is."""
+    if window.Y.shape[1] <= CHANNELS[1]:
+        return window
+    mixed = np.linalg.eigh(window.Y.T @ window.Y)[1][:, -CHANNELS[0] :]
+    return replace(window, Y=window.Y @ mixed, weight=np.ones(CHANNELS[0]))
 
 
 def reach(window: Window) -> tuple[float, float]:

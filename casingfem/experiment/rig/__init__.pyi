@@ -5,6 +5,7 @@ from .record import record
 from .rig import Probe, Rig
 from .scan import Tone, Turning, scan
 from .structure import Place, circle, rig_of
+from .unkind import Unkind, unkind_frfs
 
 __all__ = [
     "BurstRandom",
@@ -17,11 +18,13 @@ __all__ = [
     "StepSine",
     "Tone",
     "Turning",
+    "Unkind",
     "circle",
     "noisy",
     "record",
     "rig_angles",
     "rig_of",
     "scan",
+    "unkind_frfs",
     "write_rig_uff",
 ]

@@ -35,6 +35,25 @@ class SensorTable(PlaceTable):
     count: int = Field(default=1, ge=1, le=1000, description="evenly spaced around a casing, from angle_deg on")
 
 
+class TroublesTable(Table):
+    """[rig.test.troubles]: what a hammer test in a hall has; what is left out is none."""
+
+    colour: float = Field(default=0.0, ge=-2, le=4, description="the noise's amplitude falls as f^-colour")
+    coherent: float = Field(default=0.0, ge=0, le=1, description="share of the noise's power common to all channels")
+    setups: int = Field(default=1, ge=1, le=1000, description="groups of sensors, measured one after the other")
+    shift: float = Field(default=0.0, ge=0, le=0.05, description="largest relative shift of a mode between set-ups")
+    half_rim: bool = Field(default=False, description="only the first half of the sensors")
+    dead: int = Field(default=0, ge=0, description="channels without signal")
+    noisy: int = Field(default=0, ge=0, description="channels with ten times the noise")
+    swapped: int = Field(default=0, ge=0, description="pairs of channels exchanged")
+    flipped: int = Field(default=0, ge=0, description="channels of the wrong sign")
+    double_hit: float = Field(default=0.0, ge=0, le=0.99, description="second hit of the hammer over the first")
+    exponential: NotNegative = Field(default=0.0, description="time constant of an exponential window [s]")
+    leakage: bool = Field(default=False, description="that of a Hann window")
+    fixture: int = Field(default=0, ge=0, le=100, description="local modes of a fixture")
+    phase_deg: float = Field(default=0.0, ge=0, le=90, description="rms phase in the shapes of complex modes")
+
+
 class ResponsesTable(Table):
     """[rig.test]: frequency responses, exact or from time records."""
 
@@ -49,11 +68,14 @@ class ResponsesTable(Table):
     bits: int | None = Field(default=None, ge=4, le=32, description="of the converter, records only")
     keep_records: bool = Field(default=False, description="also write the time records")
     estimator: Literal["H1", "H2"] = Field(default="H1", description="how records are averaged")
+    troubles: TroublesTable | None = Field(default=None, description="of a test in a hall, exact responses only")
 
     @model_validator(mode="after")
     def _ascending(self) -> "ResponsesTable":
         if not self.band_hz[0] < self.band_hz[1]:
             raise ValueError(f"found band_hz = {self.band_hz}, expected two frequencies in order")
+        if self.troubles is not None and (self.kind != "exact" or self.snr_db is None):
+            raise ValueError('found troubles, expected kind = "exact" and snr_db with them')
         if self.bits is not None and self.kind == "exact":
             raise ValueError("found bits with exact responses, expected records: random, burst-random or impact")
         if self.keep_records and self.kind == "exact":

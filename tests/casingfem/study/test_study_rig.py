@@ -155,6 +155,17 @@ def test_pictures_of_what_nobody_measured_say_so(study):
     assert size.max() == pytest.approx(1.45, abs=0.02)  # the largest deflection is drawn .45 beyond the circle
 
 
+def test_troubles_are_made_and_their_truth_is_told(study, tmp_path):
+    path = study(CASING + EXACT + "[rig.test.troubles]\nsetups = 3\nshift = 0.002\ndead = 2\nhalf_rim = true\n")
+    result = CliRunner().invoke(main, ["rig", str(path), "--json", "--out", str(tmp_path / "out")])
+    assert result.exit_code == 0, result.output
+    document = json.loads(result.stdout)
+    assert document["frfs"]["channels"] == 12
+    assert len(document["troubles"]["freq_hz"]) == 3
+    assert len(document["troubles"]["dead"]) == 2
+    assert (tmp_path / "out" / "coherence.npz").exists()
+
+
 def test_open_charts_give_places_by_their_parameters(study):
     plate = (
         STEEL
@@ -198,6 +209,8 @@ blocks = 2
         (CASING.partition("[[rig.sensor]]")[0] + EXACT, "rig.sensor: found nothing"),
         (CASING + EXACT.replace("[360.0, 440.0]", "[440.0, 360.0]"), "two frequencies in order"),
         (CASING + EXACT + "bits = 12\n", "found bits with exact responses"),
+        (CASING + BURST + "[rig.test.troubles]\ndead = 1\n", "found troubles, expected kind"),
+        (CASING + EXACT + "[rig.test.troubles]\ndead = -1\n", "rig.test.troubles.dead"),
         (CASING + EXACT + "keep_records = true\n", "found keep_records with exact responses"),
         (CASING + SCAN + "drive = 3\n", "rig.scan.drive: found 3, expected 1 to 1"),
         (CASING + SCAN.replace("mirror_hz = 2.3", ""), "a spot that moves"),

@@ -1,0 +1,243 @@
+"""What a hammer test in a hall has and a virtual bench lacks: each trouble with its switch, and the truth behind it.
+
+Each mode k of set-up s is a pole p = -zeta omega + j omega sqrt(1 - zeta^2) with residues A, so that
+
+    H(f) = s^q [sum_k A_k/(s - p_k) + A_k*/(s - p_k*) + S],   s = 2 pi j f + 1/tau,
+
+tau the time constant of an exponential window, q = 0, 1, 2. What an average of random blocks under a Hann window
+leaks is H smoothed by the window's power spectrum (Bendat & Piersol, Random Data, 4th ed., 2010, section 8.5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from casingfem.errors import InputError
+from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.rig.rig import DERIVATIVES, Quantity, Rig
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+
+AVERAGES = 5  # hits of an average, for the coherence
+HANN = np.arange(-1.75, 1.8, 0.25)  # lines over which a Hann window leaks
+FIXTURE_ZETA, FIXTURE_SIZE = 0.008, 0.3  # damping of local modes, their peaks over the median of the others'
+NOISY = 10.0  # times the noise of other channels
+HIT_DELAY = 0.023  # s, from the first to the second hit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unkind:
+    """Which troubles a test has; what is left out is none.
+
+    Parameters
+    ----------
+    snr_db : noise below the rms of each channel [dB]
+    colour : the noise's amplitude falls as f^-colour
+    coherent : share of the noise's power that all channels of a drive have in common
+    setups, shift : sensors are measured in that many groups; each mode's frequency then differs by up to `shift`
+        (relative, mode by mode: a roving mass, a moved hammer)
+    half_rim : only the first half of the sensors
+    dead, noisy, swapped, flipped : channels without signal, with ten times the noise, pairs exchanged, signs turned
+    double_hit : second hit of the hammer over the first: noise rises where their spectra cancel
+    exponential : time constant of an exponential window [s]
+    leakage : a Hann window's, as with random forces
+    fixture : number of local modes, each seen by a few neighbouring sensors
+    phase_deg : rms phase of the shapes' components, of modes that are not proportionally damped
+    """
+
+    snr_db: float = 40.0
+    colour: float = 0.0
+    coherent: float = 0.0
+    setups: int = 1
+    shift: float = 0.0
+    half_rim: bool = False
+    dead: int = 0
+    noisy: int = 0
+    swapped: int = 0
+    flipped: int = 0
+    double_hit: float = 0.0
+    exponential: float = 0.0
+    leakage: bool = False
+    fixture: int = 0
+    phase_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        ranges = {"coherent": (0.0, 1.0), "shift": (0.0, 0.05), "double_hit": (0.0, 0.99), "phase_deg": (0.0, 90.0)}
+        for name, (low, high) in ranges.items():
+            if not low <= getattr(self, name) <= high:
+                raise InputError(f"{name}: found {getattr(self, name)!r}, expected {low:g} to {high:g}")
+        for name in ("dead", "noisy", "swapped", "flipped", "fixture", "exponential", "setups"):
+            if not getattr(self, name) >= (1 if name == "setups" else 0):
+                raise InputError(f"{name}: found {getattr(self, name)!r}, expected none, or how much")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class UnkindTruth:
+    """What is behind a test: poles as each set-up has them, and which channels are spoilt.
+
+    `freq` [Hz] and `zeta` (setups, modes) are those of the responses, with what the window adds; `peak` (modes,) the
+    rms of each mode's peak over that of the noise there; `fixture_hz` the local modes; `setup` (channels,); `dead`,
+    `noisy`, `flipped` channels, `swapped` pairs of them.
+    """
+
+    freq: FloatArray
+    zeta: FloatArray
+    peak: FloatArray
+    fixture_hz: FloatArray
+    setup: IntArray
+    dead: tuple[int, ...]
+    noisy: tuple[int, ...]
+    swapped: tuple[tuple[int, int], ...]
+    flipped: tuple[int, ...]
+
+    def records(self) -> dict[str, Any]:
+        """All of it as plain lists; channels counted from 1."""
+        return {
+            "freq_hz": self.freq.tolist(),
+            "zeta": self.zeta.tolist(),
+            "peak_over_noise": self.peak.tolist(),
+            "fixture_hz": self.fixture_hz.tolist(),
+            "setup": (self.setup + 1).tolist(),
+            "dead": [k + 1 for k in self.dead],
+            "noisy": [k + 1 for k in self.noisy],
+            "flipped": [k + 1 for k in self.flipped],
+            "swapped": [[a + 1, b + 1] for a, b in self.swapped],
+        }
+
+    def __post_init__(self) -> None:
+        for name in ("freq", "zeta", "peak", "fixture_hz", "setup"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+
+class UnkindTest(NamedTuple):
+    """Responses, their coherence, and the truth."""
+
+    frfs: FrfSet
+    coherence: FrfSet
+    truth: UnkindTruth
+
+
+def unkind_frfs(
+    rig: Rig,
+    freq: FloatArray,
+    what: Unkind,
+    *,
+    sensors: Sequence[int],
+    drives: Sequence[int],
+    seed: int,
+    quantity: Quantity = "accelerance",
+    card: Sequence[str] = (),
+) -> UnkindTest:
+    """Frequency responses at evenly spaced lines [Hz], with everything in `what`.
+
+    Examples
+    --------
+    >>> rig = Rig.of(omega=[600.0, 900.0], zeta=0.01, rows=np.ones((5, 2)))
+    >>> test = unkind_frfs(rig, np.arange(50.0, 200.0, 0.5), Unkind(setups=2, shift=0.01), sensors=range(4),
+    ...                    drives=[4], seed=11)
+    >>> test.truth.setup.tolist(), test.truth.freq.shape
+    ([0, 0, 1, 1], (2, 2))
+    """
+    rng = np.random.default_rng(seed)
+    seen = list(sensors)[: -(-len(sensors) // 2)] if what.half_rim else list(sensors)
+    exact = rig.frfs(freq, sensors=seen, drives=drives, quantity=quantity, card=card)
+    setup = np.tile(np.arange(len(seen)) * min(what.setups, len(seen)) // len(seen), len(drives))
+    omega = rig.omega * (1.0 + what.shift * rng.uniform(-1.0, 1.0, (what.setups, len(rig))) * (what.setups > 1))
+    poles = omega * (-rig.zeta + 1j * np.sqrt(1.0 - rig.zeta**2))
+    phases = np.exp(1j * np.radians(what.phase_deg) * rng.standard_normal((len(seen), len(rig))))
+    rows, pushed = rig.rows[seen] * phases, rig.rows[list(drives)]
+    residues = (pushed[:, None, :] * rows[None]).reshape(-1, len(rig))
+    static = rig.S[np.ix_(seen, list(drives))].T.reshape(-1, 1)
+    local, parts = _fixture(what, freq, residues, rig, len(drives), rng)
+    power, decay = DERIVATIVES[quantity], 1.0 / what.exponential if what.exponential else 0.0
+
+    def seen_at(lines: FloatArray) -> Array:
+        s = 2j * np.pi * lines + decay
+        H = modal_sum(parts, local, s) + static
+        for k in range(what.setups):
+            H[setup == k] += modal_sum(residues[setup == k], poles[k], s)
+        return np.asarray(H * s**power)
+
+    clean = seen_at(freq)
+    if what.leakage:
+        step = float(freq[1] - freq[0])
+        weights = zip(hann_power(HANN), HANN.tolist(), strict=True)
+        clean = np.sum([weight * seen_at(freq + x * step) for weight, x in weights], axis=0)
+    order = rng.permutation(len(clean)).tolist()
+    dead, noisy, flipped, rest = (
+        sorted(order[low:high])
+        for low, high in pairwise(np.cumsum([0, what.dead, what.noisy, what.flipped, len(order)]))
+    )
+    swapped = tuple((rest[2 * k], rest[2 * k + 1]) for k in range(min(what.swapped, len(rest) // 2)))
+    sigma = _noise_size(what, freq, clean, noisy)
+    H = clean + sigma * _noise(what, clean.shape, len(drives), rng)
+    H[dead] -= clean[dead]
+    coherence = np.abs(clean) ** 2 / (np.abs(clean) ** 2 + AVERAGES * sigma**2)
+    coherence[dead] = 0.0
+    H[flipped] *= -1.0
+    for pair in swapped:
+        H[list(pair)], coherence[list(pair)] = H[list(pair[::-1])], coherence[list(pair[::-1])]
+    shifted = poles - decay  # what the window adds
+    own, zeta = np.abs(shifted) / (2.0 * np.pi), -shifted.real / np.abs(shifted)
+    middle = own.mean(axis=0)
+    peaks = np.abs(residues) * (2.0 * np.pi * middle) ** (power - 2) / (2.0 * zeta.mean(axis=0))
+    at, alive = np.clip(np.searchsorted(freq, middle), 0, len(freq) - 1), np.setdiff1d(np.arange(len(H)), dead)
+    truth = UnkindTruth(
+        freq=own, zeta=zeta, fixture_hz=np.abs(local - decay) / (2.0 * np.pi), setup=setup, dead=tuple(dead),
+        noisy=tuple(noisy), swapped=swapped, flipped=tuple(flipped),
+        peak=np.sqrt(np.mean((peaks[alive] / sigma[alive][:, at]) ** 2, axis=0)),
+    )  # fmt: skip
+    frfs = replace(exact, responses=H, card=(*exact.card, f"troubles: {what}, seed {seed}"))
+    return UnkindTest(frfs, replace(frfs, kind="spectrum", responses=coherence, unit=""), truth)
+
+
+def modal_sum(residues: Array, poles: Array, s: Array) -> Array:
+    """Sum of A/(s - p) + A*/(s - p*) with A = r/(2 j omega_d): r/(s^2 + 2 zeta omega s + omega^2) where r is real."""
+    A = residues / (2j * poles.imag)
+    return np.asarray(A @ (1.0 / (s - poles[:, None])) + A.conj() @ (1.0 / (s - poles.conj()[:, None])))
+
+
+def hann_power(lines: FloatArray) -> FloatArray:
+    """Power spectrum of a Hann window at distances in lines, of sum 1."""
+    x = lines + 1e-9
+    shape = np.sinc(x) / (1.0 - x**2)
+    return np.asarray(shape**2 / np.sum(shape**2))
+
+
+def _fixture(
+    what: Unkind, freq: FloatArray, residues: Array, rig: Rig, drives: int, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Poles and residues (channels, modes) of local modes."""
+    own = 2.0 * np.pi * rng.uniform(freq[0] + 0.1 * np.ptp(freq), freq[-1] - 0.1 * np.ptp(freq), what.fixture)
+    inside = (rig.freq > freq[0]) & (rig.freq < freq[-1])
+    usual = float(np.median(np.abs(residues[:, inside]) / (2.0 * rig.zeta[inside] * rig.omega[inside] ** 2)))
+    sensors = len(residues) // drives
+    parts = np.zeros((len(residues), what.fixture), complex)
+    for k in range(what.fixture):
+        near = (int(rng.integers(sensors)) + np.arange(-1, 2)) % sensors
+        for drive in range(drives):
+            at = near + drive * sensors
+            parts[at, k] = FIXTURE_SIZE * np.array([0.5, 1.0, 0.5]) * usual * 2.0 * FIXTURE_ZETA * own[k] ** 2
+    return own * (-FIXTURE_ZETA + 1j * np.sqrt(1.0 - FIXTURE_ZETA**2)), parts
+
+
+def _noise_size(what: Unkind, freq: FloatArray, H: Array, noisy: list[int]) -> FloatArray:
+    """Standard deviation of the complex noise, (channels, lines)."""
+    colour = (freq / freq.mean()) ** -what.colour
+    hits = np.abs(1.0 + what.double_hit * np.exp(-2j * np.pi * freq * HIT_DELAY))
+    sigma = np.sqrt(np.mean(np.abs(H) ** 2, axis=1))[:, None] * 10.0 ** (-what.snr_db / 20.0) * colour / hits
+    sigma[noisy] *= NOISY
+    return np.asarray(sigma)
+
+
+def _noise(what: Unkind, shape: tuple[int, ...], drives: int, rng: np.random.Generator) -> Array:
+    """Complex noise of variance one, a share of it common to the channels of each drive."""
+    own = rng.standard_normal((2, *shape))
+    common = np.repeat(rng.standard_normal((2, drives, shape[1])), shape[0] // drives, axis=1)
+    turn = np.exp(2j * np.pi * rng.uniform(size=(shape[0], 1)))
+    mixed = np.sqrt(1.0 - what.coherent) * (own[0] + 1j * own[1])
+    return np.asarray((mixed + np.sqrt(what.coherent) * turn * (common[0] + 1j * common[1])) / np.sqrt(2.0))
