@@ -10,6 +10,7 @@ from casingfem.cli.running import ProgressMessage, deliver, options
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
+    from casingfem.experiment.frf.frf_set import FrfSet
     from casingfem.experiment.identify.identified import Identified
 
 
@@ -28,6 +29,18 @@ if TYPE_CHECKING:
 @click.option("--order", type=click.IntRange(2, 200), default=None, help="Largest model order.")
 @click.option("--open", "open_part", is_flag=True, help="A blade or plate: no n; directions 1, 2, 3 are x, y, z.")
 @click.option("--n-max", type=click.IntRange(0, 200), default=None, help="Largest nodal diameter.")
+@click.option(
+    "--pick",
+    "pick_file",
+    type=click.Path(path_type=Path),
+    metavar="CSV",
+    default=None,
+    help="Poles picked by hand from the stabilisation diagram: a table with a column freq_hz. None is added to them.",
+)
+@click.option(
+    "--coherence", "coherence_file", type=click.Path(path_type=Path), metavar="NPZ", default=None,
+    help="Coherence of the responses, as `casingfem rig` writes it, to be drawn with them.",
+)  # fmt: skip
 @options
 def identify(
     file: Path,
@@ -37,16 +50,20 @@ def identify(
     order: int | None,
     n_max: int | None,
     open_part: bool,
+    pick_file: Path | None,
+    coherence_file: Path | None,
     as_json: bool,
     out: Path | None,
 ) -> None:
     """Modes of the frequency responses FRFS (.uff, .npz, .h5, .csv): frequency, damping, nodal diameters, angle.
 
-    The poles are chosen without a hand; pairs that cannot be told apart are said to be so. DIR gets the frequency
-    table and the shapes (identified.csv, identified.npz) for `casingfem update`, `correlate` and `locate`, the
-    stabilisation diagram and the fitted responses.
+    The poles are chosen without a hand, or with --pick by one; each mode is sure or doubtful, and pairs that cannot be
+    told apart are said to be so. DIR gets the frequency table and the shapes (identified.csv, identified.npz) for
+    `casingfem update`, `correlate` and `locate`, the stabilisation diagram, the fitted responses, and fit.png: mode
+    indicator, fit, residual and coherence over all lines.
     """
-    from casingfem.experiment.frf.files import file_places, read_frfs, read_places
+    from casingfem.experiment.frf.files import file_places, read_frfs, read_picks, read_places
+    from casingfem.experiment.frf.frf_set import FrfSet
     from casingfem.experiment.frf.sensor_grid import angles_of
     from casingfem.experiment.identify.identification import identify as find
 
@@ -58,10 +75,16 @@ def identify(
         angles = None if places is None or open_part else angles_of(places)
     else:
         angles, places = read_places(angles_file)
+    pick = None if pick_file is None else read_picks(pick_file)
+    coherence = None if coherence_file is None else FrfSet.load(coherence_file)
     with ProgressMessage(f"modes in {file.name}") as working:
-        found = find(frfs, angles=angles, places=places, band=band, form=form, order=order, n_max=n_max)
+        found = find(
+            frfs, angles=angles, places=places, band=band, form=form, order=order, n_max=n_max, pick=pick,
+            say=lambda what: working.say(f"modes in {file.name}: {what}"),
+        )  # fmt: skip
     document = {
         "modes": found.records(),
+        "sure": int(found.sure.sum()),
         "notes": list(found.notes),
         "channels": len(frfs),
         "sensors": len(found.sensors),
@@ -71,13 +94,15 @@ def identify(
         "seconds": working.seconds,
         "source": str(file),
     }
-    files: dict[str, Content] = {} if out is None else result_files(found, document)
+    files: dict[str, Content] = {} if out is None else result_files(found, document, coherence)
     deliver(document, repr(found), as_json=as_json, out=out, files=files)
 
 
-def result_files(found: "Identified", document: dict[str, Any]) -> dict[str, Content]:
+def result_files(
+    found: "Identified", document: dict[str, Any], coherence: "FrfSet | None" = None
+) -> dict[str, Content]:
     """The table, the pictures and the document."""
-    from casingfem.plot.identify import figure_responses, figure_stabilisation
+    from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
     from casingfem.plot.style import png
 
     files: dict[str, Content] = {"identified.json": json_text(document, indent=1)}
@@ -87,6 +112,7 @@ def result_files(found: "Identified", document: dict[str, Any]) -> dict[str, Con
         table = found.table([f"source: {source.name}, sha256 {digest}"])
         files["identified.csv"] = table.to_csv
         files["identified.npz"] = lambda path: found.save(path, responses=False)
-    for name, figure in (("stabilisation", figure_stabilisation(found)), ("responses", figure_responses(found))):
-        files[f"{name}.png"] = png(figure)
+    figures = {"stabilisation": figure_stabilisation(found), "responses": figure_responses(found)}
+    figures["fit"] = figure_fit(found, coherence)
+    files |= {f"{name}.png": png(figure) for name, figure in figures.items()}
     return files

@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.identify.identified import Identified
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, new_figure, styled
@@ -79,6 +80,39 @@ def figure_responses(found: Identified, channel: int | None = None) -> Figure:
     lower.set_xlabel("frequency [Hz]")
     lower.set_xlim(found.lines[0], found.lines[-1])
     upper.legend(handles=upper.lines[:2], loc="lower right")
+    return figure
+
+
+@styled
+def figure_fit(found: Identified, coherence: FrfSet | None = None) -> Figure:
+    """All lines: the mode indicator with sure and doubtful modes, rms of measured, fitted and residual, coherence."""
+    figure = new_figure(9.6, 6.4 if coherence is None else 7.4)
+    rows = figure.subplots(
+        2 if coherence is None else 3, 1, sharex=True, height_ratios=(3, 3, 1)[: 2 if coherence is None else 3]
+    )
+    for k, curve in enumerate(indicator(found)):
+        rows[0].semilogy(found.lines, curve, color=MEASURED, lw=0.9 - 0.3 * min(k, 2), alpha=1.0 - 0.3 * min(k, 2))
+    for freq, sure in zip(found.freq.tolist(), found.sure.tolist(), strict=True):
+        colour, style, label = (AFTER, "-", "sure mode") if sure else (PURPLE, "--", "doubtful mode")
+        rows[0].axvline(freq, color=colour, ls=style, lw=0.8, alpha=0.8, label=label)
+    handles, labels = rows[0].get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    if unique:
+        rows[0].legend(unique.values(), unique.keys(), loc="lower right")
+    rows[0].set_ylabel("mode indicator")
+    rows[0].set_title(f"{int(found.sure.sum())} sure modes, {int(np.sum(~found.sure))} doubtful")
+    parts = (("measured", found.measured, MEASURED), ("fitted", found.fitted, AFTER))
+    for label, values, colour in (*parts, ("residual", found.measured - found.fitted, BEFORE)):
+        rows[1].semilogy(found.lines, np.sqrt(np.mean(np.abs(values) ** 2, axis=0)), color=colour, lw=0.9, label=label)
+    rows[1].set_ylabel(f"rms of {len(found.measured)} channels")
+    rows[1].legend(loc="lower right")
+    if coherence is not None:
+        kept = (coherence.x >= found.lines[0]) & (coherence.x <= found.lines[-1])
+        rows[2].plot(coherence.x[kept], coherence.responses.real.min(axis=0)[kept], color=BEFORE, lw=0.6)
+        rows[2].set_ylim(0.0, 1.05)
+        rows[2].set_ylabel("coherence\n(least)")
+    rows[-1].set_xlabel("frequency [Hz]")
+    rows[-1].set_xlim(found.lines[0], found.lines[-1])
     return figure
 
 

@@ -71,3 +71,17 @@ def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[in
     radius, theta = csv.numbers("radius_m"), np.radians(angles)
     places = np.column_stack([radius * np.cos(theta), radius * np.sin(theta), csv.numbers("z_m")])
     return by_point, dict(zip(points, places, strict=True))
+
+
+def read_picks(path: str | os.PathLike[str]) -> FloatArray:
+    """Frequencies [Hz] picked by hand: the column freq_hz of a csv; other columns are of no matter.
+
+    Raises
+    ------
+    InputError
+        No such column, cells that are no numbers.
+    """
+    csv = read(path)
+    if "freq_hz" not in csv.header:
+        raise InputError(csv.path, line=csv.header_line, found=",".join(csv.header), expected="a column freq_hz")
+    return csv.numbers("freq_hz")

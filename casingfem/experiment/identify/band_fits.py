@@ -7,6 +7,7 @@ off: what its polynomials have to follow is then small.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -24,6 +25,7 @@ from casingfem.io.arrays import Array, FloatArray
 FLOOR = 3e-4  # of a window's rms: a model is not better than that
 ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most
 PASSES = 2  # fits of every band after the first
+USUAL_ZETA = 2e-3  # of a picked pole that no stable one is near to
 
 
 class Responses(NamedTuple):
@@ -52,17 +54,27 @@ class _Mode(NamedTuple):
     residues: Array
 
 
-def fit_bands(data: Responses, bands: list[Band], order: int | None) -> BandFits:
-    """Fit every band: see above; `order` as in `identify`."""
+def fit_bands(
+    data: Responses,
+    bands: list[Band],
+    order: int | None,
+    picked: FloatArray | None = None,
+    say: Callable[[str], None] = lambda _: None,
+) -> BandFits:
+    """Fit every band: see above; `order` and `say` as in `identify`; frequencies `picked` [Hz] are the poles."""
     fits: list[PoleFit | None] = []
     diagrams = []
-    for band in bands:
+    for k, band in enumerate(bands):
+        say(f"poles in band {k + 1} of {len(bands)}")
         diagram, starts = _sweep(data, band, order)
         diagrams.append(diagram)
-        fits.append(select_poles(_window(data, band, []), starts) if band.peaks else None)
-    fits, shifted = _read(data, bands, fits)
-    for _ in range(PASSES):
+        if picked is not None:
+            starts = _picks(data.freq, band, picked, starts)
+        fits.append(select_poles(_window(data, band, []), starts, search=picked is None) if band.peaks else None)
+    fits, shifted = _read(data, bands, fits, reduce=picked is None)
+    for again in range(PASSES):
         for k, band in enumerate(bands):
+            say(f"fit {again + 2} of {PASSES + 1}, band {k + 1} of {len(bands)}")
             modes = _modes(data, bands, fits)
             low, high = data.freq[band.window[0]], data.freq[band.window[1] - 1]
             inside = [mode for mode in modes if low <= mode.freq <= high]
@@ -72,18 +84,30 @@ def fit_bands(data: Responses, bands: list[Band], order: int | None) -> BandFits
             if shifted and fit is not None:
                 fits[k] = _without_shifts(replace(window, residues=fit.window.residues), starts)
             else:
-                fits[k] = select_poles(window, starts)
+                fits[k] = select_poles(window, starts, search=picked is None)
     return BandFits(bands, [fit for fit in fits if fit is not None], diagrams, shifted)
 
 
-def _read(data: Responses, bands: list[Band], fits: list[PoleFit | None]) -> tuple[list[PoleFit | None], bool]:
+def _picks(freq: FloatArray, band: Band, picked: FloatArray, stable: FloatArray) -> FloatArray:
+    """Picked frequencies in a window, each with the damping of the stable pole nearest to it (poles, 2)."""
+    low, high = freq[band.window[0]], freq[band.window[1] - 1]
+    here = picked[(picked >= low) & (picked <= high)]
+    if not len(stable):
+        return np.column_stack([here, np.full(len(here), USUAL_ZETA)])
+    return np.column_stack([here, stable[np.abs(stable[None, :, 0] - here[:, None]).argmin(axis=1), 1]])
+
+
+def _read(
+    data: Responses, bands: list[Band], fits: list[PoleFit | None], *, reduce: bool
+) -> tuple[list[PoleFit | None], bool]:
     """The fits, and whether peaks are shifted from channel to channel; then with as few poles as that leaves."""
     readings = [
         None if fit is None else shifted_reading(fit, *core_of(data.freq, band))
         for band, fit in zip(bands, fits, strict=True)
     ]
-    if sum(reading.evidence for reading in readings if reading is not None) <= 0.0:
-        return fits, False
+    shifted = sum(reading.evidence for reading in readings if reading is not None) > 0.0
+    if not (shifted and reduce):
+        return fits, shifted
     return [
         fit if fit is None or reading is None else fit_poles(fit.window, *reading.starts.T)
         for fit, reading in zip(fits, readings, strict=True)

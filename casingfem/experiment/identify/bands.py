@@ -38,8 +38,10 @@ def line_noise(H: Array) -> FloatArray:
     return np.asarray(np.median(rough, axis=1) / np.sqrt(20.0 * 2.0 * np.log(2.0)))
 
 
-def find_bands(freq: FloatArray, H: Array, noise: FloatArray) -> list[Band]:
+def find_bands(freq: FloatArray, H: Array, noise: FloatArray, picked: FloatArray | None = None) -> list[Band]:
     """Bands of a few peaks of sum |H_c/noise_c|^2, cut at valleys, and the bands without peaks between them.
+
+    Frequencies `picked` [Hz], ascending, are the peaks if they are given.
 
     >>> f = np.arange(100.0, 200.0, 0.05)
     >>> H = sum(1.0 / (1j * (f - at) + 0.1) for at in (120.0, 121.0, 150.0))[None]
@@ -53,7 +55,9 @@ def find_bands(freq: FloatArray, H: Array, noise: FloatArray) -> list[Band]:
     """
     power = np.sum(np.abs(H / noise[:, None]) ** 2, axis=0)
     level = 2.0 * len(H) + ABOVE_NOISE * 2.0 * np.sqrt(len(H))
-    peaks, _ = find_peaks(10.0 * np.log10(power), prominence=PROMINENCE_DB, height=10.0 * np.log10(level))
+    peaks = np.unique(np.searchsorted(freq, [] if picked is None else picked))
+    if picked is None:
+        peaks, _ = find_peaks(10.0 * np.log10(power), prominence=PROMINENCE_DB, height=10.0 * np.log10(level))
     cuts = _cuts(power, peaks)
     bands: list[Band] = []
     reached, end = 0, 0

@@ -51,17 +51,21 @@ def found_modes(
     grid: SensorGrid,
     signs: FloatArray,
     circle: Circle | None,
+    keep: bool = False,
 ) -> tuple[list[FoundMode], tuple[str, ...]]:
-    """Modes of all bands, ascending, and what was left out, in words; one that two bands found counts once."""
+    """Modes of all bands, ascending, and what was left out, in words; one that two bands found counts once.
+
+    With `keep` nothing is left out, and neighbours stay two: they were picked.
+    """
     modes: list[FoundMode] = []
     left_out: list[tuple[float, str]] = []
     for fit, (low, high) in zip(fits, cores, strict=True):
         here = [_mode(fit, pole, grid, signs, circle) for pole in range(len(fit.freq))]
         judged = verdicts(fit, [mode.collinearity for mode in here])
-        gone = [k for k, (_, out) in enumerate(judged) if out]
+        gone = [k for k, (_, out) in enumerate(judged) if out and not keep]
         left_out += [(here[k].freq, judged[k][0]) for k in gone if low <= here[k].freq < high]
         here = [replace(mode, doubt=doubt) for mode, (doubt, _) in zip(here, judged, strict=True)]
-        here = _merged(fit, here, gone)
+        here = here if keep else _merged(fit, here, gone)
         inside = [mode for mode in here if low <= mode.freq < high]
         modes += [mode for mode in inside if not (modes and _same(modes[-1], mode))]
     words = tuple(f"left out: {freq:.2f} Hz, {why}" for freq, why in sorted(left_out))

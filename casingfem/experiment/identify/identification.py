@@ -9,7 +9,7 @@ start.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,8 @@ def identify(
     form: str | None = None,
     order: int | None = None,
     n_max: int | None = None,
+    pick: ArrayLike | None = None,
+    say: Callable[[str], None] = lambda _: None,
 ) -> Identified:
     """Frequencies, damping, shapes, nodal diameters and orientations of the modes in frequency responses.
 
@@ -59,11 +61,17 @@ def identify(
         Largest number of modes in a window's LSCF sweep; None takes it from the number of peaks.
     n_max
         Largest nodal diameter; None as far as the sensors tell them apart.
+    pick
+        Frequencies [Hz] of the modes, picked by hand from a stabilisation diagram: they are refined, none is added,
+        none is left out.
+    say
+        Is told from time to time what is being done.
 
     Raises
     ------
     InputError
-        No frequency responses, uneven or too few lines, dead channels, sensors without angle or reference.
+        No frequency responses, uneven or too few lines, dead channels, sensors without angle or reference, picks
+        outside the lines.
     MissingExtraError
         sdypy-EMA is not installed.
 
@@ -81,10 +89,11 @@ def identify(
     freq, H = _lines(frfs, band)
     noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
     data = Responses(freq, H, noise, form_of(frfs, form))
-    found = fit_bands(data, find_bands(freq, H, noise), order)
+    picked = None if pick is None else _picked(frfs.path, pick, freq)
+    found = fit_bands(data, find_bands(freq, H, noise, picked), order, picked, say)
     cores = [core_of(freq, band) for band in found.bands]
     circle = None if angles is None else Circle.of(grid.theta, n_max)
-    modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), circle)
+    modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), circle, keep=picked is not None)
     doublets = paired(modes)
     modes = settled(modes, doublets)
     return Identified(
@@ -101,6 +110,16 @@ def identify(
         card=frfs.card,
         seconds=time.perf_counter() - started,
     )
+
+
+def _picked(path: str, pick: ArrayLike, freq: FloatArray) -> FloatArray:
+    """Picked frequencies, ascending, refused where no lines are."""
+    picked = np.unique(np.asarray(pick, float))
+    outside = picked[~((picked > freq[0]) & (picked < freq[-1]))]
+    if picked.size == 0 or outside.size:
+        found = f"{outside[0]:g} Hz picked" if outside.size else "no frequency picked"
+        raise InputError(path, found=found, expected=f"frequencies between {freq[0]:g} and {freq[-1]:g} Hz")
+    return picked
 
 
 def shift_note(shifted: bool) -> tuple[str, ...]:

@@ -38,16 +38,18 @@ def penalty(window: Window) -> float:
     return float((window.Y.shape[1] * window.columns + 2) * np.log(window.Y.size))
 
 
-def select_poles(window: Window, starts: FloatArray) -> PoleFit:
+def select_poles(window: Window, starts: FloatArray, *, search: bool = True) -> PoleFit:
     """Fit with as many poles as the data carry, from starts (poles, 2) of freq [Hz], zeta.
 
     Real residues first; complex ones if real ones leave more than the noise and complex ones earn themselves. Where
-    there are many channels, how many poles there are is decided on their principal components.
+    there are many channels, how many poles there are is decided on their principal components. Without `search` the
+    poles are those of the start, refined.
     """
-    few = principal(window)
-    fit = _searched(few, starts)
+    few = principal(window) if search else window
+    found = _searched if search else _refined
+    fit = found(few, starts)
     if fit.variance > MISFIT and fit.variance > few.floor**2 and few.residues == "real":
-        turned = _searched(replace(few, residues="complex"), np.column_stack([fit.freq, fit.zeta]))
+        turned = found(replace(few, residues="complex"), np.column_stack([fit.freq, fit.zeta]))
         more = turned.parameters - fit.parameters
         if (fit.squares - turned.squares) / turned.noise > more * np.log(few.Y.size):
             fit = turned
@@ -65,6 +67,11 @@ def principal(window: Window) -> Window:
 def reach(window: Window) -> tuple[float, float]:
     """Frequencies [Hz] between which poles are fitted: a little beyond the lines, whose ends neighbours raise."""
     return float(window.freq[0]) * (1.0 - BEYOND), float(window.freq[-1]) * (1.0 + BEYOND)
+
+
+def _refined(window: Window, starts: FloatArray) -> PoleFit:
+    """As many poles as the start has."""
+    return fit_poles(window, starts[:, 0], starts[:, 1])
 
 
 def _searched(window: Window, starts: FloatArray) -> PoleFit:

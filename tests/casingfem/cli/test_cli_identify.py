@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from casingfem.experiment.rig.rig import Probe, Rig
 from casingfem.experiment.uff.nodes import Nodes
 from casingfem.experiment.uff.write import write_uff
 from casingfem.extras import remedy
-from casingfem.plot.identify import figure_responses, figure_stabilisation
+from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
 
 THETA = np.radians(np.arange(12) * 30.0 + 5.0)
 
@@ -74,6 +75,38 @@ def test_a_table_of_sensors_places_the_shapes(frfs, tmp_path):
     assert invoke(path, "--angles", sensors, "--band", 190, 215, "--out", tmp_path).exit_code == 0
     places = cf.Identified.load(tmp_path / "identified.npz").sensors.places
     np.testing.assert_allclose(places, np.column_stack([0.5 * np.cos(THETA), 0.5 * np.sin(THETA), np.full(12, 0.2)]))
+
+
+def test_picked_poles_are_refined_and_no_other_is_added(frfs, tmp_path):
+    path, picks = frfs.save(tmp_path / "frfs.npz"), tmp_path / "picks.csv"
+    picks.write_text("mode,freq_hz\n1,200.3\n2,229.8\n")
+    document = json.loads(invoke(path, "--pick", picks, "--json", "--out", tmp_path / "out").stdout)
+    assert len(document["modes"]) == 2
+    assert document["modes"][1]["freq_hz"] == pytest.approx(230.0, abs=0.01)
+    assert 200.0 < document["modes"][0]["freq_hz"] < 201.0  # one pole for a pair
+    picks.write_text("freq_hz\n200.05\n200.9\n230.1\n")
+    document = json.loads(invoke(path, "--pick", picks, "--json").stdout)
+    np.testing.assert_allclose([mode["freq_hz"] for mode in document["modes"]], [200, 201, 230], rtol=1e-4)
+    picks.write_text("freq_hz\n500.0\n")
+    result = invoke(path, "--pick", picks)
+    assert result.exit_code == 2
+    assert "500 Hz picked" in result.stderr
+    picks.write_text("hz\n200.0\n")
+    assert "freq_hz" in invoke(path, "--pick", picks).stderr
+
+
+def test_coherence_is_drawn_with_the_fit(frfs, tmp_path):
+    path = frfs.save(tmp_path / "frfs.npz")
+    replace(frfs, kind="spectrum", responses=np.full(frfs.responses.shape, 0.9), unit="").save(tmp_path / "c.npz")
+    assert invoke(path, "--coherence", tmp_path / "c.npz", "--out", tmp_path / "out").exit_code == 0
+    assert (tmp_path / "out" / "fit.png").read_bytes()[:4] == b"\x89PNG"
+    found = identify(frfs)
+    assert len(figure_fit(found).axes) == 2
+    upper, middle, lower = figure_fit(found, cf.frf.FrfSet.load(tmp_path / "c.npz")).axes
+    assert sum(line.get_label() == "sure mode" for line in upper.lines) == 3
+    sizes = [np.median(line.get_ydata()) for line in middle.lines]
+    assert sizes[2] < 0.1 * sizes[0]  # the residual
+    assert np.median(lower.lines[0].get_ydata()) == 0.9
 
 
 def test_an_open_part_has_no_n(uff, tmp_path):
