@@ -10,9 +10,10 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.rub import Rub
-from contact.model.law import Law
-from contact.recovery import at_channels, channel_forces, rub_forces
+from contact.model.trig import harmonics
+from contact.recovery import at_channels, rub_forces
 from contact.result import Result
 from contact.run import What
 
@@ -70,28 +71,18 @@ def strain_energy(what: What, result: Result) -> dict[str, Array]:
 
 
 @singledispatch
-def tip_motion(what: object, result: Result, law: Law | None = None) -> TipMotion | None:
+def tip_motion(what: object, result: Result) -> TipMotion | None:
     """Motion of the first tip of a rim or rub whose states are stored, residual compliance included; else None."""
     return None
 
 
 @tip_motion.register
-def _(what: RotatingRim, result: Result, law: Law | None = None) -> TipMotion | None:
-    if not _stored(result):
-        return None
-    on_casing, on_blade = channel_forces(what, result, law=law)
-    casing = at_channels(what.casing, result.state_of("casing"), on_casing)
-    blade = at_channels(what.blade, result.state_of("blade"), on_blade)
-    a, span, flap = math.radians(what.lean_deg), what.blade.channel("span"), what.blade.channel("flap")
-    normal = math.cos(a) * blade[:, span] + math.sin(a) * blade[:, flap]
-    along = -math.sin(a) * blade[:, span] + math.cos(a) * blade[:, flap]
-    phi = math.radians(what.angle_deg) - what.speed * result.state_time
-    rim = _rim(casing, phi, what.casing.n_max, 0, 2)
-    return TipMotion(time=result.state_time, tip=np.stack([normal, along], axis=1), rim=rim)
+def _(what: RotatingRim, result: Result) -> TipMotion | None:
+    return tip_motion(rub_of(what), result)
 
 
 @tip_motion.register
-def _(what: Rub, result: Result, law: Law | None = None) -> TipMotion | None:
+def _(what: Rub, result: Result) -> TipMotion | None:
     if not _stored(result):
         return None
     tip = what.tips[0]
@@ -113,8 +104,7 @@ def _stored(result: Result) -> bool:
 
 def _rim(channels: Array, phi: Array, n_max: int, line: int, directions: int) -> Array:
     """Radial and tangential motion (ns, 2) at the angles phi (ns,) from the channels of a rim."""
-    size, phase = 2 * n_max + 1, np.multiply.outer(phi, np.arange(n_max + 1))
-    waves = np.concatenate([np.cos(phase), np.sin(phase[:, 1:])], axis=1)
+    size, waves = 2 * n_max + 1, harmonics(n_max, phi)
     first = line * directions * size
     parts = (channels[:, first + i * size : first + (i + 1) * size] for i in (0, 1))
     return np.stack([np.sum(part * waves, axis=1) for part in parts], axis=1)

@@ -46,7 +46,7 @@ def figures(scene: "Scene", result: "Result") -> dict[str, "Figure"]:
         found["spectrum"] = figure_spectrum(
             result.time, result.windowed_force().sum(axis=1), label="force", unit="N", top_hz=top
         )
-    motion = tip_motion(scene.what, result, scene.law)
+    motion = tip_motion(scene.what, result)
     if motion is not None:
         found["spectrum_tip"] = figure_spectrum(
             motion.time, motion.tip[:, 0], label="tip, normal", unit="m", top_hz=top

@@ -43,7 +43,7 @@ def test_tip_and_rim_meet_where_they_touch(make):
         law = ct.Coulomb(mu=0.1)
         result = ct.run(what, law=law, t_end=0.02, dt=5e-6, record=ct.Record(state_every=1))
         closed = result.state_of("tips")[:, 0] > 0.2 * result.peak_force[0]
-    motion = tip_motion(what, result, law)
+    motion = tip_motion(what, result)
     gap = what.clearance + motion.rim[:, 0] - motion.tip[:, 0]
     assert closed.sum() > 20
     assert np.abs(gap[closed]).max() < 0.05 * np.abs(motion.rim[closed, 0]).max()
@@ -54,11 +54,12 @@ def test_energies_are_those_of_the_modes_and_what_has_none_has_no_history():
     rim, law, result = rubbed()
     found = strain_energy(rim, result)
     assert set(found) == {"casing", "blade"}
-    whole = 0.5 * np.sum((result.state * np.concatenate([rim.casing.omega, rim.blade.omega])) ** 2, axis=1)
+    omega = np.concatenate([rim.casing.omega, rim.blade.omega])
+    whole = 0.5 * np.sum((result.state[:, : omega.size] * omega) ** 2, axis=1)
     np.testing.assert_allclose(found["casing"] + found["blade"], whole)
     bare = ct.run(rim, law=law, t_end=0.01, dt=2e-5)
     assert strain_energy(rim, bare) == {}
-    assert tip_motion(rim, bare, law) is None
+    assert tip_motion(rim, bare) is None
     rods = [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1, velocity=-1.0), ct.Wall()]
     moved = ct.run(rods, t_end=1.0, courant=0.9, record=ct.Record(state_every=1))
     assert tip_motion(rods, moved) is None
