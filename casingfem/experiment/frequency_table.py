@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from casingfem.errors import InputError
+from casingfem.errors import InputError, warn
 from casingfem.experiment.grouping import Doublet, Group, grouped
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.io.strict_csv import StrictCsv, read
@@ -50,6 +50,7 @@ class FrequencyTable:
     zeta : damping ratio, nan where unknown
     card : source lines, without the '#'; the first one says SYNTHETIC when nobody measured it
     path : where it was read from
+    extra : further columns of the file by name, as text: kept, written again, and used by nobody
 
     Raises
     ------
@@ -73,6 +74,7 @@ class FrequencyTable:
     zeta: FloatArray
     card: tuple[str, ...] = ()
     path: str = "table"
+    extra: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in COLUMNS:
@@ -120,10 +122,17 @@ class FrequencyTable:
         return cls(freq_hz=freq, card=lines, path=path, **rest)
 
     @classmethod
-    def from_csv(cls, path: str | os.PathLike[str]) -> FrequencyTable:
+    def from_csv(cls, path: str | os.PathLike[str], *, sigma: float | None = None) -> FrequencyTable:
         """Read mode,n,freq_hz,sigma_hz,angle_deg,zeta; n, angle_deg, zeta may be empty or absent.
 
-        The table of `casingfem modes --out` is read too, without what it says beyond these.
+        The table of `casingfem modes --out` is read too, without what it says beyond these. Other columns are kept and
+        used by nobody, unless one looks like a misspelt name. `sigma`, relative to the frequency, stands for sigma_hz
+        where the row or the file says nothing.
+
+        Warns
+        -----
+        ModelWarning
+            `table-columns`: columns that are used by nobody.
 
         Raises
         ------
@@ -131,32 +140,31 @@ class FrequencyTable:
             Everything that is not exactly such a table, with file, line and column.
         """
         csv = read(path)
-        _check_columns(csv)
+        extra = _extra_columns(csv, sigma)
         rows = len(csv.lines)
         columns: dict[str, Array] = {}
         for name in COLUMNS:
             blank = _BLANK.get(name)
-            if name not in csv.header:
+            if name == "sigma_hz" and sigma is not None:
+                stated = csv.numbers(name, blank=np.nan) if name in csv.header else np.full(rows, np.nan)
+                columns[name] = np.where(np.isnan(stated), sigma * columns["freq_hz"], stated)
+            elif name not in csv.header:
                 columns[name] = np.full(rows, blank)
             elif name in ("mode", "n"):
                 columns[name] = csv.integers(name, blank=None if blank is None else -1)
             else:
                 columns[name] = csv.numbers(name, blank=blank)
         _check_values(csv, columns)
-        return cls(**columns, card=csv.card, path=csv.path)
+        return cls(**columns, card=csv.card, path=csv.path, extra={name: csv.cells[name] for name in extra})
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table, whole or not at all; reading it back gives every number bit for bit."""
         lines = [f"# {line}".rstrip() for line in self.card]
-        lines.append(",".join(COLUMNS))
+        lines.append(",".join((*COLUMNS, *map(_quoted, self.extra))))
         for row in range(len(self)):
-            cells = (getattr(self, name)[row].item() for name in COLUMNS)
-            lines.append(
-                ",".join(
-                    "" if value != value or (name == "n" and value < 0) else repr(value)
-                    for name, value in zip(COLUMNS, cells, strict=True)
-                )
-            )
+            values = ((name, getattr(self, name)[row].item()) for name in COLUMNS)
+            cells = ["" if value != value or (name == "n" and value < 0) else repr(value) for name, value in values]
+            lines.append(",".join([*cells, *(_quoted(column[row]) for column in self.extra.values())]))
         write_atomic(path, "\n".join(lines) + "\n")
 
     @property
@@ -190,7 +198,8 @@ class FrequencyTable:
             raise ValueError(f"{self.path} has no mode {missing[0]}; it has {self.mode.tolist()}")
         kept = ~np.isin(self.mode, modes)
         arrays = {name: getattr(self, name)[kept] for name in COLUMNS}
-        return FrequencyTable(**arrays, card=self.card, path=self.path)
+        extra = {name: tuple(np.array(cells, dtype=object)[kept]) for name, cells in self.extra.items()}
+        return FrequencyTable(**arrays, card=self.card, path=self.path, extra=extra)
 
     def __len__(self) -> int:
         return int(self.mode.size)
@@ -215,25 +224,34 @@ def _says_synthetic(line: str) -> bool:
     return re.search(r"\bSYNTHETIC\b", line) is not None
 
 
-def _check_columns(csv: StrictCsv) -> None:
-    """Refuse unknown columns first: a misnamed one explains what is missing."""
-    for name in csv.header:
-        if name not in COLUMNS + COMPUTED:
-            stem = re.split(r"[_\[( ]", name.lower())[0]
-            absent = [c for c in COLUMNS if c not in csv.header]
-            near = [c for c in absent if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))]
-            expected = f"{near[0]}, unit and all" if near else f"only {', '.join(COLUMNS)}"
+def _quoted(cell: str) -> str:
+    """A cell as CSV has it."""
+    return '"' + cell.replace('"', '""') + '"' if set(cell) & set(',"') or cell.startswith("#") else cell
+
+
+def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
+    """Columns that are used by nobody; refuse those that look misspelt first: they explain what is missing."""
+    extra = [name for name in csv.header if name not in COLUMNS + COMPUTED]
+    for name in extra:
+        stem = re.split(r"[_\[( ]", name.lower())[0]
+        absent = [c for c in COLUMNS if c not in csv.header]
+        near = [c for c in absent if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))]
+        if near:
+            expected = f"{near[0]}, unit and all"
             raise InputError(csv.path, line=csv.header_line, column=name, found="an unknown column", expected=expected)
     for name, meaning in _REQUIRED.items():
-        if name not in csv.header:
+        if name not in csv.header and not (name == "sigma_hz" and sigma is not None):
             raise InputError(csv.path, line=csv.header_line, column=name, found="no such column", expected=meaning)
+    if extra:
+        warn("table-columns", f"{csv.path}: {', '.join(extra)}", stacklevel=4)
+    return extra
 
 
 def _check_values(csv: StrictCsv, columns: dict[str, Array]) -> None:
     """Refuse the first value out of range, with its line; -1 stands for an empty n only in memory."""
     written = [(row, "n") for row, text in enumerate(csv.cells.get("n", ())) if text.startswith("-")]
     for row, name in sorted(_faults(columns) + written)[:1]:
-        found = csv.cells[name][row]
+        found = csv.cells[name][row] if name in csv.cells else f"{columns[name][row]:.6g} by default"
         if name == "mode" and csv.cells[name].index(found) < row:
             found += " again"
         raise csv.refuse(row=row, column=name, found=found, expected=_EXPECTED[name])

@@ -141,6 +141,11 @@ RESULTS = {
         "a value has the wrong type or lies out of range",
         "give what is expected there, in SI units",
     ),
+    "table-columns": Fault(
+        "a frequency table has columns that nobody uses",
+        "nothing need be done: they are kept; a number that should count has one of the names mode, n, freq_hz, "
+        "sigma_hz, angle_deg, zeta",
+    ),
     "uff-gap": Fault(
         "sets of nodes and elements hold no count, and here a few of their numbers are left out",
         "compare with the program that wrote the file: were lines lost?",

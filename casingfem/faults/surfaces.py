@@ -183,6 +183,14 @@ SURFACES = {
         "a robust fit of a survey left stray points out",
         "look at the points named: chips, seams and slips of the probe are no shape, a dent is",
     ),
+    "survey-stray": Fault(
+        "points of a survey contradict the surface through all others, and bend the fit",
+        "look at the points named; robust = true sets them aside",
+    ),
+    "survey-passes": Fault(
+        "places of a survey measured twice differ beyond chance",
+        "survey again, or keep the pass that is right: an offset, a turn or a change between them is no noise",
+    ),
     "survey-quantity": Fault(
         "the survey is of another quantity",
         "let `of` name what was surveyed",

@@ -173,7 +173,7 @@ def load_update(
         problems.add("update", "an update beside [rotation]", "a test at rest; give the fitted part its speed later")
     table = None
     with problems.at("update.table"):
-        table = FrequencyTable.from_csv(problems.file.parent / tables.update.table)
+        table = FrequencyTable.from_csv(problems.file.parent / tables.update.table, sigma=tables.update.sigma)
     parameters: list[Parameter] = []
     start = shell
     for k, entry in enumerate(tables.update.parameter):

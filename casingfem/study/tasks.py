@@ -43,6 +43,7 @@ def run_update(study: Study | MeshStudy, progress: Progress | None = None) -> Up
             if tables.regularise is None
             else Regularisation(rule=tables.regularise, names=tuple(tables.regularised)),
             progress=progress,
+            outliers=tables.outliers,
         )
     except ValueError as error:
         raise StudyError([f"{study.path}: update: {error}"]) from error

@@ -47,7 +47,7 @@ def evaluated(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def parabolas(fit: UpdateResult) -> Parabolas:
     """Residuals to second order about the solution: two solutions for each parameter, inside its bounds."""
-    steps = STEP * np.where(fit.sigma > 0.0, fit.sigma, 1e-3 * (fit.upper - fit.lower))
+    steps = STEP * np.where(fit.stated_sigma > 0.0, fit.stated_sigma, 1e-3 * (fit.upper - fit.lower))
     H = np.empty((*fit.jacobian.shape, len(fit.x)))
     for k, step in enumerate(steps):
         ends = np.tile(fit.x, (2, 1))
@@ -119,12 +119,12 @@ def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
     if lowest <= 0.0:
         raise InputError(f"posterior: the fit is no minimum (lowest curvature {lowest:.2g}): {weakest(fit, scaled)}")
     C = np.linalg.inv(scaled) * np.outer(unit, unit)
-    bend = np.array([0.5 * np.abs(near.H[:, k, k]).max() * fit.sigma[k] ** 2 for k in range(len(fit.x))])
+    bend = np.array([0.5 * np.abs(near.H[:, k, k]).max() * fit.stated_sigma[k] ** 2 for k in range(len(fit.x))])
     return Laplace(
         names=tuple(p.name for p in fit.parameters),
         log=tuple(p.log for p in fit.parameters),
         covariance=C,
-        gauss_newton=fit.sigma,
+        gauss_newton=fit.stated_sigma,
         bend=bend,
     )
 

@@ -1,10 +1,11 @@
 """What an update found: values with their uncertainties, before and after, and what the data cannot tell."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 from scipy.optimize import brentq
+from scipy.stats import chi2
 
 from casingfem.experiment.correlation.pairing import Pairing
 from casingfem.experiment.frequency_table import FrequencyTable
@@ -14,12 +15,14 @@ from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.identifiability import Identifiability, identifiability
+from casingfem.updating.outliers import Outlier, named, shifts_of, strongest
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.problem import Problem
 from casingfem.updating.regularisation import Regularised
 from casingfem.updating.shapes import redundant
 from casingfem.updating.targets import residual_count
 
+POOR = 2.0  # rms of the weighted residuals above which a fit is tried on other ways
 ALIKE = 0.95  # correlations above this: the data cannot tell the two apart
 UNINFORMED = 0.9  # a posterior sigma above this part of the prior's: the data say little
 
@@ -60,6 +63,8 @@ class UpdateResult:
     x, lower, upper, problem
         Solution and bounds in the solver's variables, and the problem, for what comes after the fit: `leave_one_out`,
         `laplace`, `sample_posterior`.
+    outliers, plain
+        Rows set aside because they contradict all others, and the fit of all rows; empty and None mostly.
     """
 
     structure: Shell | MeshStructure
@@ -85,6 +90,8 @@ class UpdateResult:
     lower: FloatArray
     upper: FloatArray
     problem: Problem = field(repr=False)
+    outliers: tuple[Outlier, ...] = ()
+    plain: "UpdateResult | None" = field(default=None, repr=False)
 
     @property
     def chi2(self) -> float:
@@ -98,13 +105,33 @@ class UpdateResult:
 
     @property
     def sigma(self) -> FloatArray:
-        """Standard deviations, in decades for log parameters, (parameters,)."""
+        """Standard deviations, in decades for log parameters, (parameters,): inflated where the misfit says so."""
+        return self.inflation * self.stated_sigma
+
+    @property
+    def stated_sigma(self) -> FloatArray:
+        """Standard deviations if model and stated sigma are right, (parameters,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def inflation(self) -> float:
+        """The misfit where chi^2 is larger than chance leaves it in 1 of 20, else 1."""
+        return self.misfit if self.chi2 > chi2.ppf(0.95, self.free) else 1.0
+
+    @property
+    def arrived(self) -> bool:
+        """Whether it is converged and near its rows: no other way down need be tried."""
+        return float(np.sqrt(np.mean(self.values**2))) <= POOR and self.stopped.startswith("converged")
+
+    @property
+    def overstated(self) -> bool:
+        """Whether the residuals are smaller than the stated sigma leave them in 1 of 100."""
+        return bool(self.chi2 < chi2.ppf(0.01, self.free))
 
     @property
     def correlation(self) -> FloatArray:
         """Correlation matrix of the parameters."""
-        sigma = np.where(self.sigma > 0.0, self.sigma, 1.0)
+        sigma = np.where(self.stated_sigma > 0.0, self.stated_sigma, 1.0)
         return np.asarray(self.covariance / np.outer(sigma, sigma))
 
     @property
@@ -154,11 +181,17 @@ class UpdateResult:
         )
 
     def worst(self) -> tuple[int, float]:
-        """The table's mode number with the largest residual of a frequency or split, and that residual [sigma]."""
-        places = np.repeat(np.arange(len(self.pairing.matches)), self.residuals_of())
-        k = int(np.abs(self.values[: len(places)]).argmax())
-        row = self.pairing.matches[places[k]].rows[0]
-        return int(self.table.mode[row]), float(self.values[k])
+        """The table's mode number that alone explains most of the misfit, and its deviation [sigma]."""
+        found = self.worst_shift
+        return found.modes[0], -float(np.sign(found.shift)) * found.deviation
+
+    @property
+    def worst_shift(self) -> Outlier:
+        """The frequency, split or orientation of which a change alone would lower chi^2 most."""
+        problem, x = self.problem, self.x
+        shifts = shifts_of(self.after, problem.table, self.pairing.matches)
+        free = ~np.array(self.at_bound)  # what stands on a bound gives no way
+        return named([strongest(shifts, problem.fun(x), problem.jac(x) * free)], self.table)[0]
 
     def residuals_of(self) -> list[int]:
         """Number of residuals of each match, those of shapes apart, which follow them all."""
@@ -218,6 +251,16 @@ class UpdateResult:
             (names[i], names[j], float(R[i, j])) for i in range(len(names)) for j in range(i) if abs(R[i, j]) > ALIKE
         ]
 
+    def outlier_words(self) -> list[str]:
+        """What was set aside, and what the parameters are with it and without."""
+        if self.plain is None:
+            return []
+        values = ", ".join(
+            f"{p.name} = {value:.5g} (with {'it' if len(self.outliers) == 1 else 'them'} {other:.5g})"
+            for p, value, other in zip(self.parameters, self.value, self.plain.value, strict=True)
+        )
+        return [*(f"set aside: {outlier!r}" for outlier in self.outliers), f"without: {values}"]
+
     def to_json(self) -> dict[str, object]:
         """Plain data, as `casingfem update --json` prints it (without the run time)."""
         return {
@@ -239,6 +282,10 @@ class UpdateResult:
             "lost": [int(self.table.mode[row]) for row in self.lost],
             "worst": dict(zip(("mode", "sigma"), self.worst(), strict=True)),
             "model_floor": self.model_floor,
+            "inflation": self.inflation,
+            "overstated": self.overstated,
+            "outliers": [asdict(outlier) for outlier in self.outliers],
+            "with_outliers": None if self.plain is None else list(self.plain.value),
             "identifiability": self.identifiability.to_json(),
             "regularised": None
             if self.regularised is None
@@ -268,11 +315,18 @@ class UpdateResult:
         if self.unpaired:
             lines.append(f"no mode pairs with table modes {', '.join(map(str, self.unpaired))}: they took no part")
         if self.misfit > 1.5:
-            mode, sigma = self.worst()
             lines.append(
                 f"the model is off by {100.0 * self.model_floor:.2g} % of itself beyond the stated sigma; "
-                f"worst is mode {mode}, {sigma:+.1f} sigma"
+                f"worst is {self.worst_shift!r}"
             )
+        if self.inflation > 1.0:
+            lines.append(f"sigma of the parameters are {self.inflation:.2f} times what the stated ones give")
+        if self.overstated:
+            lines.append(
+                f"misfit {self.misfit:.2g}: the rows agree far better than their stated sigma; "
+                "these are too large, or the table comes from such a model"
+            )
+        lines += self.outlier_words()
         lines.append(f"stopped: {self.stopped}")
         if self.regularised is not None:
             lines.append(repr(self.regularised))

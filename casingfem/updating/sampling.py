@@ -112,7 +112,7 @@ def sample_posterior(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, ch
     near = parabolas(fit)
     random = np.random.default_rng(seed)
     walkers = 4 * len(fit.x) + 8
-    first = fit.x + fit.sigma * random.standard_normal((walkers, len(fit.x)))
+    first = fit.x + fit.stated_sigma * random.standard_normal((walkers, len(fit.x)))
     first = np.clip(first, fit.lower, fit.upper)
     sampler = emcee.EnsembleSampler(walkers, len(fit.x), lambda x: log_density(x, fit, near), vectorize=True)
     state = np.random.RandomState(seed).get_state()  # the kind that emcee keeps
@@ -125,7 +125,7 @@ def sample_posterior(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, ch
         names=tuple(p.name for p in fit.parameters),
         log=tuple(p.log for p in fit.parameters),
         samples=samples,
-        gauss_newton=fit.sigma,
+        gauss_newton=fit.stated_sigma,
         acceptance=float(np.mean(sampler.acceptance_fraction)),
         autocorrelation=forgotten,
         gap=worst_gap(fit, near, samples[random.choice(len(samples), checks, replace=False)]),

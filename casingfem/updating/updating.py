@@ -8,6 +8,7 @@ with r from `targets.py`, exact Jacobians from `sensitivity.py`, and steps by `l
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -19,15 +20,16 @@ from casingfem.structure.imported.assembly import MeshStructure, require_structu
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.following import paired_rows
 from casingfem.updating.levenberg import levenberg_marquardt
+from casingfem.updating.outliers import named, outlying, shifts_of, step_without
 from casingfem.updating.parameters import Parameter, check_parameters
 from casingfem.updating.problem import Problem, Progress, State
 from casingfem.updating.regularisation import Regularisation, Regularised, chosen_weight, trade_off
-from casingfem.updating.result import UpdateResult, weak_priors
+from casingfem.updating.result import POOR, UpdateResult, weak_priors
 from casingfem.updating.shapes import SensorShapes
 from casingfem.updating.targets import with_model_error
 
 ROUNDS = 8  # solutions until a weight must have settled
-POOR = 2.0  # rms of the weighted residuals above which a fit is tried on other ways
+LOOKS = 5  # rounds in which rows may be set aside or taken back
 WAYS = (0.1, 1.0, 0.01)  # dampings to begin with: long first steps and short ones end in different valleys
 SETTLED = 0.06  # two of the weights tried, which stand .058 apart in logarithm
 
@@ -49,8 +51,11 @@ def update(
     regularise: Regularisation | None = None,
     max_iterations: int = 30,
     progress: Progress | None = None,
+    outliers: Literal["set-aside", "keep"] = "set-aside",
 ) -> UpdateResult:
     """Fit named numbers of a shell to a frequency table.
+
+    Rows that contradict all others beyond chance are set aside, and named with what the fit with them gives.
 
     Parameters
     ----------
@@ -76,6 +81,8 @@ def update(
         Limit on evaluations of a run; there may be a second where rows pair better after the first.
     progress
         Called after each evaluation with its number and the RMS of the weighted residuals.
+    outliers
+        "keep" fits all rows, whatever they say.
 
     Raises
     ------
@@ -97,7 +104,29 @@ def update(
         raise InputError(
             f"shapes: found {shapes.shapes.shape[1]} columns, expected {len(table)}, one a row of the table"
         )
+    if outliers not in ("set-aside", "keep"):
+        raise InputError(f'outliers: found {outliers!r}, expected "set-aside" or "keep"')
     problem = Problem(structure, with_model_error(table, model_error), vary, count, reach, progress, shapes)
+    if outliers == "keep":
+        return fitted(problem, table, regularise, max_iterations)
+    first = fitted(problem, table, regularise, max_iterations, ways=WAYS[:1])
+    fit = without_outliers(first, regularise, max_iterations)
+    if fit.arrived:
+        return fit
+    other = without_outliers(fitted(problem, table, regularise, max_iterations), regularise, max_iterations)
+    return min(fit, other, key=lambda one: one.misfit)
+
+
+def fitted(
+    problem: Problem,
+    table: FrequencyTable,
+    regularise: Regularisation | None,
+    max_iterations: int,
+    begin: FloatArray | None = None,
+    ways: Sequence[float] = WAYS,
+) -> UpdateResult:
+    """Solve a problem; `table` is its table without the model's error."""
+    vary = problem.vary
     lower = np.array([p.to_internal(p.lower) for p in vary])
     upper = np.array([p.to_internal(p.upper) for p in vary])
     before = problem.state(problem.start)
@@ -109,7 +138,7 @@ def update(
             "measure more modes, vary less, or give priors"
         )
     if regularise is None:
-        x, stopped = solve(problem, lower, upper, max_iterations)
+        x, stopped = solve(problem, lower, upper, max_iterations, begin, ways)
         regularised = None
     else:
         x, stopped, regularised = solve_regularised(problem, regularise, lower, upper, max_iterations)
@@ -155,6 +184,33 @@ def fitted_to_mesh(table: FrequencyTable, shapes: SensorShapes | None) -> Freque
     return table
 
 
+def without_outliers(fit: UpdateResult, regularise: Regularisation | None, max_iterations: int) -> UpdateResult:
+    """The fit without rows that contradict the others; each round looks at all rows from the fit of the last."""
+    whole, best = fit.problem, fit
+    seen: list[tuple[int, ...]] = [()]
+    for _ in range(LOOKS):
+        state = whole.paired_anew(best.x)
+        shifts = shifts_of(state.modes, whole.table, state.pairing.matches)
+        residual, jacobian = whole.fun(best.x), whole.jac(best.x) * ~np.array(best.at_bound)
+        found = outlying(shifts, residual, jacobian, len(whole.table))
+        rows = tuple(sorted({row for one in found for row in one.rows}))
+        if rows in seen:
+            break
+        seen.append(rows)
+        kept = [row for row in range(len(whole.table)) if row not in rows]
+        if len(kept) <= len(whole.vary):
+            break
+        modes = whole.table.mode[list(rows)].tolist()
+        shapes = None if whole.shapes is None else whole.shapes.only(kept)
+        less = Problem(
+            whole.shell, whole.table.without(*modes), whole.vary, whole.count, whole.reach, whole.progress, shapes
+        )
+        near = np.clip(best.x + step_without(found, shifts, residual, jacobian), fit.lower, fit.upper)
+        best = fitted(less, fit.table.without(*modes), regularise, max_iterations, begin=near)
+        best = replace(best, before=fit.before, outliers=named(found, fit.table), plain=fit)
+    return best if seen[-1] else fit
+
+
 def covariance(jacobian: FloatArray) -> FloatArray:
     """(J^T J)^-1 with columns scaled to one first; directions the data do not see are left at zero."""
     norms = np.linalg.norm(jacobian, axis=0)
@@ -184,11 +240,16 @@ def solve_regularised(
 
 
 def solve(
-    problem: Problem, lower: FloatArray, upper: FloatArray, max_iterations: int, begin: FloatArray | None = None
+    problem: Problem,
+    lower: FloatArray,
+    upper: FloatArray,
+    max_iterations: int,
+    begin: FloatArray | None = None,
+    ways: Sequence[float] = WAYS,
 ) -> tuple[FloatArray, str]:
     """The best of the ways down, one if it arrives: modes that mix make a landscape of several valleys."""
     ends: list[tuple[float, FloatArray, str, State]] = []
-    for damping in WAYS:
+    for damping in ways:
         x, message = descend(problem, lower, upper, max_iterations, damping, begin)
         r = problem.fun(x)
         ends.append((float(np.sqrt(np.mean(r**2))), x, message, problem.state(x)))

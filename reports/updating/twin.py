@@ -23,6 +23,7 @@ from casingfem.updating.updating import covariance, solve
 from reports.tables import Row, command_line, show, write
 
 ROWS, NOISE, OFF, FAR = 20, 1e-3, 0.13, 20
+MESH = ShellMesh(order=6, rows=1, around=13)
 TRUTH = {
     "material.E": 205e9,
     "shell.thickness": 3.05e-3,
@@ -48,7 +49,7 @@ class Draw(NamedTuple):
     evaluations: int
 
 
-def twin(values: dict[str, float]) -> cf.Shell:
+def twin(values: dict[str, float], mesh: ShellMesh = MESH) -> cf.Shell:
     """The casing with five numbers of its own."""
     return cf.Shell(
         chart=cf.Frustum(r_base=0.50, r_top=0.45, height=0.25),
@@ -58,7 +59,7 @@ def twin(values: dict[str, float]) -> cf.Shell:
         radius_defect=cf.FourierField.of(
             {8: (values["radius.p8.cos"], values["radius.p8.sin"]), 16: 3e-4, 3: (5e-4, 3e-4)}
         ),
-        mesh=ShellMesh(order=6, rows=1, around=13),
+        mesh=mesh,
     )
 
 
@@ -67,14 +68,14 @@ def begun() -> cf.Shell:
     return twin({name: value * (1.0 + OFF * (-1.0) ** k) for k, (name, value) in enumerate(TRUTH.items())})
 
 
-def measured() -> cf.FrequencyTable:
+def measured(rows: int = ROWS, mesh: ShellMesh = MESH) -> cf.FrequencyTable:
     """What a test without noise would measure."""
-    found = cf.modes(twin(TRUTH), ROWS + 4)
+    found = cf.modes(twin(TRUTH, mesh), rows + 4)
     return cf.FrequencyTable.from_arrays(
-        freq_hz=found.freq[:ROWS],
-        sigma_hz=NOISE * found.freq[:ROWS],
-        n=found.nodal_diameters[:ROWS],
-        angle_deg=found.angle_deg[:ROWS],
+        freq_hz=found.freq[:rows],
+        sigma_hz=NOISE * found.freq[:rows],
+        n=found.nodal_diameters[:rows],
+        angle_deg=found.angle_deg[:rows],
         synthetic=True,
     )
 

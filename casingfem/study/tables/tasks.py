@@ -55,6 +55,12 @@ class UpdateTable(Table):
     """[update]."""
 
     table: str = Field(min_length=1, description="frequency table CSV, relative to this file")
+    sigma: Positive | None = Field(
+        default=None, lt=1, description="relative standard uncertainty of frequencies whose row states no sigma_hz"
+    )
+    outliers: Literal["set-aside", "keep"] = Field(
+        default="set-aside", description="what becomes of rows that contradict all others"
+    )
     reach: Positive = Field(default=0.5, description="largest relative frequency error of a pair")
     count: int | None = Field(default=None, ge=1, le=100_000, description="modes computed; from the table if left out")
     model_error: float = Field(default=0.0, ge=0, lt=1, description="relative error allowed to the model")

@@ -12,6 +12,7 @@ from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.points import SurveyPoints
 from casingfem.structure.field.survey.robust import robust_weights
+from casingfem.structure.field.survey.stray import significant, stray_points
 
 _MOST_HARMONICS = 40
 _MARGIN = 0.8  # of the Nyquist harmonic, and of the number of points: what a fit is asked by default
@@ -29,6 +30,8 @@ class SurveyFit(NamedTuple):
     kept: BoolArray  # points that took part; a robust fit sets stray ones aside
     gap_deg: float
     heights: int
+    stray: BoolArray | None = None  # points that a plain fit took in and that contradict all others
+    without: FourierField | None = None  # the fit without them
 
 
 def resolved_harmonic(gap_deg: float) -> int:
@@ -69,7 +72,15 @@ def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robu
             expected = f"more points, or less than n_max = {n}, degree = {d}"
             raise InputError(points.path, found=problem.weakness(), expected=expected)
     if not robust:
-        return SurveyFit(*problem.solved(), np.ones(len(points), bool), gap, heights)
+        whole = SurveyFit(*problem.solved(), np.ones(len(points), bool), gap, heights)
+        design = problem.design(1.0)
+        stray = stray_points(design, whole.residual)
+        if stray.any():  # those beside them may have been taken for them: a robust fit knows the candidates
+            weights = robust_weights(lambda w: problem.solved(w)[2], *design.shape)
+            stray = significant(design, whole.residual, stray | (weights == 0.0))
+        if not stray.any() or not _Problem(points.at(~stray), heights, n, d).determined(margin=False):
+            return whole
+        return whole._replace(stray=stray, without=problem.solved((~stray).astype(float))[0])
     weights = robust_weights(lambda w: problem.solved(w)[2], *problem.design(1.0).shape)
     kept = weights > 0.0
     if np.mean(kept) < _LEAST_KEPT:

@@ -16,6 +16,7 @@ from casingfem.structure.field.fourier import Field, FourierField, SeriesBehind
 from casingfem.structure.field.survey.fit import fit_points, resolved_harmonic
 from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points
 from casingfem.structure.field.survey.robust import pure_error
+from casingfem.structure.field.survey.stray import passes_words
 
 __all__ = ["SurveyField", "SurveyPoints"]
 
@@ -41,6 +42,8 @@ class SurveyField(SeriesBehind):
     set_aside : points that a robust fit left out: (theta [deg], z [m], relative residual) of each
     pure_error : standard deviation [m] of points measured again at one place, None without such repeats
     repeats : how many there are
+    doubted : points, like those set aside, that took part in a plain fit and contradict all others
+    without : the fit without them, None where there are none
 
     Examples
     --------
@@ -64,6 +67,8 @@ class SurveyField(SeriesBehind):
     set_aside: tuple[tuple[float, float, float], ...] = ()
     pure_error: float | None = None
     repeats: int = 0
+    doubted: tuple[tuple[float, float, float], ...] = ()
+    without: FourierField | None = None
 
     @classmethod
     def from_csv(
@@ -82,7 +87,8 @@ class SurveyField(SeriesBehind):
         Warns
         -----
         ModelWarning
-            `survey-outliers`: a robust fit set points aside.
+            `survey-outliers`: a robust fit set points aside; `survey-stray`: a plain one has points that contradict
+            all others; `survey-passes`: places measured twice differ beyond chance.
 
         Raises
         ------
@@ -119,6 +125,15 @@ class SurveyField(SeriesBehind):
         set_aside = tuple((float(theta), float(z), float(r)) for theta, z, r in places)
         if set_aside:
             warn("survey-outliers", f"{Path(points.path).name}: {stray_words(set_aside, len(points))}", stacklevel=4)
+        found = np.zeros(len(points), bool) if fit.stray is None else fit.stray
+        off = zip(np.degrees(points.theta[found]), points.z[found], fit.residual[found], strict=True)
+        doubted = tuple((float(theta), float(z), float(r)) for theta, z, r in off)
+        if fit.without is not None:
+            effect = largest_change(fit.field, fit.without)
+            said = f"{stray_words(doubted, len(points), 'contradict all others')}; {effect}"
+            warn("survey-stray", f"{Path(points.path).name}: {said}", stacklevel=4)
+        if words := passes_words(points.at(fit.kept)):
+            warn("survey-passes", f"{Path(points.path).name}: {words}", stacklevel=4)
         residual, (scatter, repeats) = fit.residual[fit.kept], pure_error(points.at(fit.kept))
         return cls(
             fit=fit.field,
@@ -133,6 +148,8 @@ class SurveyField(SeriesBehind):
             path=points.path,
             card=points.card,
             set_aside=set_aside,
+            doubted=doubted,
+            without=fit.without,
             pure_error=scatter,
             repeats=repeats,
         )
@@ -178,12 +195,21 @@ class SurveyField(SeriesBehind):
             lines.append(f"  repeats   {self.repeats}, pure error {self.pure_error * 1e6:.3g} um")
         if self.set_aside:
             lines.append(f"  outliers  {stray_words(self.set_aside, self.points)}")
+        if self.without is not None:
+            lines.append(f"  doubted   {stray_words(self.doubted, self.points, 'contradict all others')}")
+            lines.append(f"            {largest_change(self.fit, self.without)}: a robust fit sets them aside")
         return "\n".join([*lines, repr(self.fit)])
 
 
-def stray_words(stray: Sequence[tuple[float, float, float]], points: int) -> str:
+def largest_change(plain: FourierField, without: FourierField) -> str:
+    """The harmonic that the stray points bend most."""
+    p = max(plain.harmonics, key=lambda p: abs(plain.amplitude(p) - without.amplitude(p)))
+    return f"harmonic {p} is {plain.amplitude(p):.3g} with them, {without.amplitude(p):.3g} without"
+
+
+def stray_words(stray: Sequence[tuple[float, float, float]], points: int, what: str = "set aside") -> str:
     """How many points were set aside, and where the worst of them are."""
     worst = sorted(stray, key=lambda point: -abs(point[2]))[:5]
     places = "; ".join(f"theta {theta:.4g} deg, z {z:.4g} m: {r:+.2e}" for theta, z, r in worst)
     more = f"; and {len(stray) - len(worst)} more" if len(stray) > len(worst) else ""
-    return f"{len(stray)} of {points} points set aside ({places}{more})"
+    return f"{len(stray)} of {points} points {what} ({places}{more})"

@@ -9,7 +9,9 @@ from casingfem.errors import InputError, ModelWarning
 from casingfem.io.strict_csv import parse
 from casingfem.modal.modes import modes
 from casingfem.structure.field.fourier import Field, FieldValues, FourierField
+from casingfem.structure.field.survey.points import SurveyPoints
 from casingfem.structure.field.survey.robust import robust_weights
+from casingfem.structure.field.survey.stray import passes_words
 from casingfem.structure.field.survey.survey import SurveyField
 
 DEFECT = FourierField(
@@ -161,7 +163,13 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     chipped = radius.copy()
     chipped[stray] -= 5e-4
     clean = SurveyField.from_points(theta, z, radius, n_max=24, degree=1)
-    plain = SurveyField.from_points(theta, z, chipped, n_max=24, degree=1)
+    with pytest.warns(ModelWarning, match=r"survey: 9 of 360 points contradict all others .*survey-stray"):
+        plain = SurveyField.from_points(theta, z, chipped, n_max=24, degree=1)
+    assert {round(theta, 6) for theta, _, _ in plain.doubted} == {round(float(np.degrees(theta[k])), 6) for k in stray}
+    assert np.abs(plain.without.cos - clean.fit.cos).max() < np.abs(plain.fit.cos - clean.fit.cos).max() / 4
+    assert "doubted   9 of 360 points contradict all others (theta" in repr(plain)
+    assert clean.doubted == ()
+    assert clean.without is None
     with pytest.warns(ModelWarning, match=r"survey: .* of 360 points set aside .*survey-outliers") as caught:
         robust = SurveyField.from_points(theta, z, chipped, n_max=24, degree=1, robust=True)
     assert caught[0].filename == __file__
@@ -172,6 +180,18 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     assert off[0] > 4 * off[1]
     assert robust.residual_rms < 1.2 * clean.residual_rms < plain.residual_rms / 2
     assert "points set aside (theta" in repr(robust)
+
+
+@pytest.mark.parametrize(("offset", "turned", "words"), [(0.0, 0.0, ""), (1e-4, 0.0, "by +100 um on average"),
+                                                          (0.0, 0.1, "not at random")])  # fmt: skip
+def test_two_passes_that_disagree_are_told_apart_from_noise(offset, turned, words):
+    theta, z, first = noisy()
+    rng = np.random.default_rng(23)
+    second = casing(theta + turned, z) + offset + rng.normal(scale=2e-5, size=z.size)
+    points = SurveyPoints(theta=np.tile(theta, 2), z=np.tile(z, 2), value=np.append(first, second), quantity="radius")
+    found = passes_words(points)
+    assert found == "" if not words else "the second measurements of 360 places differ from the first" in found
+    assert words in found
 
 
 def test_robust_weights_are_those_of_tukeys_bisquare():

@@ -1,0 +1,201 @@
+"""Which rows of a table contradict all the others: the mean-shift outlier model on the linearised fit.
+
+A wrong row r shifts the residuals along u_r, their derivative by what was measured there: a frequency, the split of a
+pair, its orientation. For a set S of shifts delta (Cook & Weisberg, Residuals and Influence in Regression, 1982, 2.2.2)
+
+    chi^2(S) = min |r + J d + U_S delta|^2 = |P r|^2 - b^T (U_S^T P U_S)^-1 b,   b = U_S^T P r,   P = 1 - J J^+,
+
+with J and r including the priors. Sets grow one by one, each member exchanged for any other that fits better, so that
+wrong rows do not mask each other. The largest set counts whose every member is significant given the rest: Student's t
+of its shift, at LEVEL over the number of shifts tried, with the scatter of what is left, or the stated sigma if larger.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from scipy.stats import t as student
+
+from casingfem.experiment.correlation.matches import Match
+from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.io.arrays import FloatArray
+from casingfem.modal.mode_set import ModeSet
+from casingfem.updating.targets import has_angle, is_doublet, values
+
+LEVEL = 0.01  # chance of a false alarm in a table without wrong rows
+SHARE = 5  # one row of so many may be wrong
+STEP = 1e-6  # relative, or in degrees: of the differences that give u_r, which is all but constant
+FREE = 3  # degrees of freedom that must be left
+Kind = Literal["frequency", "split", "orientation"]
+
+
+@dataclass(frozen=True, slots=True)
+class Shift:
+    """What may be wrong: rows of the table, by which of their numbers, and how the residuals change with it."""
+
+    kind: Kind
+    rows: tuple[int, ...]
+    change: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A shift with its size, in the number's own unit, and its significance [standard deviations]."""
+
+    kind: Kind
+    rows: tuple[int, ...]
+    shift: float
+    deviation: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outlier:
+    """What was set aside: mode numbers of the table, which of their numbers is off and by how much.
+
+    `shift` is relative for frequencies and splits (of the frequency), in degrees for orientations; `deviation` is in
+    standard deviations.
+    """
+
+    modes: tuple[int, ...]
+    n: int
+    kind: Kind
+    shift: float
+    deviation: float
+
+    def __repr__(self) -> str:
+        """One sentence for the report."""
+        rows = " and ".join(map(str, self.modes))
+        label = f", n = {self.n}" if self.n >= 0 else ""
+        size = f"{abs(self.shift):.3g} deg" if self.kind == "orientation" else f"{100.0 * abs(self.shift):.2g} %"
+        what = "" if self.kind == "frequency" else f" in {self.kind}"
+        many = "s" if len(self.modes) > 1 else ""
+        return f"row{many} {rows}{label}: {size} off{what} all that the others say ({self.deviation:.1f} sigma)"
+
+
+def named(found: Sequence[Found], table: FrequencyTable) -> tuple[Outlier, ...]:
+    """The shifts with the table's own numbers."""
+    return tuple(
+        Outlier(
+            modes=tuple(table.mode[list(one.rows)].tolist()),
+            n=int(table.n[one.rows[0]]),
+            kind=one.kind,
+            shift=one.shift / (1.0 if one.kind == "orientation" else float(table.freq_hz[one.rows[0]])),
+            deviation=one.deviation,
+        )
+        for one in found
+    )
+
+
+def shifts_of(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match]) -> list[Shift]:
+    """Every shift that a pairing allows: each frequency, each doublet's split and, where measured, its orientation."""
+    base = values(modes, table, matches)
+
+    def changed(rows: Sequence[int], steps: Sequence[float], name: str = "freq_hz") -> FloatArray:
+        numbers = getattr(table, name).copy()
+        numbers[list(rows)] += steps
+        size = float(np.abs(steps).max())
+        return (values(modes, replace(table, **{name: numbers}), matches) - base) / size
+
+    found: list[Shift] = []
+    for match in matches:
+        steps = STEP * table.freq_hz[list(match.rows)]
+        found += [
+            Shift("frequency", (row,), changed([row], [step])) for row, step in zip(match.rows, steps, strict=True)
+        ]
+        if is_doublet(match):
+            step = float(steps[0])
+            found.append(Shift("split", match.rows, changed(match.rows, [-0.5 * step, 0.5 * step]) / 2.0))
+        if has_angle(match, table):
+            found.append(Shift("orientation", match.rows, changed(match.rows, [STEP, STEP], "angle_deg")))
+    return found
+
+
+def step_without(
+    found: Sequence[Found], shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray
+) -> FloatArray:
+    """The step of the parameters that fits all but what was found, linearised."""
+    changes = {(shift.kind, shift.rows): shift.change for shift in shifts}
+    columns = [np.pad(c, (0, len(residual) - len(c))) for c in (changes[one.kind, one.rows] for one in found)]
+    whole = np.column_stack([jacobian, *columns])
+    scale = np.linalg.norm(whole, axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    solution = np.linalg.lstsq(whole / scale, -residual, rcond=1e-10)[0] / scale
+    return np.asarray(solution[: jacobian.shape[1]])
+
+
+def strongest(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray) -> Found:
+    """The one shift that lowers chi^2 most, significant or not; its deviation is in stated sigma."""
+    left, r, usable = projected(shifts, residual, jacobian)
+    (k,) = grown([], left, r, usable if len(usable) else range(len(shifts)))
+    delta, spread, _ = solved(left[:, [k]], r)
+    return Found(shifts[k].kind, shifts[k].rows, -float(delta[0]), float(abs(delta[0]) / spread[0]))
+
+
+def projected(
+    shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray
+) -> tuple[FloatArray, FloatArray, Sequence[int]]:
+    """P U, P r, and the shifts that the fit does not swallow whole."""
+    u = np.stack([np.pad(s.change, (0, len(residual) - len(s.change))) for s in shifts], axis=1)
+    left, values, _ = np.linalg.svd(jacobian, full_matrices=False)
+    span = left[:, values > 1e-12 * max(values[0], 1e-300)]
+    apart = u - span @ (span.T @ u)
+    usable = np.flatnonzero(np.linalg.norm(apart, axis=0) > 1e-6 * np.linalg.norm(u, axis=0)).tolist()
+    return apart, residual - span @ (span.T @ residual), usable
+
+
+def outlying(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray, rows: int) -> list[Found]:
+    """The largest set of significant shifts; empty where none is.
+
+    `residual` and `jacobian` are those of the fit with the rows of its priors last; `rows` the table's.
+    """
+    left, r, usable = projected(shifts, residual, jacobian)
+    free = len(residual) - jacobian.shape[1]
+    best: list[int] = []
+    answer: list[Found] = []
+    for count in range(1, max(rows // SHARE, 1) + 1):
+        if free - count < FREE or len(usable) <= count:
+            break
+        best = grown(best, left, r, usable)
+        if len(best) < count:
+            break
+        delta, spread, chi2 = solved(left[:, best], r)
+        scale = max(1.0, float(np.sqrt(chi2 / (free - count))))
+        deviation = np.abs(delta) / (spread * scale)
+        if np.all(2.0 * student.sf(deviation, free - count) < LEVEL / len(usable)):
+            answer = [
+                Found(shifts[k].kind, shifts[k].rows, -float(d), float(t))
+                for k, d, t in zip(best, delta, deviation, strict=True)
+            ]
+    return sorted(answer, key=lambda found: found.rows)
+
+
+def grown(chosen: list[int], left: FloatArray, r: FloatArray, usable: Sequence[int]) -> list[int]:
+    """A set with one shift more, its members exchanged for others as long as that lowers chi^2."""
+
+    def chi2(members: list[int]) -> float:
+        return solved(left[:, members], r)[2]
+
+    new = min((k for k in usable if k not in chosen), key=lambda k: chi2([*chosen, int(k)]), default=None)
+    members = chosen if new is None else [*chosen, int(new)]
+    for _ in range(10):
+        before = chi2(members)
+        for place in range(len(members)):
+            rest = members[:place] + members[place + 1 :]
+            other = min((int(k) for k in usable if k not in rest), key=lambda k: chi2([*rest, k]))
+            members = [*members[:place], other, *members[place + 1 :]]
+        if chi2(members) >= before * (1.0 - 1e-9):
+            break
+    return members
+
+
+def solved(columns: FloatArray, r: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """Shifts that fit best, their standard deviations at unit sigma, and the chi^2 left; infinite if they are alike."""
+    normal = columns.T @ columns
+    scale = np.sqrt(np.diag(normal))
+    alike = normal / np.outer(scale, scale)
+    if np.linalg.eigvalsh(alike)[0] < 1e-8:
+        return np.zeros(len(scale)), np.ones(len(scale)), np.inf
+    inverse = np.linalg.inv(alike) / np.outer(scale, scale)
+    delta = -inverse @ (columns.T @ r)
+    return delta, np.sqrt(np.diag(inverse)), float(np.sum((r + columns @ delta) ** 2))

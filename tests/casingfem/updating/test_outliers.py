@@ -1,0 +1,95 @@
+"""Wrong rows of a table: named with what is wrong with them, set aside, and the fit as without them."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.updating.outliers import Shift, outlying, strongest
+from tests.casingfem.updating.test_update_judged import blade, table, vary
+
+COLUMNS = np.column_stack([np.ones(24), np.linspace(-1.0, 1.0, 24)])
+
+
+def shifts():
+    """A frequency of its own for each of 24 residuals."""
+    return [Shift("frequency", (k,), -np.eye(24)[k]) for k in range(24)]
+
+
+@pytest.mark.parametrize("wrong", [{}, {3: 8.0}, {3: 8.0, 4: 7.0}, {0: 15.0, 1: 15.0, 23: -15.0}])
+def test_shifts_of_a_straight_line_are_found_with_their_sizes(wrong):
+    """Also where they mask each other: two at one end, one at the other."""
+    residual = np.random.default_rng(3).standard_normal(24)
+    for k, size in wrong.items():
+        residual[k] -= size  # measured too high
+    found = outlying(shifts(), residual, COLUMNS, 24)
+    assert [one.rows[0] for one in found] == sorted(wrong)
+    for one in found:
+        assert one.shift == pytest.approx(wrong[one.rows[0]], abs=3.5)
+        assert one.deviation > 4.0
+
+
+def test_clean_tables_give_few_alarms():
+    """One in a hundred by LEVEL; of 400 lines, fewer than 5 %, whatever the scatter is called."""
+    rng = np.random.default_rng(5)
+    for scale in (0.2, 1.0, 6.0):
+        alarms = [bool(outlying(shifts(), scale * rng.standard_normal(24), COLUMNS, 24)) for _ in range(400)]
+        assert np.mean(alarms) <= 0.05, scale
+
+
+def test_the_worst_is_what_a_change_alone_explains_not_the_largest_residual():
+    """A point at the end bends the line: its own residual is smaller than what it is off by."""
+    residual = np.zeros(24)
+    residual[0] = -10.0
+    fitted = residual - COLUMNS @ np.linalg.lstsq(COLUMNS, residual, rcond=None)[0]
+    assert strongest(shifts(), fitted, COLUMNS).rows == (0,)
+
+
+@pytest.fixture(scope="module")
+def spoilt():
+    """A table whose fifth row is 4 % off, and its fit."""
+    right = table(1e-4)
+    freq = right.freq_hz.copy()
+    freq[4] *= 1.04
+    return right, cf.update(blade(), replace(right, freq_hz=freq), vary("material.E"))
+
+
+def test_a_wrong_row_is_named_and_set_aside(spoilt):
+    right, fit = spoilt
+    reference = cf.update(blade(), right, vary("material.E"), outliers="keep")
+    (row,) = fit.outliers
+    assert (row.modes, row.kind) == ((5,), "frequency")
+    assert row.shift == pytest.approx(0.04, abs=0.002)
+    assert abs(fit.x - reference.x)[0] < 3.0 * reference.stated_sigma[0]
+    assert abs(fit.plain.x - reference.x)[0] > 3.0 * reference.stated_sigma[0]
+    text = repr(fit)
+    assert "set aside: row 5" in text
+    assert "% off all that the others say" in text
+    assert f"without: material.E = {fit.value[0]:.5g} (with it {fit.plain.value[0]:.5g})" in text
+    document = json.loads(json.dumps(fit.to_json()))
+    assert document["outliers"][0]["modes"] == [5]
+    assert document["with_outliers"] == list(fit.plain.value)
+
+
+def test_all_rows_are_kept_where_that_is_asked(spoilt):
+    right, fit = spoilt
+    kept = cf.update(blade(), fit.plain.table, vary("material.E"), outliers="keep")
+    assert kept.outliers == ()
+    assert len(kept.table) == len(right)
+    assert kept.worst()[0] == 5
+    assert "worst is row 5" in repr(kept)
+    with pytest.raises(cf.errors.InputError, match="outliers: found 'drop'"):
+        cf.update(blade(), right, vary("material.E"), outliers="drop")
+
+
+def test_sigma_grows_with_a_misfit_and_a_misfit_too_small_is_called_so():
+    loose = cf.update(blade(), table(0.01), vary("material.E"))
+    assert loose.inflation == loose.misfit > 1.5
+    assert loose.sigma[0] == pytest.approx(loose.misfit * loose.stated_sigma[0])
+    assert "times what the stated ones give" in repr(loose)
+    exact = cf.update(blade(), table(), vary("material.E", "material.nu", "shell.thickness"))
+    assert exact.inflation == 1.0
+    assert exact.overstated
+    assert "agree far better than their stated sigma" in repr(exact)
