@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 STRUCTURE = ("casingfem/structure", "casingfem/modal")
 UFF = ("casingfem/experiment/uff",)
+READERS = ("contact/io", "contact/scene", "casingfem/io", "casingfem/experiment", "casingfem/structure/imported")
 RUBS = ("contact/model", "contact/scheme", "contact/loop", "contact/solver")
 CYCLES = ("contact/growth/cycles", "contact/loop/phase.py", "contact/model/bodies")
 UPDATING = ("casingfem/updating", "casingfem/modal", "casingfem/experiment/correlation")
@@ -46,6 +47,9 @@ CAMPAIGNS = (
     Campaign("robustness.broken", "broken models are refused or doubted by name", (*STRUCTURE, "casingfem/faults")),
     Campaign("verification", "every published and exact value: structures, simple contacts", (*STRUCTURE, "contact")),
     Campaign("robustness.uff_mutations", "damaged universal files are read whole or refused", UFF),
+    Campaign("robustness.file_mutations", "damaged files of ten kinds end in no traceback, no hang", READERS),
+    Campaign("robustness.stray_points", "stray points of surveys are found unasked", ("casingfem/structure/field",)),
+    Campaign("updating.wrong_rows", "wrong rows of tables are named, the update is as without them", UPDATING),
     Campaign("updating.pairing", "doublets are paired with what was measured", UPDATING),
     Campaign("updating.identification", "modes of twenty SYNTHETIC tests against the truth", IDENTIFY),
     Campaign("updating.unkind", "modes of forty SYNTHETIC tests with everything that goes wrong in a hall", RIG),

@@ -1,4 +1,4 @@
-"""Killed sweeps on a local Dask cluster, killed commands; scenes that diverge, or are mistyped."""
+"""Killed sweeps and commands, damaged files, stray points; scenes that diverge, or are mistyped."""
 
 import csv
 import subprocess
@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from reports.robustness import diverging, sweep_kills
+from reports.robustness import diverging, file_mutations, stray_points, sweep_kills
 from reports.tables import ROOT
 
 
@@ -39,3 +39,33 @@ def test_commands_under_kill_9_leave_the_old_set_or_the_new(tmp_path):
     assert len(rows) == 8
     for row in rows:
         assert (int(row["kills"]) >= 4, row["torn"], row["left over"], row["verdict"]) == (True, "0", "0", "pass")
+
+
+@pytest.mark.campaign
+def test_damaged_files_end_in_no_traceback(tmp_path):
+    rows = file_mutations.main(tmp_path, quick=True)
+    assert len(rows) == 10
+    for row in rows:
+        assert (row["mutants"], row["failed"]) == (20, 0)
+        assert row["refused"] > 5
+
+
+def test_the_judge_of_damaged_files_sees_what_differs(tmp_path):
+    name, (data, ending, reader) = "table.csv", file_mutations.kinds(tmp_path)["table.csv"]
+    path = tmp_path / f"file{ending}"
+    path.write_bytes(data)
+    whole = dict(file_mutations.leaves(reader(path)))
+    assert file_mutations.judged(reader, path, whole) == ("same", "")
+    path.write_bytes(data.replace(b"371.2", b"371.3"))
+    assert file_mutations.judged(reader, path, whole) == ("differs", ".freq_hz")
+    path.write_bytes(data.replace(b"371.2", b"371,2"))
+    assert file_mutations.judged(reader, path, whole) == ("refused", "")
+    assert file_mutations.judged(lambda _: {}["x"], path, whole) == ("TRACEBACK", "KeyError: 'x'")
+    damaged = file_mutations.mutants(data, name, 60)
+    assert len({mutant for _, mutant in damaged}) > 40
+
+
+@pytest.mark.slow
+def test_stray_points_are_found_unasked(tmp_path):
+    rows = stray_points.main(tmp_path, quick=True)
+    assert [row["verdict"] for row in rows] == ["pass"] * 9

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reports.updating import checks, fan_blade, twin
+from reports.updating import checks, fan_blade, twin, wrong_rows
 from reports.updating.derivatives import ENOUGH, extrapolated
 
 
@@ -42,3 +42,9 @@ def test_a_twin_of_its_own_family(tmp_path):
     assert all(row["noise-free error"] < 1e-5 for row in rows)
     # the scatter of eight draws, by chi^2, 99.9 %
     assert all(0.29 < row["over the bound"] < 1.87 for row in rows)
+
+
+@pytest.mark.campaign
+def test_wrong_rows_of_tables_are_named(tmp_path):
+    every = wrong_rows.main(tmp_path, quick=True)[-2]
+    assert (every["wrong rows"], every["tables"], every["verdict"]) == ("1 to 3", 4, "pass")

