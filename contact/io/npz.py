@@ -24,7 +24,10 @@ KINDS: dict[ArrayKind, tuple[str, str]] = {
 }
 ROOM, PACKED = 64e6, 100.0  # bytes that any file may unpack to; beyond, how many times its own size
 HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
-DAMAGE = (OSError, ValueError, EOFError, SyntaxError, TokenError, RecursionError, MemoryError, BadZipFile, zlib.error)
+DAMAGE = (
+    OSError, ValueError, EOFError, SyntaxError, TokenError, RecursionError, MemoryError, NotImplementedError,
+    RuntimeError, BadZipFile, zlib.error,
+)  # fmt: skip
 
 
 def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, ArrayLike], *, compressed: bool = False) -> Path:

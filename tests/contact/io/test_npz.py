@@ -131,12 +131,14 @@ def bits(data, offset, local, value):
     [
         (lambda data: bits(data, 8, 6, 1), "member 'format': found it encrypted"),
         (lambda data: bits(data, 10, 8, 97), "member 'format': found it packed by method 97"),
+        (lambda data: bits(data, 8, 6, 64), "strong encryption"),
+        (lambda data: bits(data, 6, 4, 109), "zip file version 10.9"),
         (lambda data: data[:90] + bytes([data[90] ^ 255]) + data[91:], "member 'format': "),
         (lambda data: data[: len(data) // 2], "not a zip file"),
         (lambda data: b"", "not a zip file"),
         (lambda data: npy([1.0]), "not a zip file"),
     ],
-    ids=["encrypted", "method", "stream", "cut", "empty", "npy"],
+    ids=["encrypted", "method", "strong", "version", "stream", "cut", "empty", "npy"],
 )
 def test_damaged_archives(tmp_path, refused, damage, words):
     path = packed(tmp_path / "changed.npz", arrays(tmp_path))

@@ -76,7 +76,7 @@ def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robu
         design = problem.design(1.0)
         stray = stray_points(design, whole.residual)
         if stray.any():  # those beside them may have been taken for them: a robust fit knows the candidates
-            weights = robust_weights(lambda w: problem.solved(w)[2], *design.shape)
+            weights = robust_weights(lambda w: weighted_residual(design, whole.residual, w), *design.shape)
             stray = significant(design, whole.residual, stray | (weights == 0.0))
         if not stray.any() or not _Problem(points.at(~stray), heights, n, d).determined(margin=False):
             return whole
@@ -91,6 +91,12 @@ def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robu
         found = f"{np.sum(~kept)} points set aside, and too few left where they were"
         raise InputError(points.path, found=found, expected=f"points enough for n_max = {n}, degree = {d}")
     return SurveyFit(*problem.solved(weights), kept, remaining.coverage()[0], heights)
+
+
+def weighted_residual(design: FloatArray, values: FloatArray, weights: FloatArray) -> FloatArray:
+    """What a weighted fit leaves of values."""
+    root = np.sqrt(weights)
+    return np.asarray(values - design @ np.linalg.lstsq(root[:, None] * design, root * values, rcond=None)[0])
 
 
 def _check_coverage(points: SurveyPoints, gap: float, n_max: int | None, degree: int | None) -> None:
