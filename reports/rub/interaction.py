@@ -1,57 +1,27 @@
 """Does the sign of the pole predict whether closed contact grows? Speeds and blade frequencies, by poles and in time.
 
 `python -m reports.rub.interaction [--quick] [--out DIR]` prints the coincidences of the hand calculation, then one row
-for each speed and blade frequency: growth by the poles, growth seen in `ct.run` of the same pair pressed together, and
+for each speed and blade frequency: growth by the poles, growth seen in a run of the same pair pressed together, and
 whether the signs agree. Rows with |growth| below .05 1/s are marked: a run of a second or two cannot tell them from
 none.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-import contact as ct
 from casingfem.modal.interaction import interactions
+from contact.confirmed import confirming_run
 from contact.growth.closed_contact import growth
 from contact.growth.coincidence import coincidences, loaded
 from contact.io.outfiles import write_atomic
-from contact.model.gaps.bladed_disk import pair_rim
 from reports.tables import Row, command_line, show, write
 from reports.verification.interaction import B6, OTHERS, around, digging
 
 SMALL = 0.05  # 1/s
-
-
-def as_rim(pair: ct.gaps.HandPair, speed_hz: float) -> ct.RotatingRim:
-    """The hand calculation as bases for a run, pressed together by 1 mm; a leaning blade moves along its flap alone."""
-    x, a = pair.blade.modal_mass**-0.5, math.radians(pair.lean_deg)
-    blade = ct.ModalBody(
-        omega=[pair.blade.omega], zeta=[pair.blade.zeta], channels=("span", "flap"),
-        rows=[[0.0], [x / math.sin(a)]] if a else [[x], [0.0]], S=np.eye(2) * pair.compliance,
-    )  # fmt: skip
-    return ct.RotatingRim(
-        pair_rim(pair.casing, radius=0.5), blade, clearance=-1e-3, speed_hz=speed_hz, lean_deg=pair.lean_deg
-    )
-
-
-def seen_growth(pair: ct.gaps.HandPair, speed_hz: float, rate: float) -> float:
-    """Growth [1/s] of the energy's square root about the run's end, nan if the contact opened."""
-    t_end = float(np.clip(6.0 / max(abs(rate), 1e-3), 0.6, 2.0))
-    rim, law = as_rim(pair, speed_hz), ct.Coulomb(mu=pair.friction) if pair.friction else ct.Unilateral()
-    result = ct.run(rim, law=law, t_end=t_end, dt=2e-5, record=ct.Record(every=5, state_every=5))
-    closed = int(result.contact_steps[0]) == result.steps
-    q = result.state_of("blade")[:, 0]
-    stop = q.size if closed else int(np.flatnonzero(result.force[:, 0] <= 0.0)[0])
-    window = 1000  # .1 s
-    starts = np.arange(stop // 3, stop - window, 200)
-    if starts.size < 4:
-        return float("nan")
-    level = [np.std(q[i : i + window]) for i in starts]
-    return float(np.polyfit(result.state_time[starts], np.log(level), 1)[0])
 
 
 def signs(quick: bool) -> list[Row]:
@@ -64,7 +34,7 @@ def signs(quick: bool) -> list[Row]:
         difference = next(c.speed_hz for c in low if c.branch == "backward" and c.speed_hz > 0.0)
         for speed in (sum_hz - 1.0, sum_hz - 0.1, sum_hz, sum_hz + 0.08, sum_hz + 1.0, difference, 40.0):
             rate = float(growth(pair.contact(), np.array([speed]))[0])
-            seen = seen_growth(pair, speed, rate)
+            seen = confirming_run(pair, float(speed)).run
             rows.append(
                 {
                     "blade Hz": freq, "speed Hz": float(speed), "pole 1/s": rate, "run 1/s": seen,
@@ -89,7 +59,7 @@ def friction() -> list[Row]:
                 rates = growth(digging(mu, lean).contact(), speed)
                 at, peak = float(speed[rates.argmax()]), float(rates.max())
                 row |= {f"{c.branch} Hz": at, f"{c.branch} 1/s": peak}
-                row[f"{c.branch} run 1/s"] = seen_growth(digging(mu, lean), at, peak)
+                row[f"{c.branch} run 1/s"] = confirming_run(digging(mu, lean), at).run
         rows.append({name: row.get(name) for name in ("mu", "lean deg", "mu > tan(lean)", "sum Hz", "sum 1/s",
                      "sum run 1/s", "backward Hz", "backward 1/s", "backward run 1/s")})  # fmt: skip
     return rows
@@ -100,7 +70,7 @@ def peaks() -> list[Row]:
     rows: list[Row] = []
     for name, pair in {"B6": B6, **OTHERS}.items():
         found, formula = around(pair), loaded(pair)
-        seen = seen_growth(pair, found.peak_speed_hz, found.peak_growth)
+        seen = confirming_run(pair, found.peak_speed_hz).run
         rows.append(
             {
                 "pair": name, "speed Hz": found.peak_speed_hz, "formula Hz": formula.speed_hz,

@@ -2,7 +2,8 @@
 
 `python -m reports.rub.interaction_map [--quick] [--out DIR]`. The scene is data/scenes/interaction_map/map.toml: a
 blade pressed against the frustum's rim. Left the growth of a contact that stays closed, right the amplitude that runs
-in time reach, with the lines f_b = f_c - n f on both. Bases, table and picture go to DIR/interaction_map.
+in time reach, grey where the rim swings by half its wall and they end, with the lines f_b = f_c - n f on both. Bases,
+table and picture go to DIR/interaction_map.
 """
 
 import os
@@ -15,7 +16,7 @@ from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
 import contact as ct
-from casingfem.plot.style import DIVERGING, new_figure, styled
+from casingfem.plot.style import DIVERGING, PERFECT, new_figure, styled
 from casingfem.study import load_study
 from casingfem.study.tasks import run_reduce
 from contact.growth.closed_contact import growth
@@ -52,14 +53,15 @@ def by_poles(plan: SweepPlan, speed: Map, blade: Map) -> Map:
     return found
 
 
-def compared(poles: Map, runs: Map, closed: Map) -> Row:
+def compared(poles: Map, runs: Map, closed: Map, diverged: NDArray[np.bool_]) -> Row:
     """How many signs agree, of all points and of those whose runs stay closed."""
-    told = np.isfinite(runs) & (np.abs(poles) > 0.5)  # a growth of .5 1/s shows in a run of a second
+    told = ~np.isnan(runs) & (np.abs(poles) > 0.5)  # a growth of .5 1/s shows in a run of a second
     stays = told & (closed > 0.95)
     same = (poles > 0.0) == (runs > 0.0)
     return {
         "points": poles.size, "grow by poles": int(np.count_nonzero(poles > 0.5)),
-        "grow in runs": int(np.count_nonzero(runs > 0.5)), "told": int(np.count_nonzero(told)),
+        "grow in runs": int(np.count_nonzero(runs > 0.5)), "diverge": int(np.count_nonzero(diverged)),
+        "told": int(np.count_nonzero(told)),
         "signs agree %": 100.0 * float(np.mean(same[told])), "stay closed": int(np.count_nonzero(stays)),
         "of these agree %": 100.0 * float(np.mean(same[stays])),
     }  # fmt: skip
@@ -74,7 +76,9 @@ def figure_map(speed: Map, blade: Map, poles: Map, amplitude: Map, lines: list[t
     most = float(np.percentile(np.abs(poles), 90.0))
     drawn = panels[0].pcolormesh(speed, blade, poles, cmap=DIVERGING, vmin=-most, vmax=most, **shown)
     figure.colorbar(drawn, ax=panels[0], label="growth [1/s], contact closed")
+    panels[1].set_facecolor(PERFECT)
     drawn = panels[1].pcolormesh(speed, blade, 1e3 * amplitude, norm=LogNorm(), **shown)
+    panels[1].set_title("grey: half the wall passed", fontsize=9)
     figure.colorbar(drawn, ax=panels[1], label="rim, last quarter of a run [mm rms]")
     for axes in panels:
         for n, line in lines:
@@ -113,6 +117,10 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     read = [[np.nan if row[name] is None else float(row[name]) for row in found.rows] for name in
             ("growth_1_s", "contact_fraction", "amplitude_m")]  # fmt: skip
     runs, closed, amplitude = (np.reshape(values, (speed.size, blade.size)).T for values in read)
+    status = np.reshape([str(row["status"]) for row in found.rows], (speed.size, blade.size)).T
+    diverged = status == "diverged"
+    runs = np.where(diverged & np.isnan(runs), np.inf, runs)  # too quick for its samples to tell how quick
+    amplitude = np.where(diverged, np.nan, amplitude)
     steps = sum(int(row["steps"] or 0) for row in found.rows)
     rows: list[Row] = [
         {"map": "poles", "points": poles.size, "s": seconds["poles"], "ms a point": 1e3 * seconds["poles"] / poles.size,
@@ -121,11 +129,11 @@ def main(out: Path, quick: bool = False) -> list[Row]:
          "us a step": 1e6 * seconds["runs"] / steps},
     ]  # fmt: skip
     show(f"Cost, {os.cpu_count()} cores for the runs, load before {os.getloadavg()[0]:.1f}", rows)
-    verdict = compared(poles, runs, closed)
+    verdict = compared(poles, runs, closed, diverged)
     show("Growth by poles of closed contact against growth in runs", [verdict])
     k, j = np.unravel_index(int(np.argmax(poles)), poles.shape)
     print(f"largest growth by poles {poles[k, j]:.3g} 1/s at {speed[j]:.4g} Hz, blade {blade[k]:.4g} Hz")
-    print(f"largest rim amplitude in runs {np.nanmax(amplitude):.3g} m")
+    print(f"largest rim amplitude in runs that do not diverge {np.nanmax(amplitude):.3g} m")
     scene = scene_of(plan.data(plan.runs[0]), plan.file)
     assert isinstance(scene.what, ct.RotatingRim)
     figure = figure_map(speed, blade, poles, amplitude, coincidences(scene.what, speed))
