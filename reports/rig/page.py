@@ -115,6 +115,7 @@ def rub_section(rub: Rub, plan: RubPlan) -> Section:
         f"Late in the run n = {plan.n} stands {rub.excess_db(plan.n):+.1f} dB over the next nodal diameter. With n f "
         "below every casing frequency f_c + f_b = n f cannot be met here; the form that applies is f_b = f_c - n f.",
         "Motions of a millimetre are the model's, not a machine's: without an abradable coating nothing wears.",
+        *(f"Flag: {flag}." for flag in result.flags),
     )
     numbers = (
         ("impulse [N s]", float(result.impulse[0])),

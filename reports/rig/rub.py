@@ -172,6 +172,7 @@ def run(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str
         t_end=plan.t_end,
         dt=plan.dt,
         record=ct.Record(every=5, state_every=20),
+        on_limit="flag",  # its levels are wanted, also where the rim passes half its wall: the page says so
     )
     print(f"\n{name}\n{result}")
     return Rub(name=name, result=result, levels=rim_levels(casing, result))
