@@ -25,7 +25,7 @@ MESHES = {
     ),
     "mesh-file": Fault(
         "a mesh file is malformed, cut short, or has what this program does not read",
-        "export it again as a flat mesh: one part, the basic coordinate system, no other files",
+        "export it again whole, in one file, without what the message names",
     ),
     "mesh-flat-cell": Fault(
         "a cell has no volume or area",

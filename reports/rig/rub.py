@@ -168,7 +168,6 @@ def run(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str
         scene,
         law=ct.Coulomb(mu=plan.friction),
         scheme=ct.ExactModal(),
-        on_limit="flag",  # as the study, which lets the machined rim swing on
         t_end=plan.t_end,
         dt=plan.dt,
         record=ct.Record(every=5, state_every=20),

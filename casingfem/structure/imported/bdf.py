@@ -1,7 +1,8 @@
 """Read the mesh of a Nastran bulk data file: GRID, solid and shell elements, single point constraints.
 
-A parser of our own, for small, large and free fields: it keeps the file's numbers and the constraint sets, and refuses
-what would move nodes behind the reader's back (coordinate systems, includes). Elements of property 7 are the group
+A parser of our own, for small, large and free fields: it keeps the file's numbers and the constraint sets, puts grids
+from their coordinate systems into the basic one (`coordinates.py`), and refuses what would move nodes behind the
+reader's back (systems by grids, CORD1R, CORD1C, CORD1S; includes). Elements of property 7 are the group
 `PID 7`; the grids of SPC and SPC1 with set 3 on components 123 are `SPC 3 123`, and all of set 3 `SPC 3`.
 """
 
@@ -15,6 +16,7 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
+from casingfem.structure.imported.coordinates import KINDS_OF_SYSTEMS, System, in_basic
 from casingfem.structure.imported.draft import Block, Draft, Lookup, require_last_line
 
 SOLIDS = {
@@ -106,6 +108,8 @@ class Parser:
         self.source = source
         self.grids: list[tuple[int, float, float, float]] = []
         self.elements: dict[str, list[tuple[int, int, list[int]]]] = {}  # kind -> number, property, nodes
+        self.systems: dict[int, System] = {}
+        self.placed: list[tuple[int, int, Card]] = []  # grid by its row, its system, its card
         self.constraints: dict[tuple[str, str], list[int]] = {}  # set, components -> grids
         self.left_out: dict[str, int] = {}
 
@@ -122,6 +126,10 @@ class Parser:
                 self.take_element(card)
             elif card.name in ("SPC", "SPC1"):
                 self.take_constraint(card)
+            elif card.name in KINDS_OF_SYSTEMS:
+                self.take_system(card)
+            elif card.name in ("CORD1R", "CORD1C", "CORD1S"):
+                raise self.fault(card, "a coordinate system by grids, expected one by points: CORD2R, CORD2C, CORD2S")
             elif card.name.startswith("INCLUDE"):
                 raise self.fault(card, "refers to another file, expected a flat mesh")
             elif card.name in CONSTRAINTS:
@@ -156,7 +164,7 @@ class Parser:
         """GRID: number, coordinate system, x, y, z, ..."""
         fields = [*card.fields, "", "", "", "", ""]
         if fields[1] not in ("", "0"):
-            raise self.fault(card, f"grid {fields[0]} in coordinate system {fields[1]}, expected the basic one")
+            self.placed.append((len(self.grids), self.integer(card, fields[1]), card))
         if card.room < 5:
             raise self.fault(card, f"grid {fields[0]} ends before z, expected a second line")
         x, y, z = (self.real(card, text) for text in fields[2:5])
@@ -164,6 +172,24 @@ class Parser:
         self.grids.append((number, x, y, z))
         if len(fields) > 11 and card.fields[6:7] not in ([], [""]):
             self.constraints.setdefault(("PS", card.fields[6]), []).append(number)
+
+    def take_system(self, card: Card) -> None:
+        """CORD2R, CORD2C, CORD2S: number, system of the points, origin A, B on the z axis, C in the x-z plane."""
+        number, *fields = [*card.fields, *[""] * 11]
+        values = np.array([self.real(card, text) for text in fields[1:10]]).reshape(3, 3)
+        system = self.integer(card, number)
+        if system in self.systems:
+            raise self.fault(card, f"coordinate system {system} is given twice")
+        self.systems[system] = System(KINDS_OF_SYSTEMS[card.name], self.integer(card, fields[0] or "0"), values)
+
+    def place_grids(self) -> None:
+        """Put grids from their coordinate systems into the basic one."""
+        for row, system, card in self.placed:
+            try:
+                x, y, z = in_basic(self.systems, system, np.array(self.grids[row][1:])).tolist()
+            except ValueError as error:
+                raise self.fault(card, f"grid {self.grids[row][0]} in coordinate system {system}: {error}") from None
+            self.grids[row] = (self.grids[row][0], x, y, z)
 
     def take_element(self, card: Card) -> None:
         """An element: number, property, nodes."""
@@ -200,6 +226,7 @@ class Parser:
 
     def draft(self) -> Draft:
         """Numbers to indices."""
+        self.place_grids()
         if not self.grids or not self.elements:
             found = f"{len(self.grids)} grids and no elements"
             raise ModelError("mesh-no-cells", f"{self.source}: found {found}")

@@ -1,8 +1,8 @@
 """Read the mesh of an Abaqus or CalculiX input file: nodes, elements, node sets, element sets, element surfaces.
 
-A parser of our own: it keeps the file's numbers, every block of nodes, nested sets and surfaces, and it refuses what
-would move or merge nodes behind the reader's back (instances, coordinate systems, includes). What is not geometry
-(materials, steps) is passed over.
+A parser of our own: it keeps the file's numbers, every block of nodes, nested sets and surfaces, places instances of
+parts (`instances.py`), and refuses what would move or merge nodes behind the reader's back (coordinate systems,
+includes). What is not geometry (materials, steps) is passed over.
 """
 
 from collections.abc import Iterator
@@ -15,6 +15,7 @@ import numpy as np
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.draft import Block, Draft, Lookup, require_last_line
+from casingfem.structure.imported.instances import Frame, laid_out
 
 FAMILIES = {
     "C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "hexahedron20", "C3D6": "wedge",
@@ -88,6 +89,7 @@ class Parser:
         self.element_sets: dict[str, list[IntArray]] = {}
         self.surfaces: dict[str, list[tuple[IntArray, str]]] = {}
         self.spelling: dict[str, str] = {}
+        self.frame = Frame()
 
     def fault(self, line: int, message: str) -> ModelError:
         """A malformed file."""
@@ -98,14 +100,11 @@ class Parser:
         self.size = len(text)
         takers = {"NODE": self.take_nodes, "ELEMENT": self.take_elements, "NSET": self.take_set,
                   "ELSET": self.take_set, "SURFACE": self.take_surface}  # fmt: skip
-        parts = 0
         left_out: dict[str, int] = {}
-        for card in cards(text):
+        for card, frame in laid_out(cards(text), self.fault):
+            self.frame = frame
             if card.keyword in REFUSED:
                 raise self.fault(card.line, f"*{card.keyword} refers to {REFUSED[card.keyword]}, expected a flat mesh")
-            parts += card.keyword == "PART"
-            if parts > 1 or (card.keyword == "INSTANCE" and card.data):
-                raise self.fault(card.line, f"*{card.keyword}: several parts or a moved instance, expected a flat mesh")
             if card.keyword in CONSTRAINTS:
                 left_out[card.keyword] = card.line
             if card.keyword in takers:
@@ -136,8 +135,8 @@ class Parser:
             if not row[0].is_integer():
                 raise self.fault(line, f"found the node {row[0]:g}, expected a whole number")
         table = np.array(rows, dtype=float).reshape(-1, 4)
-        self.points.append(table[:, 1:])
-        self.numbers.append(table[:, 0].astype(np.int64))
+        self.points.append(self.frame.moved(table[:, 1:]))
+        self.numbers.append(table[:, 0].astype(np.int64) + self.frame.offset)
         if "NSET" in card.parameters:
             self.add(self.node_sets, card.parameters["NSET"], self.numbers[-1])
 
@@ -155,7 +154,7 @@ class Parser:
             flat += row
         if len(flat) % wanted:
             raise self.fault(card.line, f"*ELEMENT {name}: {len(flat)} numbers, expected {wanted} an element")
-        table = np.array(flat, dtype=np.int64).reshape(-1, wanted)
+        table = np.array(flat, dtype=np.int64).reshape(-1, wanted) + self.frame.offset
         self.elements.append((kind, table[:, 0], table[:, 1:]))
         if "ELSET" in card.parameters:
             self.add(self.element_sets, card.parameters["ELSET"], table[:, 0])
@@ -177,7 +176,7 @@ class Parser:
                     raise self.fault(line, f"found {text!r}, expected first, last, step") from None
                 if len(members) > self.size:
                     raise self.fault(line, f"found {text!r}, {len(members)} numbers, more than the file can hold")
-                found.append(np.array(members, dtype=np.int64))
+                found.append(np.array(members, dtype=np.int64) + self.frame.offset)
                 continue
             found += [self.numbers_of(sets, cell, line) for cell in cells if cell]
         self.add(sets, name, np.concatenate([*found, np.zeros(0, dtype=np.int64)]))
@@ -185,16 +184,17 @@ class Parser:
     def numbers_of(self, sets: dict[str, list[IntArray]], cell: str, line: int) -> IntArray:
         """A number, or the members of a set named before."""
         if cell.isdecimal() and int(cell) < MOST:
-            return np.array([int(cell)])
-        if cell.upper() not in sets:
+            return np.array([int(cell) + self.frame.offset])
+        known = [name for name in (f"{self.frame.prefix}{cell}".upper(), cell.upper()) if name in sets]
+        if not known:
             raise self.fault(line, f"no set {cell!r} up to here")
-        return np.concatenate(sets[cell.upper()])
+        return np.concatenate(sets[known[0]])
 
     def take_surface(self, card: Card) -> None:
         """*SURFACE of TYPE=ELEMENT: element or set, face S1, S2, ..."""
         if card.parameters.get("TYPE", "ELEMENT").upper() != "ELEMENT":
             return
-        name = card.parameters.get("NAME", "")
+        name = self.named(card.parameters.get("NAME", ""))
         entries = self.surfaces.setdefault(name.upper(), [])
         self.spelling.setdefault(name.upper(), name)
         for line, text in card.data:
@@ -205,8 +205,13 @@ class Parser:
 
     def add(self, sets: dict[str, list[IntArray]], name: str, numbers: IntArray) -> None:
         """Add numbers to a set; names do not know case."""
+        name = self.named(name)
         self.spelling.setdefault(name.upper(), name)
         sets.setdefault(name.upper(), []).append(numbers.astype(np.int64))
+
+    def named(self, name: str) -> str:
+        """The name of a set or surface in the assembly."""
+        return f"{self.frame.prefix}{name}" if self.frame.owns else name
 
     def draft(self) -> Draft:
         """Numbers to indices."""

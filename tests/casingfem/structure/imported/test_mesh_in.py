@@ -213,7 +213,7 @@ BROKEN = {
     "set.inp": (INP.replace(" Some, 40", " Sum, 40"), "no set 'Sum' up to here"),
     "face.inp": (INP.replace("S1\n", "S5\n"), "face 'S5' of tetra"),
     "parts.inp": (INP + "*Part, name=Q\n", "several parts"),
-    "moved.inp": (INP + "*Instance, name=I, part=P\n 1., 0., 0.\n", "moved instance"),
+    "moved.inp": (INP + "*Instance, name=I, part=Q\n 1., 0., 0.\n", "INSTANCE of part 'Q'"),
     "system.bdf": (BDF.replace("GRID    1       ", "GRID    1       7"), "coordinate system 7"),
     "number.bdf": (BDF.replace("CTETRA  7", "CTETRA  x"), "found 'x', expected a whole number"),
     "real.bdf": (BDF.replace("20.-1", "20.-x"), "expected a real number"),
