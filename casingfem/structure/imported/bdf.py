@@ -111,7 +111,7 @@ class Parser:
         self.systems: dict[int, System] = {}
         self.placed: list[tuple[int, int, Card]] = []  # grid by its row, its system, its card
         self.constraints: dict[tuple[str, str], list[int]] = {}  # set, components -> grids
-        self.left_out: dict[str, int] = {}
+        self.left_out: dict[str, list[int]] = {}  # card -> its lines
 
     def fault(self, card: Card, message: str) -> ModelError:
         """A malformed file."""
@@ -133,9 +133,9 @@ class Parser:
             elif card.name.startswith("INCLUDE"):
                 raise self.fault(card, "refers to another file, expected a flat mesh")
             elif card.name in CONSTRAINTS:
-                self.left_out[card.name] = self.left_out.get(card.name, 0) + 1
+                self.left_out.setdefault(card.name, []).append(card.line)
         if self.left_out:
-            found = ", ".join(f"{count} {name}" for name, count in self.left_out.items())
+            found = ", ".join(f"{len(lines)} {name} (from line {lines[0]})" for name, lines in self.left_out.items())
             warn("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
         return self.draft()
 

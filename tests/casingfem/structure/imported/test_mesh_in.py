@@ -296,8 +296,12 @@ def test_mixed_cells_and_loose_facets_are_named(tmp_path):
     ("name", "text", "told"),
     [
         ("a.inp", INP + "*TIE, NAME=t\n a, b\n", r"\*TIE \(line 24\)"),
-        ("a.bdf", "RBE2,9,1,123,2", "1 RBE2"),
-        ("b.bdf", "RBE2,9,1,123,2\nMPC,3,1,1,1.,2,1,-1.\nRBE2,10,1,123,3\nRBE2,11,1,123,4", "3 RBE2, 1 MPC"),
+        ("a.bdf", "RBE2,9,1,123,2", r"1 RBE2 \(from line \d+\)"),
+        (
+            "b.bdf",
+            "RBE2,9,1,123,2\nMPC,3,1,1,1.,2,1,-1.\nRBE2,10,1,123,3\nRBE2,11,1,123,4",
+            r"3 RBE2 \(from line \d+\), 1 MPC \(from line \d+\)",
+        ),
     ],
 )
 def test_constraints_that_are_not_taken_over_are_doubted(name, text, told, tmp_path):
