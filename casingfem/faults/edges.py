@@ -80,8 +80,8 @@ EDGES = {
         "lower the speed, or align the part with its radius; frequencies of such a state need nonlinear statics",
     ),
     "rotation-none": Fault(
-        "the shell does not rotate",
-        "give it a Rotation: replace(shell, rotation=...)",
+        "the structure does not rotate",
+        "give it a Rotation: replace(structure, rotation=...)",
     ),
     "rotation-ring": Fault(
         "the centrifugal force of rings and point masses on an edge is not modelled",

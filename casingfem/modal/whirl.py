@@ -17,32 +17,37 @@ from casingfem.errors import ModelError, NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.linalg.eigen import START_SEED, gap_after
 from casingfem.linalg.factor import factorise
-from casingfem.modal.harmonics import ring_content
+from casingfem.modal.campbell import spin_from_rest
+from casingfem.modal.harmonics import Rings, ring_content
+from casingfem.modal.mesh_modes import projected
 from casingfem.modal.mode_set import frequency_scale
+from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
+from casingfem.structure.imported.revolution import elements_around, round_about_z
 from casingfem.structure.shell.assembly import assemble, spin
-from casingfem.structure.shell.shell import Shell, require_shell
+from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WhirlModes:
-    """Modes of a rotating shell, ascending, as an observer who turns with it sees them.
+    """Modes of a rotating shell or imported part, ascending, as an observer who turns with it sees them.
 
     Attributes
     ----------
     freq
         Frequencies in the rotating frame [Hz], (modes,).
     fields
-        Complex shapes at the nodes, (nodes, 5, modes): the motion is the real part of shape times e^(i omega t).
+        Complex shapes at the nodes, (nodes, 3 or 5, modes): the motion is the real part of shape times e^(i omega t).
     nodal_diameters
-        Dominant n of a closed casing, -1 on open shells, (modes,).
+        Dominant n of a closed casing that turns about z, -1 elsewhere, (modes,).
     sense
         1 for a wave that runs with the rotation, -1 for one against it, 0 for none (n = 0, open shells), (modes,).
     sturm_count
         Modes up to the last one, by inertia.
     """
 
-    shell: Shell
+    shell: Shell | MeshStructure
     freq: FloatArray
     fields: Array
     nodal_diameters: IntArray
@@ -56,17 +61,18 @@ class WhirlModes:
     @property
     def freq_fixed(self) -> FloatArray:
         """Frequencies [Hz] of the waves on a casing for an observer at rest: |f + sense n Omega/2 pi|, (modes,)."""
-        turns = 0.0 if self.shell.rotation is None else abs(self.shell.rotation.omega) / (2.0 * np.pi)
+        rotation: Rotation | None = getattr(self.shell, "rotation", None)
+        turns = 0.0 if rotation is None else abs(rotation.omega) / (2.0 * np.pi)
         return np.abs(self.freq + self.sense * np.maximum(self.nodal_diameters, 0) * turns)
 
 
-def whirl_modes(shell: Shell, count: int = 10) -> WhirlModes:
-    """Lowest `count` modes of a rotating shell, Coriolis forces included, complete by a count of inertia.
+def whirl_modes(shell: Shell | MeshStructure, count: int = 10) -> WhirlModes:
+    """Lowest `count` modes of a rotating structure, Coriolis forces included, complete by a count of inertia.
 
     Parameters
     ----------
     shell
-        A supported shell with a `rotation`.
+        A supported shell, or imported part, with a `rotation`.
     count
         Number of modes; each doublet of a casing gives a forward and a backward wave.
 
@@ -87,7 +93,8 @@ def whirl_modes(shell: Shell, count: int = 10) -> WhirlModes:
     >>> low.nodal_diameters.tolist(), low.sense.tolist()
     ([7, 7], [1, -1])
     """
-    require_shell(shell, "whirl_modes")
+    if not isinstance(shell, Shell):
+        return mesh_whirl(shell, count)
     if shell.rotation is None:
         raise ModelError("rotation-none", "whirl_modes: found a shell without rotation")
     from_rest = assemble(at_rest(shell))
@@ -109,16 +116,46 @@ def whirl_modes(shell: Shell, count: int = 10) -> WhirlModes:
     )
 
 
+def mesh_whirl(structure: MeshStructure, count: int) -> WhirlModes:
+    """The modes of a rotating imported part, Coriolis forces included."""
+    system, added = spin_from_rest(structure, "whirl_modes")
+    assert isinstance(system, MeshSystem)
+    rotation: Rotation | None = getattr(structure, "rotation", None)
+    assert rotation is not None  # or spin_from_rest would have refused it
+    K = csc_array(system.K + added.stiffness(rotation.omega))
+    G = csc_array(rotation.omega * added.G)
+    values, vectors, certified = gyroscopic_modes(K, G, count, scale=system.frequency_scale, mass=system.M)
+    fields = expand_complex(system, vectors)[:, :, :count]
+    about_z = bool(np.abs(rotation.direction[2]) > 1.0 - 1e-9 and not np.any(rotation.centre[:2]))
+    n, sense = np.full(fields.shape[2], -1), np.zeros(fields.shape[2], dtype=np.int64)
+    if about_z and round_about_z(structure.mesh):
+        n_max = max(2, elements_around(structure.mesh) * (1 + bool(structure.mesh.cell_kind.middles)) // 3)
+        waves = [projected(structure, part, n_max) for part in (fields.conj(), fields)]
+        n, sense = wave_sense(waves, float(np.sign(rotation.omega * rotation.direction[2])))
+    return WhirlModes(
+        shell=structure,
+        freq=frozen(values[:count] / (2.0 * np.pi)),
+        fields=frozen(fields),
+        nodal_diameters=n,
+        sense=sense,
+        sturm_count=certified,
+    )
+
+
 def at_rest(shell: Shell) -> Shell:
     """The shell without its rotation, on the same mesh."""
     return replace(shell, rotation=None)
 
 
 def gyroscopic_modes(
-    A: csc_array, G: csc_array, count: int, scale: float, extra: int = 4
+    A: csc_array, G: csc_array, count: int, scale: float, extra: int = 4, mass: csc_array | None = None
 ) -> tuple[FloatArray, Array, int]:
-    """Frequencies [rad/s] ascending and complex shapes of x'' + G x' + A x = 0, up to a gap at or after `count`."""
+    """Frequencies [rad/s] ascending and complex shapes of M x'' + G x' + A x = 0, up to a gap at or after `count`.
+
+    M is 1 if left out.
+    """
     size = A.shape[0]
+    M = csc_array(diags_array(np.ones(size))) if mass is None else mass
     if not 1 <= count < size // 2 - extra:
         raise NumericsError(f"count must lie between 1 and {size // 2 - extra - 1}, found {count}")
     factor = factorise(A)
@@ -127,7 +164,7 @@ def gyroscopic_modes(
 
     def inverse(state: FloatArray) -> FloatArray:
         x, v = np.split(np.ravel(state), 2)  # v stands for x'/scale
-        return np.concatenate([-factor.solve(scale * v + G @ x), x / scale])
+        return np.concatenate([-factor.solve(scale * (M @ v) + G @ x), x / scale])
 
     operator = LinearOperator((2 * size, 2 * size), matvec=inverse, dtype=float)
     start = np.random.default_rng(START_SEED).standard_normal(2 * size)
@@ -139,15 +176,15 @@ def gyroscopic_modes(
     upper = upper[np.argsort(-np.abs(found[upper]))]
     omega = 1.0 / np.abs(found[upper])
     below, sigma = gap_after(omega, count)
-    shifted = csc_array(A + 1j * sigma * G - sigma**2 * diags_array(np.ones(size)))
+    shifted = csc_array(A + 1j * sigma * G - sigma**2 * M)
     certified = factorise(shifted).negative()
     if certified != below:
         raise NumericsError(f"{certified} modes lie below {sigma / 2 / np.pi:.6g} Hz, {below} were found")
     return omega[:below], states[:size, upper[:below]], certified
 
 
-def expand_complex(system: System, vectors: Array) -> Array:
-    """Free dofs (free, modes) -> nodal fields (nodes, 5, modes) with the largest displacement 1."""
+def expand_complex(system: System | MeshSystem, vectors: Array) -> Array:
+    """Free dofs (free, modes) -> nodal fields (nodes, dofs, modes) with the largest displacement 1."""
     fields = system.expand(vectors)
     flat = fields[:, :3].reshape(-1, fields.shape[2])
     return np.asarray(fields / flat[np.abs(flat).argmax(axis=0), np.arange(fields.shape[2])])
@@ -163,9 +200,13 @@ def wave_labels(shell: Shell, system: System, fields: Array) -> tuple[IntArray, 
         return np.full(modes, -1), np.zeros(modes, dtype=np.int64)
     n_max = max(2, system.grid.mesh.order * system.grid.mesh.around // 3)
     waves = [ring_content(shell.chart, system.grid, part, n_max) for part in (fields.conj(), fields)]
+    return wave_sense(waves, float(np.sign(shell.rotation.omega * shell.rotation.direction[2])))
+
+
+def wave_sense(waves: list[Rings], turning: float) -> tuple[IntArray, IntArray]:
+    """Nodal diameters and sense from the contents of the conjugate shapes and of the shapes, each (modes,)."""
     energy = np.stack([np.einsum("nrcm,r->nm", np.abs(wave.amplitudes) ** 2, wave.weights) for wave in waves])
     n = energy.sum(axis=0).argmax(axis=0)
-    forward, backward = energy[:, n, np.arange(modes)]
-    turning = float(np.sign(shell.rotation.omega * shell.rotation.direction[2]))
+    forward, backward = energy[:, n, np.arange(len(n))]
     sense = np.where(n > 0, np.sign(forward - backward) * turning, 0.0)
     return n, sense.astype(np.int64)

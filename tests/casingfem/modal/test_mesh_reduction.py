@@ -301,7 +301,6 @@ def test_what_is_no_structure_is_told_what_it_lacks(call):
 @pytest.mark.parametrize(
     ("name", "call"),
     [
-        ("whirl_modes", lambda x: cf.whirl_modes(x, 2)),
         ("mistune", lambda x: cf.mistune(x, 1)),
         ("out_of_roundness", lambda x: cf.out_of_roundness(x, Rim("top"))),
         ("locate", lambda x: cf.locate(x, TABLE)),

@@ -167,6 +167,36 @@ def test_a_rotating_basis_knows_what_speed_adds():
     np.testing.assert_allclose(np.diag(basis.K_omega), rest.southwell, rtol=1e-9)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_waves_of_a_spinning_drum_are_those_of_the_chart(turn):
+    """Forward and backward waves apart by Coriolis forces: frequencies, nodal diameters, sense."""
+    rotation = cf.Rotation(omega=turn * 600.0)
+    wall = revolved((0.2, 0.2), (0.0, 0.1), 0.006)
+    mesh = grid_mesh("quad9", (56, 8), lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0)}, wrap=0)
+    given = {"thickness": 0.006, "material": STEEL, "supports": {"base": cf.Clamped()}, "rotation": rotation}
+    exact = cf.whirl_modes(cf.Shell(chart=cf.Cylinder(radius=0.2, height=0.1), **given), 6)
+    found = cf.whirl_modes(cf.MeshShell(mesh=mesh, **given), 6)
+    np.testing.assert_allclose(found.freq, exact.freq, rtol=3e-3)
+    assert found.nodal_diameters.tolist() == exact.nodal_diameters.tolist()
+    assert found.sense.tolist() == exact.sense.tolist()
+    assert set(found.sense.tolist()) == {1, -1}
+    splits = np.diff(found.freq)[::2], np.diff(exact.freq)[::2]
+    np.testing.assert_allclose(*splits, rtol=2e-2)
+    np.testing.assert_allclose(found.freq_fixed, exact.freq_fixed, rtol=3e-3)
+    assert found.sturm_count >= 6
+
+
+def test_whirl_of_a_blade_has_no_waves():
+    part = block(AXES["flapping out of it"].at(400.0), (6, 2, 1))
+    found = cf.whirl_modes(part, 3)
+    still = cf.modes(part, 3).freq
+    assert found.nodal_diameters.tolist() == [-1] * 3
+    assert 0.0 < np.abs(found.freq / still - 1.0).max() < 0.05
+    with pytest.raises(ModelError, match="whirl_modes: found a structure without rotation"):
+        cf.whirl_modes(block(None), 2)
+
+
 def test_softening_beyond_the_stiffness_is_refused():
     """Turning about its own span nothing stretches, and the softening wins beyond the first frequency."""
     about_span = cf.Rotation(omega=0.0, axis=(1.0, 0.0, 0.0))
