@@ -44,6 +44,7 @@ class PhaseWork(NamedTuple):
     now: Array  # (watched,)
     last: Array  # (watched,)
     before: Array  # (watched,)
+    size: Array  # (watched,): of what adds up to a gap or a force
     most: Array  # (watched,)
     least: Array  # (watched,)
     at: Array  # (1,)
@@ -119,16 +120,15 @@ def root(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) 
 
 
 @jit
-def turn(p: PhaseArrays, y: Array, row: int, t: float, high: float, sense: float) -> float:
-    """Where within +-`high` a value is smallest (sense 1) or largest (-1), by the secant of its slope (Illinois)."""
-    low = -high
+def turn(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float, sense: float) -> float:
+    """Where in between a value is smallest (sense 1) or largest (-1), by the secant of its slope (Illinois)."""
     _value, below = watched_at(p, y, row, t, low)
     _value, above = watched_at(p, y, row, t, high)
     below, above = sense * below, sense * above
     if not below < 0.0 < above:
         return low if below >= 0.0 else high
     width, side = high - low, 0
-    middle = 0.0
+    middle = low
     for _ in range(HALVINGS):
         last = middle
         middle = (low * above - high * below) / (above - below)
@@ -177,6 +177,7 @@ def begun(p: PhaseArrays, w: PhaseWork, contacts: int, t: float) -> int:
                 part = abs(p.wave[0, row, h]) + abs(p.wave[1, row, h])
                 size += part
                 speed += part * abs(p.harmonic[h])
+            w.size[row] = size
             if value <= TINY * size and slope < -STILL * speed:
                 found = row
     return found
@@ -206,7 +207,28 @@ def extremes(p: PhaseArrays, w: PhaseWork, t: float, h: float) -> None:
             beyond = -((now - before) ** 2) / (8.0 * (now - 2.0 * last + before))  # of a parabola, over the look
             top = last + 2.0 * beyond
             if top > w.most[row] or top < w.least[row]:
-                tau = turn(p, w.y, row, t, h, math.copysign(1.0, now - last))
+                tau = turn(p, w.y, row, t, -h, h, math.copysign(1.0, now - last))
+                value, _slope = watched_at(p, w.y, row, t, tau)
+                w.most[row], w.least[row] = max(w.most[row], value), min(w.least[row], value)
+
+
+@jit
+def turned(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) -> float:
+    """Where a value turns between two times by its slopes at both, at the ends of a phase; inf where it does not."""
+    _value, first = watched_at(p, y, row, t, low)
+    _value, last = watched_at(p, y, row, t, high)
+    if first * last >= 0.0:
+        return math.inf
+    return float(turn(p, y, row, t, low, high, math.copysign(1.0, last)))
+
+
+@jit
+def edge_extremes(p: PhaseArrays, w: PhaseWork, t: float, low: float, high: float) -> None:
+    """Extremes in a step at the beginning or the end of a phase, where there are no three looks around them."""
+    for row in range(w.now.size):
+        if w.most[row] < math.inf or w.least[row] > -math.inf:
+            tau = turned(p, w.y, row, t, low, high)
+            if tau < math.inf:
                 value, _slope = watched_at(p, w.y, row, t, tau)
                 w.most[row], w.least[row] = max(w.most[row], value), min(w.least[row], value)
 
@@ -220,7 +242,9 @@ def end_values(p: PhaseArrays, w: PhaseWork, t: float, tau: float) -> None:
 
 
 @jit
-def first_event(p: PhaseArrays, w: PhaseWork, contacts: int, t: float, h: float, started: bool) -> tuple[int, float]:
+def first_event(
+    p: PhaseArrays, w: PhaseWork, contacts: int, t: float, h: float, started: bool, edge: bool
+) -> tuple[int, float]:  # fmt: skip
     """The contact that comes first to zero up to t + h, and how long after t; or -1."""
     found, when = -1, h
     for row in range(contacts):
@@ -230,10 +254,16 @@ def first_event(p: PhaseArrays, w: PhaseWork, contacts: int, t: float, h: float,
         if started and w.last[row] < w.before[row] and w.last[row] < w.now[row]:
             bend = w.now[row] - 2.0 * w.last[row] + w.before[row]
             if w.last[row] < 0.5 * (w.now[row] - w.before[row]) ** 2 / bend + 0.1 * bend:
-                bottom = turn(p, w.y, row, t, h, 1.0)
+                bottom = turn(p, w.y, row, t, -h, h, 1.0)
                 value, _slope = watched_at(p, w.y, row, t, bottom)
-                if value < 0.0:
+                if value < -TINY * w.size[row]:
                     tau = root(p, w.y, row, t, -h, bottom)
+        if edge and tau == math.inf:
+            bottom = turned(p, w.y, row, t, 0.0, h)
+            if bottom < math.inf:
+                value, _slope = watched_at(p, w.y, row, t, bottom)
+                if value < -TINY * w.size[row]:
+                    tau = root(p, w.y, row, t, 0.0, bottom)
         if tau < when or (tau <= when and found < 0):
             found, when = row, tau
     return found, when
@@ -260,13 +290,19 @@ def pass_phase(p: PhaseArrays, w: PhaseWork, contacts: int, t: float, t_end: flo
             w.new[0, i] = w.step[0, i] * a - w.step[1, i] * b + w.drift[0, i]
             w.new[1, i] = w.step[0, i] * b + w.step[1, i] * a + w.drift[1, i]
         look(p, w, now + h)
-        found, tau = first_event(p, w, contacts, now, h, k > 0)
+        edge = k == 0 or k == steps - 1
+        found, tau = first_event(p, w, contacts, now, h, k > 0, edge)
         if found >= 0:
+            if k > 0:
+                edge_extremes(p, w, now, -h, 0.0)
+            edge_extremes(p, w, now, 0.0, tau)
             end_values(p, w, now, tau)
             move_to(p, w.y, tau)
             w.at[0] = now + tau
             return found
         extremes(p, w, now, h)
+        if edge:
+            edge_extremes(p, w, now, 0.0, h)
         for i in range(n):
             w.y[0, i], w.y[1, i] = w.new[0, i], w.new[1, i]
     w.at[0] = t_end

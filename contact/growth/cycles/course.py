@@ -70,7 +70,7 @@ class Course:
         """The orbit on the plane across `along` at a distance; raises NumericsError."""
         n = at.x.size
         weight = 1.0 / max(float(at.x @ at.x), self.size**2)
-        x, value = at.x + length * along.x, at.value + length * along.value
+        x, value = at.x + length * along.x, float(at.value + length * along.value)
         J = np.zeros((n + 1, n + 1))
         J[n, :n], J[n, n] = weight * along.x, along.value / self.span**2
         for k in range(NEWTON):
@@ -83,7 +83,7 @@ class Course:
             off = weight * float(along.x @ (x - at.x)) + along.value * (value - at.value) / self.span**2 - length
             change = np.linalg.solve(J, np.concatenate([x - found.x, [-off]]))
             x, value = x + change[:n], value + float(change[n])
-            if not np.all(np.isfinite(x)):
+            if not np.all(np.isfinite(x)) or not self.low - self.span < value < self.high + self.span:
                 break
             if np.linalg.norm(change[:n]) <= CLOSE * np.linalg.norm(x) and abs(change[n]) <= CLOSE * self.span:
                 return made(self.family, value, map_, at.periods, at.start, x, found, k + 1)

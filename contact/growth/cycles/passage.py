@@ -247,7 +247,7 @@ def _work(plant: Plant, driven: DrivenPhase, y: Complex, reached: Extremes) -> P
 
     phase = driven.phase
     k, rows = reached.gap.size, len(phase.rows)
-    room, values = np.zeros((3, 2, y.size)), np.zeros((5, rows))
+    room, values = np.zeros((3, 2, y.size)), np.zeros((6, rows))
     most, least = values[3], values[4]
     most[:k], least[:k] = np.inf, reached.gap  # of an open contact the least gap counts, of a closed one the force
     shut = list(phase.closed)
@@ -257,6 +257,6 @@ def _work(plant: Plant, driven: DrivenPhase, y: Complex, reached: Extremes) -> P
         most[k + row], least[k + row] = np.inf, np.inf if contact in phase.closed else -np.inf
     return PhaseWork(
         y=np.ascontiguousarray(np.stack([y.real, y.imag])), new=room[0], circle=np.zeros((2, driven.X.shape[1])),
-        step=room[1], drift=room[2], now=values[0], last=values[1], before=values[2], most=most, least=least,
-        at=np.zeros(1),
+        step=room[1], drift=room[2], now=values[0], last=values[1], before=values[2], size=values[5], most=most,
+        least=least, at=np.zeros(1),
     )  # fmt: skip

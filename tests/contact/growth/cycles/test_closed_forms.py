@@ -1,6 +1,7 @@
 """Orbits whose shape and multipliers are known in closed form."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -47,6 +48,23 @@ def test_a_ball_bounces_once_a_period_with_the_multipliers_of_the_impact_map():
     assert sorted(np.abs(found.multipliers)) == pytest.approx(sorted(np.abs(expected)), abs=1e-6)
     assert np.prod(found.multipliers).real == pytest.approx(e**2, abs=1e-6)
     assert found.closings == (1,)
+
+
+def test_a_ball_over_a_moving_table_is_a_moving_ball_over_a_table():
+    """The gap's own motion takes part in impact and derivative: y is the ball's height, the gap y - A cos w t."""
+    w, e, force = 20.0, 0.5, 12.0
+    height, velocity, start, expected = ball_orbit(force, w, e)
+    family = ball(0.0, e, height=1.0).over("freq_hz", freq_hz=w / (2.0 * math.pi))
+    still, period = family.at(w / (2.0 * math.pi))
+    table = force / w**2
+    moving = replace(still.drive, c=still.drive.c._replace(wave=np.array([[-table + 0j]])))
+    motion, time = replace(still, drive=moving, driven={}), start * period
+    state = family.state(
+        [height + table * math.cos(w * time)], [velocity - table * w * math.sin(w * time)]
+    )  # fmt: skip
+    end = passage(motion, state, time, period)
+    assert end.x == pytest.approx(state, abs=1e-9)
+    assert sorted(np.abs(np.linalg.eigvals(end.M))) == pytest.approx(sorted(np.abs(expected)), abs=1e-6)
 
 
 def test_the_bouncing_ball_flips_at_the_force_of_the_closed_form():

@@ -49,6 +49,20 @@ def test_the_orbit_is_the_same_whatever_the_looks():
         assert other.amplitude["x"] == pytest.approx(found[0].amplitude["x"], rel=1e-10)
 
 
+@pytest.mark.parametrize("looks", [9, 10, 11, 12, 13])
+def test_a_touch_between_two_looks_is_seen(looks):
+    """Just beyond grazing the stop is touched for a thirtieth of the period."""
+    driven, freq_hz = mass_on_stop(5.0), 0.1429
+    fine, coarse = (
+        ct.growth.cycles.orbit(driven.over("freq_hz", freq_hz=freq_hz, looks=n), freq_hz) for n in (4096, looks)
+    )
+    assert fine.closings == (1,)
+    assert 0.0 < fine.force[0] < 0.02
+    assert coarse.closings == fine.closings
+    assert coarse.x == pytest.approx(fine.x, abs=1e-9)
+    assert coarse.force == pytest.approx(fine.force, rel=1e-6)
+
+
 def test_an_orbit_of_the_rod_is_what_an_integrator_of_its_own_follows():
     driven = rod(4.0)
     family, freq_hz = driven.over("freq_hz", freq_hz=10e3), 10e3
