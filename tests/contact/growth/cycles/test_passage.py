@@ -61,6 +61,13 @@ def test_a_touch_between_two_looks_is_seen(looks):
     assert coarse.closings == fine.closings
     assert coarse.x == pytest.approx(fine.x, abs=1e-9)
     assert coarse.force == pytest.approx(fine.force, rel=1e-6)
+    motion, period = driven.over("freq_hz", freq_hz=freq_hz, looks=looks).at(freq_hz)
+    for part in (0.21, 0.37, 0.55):  # the touch is then amid the looks
+        begin = passage(motion, np.asarray(fine.x), 0.0, part * period).x
+        end = passage(motion, begin, part * period, period)
+        assert len(end.events) == 2
+        assert end.x == pytest.approx(begin, abs=1e-9)
+        assert end.force == pytest.approx(fine.force, rel=1e-6)
 
 
 def test_an_orbit_of_the_rod_is_what_an_integrator_of_its_own_follows():
