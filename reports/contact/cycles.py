@@ -35,8 +35,8 @@ E1 = {
 }
 E2_OMEGA = (1.07511, 1.19425, 1.31283, 1.42899, 1.50085)
 E2 = {100.0: (0.11401, 0.13720, 0.17463, 0.23460, 0.29163), 1e5: (0.10577, 0.12159, 0.14646, 0.18296, 0.21462)}
-E3 = ((2200.0, 6.662e-5), (2400.0, 7.207e-5), (2500.0, 7.654e-5), (2628.4, 8.730e-5), (3000.0, 1.639e-4),
-      (3100.0, 2.039e-4))  # fmt: skip
+# at 2200 rad/s the run's 6.662e-5 is one of three maxima: it settles on a motion of three periods
+E3 = ((2400.0, 7.207e-5), (2500.0, 7.654e-5), (2628.4, 8.730e-5), (3000.0, 1.639e-4), (3100.0, 2.039e-4))
 
 
 def bar(
@@ -126,15 +126,14 @@ def published(out: Path, quick: bool) -> Iterator[Row]:
 
 
 def wall(out: Path) -> Iterator[Row]:
-    """E3: amplitudes of runs from rest; the branch from above and from below, and where they are lost."""
+    """E3: amplitudes on which runs from rest settle; then all branches from 2400 to 3400 rad/s, as text and picture."""
     family = rod_on_wall().over("freq_hz", freq_hz=400.0)
-    for omega, amplitude in E3[1:]:
+    for omega, amplitude in E3:
         here = ct.growth.cycles.orbit(family, omega / TURN).amplitude["x"]
         yield check(f"E3, {omega:.1f} rad/s", "200 periods, Lagrange", amplitude, here, 0.02)
-    for name, between in (("up", (2400.0, 3400.0)), ("down", (3400.0, 1900.0))):
-        found = ct.growth.cycles.follow(family, (between[0] / TURN, between[1] / TURN), longest=0.04)
-        print(f"\nE3 {name}, Hz (2 pi 1/s: {between[0]:g} to {between[1]:g} rad/s)\n{found!r}")
-        write_atomic(out / f"wall_{name}.png", png(figure_cycles(found.table(), found.marks())))
+    found = ct.growth.cycles.follow(family, (2400.0 / TURN, 3400.0 / TURN), longest=0.04)
+    print(f"\nE3 from 2400 to 3400 rad/s, in Hz\n{found!r}")
+    write_atomic(out / "rod_wall.png", png(figure_cycles(found.table(), found.marks())))
 
 
 def left(family: Family, at: Orbit, periods: int, seed: int) -> tuple[float, float]:
@@ -251,7 +250,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     show("Periodic motions against published ones", rows)
     write(out / "cycles.csv", rows)
     write(out / "cycles_unstable.csv", unstable(quick))
-    agreed = random_bodies(10 if quick else 300)
+    agreed = random_bodies(10 if quick else 100)
     show("Random bodies: 4 modes, 2 springs as stops", [agreed])
     write(out / "cycles_random.csv", [agreed])
     write(out / "cycles_times.csv", times(quick))
