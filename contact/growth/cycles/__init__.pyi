@@ -1,3 +1,4 @@
+from .basins import Attractor, Basins, basins
 from .driven import DrivenBody
 from .follow import follow
 from .result import Branch, Cycles, Special
@@ -5,12 +6,15 @@ from .rubbing import RimFamily
 from .shooting import Orbit, orbit
 
 __all__ = [
+    "Attractor",
+    "Basins",
     "Branch",
     "Cycles",
     "DrivenBody",
     "Orbit",
     "RimFamily",
     "Special",
+    "basins",
     "follow",
     "orbit",
 ]
