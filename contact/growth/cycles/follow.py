@@ -52,7 +52,11 @@ def follow(
         found.append(followed(course, begin, ahead, longest=longest, most=most, progress=told))
         return found[-1]
 
-    _main(family, between, first, go)
+    def looking(value: float) -> None:
+        if progress is not None:
+            progress(len(found) + 1, value, 0)
+
+    _main(family, between, first, go, looking)
     for branch in list(found):
         _doubled(family, between, branch, doublings, longest, go)
     return Cycles(name=family.name, branches=tuple(found), seconds=time.perf_counter() - started)
@@ -61,7 +65,9 @@ def follow(
 Go = Callable[[Course, Orbit, Tangent], Branch]
 
 
-def _main(family: Family, between: tuple[float, float], first: Orbit | None, go: Go) -> None:
+def _main(
+    family: Family, between: tuple[float, float], first: Orbit | None, go: Go, looking: Callable[[float], None]
+) -> None:
     """From the first value to the other end, by runs where a branch ends inside."""
     begin, sense = first, float(np.sign(between[1] - between[0]))
     if begin is None:
@@ -73,14 +79,18 @@ def _main(family: Family, between: tuple[float, float], first: Orbit | None, go:
         kept = [point for point in found.points if point.stable]
         begin = None
         if found.end and kept and sense * (between[1] - reached.value) > 0.0:
-            begin = _beyond(family, between, max(kept, key=lambda point: sense * point.value), reached.value)
+            last = max(kept, key=lambda point: sense * point.value)
+            begin = _beyond(family, between, last, reached.value, looking)
 
 
-def _beyond(family: Family, between: tuple[float, float], kept: Orbit, reached: float) -> Orbit | None:
+def _beyond(
+    family: Family, between: tuple[float, float], kept: Orbit, reached: float, looking: Callable[[float], None]
+) -> Orbit | None:
     """The next orbit that a run from a kept one settles on, further along the range than what is reached."""
     step = (between[1] - between[0]) / TRIES
     value, x, start = reached + 0.1 * step, np.array(kept.x), kept.start
     while abs(value - between[0]) < abs(between[1] - between[0]):
+        looking(value)
         try:
             x, start = settled(family, value, SETTLE, x=x, at=start)
             return orbit(family, value, guess=x, start=start)

@@ -123,7 +123,7 @@ def orbit(
         if iterations > NEWTON:
             raise NumericsError(
                 f"{family.name} = {value:.8g}: no orbit of {periods} periods after {NEWTON} Newton steps, the last "
-                f"{size / np.linalg.norm(x):.2g} of the state"
+                f"{size / np.linalg.norm(x):.2g} of the state: begin elsewhere, or with another number of periods"
             )
         x, found = _nearer(map_, x, found, change)
 

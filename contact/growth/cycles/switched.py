@@ -111,7 +111,7 @@ class Phase:
 def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
     """Matrices and eigenvectors; raises InputError for rigid contacts that are not independent."""
     A, C = plant.A, plant.C
-    k, chosen = len(C), list(closed)
+    chosen = list(closed)
     seen, L = C.copy(), plant.S[np.ix_(chosen, chosen)].copy()
     for row, i in enumerate(chosen):
         if plant.rigid[i]:
@@ -133,7 +133,6 @@ def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
     V = V[:, upper] * np.where(lam[upper].imag > 0.0, 2.0, 1.0)
     rows = np.vstack([C + plant.S[:, chosen] @ K, plant.D + plant.E[:, chosen] @ K])
     rows[chosen] = K
-    assert rows.shape[0] == k + len(plant.D)
     return Phase(closed=closed, K=K, solve=solve, A=joined, lam=lam[upper], V=V, U=np.ascontiguousarray(U), rows=rows)
 
 

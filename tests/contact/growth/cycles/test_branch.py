@@ -76,6 +76,19 @@ def test_a_mass_on_a_stop_has_its_published_orbits(stiffness, expected):
         assert TURN * found.of("fold")[0].orbit.value == pytest.approx(1.5579, rel=3e-3)
 
 
+def test_a_branch_that_ends_at_grazing_goes_on_from_a_run():
+    """A rigid stop: the branch without contact ends where the mass grazes it, and another begins with touches."""
+    said = []
+    family = mass_on_stop().over("freq_hz", freq_hz=0.15)
+    found = ct.growth.cycles.follow(family, (0.13, 0.16), progress=lambda *told: said.append(told))
+    first, second = found.branches[:2]
+    assert "graz" in first.end
+    assert first.points[-1].closings == (0,)
+    assert first.points[-1].amplitude["x"] == pytest.approx(0.1, rel=1e-3)
+    assert sum(second.points[0].closings) > 0
+    assert any(orbits == 0 for _, _, orbits in said)
+
+
 def test_a_range_of_nothing_is_refused():
     with pytest.raises(ct.InputError, match="expected a range"):
         ct.growth.cycles.follow(mass_on_stop(100.0).over("freq_hz", freq_hz=0.2), (0.2, 0.2))
