@@ -24,7 +24,7 @@ from casingfem.io.arrays import Array, FloatArray
 
 FLOOR = 3e-4  # of a window's rms: a model is not better than that
 ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most
-PASSES = 2  # fits of every band after the first
+PASSES = 2  # fits of every band after the first, 1 where peaks are shifted
 USUAL_ZETA = 2e-3  # of a picked pole that no stable one is near to
 
 
@@ -72,9 +72,10 @@ def fit_bands(
             starts = _picks(data.freq, band, picked, starts)
         fits.append(select_poles(_window(data, band, []), starts, search=picked is None) if band.peaks else None)
     fits, shifted = _read(data, bands, fits, reduce=picked is None)
-    for again in range(PASSES):
+    passes = 1 if shifted else PASSES
+    for again in range(passes):
         for k, band in enumerate(bands):
-            say(f"fit {again + 2} of {PASSES + 1}, band {k + 1} of {len(bands)}")
+            say(f"fit {again + 2} of {passes + 1}, band {k + 1} of {len(bands)}")
             modes = _modes(data, bands, fits)
             low, high = data.freq[band.window[0]], data.freq[band.window[1] - 1]
             inside = [mode for mode in modes if low <= mode.freq <= high]

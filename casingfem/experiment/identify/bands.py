@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import find_peaks
+from scipy.signal import find_peaks, peak_widths
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
@@ -15,6 +15,7 @@ ABOVE_NOISE = 6.0  # standard deviations
 PEAKS = 3, 5  # in a band: at least, where there are more near by, and at most
 MARGIN = 0.025  # of a peak's frequency: what a window shows around its peaks
 LINES = 40, 1500  # around peaks at least; in a band without peaks at most
+ENOUGH = 200, 8.0  # lines around peaks that are enough, or half-power bandwidths
 
 
 class Band(NamedTuple):
@@ -58,12 +59,12 @@ def find_bands(freq: FloatArray, H: Array, noise: FloatArray, picked: FloatArray
     peaks = np.unique(np.searchsorted(freq, [] if picked is None else picked))
     if picked is None:
         peaks, _ = find_peaks(10.0 * np.log10(power), prominence=PROMINENCE_DB, height=10.0 * np.log10(level))
-    cuts = _cuts(power, peaks)
+    cuts, widths = _cuts(power, peaks), peak_widths(power, peaks)[0] if picked is None else np.zeros(len(peaks))
     bands: list[Band] = []
     reached, end = 0, 0
     while end < len(peaks):
         start, end = end, _end(power, cuts, freq[peaks], end)
-        low, high = _around(freq, int(peaks[start]), int(peaks[end - 1]))
+        low, high = _around(freq, int(peaks[start]), int(peaks[end - 1]), float(widths[start:end].max()))
         core = max(low, cuts[start]), min(high, cuts[end])
         bands += _empty(reached, core[0])
         bands.append(Band(core, (low, high), int(np.sum((peaks >= low) & (peaks < high)))))
@@ -71,9 +72,11 @@ def find_bands(freq: FloatArray, H: Array, noise: FloatArray, picked: FloatArray
     return bands + _empty(reached, len(freq))
 
 
-def _around(freq: FloatArray, first: int, last: int) -> tuple[int, int]:
-    """Lines about the peaks from first to last."""
+def _around(freq: FloatArray, first: int, last: int, width: float) -> tuple[int, int]:
+    """Lines about the peaks from first to last, of half-power bandwidths up to `width` lines."""
     low, high = np.searchsorted(freq, [freq[first] * (1.0 - MARGIN), freq[last] * (1.0 + MARGIN)]).tolist()
+    enough = max(ENOUGH[0], int(ENOUGH[1] * width))
+    low, high = max(low, first - enough), min(high, last + enough)
     return max(min(low, first - LINES[0]), 0), min(max(high, last + LINES[0]), len(freq))
 
 

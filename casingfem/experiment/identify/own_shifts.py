@@ -12,6 +12,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import norm as normal
+from scipy.stats import t as student
 
 from casingfem.experiment.identify.bands import line_noise
 from casingfem.experiment.identify.pole_fit import PoleFit
@@ -23,6 +25,7 @@ GRID = 25  # starts over it
 AROUND, LEAST_LINES = 8.0, 40  # damping ratios beyond it that lines are taken from, and so many at least
 STEPS = 16
 SETTLED = 0.5  # of the noise's variance: a gain that ends the fit
+TAIL, LEAST_FREEDOM = 0.025, 1.5  # beyond either end of an interval; degrees of freedom of few set-ups
 LEAST, MOST_ZETA = 1e-6, 0.5
 TRUST = 0.7  # of a half-power half-width: largest step
 MOST = 4  # shifted modes that a cluster of poles is taken for, at most
@@ -133,7 +136,8 @@ def common_freq(own: OwnPeaks, noise: float) -> tuple[FloatArray, FloatArray]:
     """Mean frequency [Hz] of each pole over the channels, and its standard deviation, (poles,).
 
     Channels have their own noise and what the shifts scatter beside it (DerSimonian and Laird, Control. Clin. Trials
-    7, 1986, 177). Channels of one set-up share a shift: neighbours that are alike count as fewer.
+    7, 1986, 177). Channels of one set-up share a shift: neighbours that are alike count as fewer, and
+    1.96 standard deviations are the 95 % interval of Student's t of so many.
     """
     logs, own_variance = np.log(own.freq), noise / np.maximum(own.information, 1e-300)
     weight = 1.0 / own_variance
@@ -147,6 +151,8 @@ def common_freq(own: OwnPeaks, noise: float) -> tuple[FloatArray, FloatArray]:
     off = np.sqrt(weight) * (logs - mean[:, None])
     alike = np.clip((off[:, 1:] * off[:, :-1]).sum(axis=1) / np.maximum((off**2).sum(axis=1), 1e-300), 0.0, 0.9)
     sigma = np.sqrt((1.0 + alike) / (1.0 - alike) / weight.sum(axis=1))
+    freedom = np.maximum(channels * (1.0 - alike) / (1.0 + alike) - 1.0, LEAST_FREEDOM)
+    sigma *= np.where(between > 0.0, student.isf(TAIL, freedom) / normal.isf(TAIL), 1.0)
     return np.exp(mean), np.exp(mean) * sigma
 
 

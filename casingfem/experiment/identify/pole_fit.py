@@ -72,7 +72,7 @@ class PoleFit:
 
 
 class _State(NamedTuple):
-    """Everything at one set of poles; Phi = Q T, A (columns of Phi, channels)."""
+    """Everything at one set of poles; Phi = Q T, A (columns of Phi, channels), D = d Phi/dp."""
 
     f: FloatArray
     zeta: FloatArray
@@ -81,6 +81,7 @@ class _State(NamedTuple):
     A: FloatArray
     Q: FloatArray
     T: FloatArray
+    D: FloatArray
 
 
 class _System(NamedTuple):
@@ -124,16 +125,19 @@ def fit_poles(window: Window, freq: FloatArray, zeta: FloatArray, *, steps: int 
 
 
 def _state(window: Window, f: FloatArray, zeta: FloatArray) -> _State:
-    Q, T = np.linalg.qr(np.concatenate([window.resonances(f, zeta), window.residuals()], axis=1))
+    g, slopes = window.peaks(f, zeta)
+    Q, T = np.linalg.qr(np.concatenate([window.as_real(g), window.residuals()], axis=1))
     part = Q.T @ window.Y
     R = window.Y - Q @ part
     T = T + 1e-14 * abs(T[0, 0]) * np.eye(len(T))  # coinciding poles have no residues of their own
-    return _State(f, zeta, float(np.sum(R * R)), R, np.linalg.solve(T, part), Q, T)
+    return _State(
+        f, zeta, float(np.sum(R * R)), R, np.linalg.solve(T, part), Q, T, window.as_real(np.concatenate(slopes, axis=1))
+    )
 
 
 def _system(window: Window, at: _State) -> _System:
     s, m = window.columns, len(at.f)
-    D = window.slopes(at.f, at.zeta)
+    D = at.D
     inside = at.Q.T @ D
     across = D - at.Q @ inside
     A = np.tile(at.A[: s * m], (2, 1))  # residues that belong to each column of D
@@ -201,7 +205,7 @@ def _covariance(window: Window, at: _State, information: FloatArray, variance: f
 def _scores(window: Window, at: _State) -> FloatArray:
     """Sum over the channels of J'^T r at each line, (lines, 2 poles)."""
     s, m = window.columns, len(at.f)
-    D = window.slopes(at.f, at.zeta)
+    D = at.D
     across = D - at.Q @ (at.Q.T @ D)
     A = np.tile(at.A[: s * m], (2, 1))
     rows = -(across * (at.R @ A.T)).reshape(len(D), 2 * m, s).sum(axis=2)
