@@ -10,7 +10,7 @@ from casingfem.cli.running import ProgressMessage, deliver, options
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
-    from casingfem.modal.mesh_modes import MeshModes
+    from casingfem.modal.imported.modes import MeshModes
     from casingfem.modal.mode_set import Modes, ModeSet
     from casingfem.study import MeshStudy, Study
 

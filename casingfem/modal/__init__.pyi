@@ -1,9 +1,9 @@
 from .basis import ModalBasis
 from .campbell import Campbell
+from .imported.output import NodeDisplacement, NodeStrain, NodeStress
 from .interaction import DiskFrequencies, Interactions, interactions
 from .interface import AtNodes, Rim, Tip, TipNodes
 from .matrices import basis_matrices, structure_matrices
-from .mesh_output import NodeDisplacement, NodeStrain, NodeStress
 from .mistuning import Mistuning, mistune
 from .modes import MeshModes, Modes
 from .output import Displacement, Strain

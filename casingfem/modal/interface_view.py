@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from casingfem.io.arrays import FloatArray
-from casingfem.modal import mesh_interface
+from casingfem.modal.imported import interface as mesh_interface
 from casingfem.modal.interface import AtNodes, Interface, Rim, interface_rows, rim_lines, tip_directions
 from casingfem.modal.roundness import rim_shape, rim_thickness
 from casingfem.structure.imported.assembly import MeshSystem

@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self, TypedDict
 
 from pydantic import Field, model_validator
 
-from casingfem.modal.mesh_output import NodeDisplacement, NodeStrain, NodeStress
+from casingfem.modal.imported.output import NodeDisplacement, NodeStrain, NodeStress
 from casingfem.modal.output import Displacement, Output, Strain
 from casingfem.structure.imported.solid import COMPONENTS
 from casingfem.study.tables.table import Axis, Edge, NotNegative, Positive, Table, Vector

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.mesh_modes import mesh_modes
+from casingfem.modal.imported.modes import mesh_modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.imported.cell_kind import KINDS, SHELLS, SOLIDS
 from casingfem.structure.imported.draft import Block, Draft, build, joined

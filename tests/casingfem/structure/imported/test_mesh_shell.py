@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.mesh_modes import mesh_modes
+from casingfem.modal.imported.modes import mesh_modes
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.geometry.chart import Frustum, Plate

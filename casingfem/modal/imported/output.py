@@ -6,7 +6,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.mesh_interface import node_places
+from casingfem.modal.imported.interface import node_places
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.cell_kind import shape_functions
 from casingfem.structure.imported.solid import COMPONENTS, Solid, elasticity, strain_table

@@ -9,9 +9,9 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.linalg.factor import factorise
+from casingfem.modal.imported.output import NodeDisplacement, NodeStrain, NodeStress
 from casingfem.modal.interface import AtNodes, Rim, Tip, TipNodes
 from casingfem.modal.interface_view import view
-from casingfem.modal.mesh_output import NodeDisplacement, NodeStrain, NodeStress
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.loads import NodeLoad
 
