@@ -5,7 +5,7 @@ import pytest
 
 from casingfem.errors import ModelWarning
 from casingfem.linalg.multigrid import multigrid_modes
-from casingfem.modal import mesh_modes as mesh_module
+from casingfem.modal.imported import modes as mesh_module
 from casingfem.modal.imported.modes import mesh_modes, projected
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped
