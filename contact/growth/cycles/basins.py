@@ -110,7 +110,7 @@ def _start(motion: Motion, size: Array, draw: np.random.Generator) -> Array:
 def _settled(motion: Motion, x: Array, period: float, settle: int, longest: int) -> tuple[Array, Array]:
     """States of the motion a run is on, none where it does not close, and its amplitudes."""
     for _ in range(settle):
-        x = passage(motion, x, 0.0, period, tangent=False).x
+        x = passage(motion, x, 0.0, period, tangent=False, extremes=False).x
     states, amplitudes, size = [x], [], np.linalg.norm(x)
     for _ in range(longest):
         after = passage(motion, states[-1], 0.0, period, tangent=False)

@@ -133,16 +133,22 @@ def pressing(W: Array, g: Array) -> Array:
     raise NumericsError("the set of closed contacts was not found: contacts press against each other")
 
 
-def passage(motion: Motion, x: Array, start: float, period: float, *, tangent: bool = True) -> Passage:
-    """Follow x from time `start` over `period` [s]; raises NumericsError for chatter."""
+def passage(
+    motion: Motion, x: Array, start: float, period: float, *, tangent: bool = True, extremes: bool = True
+) -> Passage:
+    """Follow x from time `start` over `period` [s]; without `extremes`, gap, force and amplitude mean nothing.
+
+    Raises NumericsError for chatter.
+    """
     from contact.loop.phase import pass_phase
 
     plant, k = motion.plant, len(motion.plant.C)
     closed = first = motion.closed_at(x, start)
     M = np.eye(x.size) if tangent else None
     time, end, events = start, start + period, list[Event]()
-    reached = Extremes(gap=np.full(k, np.inf), force=np.zeros(k), most=np.full(len(plant.D), -np.inf),
-                       least=np.full(len(plant.D), np.inf))  # fmt: skip
+    none, o = np.inf if extremes else -np.inf, len(plant.D)  # what begins beyond all values is not looked for
+    reached = Extremes(gap=np.full(k, none), force=np.full(k, 0.0 if extremes else np.inf), most=np.full(o, -none),
+                       least=np.full(o, none))  # fmt: skip
     while True:
         driven = motion.phase(closed)
         phase, before = driven.phase, time

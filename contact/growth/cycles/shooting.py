@@ -86,7 +86,7 @@ class Map(NamedTuple):
 
     def __call__(self, x: Array, *, tangent: bool = True) -> Passage:
         """Follow x over one period."""
-        return passage(self.motion, x, self.start, self.period, tangent=tangent)
+        return passage(self.motion, x, self.start, self.period, tangent=tangent, extremes=tangent)
 
 
 def map_of(family: Family, value: float, start: float = 0.0, periods: int = 1) -> Map:
@@ -156,7 +156,7 @@ def settled(
     motion, period = family.at(value)
     x, found = family.begin if x is None else x, None
     for _ in range(most):
-        found = passage(motion, x, at * period, periods * period, tangent=False)
+        found = passage(motion, x, at * period, periods * period, tangent=False, extremes=False)
         change = np.linalg.norm(found.x - x)
         x = found.x
         if not change < HUGE:
@@ -165,7 +165,7 @@ def settled(
             break
     free = _free_time(found, motion, periods * period) if found is not None else 0.0
     if free > 0.0:
-        x = passage(motion, x, at * period, free, tangent=False).x
+        x = passage(motion, x, at * period, free, tangent=False, extremes=False).x
     return x, (at + free / period) % 1.0
 
 
