@@ -3,11 +3,13 @@
 `python -m reports.updating.unkind [--quick] [--out DIR]` makes tests of rims with 30 modes, all in pairs, and every
 trouble of `casingfem.experiment.rig.unkind` switched on; identifies each without help, and prints what became of the
 modes whose peaks are above the noise, what is spurious among the sure ones, errors, intervals, pairs and times. The
-truth of a mode is the mean of its set-ups. It writes unkind.csv and unkind_modes.csv.
+truth of a mode is the mean of its set-ups. It writes unkind.csv, unkind_modes.csv,
+unkind_summary.csv and unkind_times.csv.
 """
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,6 +28,7 @@ SEEDS = range(601, 641)
 PAIRS, SENSORS, STEP_HZ = 15, 24, 0.125
 SPLIT, DAMPING = (5e-4, 1e-2), (1e-3, 5e-3)  # log-uniform
 GAPS = 0.008, 0.05  # between pairs, relative
+LINES = 15_000  # of the tests that are timed
 ABOVE = 1.0  # peak over the noise of a line
 NORMAL = 1.96
 TROUBLES = Unkind(
@@ -48,10 +51,10 @@ class Judged(NamedTuple):
     zeta_sigmas: float = np.nan
 
 
-def rim(seed: int) -> Rig:
+def rim(seed: int, sensors: int = SENSORS) -> Rig:
     """A rim of uneven sensors and one drive, with pairs of seeded n, split, damping and orientation."""
     rng = np.random.default_rng(seed)
-    around = 2 * np.pi * np.arange(SENSORS) / SENSORS + np.radians(rng.uniform(-4.0, 4.0, SENSORS))
+    around = 2 * np.pi * np.arange(sensors) / sensors + np.radians(rng.uniform(-4.0, 4.0, sensors))
     at = np.r_[around, rng.uniform(0, 2 * np.pi)]
     modes: list[tuple[float, float, FloatArray]] = []
     for freq in (300.0 * np.cumprod(1.0 + rng.uniform(*GAPS, PAIRS))).tolist():
@@ -153,6 +156,18 @@ def pairs(judged: Sequence[Judged]) -> list[Row]:
     return rows
 
 
+def duration(channels: int) -> Row:
+    """Processor time of one core for a test of so many channels over 15,000 lines."""
+    rig = rim(SEEDS[0], channels)
+    lines = np.linspace(0.9 * rig.freq[0], 1.05 * rig.freq[-1], LINES)
+    what = replace(TROUBLES, half_rim=False, shift=3e-4)
+    test = unkind_frfs(rig, lines, what, sensors=range(channels), drives=[channels], seed=SEEDS[0])
+    started = time.process_time()
+    found = identify(test.frfs, angles=rig_angles(rig))
+    seconds = time.process_time() - started
+    return {"channels": channels, "lines": LINES, "found": len(found), "processor s": seconds}
+
+
 def main(out: Path, quick: bool = False) -> list[Row]:
     """Make, identify and judge the tests; returns their rows."""
     rows, everything = [], list[Judged]()
@@ -169,6 +184,9 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     show("Tests, SYNTHETIC, with everything switched on", rows)
     show("Members of pairs", pairs(everything))
     show("In one line", [summary(everything, rows)])
+    durations = [duration(channels) for channels in ((12,) if quick else (12, 120))]
+    show("Times", durations)
+    write(out / "unkind_times.csv", durations)
     write(out / "unkind.csv", rows)
     write(out / "unkind_modes.csv", [mode._asdict() for mode in everything])
     write(out / "unkind_summary.csv", [summary(everything, rows)])
