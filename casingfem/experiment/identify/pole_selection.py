@@ -25,6 +25,7 @@ NARROW = 0.3  # lines in a half-power bandwidth, below which there is no peak
 UNSURE = 0.3  # standard deviation of ln zeta beyond which a pole is no resonance
 LEAST_GAIN = 0.25  # of the penalty, that a place must be worth by the gradient before it is tried
 CHANNELS = 30, 60  # combinations of them that the search sees, where there are more than so many
+MOST_LINES = 1000  # that the search sees
 TRIAL_STEPS = 15  # of a fit that tries a further pole
 MORE = 4  # poles that are added to half as many as the start has, at most
 TRIES = 3  # places tried before the search ends
@@ -42,8 +43,8 @@ def select_poles(window: Window, starts: FloatArray, *, search: bool = True) -> 
     """Fit with as many poles as the data carry, from starts (poles, 2) of freq [Hz], zeta.
 
     Real residues first; complex ones if real ones leave more than the noise and complex ones earn themselves. Where
-    there are many channels, how many poles there are is decided on their principal components. Without `search` the
-    poles are those of the start, refined.
+    there are many channels or lines, how many poles there are is decided on fewer: principal components, every few
+    lines. Without `search` the poles are those of the start, refined.
     """
     few = principal(window) if search else window
     found = _searched if search else _refined
@@ -57,7 +58,14 @@ def select_poles(window: Window, starts: FloatArray, *, search: bool = True) -> 
 
 
 def principal(window: Window) -> Window:
-    """A window with the strongest real combinations of its channels, if there are many; noise stays as it is."""
+    """A window with the strongest real combinations of its channels, and every so many lines, if there are many.
+
+    Noise stays as it is.
+    """
+    stride = -(-len(window.freq) // MOST_LINES)
+    if stride > 1:
+        rows = np.concatenate([part[::stride] for part in np.split(window.Y, 2)])
+        window = replace(window, freq=window.freq[::stride], Y=rows)
     if window.Y.shape[1] <= CHANNELS[1]:
         return window
     mixed = np.linalg.eigh(window.Y.T @ window.Y)[1][:, -CHANNELS[0] :]
