@@ -53,7 +53,8 @@ def import_matrices(
     """
     from casingfem.errors import InputError
     from casingfem.structure.imported.matrix.read import read_matrices, read_nodes
-    from contact.model.bodies.matrices import DIRECTIONS, Matrices, body_of
+    from contact.model.bodies.from_matrices import body_of
+    from contact.model.bodies.matrices import DIRECTIONS, Matrices
     from contact.model.bodies.matrices import as_json as facts_json
 
     if out is not None and out.suffix != ".npz":

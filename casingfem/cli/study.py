@@ -249,7 +249,7 @@ def report(file: Path, as_json: bool, out: Path | None) -> None:
 def schema(as_json: bool, out: Path | None) -> None:
     """JSON schemas of study.toml and scene.toml."""
     from casingfem.study import schema as study_schema
-    from contact.scene.load import scene_schema
+    from contact.scene.schema import scene_schema
 
     document = {"study": study_schema(), "scene": scene_schema()}
     files = {f"{name}.schema.json": json_text(part, indent=1) for name, part in document.items()}

@@ -1,5 +1,6 @@
 from .cycles import load_cycles
-from .load import SceneError, load_scene, scene_schema
+from .load import SceneError, load_scene
+from .schema import scene_schema
 from .stability import load_interactions, load_stability
 
 __all__ = [

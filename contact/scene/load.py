@@ -83,15 +83,6 @@ def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:
         raise SceneError([f"{file}: {error}"]) from error
 
 
-def scene_schema() -> dict[str, Any]:
-    """JSON schema of every kind of scene files, by kind; "cycles" and "cycles-rim" as `casingfem cycles` takes them."""
-    from contact.scene.cycles import CyclesFile, RimCyclesFile
-    from contact.scene.tables import FILES
-
-    files = {**FILES, "cycles": CyclesFile, "cycles-rim": RimCyclesFile}
-    return {kind: model.model_json_schema() for kind, model in files.items()}
-
-
 def _validated(data: dict[str, Any], file: Path) -> File:
     from pydantic import ValidationError
 

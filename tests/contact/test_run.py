@@ -187,7 +187,7 @@ def test_events_keep_no_buffer_alive():
         assert chunk.samples.event_time.base is None
 
 
-@pytest.mark.parametrize(("t_end", "dt"), [(1e8, 1e-3), (1e300, 1e-300)])
+@pytest.mark.parametrize(("t_end", "dt"), [(1e8, 1e-3), (1e50, 1e-50)])
 def test_absurdly_many_steps_are_refused(t_end, dt):
     with pytest.raises(
         ct.InputError, match=r"t_end: found 1e\+\d+ s with dt = .* s, which is .* steps, expected at most"

@@ -9,7 +9,8 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.imported.interface import node_places
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.cell_kind import shape_functions
-from casingfem.structure.imported.solid import COMPONENTS, Solid, elasticity, strain_table
+from casingfem.structure.imported.cells.solid import COMPONENTS, elasticity, strain_table
+from casingfem.structure.imported.solid import Solid
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,25 +23,30 @@ from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import (
-    CHUNK,
     MeshSystem,
     assembled,
     cell_dofs,
     facet_shape_products,
-    mapped,
     scatter,
 )
 from casingfem.structure.imported.cell_kind import SHELLS, shape_functions
+from casingfem.structure.imported.cells.shell import (
+    DOFS,
+    cell_normals,
+    consistent_mass,
+    directors,
+    five_dofs,
+    stiffness,
+    tangent_frames,
+)
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.findings import cells_named
 from casingfem.structure.imported.groups import by_group, constants_of
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.spin import MeshSpin, spun
 from casingfem.structure.imported.support import MeshSupport, check_support
-from casingfem.structure.imported.tying import tied_strains
 from casingfem.structure.material import Material
 
-DOFS = 5
 BENT, FOLDED = 10.0, 45.0  # degrees between neighbours: doubted, refused
 
 
@@ -148,30 +153,6 @@ def with_centres(mesh: MeshData) -> MeshData:
     )
 
 
-def cell_normals(mesh: MeshData) -> FloatArray:
-    """Unit normals of each cell at its nodes, (cells, nodes, 3)."""
-    _, slopes = shape_functions(mesh.kind, np.ascontiguousarray(mesh.cell_kind.places.T))
-    tangents = np.einsum("dkq,ekc->deqc", slopes, mesh.points[mesh.cells])
-    normals = np.cross(tangents[0], tangents[1])
-    return np.asarray(normals / np.linalg.norm(normals, axis=2, keepdims=True))
-
-
-def directors(mesh: MeshData) -> FloatArray:
-    """Unit normals at the nodes, the mean over their cells, (nodes, 3); z at nodes without a cell."""
-    total = np.zeros_like(mesh.points)
-    np.add.at(total, mesh.cells, cell_normals(mesh))
-    size = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.where(size > 0.0, total / np.maximum(size, np.finfo(float).tiny), [0.0, 0.0, 1.0])
-
-
-def tangent_frames(normals: FloatArray) -> FloatArray:
-    """Two tangents e1, e2 = n x e1 at each node, (nodes, 2, 3)."""
-    axis = np.eye(3)[np.abs(normals).argmin(axis=1)]
-    e1 = np.cross(axis, normals)
-    e1 /= np.linalg.norm(e1, axis=1, keepdims=True)
-    return np.stack([e1, np.cross(normals, e1)], axis=1)
-
-
 def check_folds(mesh: MeshData) -> None:
     """Warn of kinks between cells, refuse folds: one director a node cannot follow them."""
     cosine = np.einsum("ekc,ekc->ek", cell_normals(mesh), directors(mesh)[mesh.cells]).min(axis=1)
@@ -197,55 +178,6 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     motions = rigid_motions(mesh.points, normals, frames)
     sound = float(np.sqrt((E / rho).min()))
     return assembled(shell, K, M, edge_springs(shell, frames), motions, float(t.min()), sound)
-
-
-def stiffness(shell: MeshShell, normals: FloatArray, frames: FloatArray) -> FloatArray:
-    """Stiffness of each cell, (cells, 5 nodes, 5 nodes), dofs node by node."""
-    mesh = shell.mesh
-    root = np.linalg.cholesky(wall_stiffness(shell)).transpose(0, 2, 1)  # D = root^T root
-    size = DOFS * mesh.cell_kind.nodes
-    matrices = np.empty((len(mesh.cells), size, size))
-    step = max(1, CHUNK // (20 * 8 * size))
-    for start in range(0, len(mesh.cells), step):
-        cells = mesh.cells[start : start + step]
-        strains, measure = tied_strains(mesh.kind, mesh.points[cells], normals[cells], frames[cells])
-        weighted = (root[start : start + step, None] @ strains) * np.sqrt(measure)[:, :, None, None]
-        flat = weighted.reshape(len(cells), -1, size)
-        np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[start : start + step])
-    return matrices
-
-
-def wall_stiffness(shell: MeshShell) -> FloatArray:
-    """Resultants of the strains (eps, chi, gamma) along orthonormal tangents of each cell, (cells, 8, 8)."""
-    t, E, nu, _ = shell.walls()
-    C = np.zeros((3, 3, len(t)))
-    C[0, 0] = C[1, 1] = E / (1.0 - nu**2)
-    C[0, 1] = C[1, 0] = nu * C[0, 0]
-    C[2, 2] = E / (2.0 * (1.0 + nu))
-    D = np.zeros((len(t), 8, 8))
-    D[:, :3, :3], D[:, 3:6, 3:6] = (t * C).transpose(2, 0, 1), (t**3 / 12.0 * C).transpose(2, 0, 1)
-    D[:, 6, 6] = D[:, 7, 7] = shell.shear_correction * C[2, 2] * t
-    return D
-
-
-def consistent_mass(shell: MeshShell, frames: FloatArray) -> FloatArray:
-    """Mass of each cell, (cells, 5 nodes, 5 nodes): rho t u.v + rho t^3/12 w.w."""
-    mesh = shell.mesh
-    on = mapped(mesh.kind, mesh.points, mesh.cells)
-    products = np.einsum("iq,jq,eq->eij", on.values, on.values, on.measure, optimize=True)
-    t, _, _, rho = shell.walls()[:, :, None, None]
-    return five_dofs(rho * t * products, rho * t**3 / 12.0 * products, frames[mesh.cells])
-
-
-def five_dofs(moved: FloatArray, turned: FloatArray, frames: FloatArray) -> FloatArray:
-    """Matrices (cells, 5 k, 5 k) from scalar ones (cells, k, k) on u.v and on w.w, tangents (cells, k, 2, 3)."""
-    cells, k = moved.shape[:2]
-    matrices = np.zeros((cells, k, DOFS, k, DOFS))
-    for i in range(3):
-        matrices[:, :, i, :, i] = moved
-    along = np.einsum("eiac,ejbc->eiajb", frames, frames)
-    matrices[:, :, 3:, :, 3:] = turned[:, :, None, :, None] * along
-    return matrices.reshape(cells, DOFS * k, DOFS * k)
 
 
 def edge_springs(shell: MeshShell, frames: FloatArray) -> list[csc_array]:

@@ -15,9 +15,9 @@ from casingfem.io.arrays import FloatArray
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import CHUNK, MeshSystem, mapped
 from casingfem.structure.imported.cell_kind import rule, shape_functions
-from casingfem.structure.imported.shell import (
+from casingfem.structure.imported.cells.shell import (
     DOFS,
-    MeshShell,
+    ShellCells,
     consistent_mass,
     directors,
     tangent_frames,
@@ -29,7 +29,7 @@ from casingfem.structure.imported.tying import tied_covariant, to_local, tying
 PAIRS = ((0, 0), (1, 1), (0, 1))  # directions r, s of e_rr, e_ss, 2 e_rs
 
 
-def shell_spin(system: MeshSystem, shell: MeshShell, rotation: Rotation) -> MeshSpin:
+def shell_spin(system: MeshSystem, shell: ShellCells, rotation: Rotation) -> MeshSpin:
     """What rotation adds to an imported shell assembled at rest.
 
     Raises
@@ -42,7 +42,7 @@ def shell_spin(system: MeshSystem, shell: MeshShell, rotation: Rotation) -> Mesh
     )
 
 
-def shell_inertia(shell: MeshShell, rotation: Rotation) -> Inertia:
+def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
     """Inertia of the cells about an axis, the rotary one of the directors included."""
     mesh = shell.mesh
     t, _, _, rho = shell.walls()[:, :, None, None]
@@ -77,7 +77,7 @@ def blocks(moved: FloatArray, B: FloatArray, turned: FloatArray, along: FloatArr
     return matrices.reshape(cells, DOFS * k, DOFS * k)
 
 
-def shell_stiffening(shell: MeshShell, fields: FloatArray) -> Stiffening:
+def shell_stiffening(shell: ShellCells, fields: FloatArray) -> Stiffening:
     """What a static state (nodes, 5) adds to the stiffness of the cells."""
     mesh = shell.mesh
     normals = directors(mesh)

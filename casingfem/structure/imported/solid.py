@@ -18,8 +18,6 @@ from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import (
-    CHUNK,
-    Mapped,
     MeshSystem,
     assembled,
     cell_dofs,
@@ -28,15 +26,13 @@ from casingfem.structure.imported.assembly import (
     scatter,
 )
 from casingfem.structure.imported.cell_kind import SOLIDS
+from casingfem.structure.imported.cells.solid import consistent_mass, stiffness
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.groups import by_group, constants_of
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.spin import MeshSpin, spun
 from casingfem.structure.imported.support import MeshSupport, check_support
 from casingfem.structure.material import Material
-
-VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -121,60 +117,6 @@ def assemble_solid(solid: Solid) -> MeshSystem:
     E, _, rho = constants
     wall, sound = float(2.0 * on.measure.sum() / area), float(np.sqrt((E / rho).min()))
     return assembled(solid, K, M, foundations(solid), rigid_motions(mesh.points), wall, sound)
-
-
-def stiffness(on: Mapped, constants: FloatArray) -> FloatArray:
-    """Stiffness of each cell, (cells, 3 nodes, 3 nodes), dofs node by node."""
-    root = np.linalg.cholesky(elasticity(constants))  # D = root root^T
-    nodes, points = on.values.shape
-    cells = constants.shape[1]
-    matrices = np.empty((cells, 3 * nodes, 3 * nodes))
-    step = max(1, CHUNK // (points * 6 * nodes * 3))
-    for start in range(0, cells, step):
-        part = slice(start, start + step)
-        slopes = np.linalg.inv(on.tangents[part]) @ on.slopes.transpose(2, 0, 1)  # dN/dx, (cells, q, 3, nodes)
-        B = strain_table(slopes) * np.sqrt(on.measure[part])[:, :, None, None]
-        flat = (root[part].transpose(0, 2, 1)[:, None] @ B).reshape(len(slopes), points * 6, 3 * nodes)
-        np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[part])
-    return matrices
-
-
-def elasticity(constants: FloatArray) -> FloatArray:
-    """Stress of strain in the order of `COMPONENTS`, (cells, 6, 6), from E, nu, rho (3, cells)."""
-    E, nu, _ = constants
-    mu, lam = E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
-    D = np.zeros((len(E), 6, 6))
-    D[:, :3, :3] = lam[:, None, None]
-    D[:, range(6), range(6)] += np.stack([2 * mu] * 3 + [mu] * 3, axis=1)
-    return D
-
-
-def strain_table(slopes: FloatArray, gradient: FloatArray | None = None) -> FloatArray:
-    """Strains, `COMPONENTS`, over the dofs of a cell's nodes, (..., 6, 3 nodes), from dN/dx (..., 3, nodes).
-
-    With a gradient F_ki (..., 3, 3) those of F^T grad v: of Green's strain about F, or of e2(u, v) with F = grad u.
-    """
-    *places, _, nodes = slopes.shape
-    B = np.zeros((*places, 6, nodes, 3))
-    for row, (i, j) in enumerate(VOIGT):
-        for one, other in {(i, j), (j, i)}:
-            if gradient is None:
-                B[..., row, :, one] += slopes[..., other, :]
-            else:
-                B[..., row, :, :] += slopes[..., other, :, None] * gradient[..., None, :, one]
-    return B.reshape(*places, 6, 3 * nodes)
-
-
-def consistent_mass(on: Mapped, rho: FloatArray, block: FloatArray | None = None) -> FloatArray:
-    """Mass of each cell, (cells, 3 nodes, 3 nodes), dofs node by node: int rho v.B u, B = `block` (3, 3) or 1."""
-    nodes, points = on.values.shape
-    products = (on.values[:, None] * on.values[None, :]).reshape(-1, points)
-    scalar = ((on.measure * rho[:, None]) @ products.T).reshape(-1, nodes, nodes)
-    matrices = np.zeros((len(rho), nodes, 3, nodes, 3))
-    B = np.eye(3) if block is None else block
-    for i, j in np.argwhere(B).tolist():
-        matrices[:, :, i, :, j] = B[i, j] * scalar
-    return matrices.reshape(len(rho), 3 * nodes, 3 * nodes)
 
 
 def foundations(solid: Solid) -> list[csc_array]:

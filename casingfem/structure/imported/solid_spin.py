@@ -16,13 +16,13 @@ from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import CHUNK, Mapped, MeshSystem, cell_dofs, mapped, on_free, scatter
-from casingfem.structure.imported.solid import VOIGT, Solid, consistent_mass, elasticity, strain_table
+from casingfem.structure.imported.cells.solid import VOIGT, SolidCells, consistent_mass, elasticity, strain_table
 from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin
 
 STEPS, SETTLED = 30, 1e-9  # Newton's steps at most; relative size of the last one
 
 
-def solid_spin(system: MeshSystem, solid: Solid, rotation: Rotation) -> MeshSpin:
+def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> MeshSpin:
     """What rotation adds to a solid assembled at rest.
 
     Raises
@@ -44,7 +44,7 @@ def solid_spin(system: MeshSystem, solid: Solid, rotation: Rotation) -> MeshSpin
     return MeshSpin(linear.K1, linear.K2, linear.G, linear.fields, linear.nonlinear, steady)
 
 
-def solid_inertia(solid: Solid, on: Mapped, rho: FloatArray, rotation: Rotation) -> Inertia:
+def solid_inertia(solid: SolidCells, on: Mapped, rho: FloatArray, rotation: Rotation) -> Inertia:
     """Inertia of the cells about an axis."""
     P, a = rotation.plane, rotation.direction
     turn = np.cross(a, np.eye(3)).T  # turn v = a x v
@@ -56,7 +56,7 @@ def solid_inertia(solid: Solid, on: Mapped, rho: FloatArray, rotation: Rotation)
     )
 
 
-def batches(solid: Solid, on: Mapped, fields: FloatArray) -> Iterator[tuple[slice, FloatArray, FloatArray]]:
+def batches(solid: SolidCells, on: Mapped, fields: FloatArray) -> Iterator[tuple[slice, FloatArray, FloatArray]]:
     """Cells in batches: dN/dx (cells, q, 3, nodes) and du_k/dx_i (cells, q, 3 k, 3 i)."""
     nodes, points = on.values.shape
     step = max(1, CHUNK // (points * 6 * nodes * 3))
@@ -86,7 +86,7 @@ def products(left: FloatArray, right: FloatArray) -> FloatArray:
     return np.asarray(left.reshape(cells, -1, m).transpose(0, 2, 1) @ right.reshape(cells, -1, m))
 
 
-def solid_stiffening(solid: Solid, on: Mapped, constants: FloatArray, fields: FloatArray) -> Stiffening:
+def solid_stiffening(solid: SolidCells, on: Mapped, constants: FloatArray, fields: FloatArray) -> Stiffening:
     """What a static state adds to the stiffness of the cells."""
     D, m = elasticity(constants)[:, None], 3 * solid.mesh.cells.shape[1]
     first, second = np.empty((2, len(solid.mesh.cells), m, m))
@@ -106,7 +106,7 @@ def solid_stiffening(solid: Solid, on: Mapped, constants: FloatArray, fields: Fl
     return Stiffening(first, second, float(np.sqrt(bowed / strained)) if strained > 0.0 else 0.0)
 
 
-def steady_stiffness(system: MeshSystem, solid: Solid, rotation: Rotation, start: FloatArray) -> csc_array:
+def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, start: FloatArray) -> csc_array:
     """What the steady state at a speed adds to the stiffness at rest: the tangent there, spin softening included.
 
     `start`: displacements to begin with, (nodes, 3).
@@ -140,7 +140,7 @@ def steady_stiffness(system: MeshSystem, solid: Solid, rotation: Rotation, start
     )
 
 
-def tangent(solid: Solid, on: Mapped, constants: FloatArray, fields: FloatArray) -> tuple[csc_array, FloatArray]:
+def tangent(solid: SolidCells, on: Mapped, constants: FloatArray, fields: FloatArray) -> tuple[csc_array, FloatArray]:
     """Tangent stiffness and inner forces of a deformed solid, on all dofs."""
     D, m = elasticity(constants)[:, None], 3 * solid.mesh.cells.shape[1]
     rows, size = cell_dofs(solid.mesh.cells, 3), 3 * len(solid.mesh.points)

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from casingfem.modal.imported.output import NodeDisplacement, NodeStrain, NodeStress
 from casingfem.modal.output import Displacement, Output, Strain
-from casingfem.structure.imported.solid import COMPONENTS
+from casingfem.structure.imported.cells.solid import COMPONENTS
 from casingfem.study.tables.table import Axis, Edge, NotNegative, Positive, Table, Vector
 
 

@@ -13,16 +13,13 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.model.bodies.units import units_of
-
-if TYPE_CHECKING:
-    from contact.model.bodies.modal_body import ModalBody
 
 DIRECTIONS = ("q", "x", "y", "z", "rx", "ry", "rz")  # q: a scalar, such as the amplitude of a mode
 MODES = 20  # kept where nothing is said
@@ -212,15 +209,13 @@ def symmetric_part(name: str, A: Any, size: int) -> tuple[Any, float]:
     return csc_array(0.5 * (sparse + sparse.T)), skew
 
 
-def body_of(
+def reduced(
     matrices: Matrices, contact: Contact, *, modes: int | None = None, zeta: float = 0.0
-) -> tuple[ModalBody, MatrixReport]:
-    """Reduce matrices to a modal body seen at its contact, and say what they are; 20 modes, or all if they are fewer.
+) -> tuple[dict[str, Any], MatrixReport]:
+    """Fields of the modal body that matrices are at their contact, and what they are; 20 modes, or all if fewer.
 
     Raises InputError for indefinite matrices, dofs that are not there, or more modes than there are.
     """
-    from contact.model.bodies.modal_body import ModalBody
-
     modes = min(MODES, matrices.size) if modes is None else modes
     if not 1 <= modes <= matrices.size:
         raise InputError(f"modes: found {modes}, expected 1 to the {matrices.size} unknowns")
@@ -237,7 +232,7 @@ def body_of(
         S = np.zeros_like(S)
     damping, coupling = modal_damping(matrices, phi, omega, zeta)
     facts = report_of(matrices, lam, rigid, len(lam), float(np.trace(S) / np.trace(total)), coupling)
-    body = ModalBody(
+    body = dict(
         omega=omega,
         zeta=damping,
         channels=channels,

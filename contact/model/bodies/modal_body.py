@@ -242,10 +242,10 @@ class ModalBody:
         >>> two.channels, f"{(two.rows**2 / two.omega**2 + two.S).item():.6g}"  # the static compliance 1/k + 1/k
         (('2.x',), '2e-06')
         """
-        from contact.model.bodies.matrices import Matrices, body_of
+        from contact.model.bodies.matrices import Matrices, reduced
 
         matrices = Matrices.of(M, K, C, dofs=dofs, points=points, units=units)
-        return body_of(matrices, contact, modes=modes, zeta=zeta)[0]
+        return ModalBody(**reduced(matrices, contact, modes=modes, zeta=zeta)[0])
 
     @staticmethod
     def load(path: str | Path) -> ModalBody:

@@ -75,7 +75,7 @@ def _impacts() -> list[Row]:
 
 def _drop(method: Method, courant: float) -> Array:
     result = ct.run([ct.Rod(**BAR, elements=20), ct.Wall()], law=method.law, scheme=method.scheme, t_end=2.5,
-                    courant=courant, gravity=10.0, record=ct.Record(every=1000))  # fmt: skip
+                    courant=courant, gravity=10.0, record=ct.Record(every=1000), on_limit="flag")  # fmt: skip
     return np.array([result.impulse[0], result.intervals[0][0][0]])
 
 

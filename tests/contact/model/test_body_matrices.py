@@ -7,7 +7,8 @@ import pytest
 from scipy.sparse import csc_array, diags_array
 
 import contact as ct
-from contact.model.bodies.matrices import Matrices, body_of
+from contact.model.bodies.from_matrices import body_of
+from contact.model.bodies.matrices import Matrices
 from contact.model.bodies.units import units_of
 
 

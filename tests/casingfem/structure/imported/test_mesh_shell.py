@@ -8,8 +8,9 @@ from casingfem.modal.imported.modes import mesh_modes
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.geometry.chart import Frustum, Plate
+from casingfem.structure.imported.cells.shell import directors, tangent_frames
 from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.shell import MeshShell, assemble_mesh_shell, directors, tangent_frames
+from casingfem.structure.imported.shell import MeshShell, assemble_mesh_shell
 from casingfem.structure.imported.support import Fixed
 from casingfem.structure.shell.shell import Shell
 

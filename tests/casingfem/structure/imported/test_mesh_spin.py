@@ -9,8 +9,8 @@ import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.modal.campbell import spin_from_rest
 from casingfem.structure.imported.assembly import cell_dofs, mapped, scatter
+from casingfem.structure.imported.cells.shell import directors, tangent_frames
 from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.shell import directors, tangent_frames
 from casingfem.structure.imported.shell_spin import shell_stiffening
 from casingfem.structure.imported.solid_spin import steady_stiffness, tangent
 from casingfem.structure.imported.support import Fixed
