@@ -31,8 +31,9 @@ def least(what: ct.Rub | ct.RotatingRim, mu: float, steps: int, repeats: int) ->
     """Least microseconds a step of so many runs, and the last result; a first one compiles and is not counted."""
     law = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
     scene = ct.Scene(
-        what=what, law=law, t_end=steps * DT, dt=DT, record=ct.Record(every=10_007), scheme=ct.ExactModal(skip=False)
-    )
+        what=what, law=law, t_end=steps * DT, dt=DT, record=ct.Record(every=10_007), scheme=ct.ExactModal(skip=False),
+        on_limit="flag",
+    )  # fmt: skip
     times, result = [], completed(prepared(scene))
     for _ in range(repeats):
         ready = prepared(scene)
