@@ -18,6 +18,7 @@ from contact.growth.perfect_mean import mean_contact, perfect_mean
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ClosedContact, HandPair
 from contact.model.gaps.rub import ContactPoint, Rub, Start
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed
@@ -213,8 +214,7 @@ def _(what: Rub, speed_hz: float, mu: float) -> tuple[Rub, float]:
 
 @closed_rub.register
 def _(what: RotatingRim, speed_hz: float, mu: float) -> tuple[Rub, float]:
-    tip = ContactPoint(lean_deg=what.lean_deg)
-    return closed_rub(Rub(what.casing, (what.blade,), (tip,)), speed_hz, mu)
+    return closed_rub(rub_of(what), speed_hz, mu)
 
 
 @closed_rub.register
