@@ -172,21 +172,26 @@ def outlying(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray
 
 def grown(chosen: list[int], left: FloatArray, r: FloatArray, usable: Sequence[int]) -> list[int]:
     """A set with one shift more, its members exchanged for others as long as that lowers chi^2."""
-
-    def chi2(members: list[int]) -> float:
-        return solved(left[:, members], r)[2]
-
-    new = min((k for k in usable if k not in chosen), key=lambda k: chi2([*chosen, int(k)]), default=None)
-    members = chosen if new is None else [*chosen, int(new)]
+    members = [*chosen, *beside(chosen, left, r, usable)]
     for _ in range(10):
-        before = chi2(members)
+        before = solved(left[:, members], r)[2]
         for place in range(len(members)):
             rest = members[:place] + members[place + 1 :]
-            other = min((int(k) for k in usable if k not in rest), key=lambda k: chi2([*rest, k]))
-            members = [*members[:place], other, *members[place + 1 :]]
-        if chi2(members) >= before * (1.0 - 1e-9):
+            members = [*members[:place], *beside(rest, left, r, usable), *members[place + 1 :]]
+        if solved(left[:, members], r)[2] >= before * (1.0 - 1e-9):
             break
     return members
+
+
+def beside(rest: list[int], left: FloatArray, r: FloatArray, usable: Sequence[int]) -> list[int]:
+    """The shift that lowers chi^2 most beside `rest`, by (P u_k . r)^2/|P u_k|^2; none if all are alike."""
+    others = [int(k) for k in usable if k not in rest]
+    span = np.linalg.qr(left[:, rest])[0]
+    columns = left[:, others] - span @ (span.T @ left[:, others])
+    norm = np.sum(columns**2, axis=0)
+    apart = norm > 1e-8 * np.sum(left[:, others] ** 2, axis=0)
+    gain = np.where(apart, (columns.T @ r) ** 2 / np.where(apart, norm, 1.0), -1.0)
+    return [others[int(gain.argmax())]] if apart.any() else []
 
 
 def solved(columns: FloatArray, r: FloatArray) -> tuple[FloatArray, FloatArray, float]:

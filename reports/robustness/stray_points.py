@@ -15,7 +15,7 @@ import casingfem as cf
 from casingfem.io.arrays import FloatArray
 from reports.tables import Row, command_line, show, write
 
-DRAWS, QUICK = 200, 20
+DRAWS, QUICK = 200, 5
 NOISE, SMALLEST, LARGEST, MOST = 2e-5, 2e-4, 1e-3, 5
 HEIGHTS = (0.0, 0.125, 0.25)
 Survey = tuple[FloatArray, FloatArray, FloatArray]

@@ -155,6 +155,7 @@ def test_update_judges_itself_when_asked(study):
     assert "model_floor" in document
 
 
+@pytest.mark.slow
 def test_update_recovers_what_made_the_table_and_writes_a_study(study, tmp_path):
     result = invoke("update", study, "--json", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr
@@ -221,6 +222,7 @@ def test_a_waiting_user_is_told_that_a_first_run_compiles(monkeypatch):
     assert said[-1] == "contact two_rods.toml: 100%"
 
 
+@pytest.mark.slow
 def test_contact_is_one_document_with_bodies_and_energy(tmp_path):
     result = invoke("contact", SCENES / "two_rods.toml", "--json", "--out", tmp_path)
     assert result.exit_code == 0, result.stderr

@@ -96,6 +96,7 @@ def test_it_is_refused_at_once(tmp_path, case):
     assert time.process_time() - started < 8.0
 
 
+@pytest.mark.slow
 def test_a_hundred_strips_are_answered():
     """Rows as short as that need no polynomials of order 7: the mesh has 210 nodes along the meridian, not 700."""
     steel = cf.Material(E=2e11, nu=0.3, rho=7800.0)

@@ -9,6 +9,7 @@ from casingfem.experiment.frf.hdf5 import read_hdf5
 from casingfem.io import probe
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "fault"),
     [

@@ -152,6 +152,7 @@ def blade_table(E=200e9, t=3e-3, rows=5, sigma=1e-3):
     return FrequencyTable.from_arrays(freq_hz=f, sigma_hz=sigma * f)
 
 
+@pytest.mark.slow
 def test_an_open_shell_updates_by_order(frustum):
     fit = update(blade(), blade_table(), [Parameter(name="material.E", lower=150e9, upper=250e9)])
     assert fit.value[0] == pytest.approx(200e9, rel=1e-8)
@@ -174,6 +175,7 @@ def test_covariance_tells_the_scatter_of_many_fits():
     assert np.abs(z).max() < 3.5
 
 
+@pytest.mark.slow
 def test_a_bound_in_the_way_is_met_and_told():
     fit = update(blade(), blade_table(), [Parameter(name="material.E", lower=204e9, upper=250e9)])
     assert fit.value[0] == pytest.approx(204e9, rel=1e-6)
@@ -242,6 +244,7 @@ def test_result_tells_before_after_and_how(exact_fit):
     np.testing.assert_allclose(np.diag(fit.correlation), 1.0, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_rows_that_pair_with_nothing_are_named(frustum, measured):
     absurd = FrequencyTable.from_arrays(
         freq_hz=[*measured.freq[:6], 10.0], sigma_hz=0.3, n=[*measured.nodal_diameters[:6], 7]
@@ -276,6 +279,7 @@ def test_bounds_that_reach_an_impossible_structure_are_refused(frustum, measured
         update(truth(frustum), table_of(measured), [Parameter(name="material.nu", lower=0.1, upper=0.7)])
 
 
+@pytest.mark.slow
 def test_a_table_without_labels_still_pairs(frustum, measured):
     bare = FrequencyTable.from_arrays(freq_hz=measured.freq[:ROWS], sigma_hz=1e-3 * measured.freq[:ROWS])
     fit = update(truth(frustum), bare, VARY[:2])

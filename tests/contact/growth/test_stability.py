@@ -183,6 +183,7 @@ def rim(speed_hz=20.0, **of_ring):
     return ct.RotatingRim(ring(**of_ring), blade(), clearance=-1e-4, speed_hz=speed_hz, lean_deg=10.0)
 
 
+@pytest.mark.slow
 def test_floquet_agrees_with_eigenvalues_on_a_perfect_rim_and_converges_with_order_four():
     speeds = np.array([5.0, -20.0])
     exact = growth(ct.gaps.rim_contact(rim(), mu=0.3), speeds)
@@ -210,6 +211,7 @@ def test_ripples_of_a_mesh_do_not_make_a_casing_split():
     assert found == pytest.approx(floquet_growth(rippled, speeds, mu=0.3, phase=0.2), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_split_casing_goes_to_floquet():
     split = rim(imperfect=1e-2)
     with pytest.raises(SplitError, match="expected a perfect casing"):

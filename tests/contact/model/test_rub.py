@@ -315,6 +315,7 @@ def test_the_rigid_gap_follows_its_laws():
     assert result.impulse.max() == 0.0
 
 
+@pytest.mark.slow
 def test_a_table_profile_is_smooth_and_stays_between_its_points():
     theta = np.array([0.1, 0.5, 1.4, 3.0, 4.4, 5.9])
     depth = np.array([0.0, 2e-4, 2e-4, -1e-4, 0.0, 1e-4])

@@ -125,6 +125,7 @@ def test_averaged_law_keeps_the_energy_over_a_million_steps():
     assert abs(energy.unaccounted) <= 1e-10 * 500.0
 
 
+@pytest.mark.slow
 def test_bouncing_bar_averaged_law_ten_periods():
     """150 modes at omega_max h = .99: the displacement target of ten periods, at three times the steps."""
     result = drop(150, 0.99, 160.0 / 3.0, record=ct.Record(state_every=1))
