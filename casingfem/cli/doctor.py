@@ -12,6 +12,7 @@ import click
 
 from casingfem.cli.running import deliver, options
 from casingfem.extras import EXTRAS, remedy
+from casingfem.io.cores import usable_cores
 from contact.io.outfiles import json_text
 
 PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem", "numba", "pydantic", "pandas", "matplotlib", "jinja2")
@@ -46,11 +47,6 @@ def installed(name: str) -> str | None:
         return version(name)
     except PackageNotFoundError:
         return None
-
-
-def usable_cores() -> int | None:
-    """Cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
 
 def blas() -> str:

@@ -1,6 +1,5 @@
 """The command sweep: many runs of one scene, over the keys that its [sweep] varies."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -8,6 +7,7 @@ import click
 
 from casingfem.cli.contact import SCENE
 from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fail, options
+from casingfem.io.cores import usable_cores
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
             working.say(f"sweep {file.name}: {done} of {len(plan.runs)} runs, {working.seconds:.0f} s")
 
         store = None if out is None else out / "store"
-        found = run_sweep(plan, folder=store, jobs=jobs or os.cpu_count() or 1, scheduler=scheduler, progress=progress)
+        found = run_sweep(plan, folder=store, jobs=jobs or usable_cores(), scheduler=scheduler, progress=progress)
     rows = [dict(zip(plan.keys, run.values, strict=True)) | row for run, row in zip(plan.runs, found.rows, strict=True)]
     document = {
         "runs": rows, "keys": list(plan.keys), "failed": found.failed, "diverged": found.diverged,

@@ -16,6 +16,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, cast
 
+from casingfem.io.cores import usable_cores
 from casingfem.modal.mistuning import (
     Mistuning,
     Pair,
@@ -86,7 +87,7 @@ def run_mistune(
     kept = {} if store is None else {chunk.start: content for chunk in chunks if (content := read(store, chunk))}
     resumed = sum(len(chunk) for chunk in chunks if chunk.start in kept)
     missing = [chunk for chunk in chunks if chunk.start not in kept]
-    workers = min(processes or os.cpu_count() or 1, max(len(missing), 1))
+    workers = min(processes or usable_cores(), max(len(missing), 1))
     with one_thread(), pool(study, workers) as executor, ended_on_failure():
         perfect = executor.submit(mean_pairs)
         waiting = {executor.submit(compute_chunk, chunk): chunk for chunk in missing}
