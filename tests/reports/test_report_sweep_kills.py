@@ -44,15 +44,15 @@ def test_commands_under_kill_9_leave_the_old_set_or_the_new(tmp_path):
 @pytest.mark.campaign
 def test_damaged_files_end_in_no_traceback(tmp_path):
     rows = file_mutations.main(tmp_path, quick=True)
-    assert len(rows) == 10
+    assert len(rows) == 25
     for row in rows:
         assert (row["mutants"], row["failed"]) == (20, 0)
-        assert row["refused"] > 5
+        assert row["refused"] > 2
 
 
 def test_the_judge_of_damaged_files_sees_what_differs(tmp_path):
-    name, (data, ending, reader) = "table.csv", file_mutations.kinds(tmp_path)["table.csv"]
-    path = tmp_path / f"file{ending}"
+    data, name, reader = file_mutations.kinds(tmp_path)["table.csv"]
+    path = tmp_path / name
     path.write_bytes(data)
     whole = dict(file_mutations.leaves(reader(path)))
     assert file_mutations.judged(reader, path, whole) == ("same", "")

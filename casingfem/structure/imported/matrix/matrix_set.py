@@ -43,6 +43,10 @@ class MatrixSet:
         if set(shapes.values()) != {(n, n)}:
             found = ", ".join(f"{name} {shape[0]} x {shape[1]}" for name, shape in shapes.items())
             raise ModelError("matrix-size", f"{self.source}: found {found} and {n} dofs")
+        rows, counts = np.unique(self.dofs, axis=0, return_counts=True)
+        if n and counts.max() > 1:
+            node, direction = rows[counts.argmax()].tolist()
+            raise ModelError("matrix-dofs", f"{self.source}: found direction {direction} of node {node} twice")
 
 
 def roles_of(names: Sequence[str], source: str) -> dict[str, str]:

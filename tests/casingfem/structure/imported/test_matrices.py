@@ -397,6 +397,9 @@ def test_formats_without_dofs_ask_for_them(tmp_path):
     (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n7,w\n")
     with pytest.raises(InputError, match="line 3: found 7, w"):
         read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
+    (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n7,x\n")
+    with pytest.raises(ModelError, match="found direction 1 of node 7 twice"):
+        read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
     (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n")
     with pytest.raises(ModelError, match="K 2 x 2, M 2 x 2 and 1 dofs"):
         read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
