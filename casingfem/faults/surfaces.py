@@ -195,6 +195,10 @@ SURFACES = {
         "the survey is of another quantity",
         "let `of` name what was surveyed",
     ),
+    "survey-twice": Fault(
+        "several surveys of one quantity would add up, though each holds the whole defect",
+        "write the points of all into one file; where they disagree, that is said",
+    ),
     "survey-table": Fault(
         "the survey cannot be used as it stands, or does not carry the fit asked for",
         "correct the line named, or fit fewer harmonics (n_max) and a lower degree",

@@ -58,6 +58,10 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
     rotation = build_rotation(tables.rotation, chart, problems)
     masses = build_masses(tables.mass, chart, problems)
     fields: dict[str, Field] = {}
+    surveys = [table.of for table in tables.imperfection if table.survey is not None]
+    for of in {of for of in surveys if surveys.count(of) > 1}:
+        found = f"{surveys.count(of)} surveys of the {of}"
+        problems.add("imperfection", found, "one: what both measured would count twice", "survey-twice")
     for k, table in enumerate(tables.imperfection):
         field = build_field(table, f"imperfection[{k + 1}]", tables, problems)
         if field is not None:

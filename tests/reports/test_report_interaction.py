@@ -16,6 +16,7 @@ def test_signs_agree_and_pictures_are_written(tmp_path, capsys):
     assert "14 pairs: 14 agree" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_peaks_in_time_come_within_two_per_cent():
     for row in interaction.peaks():
         assert abs(row["run 1/s"] / row["pole 1/s"] - 1.0) < 0.02

@@ -159,6 +159,13 @@ def test_a_survey_is_found_beside_the_study(tmp_path):
     assert load_study(written(tmp_path, SURVEYED)).shell.radius_defect.fit.amplitude(8) == pytest.approx(0.004)
 
 
+def test_a_second_survey_of_the_radius_is_refused(tmp_path):
+    survey(tmp_path)
+    again = '[[imperfection]]\nof = "radius"\nsurvey = "survey.csv"\nn_max = 12\n'
+    (problem,) = problems_of(tmp_path, SURVEYED + again)
+    assert "imperfection: found 2 surveys of the radius, expected one" in problem
+
+
 def test_a_survey_of_another_casing_is_refused(tmp_path):
     survey(tmp_path, radius=0.8)
     (problem,) = problems_of(tmp_path, SURVEYED)
