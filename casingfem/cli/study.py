@@ -10,6 +10,7 @@ from casingfem.cli.running import ProgressMessage, deliver, options
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
+    from casingfem.modal.cyclic.modes import CyclicModes
     from casingfem.modal.imported.modes import MeshModes
     from casingfem.modal.mode_set import Modes, ModeSet
     from casingfem.study import MeshStudy, Study
@@ -45,13 +46,18 @@ def modes(
     modes.csv of --out is a frequency table, which `casingfem locate` and `update` take; it says COMPUTED.
     """
     from casingfem.modal.modes import modes as compute
-    from casingfem.study import load_any
+    from casingfem.study import MeshStudy, load_any
 
     if shown is not None and not (vtu or uff):
         raise click.UsageError("--modes chooses what --vtu or --uff writes: give --vtu too")
     if (vtu or uff) and out is None:
         raise click.UsageError("--vtu or --uff needs --out DIR")
-    study = load_any(file)
+    study = load_any(file, wheel=True)
+    if isinstance(study, MeshStudy) and study.wheel is not None:
+        from casingfem.cli.wheel import print_wheel
+
+        print_wheel(study, study.wheel, as_json=as_json, out=out, sigma=sigma, shown=shown, vtu=vtu, uff=uff)
+        return
     with ProgressMessage(f"modes of {file.name}"):
         found = compute(study.structure, **study.file.modes.wanted)
     if found.rigid and study.file.modes.elastic_only:
@@ -100,7 +106,7 @@ def indices(found: "ModeSet", shown: tuple[int, ...] | None) -> list[int] | None
     return None if shown is None else [number - 1 for number in shown]
 
 
-def modes_csv(found: "ModeSet", study: "Study | MeshStudy", sigma: float) -> str:
+def modes_csv(found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma: float) -> str:
     """The modes as a frequency table with its card, and beyond it what only a model knows."""
     from casingfem.experiment.frequency_table import COLUMNS, COMPUTED
 
@@ -201,7 +207,7 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
     from casingfem.study import load_any
     from casingfem.study.tasks import run_reduce
 
-    study = load_any(file)
+    study = load_any(file, wheel=True)
     with ProgressMessage(f"reduction of {file.name}") as working:
         basis = run_reduce(study)
     wanted = study.file.reduce.out if study.file.reduce is not None else None

@@ -3,6 +3,30 @@
 from casingfem.faults.fault import Fault
 
 MESHES = {
+    "cyclic-axis": Fault(
+        "the sector turns about another axis than that of the wheel it belongs to",
+        "give [rotation] and [cyclic] the same axis and point",
+    ),
+    "cyclic-diameters": Fault(
+        "the wheel has no such nodal diameters",
+        "name some of 0 to half the number of sectors, or leave cyclic.nodal_diameters out",
+    ),
+    "cyclic-faces": Fault(
+        "the two faces of a sector do not match: nodes or facets of one, turned, do not lie on those of the other",
+        "mesh one face as a copy of the other (periodic in the mesher), name both by faces, or raise the tolerance",
+    ),
+    "cyclic-mistuning": Fault(
+        "the blades' deviations are not one finite number above -1 for each sector",
+        "give a relative frequency deviation for each blade, 0.01 for one percent",
+    ),
+    "cyclic-sectors": Fault(
+        "the number of sectors does not fit the angle between the faces",
+        "count the sectors of the whole wheel; 360 degrees over their number is the angle of the mesh",
+    ),
+    "cyclic-support": Fault(
+        "a support of a sector does not repeat around the wheel",
+        "hold both faces' nodes alike, along the axis, across it in both directions, or wholly",
+    ),
     "mesh-around": Fault(
         "there is no such number of elements",
         "give a whole number of at least 1, or leave mesh.around out",

@@ -10,12 +10,12 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import warn
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import Array, FloatArray
 
 UNIT = float(np.finfo(float).eps)
 
 
-def round_off(K: csc_array | FloatArray, vectors: FloatArray) -> FloatArray:
+def round_off(K: csc_array | FloatArray, vectors: Array) -> FloatArray:
     """How far round-off in the entries of K moves the eigenvalues of mass-normalised vectors (n, k): (k,).
 
     >>> float(round_off(np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[0.5], [0.5]]))[0]) / UNIT

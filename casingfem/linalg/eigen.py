@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import NumericsError, sentence
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.factor import Direct, factorise
@@ -48,7 +48,7 @@ class EigenResult:
     """
 
     eigenvalues: FloatArray
-    vectors: FloatArray
+    vectors: Array
     sturm_count: int | None
     residuals: FloatArray
     products: int = 0
@@ -108,7 +108,7 @@ def solve_modes(
     Parameters
     ----------
     K, mass
-        Stiffness (free, free); the diagonal of M (free,), or M itself, sparse and positive definite.
+        Stiffness (free, free), symmetric or Hermitian; the diagonal of M (free,), or M itself, positive definite.
     count
         Modes wanted.
     shift
@@ -209,7 +209,7 @@ def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direc
 
 
 def result(
-    pencil: Pencil, values: FloatArray, vectors: FloatArray, certified: int | None, products: int, floor: float
+    pencil: Pencil, values: FloatArray, vectors: Array, certified: int | None, products: int, floor: float
 ) -> EigenResult:
     """Certified pairs of the scaled pencil as modes of K and M."""
     return EigenResult(

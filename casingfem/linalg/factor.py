@@ -16,7 +16,7 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from casingfem.errors import ModelError, NumericsError
 from casingfem.extras import remedy
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.pardiso import PardisoFactor
 
 Direct: TypeAlias = Literal["superlu", "pardiso"]
@@ -27,7 +27,7 @@ BALANCE = 1e-3  # relative error of u K u = u f beyond which K is singular; 1e-5
 class Factor(Protocol):
     """A factored symmetric matrix A."""
 
-    def solve(self, rhs: FloatArray) -> FloatArray:
+    def solve(self, rhs: Array) -> Array:
         """A^-1 rhs, for one vector (n,) or several columns (n, k)."""
         ...
 
@@ -42,7 +42,7 @@ class SuperLUFactor:
 
     lu: SuperLU
 
-    def solve(self, rhs: FloatArray) -> FloatArray:
+    def solve(self, rhs: Array) -> Array:
         """A^-1 rhs."""
         return np.asarray(self.lu.solve(rhs))
 
@@ -77,7 +77,7 @@ SOLVERS: Mapping[str, Callable[[csc_array], Factor]] = MappingProxyType({"superl
 
 
 def factorise(A: csc_array, direct: Direct = "superlu") -> Factor:
-    """Factor a symmetric sparse matrix, indefinite ones included.
+    """Factor a symmetric sparse matrix, or with "superlu" a Hermitian one, indefinite ones included.
 
     Raises
     ------

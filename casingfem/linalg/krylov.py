@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from casingfem.errors import NumericsError
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray
 from casingfem.linalg.pencil import Pencil
 
 NOISE = 1e-13  # of a block's size: what is left after orthogonalisation below this is round-off
@@ -25,7 +25,7 @@ LOOSEST = 1e-7  # but no looser than this, which leaves eigenvalues right to its
 RESTARTS = 20
 START_SEED = 7391  # the first block is fixed: same input, same bits
 
-Solve = Callable[[FloatArray], FloatArray]
+Solve = Callable[[Array], Array]
 
 
 class ConvergenceError(NumericsError):
@@ -37,20 +37,20 @@ class RitzPairs:
     """Eigenvalues (k,), nearest the shift first, B-orthonormal vectors (n, k), and how many products they took."""
 
     values: FloatArray
-    vectors: FloatArray
+    vectors: Array
     products: int
 
 
 @dataclass(slots=True, eq=False)
 class Basis:
-    """A B-orthonormal basis Q (n, count), the next block, and T = Q^T B (A - sigma B)^-1 B Q."""
+    """A B-orthonormal basis Q (n, count), the next block, and T = Q^H B (A - sigma B)^-1 B Q."""
 
     pencil: Pencil
     solve: Solve
-    Q: FloatArray
-    T: FloatArray
-    fresh: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
-    coupling: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    Q: Array
+    T: Array
+    fresh: Array = field(default_factory=lambda: np.empty((0, 0)))
+    coupling: Array = field(default_factory=lambda: np.empty((0, 0)))
     count: int = 0
     products: int = 0
 
@@ -61,25 +61,25 @@ class Basis:
         Q = self.Q[:, : self.count]
         image = self.solve(self.pencil.weigh(self.fresh))
         self.products += self.fresh.shape[1]
-        H = np.zeros((self.count, self.fresh.shape[1]))
+        H = np.zeros((self.count, self.fresh.shape[1]), dtype=Q.dtype)
         size = self.pencil.norm(image)
         for _ in range(2):  # twice is enough for orthogonality to round-off
-            part = Q.T @ self.pencil.weigh(image)
+            part = Q.conj().T @ self.pencil.weigh(image)
             image -= Q @ part
             H += part
         self.T[: self.count, old : self.count] = H
-        self.T[old : self.count, : self.count] = H.T
+        self.T[old : self.count, : self.count] = H.conj().T
         self.fresh, self.coupling = orthonormal(self.pencil, image, NOISE * size)
 
-    def begin(self, block: FloatArray) -> None:
+    def begin(self, block: Array) -> None:
         """Take a block of new directions as the next one."""
         Q = self.Q[:, : self.count]
         for _ in range(2):
-            block = block - Q @ (Q.T @ self.pencil.weigh(block))
+            block = block - Q @ (Q.conj().T @ self.pencil.weigh(block))
         self.fresh, _ = orthonormal(self.pencil, block, NOISE * self.pencil.norm(block))
         self.coupling = np.zeros((self.fresh.shape[1], self.coupling.shape[1]))
 
-    def ritz(self) -> tuple[FloatArray, FloatArray, Array]:
+    def ritz(self) -> tuple[FloatArray, Array, BoolArray]:
         """Ritz values theta, largest first, their coefficients in Q, and which of them have converged."""
         theta, S = eigh(self.T[: self.count, : self.count])
         order = np.argsort(-np.abs(theta))
@@ -88,7 +88,7 @@ class Basis:
         size = np.abs(theta)
         return theta, S, residuals <= np.clip(ROUND_OFF * size[0], TOLERANCE * size, LOOSEST * size)
 
-    def restart(self, theta: FloatArray, S: FloatArray, kept: int) -> None:
+    def restart(self, theta: FloatArray, S: Array, kept: int) -> None:
         """Keep the best Ritz vectors only; the next block stays."""
         self.Q[:, :kept] = self.Q[:, : self.count] @ S[:, :kept]
         self.T[:] = 0.0
@@ -126,7 +126,7 @@ def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int 
     """
     size, rng = pencil.size, np.random.default_rng(START_SEED)
     room = min(size, 3 * wanted + 4 * block) + block
-    Q, T = np.empty((size, room), order="F"), np.zeros((room, room))
+    Q, T = np.empty((size, room), dtype=pencil.A.dtype, order="F"), np.zeros((room, room), dtype=pencil.A.dtype)
     basis = Basis(pencil=pencil, solve=solve, Q=Q, T=T)
     basis.begin(solve(pencil.weigh(rng.standard_normal((size, min(block, size))))))
     for _ in range(RESTARTS):
@@ -145,12 +145,12 @@ def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int 
     raise ConvergenceError(f"{converged} of {wanted} modes near shift {sigma:.6g} converged in {RESTARTS} restarts")
 
 
-def orthonormal(pencil: Pencil, block: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
+def orthonormal(pencil: Pencil, block: Array, noise: float) -> tuple[Array, Array]:
     """B-orthonormal basis X of a block (n, k) and C with block = X C; directions shorter than `noise` are left out."""
     X = block
     for least in (noise**2, 0.0):
-        gram = X.T @ pencil.weigh(X)
-        squares, V = eigh(0.5 * (gram + gram.T))
+        gram = X.conj().T @ pencil.weigh(X)
+        squares, V = eigh(0.5 * (gram + gram.conj().T))
         good = squares > max(least, 1e-15 * squares.max(initial=0.0))
         X = X @ (V[:, good] / np.sqrt(squares[good]))
-    return X, X.T @ pencil.weigh(block)
+    return X, X.conj().T @ pencil.weigh(block)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import NumericsError
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.factor import Direct, factorise
 
 Mass: TypeAlias = FloatArray | csc_array  # the diagonal of M, or M itself
@@ -17,7 +17,8 @@ Mass: TypeAlias = FloatArray | csc_array  # the diagonal of M, or M itself
 class Pencil:
     """A x = lambda B x with A = R K R, B = R M R, R = diag(M)^-1/2; B has a unit diagonal.
 
-    `B` is None where M is diagonal; `scale` is the diagonal of R, (free,). phi = R x.
+    A and B are symmetric, or Hermitian. `B` is None where M is diagonal; `scale` is the diagonal of R, (free,).
+    phi = R x.
     """
 
     A: csc_array
@@ -37,13 +38,13 @@ class Pencil:
         shifted.setdiag(self.A.diagonal() - sigma)
         return shifted
 
-    def weigh(self, vectors: FloatArray) -> FloatArray:
+    def weigh(self, vectors: Array) -> Array:
         """B x."""
         return vectors if self.B is None else np.asarray(self.B @ vectors)
 
-    def norm(self, vectors: FloatArray) -> float:
-        """The largest length of some vectors, |x|^2 = x^T B x."""
-        return float(np.sqrt(np.einsum("ij,ij->j", vectors, self.weigh(vectors)).max()))
+    def norm(self, vectors: Array) -> float:
+        """The largest length of some vectors, |x|^2 = x^H B x."""
+        return float(np.sqrt(np.einsum("ij,ij->j", vectors.conj(), self.weigh(vectors)).real.max()))
 
     def count_below(self, sigma: float, direct: Direct = "superlu") -> int:
         """Number of eigenvalues below sigma, by the inertia of A - sigma B.
@@ -58,7 +59,7 @@ class Pencil:
         except NumericsError as error:
             raise NumericsError(f"no Sturm count at shift {sigma:.6g}: {error}") from error
 
-    def residuals(self, values: FloatArray, vectors: FloatArray, floor: float) -> FloatArray:
+    def residuals(self, values: FloatArray, vectors: Array, floor: float) -> FloatArray:
         """|A x - lambda B x| / max(|lambda|, floor), (modes,)."""
         norms = np.linalg.norm(self.A @ vectors - self.weigh(vectors) * values, axis=0)
         return np.asarray(norms / np.maximum(np.abs(values), floor))
@@ -83,7 +84,7 @@ def make_pencil(K: csc_array, mass: Mass) -> Pencil:
     >>> make_pencil(csc_array(np.diag([8.0, 2.0])), csc_array(np.array([[2.0, 0.5], [0.5, 1.0]]))).count_below(3.0)
     1
     """
-    diagonal = mass if isinstance(mass, np.ndarray) else mass.diagonal()
+    diagonal = mass if isinstance(mass, np.ndarray) else np.real(mass.diagonal())
     if diagonal.shape != (K.shape[0],):
         raise NumericsError(f"the mass is of {diagonal.shape[0]} unknowns, the stiffness of {K.shape[0]}")
     if not np.all(diagonal > 0.0):

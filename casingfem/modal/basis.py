@@ -58,6 +58,8 @@ class ModalBasis:
     participation
         Modal force per acceleration of the whole body, Phi^T M e [sqrt(kg)], along x, y and the axis of a casing, along
         span, flap and chord of a blade, (3, modes); empty where it is not known.
+    sectors
+        Of a wheel: how many sectors stand evenly around, with channels sector0.*, sector1.*, ...; else 0.
     out_of_roundness
         Of a rim: deviation of each line's radius from its mean [m], cos0 .. cosN, sin1 .. sinN, (lines, 2 n_max + 1).
     provenance
@@ -71,6 +73,7 @@ class ModalBasis:
     S: FloatArray
     kind: str
     n_max: int = 0
+    sectors: int = 0
     radius: float = 0.0
     thickness: float = 0.0
     recovery: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
@@ -151,6 +154,7 @@ class ModalBasis:
                 S=data["S"],
                 kind=str(data["kind"]),
                 n_max=whole(data, "n_max"),
+                sectors=whole(data, "sectors"),
                 radius=float(data.get("radius", 0.0)),
                 thickness=float(data.get("thickness", 0.0)),
                 outputs=tuple(str(name) for name in data.get("outputs", ())),

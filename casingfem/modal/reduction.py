@@ -10,13 +10,14 @@ static push at the interface exactly as the full model does.
 import hashlib
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import START_SEED
 from casingfem.linalg.factor import Factor, factorise
 from casingfem.modal.basis import ModalBasis
@@ -109,7 +110,7 @@ def reduce(
     if method == "free":
         S = P.T @ attachment - (at_interface / omega**2) @ at_interface.T
         S = 0.5 * (S + S.T)
-    stored: dict[str, Array] = {}
+    stored: dict[str, Any] = {}
     left = attachment - (vectors / omega**2) @ at_interface.T
     if recovery:
         stored = {

@@ -152,7 +152,7 @@ def gyroscopic_modes(
 ) -> tuple[FloatArray, Array, int]:
     """Frequencies [rad/s] ascending and complex shapes of M x'' + G x' + A x = 0, up to a gap at or after `count`.
 
-    M is 1 if left out.
+    M is 1 if left out. Of a Hermitian A and a skew-Hermitian G those with a motion x e^(i omega t), omega > 0.
     """
     size = A.shape[0]
     M = csc_array(diags_array(np.ones(size))) if mass is None else mass
@@ -162,14 +162,14 @@ def gyroscopic_modes(
     if factor.negative():
         raise ModelError("rotation-unstable", f"whirl_modes: found {factor.negative()} negative stiffnesses")
 
-    def inverse(state: FloatArray) -> FloatArray:
+    def inverse(state: Array) -> Array:
         x, v = np.split(np.ravel(state), 2)  # v stands for x'/scale
         return np.concatenate([-factor.solve(scale * (M @ v) + G @ x), x / scale])
 
-    operator = LinearOperator((2 * size, 2 * size), matvec=inverse, dtype=float)
+    operator = LinearOperator((2 * size, 2 * size), matvec=inverse, dtype=A.dtype)
     start = np.random.default_rng(START_SEED).standard_normal(2 * size)
     try:
-        found, states = eigs(operator, 2 * (count + extra), v0=start)
+        found, states = eigs(operator, 2 * (count + extra), v0=start.astype(A.dtype))
     except ArpackError as error:
         raise NumericsError(f"ARPACK did not converge on {count + extra} rotating modes: {error}") from error
     upper = np.flatnonzero(found.imag < 0.0)  # 1/(i omega), omega > 0

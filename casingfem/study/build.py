@@ -44,6 +44,8 @@ FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
 
 def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
     """The shell a study describes, or None with the reasons collected: of each part, then of the whole."""
+    if tables.cyclic is not None:
+        problems.add("cyclic", "it beside [chart]", "an imported mesh: the sector of a wheel", "study-key")
     chart = try_chart(tables, problems)
     material = None
     if tables.material is not None:

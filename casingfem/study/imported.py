@@ -15,6 +15,7 @@ from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.support import Fixed, MeshSupport
 from casingfem.structure.material import Material
+from casingfem.study.cyclic import Wheel
 from casingfem.study.problems import Problems, StudyError
 from casingfem.study.rotation import axis_vector, build_mesh_rotation, vector
 from casingfem.study.schema import StudyFile
@@ -23,7 +24,17 @@ from casingfem.study.tables.supports import ElasticTable, FixedTable, SupportTab
 from casingfem.study.tables.tasks import ReduceTable
 from casingfem.updating.parameters import Parameter
 
-OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "reduce")  # others need a chart
+OWN = (
+    "material",
+    "solid",
+    "shell",
+    "support",
+    "modes",
+    "rotation",
+    "update",
+    "reduce",
+    "cyclic",
+)  # others need a chart
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,6 +53,8 @@ class MeshStudy:
         Of [update]: the measured frequencies, None without; what may vary.
     interface
         Of [reduce]: the group or nodes that contact sees; None without.
+    wheel
+        Of [cyclic]: the wheel of which the structure is one sector; None without.
     source
         Name and hash of the input (the file and its mesh), versions, seed: what a result carries.
     """
@@ -53,6 +66,7 @@ class MeshStudy:
     table: FrequencyTable | None
     parameters: tuple[Parameter, ...]
     interface: Interface | None
+    wheel: Wheel | None
     source: dict[str, Any]
 
     @property

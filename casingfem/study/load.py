@@ -20,6 +20,7 @@ from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.shell.shell import Shell
 from casingfem.study.build import build_shell, try_chart
+from casingfem.study.cyclic import build_wheel
 from casingfem.study.imported import MeshStudy, build_imported, is_imported, mesh_interface
 from casingfem.study.problems import Problems, StudyError
 from casingfem.study.schema import REQUIRED, StudyFile
@@ -89,8 +90,8 @@ def load_study(path: str | Path) -> Study:
     return study
 
 
-def load_any(path: str | Path) -> Study | MeshStudy:
-    """Read a study file, of a shell on a chart or of an imported mesh.
+def load_any(path: str | Path, *, wheel: bool = False) -> Study | MeshStudy:
+    """Read a study file, of a shell on a chart or of an imported mesh; with `wheel` one that has [cyclic] too.
 
     Raises
     ------
@@ -107,6 +108,9 @@ def load_any(path: str | Path) -> Study | MeshStudy:
         if tables.update is not None and tables.update.shapes is not None:
             problems.add("update.shapes", repr(tables.update.shapes), "frequencies alone", "structure-chart")
         seen = mesh_interface(tables.reduce, structure, problems)
+        whole = build_wheel(tables, structure, problems)
+        if tables.cyclic is not None and not wheel:
+            problems.add("cyclic", "a wheel", "a study without it: this command takes a part alone", "study-key")
         if problems or structure is None or not isinstance(begun, Solid | MeshShell):
             raise StudyError(problems)
         return MeshStudy(
@@ -117,6 +121,7 @@ def load_any(path: str | Path) -> Study | MeshStudy:
             table=table,
             parameters=parameters,
             interface=seen,
+            wheel=whole,
             source=source(file, text, tables),
         )
     shell = build_shell(tables, problems)
@@ -245,6 +250,8 @@ def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:
     """Name and hash of the input, package versions, seed."""
     names: Sequence[str | None] = [entry.survey for entry in tables.imperfection]
     names = [*names, *((tables.update.table, tables.update.shapes) if tables.update is not None else ())]
+    mistuning = None if tables.cyclic is None else tables.cyclic.mistuning
+    names = [*names, mistuning if isinstance(mistuning, str) else None]
     names = [*names, *(table.mesh for table in (tables.solid, tables.shell) if table is not None)]
     contents = [text, *((file.parent / name).read_bytes() for name in names if name is not None)]
     return {

@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import ConfigDict, Field
 
+from casingfem.study.tables.cyclic import CyclicTable
 from casingfem.study.tables.fields import ImperfectionTable
 from casingfem.study.tables.rig import RigTable
 from casingfem.study.tables.shapes import (
@@ -43,6 +44,7 @@ class StudyFile(Table):
     taper: TaperTable | None = Field(default=None, description="how the thickness varies by design")
     strip: list[StripTable] = Field(default=[], description="tables [[strip]]")
     rotation: RotationTable | None = Field(default=None, description="speed and axis")
+    cyclic: CyclicTable | None = Field(default=None, description="the imported mesh is one sector of a wheel")
     imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
     mass: list[MassTable] = Field(default=[], description="tables [[mass]]: point masses on edges")
     support: dict[Edge, SupportTable] = Field(default={}, description="edge or group -> kind and stiffnesses")
@@ -57,6 +59,6 @@ def schema() -> dict[str, Any]:
     """JSON schema of study.toml.
 
     >>> sorted(schema()["properties"])[:4]
-    ['chart', 'imperfection', 'mass', 'material']
+    ['chart', 'cyclic', 'imperfection', 'mass']
     """
     return StudyFile.model_json_schema()

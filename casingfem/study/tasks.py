@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from casingfem.modal.basis import ModalBasis
+from casingfem.modal.cyclic.reduction import OF_A_DIAMETER, cyclic_reduce
 from casingfem.modal.reduction import reduce
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
@@ -83,7 +84,24 @@ def run_reduce(study: Study | MeshStudy, shell: Shell | None = None, system: Sys
     tables = study.file.reduce
     if tables is None or study.interface is None:
         raise study.error("reduce", "nothing", "a table [reduce]: interface, modes")
+    wheel = study.wheel if isinstance(study, MeshStudy) else None
+    if wheel is not None:
+        for key in ("method", "output"):
+            if key in tables.model_fields_set:
+                raise study.error(
+                    f"reduce.{key}", "it beside [cyclic]", "no such key: a wheel has free modes, no outputs"
+                )
     try:
+        if wheel is not None:
+            basis = cyclic_reduce(
+                wheel.sector,
+                study.interface,
+                modes=tables.modes if "modes" in tables.model_fields_set else OF_A_DIAMETER,
+                zeta=tables.zeta,
+                deviations=wheel.deviations,
+                blade=wheel.blade,
+            )
+            return replace(basis, provenance={**basis.provenance, "source": study.source})
         basis = reduce(
             study.structure if shell is None else shell,
             study.interface,

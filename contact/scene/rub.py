@@ -55,6 +55,7 @@ class RubBlade(Table):
     """[[blade]]: a modal basis, `count` equal blades of it around from `angle_deg`, lean, and its contact places.
 
     Without nodes: the place span, flap, or every node0, node1, ... there is; `axial` lets them slide along the axis.
+    The basis of a wheel brings the places of all its sectors: nodes name those of one.
     """
 
     basis: str
@@ -66,12 +67,28 @@ class RubBlade(Table):
     node: list[RubNode] = Field(default_factory=list)
 
     def nodes(self, body: ModalBody) -> list[RubNode]:
-        """The nodes given, or those the basis has."""
-        if self.node:
-            return self.node
-        chord = [name.removesuffix(".span") + "." for name in body.channels if name.endswith(".span")] or [""]
+        """The nodes given, or those the basis has; of a wheel those of one sector, in each of its sectors."""
+        head = "sector0." if body.sectors else ""
+        names = [name.removeprefix(head) for name in body.channels if name.startswith(head)]
+        chord = [name.removesuffix(".span") + "." for name in names if name.endswith(".span")] or [""]
         axial = "chord" if self.axial else None
-        return [RubNode(span=f"{at}span", flap=f"{at}flap", axial=axial and f"{at}{axial}") for at in chord]
+        found = [RubNode(span=f"{at}span", flap=f"{at}flap", axial=axial and f"{at}{axial}") for at in chord]
+        return [node for j in range(body.sectors) for node in turned(self.node or found, j, body.sectors)] or (
+            self.node or found
+        )
+
+
+def turned(nodes: list[RubNode], j: int, sectors: int) -> list[RubNode]:
+    """The nodes of one sector in sector j of a wheel; the k-th on a rim line wears its k-th strip in every sector."""
+    tracks = [sum(other.line == node.line for other in nodes[:k]) for k, node in enumerate(nodes)]
+    return [
+        RubNode(
+            span=f"sector{j}.{node.span}", flap=f"sector{j}.{node.flap}",
+            axial=node.axial and f"sector{j}.{node.axial}", angle_deg=node.angle_deg + 360.0 * j / sectors,
+            line=node.line, clearance=node.clearance, track=track if node.track is None else node.track,
+        )
+        for node, track in zip(nodes, tracks, strict=True)
+    ]  # fmt: skip
 
 
 class RubContact(Roundness):
@@ -190,6 +207,8 @@ class RubFile(Table):
         stiff: list[Stiffening] = []
         for table in self.blade:
             body = ModalBody.load(folder / table.basis)
+            if body.sectors and table.count > 1:
+                raise InputError(f"blade.count: found {table.count} of a wheel, whose basis has {body.sectors} blades")
             for k in range(table.count):
                 angle = table.angle_deg + 360.0 * k / table.count
                 if table.stiffening:

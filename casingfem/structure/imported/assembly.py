@@ -75,6 +75,8 @@ class MeshSystem:
         Wall thickness t [m]; of solids twice the volume over the surface.
     frequency_scale
         Bending frequency c t/size^2 [rad/s] of the body taken as flat: a floor for its elastic modes.
+    tie
+        Motions (free, unknowns) to which static states are confined, those of a sector's faces; None if all are free.
     """
 
     structure: MeshStructure
@@ -85,6 +87,7 @@ class MeshSystem:
     rigid: int
     wall: float
     frequency_scale: float
+    tie: csc_array | None = None
 
     @property
     def size(self) -> int:

@@ -46,6 +46,8 @@ class MeshData:
         Name -> Group: what supports and materials refer to.
     cell_numbers, node_numbers
         Numbers that cells and nodes have in the file; counted from 1 where the file has none.
+    directors
+        Unit normals at the nodes of a shell, (nodes, 3), where they are not the means over its cells.
     source
         Name of the file, for messages.
 
@@ -62,6 +64,7 @@ class MeshData:
     groups: Mapping[str, Group] = field(default_factory=dict)
     cell_numbers: IntArray = field(default_factory=lambda: NONE)
     node_numbers: IntArray = field(default_factory=lambda: NONE)
+    directors: FloatArray | None = None
     source: str = "mesh"
 
     def __post_init__(self) -> None:

@@ -17,7 +17,7 @@ from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import CHUNK, Mapped, MeshSystem, cell_dofs, mapped, on_free, scatter
 from casingfem.structure.imported.cells.solid import VOIGT, SolidCells, consistent_mass, elasticity, strain_table
-from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin
+from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin, tied_solution
 
 STEPS, SETTLED = 30, 1e-9  # Newton's steps at most; relative size of the last one
 
@@ -130,7 +130,7 @@ def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, 
         K = csc_array(on_free(csc_array(K - soft), system.free) + springs)
         free = fields.ravel()[system.free]
         residual = (pull + soft @ fields.ravel() - inner)[system.free] - springs @ free
-        step = factorise(K).solve(residual)
+        step = tied_solution(system, K, residual, lambda K, f: factorise(K).solve(f))
         fields = fields + system.expand(step[:, None])[:, :, 0]
         if np.linalg.norm(step) <= SETTLED * np.linalg.norm(fields):
             K, _ = tangent(solid, on, constants, fields)

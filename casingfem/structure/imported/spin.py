@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import warn
@@ -108,7 +109,7 @@ def mesh_spin(
     size = system.dofs * len(system.points)
     of = inertia(rotation)
     force = scatter(of.mass, rows, size) @ of.away.ravel()
-    fields = system.expand(solve_held(system.K, force[system.free])[:, None])[:, :, 0]
+    fields = system.expand(tied_solution(system, system.K, force[system.free], solve_held)[:, None])[:, :, 0]
     added = stiffening(fields)
 
     def placed(cells: FloatArray) -> csc_array:
@@ -122,6 +123,16 @@ def mesh_spin(
         fields=fields,
         nonlinear=added.ratio,
     )
+
+
+def tied_solution(
+    system: MeshSystem, K: csc_array, force: FloatArray, solve: Callable[[csc_array, FloatArray], FloatArray]
+) -> FloatArray:
+    """K u = f on the free dofs, among the motions that the system admits."""
+    if system.tie is None:
+        return solve(K, force)
+    T = system.tie
+    return np.asarray(T @ solve(csc_array(T.T @ K @ T), T.T @ force))
 
 
 def spun(system: MeshSystem, added: MeshSpin, omega: float) -> MeshSystem:

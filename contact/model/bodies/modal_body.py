@@ -42,6 +42,7 @@ class ModalBody:
     (m, m): what Omega^2 - spin^2 adds to the modal stiffness of a body whose basis was made at `spin` [rad/s].
     `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the whole body, Phi^T M e, along x, y and the
     axis of a rim, along span, flap and chord of a blade.
+    `sectors` of a wheel, else 0: so many evenly around, with channels sector0.span, ..., sector1.span, ...
     `out_of_roundness` (L, 2 N + 1) [m]: deviation of each rim line's radius, cos0 .. cosN, sin1 .. sinN.
 
     Raises InputError for shapes that do not fit, NaN, negative frequencies, an asymmetric or indefinite S.
@@ -58,6 +59,7 @@ class ModalBody:
     S: Array
     kind: str = "point"
     n_max: int = 0
+    sectors: int = 0
     radius: float = 0.0
     thickness: float = 0.0
     provenance: str = "{}"
@@ -102,6 +104,9 @@ class ModalBody:
         ):
             if getattr(self, name) is not None:
                 require_shape(name, getattr(self, name), shape)
+        heads = {name.partition(".")[0] for name in self.channels}
+        if self.sectors and heads != {f"sector{j}" for j in range(self.sectors)}:
+            raise InputError(f"sectors: found {self.sectors} beside channels of {len(heads)}, expected sector0.*, ...")
         _require_modes(self.omega, self.zeta)
         if fault := compliance_fault(self.S):
             raise InputError(f"S: found {fault}")
@@ -208,7 +213,7 @@ class ModalBody:
             "format": FORMAT, "omega": self.omega, "zeta": self.zeta, "channels": np.array(self.channels),
             "rows": self.rows, "S": self.S, "kind": self.kind, "n_max": self.n_max, "radius": self.radius,
             "provenance": self.provenance, "outputs": np.array(self.outputs, dtype=np.str_), "spin": self.spin,
-            "thickness": self.thickness,
+            "thickness": self.thickness, "sectors": self.sectors,
         }  # fmt: skip
         data |= {name: getattr(self, name) for name in OPTIONAL if getattr(self, name) is not None}
         write_npz(Path(path), data)
@@ -255,7 +260,8 @@ class ModalBody:
             return ModalBody(
                 omega=data["omega"], zeta=data["zeta"], rows=data["rows"], S=data["S"],
                 channels=tuple(str(name) for name in np.atleast_1d(data["channels"])), kind=str(data["kind"]),
-                n_max=whole(data, "n_max"), radius=float(data.get("radius", np.array(0.0))),
+                n_max=whole(data, "n_max"), sectors=whole(data, "sectors"),
+                radius=float(data.get("radius", np.array(0.0))),
                 outputs=tuple(str(name) for name in np.atleast_1d(data.get("outputs", np.zeros(0, dtype=np.str_)))),
                 spin=float(data.get("spin", np.array(0.0))), thickness=float(data.get("thickness", np.array(0.0))),
                 provenance=str(data.get("provenance", "{}")), **{n: data[n] for n in OPTIONAL if n in data},

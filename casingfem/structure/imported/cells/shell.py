@@ -40,7 +40,9 @@ def cell_normals(mesh: MeshData) -> FloatArray:
 
 
 def directors(mesh: MeshData) -> FloatArray:
-    """Unit normals at the nodes, the mean over their cells, (nodes, 3); z at nodes without a cell."""
+    """Unit normals at the nodes: the mesh's own, or the mean over their cells, (nodes, 3); z where no cell is."""
+    if mesh.directors is not None:
+        return mesh.directors
     total = np.zeros_like(mesh.points)
     np.add.at(total, mesh.cells, cell_normals(mesh))
     size = np.linalg.norm(total, axis=1, keepdims=True)

@@ -1,0 +1,1 @@
+"""How does a wheel of equal or mistuned sectors move, what does contact see of it? From the mesh of one sector."""

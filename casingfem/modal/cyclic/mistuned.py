@@ -1,0 +1,147 @@
+"""Modes of a wheel whose blades differ: tuned waves as the basis, the blades' stiffness as it is.
+
+Blade j of relative frequency deviation delta_j has the stiffness (1 + delta_j)^2 of the tuned one. In the waves of the
+tuned wheel the stiffness is diag(omega^2) + sum_j ((1 + delta_j)^2 - 1) V_j^T K_b V_j, the mass one (subset of nominal
+modes: M.-T. Yang & J. H. Griffin, J. Eng. Gas Turbines Power 123, 2001, 893).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh
+
+from casingfem.errors import ModelError, NumericsError
+from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.modal.cyclic.waves import Waves, wheel_waves
+from casingfem.structure.imported.cyclic.blade import blade_stiffness
+from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
+
+Deviations = Sequence[float] | FloatArray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class MistunedModes:
+    """Modes of a mistuned wheel, ascending.
+
+    Attributes
+    ----------
+    freq
+        Frequencies [Hz], (modes,).
+    content
+        Share of each nodal diameter 0 .. N/2 in a mode's mass, (modes, diameters).
+    energy
+        Share of each blade in the elastic energy of all blades, (modes, blades).
+    """
+
+    freq: FloatArray
+    content: FloatArray
+    energy: FloatArray
+
+    def __len__(self) -> int:
+        """Return the number of modes."""
+        return len(self.freq)
+
+    @property
+    def nodal_diameters(self) -> IntArray:
+        """The diameter with the largest share, (modes,)."""
+        return np.asarray(self.content.argmax(axis=1))
+
+    @property
+    def localisation(self) -> FloatArray:
+        """Largest share of one blade over the mean one, (modes,): 1 to 2 of tuned pairs, N of a blade alone."""
+        return np.asarray(self.energy.max(axis=1) * self.energy.shape[1])
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a mode: mode, freq_hz, n, n_share, blade (from 1), localisation."""
+        return [
+            {
+                "mode": k + 1,
+                "freq_hz": float(self.freq[k]),
+                "n": int(self.nodal_diameters[k]),
+                "n_share": float(self.content[k].max()),
+                "blade": int(self.energy[k].argmax()) + 1,
+                "localisation": float(self.localisation[k]),
+            }
+            for k in range(len(self))
+        ]
+
+    def __repr__(self) -> str:
+        """Table: mode, frequency, dominant diameter and its share, the blade that bends most."""
+        lines = [f"{'mode':>4} {'freq [Hz]':>11} {'n':>3} {'share':>6} {'blade':>6} {'localisation':>13}"]
+        for row in self.records():
+            lines.append(
+                f"{row['mode']:>4} {row['freq_hz']:>11.3f} {row['n']:>3} {row['n_share']:>6.2f} {row['blade']:>6} "
+                f"{row['localisation']:>13.2f}"
+            )
+        return "\n".join(lines)
+
+
+def mistuned_modes(
+    sector: CyclicSector, deviations: Deviations, count: int = 6, *, blade: str | None = None, families: int = 0
+) -> MistunedModes:
+    """Modes of a wheel with mistuned blades, `count` times the sectors, as many as `count` tuned ones a diameter are.
+
+    Parameters
+    ----------
+    deviations
+        Relative deviation of each blade's own frequency, (sectors,); sector 0 is the one of the mesh.
+    blade
+        Group of the cells whose stiffness deviates; all of the sector if left out.
+    families
+        Tuned modes of each diameter in the basis; twice `count` and two more if left out.
+
+    Raises
+    ------
+    ModelError
+        `cyclic-mistuning` for deviations that are not one for each sector, above -1.
+    """
+    system = assemble_cyclic(sector)
+    waves = wheel_waves(
+        system, families or richer(count), None, blade_stiffness(sector.structure, system.system, blade)
+    )
+    omega, turn = mixed(waves, deviations)
+    kept = slice(count * sector.sectors)
+    turn = turn[:, kept]
+    energy = np.stack([np.einsum("dk,dk->k", turn, waves.blade_energy(j) @ turn) for j in range(sector.sectors)])
+    content = np.stack([(turn[waves.n == n] ** 2).sum(axis=0) for n in sector.diameters])
+    return MistunedModes(
+        freq=frozen(omega[kept] / (2.0 * np.pi)),
+        content=frozen(content.T),
+        energy=frozen((energy / energy.sum(axis=0)).T),
+    )
+
+
+def richer(count: int) -> int:
+    """Tuned modes of each diameter in the basis of so many mistuned ones."""
+    return 2 * count + 2
+
+
+def mixed(waves: Waves, deviations: Deviations | None) -> tuple[FloatArray, FloatArray]:
+    """Frequencies [rad/s] and modes (D, D) in the waves of a wheel whose blades deviate, ascending; tuned modes first.
+
+    Raises
+    ------
+    NumericsError
+        If a stiffness is left negative.
+    """
+    if deviations is None:
+        order = np.lexsort((waves.omega, ~waves.modes))
+        return waves.omega[order], np.eye(len(order))[:, order]
+    stiffness = np.diag(waves.omega**2)
+    for j, deviation in enumerate(checked_deviations(deviations, waves.sectors)):
+        if deviation:
+            stiffness += ((1.0 + deviation) ** 2 - 1.0) * waves.blade_energy(j)
+    squares, turn = eigh(0.5 * (stiffness + stiffness.T))
+    if squares[0] < 0.0:
+        raise NumericsError(f"mistuned wheel: found omega^2 = {squares[0]:.4g} rad^2/s^2")
+    return np.sqrt(squares), turn
+
+
+def checked_deviations(deviations: Deviations, sectors: int) -> FloatArray:
+    """Deviations (sectors,), above -1."""
+    values = np.asarray(deviations, dtype=float)
+    if values.shape != (sectors,) or not np.all(np.isfinite(values)) or values.min() <= -1.0:
+        found = f"{values.size} values" if values.shape != (sectors,) else f"{values.min():g}"
+        raise ModelError("cyclic-mistuning", f"cyclic.mistuning: found {found}, expected {sectors}, each above -1")
+    return values

@@ -1,0 +1,164 @@
+"""Modes of a wheel by nodal diameter, from one sector."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.linalg.eigen import Band, EigenResult, solve
+from casingfem.modal.imported.modes import SHIFT
+from casingfem.modal.mode_set import RIGID
+from casingfem.structure.imported.cyclic.sector import CyclicSector, CyclicSystem, assemble_cyclic
+
+ACROSS = 9  # frequencies on a line of the table
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class CyclicModes:
+    """Modes of a wheel, by nodal diameters and then by frequency; those with 0 < n < N/2 stand for a pair each.
+
+    Attributes
+    ----------
+    sector
+        The wheel.
+    freq
+        Frequencies [Hz], (modes,).
+    nodal_diameters, rank
+        n, and m = 1, 2, ... among the modes of the same n, (modes,).
+    fields
+        Shapes z of sector 0 at its nodes, (nodes, 3 or 5, modes). The wheel's mass-normalised modes are Re and Im of
+        z e^(2 pi i n j/N) in the axes that turn with sector j; for n = 0 and N/2 the real part alone.
+    rigid
+        Which of them are rigid motions of the wheel, (modes,).
+    sturm_counts
+        n -> modes up to the last one returned, by inertia; None where round-off outweighs what is counted.
+    unknowns
+        Of the largest pencil.
+    seconds
+        Run time by part.
+    """
+
+    sector: CyclicSector
+    freq: FloatArray
+    nodal_diameters: IntArray
+    rank: IntArray
+    fields: Array
+    rigid: IntArray
+    sturm_counts: dict[int, int | None]
+    unknowns: int
+    seconds: dict[str, float]
+
+    def __len__(self) -> int:
+        """Return the number of modes, a pair counted once."""
+        return len(self.freq)
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary for each mode of the wheel, the keys those of `ModeSet.records`; pairs are perfect."""
+        rows: list[dict[str, object]] = []
+        pair = 0
+        for k, freq in enumerate(self.freq):
+            n = int(self.nodal_diameters[k])
+            double = self.sector.count(n) == 2
+            pair += double
+            row: dict[str, object] = {"freq_hz": float(freq), "n": n, "n_purity": 1.0, "m": int(self.rank[k])}
+            row |= {"doublet": pair if double else None, "split_rel": 0.0 if double else None, "angle_deg": None}
+            rows += [row | {"rigid": bool(self.rigid[k])}] * self.sector.count(n)
+        return [{"mode": number} | row for number, row in enumerate(rows, 1)]
+
+    def __repr__(self) -> str:
+        """Table: of each nodal diameter its frequencies."""
+        lines = [f"{'n':>4} {'':6} freq [Hz]"]
+        for n in sorted(set(self.nodal_diameters.tolist())):
+            cells = [f"{freq:11.3f}" for freq in self.freq[self.nodal_diameters == n]]
+            heads = [f"{n:>4} {'pairs' if self.sector.count(n) == 2 else 'single':6}"]
+            parts = ["".join(cells[k : k + ACROSS]) for k in range(0, len(cells), ACROSS)]
+            lines += [f"{head:11}{part}" for head, part in zip(heads + [""] * (len(parts) - 1), parts, strict=True)]
+        counted = "counted (Sturm)" if None not in self.sturm_counts.values() else "not all counted"
+        size = f"{self.unknowns} unknowns of a sector"
+        lines.append(f"{self.sector.sectors} sectors, {size}, {counted}, {sum(self.seconds.values()):.2f} s")
+        return "\n".join(lines)
+
+
+def cyclic_modes(
+    sector: CyclicSector, wanted: int | Band = 12, *, diameters: Sequence[int] | None = None
+) -> CyclicModes:
+    """So many modes of each nodal diameter of a wheel, or those of a band [Hz], complete by Sturm counts.
+
+    Parameters
+    ----------
+    sector
+        One sector. With a `rotation` its stiffness is that of the speed; Coriolis forces are left to `cyclic_whirl`.
+    wanted
+        Modes of each diameter, a pair counted once, or a band [Hz].
+    diameters
+        Some of 0 .. N/2; all if left out.
+
+    Raises
+    ------
+    ModelError
+        `cyclic-diameters` for those the wheel does not have; `rotation-unstable` where K(Omega) is not positive
+        definite.
+    NumericsError
+        If the modes cannot be computed or certified.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> from casingfem.structure.imported.grid import grid_mesh, revolved
+    >>> wall = revolved((0.5, 0.45), (0.0, 0.25), 0.04)
+    >>> part = grid_mesh("hexahedron20", (1, 3, 2), lambda u: wall(u * [1.0, 0.125, 1.0]), groups={"base": (2, 0.0)})
+    >>> held = cf.Solid(mesh=part, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
+    >>> cyclic_modes(CyclicSector(structure=held, sectors=8), 1, diameters=[2, 3]).freq.round(1).tolist()
+    [1174.6, 1166.5]
+    """
+    started = time.perf_counter()
+    chosen = checked_diameters(sector, diameters)
+    system = assemble_cyclic(sector)
+    assembled = time.perf_counter()
+    found = {n: solved(system, n, wanted) for n in chosen}
+    freq, n_of = [found[n].freq for n in chosen], [np.full(len(found[n].eigenvalues), n) for n in chosen]
+    count = max((len(part) for part in freq), default=0) if not isinstance(wanted, int) else wanted
+    kept = [slice(min(count, len(part))) for part in freq]
+    values = np.concatenate([part[cut] for part, cut in zip(freq, kept, strict=True)])
+    fields = [wheel_shapes(system, n, found[n].vectors[:, cut]) for n, cut in zip(chosen, kept, strict=True)]
+    return CyclicModes(
+        sector=sector,
+        freq=frozen(values),
+        nodal_diameters=frozen(np.concatenate([n[cut] for n, cut in zip(n_of, kept, strict=True)])),
+        rank=frozen(np.concatenate([np.arange(1, 1 + len(part[cut])) for part, cut in zip(freq, kept, strict=True)])),
+        fields=frozen(np.concatenate(fields, axis=2)),
+        rigid=frozen(2.0 * np.pi * values < RIGID * system.frequency_scale),
+        sturm_counts={n: found[n].sturm_count for n in chosen},
+        unknowns=max(len(found[n].vectors) for n in chosen),
+        seconds={"assemble": assembled - started, "solve": time.perf_counter() - assembled},
+    )
+
+
+def checked_diameters(sector: CyclicSector, diameters: Sequence[int] | None) -> tuple[int, ...]:
+    """The nodal diameters asked for, ascending, each once."""
+    chosen = tuple(sorted(set(sector.diameters if diameters is None else diameters)))
+    if not chosen or not set(chosen) <= set(sector.diameters):
+        found = f"cyclic.nodal_diameters: found {list(diameters or [])}, expected some of 0 to {sector.sectors // 2}"
+        raise ModelError("cyclic-diameters", found)
+    return chosen
+
+
+def solved(system: CyclicSystem, n: int, wanted: int | Band) -> EigenResult:
+    """The eigenpairs of one nodal diameter, vectors on the free dofs of the sector with x^H M x = 1."""
+    K, M, T = system.matrices(n)
+    found = solve(K, M, wanted, shift=-((SHIFT * system.frequency_scale) ** 2))
+    if system.spin is not None and len(found.eigenvalues) and found.eigenvalues[0] < 0.0:
+        raise ModelError("rotation-unstable", f"modes: found omega^2 = {found.eigenvalues[0]:.4g} rad^2/s^2, n = {n}")
+    vectors = T @ found.vectors
+    return EigenResult(found.eigenvalues, vectors, found.sturm_count, found.residuals, found.products)
+
+
+def wheel_shapes(system: CyclicSystem, n: int, vectors: Array) -> Array:
+    """Vectors of one diameter as shapes that are mass-normalised over the wheel, their largest displacement real."""
+    shapes = system.system.expand(vectors * np.sqrt(system.sector.count(n) / system.sector.sectors))
+    flat = shapes[:, :3].reshape(-1, shapes.shape[2])
+    peak = flat[np.abs(flat).argmax(axis=0), np.arange(shapes.shape[2])]
+    return np.asarray(shapes * (np.conj(peak) / np.abs(peak)))

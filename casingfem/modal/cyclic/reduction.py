@@ -1,0 +1,107 @@
+"""A wheel, tuned or mistuned, as a modal basis seen from the tips of all its blades."""
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray
+from casingfem.modal.basis import ModalBasis
+from casingfem.modal.cyclic.mistuned import Deviations, checked_deviations, mixed, richer
+from casingfem.modal.cyclic.waves import wheel_waves
+from casingfem.modal.imported.interface import node_places
+from casingfem.modal.interface import AtNodes, Interface, Rim
+from casingfem.modal.interface_view import view
+from casingfem.modal.reduction import provenance
+from casingfem.structure.geometry.rotation import axis_frame
+from casingfem.structure.imported.assembly import MeshSystem
+from casingfem.structure.imported.cyclic.blade import blade_stiffness
+from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
+
+DIRECTIONS = ("span", "flap", "chord")
+OF_A_DIAMETER = 6  # modes of each kept, if nothing is said
+
+
+def cyclic_reduce(
+    sector: CyclicSector,
+    interface: Interface,
+    *,
+    modes: int = OF_A_DIAMETER,
+    zeta: float = 0.0,
+    deviations: Deviations | None = None,
+    blade: str | None = None,
+) -> ModalBasis:
+    """Reduce a wheel to its tips: N sectors times the channels of one, as a body that a rub takes as its blades.
+
+    Parameters
+    ----------
+    sector
+        One sector, held somewhere.
+    interface
+        `Tip`, `TipNodes` or `AtNodes` of the sector; at nodes span is radial, flap along growing angles, chord along
+        the axis. Channels sector0.span, sector0.flap, ..., in the axes that turn with each sector.
+    modes
+        Kept of each nodal diameter, pairs counted once: N times as many of the wheel.
+    zeta
+        Damping ratio given to every mode.
+    deviations, blade
+        Mistuning, as in `mistuned_modes`.
+
+    Raises
+    ------
+    ModelError
+        As of `reduce` and `mistuned_modes`; `interface-edge` for a rim.
+    """
+    if isinstance(interface, Rim):
+        raise ModelError(
+            "interface-edge", "a wheel is seen at its tips: found a Rim, expected Tip, TipNodes or AtNodes"
+        )
+    if not 0.0 <= zeta < 1.0:
+        raise ModelError("reduce-damping", f"zeta must lie in [0, 1), found {zeta!r}")
+    if not any(sector.structure.supports.values()):
+        raise ModelError("reduce-rigid", "an unsupported structure has rigid motions")
+    system = assemble_cyclic(sector)
+    if not 1 <= modes < system.system.size // 2:
+        raise ModelError("modes-count", f"modes must lie between 1 and {system.system.size // 2 - 1}, found {modes!r}")
+    seen = view(system.system, interface)
+    P, channels = seen.loads, seen.channels
+    if isinstance(interface, AtNodes):
+        P, channels = cylindrical(sector, system.system, interface, P)
+    if not P.any():
+        raise ModelError("interface-held", "interface: it is held, nothing can be pushed there")
+    mistuned = deviations is not None and bool(np.any(checked_deviations(deviations, sector.sectors)))
+    stiff = blade_stiffness(sector.structure, system.system, blade) if mistuned else None
+    waves = wheel_waves(system, richer(modes) if mistuned else modes, P, stiff)
+    omega, turn = mixed(waves, deviations if mistuned else None)
+    rows, count = waves.rows() @ turn, sector.sectors * modes
+    rest = rows[:, count:] / omega[count:]
+    rotation = sector.structure.rotation
+    added = np.zeros((0, 0)) if rotation is None else turn[:, :count].T @ waves.added @ turn[:, :count]
+    return ModalBasis(
+        omega=omega[:count],
+        zeta=np.full(count, zeta),
+        channels=tuple(f"sector{j}.{name}" for j in range(sector.sectors) for name in channels),
+        rows=rows[:, :count],
+        S=rest @ rest.T,
+        kind="point",
+        sectors=sector.sectors,
+        spin=0.0 if rotation is None else rotation.omega,
+        K_omega=0.5 * (added + added.T),
+        provenance=provenance(system.system, "cyclic", modes)
+        | seen.facts
+        | {"sectors": sector.sectors, "mistuning": None if deviations is None else np.asarray(deviations).tolist()},
+    )
+
+
+def cylindrical(
+    sector: CyclicSector, system: MeshSystem, at: AtNodes, P: FloatArray
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Loads at nodes along the radius, the angle and the axis, (free, channels), and their names."""
+    e1, e2, a = axis_frame(sector.axis)
+    across = sector.turn.across(system.points[node_places(system, at.nodes)])
+    if not np.all(np.abs(across) > 1e-9 * system.structure.mesh.size):
+        raise ModelError(
+            "interface-nodes", f"at: found node {at.nodes[int(np.abs(across).argmin())]} on the wheel's axis"
+        )
+    c, s = (across / np.abs(across)).real[:, None], (across / np.abs(across)).imag[:, None]
+    units = np.stack([c * e1 + s * e2, c * e2 - s * e1, np.broadcast_to(a, (len(across), 3))], axis=1)
+    turned = np.einsum("fkc,kdc->fkd", P.reshape(len(P), -1, 3), units).reshape(len(P), -1)
+    return turned, tuple(f"{number}.{name}" for number in at.nodes for name in DIRECTIONS)

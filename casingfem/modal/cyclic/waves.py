@@ -1,0 +1,132 @@
+"""The waves that a wheel's motion is made of: tuned modes of all diameters, and what a push at its channels adds.
+
+The sector's residual attachment r = (K^-1 - Phi Lambda^-1 Phi^H) T^H P of each diameter joins its modes; it is
+K- and M-orthogonal to them, so the few combinations of r that are so among themselves are waves like the others. With
+them the static answer at the channels is exact, and that of a mistuned wheel right to the second order.
+
+A pair z of 0 < n < N/2 has two real amplitudes: u_j = sqrt(2/N) Re(z e^(i n alpha j) (c - i s)) in sector j.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.linalg.factor import factorise
+from casingfem.modal.cyclic.modes import solved
+from casingfem.structure.imported.cyclic.sector import CyclicSystem
+
+NOTHING = 1e-10  # of the largest energy: an attachment that the others already make
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Waves:
+    """Real coordinates of the wheel, D of them: by diameter, cosines before sines.
+
+    Attributes
+    ----------
+    sectors
+        N.
+    n
+        Diameter of each coordinate, (D,).
+    omega
+        Frequency of each, tuned [rad/s], (D,); those of attachments are far above.
+    modes
+        Which coordinates are modes and no attachments, (D,).
+    partner, sign
+        The sine of a cosine and the other way round, itself for n = 0 and N/2, (D,); the factor of its part, (D,).
+    places
+        Motion of the channels of sector 0, real part before imaginary for a pair, (channels, D).
+    blade
+        Elastic energy of the blade of sector 0 between the coordinates, (D, D); empty unless asked for.
+    added
+        Modal stiffness that each (rad/s)^2 adds, (D, D); empty without rotation.
+    """
+
+    sectors: int
+    n: IntArray
+    omega: FloatArray
+    modes: Array
+    partner: IntArray
+    sign: FloatArray
+    places: FloatArray
+    blade: FloatArray
+    added: FloatArray
+
+    def turned(self, table: FloatArray, j: int) -> FloatArray:
+        """What a table (..., D) of sector 0 is for sector j."""
+        phase = 2.0 * np.pi * j * self.n / self.sectors
+        own = self.partner == np.arange(len(self.n))
+        sine = np.where(own, 0.0, self.sign * np.sin(phase))
+        return np.asarray(table * np.cos(phase) + table[..., self.partner] * sine)
+
+    def rows(self) -> FloatArray:
+        """Motion of the channels of every sector, (N channels, D)."""
+        return np.concatenate([self.turned(self.places, j) for j in range(self.sectors)])
+
+    def blade_energy(self, j: int) -> FloatArray:
+        """Elastic energy of the blade of sector j between the coordinates, (D, D)."""
+        return self.turned(self.turned(self.blade, j).T, j).T
+
+
+def wheel_waves(system: CyclicSystem, count: int, loads: FloatArray | None, blade: csc_array | None) -> Waves:
+    """The waves of a wheel: `count` modes of each diameter, attachments of `loads` (free, channels), a blade's energy.
+
+    Raises
+    ------
+    NumericsError
+        If modes cannot be computed, or a stiffness is singular.
+    """
+    sector = system.sector
+    P = np.zeros((system.system.size, 0)) if loads is None else loads
+    held = np.unique(blade.nonzero()[0]) if blade is not None else np.zeros(0, dtype=np.int64)
+    parts: dict[str, list[Array]] = {
+        name: [] for name in ("n", "omega", "modes", "partner", "sign", "places", "shapes")
+    }
+    blocks, first = [], 0
+    for n in sector.diameters:
+        omega, Z, modes = waves_of(system, n, count, P)
+        scale, size = np.sqrt(sector.count(n) / sector.sectors), len(omega)
+        copies = sector.count(n)
+        for name, values in (("n", np.full(size, n)), ("omega", omega), ("modes", modes)):
+            parts[name] += [values] * copies
+        own = first + np.arange(size * copies)
+        parts["partner"].append(np.roll(own, size) if copies == 2 else own)
+        parts["sign"] += [np.full(size, -1.0), np.ones(size)][:copies]
+        for name, values in (("places", scale * (P.T @ Z)), ("shapes", scale * Z[held])):
+            parts[name] += [values.real, values.imag][:copies]
+        if system.spin is not None:
+            H = Z.conj().T @ (system.spin.K1 @ Z)
+            blocks.append(np.block([[H.real, H.imag], [-H.imag, H.real]]) if copies == 2 else H.real)
+        first += size * copies
+    joined = {name: np.concatenate(part, axis=-1) for name, part in parts.items()}
+    shapes = joined.pop("shapes")
+    energy = np.zeros((0, 0)) if blade is None else shapes.T @ (blade[held][:, held] @ shapes)
+    added = np.zeros((0, 0))
+    if blocks:
+        added, at = np.zeros((first, first)), 0
+        for block in blocks:
+            added[at : at + len(block), at : at + len(block)] = 0.5 * (block + block.T)
+            at += len(block)
+    return Waves(sectors=sector.sectors, blade=energy, added=added, **joined)
+
+
+def waves_of(system: CyclicSystem, n: int, count: int, P: FloatArray) -> tuple[FloatArray, Array, Array]:
+    """Frequencies, vectors on the sector's free dofs with x^H M x = 1, and which are modes, of one diameter."""
+    found = solved(system, n, count)
+    omega, X = np.sqrt(found.eigenvalues[:count]), found.vectors[:, :count]
+    if not P.shape[1]:
+        return omega, X, np.ones(len(omega), dtype=bool)
+    K, _, T = system.matrices(n)
+    attached = T @ factorise(K).solve(np.asarray(T.conj().T @ P))
+    r = attached - X @ ((X.conj().T @ P) / omega[:, None] ** 2)
+    stiff = r.conj().T @ (system.system.K @ r)
+    energy, turn = np.linalg.eigh(0.5 * (stiff + stiff.conj().T))
+    kept = energy > NOTHING * energy.max(initial=0.0)
+    r = r @ (turn[:, kept] / np.sqrt(energy[kept]))
+    inertia = r.conj().T @ (system.system.M @ r)
+    squares, turn = np.linalg.eigh(0.5 * (inertia + inertia.conj().T))  # 1/omega^2
+    r = r @ (turn / np.sqrt(squares))
+    modes = np.concatenate([np.ones(len(omega), dtype=bool), np.zeros(len(squares), dtype=bool)])
+    return np.concatenate([omega, 1.0 / np.sqrt(squares)]), np.hstack([X, r]), modes

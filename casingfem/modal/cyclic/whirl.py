@@ -1,0 +1,108 @@
+"""Waves on a rotating wheel, Coriolis forces included: the two members of a pair part into forward and backward."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.modal.cyclic.modes import checked_diameters
+from casingfem.modal.whirl import expand_complex, gyroscopic_modes
+from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
+
+SENSES = {1: "forward", -1: "backward", 0: "single"}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class CyclicWhirl:
+    """Modes of a rotating wheel with Coriolis forces, by nodal diameter, sense, and frequency.
+
+    Attributes
+    ----------
+    sector
+        The wheel.
+    freq
+        Frequencies for an observer who turns with it [Hz], (modes,).
+    nodal_diameters
+        n, (modes,).
+    sense
+        1 for a wave that runs with the rotation, -1 for one against it, 0 for n = 0 and N/2, (modes,).
+    fields
+        Complex shapes of sector 0, largest displacement 1, (nodes, 3 or 5, modes): in the axes of sector j the motion
+        is the real part of shape times e^(i omega t -+ 2 pi i n j/N).
+    """
+
+    sector: CyclicSector
+    freq: FloatArray
+    nodal_diameters: IntArray
+    sense: IntArray
+    fields: Array
+
+    def __len__(self) -> int:
+        """Return the number of modes."""
+        return len(self.freq)
+
+    @property
+    def freq_fixed(self) -> FloatArray:
+        """Frequencies [Hz] of the n waves around for an observer at rest: |f + sense n Omega/2 pi|, (modes,)."""
+        rotation = self.sector.structure.rotation
+        turns = 0.0 if rotation is None else abs(rotation.omega) / (2.0 * np.pi)
+        return np.abs(self.freq + self.sense * self.nodal_diameters * turns)
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a mode: n, sense, freq_hz in the rotating frame, freq_fixed_hz."""
+        columns = (self.nodal_diameters, self.sense, self.freq, self.freq_fixed)
+        return [
+            {"n": int(n), "sense": int(sense), "freq_hz": float(f), "freq_fixed_hz": float(fixed)}
+            for n, sense, f, fixed in zip(*columns, strict=True)
+        ]
+
+    def __repr__(self) -> str:
+        """Table: n, sense, frequency in the rotating frame and at rest."""
+        lines = [f"{'n':>4} {'wave':>8} {'turning [Hz]':>13} {'at rest [Hz]':>13}"]
+        for row in self.records():
+            sense = SENSES[int(str(row["sense"]))]
+            lines.append(f"{row['n']:>4} {sense:>8} {row['freq_hz']:>13.3f} {row['freq_fixed_hz']:>13.3f}")
+        return "\n".join(lines)
+
+
+def cyclic_whirl(sector: CyclicSector, count: int = 6, *, diameters: Sequence[int] | None = None) -> CyclicWhirl:
+    """Lowest `count` modes of each nodal diameter and sense, complete by a count of inertia.
+
+    M x'' + Omega G x' + K(Omega) x = 0 with the matrices of n for a wave against the sense of the axis, their
+    conjugates for one with it.
+
+    Raises
+    ------
+    ModelError
+        `rotation-none` for a sector at rest, `rotation-unstable` where K(Omega) is not positive definite.
+    NumericsError
+        If the modes cannot be computed or certified.
+    """
+    chosen = checked_diameters(sector, diameters)
+    system, rotation = assemble_cyclic(sector), sector.structure.rotation
+    if rotation is None or system.spin is None:
+        raise ModelError("rotation-none", "cyclic_whirl: found a wheel without rotation")
+    axis = np.asarray(sector.axis) / np.linalg.norm(sector.axis)
+    turning = int(np.sign(rotation.omega * (rotation.direction @ axis)))
+    freq, fields, labels = [], [], []
+    for n in chosen:
+        K, M, T = system.matrices(n)
+        G = csc_array(rotation.omega * (T.conj().T @ system.spin.G @ T))
+        G = csc_array(0.5 * (G - G.conj().T))
+        waves = [(1, True), (-1, False)] if sector.count(n) == 2 else [(0, False)]
+        for sense, against in sorted((sense * turning, against) for sense, against in waves):
+            own = [csc_array(A.conj()) if against else A for A in (K, G, M, T)]
+            omega, vectors, _ = gyroscopic_modes(own[0], own[1], count, scale=system.frequency_scale, mass=own[2])
+            freq.append(omega[:count] / (2.0 * np.pi))
+            fields.append(expand_complex(system.system, own[3] @ vectors[:, :count]))
+            labels += [(n, sense)] * len(freq[-1])
+    return CyclicWhirl(
+        sector=sector,
+        freq=frozen(np.concatenate(freq)),
+        nodal_diameters=frozen(np.array([n for n, _ in labels])),
+        sense=frozen(np.array([sense for _, sense in labels])),
+        fields=frozen(np.concatenate(fields, axis=2)),
+    )

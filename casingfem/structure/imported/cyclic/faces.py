@@ -1,0 +1,144 @@
+"""The two faces of a sector: nodes that the turn by one sector's angle lays on each other."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.geometry.rotation import Vector, axis_frame
+from casingfem.structure.imported.checks import check_groups, spacing
+from casingfem.structure.imported.mesh_data import MeshData
+
+MATCH = 1e-3  # of the shortest edge: how far apart paired nodes may be
+NEAR = 0.25  # of the shortest edge: nodes that miss each other by less were meant to be paired
+ALIKE = 1e-3  # relative error of the angle between two faces
+
+
+class Turn(NamedTuple):
+    """The turn about an axis through a point by one sector's angle [rad]."""
+
+    axis: Vector
+    point: Vector
+    angle: float
+
+    @property
+    def matrix(self) -> FloatArray:
+        """Rotation matrix, (3, 3)."""
+        e1, e2, a = axis_frame(self.axis)
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.asarray(np.outer(a, a) + c * (np.eye(3) - np.outer(a, a)) + s * (np.outer(e2, e1) - np.outer(e1, e2)))
+
+    def places(self, points: FloatArray, times: int = 1) -> FloatArray:
+        """Points (nodes, 3) turned so many times."""
+        turned = (points - self.point) @ np.linalg.matrix_power(self.matrix, times).T
+        return np.asarray(turned + self.point)
+
+    def across(self, points: FloatArray) -> FloatArray:
+        """Components across the axis, x + i y, (nodes,) complex."""
+        e1, e2, _ = axis_frame(self.axis)
+        away = points - np.asarray(self.point)
+        return np.asarray(away @ e1 + 1j * (away @ e2))
+
+    def __str__(self) -> str:
+        """In words."""
+        axis, point = (f"({x:g}, {y:g}, {z:g})" for x, y, z in (self.axis, self.point))
+        return f"turned by {np.degrees(self.angle):.6g} degrees about {axis} through {point}"
+
+
+class Pairs(NamedTuple):
+    """Nodes of the low face and the nodes of the high face on which the turn lays them; the same node on the axis."""
+
+    low: IntArray
+    high: IntArray
+
+
+def paired_faces(mesh: MeshData, turn: Turn, names: tuple[str, str] | None, tolerance: float | None) -> Pairs:
+    """The pairs of two groups, or of all nodes that the turn lays on another, to a tolerance [m].
+
+    Raises
+    ------
+    ModelError
+        `cyclic-sectors` where the faces are another angle apart, `cyclic-faces` where nodes or facets do not match:
+        with the distance and the node.
+
+    Examples
+    --------
+    >>> from casingfem.structure.imported.grid import grid_mesh, revolved
+    >>> wall = revolved((0.5, 0.45), (0.0, 0.25), 0.01)
+    >>> part = grid_mesh("hexahedron20", (1, 2, 2), lambda u: wall(u * [1.0, 0.125, 1.0]))
+    >>> pairs = paired_faces(part, Turn((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), np.pi / 4.0), None, None)
+    >>> len(pairs.low)  # two bricks of 20 nodes with a common facet
+    13
+    """
+    edge = spacing(mesh)
+    reach = MATCH * edge if tolerance is None else tolerance
+    pairs = (
+        found_pairs(mesh, turn, reach, max(NEAR * edge, reach)) if names is None else named(mesh, turn, names, reach)
+    )
+    own = pairs.low != pairs.high
+    if len(np.intersect1d(pairs.low[own], pairs.high[own])):
+        raise ModelError("cyclic-sectors", f"{mesh.source}: {turn}, the part repeats itself within")
+    if not own.any():
+        raise ModelError("cyclic-faces", f"{mesh.source}: {turn}, found no nodes of faces but those on the axis")
+    require_facets(mesh, pairs)
+    return pairs
+
+
+def found_pairs(mesh: MeshData, turn: Turn, reach: float, near: float) -> Pairs:
+    """Nodes of the surface that the turn lays on another one of it."""
+    nodes = np.unique(mesh.facet_nodes(mesh.boundary))
+    distance, partner = cKDTree(mesh.points[nodes]).query(turn.places(mesh.points[nodes]))
+    hit = distance <= reach
+    missed = np.flatnonzero(~hit & (distance <= near))
+    if not hit.any() or len(missed):
+        k = int(distance.argmin()) if not hit.any() else int(missed[distance[missed].argmax()])
+        raise ModelError(
+            "cyclic-faces", f"{mesh.source}: {turn}, {miss(mesh, nodes[k], nodes[partner[k]], distance[k])}"
+        )
+    return Pairs(nodes[hit], nodes[partner[hit]])
+
+
+def named(mesh: MeshData, turn: Turn, names: tuple[str, str], reach: float) -> Pairs:
+    """The pairs of two groups, in either order."""
+    check_groups(mesh, names)
+    low, high = (np.intersect1d(mesh.groups[name].nodes, mesh.used) for name in names)
+    if len(low) != len(high):
+        found = f"{len(low)} nodes in {names[0]!r}, {len(high)} in {names[1]!r}"
+        raise ModelError("cyclic-faces", f"{mesh.source}: found {found}")
+    first, last = (turn.across(mesh.points[nodes]).sum() for nodes in (low, high))
+    apart = float(np.angle(last / first)) if first != 0.0 else np.nan
+    if abs(apart + turn.angle) <= ALIKE * turn.angle:
+        low, high, apart = high, low, -apart
+    if not abs(apart - turn.angle) <= ALIKE * turn.angle and turn.angle < np.pi:
+        would = round(2.0 * np.pi / abs(apart)) if apart else 0
+        found = f"faces {abs(np.degrees(apart)):.6g} degrees apart, as {would} sectors have"
+        wanted = f"{round(2.0 * np.pi / turn.angle)} sectors, {np.degrees(turn.angle):.6g} degrees each"
+        raise ModelError("cyclic-sectors", f"{mesh.source}: found {found}, beside {wanted}")
+    distance, partner = cKDTree(mesh.points[high]).query(turn.places(mesh.points[low]))
+    worst = int(distance.argmax())
+    if distance[worst] > reach or len(np.unique(partner)) < len(partner):
+        found = miss(mesh, low[worst], high[partner[worst]], distance[worst])
+        raise ModelError("cyclic-faces", f"{mesh.source}: {turn}, {found}")
+    return Pairs(low, high[partner])
+
+
+def miss(mesh: MeshData, node: int, partner: int, distance: float) -> str:
+    """A node that does not meet its partner, in words."""
+    return f"node {mesh.labels[node]} comes to lie {distance:.3g} m from the nearest, {mesh.labels[partner]}"
+
+
+def require_facets(mesh: MeshData, pairs: Pairs) -> None:
+    """Refuse faces whose facets are not laid on facets: other diagonals, other sizes."""
+    partner = np.full(len(mesh.points), -1)
+    partner[pairs.low] = pairs.high
+    facets = mesh.facet_nodes(mesh.boundary)
+    turned = np.sort(partner[facets[(partner[facets] >= 0).all(axis=1)]], axis=1)
+    own = {tuple(row) for row in np.sort(facets, axis=1).tolist()}
+    alone = [row for row in turned.tolist() if tuple(row) not in own]
+    if not len(turned) or alone:
+        what = (
+            f"a facet comes to lie on nodes {mesh.labels[alone[0]].tolist()}, which are no facet" if alone else "none"
+        )
+        raise ModelError("cyclic-faces", f"{mesh.source}: facets of the faces: found {what}")
