@@ -12,7 +12,7 @@ unexport PYTHONDONTWRITEBYTECODE
 CORES := -n logical
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study test variants fast check lint types doctests bench campaign mutants clean
+.PHONY: help setup study docs test variants fast check lint types doctests bench campaign mutants clean
 
 help:    ## show what each target does
 	@grep -hE '^[a-z]+: .*##|^[a-z]+:  +##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -28,6 +28,15 @@ $(READY): pyproject.toml constraints.txt
 
 study: $(READY) ## measured frequencies -> updated shells -> reduced bases -> rub -> reports/out/report.html
 	$(BIN)/python -m reports.rig
+
+docs: $(VENV)/.docs ## the pages of docs/ as a site, with tutorial and gallery run -> build/docs/index.html
+	$(BIN)/python -m sphinx -W --keep-going -q -d build/doctrees docs build/docs
+	@echo build/docs/index.html
+
+# the packages that build the site are an extra of their own
+$(VENV)/.docs: $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[docs]'
+	@touch $@
 
 test: $(READY) ## every test but those of campaigns
 	$(BIN)/python -m pytest $(CORES) -m 'not campaign'
@@ -62,4 +71,4 @@ mutants: $(READY) ## share of 120 small faults, one at a time, that the tests se
 	$(BIN)/python -m reports.mutants --seed 20261 --count 120
 
 clean:   ## remove what is generated
-	rm -rf reports/out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	rm -rf reports/out build docs/built dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

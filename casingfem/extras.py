@@ -23,6 +23,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         "sampling": Extra("a sampled posterior of an update (update --posterior emcee)", ("emcee",)),
         "cluster": Extra("sweeps on a Dask cluster (sweep --scheduler)", ("distributed",)),
         "direct": Extra("MKL's factorisation for modes of large structures (direct = pardiso)", ("pypardiso",)),
+        "docs": Extra("these pages as a site (make docs)", ("sphinx", "furo", "sphinx-gallery", "myst-parser")),
         "dev": Extra(
             "tests, checks and types of the project itself, with the first three",
             (

@@ -25,7 +25,7 @@ LOOPS = {
     ],
     "one contact": [
         "test_rim.py", "test_interaction.py", "test_run_many.py", "test_stability.py", "test_wear.py", "test_beam.py",
-        "test_record.py", "test_exact_modal.py", "test_scene.py",
+        "test_record.py", "test_exact_modal.py", "test_scene.py", "test_docs.py",
     ],
 }  # fmt: skip
 # then those that take long, so that none is left for the end

@@ -1,0 +1,29 @@
+"""
+A blade under a force
+=====================
+
+Static solutions use the same matrices as modes. A cantilever under a force at its tip bends as beam theory says.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import casingfem as cf
+
+length, width, thickness, force = 0.30, 0.02, 2e-3, 1.0
+steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+strip = cf.Shell(
+    chart=cf.Plate(length=length, width=width), thickness=thickness, material=steel, supports={"root": cf.Clamped()}
+)
+bent = cf.solve_static(strip, [cf.loads.EdgeLoad(edge="tip", force=(0.0, 0.0, force / width))])
+x = np.linspace(0.0, length, 31)
+flap = np.array([bent.at(a, 0.0)[2] for a in x])
+beam = force * x**2 * (3.0 * length - x) / (6.0 * steel.E * width * thickness**3 / 12.0)
+
+figure, axes = plt.subplots(layout="constrained")
+axes.plot(x, 1e3 * flap, label="shell")
+axes.plot(x, 1e3 * beam, "--", label="beam")
+axes.set(xlabel="from the root [m]", ylabel="deflection [mm]")
+axes.legend()
+
+assert abs(flap[-1] / beam[-1] - 1.0) < 0.02

@@ -1,0 +1,31 @@
+"""
+Casings of a batch
+==================
+
+Where nobody has measured the imperfections, they are drawn: from the size that each harmonic usually has, a median and
+a 90th percentile. The splits of a batch are then a distribution.
+"""
+
+import numpy as np
+
+import casingfem as cf
+from casingfem.plot.mistune import figure_splits
+
+usual = cf.field.Spectrum(p=np.arange(2, 9), median=np.full(7, 2e-4), high=np.full(7, 5e-4))
+casing = cf.Shell(
+    chart=cf.Cylinder(radius=0.10, height=0.25),
+    thickness=1.5e-3,
+    material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    supports={"base": cf.Clamped()},
+    radius_defect=cf.field.RandomField(spectrum=usual, seed=20261),
+    mesh=cf.ShellMesh(order=6, rows=1, around=9),
+)
+batch = cf.mistune(casing, draws=12, count=6)
+figure = figure_splits(batch)
+
+# %%
+# Draw 7 is the same casing in every batch with this seed.
+
+again = cf.mistune(casing, draws=8, count=6)
+assert np.allclose(batch.split[batch.draw == 7], again.split[again.draw == 7], rtol=1e-9)
+assert 1e-4 < np.median(batch.split[batch.n == 3]) < 1e-2

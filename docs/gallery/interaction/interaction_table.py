@@ -1,0 +1,52 @@
+"""
+A rub and its table of interactions
+===================================
+
+For reduced bodies the coincidences stand where the closed contact puts them, with the growth rate of each. Waves whose
+sum is met diverge even without friction.
+"""
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import casingfem as cf
+import contact as ct
+from casingfem.plot.interaction import figure_interactions
+
+steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+casing = cf.Shell(
+    chart=cf.Cylinder(radius=0.20, height=0.15),
+    thickness=1.5e-3,
+    material=steel,
+    supports={"base": cf.Clamped()},
+    mesh=cf.ShellMesh(order=6, rows=1, around=17),
+)
+blade = cf.Shell(
+    chart=cf.Plate(length=0.08, width=0.03),
+    thickness=2e-3,
+    material=steel,
+    supports={"root": cf.Clamped()},
+    mesh=cf.ShellMesh(order=6, rows=2, around=2),
+)
+with tempfile.TemporaryDirectory() as folder:
+    rim = cf.reduce(casing, cf.Rim("top", n_max=8), modes=12, zeta=5e-4).save(Path(folder, "casing.npz"))
+    tip = cf.reduce(blade, cf.Tip(), modes=2, zeta=5e-4).save(Path(folder, "blade.npz"))
+    bodies = ct.ModalBody.load(rim), ct.ModalBody.load(tip)
+rub = ct.RotatingRim(
+    *bodies,
+    clearance=-5e-5,
+    speed_hz=100.0,
+    lean_deg=20.0,
+)
+found = ct.growth.interactions(rub, np.linspace(60.0, 220.0, 161), mu=0.1)
+print(found)
+figure = figure_interactions(found)
+
+# %%
+# The coincidence of n = 8 stands at (f_c + f_b)/8 without contact, and higher while it stays closed.
+
+eight = next(row for row in found.rows if row.n == 8 and row.growth > 100.0)
+assert abs(eight.free_hz - (eight.casing_hz + eight.blade_hz) / 8.0) < 1e-6
+assert eight.closed_hz > eight.free_hz

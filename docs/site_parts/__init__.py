@@ -1,0 +1,1 @@
+"""What the site needs beyond Sphinx: pages of the API, formulas without a network, links that leave docs/."""

@@ -1,0 +1,81 @@
+"""The pages of the API: one for each package and room, every exported name on the page of the room nearest the top."""
+
+import importlib
+import inspect
+from pathlib import Path
+from types import ModuleType
+
+from sphinx.application import Sphinx
+
+PACKAGES = ("casingfem", "contact")
+SHORT = {"casingfem": "cf", "contact": "ct"}
+
+
+def rooms() -> dict[str, ModuleType]:
+    """The packages and the rooms below them by their addresses, the nearest to the top first."""
+    found: dict[str, ModuleType] = {}
+    waiting = [(name, importlib.import_module(name)) for name in PACKAGES]
+    while waiting:
+        address, module = waiting.pop(0)
+        if module in found.values():  # a room below another is also at the top
+            continue
+        found[address] = module
+        parts = ((name, getattr(module, name)) for name in names(module))
+        waiting += [(f"{address}.{name}", part) for name, part in parts if inspect.ismodule(part)]
+    return found
+
+
+def names(module: ModuleType) -> list[str]:
+    """What a room exports: its list, else what is written in it."""
+    own = (name for name, item in vars(module).items() if getattr(item, "__module__", "") == module.__name__)
+    return sorted(getattr(module, "__all__", None) or own, key=str.lower)
+
+
+def page(address: str, module: ModuleType, seen: dict[int, str]) -> str:
+    """The page of a room; what an earlier page has is named with its place there."""
+    first, _, rest = address.partition(".")
+    called = SHORT[first] + (f".{rest}" if rest else "")
+    lines = [f"``{called}``", "=" * (len(called) + 4), "", f".. module:: {address}", ""]
+    lines += [inspect.getdoc(module).partition("\n")[0] if module.__doc__ else "", ""]
+    elsewhere = []
+    for name in names(module):
+        item = getattr(module, name)
+        if inspect.ismodule(item) or not callable(item):
+            continue
+        if id(item) in seen:
+            elsewhere.append(f":obj:`~{seen[id(item)]}`")
+            continue
+        seen[id(item)] = f"{address}.{name}"
+        kind = "autoclass" if inspect.isclass(item) else "autofunction"
+        lines += [f".. {kind}:: {address}.{name}", "   :members:" if kind == "autoclass" else "", ""]
+    if elsewhere:
+        lines += ["Also here: " + ", ".join(elsewhere) + ".", ""]
+    return "\n".join(lines) + "\n"
+
+
+def write(app: Sphinx) -> None:
+    """Write docs/built/api before the pages are read."""
+    folder = Path(app.srcdir, "built", "api")
+    folder.mkdir(parents=True, exist_ok=True)
+    seen: dict[int, str] = {}
+    found = rooms()
+    for address, module in found.items():
+        text = page(address, module, seen)
+        path = folder / f"{address}.rst"
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+    title = "Every name"
+    index = [title, "=" * len(title), "", ".. toctree::", "", *(f"   {address}" for address in found)]
+    (folder / "index.rst").write_text("\n".join(index) + "\n", encoding="utf-8")
+
+
+def plain(app: Sphinx, what: str, name: str, item: object, options: object, lines: list[str]) -> None:
+    """|u| in a docstring is a modulus, which Sphinx would take for a name to be replaced; not so in examples."""
+    lines[:] = [line if line.lstrip().startswith((">>>", "...")) else line.replace("|", "\\|") for line in lines]
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Called by Sphinx."""
+    app.connect("builder-inited", write)
+    app.connect("autodoc-process-docstring", plain, priority=400)  # before napoleon
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

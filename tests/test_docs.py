@@ -1,0 +1,56 @@
+"""The pages of docs/: all are reached from the first one, the gallery's examples run, what one asserts holds."""
+
+import re
+import runpy
+from pathlib import Path
+
+import matplotlib.figure
+import matplotlib.pyplot as plt
+import pytest
+
+DOCS = Path(__file__).parents[1] / "docs"
+GALLERY = sorted(DOCS.glob("gallery/*/*.py"))
+TUTORIAL = sorted(DOCS.glob("tutorial/*.py"))
+TOCTREE = re.compile(r"^```\{toctree\}\n((?:.*\n)*?)```", re.MULTILINE)
+MADE = {"built/tutorial/index", "built/gallery/index", "built/api/index"}
+
+
+def named(page: Path) -> list[str]:
+    """The pages in the toctrees of a page, from docs/ on, without their ending."""
+    blocks = TOCTREE.findall(page.read_text(encoding="utf-8"))
+    lines = [line for block in blocks for line in block.splitlines() if line and not line.startswith(":")]
+    return [(page.parent / line).relative_to(DOCS).as_posix() for line in lines]
+
+
+def test_every_page_is_in_one_toctree_and_every_toctree_s_page_is_there():
+    pages = {path.relative_to(DOCS).with_suffix("").as_posix(): path for path in DOCS.rglob("*.md")}
+    held = [name for path in pages.values() for name in named(path)]
+    assert len(pages) > 9
+    assert sorted([*held, "index"]) == sorted([*pages, *MADE])
+
+
+def test_every_example_stands_in_a_section_of_the_gallery():
+    sections = re.findall(r'"gallery/(\w+)"', (DOCS / "conf.py").read_text(encoding="utf-8"))
+    assert len(GALLERY) >= 24
+    assert sorted(sections) == sorted({path.parent.name for path in DOCS.glob("gallery/*/*")})
+    assert all((DOCS / "gallery" / name / "GALLERY_HEADER.rst").is_file() for name in sections)
+    assert not list(DOCS.glob("gallery/*.py"))
+
+
+@pytest.mark.parametrize("path", [*TUTORIAL, *GALLERY], ids=lambda path: path.stem)
+def test_an_example_has_a_title_one_picture_and_a_number_that_it_asserts(path):
+    text = path.read_text(encoding="utf-8")
+    title = re.match(r'r?"""\n(.+)\n(=+)\n\n', text)
+    assert title
+    assert len(title[1]) == len(title[2])
+    assert len(re.findall(r"^assert .*\d", text, re.MULTILINE)) >= 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [*TUTORIAL, *GALLERY], ids=lambda path: path.stem)
+def test_an_example_runs_and_draws(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = runpy.run_path(str(path))
+    assert isinstance(names["figure"], matplotlib.figure.Figure)
+    assert any(axes.has_data() for axes in names["figure"].axes)
+    plt.close("all")
