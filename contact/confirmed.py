@@ -15,6 +15,7 @@ from contact.growth.closed_contact import poles_each, state_matrix
 from contact.growth.interaction_table import Interactions
 from contact.growth.interaction_table import interactions as by_theory
 from contact.growth.perfect_mean import mean_contact, perfect_mean
+from contact.io.reported import Reported
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.gap import RotatingRim
@@ -69,11 +70,15 @@ class ConfirmingRun:
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Confirmed:
+class Confirmed(Reported):
     """The table of interactions `found`, and the run at its worst speed; none where nothing diverges."""
 
     found: Interactions
     run: ConfirmingRun | None
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary an interaction."""
+        return self.found.records()
 
     def to_dict(self) -> dict[str, object]:
         """The document of `casingfem interactions --json`."""

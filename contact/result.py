@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cache
@@ -16,6 +17,7 @@ from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
 from contact.io.npz import write_npz
 from contact.io.outfiles import finite
+from contact.io.reported import Reported
 from contact.model.bodies.modal_body import read_npz
 from contact.model.law import pressure
 from contact.record.divergence import Divergence
@@ -36,7 +38,7 @@ Intervals = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Result:
+class Result(Reported):
     """One run: n samples, K contacts. Forces are compressive >= 0 [N]; `lam` = -force is the public sign.
 
     `time` (n,) [s]; `force`, `gap` (n, K); `impulse_history` (n, K): impulse up to time + dt/2 [N s]; `intervals` of
@@ -187,6 +189,29 @@ class Result:
             )
         return "\n".join(lines)
 
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a contact: sums over the run."""
+        windowed, closed = self.windowed_force().max(axis=0, initial=0.0), self.contact_steps * self.dt
+        return [
+            {
+                "contact": k + 1, "closings": len(self.intervals[k]), "closed_s": float(closed[k]),
+                "impulse_N_s": float(self.impulse[k]), "peak_force_N": float(self.peak_force[k]),
+                "windowed_force_N": float(windowed[k]), "max_penetration_m": float(self.max_penetration[k]),
+                "residual_m": float(self.residual[k]),
+            }
+            for k in range(self.impulse.size)
+        ]  # fmt: skip
+
+    def columns(self) -> dict[str, Array]:
+        """One row a sample: time, and of each contact force, force averaged over the window, gap, impulse so far."""
+        found, windowed = {"time_s": self.time}, self.windowed_force()
+        for k in range(self.force.shape[1]):
+            found |= {
+                f"force{k + 1}_N": self.force[:, k], f"windowed_force{k + 1}_N": windowed[:, k],
+                f"gap{k + 1}_m": self.gap[:, k], f"impulse{k + 1}_N_s": self.impulse_history[:, k],
+            }  # fmt: skip
+        return found
+
     def _impact_energy(self) -> float:
         """Impulse per closing times speed of approach / 4 [J]: the kinetic energy of an impact without loss."""
         if self.time.size < 2:
@@ -217,7 +242,7 @@ class Result:
             "coating": [track.to_dict() for track in self.tracks],
         }  # fmt: skip
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | os.PathLike[str]) -> Path:
         """Write npz without pickle, complete or not at all."""
         rest = {
             "intervals": self.intervals, "sticking": self.sticking, "energy": asdict(self.energy),
@@ -234,14 +259,14 @@ class Result:
         rest["tracks"] = [{name: getattr(t, name) for name in (*WEAR_NUMBERS, "tips")} for t in self.tracks]
         for k, track in enumerate(self.tracks):
             data |= {f"wear{k}_{name}": getattr(track, name) for name in WEAR_ARRAYS}
-        write_npz(Path(path), {"format": FORMAT, "document": json.dumps(rest), **data})
+        return write_npz(path, {"format": FORMAT, "document": json.dumps(rest), **data})
 
-    @staticmethod
-    def load(path: str | Path) -> Result:
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Result:
         """Read a saved result; raises InputError naming file and key."""
         data = read_npz(Path(path), FORMAT, ("document", *ARRAYS), ("format", "document"))
         try:
-            return Result._of(json.loads(str(data["document"])), data)
+            return cls._of(json.loads(str(data["document"])), data)
         except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
             raise InputError(f"{path}: key 'document': found one without, or with another, {error}") from error
 

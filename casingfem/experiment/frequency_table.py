@@ -16,6 +16,7 @@ from casingfem.experiment.grouping import Doublet, Group, grouped
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.io.strict_csv import StrictCsv, read
 from contact.io.outfiles import write_atomic
+from contact.io.reported import Reported
 
 COLUMNS = ("mode", "n", "freq_hz", "sigma_hz", "angle_deg", "zeta")
 COMPUTED = ("n_purity", "m", "doublet", "split_rel", "rigid")
@@ -38,7 +39,7 @@ _EXPECTED = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class FrequencyTable:
+class FrequencyTable(Reported):
     """Measured modes: arrays (rows,), read-only.
 
     Parameters
@@ -203,6 +204,10 @@ class FrequencyTable:
 
     def __len__(self) -> int:
         return int(self.mode.size)
+
+    def columns(self) -> dict[str, Any]:
+        """One row a mode, the file's further columns too; n is -1 and numbers are nan where the test does not say."""
+        return {name: getattr(self, name) for name in COLUMNS} | dict(self.extra)
 
     def __repr__(self) -> str:
         doublets = sum(len(group.rows) == 2 for group in self.groups())

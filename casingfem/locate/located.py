@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.misfit import Misfit
+from contact.io.reported import Reported
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +35,7 @@ class Explanation:
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
-class Localisation:
+class Localisation(Reported):
     """What explains a table with the fewest changes.
 
     Attributes
@@ -78,6 +79,14 @@ class Localisation:
     def found(self) -> tuple[Found, ...]:
         """The places of the best explanation."""
         return self.best.found
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a place of each explanation, the best one (1) first."""
+        return [
+            {"explanation": k, "chi2_behind": e.behind, **{name: getattr(f, name) for name in Found.__slots__}}
+            for k, e in enumerate((self.best, *self.others), 1)
+            for f in e.found
+        ]
 
     def to_json(self) -> dict[str, object]:
         """Plain lists and numbers."""

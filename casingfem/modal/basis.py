@@ -7,6 +7,7 @@ is not kept.
 """
 
 import json
+import os
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -14,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from casingfem.errors import InputError
-from casingfem.io.arrays import FloatArray, frozen
+from casingfem.io.arrays import FloatArray
 from casingfem.io.npz import read_npz
 from contact.io.names import names_fault
 from contact.io.npz import compliance_fault, whole, write_npz
+from contact.io.reported import Reported
 
 FORMAT = "casingfem-modal-basis-1"
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
@@ -28,7 +30,7 @@ OPTIONAL = (
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ModalBasis:
+class ModalBasis(Reported):
     """A reduced body seen from its interface.
 
     Attributes
@@ -90,6 +92,7 @@ class ModalBasis:
     provenance: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        Reported.__post_init__(self)
         modes, channels = np.size(self.omega), len(self.channels)
         shapes = {"omega": (modes,), "zeta": (modes,), "rows": (channels, modes), "S": (channels, channels)}
         for name, shape in shapes.items():
@@ -98,7 +101,6 @@ class ModalBasis:
         for name in ("omega", "zeta", "rows", "S"):
             if not np.all(np.isfinite(getattr(self, name))):
                 raise InputError(f"{name} holds values that are not finite")
-            object.__setattr__(self, name, frozen(getattr(self, name)))
         if len(self) and float(self.omega.min()) < 0.0:
             raise InputError(f"omega: found {self.omega.min():g} rad/s, expected every frequency >= 0")
         for key in ("channels", "outputs"):
@@ -123,7 +125,22 @@ class ModalBasis:
         """Static compliance of the interface [m/N]: rows diag(1/omega^2) rows^T + S."""
         return np.asarray((self.rows / self.omega**2) @ self.rows.T + self.S)
 
-    def save(self, path: str | Path) -> Path:
+    def records(self) -> list[dict[str, Any]]:
+        """One plain dictionary a mode: number, frequency, damping, and the participation where it is known."""
+        names = [f"participation_{k}" for k in range(1, 1 + len(self.participation))]
+        rows = zip(
+            self.freq.tolist(), self.zeta.tolist(), self.participation.T.tolist() or [()] * len(self), strict=True
+        )
+        return [
+            {"mode": k, "freq_hz": freq, "zeta": zeta, **dict(zip(names, parts, strict=False))}
+            for k, (freq, zeta, parts) in enumerate(rows, 1)
+        ]
+
+    def columns(self) -> dict[str, Any]:
+        """One row a mode: what `records` has, and the displacement of each channel of the interface."""
+        return {**super().columns(), **dict(zip(self.channels, self.rows, strict=True))}
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
         """Write an npz of plain arrays, whole or not at all; returns the path."""
         own = {field.name: np.array(getattr(self, field.name)) for field in fields(self) if field.name != "provenance"}
         own["outputs"] = np.array(self.outputs, dtype=np.str_)
@@ -131,7 +148,7 @@ class ModalBasis:
         return write_npz(path, {"format": np.array(FORMAT), **own, "provenance": provenance})
 
     @classmethod
-    def load(cls, path: str | Path) -> "ModalBasis":
+    def load(cls, path: str | os.PathLike[str]) -> "ModalBasis":
         """Read a file written by `save`.
 
         Raises

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -20,12 +19,13 @@ from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.prestress import Spin
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
+from contact.io.reported import Reported
 
 SPARE = 6  # modes computed beyond those followed, so that one may leave the range and another come in
 
 
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Campbell:
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
+class Campbell(Reported):
     """Frequencies against speed, each column one mode followed by its shape.
 
     Attributes
@@ -61,16 +61,18 @@ class Campbell:
         """
         return zero_crossings(self.speed_hz, self.freq - order * self.speed_hz[:, None])
 
-    def plot(self, *, orders: int = 8) -> Any:
-        """Draw frequencies over speed with engine orders 1 .. `orders`, their crossings marked: a matplotlib Figure.
+    def columns(self) -> dict[str, FloatArray]:
+        """One row a speed, one column a mode.
 
         >>> data = Campbell(omega=np.array([0.0, 2 * np.pi * 50]), freq=np.array([[100.0], [110.0]]),
         ...                 southwell=np.zeros(1), overlap=np.ones((2, 1)))
-        >>> data.plot(orders=4).axes[0].get_xlabel()
-        'speed [turns/s]'
+        >>> list(data.columns()), data.plot(orders=4).axes[0].get_xlabel()
+        (['speed_hz', 'mode1_hz'], 'speed [turns/s]')
         """
-        pictures = import_module("casingfem.plot.interaction")  # by name: what draws stands above what it draws
-        return pictures.figure_speeds(self, orders=orders)
+        return {"speed_hz": self.speed_hz} | {f"mode{k + 1}_hz": freq for k, freq in enumerate(self.freq.T)}
+
+    def __repr__(self) -> str:
+        return self.table()
 
     def table(self, orders: int = 8) -> str:
         """Frequencies at the first, middle and last speed, Southwell's coefficient, and engine orders that are met."""
@@ -95,8 +97,9 @@ class Campbell:
 
     def to_csv(self) -> str:
         """One row a speed, one column a mode."""
-        head = ",".join(["speed_hz", *(f"mode{k + 1}_hz" for k in range(self.freq.shape[1]))])
-        rows = [",".join(map(str, [hz, *freq])) for hz, freq in zip(self.speed_hz, self.freq.tolist(), strict=True)]
+        columns = self.columns()
+        head = ",".join(columns)
+        rows = [",".join(map(str, row)) for row in zip(*(column.tolist() for column in columns.values()), strict=True)]
         return "\n".join(["# COMPUTED: frequencies in the rotating frame", head, *rows]) + "\n"
 
 

@@ -9,7 +9,7 @@ much.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Literal
 
 import numpy as np
@@ -18,6 +18,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell, zero_crossings
 from casingfem.modal.mode_set import ModeSet
+from contact.io.reported import Reported
 
 Turning = Literal["casing", "blade"]
 Branch = Literal["sum", "backward", "forward"]
@@ -80,7 +81,7 @@ class Meeting:
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Interactions:
+class Interactions(Reported):
     """Coincidences by speed; `pairs` (n, m, f_c) that were looked at, `speed_hz` the range."""
 
     meetings: tuple[Meeting, ...]
@@ -91,6 +92,10 @@ class Interactions:
     def of(self, branch: Branch) -> tuple[Meeting, ...]:
         """Those of one condition."""
         return tuple(meeting for meeting in self.meetings if meeting.branch == branch)
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a coincidence."""
+        return [asdict(c) | {"condition": CONDITION[c.branch], "effect": c.effect} for c in self.meetings]
 
     def __repr__(self) -> str:
         """Table by speed, and what cannot be met in the range."""

@@ -13,6 +13,7 @@ from casingfem.modal.modes import modes
 from casingfem.modal.warm_start import guarded, restarted_modes
 from casingfem.structure.field.random import drop_random, is_random, redrawn
 from casingfem.structure.shell.shell import Shell, require_shell
+from contact.io.reported import Reported
 
 LEVELS = (0.5, 0.9, 0.99)
 
@@ -85,7 +86,7 @@ def restart_error(found: Modes) -> float:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Mistuning:
+class Mistuning(Reported):
     """Doublets over many draws.
 
     Attributes
@@ -117,6 +118,17 @@ class Mistuning:
     def draws(self) -> int:
         """Number of draws."""
         return len(np.unique(self.draw))
+
+    def records(self) -> list[dict[str, float | int | None]]:
+        """One row a doublet: `summary`."""
+        return self.summary()
+
+    def columns(self) -> dict[str, Any]:
+        """One row a doublet of each draw."""
+        return {
+            "draw": self.draw, "n": self.n, "m": self.m, "freq_hz": self.freq, "split_rel": self.split,
+            "angle_deg": self.angle_deg,
+        }  # fmt: skip
 
     def summary(self) -> list[dict[str, float | int | None]]:
         """One row for each doublet of the mean shell: quantiles of the split and of the shift of its mean frequency.

@@ -12,12 +12,13 @@ from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.parts import sampled_geometry
 from casingfem.structure.shell.rigid import rigid_modes
 from casingfem.structure.shell.shell import Shell
+from contact.io.reported import Reported
 
 RIGID = 0.05  # below this part of `frequency_scale` nothing elastic moves
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ModeSet:
+class ModeSet(Reported):
     """Modes of a structure, ascending, mass-normalised, with labels.
 
     Attributes

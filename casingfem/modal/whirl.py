@@ -8,6 +8,7 @@ of Linear Systems, 2011).
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array, diags_array
@@ -27,10 +28,11 @@ from casingfem.structure.imported.revolution import elements_around, round_about
 from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
+from contact.io.reported import Reported
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class WhirlModes:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class WhirlModes(Reported):
     """Modes of a rotating shell or imported part, ascending, as an observer who turns with it sees them.
 
     Attributes
@@ -57,6 +59,13 @@ class WhirlModes:
     def __len__(self) -> int:
         """Return the number of modes."""
         return len(self.freq)
+
+    def columns(self) -> dict[str, Any]:
+        """One row a mode: frequencies in both frames, nodal diameters (-1 where there are none), sense."""
+        return {
+            "mode": np.arange(1, len(self) + 1), "freq_hz": self.freq, "freq_fixed_hz": self.freq_fixed,
+            "n": self.nodal_diameters, "sense": self.sense,
+        }  # fmt: skip
 
     @property
     def freq_fixed(self) -> FloatArray:

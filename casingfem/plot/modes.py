@@ -21,7 +21,7 @@ def figure_frequencies(actual: Modes, perfect: Modes | None = None) -> Figure:
     figure = new_figure()
     axes: Any = figure.add_subplot()
     axes.set_ylabel("frequency [Hz]")
-    if not actual.shell.chart.periodic:
+    if actual.rings is None:
         if perfect is not None:
             axes.plot(np.arange(len(perfect)) + 1, perfect.freq, "o", mfc="none", color=PERFECT, label="perfect")
         axes.plot(np.arange(len(actual)) + 1, actual.freq, "o", color=BEFORE, label="this structure")

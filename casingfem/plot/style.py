@@ -2,12 +2,16 @@
 
 import base64
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import wraps
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar, cast
 
 import matplotlib as mpl
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.gridspec import GridSpec
 
 # Okabe & Ito, and one meaning for each colour throughout
 MEASURED, PERFECT, BEFORE, AFTER = "#000000", "#8a8a8a", "#0072B2", "#D55E00"
@@ -32,6 +36,63 @@ RC: dict[str, Any] = {
     "svg.hashsalt": "casingfem",
 }
 
+PLACE: ContextVar[Axes | None] = ContextVar("place", default=None)
+
+
+@contextmanager
+def placed(ax: Axes | None) -> Iterator[None]:
+    """Figures that are made inside stand in the place of these axes."""
+    token = PLACE.set(ax)
+    try:
+        yield
+    finally:
+        PLACE.reset(token)
+
+
+class Inset(SubFigure):
+    """A figure of a picture in the place of some axes: one plain panel is these axes, several stand in their place."""
+
+    def __init__(self, ax: Axes) -> None:
+        self.given = ax
+        root: Any = ax.get_figure(root=False)
+        spec = ax.get_subplotspec()
+        if spec is None:
+            box = ax.get_position()
+            spec = GridSpec(1, 1, figure=root, left=box.x0, right=box.x1, bottom=box.y0, top=box.y1)[0]
+        super().__init__(root, spec)
+        self.root = root
+
+    def add_subplot(self, *args: Any, **kwargs: Any) -> Any:
+        """The given axes for one plain panel, else panels in their place."""
+        if not args and not kwargs and self.given in self.root.axes:
+            return self.given
+        self._take_place()
+        return super().add_subplot(*args, **kwargs)
+
+    def subplots(self, *args: Any, **kwargs: Any) -> Any:
+        """Panels in the place of the axes."""
+        self._take_place()
+        return super().subplots(*args, **kwargs)
+
+    def legend(self, *args: Any, **kwargs: Any) -> Any:
+        """A legend outside of a figure's panels stands inside of axes that are one of many."""
+        if self.given in self.root.axes:
+            kwargs.pop("loc", None)
+            return self.given.legend(*(args or self.given.get_legend_handles_labels()), **kwargs)
+        return super().legend(*args, **kwargs)
+
+    def colorbar(self, *args: Any, **kwargs: Any) -> Any:
+        """A colour bar beside its panel."""
+        if self.given in self.root.axes:
+            return self.root.colorbar(*args, **kwargs)
+        return super().colorbar(*args, **kwargs)
+
+    def _take_place(self) -> None:
+        if self.given in self.root.axes:
+            self.given.remove()
+            self.root.subfigs.append(self)
+
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -49,8 +110,9 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
 
 def new_figure(width: float = 7.6, height: float = 4.0) -> Figure:
-    """An empty figure (inches) that no global state knows of."""
-    return Figure(figsize=(width, height), layout="constrained")
+    """An empty figure (inches) that no global state knows of; where a picture is `placed`, one inside of its axes."""
+    ax = PLACE.get()
+    return Figure(figsize=(width, height), layout="constrained") if ax is None else cast(Figure, Inset(ax))
 
 
 @styled

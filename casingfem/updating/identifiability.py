@@ -15,6 +15,7 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.parameters import Parameter
+from contact.io.reported import Reported
 
 SEEN = 1.0  # singular value above which the data say more than was known
 NAMED = 0.3  # a parameter's share from which it is named in a direction
@@ -28,7 +29,7 @@ def widths(vary: Sequence[Parameter]) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Identifiability:
+class Identifiability(Reported):
     """Singular values and directions of a Jacobian.
 
     Attributes
@@ -64,6 +65,10 @@ class Identifiability:
         column = column * np.sign(column[np.abs(column).argmax()])
         shown = [i for i in np.argsort(-np.abs(column)) if abs(column[i]) > NAMED]
         return " ".join(f"{column[i]:+.2f} {self.names[i]}" for i in shown)
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a direction."""
+        return [{"singular": float(s), "direction": self.words(k)} for k, s in enumerate(self.singular)]
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""

@@ -17,6 +17,7 @@ from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.problem import Problem
 from casingfem.updating.result import UpdateResult
+from contact.io.reported import Reported
 
 STEP = 0.5  # of a standard deviation
 
@@ -36,6 +37,13 @@ class Parabolas:
         return np.asarray(self.r + d @ self.J.T + 0.5 * np.einsum("np,mpq,nq->nm", d, self.H, d))
 
 
+def at_solution(fit: UpdateResult) -> Problem:
+    """The problem of an update with its solution solved, so that points beside it start from there."""
+    problem = fit.problem
+    problem.anchor = problem.state(fit.x)
+    return problem
+
+
 def evaluated(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Residuals and Jacobian at a point near the solution, whose modes stay those that are followed from."""
     home = problem.anchor
@@ -47,19 +55,20 @@ def evaluated(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def parabolas(fit: UpdateResult) -> Parabolas:
     """Residuals to second order about the solution: two solutions for each parameter, inside its bounds."""
+    problem = at_solution(fit)
     steps = STEP * np.where(fit.stated_sigma > 0.0, fit.stated_sigma, 1e-3 * (fit.upper - fit.lower))
     H = np.empty((*fit.jacobian.shape, len(fit.x)))
     for k, step in enumerate(steps):
         ends = np.tile(fit.x, (2, 1))
         ends[:, k] = np.clip(fit.x[k] + [-step, step], fit.lower[k], fit.upper[k])
-        low, high = (evaluated(fit.problem, x)[1] for x in ends)
+        low, high = (evaluated(problem, x)[1] for x in ends)
         H[:, :, k] = (high - low) / (ends[1, k] - ends[0, k])
     H = 0.5 * (H + H.transpose(0, 2, 1))
     return Parabolas(x0=fit.x, r=fit.values, J=fit.jacobian, H=H)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Laplace:
+class Laplace(Reported):
     """The Gaussian of the whole Hessian beside that of Gauss and Newton.
 
     Attributes
@@ -83,14 +92,17 @@ class Laplace:
         """Standard deviations, (parameters,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
-    def to_json(self) -> dict[str, object]:
-        """Plain data."""
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a parameter."""
         numbers = (self.sigma.tolist(), self.gauss_newton.tolist(), self.bend.tolist())
-        rows = [
+        return [
             {"name": name, "log": log, "sigma": s, "gauss_newton": g, "bend": b}
             for name, log, s, g, b in zip(self.names, self.log, *numbers, strict=True)
         ]
-        return {"kind": "laplace", "parameters": rows}
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
+        return {"kind": "laplace", "parameters": self.records()}
 
     def __repr__(self) -> str:
         """A row for each parameter."""
@@ -111,7 +123,7 @@ def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
         If the solution is no minimum: the Hessian has a direction that falls (a fit that stopped early).
     """
     near = parabolas(fit) if near is None else near
-    prior = np.diag(fit.problem.prior**2)
+    prior = np.diag(fit.given.prior**2)
     hessian = near.J.T @ near.J + prior + np.einsum("m,mpq->pq", near.r, near.H)
     unit = 1.0 / np.sqrt(np.diag(near.J.T @ near.J + prior))
     scaled = hessian * np.outer(unit, unit)

@@ -20,6 +20,7 @@ from casingfem.updating.problem import Problem, State
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.targets import HERTZ2, rates
 from casingfem.updating.updating import covariance, solve
+from contact.io.reported import Reported
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,7 +45,7 @@ class Prediction:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LeftOut:
+class LeftOut(Reported):
     """All rows, each predicted without itself."""
 
     rows: tuple[Prediction, ...]
@@ -59,11 +60,14 @@ class LeftOut:
         """RMS error in standard deviations: about 1 where the model is right and its sigma honest."""
         return float(np.sqrt(np.mean([row.deviation**2 for row in self.rows])))
 
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a row."""
+        names = ("mode", "n", "measured_hz", "predicted_hz", "sigma_hz", "error", "deviation")
+        return [{name: getattr(row, name) for name in names} for row in self.rows]
+
     def to_json(self) -> dict[str, object]:
         """Plain data."""
-        names = ("mode", "n", "measured_hz", "predicted_hz", "sigma_hz", "error", "deviation")
-        rows = [{name: getattr(row, name) for name in names} for row in self.rows]
-        return {"rows": rows, "rms": self.rms, "rms_sigma": self.rms_sigma}
+        return {"rows": self.records(), "rms": self.rms, "rms_sigma": self.rms_sigma}
 
     def __repr__(self) -> str:
         """A row for each prediction, and the RMS."""
@@ -94,13 +98,12 @@ def leave_one_out(fit: UpdateResult, max_iterations: int = 30) -> LeftOut:
 
 def predicted(fit: UpdateResult, match: Match, max_iterations: int) -> list[Prediction]:
     """The rows of one match, by an update without them."""
-    whole = fit.problem
+    whole = fit.given
     table = whole.table.without(*whole.table.mode[list(match.rows)].tolist())
     shapes = whole.shapes
     if shapes is not None:
         shapes = shapes.only([row for row in range(len(whole.table)) if row not in match.rows])
-    problem = Problem(whole.shell, table, whole.vary, whole.count, whole.reach, shapes=shapes)
-    problem.prior = whole.prior
+    problem = replace(whole, table=table, shapes=shapes, exact=False).problem()
     x, _ = solve(problem, fit.lower, fit.upper, max_iterations, begin=fit.x)
     state = problem.state(x)
     carried = followed(fit.pairing, fit.after, state.modes, whole.table)

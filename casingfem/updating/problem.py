@@ -10,7 +10,7 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.experiment.correlation.pairing import Pairing, pair
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, frozen
 from casingfem.modal.modes import MeshModes, Modes, modes
 from casingfem.modal.neighbour import Solution, counted, solved, solved_near
 from casingfem.structure.imported.assembly import MeshStructure
@@ -33,6 +33,38 @@ class State:
     solution: Solution | None
     pairing: Pairing
     values: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Given:
+    """What a problem was made of, frozen: a result keeps it, and makes the problem anew for what comes after the fit.
+
+    `prior` and `exact` are those with which the fit ended, the others are as in `Problem`.
+    """
+
+    shell: Shell | MeshStructure
+    table: FrequencyTable
+    vary: tuple[Parameter, ...]
+    count: int
+    reach: float
+    shapes: SensorShapes | None
+    start: FloatArray
+    prior: FloatArray
+    exact: bool
+
+    def with_priors(self, x: FloatArray, values: FloatArray, jacobian: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Residuals of the data at x and their Jacobian, with the rows of the priors below."""
+        held = self.prior > 0.0
+        away = (self.prior * (x - self.start))[held]
+        return np.concatenate([values, away]), np.vstack([jacobian, np.diag(self.prior)[held]])
+
+    def problem(self) -> "Problem":
+        """A problem that knows no point yet."""
+        problem = Problem(
+            self.shell, self.table, self.vary, self.count, self.reach, shapes=self.shapes, exact=self.exact
+        )
+        problem.prior = self.prior
+        return problem
 
 
 @dataclass(eq=False)
@@ -66,6 +98,14 @@ class Problem:
     def __post_init__(self) -> None:
         self.start = np.array([p.to_internal(get_value(self.shell, p.name)) for p in self.vary], dtype=float)
         self.prior = np.array([0.0 if p.sigma is None else 1.0 / p.sigma for p in self.vary])
+
+    @property
+    def given(self) -> Given:
+        """What it was made of."""
+        return Given(
+            shell=self.shell, table=self.table, vary=tuple(self.vary), count=self.count, reach=self.reach,
+            shapes=self.shapes, start=frozen(self.start), prior=frozen(self.prior), exact=self.exact,
+        )  # fmt: skip
 
     def structure(self, x: FloatArray) -> Shell | MeshStructure:
         """The shell at solver variables x."""

@@ -17,10 +17,11 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.updating.identifiability import Identifiability, identifiability
 from casingfem.updating.outliers import Outlier, named, shifts_of, strongest
 from casingfem.updating.parameters import Parameter
-from casingfem.updating.problem import Problem
+from casingfem.updating.problem import Given, Problem, State
 from casingfem.updating.regularisation import Regularised
 from casingfem.updating.shapes import redundant
 from casingfem.updating.targets import residual_count
+from contact.io.reported import Reported
 
 POOR = 2.0  # rms of the weighted residuals above which a fit is tried on other ways
 ALIKE = 0.95  # correlations above this: the data cannot tell the two apart
@@ -37,7 +38,7 @@ def weak_priors(vary: Sequence[Parameter], jacobian: FloatArray) -> tuple[bool, 
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class UpdateResult:
+class UpdateResult(Reported):
     """An updated structure and how sure it is.
 
     Attributes
@@ -60,9 +61,9 @@ class UpdateResult:
         Run time by part.
     regularised
         The weight of the regularisation and the rule that chose it; None without.
-    x, lower, upper, problem
-        Solution and bounds in the solver's variables, and the problem, for what comes after the fit: `leave_one_out`,
-        `laplace`, `sample_posterior`.
+    x, lower, upper, given
+        Solution and bounds in the solver's variables, and what the problem was made of, for what comes after the fit:
+        `leave_one_out`, `laplace`, `sample_posterior`.
     outliers, plain
         Rows set aside because they contradict all others, and the fit of all rows; empty and None mostly.
     """
@@ -89,9 +90,16 @@ class UpdateResult:
     x: FloatArray
     lower: FloatArray
     upper: FloatArray
-    problem: Problem = field(repr=False)
+    given: Given = field(repr=False)
     outliers: tuple[Outlier, ...] = ()
     plain: "UpdateResult | None" = field(default=None, repr=False)
+
+    @property
+    def problem(self) -> Problem:
+        """The least-squares problem anew; its modes are followed from the solution, which it solves when asked to."""
+        problem = self.given.problem()
+        problem.anchor = State(self.structure, self.after, None, self.pairing, self.values)
+        return problem
 
     @property
     def chi2(self) -> float:
@@ -142,7 +150,7 @@ class UpdateResult:
     @property
     def free(self) -> int:
         """Degrees of freedom: residuals less parameters and what of the shapes is no information; at least 1."""
-        idle = redundant(self.after, self.problem.shapes, self.pairing.matches) if isinstance(self.after, Modes) else 0
+        idle = redundant(self.after, self.given.shapes, self.pairing.matches) if isinstance(self.after, Modes) else 0
         return max(self.residuals - idle - len(self.parameters), 1)
 
     @property
@@ -151,7 +159,7 @@ class UpdateResult:
 
         With s f added to every sigma in squares, chi^2 falls to the degrees of freedom.
         """
-        table = self.problem.table
+        table = self.given.table
         frequencies = self.values[: sum(self.residuals_of())]
         free = max(len(frequencies) - len(self.parameters), 1)
         noise = np.array([np.sum(table.sigma_hz[list(match.rows)] ** 2) for match in self.pairing.matches])
@@ -188,10 +196,10 @@ class UpdateResult:
     @property
     def worst_shift(self) -> Outlier:
         """The frequency, split or orientation of which a change alone would lower chi^2 most."""
-        problem, x = self.problem, self.x
-        shifts = shifts_of(self.after, problem.table, self.pairing.matches)
+        shifts = shifts_of(self.after, self.given.table, self.pairing.matches)
+        residual, jacobian = self.given.with_priors(self.x, self.values, self.jacobian)
         free = ~np.array(self.at_bound)  # what stands on a bound gives no way
-        return named([strongest(shifts, problem.fun(x), problem.jac(x) * free)], self.table)[0]
+        return named([strongest(shifts, residual, jacobian * free)], self.table)[0]
 
     def residuals_of(self) -> list[int]:
         """Number of residuals of each match, those of shapes apart, which follow them all."""
@@ -261,15 +269,18 @@ class UpdateResult:
         )
         return [*(f"set aside: {outlier!r}" for outlier in self.outliers), f"without: {values}"]
 
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a parameter; those of the paired rows are `pairs`."""
+        columns = (self.parameters, self.start, self.value, self.sigma.tolist(), self.at_bound)
+        return [
+            {"name": p.name, "start": a, "value": b, "sigma": s, "log": p.log, "at_bound": bound}
+            for p, a, b, s, bound in zip(*columns, strict=True)
+        ]
+
     def to_json(self) -> dict[str, object]:
         """Plain data, as `casingfem update --json` prints it (without the run time)."""
         return {
-            "parameters": [
-                {"name": p.name, "start": a, "value": b, "sigma": float(s), "log": p.log, "at_bound": bound}
-                for p, a, b, s, bound in zip(
-                    self.parameters, self.start, self.value, self.sigma, self.at_bound, strict=True
-                )
-            ],
+            "parameters": self.records(),
             "pairs": self.pairs(),
             "rms_before": self.rms_before,
             "rms_after": self.rms_after,

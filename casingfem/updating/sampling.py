@@ -13,14 +13,15 @@ import numpy as np
 from casingfem.errors import InputError, MissingExtraError
 from casingfem.extras import remedy
 from casingfem.io.arrays import FloatArray
-from casingfem.updating.posterior import Parabolas, evaluated, parabolas, varied_names
+from casingfem.updating.posterior import Parabolas, at_solution, evaluated, parabolas, varied_names
 from casingfem.updating.result import UpdateResult
+from contact.io.reported import Reported
 
 LEVELS = (0.025, 0.5, 0.975)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PosteriorSamples:
+class PosteriorSamples(Reported):
     """Samples of a posterior in the solver's variables (decades for log parameters).
 
     Attributes
@@ -50,17 +51,24 @@ class PosteriorSamples:
         """Standard deviations, (parameters,)."""
         return np.asarray(self.samples.std(axis=0, ddof=1))
 
-    def to_json(self) -> dict[str, object]:
-        """Plain data."""
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a parameter; `quantiles` at LEVELS."""
         quantiles = np.quantile(self.samples, LEVELS, axis=0).T.tolist()
         numbers = (self.sigma.tolist(), self.gauss_newton.tolist(), quantiles)
-        columns = zip(self.names, self.log, *numbers, strict=True)
+        return [
+            {"name": name, "log": log, "sigma": s, "gauss_newton": g, "quantiles": q}
+            for name, log, s, g, q in zip(self.names, self.log, *numbers, strict=True)
+        ]
+
+    def columns(self) -> dict[str, FloatArray]:
+        """One row a sample, one column a parameter."""
+        return dict(zip(varied_names(self.names, self.log), self.samples.T, strict=True))
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data."""
         return {
             "kind": "emcee",
-            "parameters": [
-                {"name": name, "log": log, "sigma": s, "gauss_newton": g, "quantiles": q}
-                for name, log, s, g, q in columns
-            ],
+            "parameters": self.records(),
             "levels": list(LEVELS),
             "samples": len(self.samples),
             "acceptance": self.acceptance,
@@ -134,7 +142,7 @@ def sample_posterior(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, ch
 
 def log_density(x: FloatArray, fit: UpdateResult, near: Parabolas) -> FloatArray:
     """Logarithm of the posterior at points (points, parameters), up to a constant."""
-    prior = fit.problem.prior * (x - fit.problem.start)
+    prior = fit.given.prior * (x - fit.given.start)
     density = -0.5 * (np.sum(near(x) ** 2, axis=1) + np.sum(prior**2, axis=1))
     inside = np.all((x >= fit.lower) & (x <= fit.upper), axis=1)
     return np.where(inside, density, -np.inf)
@@ -142,4 +150,5 @@ def log_density(x: FloatArray, fit: UpdateResult, near: Parabolas) -> FloatArray
 
 def worst_gap(fit: UpdateResult, near: Parabolas, points: FloatArray) -> float:
     """Largest difference between residuals of the parabolas and those of modes at some points, in sigma."""
-    return max(float(np.abs(evaluated(fit.problem, x)[0] - near(x)[0]).max()) for x in points)
+    problem = at_solution(fit)
+    return max(float(np.abs(evaluated(problem, x)[0] - near(x)[0]).max()) for x in points)

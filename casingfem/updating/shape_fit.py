@@ -13,6 +13,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.shapes import SensorShapes
+from contact.io.reported import Reported
 
 WORST = 6  # sensors named
 
@@ -58,7 +59,7 @@ class ShapeComparison:
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
-class ShapeFit:
+class ShapeFit(Reported):
     """The measured shapes against the models before and after an update."""
 
     fit: UpdateResult
@@ -122,7 +123,7 @@ def numbered(match: ShapeMatch) -> dict[str, object]:
 
 def shape_fit(fit: UpdateResult) -> ShapeFit | None:
     """Compare the shapes of an update with both its models; None for one without shapes."""
-    shapes = fit.problem.shapes
+    shapes = fit.given.shapes
     if shapes is None or not (isinstance(fit.before, Modes) and isinstance(fit.after, Modes)):
         return None
     before = compared(shapes, fit.before, fit.pairing_before)

@@ -110,10 +110,11 @@ def update(
     if outliers == "keep":
         return fitted(problem, table, regularise, max_iterations)
     first = fitted(problem, table, regularise, max_iterations, ways=WAYS[:1])
-    fit = without_outliers(first, regularise, max_iterations)
+    fit = without_outliers(problem, first, regularise, max_iterations)
     if fit.arrived:
         return fit
-    other = without_outliers(fitted(problem, table, regularise, max_iterations), regularise, max_iterations)
+    again = fitted(problem, table, regularise, max_iterations)
+    other = without_outliers(problem, again, regularise, max_iterations)
     return min(fit, other, key=lambda one: one.misfit)
 
 
@@ -166,7 +167,7 @@ def fitted(
         x=x,
         lower=lower,
         upper=upper,
-        problem=problem,
+        given=problem.given,
     )
 
 
@@ -184,9 +185,11 @@ def fitted_to_mesh(table: FrequencyTable, shapes: SensorShapes | None) -> Freque
     return table
 
 
-def without_outliers(fit: UpdateResult, regularise: Regularisation | None, max_iterations: int) -> UpdateResult:
+def without_outliers(
+    whole: Problem, fit: UpdateResult, regularise: Regularisation | None, max_iterations: int
+) -> UpdateResult:
     """The fit without rows that contradict the others; each round looks at all rows from the fit of the last."""
-    whole, best = fit.problem, fit
+    best = fit
     seen: list[tuple[int, ...]] = [()]
     for _ in range(LOOKS):
         state = whole.paired_anew(best.x)

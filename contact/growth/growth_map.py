@@ -9,12 +9,13 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
+from contact.io.reported import Reported
 
 Growth = Callable[[Array], Array]
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class StabilityMap:
+class StabilityMap(Reported):
     """Growth rate [1/s] over speed [Hz], (speeds,), its refined maximum, and the bands in which it is positive.
 
     `seen_hz`, `seen_growth`: all speeds looked at, close to where something is to be seen.
@@ -33,6 +34,10 @@ class StabilityMap:
     def diverges(self) -> bool:
         """Whether any speed of the range has a growing vibration."""
         return bool(self.bands_hz)
+
+    def columns(self) -> dict[str, Array]:
+        """One row a speed."""
+        return {"speed_hz": self.speed_hz, "growth_1_s": self.growth}
 
     def to_dict(self) -> dict[str, object]:
         """The document of `casingfem stability --json`."""

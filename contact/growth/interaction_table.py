@@ -22,6 +22,7 @@ from contact.growth.coincidence import Coincidence, coincidences, free_coinciden
 from contact.growth.growth_map import StabilityMap
 from contact.growth.perfect_mean import mean_contact
 from contact.io.outfiles import finite
+from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, HandPair
 from contact.model.gaps.rub import Rub
@@ -77,7 +78,7 @@ class Interaction:
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Interactions:
+class Interactions(Reported):
     """Every interaction in a range of speeds [turns/s], those that diverge fastest first.
 
     `map` growth over speed with its bands; `waves` (n, f_c, f_c/n) of the casing; `opens_hz` bands in which an
@@ -99,6 +100,10 @@ class Interactions:
     def worst_hz(self) -> float:
         """Speed of the fastest growth [turns/s]."""
         return self.map.peak_speed_hz
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary an interaction; `COLUMNS` says what each entry is."""
+        return [asdict(row) for row in self.rows]
 
     def __repr__(self) -> str:
         head = (

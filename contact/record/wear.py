@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.base.arrays import Array, readonly
+from contact.io.reported import Reported
 
 WEAR_ARRAYS = ("angle", "made", "cut", "worn", "map_time", "map")
 WEAR_NUMBERS = ("volume", "stated", "dissipated", "bare")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Wear:
+class Wear(Reported):
     """Worn depth of each bar of one track of a coating at the end of a run, and over time.
 
     `angle` (cells,) of the bars in the casing's frame [rad]; `made` deviation of the rim's radius as made [m], `cut`
@@ -53,6 +54,10 @@ class Wear:
     def residual(self) -> float:
         """Energy dissipated over what the worn profile stands for, minus 1; 0 without wear."""
         return self.dissipated / self.stated - 1.0 if self.stated else self.dissipated
+
+    def columns(self) -> dict[str, Array]:
+        """One row a bar."""
+        return {"angle_rad": self.angle, "made_m": self.made, "cut_m": self.cut, "worn_m": self.worn}
 
     def to_dict(self) -> dict[str, object]:
         """JSON-ready: which contacts, counted from 1, and the sums."""

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from contact.base.errors import InputError
+from contact.io.reported import Reported
 from contact.io.workers import end_with_parent, ended_on_failure
 from contact.run import Scene
 from contact.run_many import Outcome, run_many
@@ -38,13 +39,22 @@ class Task:
     folder: str | None
 
 
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class SweepResult:
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True, repr=False)
+class SweepResult(Reported):
     """Rows of all runs, in the plan's order; `resumed` of them were there already."""
 
     plan: SweepPlan
     rows: tuple[Row, ...]
     resumed: int
+
+    def records(self) -> list[dict[str, Any]]:
+        """One plain dictionary a run: its number, the varied keys, what was measured."""
+        names = columns(self.plan)
+        return [dict(zip(names, cells, strict=True)) for cells in rows_of(self)]
+
+    def __repr__(self) -> str:
+        done = len(self.rows) - self.failed - self.diverged
+        return f"SweepResult({done} of {counted(len(self.rows))} done, {self.diverged} diverged, {self.failed} failed)"
 
     @property
     def failed(self) -> int:
@@ -168,6 +178,12 @@ def columns(plan: SweepPlan) -> tuple[str, ...]:
     return ("run", *(f"{key}{UNITS.get(key.rpartition('.')[2], '')}" for key in plan.keys), *COLUMNS)
 
 
+def rows_of(result: SweepResult) -> Iterator[tuple[Any, ...]]:
+    """What stands in the columns, run by run."""
+    for number, (run, row) in enumerate(zip(result.plan.runs, result.rows, strict=True), start=1):
+        yield (number, *run.values, *(row[name] for name in COLUMNS))
+
+
 UNITS = {
     "clearance": "_m", "cos": "_m", "sin": "_m", "t_end": "_s", "dt": "_s", "length": "_m", "width": "_m",
     "height": "_m", "radius": "_m", "offset": "_m", "x": "_m", "velocity": "_m_s", "mass": "_kg", "E": "_Pa",
@@ -184,9 +200,7 @@ def table(result: SweepResult) -> str:
         *(f"# {name}: {value}" for name, value in sorted(plan.source.items())),
         ",".join(columns(plan)),
     ]
-    for number, (run, row) in enumerate(zip(plan.runs, result.rows, strict=True), start=1):
-        cells = (number, *run.values, *(row[name] for name in COLUMNS))
-        lines.append(",".join(map(_cell, cells)))
+    lines += [",".join(map(_cell, cells)) for cells in rows_of(result)]
     return "\n".join(lines) + "\n"
 
 

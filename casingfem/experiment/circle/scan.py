@@ -24,6 +24,7 @@ from casingfem.experiment.circle.fit import fit_lines
 from casingfem.experiment.circle.lines import require_clear
 from casingfem.experiment.circle.record import ScanRecord
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from contact.io.reported import Reported
 
 SEEN = 4.0  # standard deviations above which a line is there
 LEFT = 1.5  # times the noise that a fit may leave before the table says so
@@ -50,7 +51,7 @@ class Wave(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class CircleScan:
+class CircleScan(Reported):
     """What a scan found; arrays are read-only.
 
     Attributes
@@ -107,6 +108,10 @@ class CircleScan:
         """All waves: tone by tone, order by order."""
         orders = sorted({abs(k) for k in self.n.tolist()})
         return [self.wave(tone, n) for tone in range(len(self.tones)) for n in orders]
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a wave, those in the noise too (`seen` tells)."""
+        return [wave._asdict() for wave in self.waves()]
 
     def shape(self, tone: int, theta: ArrayLike) -> Array:
         """The deflection V(theta) at angles [rad], complex, from the lines that are seen."""

@@ -22,13 +22,14 @@ from casingfem.modal.imported.modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.shell.system import System
+from contact.io.reported import Reported
 
 DIFFERENT = 0.9  # COMAC below this is worth a look
 SHOWN = 12  # sensors named on a line; the document has all
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
-class Correlation:
+class Correlation(Reported):
     """How measured shapes and computed modes go together.
 
     Attributes

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.experiment.correlation.alignment import Indices
+from contact.io.reported import Reported
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +31,7 @@ class Match:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Pairing:
+class Pairing(Reported):
     """Matches in ascending order, and what is left on both sides (indices of rows and of modes)."""
 
     matches: tuple[Match, ...]
@@ -45,6 +46,17 @@ class Pairing:
 
     def __len__(self) -> int:
         return len(self.matches)
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a paired row of the table, rows and modes counted from 1."""
+        return [
+            {"row": row + 1, "mode": mode + 1, "n": match.n if match.n >= 0 else None, "measured_hz": measured,
+             "computed_hz": computed, "confidence": match.confidence}
+            for match in self.matches
+            for row, mode, measured, computed in zip(
+                match.rows, match.modes, match.measured_hz, match.computed_hz, strict=True
+            )
+        ]  # fmt: skip
 
     def __repr__(self) -> str:
         lines = [

@@ -15,10 +15,11 @@ from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified_file import read_fields, write_fields
 from casingfem.experiment.identify.stabilisation import Stabilisation
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
+from contact.io.reported import Reported
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Identified:
+class Identified(Reported):
     """Modes found in frequency responses, ascending; arrays are read-only.
 
     Attributes

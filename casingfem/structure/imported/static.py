@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -10,10 +11,12 @@ from casingfem.io.arrays import FloatArray, frozen
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.loads import MeshLoad, nodal_loads
+from casingfem.structure.shell.static import NODAL, deflected
+from contact.io.reported import Reported
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class MeshDeflection:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class MeshDeflection(Reported):
     """A static solution at the nodes of an imported mesh.
 
     Attributes
@@ -27,6 +30,15 @@ class MeshDeflection:
     structure: MeshStructure
     fields: FloatArray
     energy: float
+
+    def columns(self) -> dict[str, Any]:
+        """One row a node: its number in the file, place and displacement [m], turns [rad]."""
+        mesh = self.structure.mesh
+        named = zip(("x_m", "y_m", "z_m", *NODAL), (*mesh.points[mesh.used].T, *self.fields.T), strict=False)
+        return {"node": mesh.node_numbers[mesh.used], **dict(named)}
+
+    def __repr__(self) -> str:
+        return deflected(self.fields, self.energy)
 
     def at(self, node: int) -> FloatArray:
         """Displacement (u_x, u_y, u_z) [m] of a node by its number in the file, (3,)."""

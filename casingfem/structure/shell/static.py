@@ -14,10 +14,23 @@ from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.loads import Load
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
+from contact.io.reported import Reported
+
+NODAL = ("u_x_m", "u_y_m", "u_z_m", "w_1_rad", "w_2_rad")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Deflection:
+def deflected(fields: FloatArray, energy: float) -> str:
+    """One line on displacements (nodes, 3 or 5) and the strain energy [J].
+
+    >>> deflected(np.array([[0.0, 3e-3, 4e-3]]), 2.0)
+    'Deflection(at most 0.005 m of 1 nodes, strain energy 2 J)'
+    """
+    most = float(np.linalg.norm(fields[:, :3], axis=1).max())
+    return f"Deflection(at most {most:.4g} m of {len(fields)} nodes, strain energy {energy:.4g} J)"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Deflection(Reported):
     """A static solution.
 
     Attributes
@@ -32,6 +45,14 @@ class Deflection:
     grid: Grid
     fields: FloatArray
     energy: float
+
+    def columns(self) -> dict[str, FloatArray]:
+        """One row a node: place and displacement [m], turns [rad]."""
+        x = np.real(self.shell.geometry(*self.grid.nodes).surface.x).reshape(3, -1)
+        return dict(zip(("x_m", "y_m", "z_m", *NODAL), (*x, *self.fields.T), strict=False))
+
+    def __repr__(self) -> str:
+        return deflected(self.fields, self.energy)
 
     def at(self, a: float, b: float) -> FloatArray:
         """Displacement (u_x, u_y, u_z) [m] at parameters (a, b) of the chart, (3,)."""

@@ -11,6 +11,7 @@ from contact.base.arrays import Array, require_count, require_positive
 from contact.base.errors import NumericsError
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.passage import Motion, passage
+from contact.io.reported import Reported
 
 SAME = 1e-4  # of the state: nearer motions are one
 CLOSES = 1e-6  # of the state: what a run misses its state of some periods before by
@@ -34,7 +35,7 @@ class Attractor:
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Basins:
+class Basins(Reported):
     """Periodic motions reached from random starts, the most frequent first; `reached` (starts,) their number or -1.
 
     -1: the run had not settled on a motion of so few periods, or grew without bound.
@@ -45,6 +46,13 @@ class Basins:
     attractors: tuple[Attractor, ...]
     starts: Array
     reached: tuple[int, ...]
+
+    def records(self) -> list[dict[str, object]]:
+        """One plain dictionary a motion, the most frequent first."""
+        return [
+            {"share": one.share, "periods": one.periods, **{f"amplitude_{k}_m": a for k, a in one.amplitude.items()}}
+            for one in self.attractors
+        ]
 
     def __repr__(self) -> str:
         lines = [f"{len(self.reached)} starts at {self.name} {self.value:.8g}"]

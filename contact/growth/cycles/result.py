@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -9,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from contact.growth.cycles.shooting import Orbit
-from contact.io.npz import write_npz
+from contact.io.reported import Reported
+from contact.io.stored import save_value
 
 FORMAT = "casingfem-cycles-1"
 FEW = 4  # grazing points that are told one by one
@@ -66,7 +68,7 @@ class Branch:
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Cycles:
+class Cycles(Reported):
     """Branches of periodic orbits over a parameter: the one that was followed first, then those that leave it."""
 
     name: str
@@ -92,6 +94,10 @@ class Cycles:
             if part.end:
                 lines.append(f"  ends at {part.points[-1].value:.8g}: {part.end}")
         return "\n".join(lines)
+
+    def records(self) -> list[dict[str, object]]:
+        """One row for each point: `table`."""
+        return self.table()
 
     def table(self) -> list[dict[str, object]]:
         """One row for each point, branch by branch."""
@@ -137,11 +143,11 @@ class Cycles:
             "stable": point.stable, "contacts": point.contacts,
         }  # fmt: skip
 
-    def save(self, path: str | Path) -> None:
-        """Write npz without pickle: states, multipliers, amplitudes of every point; branch by branch."""
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write npz without pickle; states, multipliers, amplitudes of every point beside the value itself."""
         points = [point for part in self.branches for point in part.points]
         specials = [(number, special) for number, part in enumerate(self.branches, 1) for special in part.specials]
-        write_npz(Path(path), {
+        return save_value(path, self, {
             "format": FORMAT, "parameter": self.name, "channels": np.array(list(points[0].amplitude)),
             "branch": np.array([n for n, part in enumerate(self.branches, 1) for _ in part.points]),
             "value": np.array([p.value for p in points]), "period": np.array([p.period for p in points]),

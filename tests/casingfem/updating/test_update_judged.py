@@ -157,8 +157,9 @@ def test_a_left_out_row_is_not_used():
 def test_parabolas_are_right_to_second_order(fit):
     near = parabolas(fit)
     step = 2.0 * fit.sigma * [1.0, -1.0, 1.0]
-    fit.problem.anchor = None
-    exact = fit.problem.state(fit.x + step).values
+    problem = fit.problem
+    problem.anchor = None
+    exact = problem.state(fit.x + step).values
     tangent = near.r + near.J @ step
     assert np.abs(near(fit.x + step)[0] - exact).max() < 0.05 * np.abs(tangent - exact).max()
 

@@ -1,0 +1,149 @@
+"""What every result of both packages can do: become a table, a picture, a cell of a notebook, a file, a copy."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from functools import cache
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from contact.io.stored import load_value, save_value, sealed
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SHOWN = 40  # rows of a table that a notebook shows
+PICTURES = "contact.pictures"  # entry points: functions (result, ax, **options) that give a figure, or None
+
+
+class Reported:
+    """A frozen dataclass that is the result of a computation; it defines `records`, `columns` or both.
+
+    Its arrays are read-only, in copies and after unpickling too.
+    """
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        for field in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray) and value.flags.writeable:
+                object.__setattr__(self, field.name, sealed(np.array(value)))
+
+    def records(self) -> Iterable[Mapping[str, Any]]:
+        """One plain dictionary a row, its keys with their units: what `print` and a notebook show."""
+        columns = self.columns()
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+    def columns(self) -> Mapping[str, Any]:
+        """The columns of `to_dataframe`, by name: those of `records`, or longer ones."""
+        rows = list(self.records())
+        return {name: [row.get(name) for row in rows] for name in names_in(rows)}
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A pandas table of the result; `.to_csv`, `.to_parquet` (with pyarrow) write it."""
+        import pandas as pd
+
+        return pd.DataFrame(dict(self.columns()))
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw the result: a matplotlib Figure; in the place of `ax`, an Axes of a figure of yours, if given.
+
+        Raises
+        ------
+        ValueError
+            Where nothing that is installed draws it.
+        """
+        for draw in painters():
+            if (figure := draw(self, ax, **options)) is not None:
+                return figure
+        raise ValueError(f"plot: found nothing that draws {type(self).__name__}, expected casingfem to be installed")
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write an npz file of plain arrays, whole or not at all, without pickle; `load` reads it. Returns the path."""
+        return save_value(path, self)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read what `save` wrote; ValueError names the file where it is another."""
+        found: Self = load_value(path, cls)
+        return found
+
+    def __repr__(self) -> str:
+        rows = list(self.records())
+        return "\n".join([f"{type(self).__name__}, {len(rows)} rows", *lines_of(rows[:SHOWN])])
+
+    def _repr_html_(self) -> str:
+        """A table for a notebook, and below what `print` says."""
+        rows = list(self.records())
+        names = names_in(rows)
+        head = "".join(f"<th>{escape(name)}</th>" for name in names)
+        body = "".join(
+            "<tr>" + "".join(f"<td>{escape(cell(row.get(name)))}</td>" for name in names) + "</tr>"
+            for row in rows[:SHOWN]
+        )
+        more = f"<p>{SHOWN} of {len(rows)} rows</p>" if len(rows) > SHOWN else ""
+        return (
+            f"<table><caption>{type(self).__name__}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
+            f"</table>{more}<details><summary>in words</summary><pre>{escape(repr(self))}</pre></details>"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        values = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        return restored, (type(self), values)
+
+
+def restored(kind: type, values: Mapping[str, Any]) -> Any:
+    """A copy of a frozen value that was checked when it was made: what pickle and `copy` call."""
+    found: Any = object.__new__(kind)
+    for name, value in values.items():
+        object.__setattr__(found, name, sealed(value))
+    return found
+
+
+@cache
+def painters() -> tuple[Any, ...]:
+    """What draws results, as the installed packages say."""
+    from importlib.metadata import entry_points
+
+    return tuple(entry.load() for entry in entry_points(group=PICTURES))
+
+
+def names_in(rows: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Names of all entries, in the order in which they come."""
+    return list(dict.fromkeys(name for row in rows for name in row))
+
+
+def cell(value: Any) -> str:
+    """A value as a table shows it.
+
+    >>> cell(371.20004), cell(8), cell(None), cell(float("nan")), cell((1, 2))
+    ('371.2', '8', '', '', '1, 2')
+    """
+    if isinstance(value, bool | np.bool_) or value is None:
+        return "" if value is None else ("yes" if value else "no")
+    if isinstance(value, float | np.floating):
+        return "" if np.isnan(value) else f"{value:.6g}"
+    if isinstance(value, list | tuple | np.ndarray):
+        return ", ".join(map(cell, value))
+    return str(value)
+
+
+def lines_of(rows: Iterable[Mapping[str, Any]]) -> list[str]:
+    r"""Rows as lines of text under their names, in columns.
+
+    >>> print("\n".join(lines_of([{"mode": 1, "freq_hz": 371.25}, {"mode": 10, "freq_hz": 1207.5}])))
+    mode  freq_hz
+       1   371.25
+      10   1207.5
+    """
+    cells = [{name: cell(value) for name, value in row.items()} for row in rows]
+    names = names_in(cells)
+    wide = [max(len(name), *(len(row.get(name, "")) for row in cells)) for name in names]
+    table = [names, *([row.get(name, "") for name in names] for row in cells)]
+    return ["  ".join(f"{word:>{w}}" for word, w in zip(line, wide, strict=True)).rstrip() for line in table]

@@ -1,0 +1,176 @@
+"""Frozen values of both packages as npz files: plain arrays by their paths, and a JSON text for all the rest.
+
+A value is a tree of dataclasses, named tuples, tuples, mappings, arrays, numbers and words. Each array is a member of
+its own, under the path that leads to it (`freq`, `grid.nodes`), so that any program reads it; `document` says how the
+tree hangs together. What the tree holds twice is written once. A file makes nothing but values of the two packages,
+through their own checks: no pickle.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from importlib import import_module
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from contact.io.npz import DAMAGE, load_npz, write_npz
+
+FORMAT = "casingfem-value-1"
+OWN = ("casingfem.", "contact.")
+WORDS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # numbers that JSON has no word for
+MANY: dict[str, Callable[..., Any]] = {"tuple": tuple, "list": list, "set": frozenset}
+MAPS: dict[str, Callable[..., Any]] = {"dict": dict, "mapping": lambda pairs: MappingProxyType(dict(pairs))}
+
+
+class StoredError(ValueError):
+    """A value that no file can hold, or a file that holds none: which, what was found, what is expected."""
+
+
+def sealed(value: Any) -> Any:
+    """The same value with all its arrays read-only, those inside tuples, mappings and frozen values too."""
+    if isinstance(value, np.ndarray):
+        value.setflags(write=False)
+    elif isinstance(value, tuple | list | frozenset):
+        for entry in value:
+            sealed(entry)
+    elif isinstance(value, Mapping):
+        for entry in value.values():
+            sealed(entry)
+    elif is_dataclass(value):
+        for field in fields(value):
+            sealed(getattr(value, field.name, None))
+    return value
+
+
+def save_value(path: str | os.PathLike[str], value: Any, beside: Mapping[str, Any] | None = None) -> Path:
+    """Write a frozen value, whole or not at all; `beside` are further arrays, for other programs.
+
+    Raises
+    ------
+    StoredError
+        For a part that is neither plain nor a value of the two packages, a function say.
+    """
+    packing = Packing()
+    document = packing.packed(value, "")
+    arrays = {"format": np.array(FORMAT), "document": np.array(json.dumps(document)), **packing.arrays}
+    return write_npz(path, arrays | dict(beside or {}))
+
+
+def load_value(path: str | os.PathLike[str], kind: type) -> Any:
+    """Read a value of a kind from a file that `save_value` wrote.
+
+    Raises
+    ------
+    StoredError
+        For another file, a value of another kind, or one that its own checks refuse.
+    """
+    try:
+        arrays = load_npz(path)
+        document = json.loads(str(arrays["document"])) if "document" in arrays else None
+        found = Unpacking(arrays).unpacked(document)
+    except (*DAMAGE, AttributeError, ImportError, KeyError, TypeError) as error:
+        raise StoredError(f"{path}: found no value that can be read ({error}), expected a {kind.__name__}") from error
+    if not isinstance(found, kind):
+        raise StoredError(f"{path}: found a {type(found).__name__}, expected a {kind.__name__}")
+    return found
+
+
+class Packing:
+    """A value on its way to a file: its arrays by name, and what was met already."""
+
+    def __init__(self) -> None:
+        self.arrays: dict[str, Any] = {}
+        self._met: dict[int, tuple[int, Any]] = {}  # by identity: number, and the part itself, which so stays alive
+
+    def packed(self, part: Any, name: str) -> Any:
+        """The part as JSON has it."""
+        if part is None or isinstance(part, bool | str):
+            return part
+        if isinstance(part, np.generic):
+            part = part.item()
+        if isinstance(part, int | float):
+            return part if math.isfinite(part) else {"number": str(float(part))}
+        if isinstance(part, complex):
+            return {"complex": [self.packed(part.real, name), self.packed(part.imag, name)]}
+        if id(part) in self._met:
+            return {"same": self._met[id(part)][0]}
+        if isinstance(part, np.ndarray) and part.dtype.kind in "biufcU":
+            return self._numbered(part, {"array": self._array(part, name or "value")})
+        if isinstance(part, os.PathLike):
+            return {"path": os.fspath(part)}
+        if names := getattr(type(part), "_fields", ()):
+            return self._values(part, dict(zip(names, part, strict=True)), name)
+        for word, kind in MANY.items():
+            if type(part) is kind:
+                return {word: [self.packed(entry, f"{name}.{k + 1}") for k, entry in enumerate(part)]}
+        if isinstance(part, Mapping):
+            pairs = [[self.packed(key, name), self.packed(entry, f"{name}.{key}")] for key, entry in part.items()]
+            return {"dict" if isinstance(part, dict) else "mapping": pairs}
+        if is_dataclass(part) and not isinstance(part, type) and type(part).__module__.startswith(OWN):
+            return self._values(part, {f.name: getattr(part, f.name) for f in fields(part) if f.init}, name)
+        found = f"{type(part).__module__}.{type(part).__qualname__}"
+        raise StoredError(f"{name}: found {found}, expected numbers, text, or values of casingfem and contact")
+
+    def _values(self, part: Any, values: Mapping[str, Any], name: str) -> dict[str, Any]:
+        kind = f"{type(part).__module__}:{type(part).__qualname__}"
+        inside = {key: self.packed(value, f"{name}.{key}" if name else key) for key, value in values.items()}
+        return self._numbered(part, {"value": kind, "fields": inside})
+
+    def _numbered(self, part: Any, document: dict[str, Any]) -> dict[str, Any]:
+        number = len(self._met)
+        self._met[id(part)] = number, part
+        return document | {"number_of": number}
+
+    def _array(self, part: Any, name: str) -> str:
+        while name in self.arrays or name in ("format", "document"):
+            name += "_"
+        self.arrays[name] = part
+        return name
+
+
+class Unpacking:
+    """A file on its way to a value."""
+
+    def __init__(self, arrays: Mapping[str, Any]) -> None:
+        self._arrays = arrays
+        self._met: dict[int, Any] = {}
+
+    def unpacked(self, part: Any) -> Any:
+        """What a JSON part stands for; KeyError, TypeError or ValueError where it stands for nothing."""
+        if not isinstance(part, dict):
+            return part
+        if "same" in part:
+            return self._met[part["same"]]
+        if "number_of" in part:
+            found = self._array(part["array"]) if "array" in part else self._value(part)
+            self._met[part["number_of"]] = found
+            return found
+        ((word, inside),) = part.items()
+        if word in MANY:
+            return MANY[word](self.unpacked(entry) for entry in inside)
+        if word in MAPS:
+            return MAPS[word]((self.unpacked(key), self.unpacked(entry)) for key, entry in inside)
+        if word == "complex":
+            return complex(*(self.unpacked(entry) for entry in inside))
+        return Path(inside) if word == "path" else WORDS[inside]
+
+    def _array(self, name: str) -> Any:
+        return sealed(self._arrays[name])
+
+    def _value(self, part: Mapping[str, Any]) -> Any:
+        module, _, name = part["value"].partition(":")
+        if not module.startswith(OWN):
+            raise ValueError(f"found {part['value']!r}, expected a value of casingfem or contact")
+        kind: Any = import_module(module)
+        for step in name.split("."):
+            kind = getattr(kind, step)
+        if not (isinstance(kind, type) and (is_dataclass(kind) or issubclass(kind, tuple))):
+            raise ValueError(f"found {part['value']!r}, expected a dataclass or a named tuple")
+        return kind(**{key: self.unpacked(value) for key, value in part["fields"].items()})
