@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from casingfem.cli.mode_files import modes_csv, shapes, universal
 from casingfem.cli.model_warnings import collected
 from casingfem.cli.running import ProgressMessage, deliver
-from casingfem.cli.study import modes_csv, shapes, universal
 from casingfem.modal.cyclic.mistuned import mistuned_modes
 from casingfem.modal.cyclic.modes import cyclic_modes
 from casingfem.modal.cyclic.reduction import OF_A_DIAMETER
