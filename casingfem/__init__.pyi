@@ -18,7 +18,7 @@ from .modal.whirl import whirl_modes
 from .structure import edge, field, geometry, imported, shell
 from .structure.edge.bolts import Bolts
 from .structure.edge.ring import Ring
-from .structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
+from .structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
 from .structure.field.fourier import FourierField
 from .structure.field.survey.survey import SurveyField
 from .structure.geometry.blade import Blade
@@ -36,7 +36,7 @@ from .structure.mesh.shell_mesh import ShellMesh
 from .structure.shell import loads
 from .structure.shell.shell import Shell
 from .structure.static import solve_static
-from .updating.parameters import Parameter
+from .updating.parameters import Parameter, parameters
 from .updating.updating import update
 from .version import __version__
 
@@ -68,7 +68,6 @@ __all__ = [
     "Solid",
     "Strip",
     "SurveyField",
-    "Symmetry",
     "Taper",
     "Tip",
     "TipNodes",
@@ -92,6 +91,7 @@ __all__ = [
     "modal",
     "modes",
     "out_of_roundness",
+    "parameters",
     "read_mesh",
     "reduce",
     "rig",

@@ -6,7 +6,7 @@ from types import MappingProxyType
 ROOMS = {
     "circle": "CircleScan ScanRecord demodulate",
     "correlation": "Correlation MeasuredShapes Pairing identified_shapes mac pair read_shapes subspace_mac",
-    "edge": "Section",
+    "edge": "Section Symmetry",
     "errors": "MissingExtraError",
     "field": "Field RandomField Spectrum Spline SumField",
     "frf": "FrfSet",

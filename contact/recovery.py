@@ -12,6 +12,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
+from contact.io.names import hint
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.one_tip import rub_of
@@ -53,7 +54,7 @@ def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Arr
     """
     rub = rub_of(scene) if isinstance(scene, RotatingRim) else scene
     if name not in rub.names:
-        raise InputError(f"name: found {name!r}, expected one of {', '.join(rub.names)}")
+        raise InputError(f"name: found {name!r}, expected one of {', '.join(rub.names)}{hint(name, rub.names)}")
     forces = result.state_of("tips")
     if not len(forces):
         raise InputError("state: found none stored, expected a record with state_every or at")

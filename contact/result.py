@@ -15,6 +15,7 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
+from contact.io.names import hint
 from contact.io.npz import write_npz
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
@@ -106,7 +107,8 @@ class Result(Reported):
             raise InputError(f"state: found {len(self.channels)} channels of all bodies, expected a record without")
         found = [slice(start, end) for body, start, end in self.blocks if body == name]
         if not found:
-            raise InputError(f"name: found {name!r}, expected one of {', '.join(b[0] for b in self.blocks)}")
+            known = [body for body, _, _ in self.blocks]
+            raise InputError(f"name: found {name!r}, expected one of {', '.join(known)}{hint(name, known)}")
         return self.state[:, found[0]]
 
     def state_force(self) -> Array:

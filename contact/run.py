@@ -13,6 +13,7 @@ import numpy as np
 
 from contact.base.arrays import require_positive
 from contact.base.errors import DivergedError, InputError, NumericsError
+from contact.io.brief import brief
 from contact.model.bodies.beam import BeamInCircle
 from contact.model.bodies.body import Body
 from contact.model.bodies.chain import assemble
@@ -54,6 +55,8 @@ class Scene:
     record: Record | None = None
     source: dict[str, str] = field(default_factory=dict)
     on_limit: OnLimit = "stop"
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

@@ -266,6 +266,40 @@ def test_it_is_read_from_its_file(result, tmp_path):
     assert_same(result, type(result).load(path))
 
 
+def test_print_of_any_value_is_a_line():
+    part, casing = solid(), frustum(radius_defect=cf.FourierField.of({8: 0.002}))
+    rods = ct.load_scene(DATA / "scenes" / "two_rods.toml")
+    values = [
+        part, part.mesh, part.assembled(), casing, casing.mesh, cf.shell.assemble(strip()), correlated().sensors, rods,
+        cf.Bolts(count=24, k=2e8, loose={3: 0.5}), cf.ElasticEdge(k_face=1e9, around=cf.FourierField.of({3: 0.1})),
+        orbits().branches[0], load_sweep(DATA / "scenes" / "two_rods_sweep.toml"), updated().given,
+    ]  # fmt: skip
+    assert [
+        str(value) for value in values if "\n" in str(value) or len(str(value)) > 600 or "array([" in str(value)
+    ] == []
+    assert str(part.mesh) == "MeshData(grid: 3 hexahedron20, 44 nodes, 1 x 0.1 x 0.1 m; groups root, tip)"
+    assert "thickness=0.003" in str(casing)
+    assert "loose={3: 0.5}" in str(values[8])
+
+
+def test_every_number_that_may_be_varied_is_listed():
+    support = cf.ElasticEdge(k_face=1e9, around=cf.FourierField.of({3: (0.1, 0.2)}))
+    casing = frustum(supports={"base": cf.Bolts(count=3, k=2e8), "top": support})
+    found = cf.parameters(casing)
+    known = dict(zip(found.name, zip(found.value, found.unit, strict=True), strict=True))
+    assert known["support.top.around.p3.sin"] == (0.2, "-")
+    assert known["support.base.bolts.3.k"] == (2e8, "N/m")
+    assert known["support.base.k_rot"] == (0.0, "N m/rad")
+    assert known["chart.r_base"] == (0.5, "m")
+    assert all(cf.Parameter(name=name, lower=-1e12, upper=1e12) for name in known)
+    assert list(found.to_dataframe()) == ["name", "value", "unit"]
+    assert "solid.material" not in str(cf.parameters(solid()))
+    with pytest.raises(cf.errors.InputError, match=r"did you mean support.top.k_face\?"):
+        cf.updating.update(
+            casing, KINDS["frequency table"](), [cf.Parameter(name="support.top.k_fac", lower=0.0, upper=1.0)]
+        )
+
+
 def test_a_file_makes_nothing_but_values_of_the_packages(tmp_path):
     table = KINDS["frequency table"]()
     path = table.save(tmp_path / "table.npz")

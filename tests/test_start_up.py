@@ -26,6 +26,7 @@ WRITERS = {
     "contact.former_names",
     "contact.io",
     "contact.io.former",
+    "contact.io.names",
     "contact.io.npz",
     "contact.io.outfiles",
 }

@@ -13,7 +13,8 @@ from casingfem.cli.locate import locate
 from casingfem.cli.matrices import export_matrices, import_matrices
 from casingfem.cli.mistune import mistune
 from casingfem.cli.rig import rig
-from casingfem.cli.study import campbell, modes, reduce, report, schema, update
+from casingfem.cli.schema import schema
+from casingfem.cli.study import campbell, modes, reduce, report, update
 from casingfem.cli.sweep import sweep
 
 __all__ = ["main"]
@@ -28,7 +29,7 @@ __all__ = ["main"]
 def main() -> None:
     """Modes, updating, reduction and rubbing of casings and blades with imperfections.
 
-    STUDY and SCENE are TOML files; `casingfem schema` lists their keys.
+    STUDY and SCENE are TOML files; `casingfem schema KEY` explains their keys.
     """
 
 

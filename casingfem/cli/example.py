@@ -1,7 +1,6 @@
 """`casingfem example`: the studies and scenes that come with the program."""
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING
@@ -9,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.running import BAD_INPUT, deliver, fail, options
+from contact.io.names import hint
 from contact.io.outfiles import json_text, write_files
 
 if TYPE_CHECKING:
@@ -35,9 +35,8 @@ def example(name: str | None, as_json: bool, out: Path | None) -> None:
         deliver(document, listed(known), as_json=as_json, out=out, files=files)
         return
     if name not in known:
-        near = get_close_matches(name, known, n=3) or [other for other in known if name in other][:3]
-        hint = f" (did you mean {', '.join(near)}?)" if near else ""
-        raise click.UsageError(f"found {name!r}, expected a name that casingfem example lists{hint}")
+        near = hint(name, known, most=3) or hint(name, [other for other in known if name in other], most=3, cutoff=0.0)
+        raise click.UsageError(f"found {name!r}, expected a name that casingfem example lists{near}")
     folder = Path("data") if out is None else out
     written = [str(path) for path in write(known[name], folder)]
     following = known[name].commands(folder)

@@ -1,12 +1,12 @@
 """`casingfem explain`: what a code means and what helps."""
 
-from difflib import get_close_matches
 from pathlib import Path
 
 import click
 
 from casingfem.cli.running import deliver, options
 from casingfem.faults import CATALOGUE
+from contact.io.names import hint
 from contact.io.outfiles import json_text
 
 
@@ -18,9 +18,8 @@ def explain(code: str | None, as_json: bool, out: Path | None) -> None:
     wanted = list(CATALOGUE) if code is None else [code.strip("[]")]
     for name in wanted:
         if name not in CATALOGUE:
-            near = get_close_matches(name, CATALOGUE, n=3)
-            hint = f" (did you mean {', '.join(near)}?)" if near else ""
-            raise click.UsageError(f"found {name!r}, expected a code such as shell-thickness{hint}")
+            near = hint(name, CATALOGUE, most=3)
+            raise click.UsageError(f"found {name!r}, expected a code such as shell-thickness{near}")
     document = {name: {"cause": CATALOGUE[name].cause, "remedy": CATALOGUE[name].remedy} for name in wanted}
     text = "\n".join(
         f"{name}\n  cause:  {fault['cause']}\n  remedy: {fault['remedy']}" for name, fault in document.items()

@@ -1,4 +1,4 @@
-"""Commands on study.toml: modes, campbell, update, reduce, report, schema."""
+"""Commands on study.toml: modes, campbell, update, reduce, report."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -205,15 +205,3 @@ def report(file: Path, as_json: bool, out: Path | None) -> None:
         html = study_report(study, working.say)
     document = {"report": str(folder / "report.html"), "seconds": working.seconds, "source": study.source}
     deliver(document, f"{working.seconds:.1f} s", as_json=as_json, out=folder, files={"report.html": html})
-
-
-@click.command()
-@options
-def schema(as_json: bool, out: Path | None) -> None:
-    """JSON schemas of study.toml and scene.toml."""
-    from casingfem.study import schema as study_schema
-    from contact.scene.schema import scene_schema
-
-    document = {"study": study_schema(), "scene": scene_schema()}
-    files = {f"{name}.schema.json": json_text(part, indent=1) for name, part in document.items()}
-    deliver(document, json_text(document, indent=2).rstrip(), as_json=as_json, out=out, files=files)

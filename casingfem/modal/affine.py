@@ -31,6 +31,7 @@ from casingfem.structure.shell.edges import edge_line, mass_forms, own_dofs
 from casingfem.structure.shell.ring_form import support_form
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.variation import outer_supports
+from contact.io.brief import brief
 
 ANSWERS, FEWEST = 120, 5  # static answers kept for all changes together, and for each
 BEYOND = 3  # nodal diameters past those of the nominal modes that labels know
@@ -102,6 +103,8 @@ class AffineModel:
     stiffness: FloatArray | None
     mass: FloatArray | None
     rings: Rings
+
+    __repr__ = brief
 
     def with_changes(self, changes: "Sequence[Change]") -> "AffineModel":
         """The same basis with other changes, near those that it was made for."""

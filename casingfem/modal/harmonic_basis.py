@@ -18,6 +18,7 @@ from casingfem.modal.roundness import rim_thickness
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.axisymmetric import Meridian, harmonic_matrices
 from casingfem.structure.shell.shell import Shell
+from contact.io.names import hint
 
 
 def harmonic_basis(
@@ -55,7 +56,9 @@ def harmonic_basis(
     """
     if rim.edge not in shell.chart.edges:
         raise ModelError(
-            "interface-edge", f"this chart has no edge {rim.edge!r}; it has {', '.join(shell.chart.edges)}"
+            "interface-edge",
+            f"this chart has no edge {rim.edge!r}; it has {', '.join(shell.chart.edges)}"
+            + hint(rim.edge, shell.chart.edges),
         )
     if rim.lines:
         raise ModelError("interface-lines", f"rim.lines: found {rim.lines}, expected none here: the edge itself")

@@ -13,6 +13,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.mesh.element import lobatto
 from casingfem.structure.mesh.shell_mesh import Grid, rim_values
+from contact.io.brief import brief
 
 DOUBLE = 1e-7  # a pair closer than this, relative, has no orientation of its own
 
@@ -26,6 +27,8 @@ class Rings:
 
     amplitudes: Array
     weights: FloatArray
+
+    __repr__ = brief
 
     def shares(self) -> FloatArray:
         """Share of each n in a mode's circumferential energy, (n_max + 1, modes)."""

@@ -37,6 +37,7 @@ from casingfem.study.tables.shapes import (
     TwistedPlateTable,
 )
 from casingfem.study.tables.supports import BoltsTable, ElasticTable, FixedTable, RingTable, SupportTable, SymmetryTable
+from contact.io.names import hint
 
 CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
 FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
@@ -150,7 +151,7 @@ def build_supports(tables: dict[str, SupportTable], chart: Chart | None, problem
     supports: dict[str, Support] = {}
     for edge, table in tables.items():
         if chart is not None and edge not in chart.edges:
-            expected = f"one of the chart's edges {', '.join(chart.edges)}"
+            expected = f"one of the chart's edges {', '.join(chart.edges)}{hint(edge, chart.edges)}"
             problems.add(f"support.{edge}", f"edge {edge!r}", expected, "support-edge")
             continue
         with problems.at(f"support.{edge}"):

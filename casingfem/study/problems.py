@@ -1,15 +1,15 @@
 """What is wrong with a study file, said once for all: file, key, what was found, what was expected."""
 
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, get_args
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from casingfem.errors import InputError, code_of, with_code
 from casingfem.study.schema import StudyFile
+from contact.io.tables import keys, kinds, models_at, resolved, unknown
 
 KEYS = {  # the code of a value that the schema refuses, by table and key, or by table
     ("material", "E"): "material-modulus",
@@ -105,18 +105,15 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
     """One pydantic error as `key: found X, expected Y`."""
     loc, kind, message = resolved(detail["loc"], detail["type"], data), detail["type"], detail["msg"]
     key = written(loc)
-    models = models_at(loc[:-1], data)
+    models = models_at([StudyFile], loc[:-1], data)
     info = next((keys(m)[str(loc[-1])] for m in models if str(loc[-1]) in keys(m)), None)
     meaning = "" if info is None or info.description is None else info.description
     if kind == "extra_forbidden":
-        known = list(dict.fromkeys(name for m in models for name in keys(m)))
-        near = get_close_matches(str(loc[-1]), known, n=1)
-        hint = f" (did you mean {near[0]}?)" if near else ""
-        return f"{key}: found an unknown key, expected one of {', '.join(known)}{hint}"
+        return f"{key}: found an unknown key, {unknown(str(loc[-1]), models)}"
     if kind == "missing":
         return f"{key}: found nothing, expected {f'its {meaning}' if meaning else choices(info)}"
     if kind == "union_tag_not_found":
-        known = [name for m in models_at(loc, data) for name in kinds(m)]
+        known = [name for m in models_at([StudyFile], loc, data) for name in kinds(m)]
         return f"{key}.kind: found nothing, expected one of {', '.join(known)}"
     if kind == "too_short":
         return f"{key}: found {shown(detail['input'])}, expected {meaning or 'at least one entry'}"
@@ -161,21 +158,6 @@ def choices(info: FieldInfo | None) -> str:
     return "one of " + ", ".join(map(str, options)) if options else "a value"
 
 
-def resolved(loc: tuple[str | int, ...], kind: str, data: Any) -> tuple[str | int, ...]:
-    """The key path without the tags that pydantic puts in for the members of a union."""
-    path: list[str | int] = []
-    here = data
-    for k, part in enumerate(loc):
-        inside = isinstance(here, dict) and part in here
-        indexed = isinstance(here, list) and isinstance(part, int)
-        if inside or indexed:
-            here = here[part]
-            path.append(part)
-        elif k == len(loc) - 1 and kind == "missing":
-            path.append(part)
-    return tuple(path)
-
-
 def written(loc: Sequence[str | int]) -> str:
     """The key path as text, entries of arrays counted from 1.
 
@@ -186,35 +168,3 @@ def written(loc: Sequence[str | int]) -> str:
     for part in loc:
         text += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if text else part
     return text
-
-
-def models_at(loc: Sequence[str | int], data: Any) -> list[type[BaseModel]]:
-    """The table models a key path may belong to, by the kinds the file names."""
-    models: list[type[BaseModel]] = [StudyFile]
-    here = data
-    for part in loc:
-        here = here[part]
-        if isinstance(part, int):
-            continue
-        fields = [keys(m)[part] for m in models if part in keys(m)]
-        models = [m for field in fields for m in members(field.annotation)] or models
-        if isinstance(here, dict) and isinstance(here.get("kind"), str):
-            models = [m for m in models if here["kind"] in kinds(m)] or models
-    return models
-
-
-def keys(model: type[BaseModel]) -> dict[str, FieldInfo]:
-    """The keys of a table as the file writes them: `from`, which Python reserves, is the alias of a field."""
-    return {info.alias or name: info for name, info in model.model_fields.items()}
-
-
-def members(annotation: Any) -> list[type[BaseModel]]:
-    """All table models inside a type."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    return [model for part in get_args(annotation) for model in members(part)]
-
-
-def kinds(model: type[BaseModel]) -> tuple[Any, ...]:
-    """The values a table's `kind` may have; empty for a table without."""
-    return get_args(model.model_fields["kind"].annotation) if "kind" in model.model_fields else ()

@@ -48,10 +48,10 @@ class StudyFile(Table):
     imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
     mass: list[MassTable] = Field(default=[], description="tables [[mass]]: point masses on edges")
     support: dict[Edge, SupportTable] = Field(default={}, description="edge or group -> kind and stiffnesses")
-    modes: ModesTable = ModesTable()
-    mesh: MeshTable = MeshTable()
-    update: UpdateTable | None = None
-    reduce: ReduceTable | None = None
+    modes: ModesTable = Field(default=ModesTable(), description="how many modes")
+    mesh: MeshTable = Field(default=MeshTable(), description="how the shell is divided")
+    update: UpdateTable | None = Field(default=None, description="the measured table and what may vary")
+    reduce: ReduceTable | None = Field(default=None, description="the modal basis")
     rig: RigTable | None = Field(default=None, description="the virtual test rig")
 
 

@@ -1,4 +1,4 @@
-from .parameters import Parameter
+from .parameters import Parameter, parameters
 from .posterior import Laplace, laplace
 from .prediction import LeftOut, leave_one_out
 from .regularisation import Regularisation
@@ -17,6 +17,7 @@ __all__ = [
     "UpdateResult",
     "laplace",
     "leave_one_out",
+    "parameters",
     "sample_posterior",
     "update",
 ]

@@ -12,10 +12,7 @@ support.<edge>.material.E | nu | rho.
 """
 
 import re
-from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
-
-import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.structure.edge.bolts import Bolts
@@ -26,12 +23,13 @@ from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.parts import DEFECTS
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.mesh_numbers import mesh_address
+from casingfem.updating.named import named_numbers, numbers_of
 from casingfem.updating.numbers import SHARED, Address, FieldHarmonic, HeldNumber, Plain, SpringHarmonic, series
+from contact.io.names import hint
 
 Structure = TypeVar("Structure", bound=Shell | MeshStructure)
 
 HARMONIC = re.compile(r"p(\d+)$")
-NUMBERS = (int, float, complex, np.number, tuple)  # what may be varied; a law has one a station
 
 
 def address_of(shell: Shell | MeshStructure, name: str) -> Address:
@@ -40,10 +38,16 @@ def address_of(shell: Shell | MeshStructure, name: str) -> Address:
     Raises
     ------
     InputError
-        If the structure has no such number.
+        If the structure has no such number; the nearest that it has is named.
     """
-    if not isinstance(shell, Shell):
-        return mesh_address(shell, name)
+    try:
+        return mesh_address(shell, name) if not isinstance(shell, Shell) else shell_address(shell, name)
+    except InputError as error:
+        raise InputError(f"{error}{hint(name, list(named_numbers(shell)))}") from None
+
+
+def shell_address(shell: Shell, name: str) -> Address:
+    """What a name means on a shell."""
     parts = name.split(".")
     if len(parts) < 2:
         raise InputError(f"{name!r} is no parameter name; expected a path such as material.E")
@@ -120,8 +124,7 @@ def of_part(shell: Shell, name: str, parts: list[str]) -> Plain:
     if owner is None or len(parts) not in (2, 3):
         starts = ", ".join([*owners, *DEFECTS])
         raise InputError(f"{name!r}: a parameter starts with {starts}, strip, mass or support")
-    known = [f.name for f in fields(owner)] if is_dataclass(owner) else []
-    numbers = ["thickness"] if owner is shell else [k for k in known if isinstance(getattr(owner, k), NUMBERS)]
+    numbers = ["thickness"] if owner is shell else numbers_of(owner)
     if parts[1] not in numbers:
         raise InputError(f"{name!r}: {parts[0]} has {', '.join(numbers) or 'no numbers'}, not {parts[1]!r}")
     path = ("thickness",) if owner is shell else (parts[0], parts[1])

@@ -10,7 +10,9 @@ from casingfem.errors import InputError
 from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import address_of, with_value
+from casingfem.updating.named import named_numbers
 from casingfem.updating.numbers import Address, SpringHarmonic
+from contact.io.reported import Reported
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +57,42 @@ class Parameter:
     def from_internal(self, x: Any) -> Any:
         """The solver's number -> value."""
         return 10.0**x if self.log else x
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class NamedNumbers(Reported):
+    """The numbers of a structure that may be varied: addresses, values now, units."""
+
+    name: tuple[str, ...]
+    value: tuple[float, ...]
+    unit: tuple[str, ...]
+
+    def columns(self) -> dict[str, tuple[Any, ...]]:
+        """One row a number."""
+        return {"name": self.name, "value": self.value, "unit": self.unit}
+
+
+def parameters(structure: Shell | MeshStructure) -> NamedNumbers:
+    """Every number of a structure that `update` may vary, by the address that `Parameter` takes.
+
+    Harmonics of fields and springs are those that are there; others may be named too, and are 0 at the start.
+
+    >>> import casingfem as cf
+    >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.3), thickness=3e-3,
+    ...                   material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
+    >>> cf.parameters(casing)
+    NamedNumbers, 6 rows
+    name               value  unit
+    material.E       2.1e+11  Pa
+    material.nu          0.3  -
+    material.rho        7800  kg/m^3
+    shell.thickness    0.003  m
+    chart.radius         0.5  m
+    chart.height         0.3  m
+    """
+    named = named_numbers(structure)
+    values = (float(np.real(address_of(structure, name).value(structure))) for name in named)
+    return NamedNumbers(tuple(named), tuple(values), tuple(named.values()))
 
 
 def check_parameters(shell: Shell | MeshStructure, vary: Sequence[Parameter]) -> None:

@@ -20,6 +20,7 @@ from casingfem.updating.following import LostModeError, followed, paired_rows
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes, shape_jacobian, shape_values
 from casingfem.updating.targets import jacobian, rates, values
+from contact.io.brief import brief
 
 Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted residuals)
 
@@ -51,6 +52,8 @@ class Given:
     start: FloatArray
     prior: FloatArray
     exact: bool
+
+    __repr__ = brief
 
     def with_priors(self, x: FloatArray, values: FloatArray, jacobian: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Residuals of the data at x and their Jacobian, with the rows of the priors below."""

@@ -31,6 +31,7 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import product_derivatives
 from casingfem.updating.shape_rows import REACH, columns, rows_of_shapes
+from contact.io.brief import brief
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,6 +66,8 @@ class SensorShapes:
     sigma: FloatArray | float
     labels: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
     unused_hz: tuple[float, ...] = ()
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         sensors = len(self.a)

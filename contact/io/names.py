@@ -1,6 +1,7 @@
 """Names that go into tables and messages: each prints on one line as it is stored, and is there once."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
+from difflib import get_close_matches
 
 
 def names_fault(names: Iterable[str]) -> str:
@@ -20,3 +21,13 @@ def names_fault(names: Iterable[str]) -> str:
             return f"{name!r} twice, expected each name once"
         seen.add(name)
     return ""
+
+
+def hint(name: str, known: Collection[str], most: int = 1, cutoff: float = 0.6) -> str:
+    """The names that a mistyped one may mean, as the end of a sentence; "" where none is near.
+
+    >>> hint("thicknes", ["thickness", "mesh"]), hint("x", ["thickness"])
+    (' (did you mean thickness?)', '')
+    """
+    near = get_close_matches(name, known, n=most, cutoff=cutoff)
+    return f" (did you mean {' or '.join(near)}?)" if near else ""

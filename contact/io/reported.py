@@ -62,7 +62,7 @@ class Reported:
         for draw in painters():
             if (figure := draw(self, ax, **options)) is not None:
                 return figure
-        raise ValueError(f"plot: found nothing that draws {type(self).__name__}, expected casingfem to be installed")
+        raise ValueError(f"plot: found nothing that draws {type(self).__name__}; casingfem draws the results of runs")
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write an npz file of plain arrays, whole or not at all, without pickle; `load` reads it. Returns the path."""
@@ -76,7 +76,8 @@ class Reported:
 
     def __repr__(self) -> str:
         rows = list(self.records())
-        return "\n".join([f"{type(self).__name__}, {len(rows)} rows", *lines_of(rows[:SHOWN])])
+        more = [f"... {len(rows) - SHOWN} more"] if len(rows) > SHOWN else []
+        return "\n".join([f"{type(self).__name__}, {len(rows)} rows", *lines_of(rows[:SHOWN]), *more])
 
     def _repr_html_(self) -> str:
         """A table for a notebook, and below what `print` says."""
@@ -135,15 +136,19 @@ def cell(value: Any) -> str:
 
 
 def lines_of(rows: Iterable[Mapping[str, Any]]) -> list[str]:
-    r"""Rows as lines of text under their names, in columns.
+    r"""Rows as lines of text under their names, in columns; words to the left, numbers to the right.
 
     >>> print("\n".join(lines_of([{"mode": 1, "freq_hz": 371.25}, {"mode": 10, "freq_hz": 1207.5}])))
     mode  freq_hz
        1   371.25
       10   1207.5
     """
-    cells = [{name: cell(value) for name, value in row.items()} for row in rows]
-    names = names_in(cells)
-    wide = [max(len(name), *(len(row.get(name, "")) for row in cells)) for name in names]
-    table = [names, *([row.get(name, "") for name in names] for row in cells)]
-    return ["  ".join(f"{word:>{w}}" for word, w in zip(line, wide, strict=True)).rstrip() for line in table]
+    found = list(rows)
+    names = names_in(found)
+    sides = ["<" if any(isinstance(row.get(name), str) for row in found) else ">" for name in names]
+    table = [names, *([cell(row.get(name)) for name in names] for row in found)]
+    wide = [max(map(len, column)) for column in zip(*table, strict=True)]
+    return [
+        "  ".join(f"{word:{side}{w}}" for word, side, w in zip(line, sides, wide, strict=True)).rstrip()
+        for line in table
+    ]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
 
+from contact.io.brief import brief
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stored:
@@ -56,6 +58,8 @@ class EnergyBudget:
     body_force: float = 0.0
     algorithmic: float = 0.0
     load_step: float = 0.0
+
+    __repr__ = brief
 
     @property
     def lost_in_contact(self) -> float:

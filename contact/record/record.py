@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from contact.base.arrays import Array, Indices, readonly
 from contact.base.errors import InputError
+from contact.io.brief import brief
 
 MOST_SAMPLES = 1_000_000  # what a run stores when nobody says how often
 BUFFER = 8_000_000  # numbers that the buffers of one chunk may hold, 64 MB
@@ -36,6 +37,8 @@ class Record:
     state_every: int = 0
     at: ArrayLike | None = None
     channels: ArrayLike | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         if self.at is not None:

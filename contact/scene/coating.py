@@ -13,14 +13,16 @@ from contact.scene.scheme import NotNegative, Positive, Table
 class CoatingTable(Table):
     """[coating] of a rim: the fields of `Abradable`, whose friction is that of [contact]."""
 
-    E: Positive
-    yield_stress: Positive
-    hardening: NotNegative
-    thickness: Positive
-    width: Positive
-    tip: Positive
-    bars: Annotated[int, Field(ge=1, le=10_000)] = 6
-    machined: NotNegative = 0.0
+    E: Positive = Field(description="Young's modulus [Pa]")
+    yield_stress: Positive = Field(description="stress at which it is worn [Pa]")
+    hardening: NotNegative = Field(description="slope of the stress beyond that [Pa]")
+    thickness: Positive = Field(description="thickness [m]")
+    width: Positive = Field(description="width of the strip along the axis [m]")
+    tip: Positive = Field(description="length of a tip's land around the rim [m]")
+    bars: Annotated[int, Field(ge=1, le=10_000)] = Field(default=6, description="bars under a tip's land")
+    machined: NotNegative = Field(
+        default=0.0, description="cut before the run, from the rim's highest point to a circle [m]"
+    )
 
 
 def contact_law(coating: CoatingTable | None, mu: float) -> Law:

@@ -25,30 +25,30 @@ from contact.scene.tables import BladeTable, CasingTable, RimContact
 class CyclesHead(Table):
     """[scene] of periodic solutions: the kind alone, for nothing ends."""
 
-    kind: Literal["patch"]
+    kind: Literal["patch"] = Field(description="which kind of scene this is")
 
 
 class CyclesContact(Table):
     """[[contact]]: normal, tangent and its slide [m/s], clearance [m]; an obstacle's stiffness [N/m], or rebound."""
 
-    normal: str
-    tangent: str | None = None
-    slide: FiniteFloat = 0.0
-    clearance: FiniteFloat = 0.0
-    stiffness: Positive | None = None
-    restitution: Unit = 0.0
+    normal: str = Field(description="channel along the normal")
+    tangent: str | None = Field(default=None, description="channel along the tangent")
+    slide: FiniteFloat = Field(default=0.0, description="velocity of the ground along the tangent [m/s]")
+    clearance: FiniteFloat = Field(default=0.0, description="gap at rest [m]")
+    stiffness: Positive | None = Field(default=None, description="of an elastic obstacle [N/m]; rigid if left out")
+    restitution: Unit = Field(default=0.0, description="speed after an impact over that before [-]")
 
 
 class DriveTable(Table):
     """[drive]: force amplitude [N] cos at a channel; over from_hz .. to_hz, or freq_hz and from_n .. to_n of force."""
 
-    channel: str
-    amplitude: Positive | None = None
-    freq_hz: Positive | None = None
-    from_hz: Positive | None = None
-    to_hz: Positive | None = None
-    from_n: Positive | None = None
-    to_n: Positive | None = None
+    channel: str = Field(description="where the harmonic force acts")
+    amplitude: Positive | None = Field(default=None, description="of the force [N]")
+    freq_hz: Positive | None = Field(default=None, description="of the force [Hz], where its amplitude is varied")
+    from_hz: Positive | None = Field(default=None, description="first frequency [Hz]")
+    to_hz: Positive | None = Field(default=None, description="last frequency [Hz]")
+    from_n: Positive | None = Field(default=None, description="first amplitude of the force [N]")
+    to_n: Positive | None = Field(default=None, description="last amplitude [N]")
 
     @model_validator(mode="after")
     def _one_range(self) -> DriveTable:
@@ -75,22 +75,26 @@ class DriveTable(Table):
 class ContinuationTable(Table):
     """[continuation]: longest step, most points, looks at gaps in a period, doublings followed, channels shown."""
 
-    longest_step: Annotated[FiniteFloat, Field(gt=0, le=1)] = 0.02
-    most_points: Annotated[int, Field(ge=2)] = 1000
-    looks: Annotated[int, Field(ge=8)] | None = None
-    doublings: Annotated[int, Field(ge=0)] = 0
-    channels: list[str] = Field(default_factory=list)
+    longest_step: Annotated[FiniteFloat, Field(gt=0, le=1)] = Field(
+        default=0.02, description="of the parameter's range [-]"
+    )
+    most_points: Annotated[int, Field(ge=2)] = Field(default=1000, description="points of a branch at most")
+    looks: Annotated[int, Field(ge=8)] | None = Field(default=None, description="looks at the gaps in a period")
+    doublings: Annotated[int, Field(ge=0)] = Field(default=0, description="period doublings that are followed")
+    channels: list[str] = Field(
+        default_factory=list, description="channels whose amplitudes are shown; all if left out"
+    )
 
 
 class CyclesFile(Table):
     """A modal body under a harmonic force before contacts."""
 
-    scene: CyclesHead
-    body: PatchBodyTable
-    contact: Annotated[list[CyclesContact], Field(min_length=1)]
-    ground: GroundTable = Field(default_factory=GroundTable)
-    drive: DriveTable
-    continuation: ContinuationTable = Field(default_factory=ContinuationTable)
+    scene: CyclesHead = Field(description="what this scene is")
+    body: PatchBodyTable = Field(description="the body")
+    contact: Annotated[list[CyclesContact], Field(min_length=1)] = Field(description="tables [[contact]]")
+    ground: GroundTable = Field(default_factory=GroundTable, description="the rigid ground")
+    drive: DriveTable = Field(description="the harmonic force and what is varied")
+    continuation: ContinuationTable = Field(default_factory=ContinuationTable, description="how branches are followed")
 
     @model_validator(mode="after")
     def _alike(self) -> CyclesFile:
@@ -119,8 +123,8 @@ class CyclesFile(Table):
 class SpeedRange(Table):
     """[speed] of a rim: from where to where [Hz]."""
 
-    from_hz: FiniteFloat
-    to_hz: FiniteFloat
+    from_hz: FiniteFloat = Field(description="first speed [turns/s]")
+    to_hz: FiniteFloat = Field(description="last speed [turns/s]")
 
     @model_validator(mode="after")
     def _one_sense(self) -> SpeedRange:
@@ -132,18 +136,18 @@ class SpeedRange(Table):
 class RimCyclesHead(Table):
     """[scene] of a rim: the kind alone."""
 
-    kind: Literal["rim"]
+    kind: Literal["rim"] = Field(description="which kind of scene this is")
 
 
 class RimCyclesFile(Table):
     """A turning rim against its blade, over speed."""
 
-    scene: RimCyclesHead
-    casing: CasingTable
-    blade: BladeTable
-    contact: RimContact
-    speed: SpeedRange
-    continuation: ContinuationTable = Field(default_factory=ContinuationTable)
+    scene: RimCyclesHead = Field(description="what this scene is")
+    casing: CasingTable = Field(description="the rim")
+    blade: BladeTable = Field(description="the blade")
+    contact: RimContact = Field(description="the gap")
+    speed: SpeedRange = Field(description="range of speeds")
+    continuation: ContinuationTable = Field(default_factory=ContinuationTable, description="how branches are followed")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -172,10 +176,11 @@ def load_cycles(path: str | Path) -> CyclesScene:
     data, _ = scene_data(file)
     head = data.get("scene")
     rim = isinstance(head, dict) and head.get("kind") == "rim"
+    model = RimCyclesFile if rim else CyclesFile
     try:
         return _rim(data, file) if rim else _driven(CyclesFile.model_validate(data), file)
     except ValidationError as error:
-        raise SceneError([problem_text(file, detail) for detail in error.errors()]) from error
+        raise SceneError([problem_text(file, detail, data, model) for detail in error.errors()]) from error
     except SceneError:
         raise
     except InputError as error:

@@ -25,25 +25,25 @@ Ratio = Annotated[FiniteFloat, Field(ge=0, lt=1)]
 class DiskHead(RunHead):
     """[scene] of kind "disk"."""
 
-    kind: Literal["disk"]
+    kind: Literal["disk"] = Field(description="which kind of scene this is")
 
 
 class DiskPairTable(Table):
     """[casing.pair]: a casing by its pair of n diameters alone; `kick` modal velocity of its cosine at t = 0."""
 
-    n: Annotated[int, Field(ge=1)]
-    freq_hz: Positive
-    modal_mass: Positive
-    radius: Positive
-    zeta: Ratio = 0.0
-    kick: FiniteFloat = 0.0
+    n: Annotated[int, Field(ge=1)] = Field(description="number of nodal diameters")
+    freq_hz: Positive = Field(description="frequency [Hz]")
+    modal_mass: Positive = Field(description="for unit radial motion at an antinode [kg]")
+    radius: Positive = Field(description="of the rim [m]")
+    zeta: Ratio = Field(default=0.0, description="damping ratio [-]")
+    kick: FiniteFloat = Field(default=0.0, description="velocity of its cosine at t = 0, modal [m kg^(1/2)/s]")
 
 
 class DiskCasingTable(Table):
     """[casing]: a modal basis file of kind "rim", or a pair."""
 
-    basis: str | None = None
-    pair: DiskPairTable | None = None
+    basis: str | None = Field(default=None, description="modal basis of kind rim, npz, relative to this file")
+    pair: DiskPairTable | None = Field(default=None, description="one pair of modes instead of a basis")
 
     @model_validator(mode="after")
     def _one_of_both(self) -> DiskCasingTable:
@@ -63,49 +63,55 @@ class DiskCasingTable(Table):
 class DiskTable(Table):
     """[disk]: the fields of `BladedDisk`."""
 
-    blades: Annotated[int, Field(ge=2, le=1000)]
-    freq_hz: Positive
-    modal_mass: Positive
-    coupling: NotNegative = 0.0
-    mistuning: list[FiniteFloat] | None = None
-    zeta: Ratio = 0.0
-    compliance: NotNegative = 0.0
-    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = 0.0
+    blades: Annotated[int, Field(ge=2, le=1000)] = Field(description="number of blades")
+    freq_hz: Positive = Field(description="frequency of one blade alone [Hz]")
+    modal_mass: Positive = Field(description="of one blade for unit motion along the normal [kg]")
+    coupling: NotNegative = Field(default=0.0, description="of neighbours, over a blade's stiffness [-]")
+    mistuning: list[FiniteFloat] | None = Field(
+        default=None, description="relative deviation of each blade's frequency [-]"
+    )
+    zeta: Ratio = Field(default=0.0, description="damping ratio of all modes [-]")
+    compliance: NotNegative = Field(default=0.0, description="residual compliance of a tip [m/N]")
+    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = Field(
+        default=0.0, description="lean from the radius, into the motion [degrees]"
+    )
 
 
 class DiskContact(Roundness):
     """[contact]: clearance [m], friction coefficient, out-of-roundness."""
 
-    clearance: FiniteFloat
-    friction: Friction = 0.0
+    clearance: FiniteFloat = Field(description="between tips and round rim at rest [m]")
+    friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")
 
 
 class DiskSpeed(Table):
     """[speed]: turns per second; `scan` the speeds of interactions."""
 
-    hz: FiniteFloat
-    scan: ScanTable | None = None
+    hz: FiniteFloat = Field(description="speed of the casing [turns/s]")
+    scan: ScanTable | None = Field(default=None, description="speeds that interactions look at")
 
 
 class DiskScheme(Table):
     """[scheme] of a disk: exact-modal."""
 
-    kind: Literal["exact-modal"]
-    law: Literal["auto", "forward", "averaged"] = "auto"
-    dt: Positive
+    kind: Literal["exact-modal"] = Field(description="the method")
+    law: Literal["auto", "forward", "averaged"] = Field(
+        default="auto", description="how contact is enforced in a step; auto by the model's compliance"
+    )
+    dt: Positive = Field(description="time step [s]")
 
 
 class DiskFile(Table):
     """A disk of blades before a turning casing."""
 
-    scene: DiskHead
-    casing: DiskCasingTable
-    disk: DiskTable
-    contact: DiskContact
-    coating: CoatingTable | None = None
-    speed: DiskSpeed
-    scheme: DiskScheme
-    record: RecordTable | None = None
+    scene: DiskHead = Field(description="what this scene is")
+    casing: DiskCasingTable = Field(description="the rim")
+    disk: DiskTable = Field(description="the blades")
+    contact: DiskContact = Field(description="the gap")
+    coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
+    speed: DiskSpeed = Field(description="how fast the casing turns")
+    scheme: DiskScheme = Field(description="method and time step")
+    record: RecordTable | None = Field(default=None, description="what is stored")
 
     def files(self, folder: Path) -> tuple[Path, ...]:
         """The basis file, if the casing has one."""

@@ -25,6 +25,8 @@ from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.modal.rub_tracks import track_tips
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
+
     from contact.scene.disk import DiskFile
     from contact.scene.patch import PatchFile
     from contact.scene.record import RecordTable
@@ -93,28 +95,34 @@ def _validated(data: dict[str, Any], file: Path) -> File:
     if str(kind) not in FILES:
         found = "nothing" if kind is None else repr(kind)
         raise SceneError([f"{file}: scene.kind: found {found}, expected one of {', '.join(map(repr, FILES))}"])
+    model = FILES[str(kind)]
     try:
-        return FILES[str(kind)].model_validate(data)
+        return model.model_validate(data)
     except ValidationError as error:
-        raise SceneError([problem_text(file, detail) for detail in error.errors()]) from error
+        raise SceneError([problem_text(file, detail, data, model) for detail in error.errors()]) from error
 
 
-def problem_text(file: Path, detail: Any, table: str = "") -> str:
-    """Write one pydantic error as file: key: found, expected."""
+def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], table: str = "") -> str:
+    """Write one pydantic error of a table's `data`, by its model, as file: key: found, expected."""
+    from contact.io.tables import keys, models_at, resolved, unknown
+
+    loc = resolved(detail["loc"], detail["type"], data)
+    models = models_at([model], loc[:-1], data)
+    meaning = next((keys(m)[str(loc[-1])].description for m in models if loc and str(loc[-1]) in keys(m)), None)
     key = table
     for part in detail["loc"]:
         if isinstance(part, str) and part.endswith("]"):  # pydantic's name of one kind of value among several
             continue
         key += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if key else str(part)
     if detail["type"] == "extra_forbidden":
-        return f"{file}: {key}: unknown key"
+        return f"{file}: {key}: unknown key, {unknown(str(loc[-1]), models)}"
     if detail["type"] == "missing":
-        return f"{file}: {key}: missing"
+        return f"{file}: {key}: missing{f', expected {meaning}' if meaning else ''}"
     message = detail["msg"].removeprefix("Value error, ")
     if isinstance(detail["input"], dict):
         return f"{file}: {key}: {message}"
     expected = message.removeprefix("Input should be ")
-    return f"{file}: {key}: found {detail['input']!r}, expected {expected}"
+    return f"{file}: {key}: found {detail['input']!r}, expected {expected}{f' ({meaning})' if meaning else ''}"
 
 
 def _rods(table: RodsFile, file: Path, text: bytes) -> Scene:

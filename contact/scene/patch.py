@@ -19,21 +19,27 @@ from contact.scene.scheme import NotNegative, Positive, RunHead, Table
 class PatchHead(RunHead):
     """[scene] of kind "patch"."""
 
-    kind: Literal["patch"]
+    kind: Literal["patch"] = Field(description="which kind of scene this is")
 
 
 class PatchBodyTable(Table):
     """[body]: a modal basis file, or its modes here; modal displacement and velocity at t = 0; load [N] by channel."""
 
-    basis: str | None = None
-    omega: list[NotNegative] | None = None
-    zeta: list[Annotated[FiniteFloat, Field(ge=0, lt=1)]] | None = None
-    channels: list[str] | None = None
-    rows: list[list[FiniteFloat]] | None = None
-    S: list[list[FiniteFloat]] | None = None
-    displacement: list[FiniteFloat] | None = None
-    velocity: list[FiniteFloat] | None = None
-    load: dict[str, FiniteFloat] = Field(default_factory=dict)
+    basis: str | None = Field(default=None, description="modal basis, npz, relative to this file")
+    omega: list[NotNegative] | None = Field(
+        default=None, description="angular frequencies of its modes [rad/s], instead of a basis"
+    )
+    zeta: list[Annotated[FiniteFloat, Field(ge=0, lt=1)]] | None = Field(
+        default=None, description="their damping ratios [-]"
+    )
+    channels: list[str] | None = Field(default=None, description="names of the displacements at the interface")
+    rows: list[list[FiniteFloat]] | None = Field(
+        default=None, description="displacement of each channel in each mode [kg^(-1/2)]"
+    )
+    S: list[list[FiniteFloat]] | None = Field(default=None, description="residual compliance of the channels [m/N]")
+    displacement: list[FiniteFloat] | None = Field(default=None, description="modal coordinates at t = 0 [m kg^(1/2)]")
+    velocity: list[FiniteFloat] | None = Field(default=None, description="modal velocities at t = 0 [m kg^(1/2)/s]")
+    load: dict[str, FiniteFloat] = Field(default_factory=dict, description="channel -> constant force [N]")
 
     @model_validator(mode="after")
     def _whole(self) -> PatchBodyTable:
@@ -64,10 +70,14 @@ class PatchBodyTable(Table):
 class PatchContact(Table):
     """[[contact]]: channels along normal and tangents, clearance [m], velocity of the ground along the tangents."""
 
-    normal: str
-    tangent: Annotated[list[str], Field(max_length=2)] = Field(default_factory=list)
-    clearance: FiniteFloat = 0.0
-    slide: list[FiniteFloat] = Field(default_factory=list)
+    normal: str = Field(description="channel along the normal")
+    tangent: Annotated[list[str], Field(max_length=2)] = Field(
+        default_factory=list, description="channels along the tangents, at most two"
+    )
+    clearance: FiniteFloat = Field(default=0.0, description="gap at rest [m]")
+    slide: list[FiniteFloat] = Field(
+        default_factory=list, description="velocity of the ground along the tangents [m/s]"
+    )
 
     @model_validator(mode="after")
     def _fits(self) -> PatchContact:
@@ -79,25 +89,25 @@ class PatchContact(Table):
 class GroundTable(Table):
     """[ground]: its friction coefficient."""
 
-    friction: NotNegative = 0.0
+    friction: NotNegative = Field(default=0.0, description="coefficient of Coulomb friction [-]")
 
 
 class PatchScheme(Table):
     """[scheme] of a patch: exact-modal."""
 
-    kind: Literal["exact-modal"]
-    dt: Positive
+    kind: Literal["exact-modal"] = Field(description="the method")
+    dt: Positive = Field(description="time step [s]")
 
 
 class PatchFile(Table):
     """A modal body on points of rigid ground, with stick and slip."""
 
-    scene: PatchHead
-    body: PatchBodyTable
-    contact: Annotated[list[PatchContact], Field(min_length=1)]
-    ground: GroundTable = Field(default_factory=GroundTable)
-    scheme: PatchScheme
-    record: RecordTable | None = None
+    scene: PatchHead = Field(description="what this scene is")
+    body: PatchBodyTable = Field(description="the body")
+    contact: Annotated[list[PatchContact], Field(min_length=1)] = Field(description="tables [[contact]]")
+    ground: GroundTable = Field(default_factory=GroundTable, description="the rigid ground")
+    scheme: PatchScheme = Field(description="method and time step")
+    record: RecordTable | None = Field(default=None, description="what is stored")
 
     @model_validator(mode="after")
     def _alike(self) -> PatchFile:

@@ -16,10 +16,17 @@ from contact.scene.scheme import NotNegative, Table
 class RecordTable(Table):
     """[record]: the fields of `Record`, channels as rows or as a CSV file of them; left out, 1,000,000 samples."""
 
-    every: Annotated[int, Field(ge=1)] = 1
-    state_every: Annotated[int, Field(ge=0)] = 0
-    at: Annotated[list[NotNegative], Field(min_length=1)] | None = None
-    channels: Annotated[list[list[FiniteFloat]], Field(min_length=1)] | str | None = None
+    every: Annotated[int, Field(ge=1)] = Field(default=1, description="one of so many steps is stored as a sample")
+    state_every: Annotated[int, Field(ge=0)] = Field(
+        default=0, description="one of so many steps stores the state; 0 for none"
+    )
+    at: Annotated[list[NotNegative], Field(min_length=1)] | None = Field(
+        default=None, description="instants at which sample and state are stored [s], instead of every"
+    )
+    channels: Annotated[list[list[FiniteFloat]], Field(min_length=1)] | str | None = Field(
+        default=None,
+        description="rows of channels, or a CSV file of them beside this file: stored instead of the state [-]",
+    )
 
     @model_validator(mode="after")
     def _fits(self) -> RecordTable:

@@ -25,9 +25,9 @@ Whole = Annotated[int, Field(ge=0)]
 class SpectrumLine(Table):
     """One random harmonic: the amplitudes [m] that half and a tenth of all draws exceed."""
 
-    p: Annotated[int, Field(ge=1)]
-    median: Positive
-    high: Positive
+    p: Annotated[int, Field(ge=1)] = Field(description="number of waves around")
+    median: Positive = Field(description="amplitude that half of all draws exceed [m]")
+    high: Positive = Field(description="amplitude that a tenth of all draws exceed [m]")
 
     @model_validator(mode="after")
     def _ordered(self) -> SpectrumLine:
@@ -49,10 +49,16 @@ class RandomRoundness(Table):
     (1e-08, False)
     """
 
-    seed: Whole
-    spectrum: Annotated[list[SpectrumLine], Field(min_length=1)] | None = None
-    harmonics: Annotated[list[Annotated[int, Field(ge=1)]], Field(min_length=1)] | None = None
-    rms: Positive | None = None
+    seed: Whole = Field(description="same seed, same draws")
+    spectrum: Annotated[list[SpectrumLine], Field(min_length=1)] | None = Field(
+        default=None, description="tables {p, median, high}"
+    )
+    harmonics: Annotated[list[Annotated[int, Field(ge=1)]], Field(min_length=1)] | None = Field(
+        default=None, description="numbers of waves, instead of a spectrum: amplitudes alike"
+    )
+    rms: Positive | None = Field(
+        default=None, description="root mean square around the rim that every draw is scaled to [m]"
+    )
 
     @model_validator(mode="after")
     def _fits(self) -> RandomRoundness:
@@ -88,9 +94,13 @@ class Roundness(Table):
     `out_of_roundness` lists harmonics {p, cos, sin} [m], or is "basis": what the casing was surveyed to have.
     """
 
-    out_of_roundness: Terms = Field(default_factory=list)
-    random_out_of_roundness: RandomRoundness | None = None
-    draw: Whole | None = None
+    out_of_roundness: Terms = Field(
+        default_factory=list, description='tables {p, cos, sin}, or "basis": what the casing was surveyed to have'
+    )
+    random_out_of_roundness: RandomRoundness | None = Field(
+        default=None, description="a random deviation that is added"
+    )
+    draw: Whole | None = Field(default=None, description="number of the random draw")
 
     @model_validator(mode="after")
     def _draws_of_something(self) -> Roundness:

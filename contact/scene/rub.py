@@ -25,14 +25,17 @@ from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, ScanT
 class RubHead(RunHead):
     """[scene] of kind "rub"."""
 
-    kind: Literal["rub"]
+    kind: Literal["rub"] = Field(description="which kind of scene this is")
 
 
 class RubCasing(Table):
     """[casing]: modal basis of a rim, and the thickness of its wall [m], beyond half of which a run is flagged."""
 
-    basis: str
-    thickness: Positive | None = None
+    basis: str = Field(description="modal basis of kind rim, npz, relative to this file")
+    thickness: Positive | None = Field(
+        default=None,
+        description="of its wall [m]: a rim that moves beyond half of it is flagged; the basis's own if left out",
+    )
 
 
 class RubNode(Table):
@@ -42,13 +45,15 @@ class RubNode(Table):
     wears the k-th.
     """
 
-    span: str
-    flap: str
-    axial: str | None = None
-    angle_deg: FiniteFloat = 0.0
-    line: Annotated[int, Field(ge=0)] = 0
-    clearance: FiniteFloat = 0.0
-    track: Annotated[int, Field(ge=0)] | None = None
+    span: str = Field(description="channel of the blade along its span")
+    flap: str = Field(description="channel along its flap")
+    axial: str | None = Field(default=None, description="channel along the axis, for sliding there")
+    angle_deg: FiniteFloat = Field(default=0.0, description="from the blade's angle [degrees]")
+    line: Annotated[int, Field(ge=0)] = Field(default=0, description="number of the rim line it meets, from 0")
+    clearance: FiniteFloat = Field(default=0.0, description="of its own, added to that of the contact [m]")
+    track: Annotated[int, Field(ge=0)] | None = Field(
+        default=None, description="number of the strip of a coating that it wears, from 0"
+    )
 
 
 class RubBlade(Table):
@@ -58,13 +63,18 @@ class RubBlade(Table):
     The basis of a wheel brings the places of all its sectors: nodes name those of one.
     """
 
-    basis: str
-    angle_deg: FiniteFloat = 0.0
-    count: Annotated[int, Field(ge=1, le=1000)] = 1
-    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = 0.0
-    axial: bool = False
-    stiffening: bool = False
-    node: list[RubNode] = Field(default_factory=list)
+    basis: str = Field(description="modal basis of kind point, npz, relative to this file")
+    angle_deg: FiniteFloat = Field(default=0.0, description="where the first blade stands [degrees]")
+    count: Annotated[int, Field(ge=1, le=1000)] = Field(default=1, description="number of equal blades around")
+    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = Field(
+        default=0.0, description="lean from the radius, into the motion [degrees]"
+    )
+    axial: bool = Field(default=False, description="whether its places slide along the axis too")
+    stiffening: bool = Field(default=False, description="whether the speed stiffens it, as its basis says")
+    node: list[RubNode] = Field(
+        default_factory=list,
+        description="tables [[blade.node]]: the places that touch; all that the basis has if left out",
+    )
 
     def nodes(self, body: ModalBody) -> list[RubNode]:
         """The nodes given, or those the basis has; of a wheel those of one sector, in each of its sectors."""
@@ -94,9 +104,11 @@ def turned(nodes: list[RubNode], j: int, sectors: int) -> list[RubNode]:
 class RubContact(Roundness):
     """[contact]: clearance [m], friction, out-of-roundness as harmonics and as a CSV file theta_deg,depth_m."""
 
-    clearance: FiniteFloat
-    friction: Friction = 0.0
-    profile: str | None = None
+    clearance: FiniteFloat = Field(description="between tips and round rim at rest [m]")
+    friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")
+    profile: str | None = Field(
+        default=None, description="CSV file theta_deg,depth_m of the rim's radius, relative to this file"
+    )
 
 
 class RubSpeed(Table):
@@ -105,10 +117,10 @@ class RubSpeed(Table):
     `turning` says which side turns, which gravity and whirl can tell; `scan` the speeds of interactions.
     """
 
-    hz: FiniteFloat | list[FiniteFloat]
-    time: list[FiniteFloat] | None = None
-    turning: Literal["casing", "blades"] = "casing"
-    scan: ScanTable | None = None
+    hz: FiniteFloat | list[FiniteFloat] = Field(description="speed, one number or one for each time [turns/s]")
+    time: list[FiniteFloat] | None = Field(default=None, description="instants of a list of speeds [s]")
+    turning: Literal["casing", "blades"] = Field(default="casing", description="which side turns")
+    scan: ScanTable | None = Field(default=None, description="speeds that interactions look at")
 
     @model_validator(mode="after")
     def _fits(self) -> RubSpeed:
@@ -128,9 +140,11 @@ class RubSpeed(Table):
 class RubClosing(Table):
     """[closing]: the gap's reduction [m], by (1 - exp(-t/time_constant)), or by straight lines over `time`."""
 
-    by: FiniteFloat | list[FiniteFloat]
-    time_constant: Positive | None = None
-    time: list[FiniteFloat] | None = None
+    by: FiniteFloat | list[FiniteFloat] = Field(
+        description="how much the gap is reduced in the end, or at each time [m]"
+    )
+    time_constant: Positive | None = Field(default=None, description="of an exponential closing [s]")
+    time: list[FiniteFloat] | None = Field(default=None, description="instants of a list of closings [s]")
 
     @model_validator(mode="after")
     def _one(self) -> RubClosing:
@@ -149,11 +163,13 @@ class RubClosing(Table):
 class RubWhirl(Table):
     """[[whirl]]: the fields of `Whirl`; `shakes` the side that runs on this circle with its acceleration r w^2."""
 
-    amplitude: NotNegative
-    per_rev: FiniteFloat = 0.0
-    hz: FiniteFloat = 0.0
-    phase_deg: FiniteFloat = 0.0
-    shakes: Literal["casing", "blades"] | None = None
+    amplitude: NotNegative = Field(description="radius of the circle that a centre runs on [m]")
+    per_rev: FiniteFloat = Field(default=0.0, description="its rate in turns per turn of the casing [-]")
+    hz: FiniteFloat = Field(default=0.0, description="its rate besides [turns/s]")
+    phase_deg: FiniteFloat = Field(default=0.0, description="where it is at t = 0 [degrees]")
+    shakes: Literal["casing", "blades"] | None = Field(
+        default=None, description="which side runs on it with its mass; neither if left out"
+    )
 
     def law(self) -> Whirl:
         """What the gap sees."""
@@ -166,34 +182,36 @@ class RubGravity(Table):
     Bodies start `settled` under it, and under the whirl that shakes them; or undeformed.
     """
 
-    acceleration: NotNegative = 9.80665
-    down_deg: FiniteFloat = -90.0
-    axial: FiniteFloat = 0.0
-    settled: bool = True
+    acceleration: NotNegative = Field(default=9.80665, description="gravity [m/s^2]")
+    down_deg: FiniteFloat = Field(default=-90.0, description="where down is at t = 0, in the casing's angles [degrees]")
+    axial: FiniteFloat = Field(default=0.0, description="part along the axis [m/s^2]")
+    settled: bool = Field(default=True, description="whether bodies start at rest under it")
 
 
 class RubScheme(Table):
     """[scheme] of a rub: exact-modal."""
 
-    kind: Literal["exact-modal"]
-    law: Literal["auto", "forward", "averaged"] = "auto"
-    dt: Positive
+    kind: Literal["exact-modal"] = Field(description="the method")
+    law: Literal["auto", "forward", "averaged"] = Field(
+        default="auto", description="how contact is enforced in a step; auto by the model's compliance"
+    )
+    dt: Positive = Field(description="time step [s]")
 
 
 class RubFile(Table):
     """Blades that rub on a turning casing, each tip in one or more places, with stick and slip."""
 
-    scene: RubHead
-    casing: RubCasing
-    blade: Annotated[list[RubBlade], Field(min_length=1)]
-    contact: RubContact
-    coating: CoatingTable | None = None
-    speed: RubSpeed
-    closing: RubClosing | None = None
-    whirl: list[RubWhirl] = Field(default_factory=list)
-    gravity: RubGravity | None = None
-    scheme: RubScheme
-    record: RecordTable | None = None
+    scene: RubHead = Field(description="what this scene is")
+    casing: RubCasing = Field(description="the rim")
+    blade: Annotated[list[RubBlade], Field(min_length=1)] = Field(description="tables [[blade]]")
+    contact: RubContact = Field(description="the gap")
+    coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
+    speed: RubSpeed = Field(description="how fast it turns")
+    closing: RubClosing | None = Field(default=None, description="how the gap closes")
+    whirl: list[RubWhirl] = Field(default_factory=list, description="tables [[whirl]]: circles that a centre runs on")
+    gravity: RubGravity | None = Field(default=None, description="weight of all bodies")
+    scheme: RubScheme = Field(description="method and time step")
+    record: RecordTable | None = Field(default=None, description="what is stored")
 
     def files(self, folder: Path) -> list[Path]:
         """Files the scene is made of, beside its own."""

@@ -5,10 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from contact.scene.cycles import CyclesFile, RimCyclesFile
+from contact.scene.scheme import Table
 from contact.scene.tables import FILES
 
 
+def scene_models() -> dict[str, type[Table]]:
+    """Every kind of scene files; "cycles" and "cycles-rim" as `casingfem cycles` takes them."""
+    return {**FILES, "cycles": CyclesFile, "cycles-rim": RimCyclesFile}
+
+
 def scene_schema() -> dict[str, Any]:
-    """JSON schema of every kind of scene files, by kind; "cycles" and "cycles-rim" as `casingfem cycles` takes them."""
-    files = {**FILES, "cycles": CyclesFile, "cycles-rim": RimCyclesFile}
-    return {kind: model.model_json_schema() for kind, model in files.items()}
+    """JSON schema of every kind of scene files, by kind."""
+    return {kind: model.model_json_schema() for kind, model in scene_models().items()}

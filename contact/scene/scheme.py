@@ -73,16 +73,19 @@ class Table(BaseModel):
 class RunHead(Table):
     """[scene] of what has limits: where a run ends, and whether one that passes a limit is an error or a flag."""
 
-    t_end: Positive
-    on_limit: Literal["stop", "flag"] = "stop"
+    t_end: Positive = Field(description="time at which the run ends [s]")
+    on_limit: Literal["stop", "flag"] = Field(
+        default="stop",
+        description="whether a run that passes a limit of its model ends as an error or goes on, flagged",
+    )
 
 
 class ScanTable(Table):
     """Speeds from, to [Hz] and how many of them: what `casingfem stability` and `interactions` look at."""
 
-    from_hz: FiniteFloat
-    to_hz: FiniteFloat
-    steps: Annotated[int, Field(ge=2, le=1_000_000)] = 401
+    from_hz: FiniteFloat = Field(description="first speed [turns/s]")
+    to_hz: FiniteFloat = Field(description="last speed [turns/s]")
+    steps: Annotated[int, Field(ge=2, le=1_000_000)] = Field(default=401, description="number of speeds")
 
     @model_validator(mode="after")
     def _ascends(self) -> ScanTable:
@@ -94,27 +97,31 @@ class ScanTable(Table):
 class Waviness(Table):
     """One harmonic of the rim's radius [m], positive where the gap is larger."""
 
-    p: Annotated[int, Field(ge=0)]
-    cos: FiniteFloat = 0.0
-    sin: FiniteFloat = 0.0
+    p: Annotated[int, Field(ge=0)] = Field(description="number of waves around")
+    cos: FiniteFloat = Field(default=0.0, description="amplitude of cos p theta [m]")
+    sin: FiniteFloat = Field(default=0.0, description="amplitude of sin p theta [m]")
 
 
 class SchemeTable(Table):
     """[scheme]: kind and step; each kind has keys of its own, named in `SCHEMES` and `OF_LAWS`."""
 
-    kind: Kind
-    courant: Positive | None = None
-    dt: Positive | None = None
-    stiffness: Positive | None = None
-    updates: Annotated[int, Field(ge=1)] | None = None
-    modes: Annotated[int, Field(ge=1)] | None = None
-    law: ModalLaw | ContactLaw | None = None
-    beta: Positive | None = None
-    gamma: Positive | None = None
-    alpha: FiniteFloat | None = None
-    theta: Unit | None = None
-    rho_inf: Unit | None = None
-    restitution: Unit | None = None
+    kind: Kind = Field(description="the method")
+    courant: Positive | None = Field(
+        default=None, description="time step over the largest stable one [-], instead of dt"
+    )
+    dt: Positive | None = Field(default=None, description="time step [s]")
+    stiffness: Positive | None = Field(default=None, description="of a penalty or an augmented Lagrangian [N/m]")
+    updates: Annotated[int, Field(ge=1)] | None = Field(
+        default=None, description="most updates of an augmented Lagrangian in a step"
+    )
+    modes: Annotated[int, Field(ge=1)] | None = Field(default=None, description="number of modes of a bar on a wall")
+    law: ModalLaw | ContactLaw | None = Field(default=None, description="how contact is enforced in a step")
+    beta: Positive | None = Field(default=None, description="Newmark's beta [-]")
+    gamma: Positive | None = Field(default=None, description="Newmark's gamma [-]")
+    alpha: FiniteFloat | None = Field(default=None, description="of HHT [-], from -1/3 to 0")
+    theta: Unit | None = Field(default=None, description="of Moreau and Jean [-], from 1/2 to 1")
+    rho_inf: Unit | None = Field(default=None, description="spectral radius at high frequencies [-]")
+    restitution: Unit | None = Field(default=None, description="speed after an impact over that before [-]")
 
     @model_validator(mode="after")
     def _fits(self) -> SchemeTable:

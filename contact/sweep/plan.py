@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contact.io.brief import brief
 from contact.io.checked_json import digest_of
 from contact.result import versions
 from contact.scene.load import SceneError, problem_text, scene_data, scene_of
@@ -47,6 +48,8 @@ class SweepPlan:
     keys: tuple[str, ...]
     runs: tuple[SweepRun, ...]
     source: dict[str, str]
+
+    __repr__ = brief
 
     def data(self, run: SweepRun) -> dict[str, Any]:
         """Tables of one run's scene."""
@@ -90,7 +93,9 @@ def _table(data: object, file: Path) -> SweepTable:
     try:
         return SweepTable.model_validate(data)
     except ValidationError as error:
-        raise SceneError([problem_text(file, detail, "sweep") for detail in error.errors()]) from error
+        raise SceneError(
+            [problem_text(file, detail, data, SweepTable, "sweep") for detail in error.errors()]
+        ) from error
 
 
 def _combinations(table: SweepTable, file: Path) -> Iterator[tuple[Value, ...]]:

@@ -14,12 +14,20 @@ MOST_RUNS = 1_000_000
 class VaryTable(Table):
     """[[sweep.vary]]: a key of the scene file, and its values: listed, or from .. to in steps, or drawn between."""
 
-    key: Annotated[str, Field(min_length=1)]
-    values: list[FiniteFloat | str] | None = None
-    from_: FiniteFloat | None = Field(default=None, alias="from")
-    to: FiniteFloat | None = None
-    steps: Annotated[int, Field(ge=1, le=MOST_RUNS)] | None = None
-    log: bool = False
+    key: Annotated[str, Field(min_length=1)] = Field(
+        description="the key of the scene that is varied, as speed.hz or rod[1].velocity"
+    )
+    values: list[FiniteFloat | str] | None = Field(
+        default=None, description="its values, listed, in the key's own unit [of the key]"
+    )
+    from_: FiniteFloat | None = Field(
+        default=None, alias="from", description="first value, or least of the draws [of the key]"
+    )
+    to: FiniteFloat | None = Field(default=None, description="last value, or largest of the draws [of the key]")
+    steps: Annotated[int, Field(ge=1, le=MOST_RUNS)] | None = Field(
+        default=None, description="number of values from .. to"
+    )
+    log: bool = Field(default=False, description="whether steps, or draws, are even in the logarithm")
 
     @model_validator(mode="after")
     def _fits(self) -> VaryTable:
@@ -38,10 +46,12 @@ class VaryTable(Table):
 class SweepTable(Table):
     """[sweep]: every combination (grid), the n-th values of all keys together (list), or seeded draws (random)."""
 
-    kind: Literal["grid", "list", "random"] = "grid"
-    draws: Annotated[int, Field(ge=1, le=MOST_RUNS)] | None = None
-    seed: Annotated[int, Field(ge=0)] | None = None
-    vary: Annotated[list[VaryTable], Field(min_length=1)]
+    kind: Literal["grid", "list", "random"] = Field(
+        default="grid", description="every combination, the n-th values of all keys together, or random draws"
+    )
+    draws: Annotated[int, Field(ge=1, le=MOST_RUNS)] | None = Field(default=None, description="number of random draws")
+    seed: Annotated[int, Field(ge=0)] | None = Field(default=None, description="of the draws")
+    vary: Annotated[list[VaryTable], Field(min_length=1)] = Field(description="tables [[sweep.vary]]")
 
     @model_validator(mode="after")
     def _fits(self) -> SweepTable:

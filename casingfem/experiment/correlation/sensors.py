@@ -18,6 +18,7 @@ from casingfem.structure.mesh.place import interpolation
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.system import System
+from contact.io.brief import brief
 
 FAR = 0.02  # of the shell's size: a sensor further from the surface is refused
 SAMPLES = 97  # places along each parameter among which the search for the nearest begins
@@ -49,6 +50,8 @@ class Sensors:
     labels: IntArray
     nodes: IntArray
     weights: FloatArray
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         for name in self.__slots__:

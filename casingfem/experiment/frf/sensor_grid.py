@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from contact.io.brief import brief
 
 FORMS = {"receptance": 0, "mobility": 1, "accelerance": 2}
 _ACCELERATION, _VELOCITY, _LENGTH = r"m/s(\^?2|\*\*2|²)|m/sec(\^?2|²)|g", r"m/s(ec)?", r"m|mm|um|µm"
@@ -31,6 +32,8 @@ class SensorGrid:
     references: IntArray
     channels: IntArray
     places: FloatArray
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         for name in ("points", "directions", "theta", "references", "channels", "places"):

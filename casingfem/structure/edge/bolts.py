@@ -10,6 +10,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, read_only
 from casingfem.structure.mesh.edge_form import EdgeLine, PointSprings, along_springs
 from casingfem.structure.mesh.element import gauss
+from contact.io.brief import brief
 
 TURN = 2.0 * np.pi
 PATCH = 1.0 / 3.0  # a bolt's patch as part of the spacing, where no width is given
@@ -62,6 +63,8 @@ class Bolts:
 
     held: ClassVar[tuple[int, ...]] = ()
     frame: ClassVar[Literal["cartesian", "edge"]] = "cartesian"
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         if not (isinstance(self.count, int | np.integer) and 1 <= self.count <= 1000):

@@ -10,6 +10,7 @@ from casingfem.io.arrays import Array
 from casingfem.structure.edge.section import Section
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.edge_form import Numbered, Sprung
+from contact.io.brief import brief
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +52,8 @@ class Ring:
 
     held: ClassVar[tuple[int, ...]] = ()
     frame: ClassVar[Literal["cartesian", "edge"]] = "cartesian"
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         for name in ("offset", "foot"):

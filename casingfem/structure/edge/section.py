@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from casingfem.errors import ModelError
+from contact.io.brief import brief
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +33,8 @@ class Section:
     I_z: float
     J: float
     shear: float = 5.0 / 6.0
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         for name in ("width", "depth", "area", "I_r", "I_z", "J", "shear"):

@@ -16,6 +16,7 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.field.fourier import Field, relative
 from casingfem.structure.mesh.edge_form import EdgeLine, PointSprings, along_springs
+from contact.io.brief import brief
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,6 +93,8 @@ class ElasticEdge:
     held: ClassVar[tuple[int, ...]] = ()
     frame: ClassVar[Literal["cartesian", "edge"]] = "cartesian"
     stiffness_names: ClassVar[tuple[str, ...]] = ("k_r", "k_theta", "k_z", "k_rot", "k_face")
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         values = {name: np.real(getattr(self, name)) for name in self.stiffness_names}

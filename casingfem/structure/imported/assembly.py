@@ -16,6 +16,7 @@ from casingfem.structure.geometry.rigid_body import rigid_left
 from casingfem.structure.imported.cell_kind import KINDS, rule
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.support import MeshSupport
+from contact.io.brief import brief
 
 CHUNK = 4_000_000  # entries of a strain table held at a time
 
@@ -88,6 +89,8 @@ class MeshSystem:
     wall: float
     frequency_scale: float
     tie: csc_array | None = None
+
+    __repr__ = brief
 
     @property
     def size(self) -> int:

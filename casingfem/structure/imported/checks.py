@@ -4,7 +4,6 @@ Faults that would give wrong frequencies are refused, all of them in one error; 
 """
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -19,6 +18,7 @@ from casingfem.structure.imported.findings import SHOWN, Finding, cells_named, e
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.material import Material
 from casingfem.structure.shell.plausible import SOUND
+from contact.io.names import hint
 
 STRAY = 0.35  # a middle node this far from the middle, relative to its corners, belongs elsewhere
 COINCIDENT = 1e-3  # nodes closer than this part of the shortest edge are the same place
@@ -229,10 +229,10 @@ def check_groups(mesh: MeshData, names: Sequence[str]) -> None:
     """Refuse names that are no group of the mesh, with those that come close, and empty groups."""
     for name in names:
         if name not in mesh.groups:
-            near = get_close_matches(name, mesh.groups, n=3, cutoff=0.5)
-            hint = f" (did you mean {' or '.join(map(repr, near))}?)" if near else ""
-            known = ", ".join(map(repr, mesh.groups)) or "none"
-            raise ModelError("mesh-no-group", f"{mesh.source}: no group {name!r}{hint}; its groups: {known}")
+            known = [repr(group) for group in mesh.groups]
+            near = hint(repr(name), known, most=3)
+            found = f"no group {name!r}{near}; its groups: {', '.join(known) or 'none'}"
+            raise ModelError("mesh-no-group", f"{mesh.source}: {found}")
         if not np.isin(mesh.groups[name].nodes, mesh.cells).any():
             raise ModelError("mesh-group-empty", f"{mesh.source}: group {name!r} has no node of a cell")
 

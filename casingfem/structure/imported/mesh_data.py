@@ -8,6 +8,7 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray, frozen
 from casingfem.structure.imported.cell_kind import KINDS, CellKind
+from contact.io.brief import brief
 
 NONE: IntArray = frozen(np.zeros(0, dtype=np.int64))
 
@@ -22,6 +23,8 @@ class Group:
     nodes: IntArray
     cells: IntArray = field(default_factory=lambda: NONE)
     facets: IntArray | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nodes", frozen(np.unique(np.asarray(self.nodes, dtype=np.int64))))
@@ -66,6 +69,11 @@ class MeshData:
     node_numbers: IntArray = field(default_factory=lambda: NONE)
     directors: FloatArray | None = None
     source: str = "mesh"
+
+    def __repr__(self) -> str:
+        box = " x ".join(f"{side:.4g}" for side in np.ptp(self.points, axis=0))
+        groups = f"; groups {', '.join(self.groups)}" if self.groups else ""
+        return f"MeshData({self.source}: {len(self.cells)} {self.kind}, {len(self.points)} nodes, {box} m{groups})"
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:

@@ -46,6 +46,7 @@ from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.spin import MeshSpin, spun
 from casingfem.structure.imported.support import MeshSupport, check_support
 from casingfem.structure.material import Material
+from contact.io.brief import brief
 
 BENT, FOLDED = 10.0, 45.0  # degrees between neighbours: doubted, refused
 
@@ -94,6 +95,8 @@ class MeshShell:
     rotation: Rotation | None = None
     thicknesses: Mapping[str, float] = field(default_factory=dict)
     materials: Mapping[str, Material] = field(default_factory=dict)
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         if self.mesh.kind not in SHELLS:

@@ -33,6 +33,7 @@ from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.spin import MeshSpin, spun
 from casingfem.structure.imported.support import MeshSupport, check_support
 from casingfem.structure.material import Material
+from contact.io.brief import brief
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,6 +72,8 @@ class Solid:
     materials: Mapping[str, Material] = field(default_factory=dict)
     supports: Mapping[str, MeshSupport] = field(default_factory=dict)
     rotation: Rotation | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         if self.mesh.kind not in SOLIDS:

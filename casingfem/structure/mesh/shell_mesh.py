@@ -10,6 +10,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.structure.geometry.chart import Chart, Surface
 from casingfem.structure.mesh.element import ElementQuadLobatto, gauss, lagrange, lobatto
+from contact.io.brief import brief
 
 LARGEST = 2_000_000  # unknowns: their factor needs some 20 GB
 
@@ -68,6 +69,8 @@ class Edge:
     shares: FloatArray
     along: int  # the parameter that varies along the edge
 
+    __repr__ = brief
+
     def arc(self, surface: Surface) -> Array:
         """Length of edge that the rule gives each node, for the surface at its nodes, (nodes,) [m]."""
         tangent = surface.x2 if self.along == 1 else surface.x1
@@ -102,6 +105,8 @@ class Grid:
     points: FloatArray
     weights: FloatArray
     edges: dict[str, Edge] = field(default_factory=dict)
+
+    __repr__ = brief
 
     @property
     def parameters(self) -> tuple[FloatArray, FloatArray]:

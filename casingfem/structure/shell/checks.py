@@ -16,6 +16,7 @@ from casingfem.structure.geometry.survey_check import check_survey, surveys
 from casingfem.structure.shell.extent import check_wall
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.variation import field_samples, finest_harmonic, outer_supports
+from contact.io.names import hint
 
 SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bolts, Ring)
 
@@ -27,9 +28,8 @@ def check_parts(shell: ShellParts) -> None:
     known = shell.chart.edges
     for edge, support in shell.supports.items():
         if edge not in known:
-            raise ModelError(
-                "support-edge", f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}"
-            )
+            found = f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}{hint(edge, known)}"
+            raise ModelError("support-edge", found)
         if not isinstance(support, SUPPORTS):
             raise ModelError(
                 "support-kind",

@@ -17,6 +17,7 @@ from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.assembly import nodal_mass, nodal_sums
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.shell import Shell
+from contact.io.names import hint
 
 Vector: TypeAlias = tuple[float, float, float]
 
@@ -117,7 +118,8 @@ class EdgeLoad:
     def nodal(self, shell: Shell, grid: Grid) -> FloatArray:
         """Nodal forces, (nodes, 5)."""
         if self.edge not in grid.edges:
-            raise ModelError("load-edge", f"load: found edge {self.edge!r}, expected one of {', '.join(grid.edges)}")
+            found = f"load: found edge {self.edge!r}, expected one of {', '.join(grid.edges)}"
+            raise ModelError("load-edge", found + hint(self.edge, grid.edges))
         edge = grid.edges[self.edge]
         surface = shell.geometry(*grid.nodes[:, edge.nodes]).surface
         loads = np.zeros((grid.nodes.shape[1], DOFS))

@@ -9,6 +9,7 @@ from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.checks import check_on_mesh, check_parts
 from casingfem.structure.shell.default_mesh import default_mesh
 from casingfem.structure.shell.parts import ShellParts
+from contact.io.brief import brief
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -61,6 +62,8 @@ class Shell(ShellParts):
     >>> casing.mesh.order
     7
     """
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         check_parts(self)

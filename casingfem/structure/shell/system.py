@@ -11,6 +11,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.shell import Shell
+from contact.io.brief import brief
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,8 @@ class System:
     frames: FloatArray
     change: csc_array | None = None
     own: int = 0
+
+    __repr__ = brief
 
     @property
     def dofs(self) -> int:

@@ -11,17 +11,17 @@ class Harmonic(Table):
     """cos p theta and sin p theta, relative."""
 
     p: int = Field(ge=0, le=1000, description="number of waves around")
-    cos: Relative = Field(default=0.0, description="relative amplitude of cos p theta")
-    sin: Relative = Field(default=0.0, description="relative amplitude of sin p theta")
+    cos: Relative = Field(default=0.0, description="relative amplitude of cos p theta [-]")
+    sin: Relative = Field(default=0.0, description="relative amplitude of sin p theta [-]")
 
 
 class Wave(Table):
     """One harmonic of a random field's spectrum, relative amplitudes."""
 
     p: int = Field(ge=1, le=1000, description="number of waves around")
-    median: Annotated[float, Field(gt=0, le=1)] = Field(description="median amplitude, relative")
+    median: Annotated[float, Field(gt=0, le=1)] = Field(description="median amplitude, relative [-]")
     high: Annotated[float, Field(gt=0, le=1)] | None = Field(
-        default=None, description="90th percentile; 1.82 medians if left out, as of a Rayleigh amplitude"
+        default=None, description="90th percentile [-]; 1.82 medians if left out, as of a Rayleigh amplitude"
     )
 
 
@@ -34,7 +34,7 @@ Random = Annotated[
 class ImperfectionTable(Table):
     """[[imperfection]]: harmonics, the fit of a survey, or a random field; several of them add up."""
 
-    of: Literal["radius", "thickness", "modulus", "density"]
+    of: Literal["radius", "thickness", "modulus", "density"] = Field(description="what it varies")
     harmonics: list[Harmonic] | None = Field(default=None, description="[{p, cos, sin}], relative")
     survey: str | None = Field(default=None, min_length=1, description="survey CSV, relative to this file")
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic fitted to the survey")
@@ -42,7 +42,7 @@ class ImperfectionTable(Table):
     robust: bool | None = Field(default=None, description="set stray points of the survey aside, and say which")
     random: Random | None = Field(default=None, description='"example" (radius), or [{p, median, high}], relative')
     seed: int | None = Field(default=None, ge=0, description="of the random field: same seed, same field")
-    scale: Positive | None = Field(default=None, description="factor on the random field's spectrum")
+    scale: Positive | None = Field(default=None, description="factor on the random field's spectrum [-]")
     p_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of the random field")
 
     @model_validator(mode="after")

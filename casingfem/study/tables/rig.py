@@ -18,7 +18,9 @@ class PlaceTable(Table):
 
     height: NotNegative | None = Field(default=None, description="along the axis of a casing [m]")
     angle_deg: Angle = Field(default=0.0, description="around a casing [degrees]")
-    at: Pair | None = Field(default=None, description="parameters of the chart, instead of height and angle_deg")
+    at: Pair | None = Field(
+        default=None, description="parameters of the chart [m or rad], instead of height and angle_deg"
+    )
     direction: Direction = Field(default="radial", description="of the motion")
     mass: Annotated[float, Field(ge=0, le=10)] = Field(default=0.0, description="of the sensor there [kg]")
 
@@ -38,31 +40,35 @@ class SensorTable(PlaceTable):
 class TroublesTable(Table):
     """[rig.test.troubles]: what a hammer test in a hall has; what is left out is none."""
 
-    colour: float = Field(default=0.0, ge=-2, le=4, description="the noise's amplitude falls as f^-colour")
-    coherent: float = Field(default=0.0, ge=0, le=1, description="share of the noise's power common to all channels")
+    colour: float = Field(
+        default=0.0, ge=-2, le=4, description="exponent [-]: the noise's amplitude falls as f^-colour"
+    )
+    coherent: float = Field(
+        default=0.0, ge=0, le=1, description="share of the noise's power common to all channels [-]"
+    )
     setups: int = Field(default=1, ge=1, le=1000, description="groups of sensors, measured one after the other")
-    shift: float = Field(default=0.0, ge=0, le=0.05, description="largest relative shift of a mode between set-ups")
+    shift: float = Field(default=0.0, ge=0, le=0.05, description="largest relative shift of a mode between set-ups [-]")
     half_rim: bool = Field(default=False, description="only the first half of the sensors")
     dead: int = Field(default=0, ge=0, description="channels without signal")
     noisy: int = Field(default=0, ge=0, description="channels with ten times the noise")
     swapped: int = Field(default=0, ge=0, description="pairs of channels exchanged")
     flipped: int = Field(default=0, ge=0, description="channels of the wrong sign")
-    double_hit: float = Field(default=0.0, ge=0, le=0.99, description="second hit of the hammer over the first")
+    double_hit: float = Field(default=0.0, ge=0, le=0.99, description="second hit of the hammer over the first [-]")
     exponential: NotNegative = Field(default=0.0, description="time constant of an exponential window [s]")
     leakage: bool = Field(default=False, description="that of a Hann window")
     fixture: int = Field(default=0, ge=0, le=100, description="local modes of a fixture")
-    phase_deg: float = Field(default=0.0, ge=0, le=90, description="rms phase in the shapes of complex modes")
+    phase_deg: float = Field(default=0.0, ge=0, le=90, description="rms phase in the shapes of complex modes [degrees]")
 
 
 class ResponsesTable(Table):
     """[rig.test]: frequency responses, exact or from time records."""
 
     kind: Literal["exact", "random", "burst-random", "impact"] = Field(description="exact, or by which force")
-    band_hz: Band = Field(description="[from, to] of the responses kept")
-    resolution_hz: Positive = Field(description="distance of the lines; of records one over the block's length")
+    band_hz: Band = Field(description="[from, to] of the responses kept [Hz]")
+    resolution_hz: Positive = Field(description="distance of the lines [Hz]; of records one over the block's length")
     blocks: int = Field(default=20, ge=1, le=10_000, description="blocks of a record")
     force: Positive = Field(default=1.0, description="rms of a random force, peak of an impact [N]")
-    part: float = Field(default=0.4, gt=0, lt=1, description="of a block that a burst takes")
+    part: float = Field(default=0.4, gt=0, lt=1, description="part of a block that a burst takes [-]")
     width: Positive | None = Field(default=None, description="of an impact [s]; 1/band_hz[1] if left out")
     snr_db: Ratio | None = Field(default=None, description="signal over noise [dB]; none if left out")
     bits: int | None = Field(default=None, ge=4, le=32, description="of the converter, records only")
@@ -87,18 +93,20 @@ class ScanTable(Table):
     """[rig.scan]: a laser spot that runs round while tones excite the casing."""
 
     height: NotNegative = Field(description="of the spot's circle [m]")
-    tones_hz: Annotated[list[Positive], Field(min_length=1, max_length=100)] = Field(description="of the excitation")
+    tones_hz: Annotated[list[Positive], Field(min_length=1, max_length=100)] = Field(
+        description="of the excitation [Hz]"
+    )
     force: Positive = Field(default=1.0, description="of each tone [N]")
     drive: int = Field(default=1, ge=1, description="number of the [[rig.drive]] that excites")
     fixed_in: Literal["casing", "space"] = Field(default="casing", description="where the force stands")
-    mirror_hz: float = Field(default=0.0, ge=-1000, le=1000, description="turns a second of the laser's mirror")
-    casing_hz: float = Field(default=0.0, ge=-1000, le=1000, description="turns a second of the casing on the lathe")
-    seconds: Positive = Field(description="length of the record")
-    fs: Positive = Field(description="samples a second")
+    mirror_hz: float = Field(default=0.0, ge=-1000, le=1000, description="speed of the laser's mirror [turns/s]")
+    casing_hz: float = Field(default=0.0, ge=-1000, le=1000, description="speed of the casing on the lathe [turns/s]")
+    seconds: Positive = Field(description="length of the record [s]")
+    fs: Positive = Field(description="samples a second [Hz]")
     orders: int = Field(ge=0, le=200, description="highest n looked for")
     points: int | None = Field(default=None, ge=3, le=1000, description="of the circle; twice orders + 3 if left out")
     snr_db: Ratio | None = Field(default=None, description="signal over noise [dB]; none if left out")
-    wander: float = Field(default=0.0, ge=0, le=0.1, description="relative slow variation of the rate")
+    wander: float = Field(default=0.0, ge=0, le=0.1, description="relative slow variation of the rate [-]")
     speckle: NotNegative = Field(default=0.0, description="noise that repeats every turn [m/s]")
     runout: list[Pair] = Field(default=[], description="[cos, sin] at once, twice, ... a turn [m/s]")
 
@@ -107,8 +115,8 @@ class RigTable(Table):
     """[rig]."""
 
     seed: int = Field(ge=0, description="of all that is random")
-    zeta: float = Field(gt=0, lt=1, description="damping ratio, the median")
-    zeta_spread: float = Field(default=0.0, ge=0, lt=2, description="standard deviation of its logarithm, by mode")
+    zeta: float = Field(gt=0, lt=1, description="damping ratio, the median [-]")
+    zeta_spread: float = Field(default=0.0, ge=0, lt=2, description="standard deviation of its logarithm, by mode [-]")
     quantity: Literal["receptance", "mobility", "accelerance"] = Field(default="accelerance", description="measured")
     drive: list[PlaceTable] = Field(min_length=1, description="tables [[rig.drive]]: where it is excited")
     sensor: list[SensorTable] = Field(default=[], description="tables [[rig.sensor]]")

@@ -11,14 +11,14 @@ class MaterialTable(Table):
     """[material]: the fields of `Material`."""
 
     E: Positive = Field(description="Young's modulus [Pa]")
-    nu: float = Field(gt=-1, lt=0.5, description="Poisson's ratio")
+    nu: float = Field(gt=-1, lt=0.5, description="Poisson's ratio [-]")
     rho: Positive = Field(description="density [kg/m^3]")
 
 
 class FrustumTable(Table):
     """[chart] of kind "frustum"."""
 
-    kind: Literal["frustum"]
+    kind: Literal["frustum"] = Field(description="which surface it is")
     r_base: Length = Field(description="mean radius at z = 0 [m]")
     r_top: Length = Field(description="mean radius at z = height [m]")
     height: Length = Field(description="length along the axis [m]")
@@ -27,7 +27,7 @@ class FrustumTable(Table):
 class CylinderTable(Table):
     """[chart] of kind "cylinder"."""
 
-    kind: Literal["cylinder"]
+    kind: Literal["cylinder"] = Field(description="which surface it is")
     radius: Length = Field(description="mean radius [m]")
     height: Length = Field(description="length along the axis [m]")
 
@@ -35,7 +35,7 @@ class CylinderTable(Table):
 class PanelTable(Table):
     """[chart] of kind "panel"."""
 
-    kind: Literal["panel"]
+    kind: Literal["panel"] = Field(description="which surface it is")
     radius: Length = Field(description="mean radius [m]")
     length: Length = Field(description="length along the axis [m]")
     angle: Positive = Field(lt=6.283185307179586, description="opening angle [rad]")
@@ -44,7 +44,7 @@ class PanelTable(Table):
 class PlateTable(Table):
     """[chart] of kind "plate"."""
 
-    kind: Literal["plate"]
+    kind: Literal["plate"] = Field(description="which surface it is")
     length: Length = Field(description="length from root to tip [m]")
     width: Length = Field(description="width [m]")
 
@@ -52,7 +52,7 @@ class PlateTable(Table):
 class DomeTable(Table):
     """[chart] of kind "dome": a circular meridian, r = r0 + radius cos phi, z = radius sin phi, turned about z."""
 
-    kind: Literal["dome"]
+    kind: Literal["dome"] = Field(description="which surface it is")
     radius: Length = Field(description="radius of the meridian [m]")
     start_deg: float = Field(ge=-360, le=360, description="phi at the base [degrees], 0 at the equator")
     end_deg: float = Field(ge=-360, le=360, description="phi at the top [degrees]")
@@ -62,7 +62,7 @@ class DomeTable(Table):
 class TwistedPlateTable(Table):
     """[chart] of kind "twisted-plate"."""
 
-    kind: Literal["twisted-plate"]
+    kind: Literal["twisted-plate"] = Field(description="which surface it is")
     length: Length = Field(description="length from root to tip [m]")
     width: Length = Field(description="width [m]")
     twist_deg: float = Field(ge=-360, le=360, description="twist of the tip against the root [degrees]")
@@ -74,7 +74,7 @@ Stations = float | Annotated[list[float], Field(min_length=1, max_length=8)]
 class BladeTable(Table):
     """[chart] of kind "blade"; a list holds values at equally spaced stations, the root's first."""
 
-    kind: Literal["blade"]
+    kind: Literal["blade"] = Field(description="which surface it is")
     length: Length = Field(description="span from root to tip [m]")
     chord: Stations = Field(description="chord [m], one number or [root, tip] or more stations")
     camber_deg: Stations = Field(default=0.0, description="opening angle of the section's arc [degrees]")
@@ -92,15 +92,15 @@ ChartTable = Annotated[
 class TaperTable(Table):
     """[taper]: factors of the thickness at equally spaced stations."""
 
-    along: Stations = Field(default=1.0, description="from root to tip, or base to top")
-    across: Stations = Field(default=1.0, description="from left to right")
+    along: Stations = Field(default=1.0, description="factors from root to tip, or base to top [-]")
+    across: Stations = Field(default=1.0, description="factors from left to right [-]")
 
 
 class ImportTable(Table):
     """A mesh file and how it is read: keys that [solid] and [shell] share."""
 
     mesh: str | None = Field(default=None, min_length=1, description="mesh file, relative to this file")
-    scale: Positive = Field(default=1.0, description="factor that makes the file's lengths metres: 1e-3 for mm")
+    scale: Positive = Field(default=1.0, description="factor that makes the file's lengths metres [-]: 1e-3 for mm")
     join: NotNegative = Field(default=0.0, description="nodes closer than this become one [m]")
 
 
@@ -147,7 +147,7 @@ class MeshTable(Table):
 
     order: int | None = Field(default=None, ge=2, le=20, description="polynomial order")
     rows: Annotated[int, Field(ge=1, le=1000)] | list[float] | None = Field(
-        default=None, description="number of equal rows, or breaks from 0 to 1"
+        default=None, description="number of equal rows, or breaks from 0 to 1 [-]"
     )
     around: int | None = Field(default=None, ge=1, le=10_000, description="elements around")
 
@@ -155,14 +155,14 @@ class MeshTable(Table):
 class RotationTable(Table):
     """[rotation]: a blade on its hub (hub_radius, stagger_deg), or any axis (axis, and point or centre on it)."""
 
-    speed_hz: float = Field(ge=0, le=1e5, description="turns a second")
+    speed_hz: float = Field(ge=0, le=1e5, description="speed [turns/s]")
     hub_radius: Annotated[float, Field(ge=0, le=1e3)] | None = Field(
         default=None, description="from the axis to the middle of the root [m], open charts"
     )
     stagger_deg: float = Field(default=0.0, ge=-360, le=360, description="from the axis to the root's chord [degrees]")
     axis: Axis | None = Field(default=None, description='"x", "y", "z" or a direction [x, y, z]; z if left out')
     centre: Vector | None = Field(default=None, description="a point on the axis [m]; the origin if left out")
-    point: Vector | None = Field(default=None, description="the same as centre")
+    point: Vector | None = Field(default=None, description="the same as centre [m]")
 
     @model_validator(mode="after")
     def _one_point(self) -> "RotationTable":

@@ -29,32 +29,32 @@ Around = Annotated[
 class ClampedTable(Table):
     """[support.EDGE] of kind "clamped"."""
 
-    kind: Literal["clamped"]
+    kind: Literal["clamped"] = Field(description="how the edge is held")
 
 
 class DiaphragmTable(Table):
     """[support.EDGE] of kind "shear-diaphragm"."""
 
-    kind: Literal["shear-diaphragm"]
+    kind: Literal["shear-diaphragm"] = Field(description="how the edge is held")
 
 
 class FixedTable(Table):
     """[support.GROUP] of kind "fixed": displacements held, on imported meshes."""
 
-    kind: Literal["fixed"]
+    kind: Literal["fixed"] = Field(description="how the edge is held")
     directions: list[Literal["x", "y", "z"]] = Field(min_length=1, description="which of x, y, z are held")
 
 
 class SymmetryTable(Table):
     """[support.EDGE] of kind "symmetry": the edge lies in a plane of symmetry."""
 
-    kind: Literal["symmetry"]
+    kind: Literal["symmetry"] = Field(description="how the edge is held")
 
 
 class ElasticTable(Table):
     """[support.EDGE] of kind "elastic"; `around` multiplies all springs, or each by its own, by 1 + harmonics."""
 
-    kind: Literal["elastic"]
+    kind: Literal["elastic"] = Field(description="how the edge is held")
     k_r: NotNegative = Field(default=0.0, description="radial springs [N/m per m]")
     k_theta: NotNegative = Field(default=0.0, description="tangential springs [N/m per m]")
     k_z: NotNegative = Field(default=0.0, description="axial springs [N/m per m]")
@@ -67,13 +67,13 @@ class LooseTable(Table):
     """One loose or missing bolt."""
 
     bolt: int = Field(ge=1, le=1000, description="number of the bolt, from 1")
-    factor: float = Field(ge=0, le=1e6, description="factor of its stiffness, 0 for a missing bolt")
+    factor: float = Field(ge=0, le=1e6, description="factor of its stiffness [-], 0 for a missing bolt")
 
 
 class BoltsTable(Table):
     """[support.EDGE] of kind "bolts"."""
 
-    kind: Literal["bolts"]
+    kind: Literal["bolts"] = Field(description="how the edge is held")
     count: int = Field(ge=1, le=1000, description="number of bolts")
     k: NotNegative | None = Field(default=None, description="stiffness of one bolt in all three directions [N/m]")
     k_r: NotNegative | None = Field(default=None, description="radial stiffness of one bolt [N/m]")
@@ -83,7 +83,9 @@ class BoltsTable(Table):
     first_angle_deg: float = Field(default=0.0, ge=-360, le=360, description="angle of bolt 1 [degrees]")
     width_deg: float | None = Field(default=None, gt=0, le=360, description="width of the patch of a bolt [degrees]")
     width_m: Length | None = Field(default=None, description="the same as a length on a closed casing's edge [m]")
-    spacing_deg: float | None = Field(default=None, gt=0, le=360, description="angle between bolts; else all around")
+    spacing_deg: float | None = Field(
+        default=None, gt=0, le=360, description="angle between bolts [degrees]; else all around"
+    )
     loose: list[LooseTable] = Field(default=[], description="[{bolt, factor}]")
 
     @model_validator(mode="after")
@@ -107,7 +109,7 @@ RingSupport = Annotated[ElasticTable | BoltsTable, Field(discriminator="kind")]
 class RingTable(Table):
     """[support.EDGE] of kind "ring": a rectangle, or a circle by its diameter; [support.EDGE.support] holds it."""
 
-    kind: Literal["ring"]
+    kind: Literal["ring"] = Field(description="how the edge is held")
     width: Length | None = Field(default=None, description="radial size of the section [m]")
     depth: Length | None = Field(default=None, description="axial size of the section [m]")
     diameter: Length | None = Field(default=None, description="diameter of a round section [m]")

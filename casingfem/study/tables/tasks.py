@@ -44,11 +44,15 @@ class ParameterTable(Table):
     """[[update.parameter]]."""
 
     name: str = Field(min_length=1, description="path of a number, such as material.E")
-    lower: float = Field(description="lower bound, in the parameter's unit")
-    upper: float = Field(description="upper bound, in the parameter's unit")
-    sigma: Positive | None = Field(default=None, description="prior standard deviation; decades if log")
+    lower: float = Field(description="lower bound [unit of the parameter]")
+    upper: float = Field(description="upper bound [unit of the parameter]")
+    sigma: Positive | None = Field(
+        default=None, description="prior standard deviation [unit of the parameter; decades if log]"
+    )
     log: bool = Field(default=False, description="vary the decimal logarithm")
-    start: float | None = Field(default=None, description="start value; the study's own if left out")
+    start: float | None = Field(
+        default=None, description="start value [unit of the parameter]; the study's own if left out"
+    )
 
 
 class UpdateTable(Table):
@@ -56,22 +60,22 @@ class UpdateTable(Table):
 
     table: str = Field(min_length=1, description="frequency table CSV, relative to this file")
     sigma: Positive | None = Field(
-        default=None, lt=1, description="relative standard uncertainty of frequencies whose row states no sigma_hz"
+        default=None, lt=1, description="relative standard uncertainty of frequencies whose row states no sigma_hz [-]"
     )
     outliers: Literal["set-aside", "keep"] = Field(
         default="set-aside", description="what becomes of rows that contradict all others"
     )
-    reach: Positive = Field(default=0.5, description="largest relative frequency error of a pair")
+    reach: Positive = Field(default=0.5, description="largest relative frequency error of a pair [-]")
     count: int | None = Field(default=None, ge=1, le=100_000, description="modes computed; from the table if left out")
-    model_error: float = Field(default=0.0, ge=0, lt=1, description="relative error allowed to the model")
+    model_error: float = Field(default=0.0, ge=0, lt=1, description="relative error allowed to the model [-]")
     shapes: str | None = Field(
         default=None, min_length=1, description="mode shapes of the table: universal file or identified.npz"
     )
     shape_sigma: Positive | None = Field(
-        default=None, description="noise of the shapes, rms over a shape's own rms; the file's if left out"
+        default=None, description="noise of the shapes, rms over a shape's own rms [-]; the file's if left out"
     )
-    shape_error: float = Field(default=0.0, ge=0, lt=1, description="the same, allowed to the model's shapes")
-    shape_reach: Positive = Field(default=1e-3, description="largest relative distance of a shape from its row")
+    shape_error: float = Field(default=0.0, ge=0, lt=1, description="the same, allowed to the model's shapes [-]")
+    shape_reach: Positive = Field(default=1e-3, description="largest relative distance of a shape from its row [-]")
     regularise: Literal["discrepancy", "l-curve"] | None = Field(
         default=None, description="rule that chooses how strongly ill-posed parameters are held to their start"
     )
@@ -89,15 +93,23 @@ class UpdateTable(Table):
 class OutputTable(Table):
     """[[reduce.output]]: a displacement (direction), a strain, or a stress, at a place of the chart or a node."""
 
-    name: str = Field(min_length=1)
+    name: str = Field(min_length=1, description="how results name it")
     at: Annotated[list[float], Field(min_length=2, max_length=2)] | None = Field(
-        default=None, description="parameters of the chart"
+        default=None, description="parameters of the chart [m or rad]"
     )
     node: int | None = Field(default=None, description="number of a node of an imported mesh")
-    direction: Literal["x", "y", "z", "normal", "radial", "tangential"] | None = None
-    strain: Literal["11", "22", "12", "xx", "yy", "zz", "yz", "xz", "xy"] | None = None
-    stress: Literal["xx", "yy", "zz", "yz", "xz", "xy"] | None = None
-    side: float | None = Field(default=None, ge=-1, le=1, description="face: 1 where the normal points, -1, or between")
+    direction: Literal["x", "y", "z", "normal", "radial", "tangential"] | None = Field(
+        default=None, description="of a displacement"
+    )
+    strain: Literal["11", "22", "12", "xx", "yy", "zz", "yz", "xz", "xy"] | None = Field(
+        default=None, description="component of the strain"
+    )
+    stress: Literal["xx", "yy", "zz", "yz", "xz", "xy"] | None = Field(
+        default=None, description="component of the stress"
+    )
+    side: float | None = Field(
+        default=None, ge=-1, le=1, description="face [-]: 1 where the normal points, -1, or between"
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -136,14 +148,16 @@ class ReduceTable(Table):
     )
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of a casing's rim")
     axial: bool = Field(default=False, description="a casing's rim along the axis too")
-    lines: list[float] = Field(default_factory=list, description="places along a casing's meridian, for the edge")
+    lines: list[float] = Field(default_factory=list, description="places along a casing's meridian [m], for the edge")
     nodes: int | None = Field(default=None, ge=1, le=100, description="pieces of a blade's tip, for one mean place")
     axis: Axis | None = Field(default=None, description='axis of an imported rim, "x", "y", "z" or [x, y, z]')
     point: Vector | None = Field(default=None, description="a point on it [m]; the origin if left out")
     output: list[OutputTable] = Field(default_factory=list, description="displacements and strains to be had from runs")
     modes: int = Field(default=40, ge=1, le=100_000, description="number of modes kept")
-    method: Literal["free", "craig-bampton"] = "free"
-    zeta: float = Field(default=0.0, ge=0, lt=1, description="damping ratio of every mode")
+    method: Literal["free", "craig-bampton"] = Field(
+        default="free", description="modes of the free or of the held interface"
+    )
+    zeta: float = Field(default=0.0, ge=0, lt=1, description="damping ratio of every mode [-]")
     out: str | None = Field(default=None, pattern=r"^[^/\\]+\.npz$", description="a file name ending in .npz")
 
     @model_validator(mode="after")

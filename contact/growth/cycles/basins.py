@@ -11,6 +11,7 @@ from contact.base.arrays import Array, require_count, require_positive
 from contact.base.errors import NumericsError
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.passage import Motion, passage
+from contact.io.brief import brief
 from contact.io.reported import Reported
 
 SAME = 1e-4  # of the state: nearer motions are one
@@ -27,6 +28,8 @@ class Attractor:
     states: Array
     amplitude: dict[str, float]
     share: float
+
+    __repr__ = brief
 
     @property
     def periods(self) -> int:

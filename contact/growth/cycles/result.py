@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from contact.growth.cycles.shooting import Orbit
+from contact.io.brief import brief
 from contact.io.reported import Reported
 from contact.io.stored import save_value
 
@@ -28,6 +29,8 @@ class Special:
     orbit: Orbit
     before: Orbit
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Branch:
@@ -36,6 +39,8 @@ class Branch:
     points: tuple[Orbit, ...]
     specials: tuple[Special, ...]
     end: str = ""
+
+    __repr__ = brief
 
     @property
     def value(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

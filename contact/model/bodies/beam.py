@@ -9,6 +9,7 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly, require_count, require_finite, require_not_negative, require_positive
 from contact.base.errors import InputError
+from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.trig import harmonics
 
@@ -107,6 +108,8 @@ class BeamInCircle:
     radius: float
     offset: float = 0.0
     ring: ModalBody | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require_positive(radius=self.radius)

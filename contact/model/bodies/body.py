@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contact.base.arrays import Array, require_count, require_finite, require_not_negative, require_positive
 from contact.base.errors import InputError
+from contact.io.brief import brief
 
 Fixed = Literal["none", "left", "right"]
 
@@ -101,6 +102,8 @@ class Rod:
     force: ClassVar[float] = 0.0
     force_hz: ClassVar[float] = 0.0
     force_deg: ClassVar[float] = 0.0
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require_positive(length=self.length, area=self.area, E=self.E, rho=self.rho)

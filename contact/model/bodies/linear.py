@@ -11,6 +11,7 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly, require_shape
 from contact.base.errors import InputError
+from contact.io.brief import brief
 
 Amplitude = Callable[[Array], Array]
 SYMMETRIC = 1e-9  # of the largest entry
@@ -40,6 +41,8 @@ class Part:
     end: int
     number: int = 0
     rigid: bool = False
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -72,6 +75,8 @@ class LinearBody:
     potential: float = 0.0
     crossing_time: ClassVar[float] = math.inf
     in_order: ClassVar[bool] = False
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         n = np.shape(self.M)[0] if np.ndim(self.M) == 1 else self.M.shape[0]

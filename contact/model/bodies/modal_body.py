@@ -12,7 +12,7 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
-from contact.io.names import names_fault
+from contact.io.names import hint, names_fault
 from contact.io.npz import compliance_fault, load_npz, require_kinds, whole, write_npz
 
 if TYPE_CHECKING:
@@ -162,7 +162,9 @@ class ModalBody:
     def channel(self, name: str) -> int:
         """Row number of a channel; raises InputError listing the channels there are."""
         if name not in self.channels:
-            raise InputError(f"channel: found {name!r}, expected one of {', '.join(self.channels)}")
+            raise InputError(
+                f"channel: found {name!r}, expected one of {', '.join(self.channels)}{hint(name, self.channels)}"
+            )
         return self.channels.index(name)
 
     def truncated(self, omega_max: float) -> ModalBody:

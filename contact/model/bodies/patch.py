@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from contact.base.arrays import Array, readonly, require_shape
 from contact.base.errors import InputError
+from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
 
 
@@ -37,6 +38,8 @@ class Patch:
     displacement: ArrayLike | None = None
     velocity: ArrayLike | None = None
     load: ArrayLike | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         k, m = len(self.normal), self.body.omega.size

@@ -17,6 +17,7 @@ from contact.base.arrays import (
     require_shape,
 )
 from contact.base.errors import InputError
+from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody, rim_channels
 from contact.model.gaps.permanent import ModalPair, require_waves
 from contact.model.gaps.rub import ContactPoint, Rub, Start
@@ -51,6 +52,8 @@ class BladedDisk:
     zeta: float = 0.0
     compliance: float = 0.0
     lean_deg: float = 0.0
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require_positive(freq_hz=self.freq_hz, modal_mass=self.modal_mass)

@@ -17,6 +17,7 @@ from contact.base.arrays import (
     require_shape,
 )
 from contact.base.errors import InputError
+from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.limits import FAR, require_near
 
@@ -99,6 +100,8 @@ class RotatingRim:
     angle_deg: float = 0.0
     casing_velocity: Array | None = None
     blade_velocity: Array | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         if self.casing.kind != "rim":

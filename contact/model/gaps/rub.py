@@ -9,6 +9,7 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly, require_count, require_finite, require_shape
 from contact.base.errors import InputError
+from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.limits import FAR, require_near
@@ -119,6 +120,8 @@ class Rub:
     blade_starts: tuple[Start, ...] = ()
     thickness: float = math.inf
     forces: tuple[BodyForce, ...] = ()
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         if self.casing.kind != "rim":

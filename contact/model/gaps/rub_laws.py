@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from contact.base.arrays import Array, readonly, require_finite, require_not_negative
 from contact.base.errors import InputError
+from contact.io.brief import brief
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -26,6 +27,8 @@ class Speed:
 
     time: Array
     hz: Array
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         for name in ("time", "hz"):
@@ -141,6 +144,8 @@ class RimProfile:
     terms: tuple[tuple[int, float, float], ...] = ()
     theta: Array | None = None
     depth: Array | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         if (self.theta is None) != (self.depth is None):

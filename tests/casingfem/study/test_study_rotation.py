@@ -41,7 +41,7 @@ def test_a_casing_turns_about_z_and_a_dome_stands_on_a_plane_of_symmetry(tmp_pat
     text = text.replace("[support.root]", "[support.base]").replace('"clamped"', '"symmetry"').partition("[reduce]")[0]
     shell = loaded(tmp_path, text).shell
     assert shell.rotation.axis == (0.0, 0.0, 1.0)
-    assert shell.supports["base"] == cf.Symmetry()
+    assert shell.supports["base"] == cf.edge.Symmetry()
     assert shell.chart.profile.length == pytest.approx(0.2 * np.pi / 3)
 
 

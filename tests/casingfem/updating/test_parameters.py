@@ -135,7 +135,7 @@ def test_complex_values_pass(casing):
         ("radius.p8.tan", "expected a harmonic such as p8.cos"),
         ("radius.p8", "starts with material"),
         ("support.base", "starts with material"),
-        ("support.base.E", "an elastic edge has k_r, k_theta, k_z, k_rot, k_face$"),
+        ("support.base.E", "an elastic edge has k_r, k_theta, k_z, k_rot, k_face .did you mean support.base.k_z"),
         ("support.base.k_face.p4", "an elastic edge has"),
         ("support.base.k_face.4.cos", "expected a harmonic"),
         ("support.rim.k_face", "edge 'rim' has no support"),

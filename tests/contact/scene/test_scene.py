@@ -222,7 +222,7 @@ def test_values_of_another_type_are_refused_as_in_studies(tmp_path, old, new, ke
     file.write_text(RIM.replace(old, new, 1))
     with pytest.raises(ct.InputError) as caught:
         ct.load_scene(file)
-    assert [problem.endswith(key) or key + "," in problem for problem in caught.value.problems] == [True]
+    assert [key in problem for problem in caught.value.problems] == [True]
     file.write_text(RIM.replace("hz = 5.0", "hz = 5").replace("t_end = 0.02", "t_end = 1"))
     assert ct.load_scene(file).t_end == 1.0  # a whole number is a number
 

@@ -9,6 +9,7 @@ from scipy.sparse import coo_array, csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
+from contact.io.brief import brief
 
 WORDS = {"K": re.compile("STIF"), "M": re.compile("MASS"), "C": re.compile("DAMP|DMPV")}
 LETTERS = {"K": re.compile("K(?!4)"), "M": re.compile("M"), "C": re.compile("[BC]")}  # K4 is structural damping
@@ -36,6 +37,8 @@ class MatrixSet:
     dofs: IntArray
     points: Mapping[int, FloatArray] = field(default_factory=dict)
     source: str = "matrices"
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         shapes = {name: A.shape for name, A in (("K", self.K), ("M", self.M), ("C", self.C)) if A is not None}

@@ -63,7 +63,7 @@ def test_symmetry_plane_of_a_closed_shell_keeps_its_even_modes():
     )
     half = shell(
         cf.Cylinder(radius=0.3, height=0.2),
-        supports={"base": cf.Clamped(), "top": cf.Symmetry()},
+        supports={"base": cf.Clamped(), "top": cf.edge.Symmetry()},
         mesh=cf.ShellMesh(order=7, rows=2, around=27),
     )
     found, even = cf.modes(whole, 30), cf.modes(half, 6)

@@ -92,7 +92,7 @@ def test_half_a_structure_on_its_symmetry_plane_is_the_whole():
         chart=cf.Panel(radius=0.5, length=0.3, angle=1.2),
         thickness=5e-3,
         material=STEEL,
-        supports={"root": cf.ShearDiaphragm(), "tip": cf.Symmetry()},
+        supports={"root": cf.ShearDiaphragm(), "tip": cf.edge.Symmetry()},
         mesh=cf.ShellMesh(order=6, rows=2, around=2),
     )
     load = cf.loads.SurfaceLoad(force=(-1e4, 0.0, 0.0))
@@ -103,7 +103,7 @@ def test_half_a_structure_on_its_symmetry_plane_is_the_whole():
 
 
 def test_corner_of_two_symmetry_planes_is_held_by_both():
-    quarter = strip(supports={"root": cf.Symmetry(), "left": cf.Symmetry()}, material=STEEL)
+    quarter = strip(supports={"root": cf.edge.Symmetry(), "left": cf.edge.Symmetry()}, material=STEEL)
     system = assemble(quarter)
     corner = np.flatnonzero((system.grid.nodes[0] == 0.0) & np.isclose(system.grid.nodes[1], -0.05))
     reached = np.abs(system.expand(np.eye(system.size))[corner[0]]).max(axis=1)
@@ -128,7 +128,7 @@ def test_interpolation_is_exact_for_polynomials_and_closes_around():
         ({"root": cf.Clamped()}, [cf.loads.EdgeLoad(edge="rim", force=(0.0, 0.0, 1.0))], "load-edge"),
         ({"root": cf.Clamped()}, [cf.loads.PointLoad(at=(1.01, 0.0), force=(0.0, 0.0, 1.0))], "load-place"),
         ({}, [cf.loads.Gravity()], "static-loose"),
-        ({"left": cf.Symmetry()}, [cf.loads.Gravity()], "static-loose"),
+        ({"left": cf.edge.Symmetry()}, [cf.loads.Gravity()], "static-loose"),
     ],
 )
 def test_refused(supports, loads, code):
@@ -173,8 +173,8 @@ def test_a_wrong_twist_sense_is_not_the_twisted_beam():
 
 def test_a_cone_has_no_plane_of_symmetry_at_its_rim(frustum):
     with pytest.raises(ModelError, match="symmetry-slanted"):
-        frustum(supports={"base": cf.Symmetry()})
+        frustum(supports={"base": cf.edge.Symmetry()})
     bowl = cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=0.0, end=1.0))  # at the equator it has one
-    cf.Shell(chart=bowl, thickness=3e-3, material=STEEL, supports={"base": cf.Symmetry(), "top": cf.Clamped()})
+    cf.Shell(chart=bowl, thickness=3e-3, material=STEEL, supports={"base": cf.edge.Symmetry(), "top": cf.Clamped()})
     with pytest.raises(ModelError, match="symmetry-slanted"):
-        cf.Shell(chart=bowl, thickness=3e-3, material=STEEL, supports={"top": cf.Symmetry()})
+        cf.Shell(chart=bowl, thickness=3e-3, material=STEEL, supports={"top": cf.edge.Symmetry()})

@@ -1,0 +1,149 @@
+"""`casingfem schema`: the keys of study.toml and scene.toml, all as JSON schema, or one table on a screen."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from casingfem.cli.running import deliver, options
+from contact.io.names import hint
+from contact.io.outfiles import json_text
+
+if TYPE_CHECKING:
+    from contact.io.tables import Model
+
+
+@click.command()
+@click.argument("key", required=False)
+@options
+def schema(key: str | None, as_json: bool, out: Path | None) -> None:
+    """The table or key KEY of study.toml and scene.toml on a screen; JSON schemas of all if left out.
+
+    KEY is written as in a file: chart, support.base, update.parameter. Kinds of tables and of scenes may be part of it:
+    chart.frustum, rub.contact; study, scene and a kind of scene name all their tables.
+    """
+    if key is not None:
+        found = explained(key)
+        if not found:
+            known = sorted({*roots(), "scene", *(name for models in roots().values() for name in tables_in(models))})
+            raise click.UsageError(f"found {key!r}, expected a table or key of a file{hint(key, known, most=3)}")
+        text = "\n\n".join(part["text"] for part in found)
+        deliver({"tables": found}, text, as_json=as_json, out=out, files={"schema.txt": text + "\n"})
+        return
+    from casingfem.study import schema as study_schema
+    from contact.scene.schema import scene_schema
+
+    document = {"study": study_schema(), "scene": scene_schema()}
+    files = {f"{name}.schema.json": json_text(part, indent=1) for name, part in document.items()}
+    deliver(document, json_text(document, indent=2).rstrip(), as_json=as_json, out=out, files=files)
+
+
+def roots() -> dict[str, list["Model"]]:
+    """What a file, or the table [sweep] of one, is by its kind."""
+    from casingfem.study.schema import StudyFile
+    from contact.scene.schema import scene_models
+    from contact.sweep.tables import SweepTable
+
+    models = {"study": StudyFile, **scene_models(), "sweep": SweepTable}
+    return {name: [model] for name, model in models.items()}
+
+
+def tables_in(models: Sequence["Model"]) -> Iterator[str]:
+    """Names of all keys of some tables."""
+    from contact.io.tables import keys
+
+    for model in models:
+        yield from keys(model)
+
+
+def explained(key: str) -> list[dict[str, Any]]:
+    """What a key stands for: a part for each different table of this name, with the files that have it."""
+    first, *rest = key.split(".")
+    known = roots()
+    if first == "scene" and not rest:
+        return [listed(name, models[0]) for name, models in known.items() if name not in ("study", "sweep")]
+    starts = {first: (known[first], rest)} if first in known else {k: (m, [first, *rest]) for k, m in known.items()}
+    ends: dict[tuple[Any, ...], list[str]] = {}
+    for name, (models, path) in starts.items():
+        if end := walked(models, path):
+            ends.setdefault(end, []).append(name)
+    if len(ends) < 2:
+        return [told(key, end, names) for end, names in ends.items()]
+    lines = [f"  {', '.join(f'{n}.{key}' for n in names)}: {headline_of(end)}" for end, names in ends.items()]
+    return [{"key": key, "text": "\n".join([f"{key} differs by the kind of file; ask for one of", *lines])}]
+
+
+def walked(models: Sequence["Model"], path: Sequence[str]) -> tuple[Any, ...]:
+    """The table models that a path leads to, or the last key with its model; empty where it leads nowhere."""
+    from contact.io.tables import keys, kinds, members
+
+    found, named = list(models), False
+    for place, part in enumerate(path):
+        name = part.partition("[")[0]
+        holders = [m for m in found if name in keys(m)]
+        of_kind = [m for m in found if name in kinds(m)]
+        if not holders and not of_kind and not named:
+            return ()
+        if holders:
+            annotations = [keys(m)[name].annotation for m in holders]
+            below = [model for annotation in annotations for model in members(annotation)]
+            if not below:
+                return (name, *holders) if place == len(path) - 1 else ()
+            found, named = list(dict.fromkeys(below)), any("dict[" in str(annotation) for annotation in annotations)
+        else:  # a kind of table, or the name of an edge or a group
+            found, named = of_kind or found, False
+    return tuple(found)
+
+
+def told(key: str, end: tuple[Any, ...], files: list[str]) -> dict[str, Any]:
+    """One table, its kinds, or one key."""
+    from contact.io.tables import keys, kinds
+
+    where = "" if files == ["study"] else f" ({', '.join(files)})"
+    if isinstance(end[0], str):
+        name, *models = end
+        lines = described(name, keys(models[0])[name], len(name))
+        return {"key": key, "files": files, "text": "\n".join([f"{key}{where}", *lines])}
+    if len(end) == 1:
+        return listed(f"{key}{where}", end[0])
+    lines = [f"{kinds(model)[0]:<16}{headline(model)}" for model in end if kinds(model)]
+    return {"key": key, "files": files, "text": "\n".join([f"{key}{where}: one of these kinds", *lines])}
+
+
+def listed(title: str, model: "Model") -> dict[str, Any]:
+    """A table with all its keys."""
+    from contact.io.tables import keys
+
+    known = keys(model)
+    wide = max(map(len, known))
+    lines = [line for name, info in known.items() for line in described(name, info, wide)]
+    rows = [{"key": name, "meaning": info.description} for name, info in known.items()]
+    return {"key": title, "keys": rows, "text": "\n".join([f"{title}: {headline(model)}", *lines])}
+
+
+def headline(model: "Model") -> str:
+    """The first sentence of a table's docstring, without the name that stands before it."""
+    text = " ".join((model.__doc__ or "").partition("\n\n")[0].split())
+    head, mark, rest = text.partition(": ")
+    return rest if mark and head.startswith("[") else text
+
+
+def headline_of(end: tuple[Any, ...]) -> str:
+    """What the end of a path is, in a line."""
+    from contact.io.tables import keys
+
+    return str(keys(end[1])[end[0]].description) if isinstance(end[0], str) else headline(end[0])
+
+
+def described(name: str, info: Any, wide: int) -> list[str]:
+    """A key: what it means, what it may hold, what it is where it is left out."""
+    from pydantic_core import PydanticUndefined
+
+    from contact.io.tables import type_words
+
+    default = info.get_default(call_default_factory=True) if not info.is_required() else PydanticUndefined
+    plain = isinstance(default, bool | int | float | str)
+    word = str(default).lower() if isinstance(default, bool) else f"{default}"
+    left = "must be given" if default is PydanticUndefined else f"{word} if left out" if plain else "may be left out"
+    return [f"  {name:<{wide}}  {info.description}", f"  {'':<{wide}}    {type_words(info)}; {left}"]

@@ -1,0 +1,58 @@
+"""One line on a frozen value: what `print` of a shell, a mesh, a scene says. Arrays are their shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, Field, fields
+from typing import Any
+
+MANY, LONG = 4, 90  # entries of a list, characters of a part, that are shown
+
+
+def brief(value: Any) -> str:
+    """The name of a dataclass and those of its fields that are not at their default.
+
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Ring:
+    ...     radius: float
+    ...     bolts: int = 0
+    ...     angle: Any = None
+    >>> brief(Ring(0.5)), brief(Ring(1.0 / 3.0, 12, list(range(24))))
+    ('Ring(radius=0.5)', 'Ring(radius=0.333333, bolts=12, angle=[0, 1, 2, 3, ... 24])')
+    """
+    parts = (f"{field.name}={part(getattr(value, field.name))}" for field in fields(value) if told(value, field))
+    return f"{type(value).__name__}({', '.join(parts)})"
+
+
+def told(value: Any, field: Field[Any]) -> bool:
+    """Whether a field is not at its default."""
+    default = field.default_factory() if field.default_factory is not MISSING else field.default
+    found = getattr(value, field.name)
+    if not field.repr or found is default:
+        return False
+    if hasattr(default, "shape") or hasattr(found, "shape"):
+        return getattr(default, "shape", None) != getattr(found, "shape", None) or bool((found != default).any())
+    return bool(found != default)
+
+
+def part(value: Any) -> str:
+    """A value inside of another, on one line."""
+    if getattr(value, "shape", ()):
+        return f"{type(value).__name__.replace('ndarray', 'array')}({' x '.join(map(str, value.shape))})"
+    if isinstance(value, bool | str | int) or value is None:
+        return repr(value)
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, Mapping):
+        return f"{{{listed(f'{key}: {part(entry)}' for key, entry in value.items())}}}"
+    if isinstance(value, tuple | list):
+        return f"[{listed(map(part, value))}]"
+    text = repr(value).partition("\n")[0]
+    return text if len(text) <= LONG else f"{type(value).__name__}(...)"
+
+
+def listed(entries: Iterable[str]) -> str:
+    """The first few entries, and how many there are."""
+    found = list(entries)
+    return ", ".join(found) if len(found) <= MANY else f"{', '.join(found[:MANY])}, ... {len(found)}"

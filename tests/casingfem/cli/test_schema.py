@@ -1,0 +1,71 @@
+"""`casingfem schema KEY`: one table on a screen; every key of every file says what it is, and its unit."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from casingfem.cli import main
+from casingfem.cli.schema import roots
+from contact.io.tables import keys, members, words
+
+
+def all_tables():
+    """Every table of every kind of file."""
+    found = []
+    waiting = [model for models in roots().values() for model in models]
+    while waiting:
+        model = waiting.pop()
+        if model not in found:
+            found.append(model)
+            waiting += [below for info in keys(model).values() for below in members(info.annotation)]
+    return found
+
+
+def asked(*args):
+    return CliRunner().invoke(main, ["schema", *args])
+
+
+def test_every_key_says_what_it_is_and_every_number_its_unit():
+    known = [(model.__name__, key, info) for model in all_tables() for key, info in keys(model).items()]
+    assert len(known) > 500
+    assert [(model, key) for model, key, info in known if not info.description] == []
+    bare = [
+        (model, key)
+        for model, key, info in known
+        if "number" in words(info.annotation).replace("whole number", "") and not members(info.annotation)
+        and "[" not in info.description
+    ]  # fmt: skip
+    assert bare == []
+
+
+@pytest.mark.parametrize(
+    ("key", "lines"),
+    [
+        ("shell", ["thickness    nominal wall thickness [m]", "number > 0 <= 1000; must be given"]),
+        ("chart", ["frustum", "a circular meridian"]),
+        ("chart.frustum", ["r_base  mean radius at z = 0 [m]"]),
+        ("support.base.elastic", ["k_face   foundation modulus of the end face [N/m^3]"]),
+        ("update.parameter", ["lower bound [unit of the parameter]"]),
+        ("rub.closing", ["time_constant  of an exponential closing [s]"]),
+        ("coating", ["coating (rim, rub, disk)", "whole number >= 1 <= 10000; 6 if left out"]),
+        ("contact", ["differs by the kind of file", "rub.contact: clearance [m]"]),
+        ("material.E", ["Young's modulus [Pa]"]),
+        ("sweep.vary", ["log     whether steps", "false if left out"]),
+        ("scene", ["rods: A scene of rods", "patch: A modal body"]),
+    ],
+)
+def test_a_key_is_explained_on_a_screen(key, lines):
+    result = asked(key)
+    assert result.exit_code == 0, result.output
+    assert all(line in result.stdout for line in lines), result.stdout
+    assert "None" not in result.stdout
+    assert len(result.stdout.splitlines()) < (40 if key != "scene" else 200)
+    assert json.loads(asked(key, "--json").stdout)["tables"][0]["text"] in result.stdout
+
+
+@pytest.mark.parametrize(("key", "near"), [("shel", "shell"), ("coatng", "coating"), ("material.F", "material")])
+def test_a_mistyped_key_is_offered(key, near):
+    result = asked(key)
+    assert result.exit_code == 2
+    assert near in result.stderr.partition("did you mean")[2]
