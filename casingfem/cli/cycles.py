@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.contact import SCENE
-from casingfem.cli.running import ProgressMessage, deliver, options
+from casingfem.cli.running import ProgressMessage, deliver, options, source_of
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
 
     SCENE is a patch with [drive] in place of [scheme], or a rim with a range of speed.
 
-    With --out DIR: cycles.csv, .npz, .json and .png.
+    With --out DIR: cycles.csv, .npz, .json, .png and the page cycles.html.
     """
     from contact.scene.cycles import load_cycles
 
@@ -37,19 +37,24 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
 
         found = scene.solve(progress)
     document = found.to_dict()
-    deliver(document, repr(found), as_json=as_json, out=out, files={} if out is None else result_files(found))
+    deliver(document, repr(found), as_json=as_json, out=out, files={} if out is None else result_files(found, file))
 
 
-def result_files(found: "Cycles") -> dict[str, Content]:
-    """The table, the states, the document and the picture."""
+def result_files(found: "Cycles", file: Path) -> dict[str, Content]:
+    """The table, the states, the document, the picture and the page."""
     from casingfem.plot.cycles import figure_cycles
+    from casingfem.plot.pages.cycles import cycles_page
     from casingfem.plot.style import png
 
     rows, text = found.table(), io.StringIO()
     writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
+    page = cycles_page(
+        file.stem, rows, found.marks(), [part.end for part in found.branches], source_of(file), repr(found)
+    )
     return {
+        "cycles.html": page,
         "cycles.csv": text.getvalue(), "cycles.npz": found.save, "cycles.json": json_text(found.to_dict(), indent=1),
         "cycles.png": png(figure_cycles(rows, found.marks())),
     }  # fmt: skip

@@ -1,12 +1,11 @@
 """The command identify: modes from measured frequency responses."""
 
-import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from casingfem.cli.running import ProgressMessage, deliver, options
+from casingfem.cli.running import ProgressMessage, deliver, options, source_of
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -59,8 +58,8 @@ def identify(
 
     The poles are chosen without a hand, or with --pick by one; each mode is sure or doubtful, and pairs that cannot be
     told apart are said to be so. DIR gets the frequency table and the shapes (identified.csv, identified.npz) for
-    `casingfem update`, `correlate` and `locate`, the stabilisation diagram, the fitted responses, and fit.png: mode
-    indicator, fit, residual and coherence over all lines.
+    `casingfem update`, `correlate` and `locate`, the stabilisation diagram, the fitted responses, fit.png: mode
+    indicator, fit, residual and coherence over all lines, and all of it on the page identified.html.
     """
     from casingfem.experiment.frf.files import file_places, read_frfs, read_picks, read_places
     from casingfem.experiment.frf.frf_set import FrfSet
@@ -103,13 +102,14 @@ def result_files(
 ) -> dict[str, Content]:
     """The table, the pictures and the document."""
     from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
+    from casingfem.plot.pages.identification import identification_page
     from casingfem.plot.style import png
 
     files: dict[str, Content] = {"identified.json": json_text(document, indent=1)}
+    source = source_of(Path(document["source"]))
+    files["identified.html"] = identification_page(source["file"], found, source, coherence)
     if len(found):
-        source = Path(document["source"])
-        digest = hashlib.sha256(source.read_bytes()).hexdigest()
-        table = found.table([f"source: {source.name}, sha256 {digest}"])
+        table = found.table([f"source: {source['file']}, sha256 {source['sha256']}"])
         files["identified.csv"] = table.to_csv
         files["identified.npz"] = lambda path: found.save(path, responses=False)
     figures = {"stabilisation": figure_stabilisation(found), "responses": figure_responses(found)}

@@ -120,38 +120,42 @@ def coatings(tracks: "tuple[Wear, ...]") -> dict[str, Content]:
 
 
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
-    """The HTML page on a scene that was run; of rims, rubs and disks with the table of interactions."""
+    """The HTML page on a scene that was run; of rims, rubs and disks with the table of interactions and a film."""
+    from casingfem.plot.film import rub_film as film_of
     from casingfem.plot.interaction import figure_interactions
-    from casingfem.plot.scene import scene_page
+    from casingfem.plot.pages.scene import scene_page, scene_verdict
     from contact.base.errors import InputError
+    from contact.film import rub_film
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
+    from contact.result import versions
     from contact.scene.stability import load_interactions
 
     drawn, table = figures(scene, result), ""
-    if isinstance(scene.what, RotatingRim | Rub):
+    rubs = isinstance(scene.what, RotatingRim | Rub)
+    if rubs:
         say("interactions")
         try:
             found = load_interactions(file).solve()
         except InputError as error:
             table = f"No table of interactions: {error}"
-            drawn["interactions"] = empty()
         else:
             drawn["interactions"], table = figure_interactions(found.found, found.run), repr(found)
+    say("drawing")
+    film = rub_film(scene.what, result)
     energy = result.energy
-    numbers = {
+    numbers: dict[str, float] = {
         "steps": result.steps, "time step [s]": result.dt, "time simulated [s]": result.steps * result.dt,
         "contacts": int(result.impulse.size), "impulse [N s]": float(result.impulse.sum()),
-        "largest force [N]": float(result.peak_force.max(initial=0.0)),
+        "largest windowed force [N]": float(result.windowed_force().max(initial=0.0)),
+        "largest raw force [N]": float(result.peak_force.max(initial=0.0)),
         "time in contact [s]": float(result.contact_steps.max(initial=0)) * result.dt,
-        "energy not accounted for": energy.unaccounted / energy.scale if energy.scale else 0.0,
+        "law violated by [m]": float(result.residual.max(initial=0.0)),
+        "energy not accounted for": abs(energy.unaccounted) / energy.scale if energy.scale else 0.0,
     }  # fmt: skip
+    verdict = scene_verdict(numbers, result.flags, diverged=result.divergence is not None, rubs=rubs)
     text = file.read_text(encoding="utf-8")
-    return scene_page(file.stem, text, repr(result), result.flags, numbers, drawn, table)
-
-
-def empty() -> "Figure":
-    """A picture of nothing."""
-    from casingfem.plot.style import new_figure
-
-    return new_figure(1.0, 1.0)
+    return scene_page(
+        file.stem, text, repr(result), result.flags, numbers, drawn, table, verdict=verdict,
+        source={**scene.source, **versions()}, films=() if film is None else (film_of(film, result),),
+    )  # fmt: skip

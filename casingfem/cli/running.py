@@ -1,5 +1,6 @@
 """What all commands share: --json and --out, what goes to stdout and stderr, exit codes, progress."""
 
+import hashlib
 import sys
 import threading
 import time
@@ -103,6 +104,13 @@ def deliver(
             click.echo(f"wrote {path}")
     for folder in dict.fromkeys(path.parent for path in written if path.parent != out):
         click.echo(f"wrote {sum(path.parent == folder for path in written)} files to {folder}")
+
+
+def source_of(file: Path) -> dict[str, str]:
+    """Name and hash of an input file and the versions at work: what a page says of where it comes from."""
+    from contact.result import versions
+
+    return {"file": file.name, "sha256": hashlib.sha256(file.read_bytes()).hexdigest(), **versions()}
 
 
 class ProgressMessage:

@@ -126,7 +126,10 @@ def campbell(
 )
 @options
 def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterior: str | None) -> None:
-    """Fit the parameters of STUDY to its measured frequency table, and mode shapes where it names them."""
+    """Fit the parameters of STUDY to its measured frequency table, and mode shapes where it names them.
+
+    --out DIR gets the document, the updated study, and the page update.html.
+    """
     from casingfem.study import load_any, updated_toml
     from casingfem.study.tasks import judge_update, run_update
     from casingfem.updating.shape_fit import shape_fit
@@ -147,8 +150,11 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
     }
     files = {"update.json": json_text(document, indent=1)}
     if out is not None:
+        from casingfem.plot.pages.study import update_page
+
         values = {p.name: value for p, value in zip(fit.parameters, fit.value, strict=True)}
         files[f"{file.stem}_updated.toml"] = updated_toml(study, values, out)
+        files["update.html"] = update_page(study, fit)
     parts = [fit, *([] if compared is None else [compared]), *further.values()]
     deliver(document, "\n".join(map(repr, parts)), as_json=as_json, out=out, files=files)
 
@@ -192,15 +198,15 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
 def report(file: Path, as_json: bool, out: Path | None) -> None:
     """Write report.html on STUDY, or on a contact scene, which is run, to --out DIR (here if left out)."""
     from casingfem.cli.contact import is_scene, scene_report
-    from casingfem.study import load_study
+    from casingfem.study import load_any
 
     folder = out if out is not None else Path()
     if is_scene(file):
         scene_report(file, as_json, folder)
         return
-    study = load_study(file)
+    study = load_any(file)
     with ProgressMessage(f"report on {file.name}") as working:
-        from casingfem.plot.report import study_report
+        from casingfem.plot.pages.study import study_report
 
         html = study_report(study, working.say)
     document = {"report": str(folder / "report.html"), "seconds": working.seconds, "source": study.source}

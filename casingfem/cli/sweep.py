@@ -27,7 +27,7 @@ SCHEDULER = click.option(
 @SCHEDULER
 @options
 def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, out: Path | None) -> None:
-    """Run SCENE over the keys that its [sweep] varies: one table, one picture.
+    """Run SCENE over the keys that its [sweep] varies: one table, one picture, one page.
 
     With --out DIR every finished run is kept in DIR/store: the same command goes on where a sweep was broken off.
     Runs that fail or diverge are rows that say why; where none is done, the exit code is 3.
@@ -87,11 +87,12 @@ def words(found: "SweepResult", seconds: float) -> str:
 
 
 def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Content]:
-    """The table, the document, and the picture where numbers were varied."""
+    """The table, the document, the page, and the picture where numbers were varied."""
+    from casingfem.plot.pages.sweep import sweep_page
     from contact.sweep.sweep import table
 
     files: dict[str, Content] = {"sweep.csv": table(found), "sweep.json": json_text(document, indent=1)}
-    plan = found.plan
+    plan, drawn = found.plan, None
     numbers = [k for k in range(len(plan.keys)) if all(isinstance(run.values[k], int | float) for run in plan.runs)][:2]
     if numbers and len(plan.runs) > 1:
         import numpy as np
@@ -99,6 +100,11 @@ def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Co
         from casingfem.plot.style import png
         from casingfem.plot.sweep import figure_sweep
 
-        values = np.array([[float(run.values[k]) for k in numbers] for run in plan.runs])
-        files["sweep.png"] = png(figure_sweep([plan.keys[k] for k in numbers], values, found.rows))
+        drawn = (
+            [plan.keys[k] for k in numbers],
+            np.array([[float(run.values[k]) for k in numbers] for run in plan.runs]),
+        )
+        files["sweep.png"] = png(figure_sweep(*drawn, found.rows))
+    told = words(found, document["seconds"])
+    files["sweep.html"] = sweep_page(plan.file.stem, plan.keys, document["runs"], plan.source, drawn, told)
     return files

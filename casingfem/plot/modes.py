@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.plot.style import AFTER, BEFORE, PERFECT, new_figure, styled
 from casingfem.structure.mesh.shell_mesh import rim_values
 
@@ -16,7 +16,7 @@ PURE = 0.7  # below this share of its main order a mode is drawn hollow: a mixtu
 
 
 @styled
-def figure_frequencies(actual: Modes, perfect: Modes | None = None) -> Figure:
+def figure_frequencies(actual: ModeSet, perfect: Modes | None = None) -> Figure:
     """Frequencies against nodal diameters (mode number on open shells), and those of the perfect shell."""
     figure = new_figure()
     axes: Any = figure.add_subplot()
@@ -39,7 +39,7 @@ def figure_frequencies(actual: Modes, perfect: Modes | None = None) -> Figure:
     axes.plot(n[elastic & pure], freq[elastic & pure], "o", color=BEFORE, markersize=5, label="this structure")
     mixed = elastic & ~pure
     if mixed.any():
-        label = f"a mixture: less than {PURE:.0%} of its energy at n"
+        label = f"a mixture: less than {100 * PURE:.0f} % of its energy at n"
         axes.plot(n[mixed], freq[mixed], "o", mfc="white", color=BEFORE, markersize=5, label=label)
     axes.xaxis.get_major_locator().set_params(integer=True)
     figure.legend(loc="outside upper left", ncols=3)
@@ -77,7 +77,7 @@ def lattice(modes: Modes, most: tuple[int, int] = (15, 181)) -> Array:
     return np.hstack([table, table[:, :1]]) if modes.shell.chart.periodic else table
 
 
-def title(modes: Modes, mode: int) -> str:
+def title(modes: ModeSet, mode: int) -> str:
     """Number, frequency and nodal diameters of a mode."""
     n = int(modes.nodal_diameters[mode])
     words = f"mode {mode + 1}: {modes.freq[mode]:.1f} Hz"
@@ -146,7 +146,7 @@ def around(modes: Modes, mode: int, edge: str, theta: FloatArray) -> Array:
     return np.asarray(np.sum(weights * radial(modes, mode)[nodes], axis=1))
 
 
-def groups(modes: Modes, most: int) -> list[tuple[int, ...]]:
+def groups(modes: ModeSet, most: int) -> list[tuple[int, ...]]:
     """The lowest doublets and single elastic modes, at most `most` of them."""
     upper = {high for _, high in modes.doublets}
     pairs = dict(modes.doublets)

@@ -1,16 +1,22 @@
-"""A page that stands alone: sections of paragraphs, tables and figures, with the style inside."""
+"""A page that stands alone: a verdict, sections of paragraphs, tables and figures, with style and scripts inside."""
 
+import datetime
+import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.figure import Figure
 
+from casingfem.plot.hover import hover_values
+from casingfem.plot.packed import island
 from casingfem.plot.style import embed
 
-NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?( decades)?")
+NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?( × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( decades)?")
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 Cell = str | float | int | None
 
 
@@ -23,18 +29,25 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
     folded: bool = False  # shown only when asked for
 
+    def right(self, column: int) -> bool:
+        """Whether a column holds numbers alone, which align at the right."""
+        cells = [row[column] for row in self.rows if row[column] is not None]
+        return bool(cells) and all(map(numeric, cells))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Picture:
-    """A figure ready for the page, its caption says what one sees; `alt` is for those who do not."""
+    """A figure ready for the page, its caption says what one sees; `scripts` are those that it needs."""
 
     html: str
     caption: str
+    scripts: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, figure: Figure, caption: str, *, kind: str = "svg") -> "Picture":
-        """Embed a figure with its caption as its text for screen readers."""
-        return cls(embed(figure, caption, kind=kind), caption)
+        """Embed a figure with its caption as its text for screen readers, and values that show under the pointer."""
+        html, values = embed(figure, caption, kind=kind), hover_values(figure)
+        return cls(island("hover", values, html), caption, ("hover",)) if values else cls(html, caption)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,35 +61,81 @@ class Section:
     preformatted: str = ""
 
 
-def written(cell: Cell, digits: int = 6) -> str:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """What stands above all: what was found, how sure that is, what to do next."""
+
+    found: str
+    sure: str
+    further: str
+
+
+def written(cell: Cell, digits: int = 5) -> str:
     """A cell as text.
 
-    >>> written(371.2345678), written(None), written("base")
-    ('371.235', '–', 'base')
+    >>> written(371.2345678), written(None), written("base"), written(8.792613e12), written(-0.923955)
+    ('371.23', '–', 'base', '8.7926 × 10¹²', '-0.92395')
     """
     if cell is None:
         return "–"
-    return f"{cell:.{digits}g}" if isinstance(cell, float) else str(cell)
+    return raised(f"{cell:.{digits}g}") if isinstance(cell, float) else str(cell)
+
+
+def raised(text: str) -> str:
+    """A number with its power of ten as one writes it.
+
+    >>> raised("1e+13"), raised("2.5e-06"), raised("7")
+    ('10¹³', '2.5 × 10⁻⁶', '7')
+    """
+    mantissa, _, power = text.partition("e")
+    if not power:
+        return text
+    ten = "10" + str(int(power)).translate(RAISED)
+    return {"1": ten, "-1": f"-{ten}"}.get(mantissa, f"{mantissa} × {ten}")
 
 
 def numeric(cell: Cell) -> bool:
     """Whether a cell belongs to the right, with the numbers.
 
-    >>> numeric(3.1), numeric("-0.12"), numeric("0.95 decades"), numeric(None), numeric("2.4.6")
+    >>> numeric(3.1), numeric("-0.12"), numeric("0.95 decades"), numeric("8.79 × 10¹²"), numeric("2.4.6")
     (True, True, True, True, False)
     """
     return not isinstance(cell, str) or NUMBER.fullmatch(cell) is not None
+
+
+def origin(source: Mapping[str, Any]) -> str:
+    """One line on where a page comes from: input and its hash, versions, date (that of SOURCE_DATE_EPOCH if it is set).
+
+    `source` is what results carry: "study", "scene" or "file", "sha256", and "versions" or the packages themselves.
+
+    >>> import os; os.environ["SOURCE_DATE_EPOCH"] = "1000000000"
+    >>> origin({"scene": "rub.toml", "sha256": "0123456789abcdef", "numpy": "2.0.0"})
+    'rub.toml · sha256 0123456789ab · numpy 2.0.0 · 9 September 2001'
+    >>> del os.environ["SOURCE_DATE_EPOCH"]
+    """
+    named = ("study", "scene", "file", "sha256", "seed")
+    name = next((source[key] for key in named[:3] if key in source), "")
+    digest = str(source.get("sha256", ""))[:12]
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    now = datetime.datetime.now() if epoch is None else datetime.datetime.fromtimestamp(int(epoch), datetime.UTC)
+    packages = source.get("versions", {key: value for key, value in source.items() if key not in named})
+    versions = [f"{package} {number}" for package, number in packages.items()]
+    parts = [Path(str(name)).name, f"sha256 {digest}" if digest else "", ", ".join(versions)]
+    return " · ".join([part for part in parts if part] + [f"{now.day} {now:%B %Y}"])
 
 
 def render_page(
     title: str,
     sections: Sequence[Section],
     *,
+    verdict: Verdict | None = None,
     lead: str = "",
     notice: str = "",
-    footer: str = "",
+    source: str = "",
 ) -> str:
-    """HTML of a page that needs no other file; `notice` stands out at the top (SYNTHETIC, say).
+    """HTML of a page that needs no other file; `notice` stands out at the top (SYNTHETIC, say), then the verdict.
+
+    `source` is the line of `origin`.
 
     >>> page = render_page("Casing", [Section("Modes", ("Forty modes.",))], notice="SYNTHETIC data")
     >>> "SYNTHETIC data" in page, "http" in page
@@ -85,6 +144,14 @@ def render_page(
     folder = FileSystemLoader(Path(__file__).parent)
     environment = Environment(loader=folder, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     environment.filters["written"] = written
-    environment.tests["numeric"] = numeric
-    template = environment.get_template("report.html.j2")
-    return template.render(title=title, sections=sections, lead=lead, notice=notice, footer=footer)
+    template = environment.get_template("page.html.j2")
+    return template.render(
+        title=title, sections=sections, verdict=verdict, lead=lead, notice=notice, source=source,
+        scripts=used(figure for section in sections for figure in section.figures),
+    )  # fmt: skip
+
+
+def used(figures: Iterable[Picture]) -> list[str]:
+    """The scripts of all figures, each once; what all share comes first."""
+    names = list(dict.fromkeys(name for figure in figures for name in figure.scripts))
+    return ["shared", *names] if names else []

@@ -12,15 +12,17 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.modal.mode_set import Modes
-from casingfem.plot.modes import lattice, radial, title
+from casingfem.modal.mode_set import ModeSet
+from casingfem.plot.modes import title
 from casingfem.plot.page import Picture
 from casingfem.plot.style import DIVERGING, embed, image, new_figure, styled
+from casingfem.plot.surface import Surface, surface_of
 
 EXAGGERATION = 0.05  # largest displacement drawn, as a part of the structure's diagonal
 PHASES = 20  # pictures in a period
 SECONDS = 1.6  # a period on the page
 COLOURS = 64  # of a moving picture
+VIEWS = {True: (38.0, -60.0), False: (38.0, -40.0)}  # elevation, azimuth [deg], by whether the surface is closed
 
 
 class View(NamedTuple):
@@ -44,27 +46,23 @@ def view_from(elevation: float, azimuth: float) -> View:
 
 
 class Painter:
-    """One mode's surface: `show(part)` paints it at displacement part * u, part in [-1, 1]."""
+    """One mode on its surface: `show(part)` paints it at displacement part * u, part in [-1, 1]."""
 
-    def __init__(self, modes: Modes, mode: int, view: View, most: tuple[int, int]) -> None:
-        nodes = lattice(modes, most)
-        points = modes.shell.geometry(*modes.grid.nodes).surface.x
-        u = modes.fields[:, :3, mode].T
-        diagonal = float(np.linalg.norm(np.ptp(points, axis=1)))
-        self.still = points[:, nodes]
-        self.swing = EXAGGERATION * diagonal / np.linalg.norm(u, axis=0).max() * u[:, nodes]
-        w = radial(modes, mode)[nodes] / np.linalg.norm(u, axis=0).max()
-        self.shade = 0.25 * (w[1:, 1:] + w[:-1, 1:] + w[1:, :-1] + w[:-1, :-1]).ravel()
+    def __init__(self, modes: ModeSet, mode: int, view: View, surface: Surface) -> None:
+        u = modes.fields[surface.nodes, :3, mode]
+        most = np.linalg.norm(u, axis=1).max()
+        self.still = surface.points[surface.faces]
+        self.swing = (EXAGGERATION * surface.size / most * u)[surface.faces]
+        self.shade = (np.sum(u * surface.out, axis=1) / most)[surface.faces].mean(axis=1)
         self.view = view
         self.faces = PolyCollection([], linewidth=0.4)
 
     def corners(self, part: float) -> Array:
-        """Corners of the faces in space, (faces, 4, 3)."""
-        x = np.moveaxis(self.still + part * self.swing, 0, -1)
-        return np.stack([x[:-1, :-1], x[1:, :-1], x[1:, 1:], x[:-1, 1:]], axis=2).reshape(-1, 4, 3)
+        """Corners of the faces in space, (faces, 3 or 4, 3)."""
+        return np.asarray(self.still + part * self.swing)
 
     def flat(self, corners: Array) -> Array:
-        """The same on the page, (faces, 4, 2)."""
+        """The same on the page, (faces, 3 or 4, 2)."""
         return corners @ np.stack([self.view.right, self.view.up], axis=-1)
 
     def reach(self) -> Array:
@@ -76,7 +74,7 @@ class Painter:
         """Paint the faces from the back to the front: hue by displacement, darker where they turn from the eye."""
         corners = self.corners(part)
         order = np.argsort(corners.mean(axis=1) @ self.view.near)
-        normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1])
         facing = np.abs(normals @ self.view.near) / np.linalg.norm(normals, axis=1)
         colours = colormaps[DIVERGING](0.5 + 0.5 * part * self.shade)
         colours[:, :3] *= (0.72 + 0.28 * facing)[:, None]
@@ -84,12 +82,11 @@ class Painter:
         self.faces.set(facecolor=colours[order], edgecolor=colours[order])
 
 
-def stage(modes: Modes, which: Sequence[int], columns: int, *, fine: bool) -> tuple[Figure, list[Painter]]:
+def stage(modes: ModeSet, which: Sequence[int], columns: int) -> tuple[Figure, list[Painter]]:
     """A figure with an axes for each mode, all to one scale, and what paints them."""
-    closed = modes.shell.chart.periodic
-    most = ((15, 181) if fine else (12, 151)) if closed else ((49, 33) if fine else (33, 25))
-    view = view_from(38.0, -60.0 if closed else -40.0)
-    found = [Painter(modes, mode, view, most) for mode in which]
+    surface = surface_of(modes, coarse=True)
+    view = view_from(*VIEWS[surface.closed])
+    found = [Painter(modes, mode, view, surface) for mode in which]
     reaches = np.array([painter.reach() for painter in found])
     low, high = reaches[:, 0].min(axis=0), reaches[:, 1].max(axis=0)
     width, height = high - low
@@ -105,18 +102,18 @@ def stage(modes: Modes, which: Sequence[int], columns: int, *, fine: bool) -> tu
 
 
 @styled
-def figure_shapes(modes: Modes, which: Sequence[int], columns: int = 3) -> Figure:
+def figure_shapes(modes: ModeSet, which: Sequence[int], columns: int = 3) -> Figure:
     """Shapes of some modes (indices), drawn exaggerated, coloured by the radial (or normal) displacement."""
-    figure, shown = stage(modes, which, columns, fine=True)
+    figure, shown = stage(modes, which, columns)
     for painter in shown:
         painter.show(1.0)
     return figure
 
 
 @styled
-def frames(modes: Modes, which: Sequence[int], columns: int = 3) -> list[Array]:
+def frames(modes: ModeSet, which: Sequence[int], columns: int = 3) -> list[Array]:
     """The pictures of half a period, from one extreme to the other, each (height, width, 3) of bytes."""
-    figure, shown = stage(modes, which, columns, fine=False)
+    figure, shown = stage(modes, which, columns)
     canvas: Any = FigureCanvasAgg(figure)
     pictures = []
     for k in range(PHASES // 2 + 1):
@@ -149,7 +146,7 @@ def whiten(picture: Image.Image) -> None:
     picture.putpalette(colours.ravel().tolist())
 
 
-def moving_shapes(modes: Modes, which: Sequence[int], caption: str) -> Picture:
+def moving_shapes(modes: ModeSet, which: Sequence[int], caption: str) -> Picture:
     """The shapes in motion, with the still picture for paper and for those who want none."""
     moving = image(moving_picture(frames(modes, which)), "png", f"Moving: {caption}")
     still = embed(figure_shapes(modes, which), caption, kind="png")

@@ -30,15 +30,16 @@ def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Sequence[Mapping
     `keys` names the varied numbers, one or two of them; `values` (runs, keys). Runs that diverged are
     triangles, with the time they took to where that is drawn; refused or broken ones are crosses.
     """
-    figure = new_figure(8.2, 6.4)
     status = np.array([row["status"] for row in rows])
+    chosen = [panel for panel in panels(status) if any(row[panel[0]] is not None for row in rows)]
+    figure = new_figure(8.2, 6.4 if len(chosen) > 2 else 3.4)
     marks = {
         "diverged": ("^", status == "diverged"),
         "refused or failed": ("x", np.isin(status, ("refused", "failed"))),
     }
     done = status == "done"
-    for k, (name, label) in enumerate(panels(status)):
-        axes = figure.add_subplot(2, 2, k + 1)
+    for k, (name, label) in enumerate(chosen):
+        axes = figure.add_subplot(-(-len(chosen) // 2), 2, k + 1)
         measured = np.array([np.nan if row[name] is None else float(row[name]) for row in rows])
         shown = (
             status == "diverged" if name == "diverged_at_s" else done | (status == "diverged") & (name == "growth_1_s")

@@ -6,6 +6,7 @@ from dataclasses import replace
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.cyclic.reduction import OF_A_DIAMETER, cyclic_reduce
 from casingfem.modal.reduction import reduce
+from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 from casingfem.study.imported import MeshStudy
@@ -73,8 +74,10 @@ def judge_update(
     return found
 
 
-def run_reduce(study: Study | MeshStudy, shell: Shell | None = None, system: System | None = None) -> ModalBasis:
-    """The reduction a study describes, of its own structure or of another shell (an updated one).
+def run_reduce(
+    study: Study | MeshStudy, shell: Shell | MeshStructure | None = None, system: System | None = None
+) -> ModalBasis:
+    """The reduction a study describes, of its own structure or of another one (an updated one).
 
     Raises
     ------

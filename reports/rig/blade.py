@@ -7,8 +7,8 @@ import numpy as np
 import casingfem as cf
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.io.strict_csv import read
-from casingfem.plot.fit import update_section
 from casingfem.plot.page import Section, Table
+from casingfem.plot.pages.fit import update_section
 from casingfem.study import Study
 from casingfem.study.tasks import run_update
 from reports.tables import DATA
@@ -77,7 +77,8 @@ def section(blade: BladeFit) -> Section:
         "frequencies are MEASURED, on a real blade.",
         f"The nominal clamped model lies within {100 * off_theory:.2f} % of converged thin-shell values, so what is "
         f"left is not discretisation: the RMS error against the measurement is {100 * rms(blade.errors_nominal):.2f} % "
-        f"before updating and {100 * fit.rms_after:.2f} % after. An update that has not seen a frequency predicts it "
+        f"for it, {100 * fit.rms_before:.2f} % for the elastic root where the update starts, and "
+        f"{100 * fit.rms_after:.2f} % after the update. An update that has not seen a frequency predicts it "
         f"to {100 * rms(blade.left_out):.2f} % RMS (leave one out): {verdict(blade)}.",
         "Three uniform parameters cannot do more: mode 2 is measured below and mode 3 well above every model of a "
         "uniform blade, published ones included. A wall or a curvature that varies over the blade would be needed, "
@@ -89,9 +90,9 @@ def section(blade: BladeFit) -> Section:
             float(table.freq_hz[k]),
             float(blade.thin[k]),
             float(blade.nominal.freq[k]),
-            100.0 * float(blade.errors_nominal[k]),
-            100.0 * float(fit.after.freq[k] / table.freq_hz[k] - 1.0),
-            100.0 * float(blade.left_out[k]) if k < len(blade.left_out) else None,
+            f"{100.0 * blade.errors_nominal[k]:+.2f}",
+            f"{100.0 * (fit.after.freq[k] / table.freq_hz[k] - 1.0):+.2f}",
+            f"{100.0 * blade.left_out[k]:+.2f}" if k < len(blade.left_out) else None,
         )
         for k in range(len(table))
     )

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import casingfem as cf
-from casingfem.plot.page import render_page
-from casingfem.plot.report import SYNTHETIC, Clock
+from casingfem.plot.page import origin, render_page
+from casingfem.plot.pages.study import SYNTHETIC, Clock
 from casingfem.study import Study, load_study, perfect
 from casingfem.study.tasks import run_update
 from contact.io.outfiles import write_atomic
@@ -78,7 +78,10 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
         *(rig_page.rub_section(rub, plan) for rub in rubs),
         rig_page.provenance(casing, clock.seconds),
     ]
-    page = render_page("The rig, from test bench to rub", sections, notice=SYNTHETIC + rig_page.WHAT_IS_REAL)
+    page = render_page(
+        "The rig, from test bench to rub", sections, notice=SYNTHETIC + rig_page.WHAT_IS_REAL,
+        verdict=rig_page.verdict(blade_fit, fit, rubs, plan), source=origin(casing.source),
+    )  # fmt: skip
     write_atomic(out / "report.html", page)
     left = rig_blade.rms(blade_fit.left_out)
     summary: list[Row] = [

@@ -9,16 +9,18 @@ from matplotlib.figure import Figure
 
 import casingfem as cf
 from casingfem.plot.contact import figure_contact
-from casingfem.plot.fit import update_section
+from casingfem.plot.film import rub_film
 from casingfem.plot.modes import figure_rim, groups
-from casingfem.plot.page import Picture, Section, Table
-from casingfem.plot.sections import inputs_section, provenance_section
-from casingfem.plot.shapes import moving_shapes
+from casingfem.plot.page import Picture, Section, Table, Verdict
+from casingfem.plot.pages.fit import update_section
+from casingfem.plot.pages.sections import inputs_section, provenance_section
 from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
+from casingfem.plot.turning import turning_shapes
 from casingfem.study import Study
 from reports.rig.blade import BladeFit, rms
 from reports.rig.rub import Rub, RubPlan, Tuning
 
+TURNED = 12  # shapes that a reader can turn
 WHAT_IS_REAL = (
     " This holds for the casing's survey and frequencies (python -m reports.rig.synthetic). The fan blade's "
     "frequencies are measured."
@@ -33,7 +35,10 @@ def shortened(plan: RubPlan) -> RubPlan:
 def overview(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], plan: RubPlan) -> Section:
     """The figures an engineer asks for first."""
     rows = (
-        ("measured blade, RMS frequency error of the nominal model", f"{100 * rms(blade.errors_nominal):.2f} %"),
+        (
+            "measured blade, RMS frequency error, clamped (nominal)",
+            f"{100 * rms(blade.errors_nominal):.2f} %",
+        ),
         ("measured blade, after updating three parameters", f"{100 * blade.fit.rms_after:.2f} %"),
         ("measured blade, predicted by updates that left the mode out", f"{100 * rms(blade.left_out):.2f} %"),
         ("casing (SYNTHETIC), RMS frequency error before updating", f"{100 * fit.rms_before:.3f} %"),
@@ -49,6 +54,21 @@ def overview(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], pl
     return Section("In short", tables=(Table("From the test bench to the rub.", ("what", "value"), rows),))
 
 
+def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], plan: RubPlan) -> Verdict:
+    """What the chain says, how sure it is, what would make it surer."""
+    said = ", ".join(f"{rub.excess_db(plan.n):+.1f} dB {rub.name}" for rub in rubs)
+    flagged = sorted({flag for rub in rubs for flag in rub.result.flags})
+    return Verdict(
+        found=f"The measured blade's frequencies are met to {100 * blade.fit.rms_after:.2g} % RMS, the casing's "
+        f"(SYNTHETIC) to {100 * fit.rms_after:.2g} %. In the rub n = {plan.n} stands over the next nodal diameter by "
+        f"{said}.",
+        sure=f"The misfit is {blade.fit.misfit:.2g} sigma for the blade, {fit.misfit:.2g} for the casing; "
+        f"a blade's frequency that its update has not seen is predicted to {100 * rms(blade.left_out):.2g} %."
+        + (f" {len(flagged)} flags stand below: linear theory is left there." if flagged else ""),
+        further="Measure the casing's shapes and the wall over the blade; run the rubs with half the step.",
+    )
+
+
 def casing_section(study: Study, fit: cf.updating.UpdateResult, ideal: cf.Modes) -> Section:
     """Survey, update, and the updated casing's shapes."""
     given = inputs_section(study)
@@ -61,10 +81,11 @@ def casing_section(study: Study, fit: cf.updating.UpdateResult, ideal: cf.Modes)
             "Radial motion of the rim in the lowest modes of the updated casing; the members of a doublet stand a "
             "quarter wave apart, where the imperfections hold them.",
         ),
-        moving_shapes(
+        turning_shapes(
             fit.after,
-            [low for low, *_ in which][:6],
-            "Shapes of the updated casing, one of each pair, drawn exaggerated; colour is the radial displacement.",
+            [low for low, *_ in groups(fit.after, TURNED)],
+            "Shapes of the updated casing, one of each pair, drawn exaggerated; colour is the radial displacement, red "
+            "outward. Beside them the radius as surveyed.",
         ),
     )
     words = (
@@ -135,6 +156,7 @@ def rub_section(rub: Rub, plan: RubPlan) -> Section:
             "Force averaged over the model's shortest period, gap, and the largest modal coordinates.",
             kind="png",
         ),
+        *(() if rub.film is None else (rub_film(rub.film, result),)),
         Picture.of(
             figure_levels(rub, plan.n),
             f"Radial motion of the rim by nodal diameters in the last quarter of the run; n = {plan.n} is marked.",

@@ -12,6 +12,7 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import Modes
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
+from contact.film import RubFilm, rub_film
 from contact.growth.coincidence import coincidences
 from contact.io.outfiles import write_atomic
 from reports.rub.rim_levels import excess_db, rim_levels
@@ -33,11 +34,12 @@ class RubPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rub:
-    """One run: the result, and the rim's radial motion by nodal diameters late in it, RMS [m], (n_max + 1,)."""
+    """One run: the result, the rim's radial motion by nodal diameters late in it, RMS [m], (n_max + 1,), the film."""
 
     name: str
     result: ct.Result
     levels: FloatArray
+    film: RubFilm | None = None
 
     def excess_db(self, n: int) -> float:
         """Level of n over the highest other one [dB]."""
@@ -174,7 +176,7 @@ def run(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str
         on_limit="flag",  # its levels are wanted, also where the rim passes half its wall: the page says so
     )
     print(f"\n{name}\n{result}")
-    return Rub(name=name, result=result, levels=rim_levels(casing, result))
+    return Rub(name=name, result=result, levels=rim_levels(casing, result), film=rub_film(scene, result))
 
 
 def scene_toml(scene: ct.RotatingRim, files: tuple[Path, Path], plan: RubPlan) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact import film
 from contact.histories import force_table, strain_energy, tip_motion
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
@@ -48,6 +49,27 @@ def test_tip_and_rim_meet_where_they_touch(make):
     assert closed.sum() > 20
     assert np.abs(gap[closed]).max() < 0.05 * np.abs(motion.rim[closed, 0]).max()
     assert np.abs(motion.tip[:, 1]).max() > 0.0
+
+
+def test_a_film_shows_the_rim_where_the_tips_are(monkeypatch):
+    """The harmonics that a film keeps give the rim at the tip, over the whole run and in stretches."""
+    what, _, result = rubbed()
+    motion = tip_motion(what, result)
+    for frames, stretches in ((2000, 1), (40, 8)):
+        monkeypatch.setattr(film, "FRAMES", frames)
+        found = film.rub_film(what, result)
+        assert len(found.stretches) == stretches
+        assert len(found.time) <= frames
+        at = np.searchsorted(result.state_time, found.time)
+        np.testing.assert_array_equal(result.state_time[at], found.time)
+        phi = np.multiply.outer(found.angle - found.turned, found.n)
+        rim = np.sum(found.cos * np.cos(phi) + found.sin * np.sin(phi), axis=1)
+        left_out = rim - motion.rim[at, 0]
+        assert np.linalg.norm(left_out) < 0.05 * np.linalg.norm(motion.rim[at, 0])
+        assert np.median(np.abs(left_out)) < 1e-3 * np.abs(motion.rim[:, 0]).max()
+        np.testing.assert_allclose(found.gap[:, 0], result.gap[np.searchsorted(result.time, found.time), 0])
+    rods = [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1, velocity=-1.0), ct.Wall()]
+    assert film.rub_film(rods, ct.run(rods, t_end=0.1, courant=0.9, record=ct.Record(state_every=1))) is None
 
 
 def test_energies_are_those_of_the_modes_and_what_has_none_has_no_history():

@@ -1,6 +1,8 @@
 """Moving shapes and rims: what is drawn is the mode, and the page that carries it stays small."""
 
+import base64
 import io
+import json
 import re
 
 import numpy as np
@@ -10,6 +12,9 @@ from PIL import Image
 import casingfem as cf
 from casingfem.plot.modes import around, figure_rim, groups, most_moving
 from casingfem.plot.shapes import PHASES, Painter, figure_shapes, frames, moving_picture, moving_shapes, view_from
+from casingfem.plot.surface import skin, surface_of
+from casingfem.plot.turning import turning_shapes
+from casingfem.structure.imported.grid import grid_mesh, revolved
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +50,7 @@ def test_a_page_with_moving_shapes_stays_small(casing, moving):
 
 
 def test_faces_are_painted_from_the_back_and_coloured_by_displacement(casing):
-    painter = Painter(casing, 0, view_from(38.0, -60.0), (15, 181))
+    painter = Painter(casing, 0, view_from(38.0, -60.0), surface_of(casing, coarse=True))
     painter.show(1.0)
     corners = painter.corners(1.0)
     depth = corners.mean(axis=1) @ painter.view.near
@@ -58,9 +63,58 @@ def test_faces_are_painted_from_the_back_and_coloured_by_displacement(casing):
 
 
 def test_no_shape_is_drawn_further_than_a_twentieth_of_the_size(casing):
-    painter = Painter(casing, 3, view_from(38.0, -60.0), (99, 999))
-    size = np.linalg.norm(np.ptp(painter.still, axis=(1, 2)))
-    assert np.linalg.norm(painter.swing, axis=0).max() == pytest.approx(0.05 * size, rel=1e-3)
+    painter = Painter(casing, 3, view_from(38.0, -60.0), surface_of(casing, coarse=True))
+    size = np.linalg.norm(np.ptp(painter.still, axis=(0, 1)))
+    assert np.linalg.norm(painter.swing, axis=2).max() == pytest.approx(0.05 * size, rel=1e-3)
+
+
+def data_of(html: str) -> dict:
+    return json.loads(re.search(r'<script type="application/json">(.*?)</script>', html)[1])
+
+
+def integers(coded: str, kind: str = "<i2") -> np.ndarray:
+    return np.frombuffer(base64.b64decode(coded), kind)
+
+
+def test_shapes_to_be_turned_are_those_of_the_modes(casing):
+    """Geometry once, every shape in 16 bits: to a part in 32,767 what the modes have at these nodes."""
+    picture = turning_shapes(casing, [0, 4], "Two shapes and the radius.")
+    data, surface = data_of(picture.html), surface_of(casing)
+    assert picture.scripts == ("shapes",)
+    assert len(picture.html) < 1.5e6
+    centre = 0.5 * (surface.points.min(axis=0) + surface.points.max(axis=0))
+    points = integers(data["points"]).reshape(-1, 3) / 32767 * data["reach"] + centre
+    np.testing.assert_allclose(points, surface.points, atol=2 * data["reach"] / 32767)
+    names = [shape["name"] for shape in data["shapes"]]
+    assert names[0].startswith("mode 1: ")
+    assert names[2:] == ["radius imperfection"]
+    for mode, shape in zip((0, 4), data["shapes"], strict=False):
+        u = casing.fields[surface.nodes, :3, mode]
+        drawn = integers(shape["move"]).reshape(-1, 3) / 32767 * np.linalg.norm(u, axis=1).max()
+        np.testing.assert_allclose(drawn, u, atol=np.abs(u).max() / 16000)
+    faces = integers(data["faces"], "<u2").reshape(-1, 3)
+    assert np.array_equal(faces, surface.triangles)
+    assert faces.max() == len(points) - 1
+    radius = data["shapes"][2]
+    assert (radius["still"], radius["unit"]) == (True, "µm")
+    assert radius["most"] == pytest.approx(0.01 * 500e3, rel=0.02)  # of the widest end, in micrometres
+    w = np.sum(integers(radius["move"]).reshape(-1, 3) / 32767 * surface.out, axis=1) * radius["metres"]
+    theta, r = np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 0], points[:, 1])
+    np.testing.assert_allclose(w, 0.01 * np.cos(6 * theta) * r, atol=2e-5)
+
+
+def test_an_imported_part_is_drawn_by_its_skin():
+    wall = grid_mesh("hexahedron20", (2, 24, 3), revolved((0.5, 0.45), (0.0, 0.25), 0.04), wrap=1)
+    whole = skin(wall)
+    assert len(whole.triangles) == 2 * (2 * 24 * 3 + 2 * 24 * 2)  # inside, outside, two ends
+    a, b, c = (whole.points[whole.triangles[:, k]] for k in range(3))
+    volume = np.sum(a * np.cross(b, c)) / 6.0  # of a closed surface, positive where every face looks outward
+    assert volume == pytest.approx(0.25 * 0.04 * 2 * np.pi * 0.475, rel=0.03)
+    few = skin(wall, most=120)
+    assert 30 < len(few.points) <= 120
+    assert len(few.triangles) > 60
+    span = np.ptp(whole.points, axis=0)
+    np.testing.assert_allclose(np.ptp(few.points, axis=0), span, atol=0.2 * span.max())
 
 
 def test_shapes_share_one_scale(casing):

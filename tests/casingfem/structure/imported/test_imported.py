@@ -57,6 +57,18 @@ def test_five_formats_on_the_command_line(name, tmp_path):
     assert found["sturm_count"] == exact.sturm_count
 
 
+@pytest.mark.slow
+def test_a_page_on_an_imported_part(tmp_path):
+    path = study(tmp_path, SOLID + '[reduce]\ninterface = "top"\nn_max = 4\nmodes = 6\n')
+    ran = CliRunner().invoke(main, ["report", str(path), "--out", str(tmp_path / "out")])
+    assert ran.exit_code == 0, ran.stderr
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    for words in ("24 hexahedron20 cells", "E 210 GPa", "group base", "No mode is missing", "residual compliance"):
+        assert words in page, words
+    assert 'data-live="shapes"' in page
+    assert "mode 1: " in page
+
+
 def test_shell_meshes_and_millimetres(tmp_path):
     text = '[shell]\nmesh = "MESH"\nscale = 1e-3\nthickness = 0.03\n'
     text += '[support.base]\nkind = "fixed"\ndirections = ["x", "y", "z"]\n'

@@ -1,20 +1,31 @@
 """Sections of the report: what went in, modes, reduction, provenance."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 
+import numpy as np
+
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.plot.modes import figure_frequencies, figure_rim, groups
-from casingfem.plot.page import Cell, Picture, Section, Table
-from casingfem.plot.shapes import moving_shapes
+from casingfem.plot.page import Cell, Picture, Section, Table, raised
+from casingfem.plot.turning import turning_shapes
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.field.survey.survey import SurveyField
+from casingfem.structure.imported.shell import MeshShell
+from casingfem.structure.imported.solid import Solid
+from casingfem.structure.material import Material
 from casingfem.structure.shell.shell import Shell
-from casingfem.study import Study
+from casingfem.study import MeshStudy, Study
+
+TURNED = 12  # shapes that a reader can turn
+SHOWN = 4  # harmonics of a field that are named
 
 UNITS = {
+    "directions": "",
     "angle": "rad",
     "twist": "rad",
     "camber": "rad",
@@ -29,70 +40,117 @@ UNITS = {
 }
 
 
-def inputs_section(study: Study) -> Section:
+def inputs_section(study: Study | MeshStudy) -> Section:
     """The structure in one table, and the card of the measured table."""
-    tables = [Table("The structure as the study describes it.", ("quantity", "value"), structure_rows(study.shell))]
+    rows = structure_rows(study.structure) if isinstance(study, Study) else mesh_rows(study.structure)
     paragraphs = []
+    if study.shapes is not None and study.file.update is not None:
+        name = Path(str(study.file.update.shapes)).name
+        paragraphs.append(f"Mode shapes at {len(study.shapes.a)} sensors from {name}.")
     if study.table is not None:
         name = "Synthetic" if study.table.synthetic else "Measured"
         paragraphs.append(f"{name} frequencies: {len(study.table)} rows of {Path(study.table.path).name}; its card:")
-    if study.shapes is not None and study.file.update is not None:
-        name = Path(str(study.file.update.shapes)).name
-        paragraphs.insert(0, f"Mode shapes at {len(study.shapes.a)} sensors from {name}.")
     card = "\n".join(study.table.card) if study.table is not None else ""
-    return Section("Inputs", tuple(paragraphs), tables=tuple(tables), preformatted=card)
+    table = Table("The structure as the study describes it.", ("quantity", "value"), rows)
+    return Section("Inputs", tuple(paragraphs), tables=(table,), preformatted=card)
 
 
 def structure_rows(shell: Shell) -> tuple[tuple[Cell, ...], ...]:
     """Chart, thickness, material, supports, fields, mesh."""
-    rows = [("surface", f"{type(shell.chart).__name__}: {values_of(shell.chart)}")]
-    rows.append(("thickness", f"{shell.thickness:.6g} m"))
-    rows.append(("material", f"E = {shell.material.E:.6g} Pa, nu = {shell.material.nu:g}, "
-                 f"rho = {shell.material.rho:.6g} kg/m³"))  # fmt: skip
+    rows = [("surface", f"{spaced(shell.chart)}: {values_of(shell.chart)}")]
+    rows.append(("thickness", f"{1e3 * shell.thickness:.6g} mm"))
+    rows.append(("material", material_words(shell.material)))
     if shell.taper is not None:
         rows.append(("taper", f"factors along {shell.taper.along}, across {shell.taper.across}"))
     for k, strip in enumerate(shell.strips):
-        own = "" if strip.material is None else f"; {values_of(strip.material)}"
-        text = f"from {strip.start:g} to {strip.end:g} m: {strip.thickness:.6g} m{own}"
+        own = "" if strip.material is None else f"; {material_words(strip.material)}"
+        text = f"from {strip.start:g} to {strip.end:g} m: {1e3 * strip.thickness:.6g} mm{own}"
         rows.append((f"strip {k + 1}", text))
-    for edge, support in shell.supports.items():
-        rows.append((f"edge {edge}", f"{type(support).__name__} {values_of(support)}".strip()))
+    rows += support_rows(shell.supports)
     rows += [(f"edge {edge}", "free") for edge in shell.chart.edges if edge not in shell.supports]
-    rows += [(f"{name} imperfection", repr(field).splitlines()[0]) for name, field in shell.defects.items()]
+    rows += [(f"{name} imperfection", waves_of(field)) for name, field in shell.defects.items()]
     mesh = shell.mesh
     rows.append(("mesh", f"order {mesh.order}, {len(mesh.breaks) - 1} rows, {mesh.around} elements around"))
     return tuple(rows)
 
 
+def mesh_rows(structure: Solid | MeshShell) -> tuple[tuple[Cell, ...], ...]:
+    """File, cells, size, materials and supports of an imported part."""
+    mesh = structure.mesh
+    box = " x ".join(f"{length:.4g}" for length in np.ptp(mesh.points[mesh.used], axis=0))
+    rows = [("mesh", f"{Path(mesh.source).name}: {len(mesh.cells)} {mesh.kind} cells, {len(mesh.used)} nodes")]
+    rows.append(("box", f"{box} m"))
+    if isinstance(structure, MeshShell):
+        parts = [f"{1e3 * structure.thickness:.6g} mm"]
+        parts += [f"{name} {1e3 * value:.6g} mm" for name, value in structure.thicknesses.items()]
+        rows.append(("thickness", ", ".join(parts)))
+    rows.append(("material", material_words(structure.material)))
+    rows += [(f"material of {name}", material_words(one)) for name, one in structure.materials.items()]
+    return tuple(rows + support_rows(structure.supports, "group"))
+
+
+def support_rows(supports: Mapping[str, object], what: str = "edge") -> list[tuple[str, str]]:
+    """How each edge or group is held."""
+    return [(f"{what} {name}", f"{spaced(one).lower()} {values_of(one)}".strip()) for name, one in supports.items()]
+
+
+def material_words(material: Material) -> str:
+    """The numbers of a material.
+
+    >>> material_words(Material(E=210e9, nu=0.3, rho=7800.0))
+    'E 210 GPa, nu 0.3, rho 7800 kg/m³'
+    """
+    return f"E {1e-9 * material.E:.5g} GPa, nu {material.nu:g}, rho {material.rho:.6g} kg/m³"
+
+
+def spaced(owner: object) -> str:
+    """The name of a class in words.
+
+    >>> spaced(ElasticEdge(k_face=1e9))
+    'Elastic edge'
+    """
+    return re.sub(r"(?<!^)(?=[A-Z])", " ", type(owner).__name__).capitalize()
+
+
 def values_of(owner: object) -> str:
     """The numbers of a value object, zeros left out."""
     if not is_dataclass(owner):
-        return repr(owner)
+        return ""
     numbers = {f.name: getattr(owner, f.name) for f in fields(owner)}
-    plain = [f"{k} = {v:g} {UNITS.get(k, 'm')}" for k, v in numbers.items() if isinstance(v, int | float) and v != 0.0]
-    laws = {k: ", ".join(f"{station:g}" for station in v) for k, v in numbers.items() if isinstance(v, tuple)}
-    plain += [f"{k} = ({law}) {UNITS.get(k, 'm')}" for k, law in laws.items()]
+    plain = [f"{k} {raised(f'{v:g}')} {UNITS.get(k, 'm')}" for k, v in numbers.items()
+             if isinstance(v, int | float) and v != 0.0]  # fmt: skip
+    laws = {k: v for k, v in numbers.items() if isinstance(v, tuple) and v}
+    for k, law in laws.items():
+        text = ", ".join(f"{x:g}" if isinstance(x, int | float) else str(x) for x in law)
+        plain.append(f"{k} ({text}) {UNITS.get(k, 'm')}" if isinstance(law[0], int | float) else f"{k} {text}")
     if isinstance(owner, ElasticEdge) and owner.patterns:
         shared = not isinstance(owner.around, Mapping)
         patterns = {"around": owner.pattern("k_face")} if shared else owner.patterns
-        waves = [f"; {name}: {waves_of(pattern)}" for name, pattern in patterns.items()]
-        return ", ".join(plain) + "".join(waves)
+        return ", ".join(plain) + "".join(f"; {name}: {waves_of(pattern)}" for name, pattern in patterns.items())
     return ", ".join(plain)
 
 
 def waves_of(pattern: object) -> str:
-    """A pattern along an edge in one line: its harmonics, or what kind of field it is."""
+    """A field in one line: its harmonics, the survey that it is, or what else."""
+    if isinstance(pattern, SurveyField):
+        off = len(pattern.set_aside) + len(pattern.doubted)
+        stray = f", {off} stray points" if off else ""
+        return (
+            f"{pattern.points} points at {pattern.heights} heights of {Path(pattern.path).name}{stray}; harmonics to "
+            f"{pattern.max_harmonic}, {1e6 * pattern.residual_rms_m:.3g} µm (rms) left over"
+        )
     if not isinstance(pattern, FourierField):
-        return repr(pattern).splitlines()[0]
+        return spaced(pattern).lower()
     terms = [(p, *pattern.coefficients(p)) for p in pattern.harmonics]
-    return ", ".join(f"p = {p}: {cos:+.3g} cos {sin:+.3g} sin" for p, cos, sin in terms)
+    words = [f"p = {p}: {cos:+.3g} cos {sin:+.3g} sin" for p, cos, sin in terms[:SHOWN]]
+    return ", ".join(words) + (f" and {len(terms) - SHOWN} more harmonics" if len(terms) > SHOWN else "")
 
 
-def modes_section(found: Modes, reference: Modes | None) -> Section:
+def modes_section(found: ModeSet, reference: Modes | None) -> Section:
     """Frequencies by n, shapes, rims, and the table."""
     counted = "could not be taken" if found.sturm_count is None else f"is {found.sturm_count}"
     paragraphs = [
-        f"{len(found)} modes of {found.dofs} unknowns. The Sturm count, the number of modes up to the last one by "
+        f"{len(found)} modes of {found.dofs:,} unknowns. The Sturm count, the number of modes up to the last one by "
         f"inertia, {counted}."
     ]
     wide = [k for k in range(len(found.doublets)) if found.splits[k] > 1e-4]
@@ -104,34 +162,33 @@ def modes_section(found: Modes, reference: Modes | None) -> Section:
             f"by {100.0 * found.splits[k]:.3g} %."
         )
     figures = [Picture.of(figure_frequencies(found, reference), frequencies_caption(found, reference))]
-    shown = groups(found, 8)
+    closed = found.rings is not None
+    which, words = ("one of each pair, ", "radial") if closed else ("", "normal")
+    shown = groups(found, 2 * TURNED)
     if shown:
-        first = [group[0] for group in shown[:6]]
-        which, words = ("one of each pair, ", "radial") if found.shell.chart.periodic else ("", "normal")
-        figures.append(
-            moving_shapes(
-                found,
-                first,
-                f"The lowest modes, {which}drawn exaggerated and slowed to one speed; colour is the {words} "
-                "displacement, red outward and blue inward.",
-            )
+        caption = (
+            f"The lowest modes, {which}drawn exaggerated and slowed to one speed; colour is the {words} displacement, "
+            "red outward and blue inward."
         )
-    if shown and found.shell.chart.periodic:
+        if isinstance(found, Modes) and found.shell.defects:
+            caption += " Beside them what sets the shell apart from a perfect one."
+        figures.append(turning_shapes(found, [group[0] for group in shown[:TURNED]], caption))
+    if shown and isinstance(found, Modes) and closed:
         figures.append(
             Picture.of(
-                figure_rim(found, shown),
+                figure_rim(found, shown[:8]),
                 "Radial displacement around the edge that moves most, seen along the axis: lower member of each pair "
                 "solid blue, upper dashed orange, the undeformed circle grey. Ticks outside and the angle in the "
                 "middle give the first antinode where a mode has an orientation of its own; equal frequencies leave "
                 "it open.",
             )
         )
-    return Section("Modes", tuple(paragraphs), tuple(figures), (modes_table(found, reference),))
+    return Section("Modes", tuple(paragraphs), tuple(figures), (modes_table(found),))
 
 
-def frequencies_caption(found: Modes, reference: Modes | None) -> str:
+def frequencies_caption(found: ModeSet, reference: Modes | None) -> str:
     """What the frequency diagram shows."""
-    if not found.shell.chart.periodic:
+    if found.rings is None:
         return "Frequencies in ascending order."
     words = "Frequencies by number of nodal diameters; a bar joins the two members of a pair, its length is the split."
     if reference is None:
@@ -142,7 +199,7 @@ def frequencies_caption(found: Modes, reference: Modes | None) -> str:
     )
 
 
-def modes_table(found: Modes, reference: Modes | None) -> Table:
+def modes_table(found: ModeSet) -> Table:
     """All modes, folded."""
     rows: list[tuple[Cell, ...]] = []
     for row in found.records():
@@ -169,7 +226,7 @@ def reduction_section(basis: ModalBasis, *, updated: bool) -> Section:
         ("interface", f"{basis.kind}, {len(basis.channels)} channels"),
         ("method", str(basis.provenance.get("method", "-"))),
         ("modes", f"{len(basis)}, from {basis.freq[0]:.2f} to {basis.freq[-1]:.1f} Hz"),
-        ("damping ratio", f"{basis.zeta.max():g}"),
+        ("damping ratio", f"up to {basis.zeta.max():g}"),
         ("static compliance carried by S", f"{100.0 * basis.S.trace() / basis.compliance.trace():.2f} %"),
     )
     paragraph = (
@@ -179,14 +236,11 @@ def reduction_section(basis: ModalBasis, *, updated: bool) -> Section:
     return Section("Reduction", (paragraph,), tables=(Table("The modal basis.", ("quantity", "value"), rows),))
 
 
-def provenance_section(study: Study, seconds: dict[str, float]) -> Section:
+def provenance_section(study: Study | MeshStudy, seconds: dict[str, float]) -> Section:
     """Hash, versions, run times."""
     source = study.source
     versions: tuple[tuple[Cell, ...], ...] = tuple(source["versions"].items())
     rows: tuple[tuple[Cell, ...], ...] = (("input", f"{source['study']}, sha256 {source['sha256']}"), *versions)
     times: tuple[tuple[Cell, ...], ...] = tuple((name, round(value, 2)) for name, value in seconds.items())
-    tables = (
-        Table("What made this page.", ("", ""), rows),
-        Table("Run times.", ("part", "seconds"), times),
-    )
+    tables = (Table("What made this page.", ("", ""), rows), Table("Run times.", ("part", "seconds"), times))
     return Section("Provenance", tables=tables)

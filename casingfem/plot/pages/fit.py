@@ -1,9 +1,11 @@
 """The report's section on an update: in words, figures and tables."""
 
+import math
+
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.modal.mode_set import Modes
-from casingfem.plot.page import Cell, Picture, Section, Table
+from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, raised, written
 from casingfem.plot.update import Paired, figure_comparison, figure_correlation, figure_errors
 from casingfem.updating.result import UpdateResult
 
@@ -39,7 +41,8 @@ def comparison_caption(table: FrequencyTable, models: dict[str, Paired]) -> str:
     kind = "Synthetic test data" if table.synthetic else "Measured"
     return (
         f"{kind} against the {', '.join(models)} model: frequencies by nodal diameters, relative split of each "
-        "pair, and where the lower member of the pair has its antinode."
+        "pair, and where the lower member of the pair has its antinode, as a part of 180°/n, after which the shape "
+        "repeats: 0 and 1 are one place. Where the split is small against the measurement, the place is open."
     )
 
 
@@ -47,13 +50,11 @@ def update_words(fit: UpdateResult) -> list[str]:
     """The outcome in sentences."""
     rows = sum(len(match.rows) for match in fit.pairing.matches)
     words = [
-        f"RMS relative frequency error {100.0 * fit.rms_before:.3f} % before and "
-        f"{100.0 * fit.rms_after:.3f} % after, over {rows} of {len(fit.table)} rows, with "
-        f"{len(fit.parameters)} parameters and {len(fit.history)} evaluations. "
-        f"The misfit is {fit.misfit:.2f} standard deviations: "
-        + ("model and stated uncertainty agree." if fit.misfit < 1.5 else "more than the measurement explains.")
+        f"RMS relative frequency error {written(100.0 * fit.rms_before, 3)} % at the start values and "
+        f"{written(100.0 * fit.rms_after, 3)} % after the update, over {rows} of {len(fit.table)} rows, with "
+        f"{len(fit.parameters)} parameters and {len(fit.history)} evaluations. {misfit_words(fit)} "
+        f"Stopped: {fit.stopped.rstrip('.')}."
     ]
-    words[0] += f" Stopped: {fit.stopped.rstrip('.')}."
     words += [f"The data cannot tell {a} from {b} (correlation {r:+.2f})." for a, b, r in fit.indistinct()]
     named = zip(fit.parameters, fit.prior_only, fit.at_bound, strict=True)
     for p, weak, bound in named:
@@ -62,16 +63,70 @@ def update_words(fit: UpdateResult) -> list[str]:
     return words
 
 
+def update_verdict(fit: UpdateResult) -> Verdict:
+    """What an update found, how far it can be believed, and what would make it surer."""
+    rows = sum(len(match.rows) for match in fit.pairing.matches)
+    found = (
+        f"{len(fit.parameters)} parameters fitted to {rows} of {len(fit.table)} measured rows: RMS frequency error "
+        f"{written(100.0 * fit.rms_before, 2)} % at the start values, {written(100.0 * fit.rms_after, 2)} % after."
+    )
+    sure = misfit_words(fit)
+    if not fit.stopped.startswith("converged"):
+        sure += f" The fit did not converge: {fit.stopped.rstrip('.')}."
+    return Verdict(found=found, sure=sure, further=" ".join(remedies(fit)))
+
+
+def misfit_words(fit: UpdateResult) -> str:
+    """How the residuals compare with the stated uncertainty."""
+    return f"The misfit is {written(fit.misfit, 2)} standard deviations: " + (
+        "far less than the stated uncertainty leaves; it is too large, or the table comes from a model."
+        if fit.overstated
+        else "what the measurement's uncertainty explains."
+        if fit.inflation == 1.0
+        else "more than chance leaves of the stated uncertainty; every sigma is larger by it."
+    )
+
+
+def remedies(fit: UpdateResult) -> list[str]:
+    """What to do next, by what the fit is short of."""
+    alike = fit.indistinct()
+    bounds = [p.name for p, bound in zip(fit.parameters, fit.at_bound, strict=True) if bound]
+    weak = [p.name for p, known in zip(fit.parameters, fit.prior_only, strict=True) if known]
+    words = [f"{', '.join(bounds)} ended on a bound: widen it, or look for what the model lacks."] if bounds else []
+    words += [f"Hold {a} or {b}: the data cannot tell them apart." for a, b, _ in alike]
+    words += [f"Take {', '.join(weak)} out of the fit, or measure modes that feel it: the data say nothing of it."
+              ] if weak else []  # fmt: skip
+    words += (
+        [f"Look at {len(fit.outliers)} rows that contradict all others and were set aside."] if fit.outliers else []
+    )
+    if fit.inflation > 1.0:
+        words.append("Look at the rows with the largest error: something that is not varied is wrong there.")
+    return words or ["Predict what was not measured: casingfem update --leave-one-out shows how well that goes."]
+
+
 def parameters_table(fit: UpdateResult) -> Table:
-    """Start, value and sigma of each parameter."""
+    """Start, value and sigma of each parameter, in as many digits as sigma leaves."""
     rows = [
-        (p.name, a, b, f"{100.0 * (b / a - 1.0):+.2f}" if a else None, f"{s:.2g}{' decades' if p.log else ''}",
+        (p.name, a, digits_of(b, b * math.log(10.0) * s if p.log else s),
+         f"{100.0 * (b / a - 1.0):+.2f}" if a else None, raised(f"{s:.2g}") + (" decades" if p.log else ""),
          p.lower, p.upper)
         for p, a, b, s in zip(fit.parameters, fit.start, fit.value, fit.sigma, strict=True)
     ]  # fmt: skip
     columns = ("parameter", "start", "updated", "change [%]", "sigma", "lower bound", "upper bound")
     caption = "Parameters; sigma is one standard deviation given the measurement's uncertainty and the priors."
     return Table(caption, columns, tuple(rows))
+
+
+def digits_of(value: float, sigma: float) -> str:
+    """A value to the second digit of its standard deviation, at least two digits and at most six.
+
+    >>> digits_of(2.0798234e11, 4.4e8), digits_of(0.00302907, 2.8e-6), digits_of(0.23149, 0.024), digits_of(5e14, 3e15)
+    ('2.0798 × 10¹¹', '0.0030291', '0.231', '5 × 10¹⁴')
+    """
+    if not (abs(value) > 0.0 and sigma > 0.0 and math.isfinite(sigma)):
+        return raised(f"{value:.5g}")
+    digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(sigma)) + 2
+    return raised(f"{value:.{min(max(digits, 2), 6)}g}")
 
 
 def pairs_table(fit: UpdateResult) -> Table:

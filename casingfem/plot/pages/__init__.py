@@ -1,0 +1,1 @@
+"""Pages, one module for each kind: a study, an update, an identification, a scene, a sweep, cycles."""

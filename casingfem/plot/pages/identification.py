@@ -1,0 +1,82 @@
+"""The page on an identification: modes with what is doubtful about them, and how they fit what was measured."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.identify.identified import Identified
+from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
+from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page
+
+SYNTHETIC = "SYNTHETIC: the responses were made by a program; nobody measured them."
+
+
+def identification_page(
+    name: str, found: Identified, source: Mapping[str, Any], coherence: FrfSet | None = None
+) -> str:
+    """HTML of the page on modes found in the responses of a file of this name."""
+    pictures = (
+        Picture.of(
+            figure_fit(found, coherence),
+            "All lines: the mode indicator with sure (solid) and doubtful (dashed) modes, and the rms over the "
+            "channels of what was measured, fitted and left over"
+            + (", and the coherence." if coherence is not None else "."),
+            kind="png",
+        ),
+        Picture.of(figure_responses(found), "The channel with the largest response, measured and fitted.", kind="png"),
+        Picture.of(
+            figure_stabilisation(found),
+            "Poles over model order, stable ones green; the grey curve behind is the mode indicator, lines are the "
+            "modes chosen, numbers above them their nodal diameters.",
+            kind="png",
+        ),
+    )
+    doubts = tuple(f"{words[0].upper()}{words[1:]}." for words in found.doubtful())
+    notes = tuple(f"{note[:1].upper()}{note[1:]}." for note in found.notes)
+    sections = [
+        Section("Modes", doubts + notes, tables=(modes_table(found),)),
+        Section("How they fit", figures=pictures),
+        Section("Source", preformatted="\n".join(found.card)),
+    ]
+    synthetic = bool(found.card) and found.card[0].startswith("SYNTHETIC")
+    return render_page(
+        f"Modes in {name}", sections, verdict=identification_verdict(found), source=origin(source),
+        notice=SYNTHETIC if synthetic else "",
+    )  # fmt: skip
+
+
+def identification_verdict(found: Identified) -> Verdict:
+    """How many modes, how good the fit, what to do about the rest."""
+    doubtful = int(np.sum(~found.sure))
+    first = f"{len(found)} modes from {found.freq[0]:.2f} to {found.freq[-1]:.2f} Hz" if len(found) else "No mode"
+    pairs = f", {len(found.doublets)} of them pairs" if found.doublets else ""
+    sure = f"{len(found) - doubtful} are sure, {doubtful} doubtful. "
+    if np.isfinite(found.deviation):
+        sure += f"The fit leaves {100.0 * found.deviation:.2g} % of what was measured (rms)."
+    if found.unresolved:
+        further = "Excite from another place, or with finer lines: some pairs could not be told apart."
+    elif doubtful:
+        further = "Look at the doubtful ones in the pictures below; --pick takes the poles that you choose."
+    else:
+        further = "Fit a model to them: identified.csv is a table for [update] of a study."
+    return Verdict(found=f"{first}{pairs}.", sure=sure, further=further)
+
+
+def modes_table(found: Identified) -> Table:
+    """Every mode with its uncertainties."""
+    rows: list[tuple[Cell, ...]] = [
+        (
+            row["mode"], f"{row['freq_hz']:.4f}", f"{row['sigma_hz']:.1g}", f"{100.0 * row['zeta']:.3f}",
+            f"{100.0 * row['sigma_zeta']:.1g}", row["n"],
+            f"{row['angle_deg']:.1f}" if np.isfinite(row["angle_deg"]) else None, row["doublet"],
+            f"{100.0 * row['collinearity']:.1f}", row["verdict"],
+        )
+        for row in found.records()
+    ]  # fmt: skip
+    columns = (
+        "mode", "frequency [Hz]", "sigma [Hz]", "damping [%]", "sigma [%]", "n", "antinode [deg]", "pair",
+        "in phase [%]", "verdict",
+    )  # fmt: skip
+    return Table("Modes found, with one standard uncertainty.", columns, tuple(rows))

@@ -1,0 +1,129 @@
+"""The page on one study: inputs, modes, update and reduction of a chart shell or of an imported part."""
+
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+from casingfem.modal.mode_set import ModeSet
+from casingfem.modal.modes import modes
+from casingfem.plot.page import Section, Verdict, origin, render_page
+from casingfem.plot.pages.fit import update_section, update_verdict
+from casingfem.plot.pages.fit_shapes import shapes_section
+from casingfem.plot.pages.sections import inputs_section, modes_section, provenance_section, reduction_section
+from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.imported.assembly import MeshStructure
+from casingfem.structure.shell.shell import Shell
+from casingfem.study import MeshStudy, Study, perfect
+from casingfem.study.tasks import run_reduce, run_update
+from casingfem.updating.result import UpdateResult
+from casingfem.updating.shape_fit import shape_fit
+
+SYNTHETIC = "SYNTHETIC: the frequency table was made by a program; nobody measured it."
+
+
+def study_report(study: Study | MeshStudy, say: Callable[[str], None] = lambda words: None) -> str:
+    """HTML of the page on a study; `say` is told what is being computed.
+
+    Raises
+    ------
+    StudyError, NumericsError
+        As the update, reduction and modes themselves do.
+    """
+    clock = Clock(say)
+    found = clock("modes", lambda: modes(study.structure, **study.file.modes.wanted))
+    ideal = imperfect(study.structure)
+    reference = None
+    if ideal is not None:
+        reference = clock("modes of the perfect shell", lambda: modes(ideal, **study.file.modes.wanted))
+    sections = [inputs_section(study), modes_section(found, reference)]
+    structure: Shell | MeshStructure = study.structure
+    fit: UpdateResult | None = None
+    if study.table is not None:
+        found_fit = clock("update", lambda: run_update(study, lambda k, rms: say(f"evaluation {k}: rms {rms:.3g}")))
+        fit, structure = found_fit, found_fit.structure
+        sections += clock("update's comparison", lambda: fit_sections(found_fit))
+    if study.file.reduce is not None:
+        basis = clock("reduction", lambda: run_reduce(study, structure))
+        sections.append(reduction_section(basis, updated=study.table is not None))
+    say("drawing")
+    sections.append(provenance_section(study, clock.seconds))
+    return render_page(
+        f"Study {study.path.stem}", sections, verdict=study_verdict(study, found, fit), source=origin(study.source),
+        notice=SYNTHETIC if study.table is not None and study.table.synthetic else "",
+    )  # fmt: skip
+
+
+def update_page(study: Study | MeshStudy, fit: UpdateResult) -> str:
+    """HTML of the page on an update that was run."""
+    sections = [inputs_section(study), *fit_sections(fit), provenance_section(study, fit.seconds)]
+    return render_page(
+        f"Update of {study.path.stem}", sections, verdict=update_verdict(fit), source=origin(study.source),
+        notice=SYNTHETIC if fit.table.synthetic else "",
+    )  # fmt: skip
+
+
+def fit_sections(fit: UpdateResult) -> list[Section]:
+    """What an update found, and its mode shapes where they were measured."""
+    ideal = imperfect(fit.before.structure)
+    compared = shape_fit(fit)
+    sections = [update_section(fit, None if ideal is None else modes(ideal, len(fit.before)))]
+    return sections + ([] if compared is None else [shapes_section(compared)])
+
+
+T = TypeVar("T")
+
+
+class Clock:
+    """Runs parts by name and keeps their times."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self.say = say
+        self.seconds: dict[str, float] = {}
+
+    def __call__(self, name: str, part: Callable[[], T]) -> T:
+        """Run one part."""
+        self.say(name)
+        started = time.perf_counter()
+        result = part()
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - started
+        return result
+
+
+def imperfect(structure: object) -> Shell | None:
+    """The perfect shell beside one that anything sets apart from it, else None."""
+    if not isinstance(structure, Shell):
+        return None
+    around = any(isinstance(s, ElasticEdge) and s.patterns for s in structure.supports.values())
+    return perfect(structure) if around or structure.defects else None
+
+
+def study_verdict(study: Study | MeshStudy, found: ModeSet, fit: UpdateResult | None) -> Verdict:
+    """What the page says first: of an update where there is one, else of the modes."""
+    if fit is not None:
+        judged = update_verdict(fit)
+        return Verdict(found=f"{lead(found)} {judged.found}", sure=judged.sure, further=judged.further)
+    counted = (
+        "The modes could not be counted by inertia: whether one is missing is not known."
+        if found.sturm_count is None
+        else f"No mode is missing: the count by inertia gives {found.sturm_count}."
+        if found.sturm_count == len(found)
+        else f"The count by inertia gives {found.sturm_count}: the last one is a member of a pair that was cut."
+    )
+    name = study.path.name
+    further = (
+        "Rub it: casingfem rub with the basis of casingfem reduce."
+        if study.file.reduce is not None
+        else f"Measure it and fit the model: a table [update] in {name}; or reduce it for contact: a table [reduce]."
+    )
+    return Verdict(found=lead(found), sure=f"{counted} They are those of this model, not of a test.", further=further)
+
+
+def lead(found: ModeSet) -> str:
+    """How many modes, and the first elastic one."""
+    elastic = found.rigid
+    if elastic >= len(found):
+        return f"{len(found)} rigid motions; ask for more modes to see elastic ones."
+    n = int(found.nodal_diameters[elastic])
+    first = f"{found.freq[elastic]:.2f} Hz" + (f" with {n} nodal diameters" if n >= 0 else "")
+    rigid = f" {elastic} rigid motions come first." if elastic else ""
+    return f"{len(found)} modes up to {found.freq[-1]:.1f} Hz; the lowest elastic one at {first}.{rigid}"
