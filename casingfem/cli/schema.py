@@ -45,7 +45,7 @@ def roots() -> dict[str, list["Model"]]:
     from contact.scene.schema import scene_models
     from contact.sweep.tables import SweepTable
 
-    models = {"study": StudyFile, **scene_models(), "sweep": SweepTable}
+    models: dict[str, Model] = {"study": StudyFile, **scene_models(), "sweep": SweepTable}
     return {name: [model] for name, model in models.items()}
 
 
