@@ -1,5 +1,10 @@
 from .basis import ModalBasis
 from .campbell import Campbell
+from .cyclic.mistuned import MistunedModes, mistuned_modes
+from .cyclic.modes import CyclicModes, cyclic_modes
+from .cyclic.reduction import cyclic_reduce
+from .cyclic.wheel import wheel_modes
+from .cyclic.whirl import CyclicWhirl, cyclic_whirl
 from .imported.output import NodeDisplacement, NodeStrain, NodeStress
 from .interaction import DiskFrequencies, Interactions, interactions
 from .interface import AtNodes, Rim, Tip, TipNodes
@@ -13,10 +18,13 @@ from .whirl import WhirlModes, whirl_modes
 __all__ = [
     "AtNodes",
     "Campbell",
+    "CyclicModes",
+    "CyclicWhirl",
     "DiskFrequencies",
     "Displacement",
     "Interactions",
     "MeshModes",
+    "MistunedModes",
     "Mistuning",
     "ModalBasis",
     "Modes",
@@ -29,9 +37,14 @@ __all__ = [
     "TipNodes",
     "WhirlModes",
     "basis_matrices",
+    "cyclic_modes",
+    "cyclic_reduce",
+    "cyclic_whirl",
     "interactions",
     "mistune",
+    "mistuned_modes",
     "reduce",
     "structure_matrices",
+    "wheel_modes",
     "whirl_modes",
 ]

@@ -42,6 +42,7 @@ CAMPAIGNS = (
     Campaign("modes.imported", "meshes of five formats; solids and quadrilaterals against references", STRUCTURE),
     Campaign("modes.sturm", "1,000 random structures: modes returned are modes counted", STRUCTURE),
     Campaign("modes.mistuning", "restarts from the mean casing's modes", STRUCTURE),
+    Campaign("modes.cyclic", "wheels of equal and mistuned sectors against their full models, time", STRUCTURE),
     Campaign("speed.modal", "error against time over meshes and solvers", STRUCTURE),
     Campaign("speed.solid_solvers", "large solids: memory and time of the solvers", STRUCTURE, ("--large",)),
     Campaign("robustness.broken", "broken models are refused or doubted by name", (*STRUCTURE, "casingfem/faults")),

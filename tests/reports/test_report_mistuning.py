@@ -1,10 +1,10 @@
-"""Reports on loose bolts and on restarted modes of mistuned casings run small."""
+"""Reports on loose bolts, on restarted modes of mistuned casings and on wheels of sectors run small."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from reports.modes import loose_bolts, mistuning
+from reports.modes import cyclic, loose_bolts, mistuning
 
 
 @pytest.mark.campaign
@@ -28,3 +28,16 @@ def test_mistuning_restarts_gain_digits_with_each_step(tmp_path):
     assert krylov[2] < 1e-7
     assert krylov[1] < subspace[1] / 50
     assert len(pd.read_csv(tmp_path / "mistuning.csv")) == 6
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*mesh-(kink|thin-curved)")
+def test_wheels_are_their_full_models(tmp_path):
+    rows = cyclic.main(tmp_path, quick=True)
+    wheels = [row for row in rows if "wheel" in row]
+    assert len(wheels) == 6
+    assert max(row["largest change of a frequency"] for row in wheels) < 1e-8
+    worst = [row["worst frequency"] for row in rows if "basis" in row]
+    assert worst[0] > worst[1] > worst[2] >= worst[3]
+    assert worst[4] < 2e-4
+    assert rows[-2]["static compliance"] < 5e-4

@@ -96,11 +96,11 @@ def mistuned_modes(
     ModelError
         `cyclic-mistuning` for deviations that are not one for each sector, above -1.
     """
+    values = checked_deviations(deviations, sector.sectors)
     system = assemble_cyclic(sector)
-    waves = wheel_waves(
-        system, families or richer(count), None, blade_stiffness(sector.structure, system.system, blade)
-    )
-    omega, turn = mixed(waves, deviations)
+    stiff = blade_stiffness(sector.structure, system.system, blade)
+    waves = wheel_waves(system, families or richer(count), None, stiff)
+    omega, turn = mixed(waves, values)
     kept = slice(count * sector.sectors)
     turn = turn[:, kept]
     energy = np.stack([np.einsum("dk,dk->k", turn, waves.blade_energy(j) @ turn) for j in range(sector.sectors)])
@@ -117,7 +117,7 @@ def richer(count: int) -> int:
     return 2 * count + 2
 
 
-def mixed(waves: Waves, deviations: Deviations | None) -> tuple[FloatArray, FloatArray]:
+def mixed(waves: Waves, deviations: FloatArray | None) -> tuple[FloatArray, FloatArray]:
     """Frequencies [rad/s] and modes (D, D) in the waves of a wheel whose blades deviate, ascending; tuned modes first.
 
     Raises
@@ -129,7 +129,7 @@ def mixed(waves: Waves, deviations: Deviations | None) -> tuple[FloatArray, Floa
         order = np.lexsort((waves.omega, ~waves.modes))
         return waves.omega[order], np.eye(len(order))[:, order]
     stiffness = np.diag(waves.omega**2)
-    for j, deviation in enumerate(checked_deviations(deviations, waves.sectors)):
+    for j, deviation in enumerate(deviations):
         if deviation:
             stiffness += ((1.0 + deviation) ** 2 - 1.0) * waves.blade_energy(j)
     squares, turn = eigh(0.5 * (stiffness + stiffness.T))

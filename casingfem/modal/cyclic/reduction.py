@@ -58,6 +58,8 @@ def cyclic_reduce(
         raise ModelError("reduce-damping", f"zeta must lie in [0, 1), found {zeta!r}")
     if not any(sector.structure.supports.values()):
         raise ModelError("reduce-rigid", "an unsupported structure has rigid motions")
+    values = None if deviations is None else checked_deviations(deviations, sector.sectors)
+    mistuned = values is not None and bool(values.any())
     system = assemble_cyclic(sector)
     if not 1 <= modes < system.system.size // 2:
         raise ModelError("modes-count", f"modes must lie between 1 and {system.system.size // 2 - 1}, found {modes!r}")
@@ -67,10 +69,9 @@ def cyclic_reduce(
         P, channels = cylindrical(sector, system.system, interface, P)
     if not P.any():
         raise ModelError("interface-held", "interface: it is held, nothing can be pushed there")
-    mistuned = deviations is not None and bool(np.any(checked_deviations(deviations, sector.sectors)))
     stiff = blade_stiffness(sector.structure, system.system, blade) if mistuned else None
     waves = wheel_waves(system, richer(modes) if mistuned else modes, P, stiff)
-    omega, turn = mixed(waves, deviations if mistuned else None)
+    omega, turn = mixed(waves, values if mistuned else None)
     rows, count = waves.rows() @ turn, sector.sectors * modes
     rest = rows[:, count:] / omega[count:]
     rotation = sector.structure.rotation
@@ -87,7 +88,7 @@ def cyclic_reduce(
         K_omega=0.5 * (added + added.T),
         provenance=provenance(system.system, "cyclic", modes)
         | seen.facts
-        | {"sectors": sector.sectors, "mistuning": None if deviations is None else np.asarray(deviations).tolist()},
+        | {"sectors": sector.sectors, "mistuning": None if values is None else values.tolist()},
     )
 
 

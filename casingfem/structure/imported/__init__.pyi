@@ -1,4 +1,5 @@
 from .assembly import MeshStructure, MeshSystem
+from .cyclic.sector import CyclicSector
 from .loads import FacetPressure, NodeLoad
 from .matrix.matrix_set import MatrixSet
 from .matrix.read import read_matrices
@@ -10,6 +11,7 @@ from .static import MeshDeflection
 from .support import Fixed
 
 __all__ = [
+    "CyclicSector",
     "FacetPressure",
     "Fixed",
     "Group",

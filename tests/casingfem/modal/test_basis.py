@@ -30,6 +30,7 @@ def basis(**changes):
         "output_S": rng.normal(size=(1, 2)),
         "K_omega": rng.normal(size=(3, 3)),
         "spin": 31.4,
+        "sectors": 2,
         "participation": rng.normal(size=(3, 3)),
         "provenance": {"method": "free", "versions": {"numpy": "2"}},
     }
@@ -53,7 +54,7 @@ def test_what_is_not_given_is_nothing(tmp_path):
     for made in (bare, ModalBasis.load(bare.save(tmp_path / "bare.npz"))):
         rest = {field.name: getattr(made, field.name) for field in fields(ModalBasis) if field.name not in given}
         assert {name: value for name, value in rest.items() if np.size(value)} == {
-            "n_max": 0, "radius": 0.0, "thickness": 0.0, "spin": 0.0, "provenance": {},
+            "n_max": 0, "sectors": 0, "radius": 0.0, "thickness": 0.0, "spin": 0.0, "provenance": {},
         }  # fmt: skip
 
 

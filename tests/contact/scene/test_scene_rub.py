@@ -109,6 +109,41 @@ def test_gravity_and_whirl_of_the_file_are_those_of_the_rub(write, tmp_path):
     assert ct.load_scene(write(text.replace('turning = "blades"', ""))).what.forces[1].per_rev == -1.0
 
 
+def wheel(blade, sectors):
+    """Blades on a rigid hub as one basis."""
+    eye = np.eye(sectors)
+    return ct.ModalBody(
+        omega=np.tile(blade.omega, sectors), zeta=np.tile(blade.zeta, sectors), rows=np.kron(eye, blade.rows),
+        S=np.kron(eye, blade.S), sectors=sectors,
+        channels=tuple(f"sector{j}.{name}" for j in range(sectors) for name in blade.channels),
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_wheel_of_uncoupled_blades_rubs_as_so_many_blades(write, tmp_path):
+    wheel(nodes(2), 3).save(tmp_path / "wheel.npz")
+    first, _, rest = RUB.replace("count = 2", "count = 3").partition("[[blade]]")
+    one_by_one = first + "[[blade]]" + rest.partition("[[blade]]")[0] + "[contact]" + rest.partition("[contact]")[2]
+    as_wheel = one_by_one.replace("blade.npz", "wheel.npz").replace("count = 3\n", "")
+    scenes = [ct.load_scene(write(text)) for text in (one_by_one, as_wheel)]
+    blades, disk = (scene.what for scene in scenes)
+    assert [tip.angle_deg for tip in disk.tips] == [tip.angle_deg for tip in blades.tips]
+    assert [tip.track for tip in disk.tips] == [0, 1] * 3
+    found = [ct.run(scene) for scene in scenes]
+    np.testing.assert_allclose(found[1].impulse, found[0].impulse, rtol=1e-8)
+    assert np.abs(found[0].impulse).max() > 0.0
+
+
+def test_nodes_of_a_wheel_are_those_of_one_sector(write, tmp_path):
+    wheel(nodes(2), 3).save(tmp_path / "wheel.npz")
+    rub = ct.load_scene(write(RUB.replace("blade.npz", "wheel.npz").replace("count = 2\n", ""))).what
+    named = [tip for tip in rub.tips if tip.blade == 1]
+    assert [(tip.span, tip.line, tip.track) for tip in named] == [(f"sector{j}.node1.span", 1, 0) for j in range(3)]
+    assert [tip.angle_deg for tip in named] == pytest.approx([0.5, 120.5, 240.5])
+    with pytest.raises(ct.scene.SceneError, match="found 2 of a wheel, whose basis has 3 blades"):
+        ct.load_scene(write(RUB.replace("blade.npz", "wheel.npz")))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

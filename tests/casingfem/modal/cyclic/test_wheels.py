@@ -1,0 +1,166 @@
+"""Wheels from one sector against the whole wheel: modes, waves, mistuning, the basis for rubs."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+import contact as ct
+from casingfem.errors import ModelError
+from casingfem.linalg.factor import factorise
+from casingfem.modal.cyclic.mistuned import mistuned_modes
+from casingfem.modal.cyclic.modes import cyclic_modes
+from casingfem.modal.cyclic.reduction import cyclic_reduce
+from casingfem.modal.cyclic.wheel import wheel_modes
+from casingfem.modal.cyclic.whirl import cyclic_whirl
+from casingfem.modal.interface import AtNodes, Rim, TipNodes
+from casingfem.structure.imported.cyclic.wheel import wheel_structure
+from reports.modes.cyclic import bent_plate, bladed_disk, complete, mistuned_wheel, tip_loads
+
+N, COUNT = 4, 4
+TURNING = cf.Rotation(omega=900.0)
+SMALL = (1, 1, 2, 1)
+WHEELS = {
+    "solid": lambda: bladed_disk(N, SMALL),
+    "solid turning": lambda: bladed_disk(N, SMALL, TURNING),
+    "shell turning": lambda: bent_plate(3, TURNING, (3, 1)),
+}
+DEVIATIONS = np.array([0.02, -0.01, 0.0, -0.03])
+pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-(kink|thin-curved)")
+
+
+@pytest.fixture(scope="module")
+def disk():
+    return bladed_disk(N, SMALL)
+
+
+@pytest.fixture(scope="module")
+def tuned(disk):
+    return cyclic_reduce(disk, TipNodes("tip", 2), modes=3, zeta=0.002)
+
+
+@pytest.fixture(scope="module")
+def mistuned(disk):
+    return cyclic_reduce(disk, TipNodes("tip", 2), modes=3, deviations=DEVIATIONS, blade="blade")
+
+
+@pytest.mark.parametrize("make", WHEELS.values(), ids=WHEELS)
+def test_all_modes_of_the_wheel_are_those_of_its_sector(make):
+    sector = make()
+    found = cyclic_modes(sector, COUNT)
+    whole, wheel = wheel_structure(sector), wheel_modes(found)
+    below = complete(found, [(n,) for n in found.nodal_diameters.tolist()])
+    count = int(np.count_nonzero(wheel.freq < below))
+    assert count >= 2 * sector.sectors
+    np.testing.assert_allclose(wheel.freq[:count], cf.modes(whole, count).freq, rtol=1e-9)
+    assert len(found.records()) == len(wheel)
+    system = whole.assembled()  # at its speed
+    shapes = system.restrict(wheel.fields)
+    np.testing.assert_allclose(shapes.T @ (system.M @ shapes), np.eye(len(wheel)), atol=1e-9)
+    residual = system.K @ shapes - (system.M @ shapes) * wheel.omega**2
+    assert np.linalg.norm(residual, axis=0).max() < 1e-6 * np.linalg.norm(system.K @ shapes, axis=0).min()
+
+
+@pytest.mark.parametrize("name", ["solid turning", "shell turning"])
+def test_coriolis_parts_the_pairs_as_on_the_whole_wheel(name):
+    sector = WHEELS[name]()
+    waves = cyclic_whirl(sector, 3)
+    labels = list(zip(waves.nodal_diameters.tolist(), waves.sense.tolist(), strict=True))
+    freq = np.sort(waves.freq)
+    count = int(np.count_nonzero(freq < complete(waves, labels)))
+    assert count >= sector.sectors
+    np.testing.assert_allclose(freq[:count], cf.whirl_modes(wheel_structure(sector), count).freq[:count], rtol=1e-8)
+    still = cyclic_modes(sector, 3)
+    for n in (1,):
+        forward, backward = (waves.freq[(waves.nodal_diameters == n) & (waves.sense == s)] for s in (1, -1))
+        pair = still.freq[still.nodal_diameters == n]
+        assert np.abs(forward - backward).max() > 1e-4 * pair[0]
+        np.testing.assert_allclose(np.sqrt(forward * backward), pair, rtol=2e-3)
+
+
+def test_a_wheel_that_turns_the_other_way_has_the_other_waves():
+    one, other = (cyclic_whirl(bladed_disk(N, SMALL, TURNING.at(speed)), 2, diameters=[1]) for speed in (900.0, -900.0))
+    np.testing.assert_allclose(one.freq, other.freq, rtol=1e-9)
+    assert one.sense.tolist() == other.sense.tolist() == [-1, -1, 1, 1]
+    assert one.freq_fixed[2] > one.freq[2]
+    with pytest.raises(ModelError, match="rotation-none"):
+        cyclic_whirl(bladed_disk(N, SMALL))
+
+
+def test_a_mistuned_wheel_is_its_full_model(disk, mistuned):
+    whole = mistuned_wheel(disk, DEVIATIONS)
+    exact = cf.modes(whole, 3 * N).freq
+    tuned = wheel_modes(cyclic_modes(disk, 3)).freq
+    assert np.abs(tuned / exact - 1.0).max() > 5e-3
+    found = mistuned_modes(disk, DEVIATIONS, 3, blade="blade")
+    np.testing.assert_allclose(found.freq, exact, rtol=3e-4)
+    np.testing.assert_allclose(mistuned.freq, exact, rtol=3e-4)
+    assert np.all(found.freq > exact * (1.0 - 1e-9))  # Ritz from above
+    P = tip_loads(disk, whole, TipNodes("tip", 2))
+    compliance = P.T @ factorise(whole.assembled().K).solve(P)
+    assert np.abs(mistuned.compliance - compliance).max() < 5e-4 * np.abs(compliance).max()
+    assert int(found.energy[0].argmax()) == 3  # the softest blade moves alone in the lowest mode
+    assert found.localisation[0] > 2.0
+    np.testing.assert_allclose(found.content.sum(axis=1), 1.0, rtol=1e-9)
+
+
+def test_all_blades_alike_scale_nothing_but_the_stiffness_of_a_whole_sector(disk):
+    tuned = wheel_modes(cyclic_modes(disk, 3)).freq
+    np.testing.assert_allclose(mistuned_modes(disk, [0.05] * N, 3).freq, 1.05 * tuned, rtol=1e-9)
+
+
+@pytest.mark.parametrize("at", [TipNodes("tip", 2), None], ids=["pieces", "nodes"])
+def test_the_basis_of_a_wheel_answers_static_pushes_at_every_tip(disk, tuned, at):
+    whole = wheel_structure(disk)
+    if at is None:  # span is radial, flap along theta, chord along the axis
+        mesh = disk.structure.mesh
+        node = int(mesh.groups["tip"].nodes[0])
+        basis = cyclic_reduce(disk, AtNodes((int(mesh.node_numbers[node]),)), modes=2)
+        x, y, _ = mesh.points[node]
+        r = np.hypot(x, y)
+        pushed = cf.solve_static(
+            whole, [cf.imported.NodeLoad(node=node_number(whole, mesh.points[node]), force=(-y / r, x / r, 0.0))]
+        )
+        answer = pushed.at(node_number(whole, mesh.points[node]))
+        assert basis.channels[1] == f"sector0.{mesh.node_numbers[node]}.flap"
+        np.testing.assert_allclose(basis.compliance[1, 1], answer @ [-y / r, x / r, 0.0], rtol=1e-8)
+        return
+    P = tip_loads(disk, whole, at)
+    compliance = P.T @ factorise(whole.assembled().K).solve(P)
+    np.testing.assert_allclose(tuned.compliance, compliance, atol=1e-8 * np.abs(compliance).max())
+
+
+def node_number(structure, place):
+    mesh = structure.mesh
+    return int(mesh.node_numbers[np.linalg.norm(mesh.points - place, axis=1).argmin()])
+
+
+def test_the_basis_knows_how_the_stiffness_grows_with_speed():
+    at, higher = (
+        cyclic_reduce(bladed_disk(N, SMALL, TURNING.at(w)), TipNodes("tip", 1), modes=6) for w in (900.0, 910.0)
+    )
+    grown = np.diag(at.omega**2) + (910.0**2 - 900.0**2) * at.K_omega
+    np.testing.assert_allclose(np.sqrt(np.linalg.eigvalsh(grown))[:N], np.sort(higher.omega)[:N], rtol=1e-6)
+    assert np.abs(np.sort(higher.omega)[:N] / np.sort(at.omega)[:N] - 1.0).max() > 1e-5
+
+
+def test_the_basis_is_a_body_whose_tips_stand_around(tuned, tmp_path):
+    body = ct.ModalBody.load(tuned.save(tmp_path / "wheel.npz"))
+    assert (body.sectors, len(body.channels), len(body.omega)) == (N, 6 * N, 3 * N)
+    assert cf.ModalBasis.load(tmp_path / "wheel.npz").sectors == N
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda disk: cyclic_modes(disk, 1, diameters=[3]), r"found \[3\], expected some of 0 to 2.*cyclic-diameters"),
+        (lambda disk: mistuned_modes(disk, [0.1] * 3), "found 3 values, expected 4.*cyclic-mistuning"),
+        (lambda disk: mistuned_modes(disk, [0.1, 0.0, 0.0, -1.0]), "found -1, expected 4.*cyclic-mistuning"),
+        (lambda disk: mistuned_modes(disk, DEVIATIONS, blade="vane"), "mesh-no-group"),
+        (lambda disk: cyclic_reduce(disk, Rim("tip", 2)), "interface-edge"),
+        (lambda disk: cyclic_reduce(disk, TipNodes("tip", 2), zeta=1.0), "reduce-damping"),
+        (lambda disk: cyclic_reduce(disk, TipNodes("hub", 1)), "interface-held"),
+    ],
+)
+def test_what_a_wheel_cannot_be_asked_is_refused(disk, call, words):
+    with pytest.raises(ModelError, match=words):
+        call(disk)

@@ -1,0 +1,125 @@
+"""Sectors of wheels: which nodes pair, what is refused; nodes on the axis."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.errors import ModelError
+from casingfem.modal.cyclic.modes import cyclic_modes
+from casingfem.modal.cyclic.wheel import wheel_modes
+from casingfem.structure.imported.cyclic.sector import CyclicSector
+from casingfem.structure.imported.cyclic.wheel import wheel_mesh, wheel_structure
+from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.support import Fixed
+
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+ENDS = {"low": (1, 0.0), "high": (1, 1.0), "base": (2, 0.0), "rim": (0, 1.0)}
+WALL = revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+
+
+def part(place=lambda u: u, **given):
+    """An eighth of a frustum's wall."""
+    mesh = grid_mesh("hexahedron20", (1, 2, 2), lambda u: WALL(place(u * [1.0, 0.125, 1.0])), groups=ENDS)
+    return cf.Solid(mesh=mesh, material=STEEL, **{"supports": {"base": cf.Clamped()}, **given})
+
+
+def wedge(layers, sectors, prism=((0, 1, 2, 3), (1, 2, 3, 4), (2, 3, 4, 5))):
+    """A sector of a full shaft, of linear tetrahedra with nodes on the axis; `prism` cuts each layer."""
+    angle = 2.0 * np.pi / sectors
+    ring = np.array([[0.0, 0.0], [0.1, 0.0], [0.1 * np.cos(angle), 0.1 * np.sin(angle)]])
+    points = np.array([[*xy, 0.05 * k] for k in range(layers + 1) for xy in ring])
+    cells = np.concatenate([3 * k + np.array(prism) for k in range(layers)])
+    edges = np.diff(points[cells], axis=1, prepend=points[cells][:, :1])[:, 1:]
+    flipped = np.linalg.det(edges) < 0
+    cells[flipped] = cells[flipped][:, [0, 2, 1, 3]]
+    return MeshData(kind="tetra", points=points, cells=cells, groups={"foot": Group(nodes=np.arange(3))})
+
+
+def test_faces_are_found_named_or_swapped_alike():
+    found = CyclicSector(structure=part(), sectors=8).pairs
+    for names in (("low", "high"), ("high", "low")):
+        pairs = CyclicSector(structure=part(), sectors=8, faces=names).pairs
+        assert set(zip(*pairs, strict=True)) == set(zip(*found, strict=True))
+    assert len(found.low) == 13
+
+
+def test_the_wheel_is_the_mesh_of_all_sectors():
+    sector = CyclicSector(structure=part(), sectors=8)
+    whole, direct = (
+        wheel_mesh(sector),
+        grid_mesh("hexahedron20", (1, 16, 2), WALL, groups={"base": (2, 0.0), "rim": (0, 1.0)}, wrap=1),
+    )
+    assert len(whole.points) == len(direct.points)
+    key = lambda x: np.sort(np.round(x, 9).view([("", float)] * 3).ravel())  # noqa: E731
+    assert np.array_equal(key(whole.points + 0.0), key(direct.points + 0.0))
+    assert len(whole.group_facets("base")) == len(direct.group_facets("base"))
+    assert len(wheel_structure(sector).mesh.boundary) == len(direct.boundary)  # no seam is left open
+
+
+@pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
+@pytest.mark.parametrize("sectors", [4, 5])
+def test_nodes_on_the_axis_move_as_each_diameter_lets_them(sectors):
+    solid = cf.Solid(mesh=wedge(4, sectors), material=STEEL, supports={"foot": cf.Clamped()})
+    found = cyclic_modes(CyclicSector(structure=solid, sectors=sectors), 4)
+    whole = cf.modes(wheel_structure(found.sector), 10)
+    np.testing.assert_allclose(wheel_modes(found).freq[:10], whole.freq, rtol=1e-9)
+
+
+def moved(mesh, node, shift):
+    points = mesh.points.copy()
+    points[node] += shift
+    return replace(mesh, points=points)
+
+
+def bent(radius):
+    """A node of the high face moved along the axis."""
+    solid = part()
+    node = solid.mesh.groups["high"].nodes[-1]
+    return replace(solid, mesh=moved(solid.mesh, node, [0.0, 0.0, radius]))
+
+
+@pytest.mark.parametrize("faces", [None, ("low", "high")])
+def test_a_node_that_misses_its_partner_is_named_with_the_distance(faces):
+    solid = bent(1e-3)
+    number = solid.mesh.labels[solid.mesh.groups["high"].nodes[-1]]
+    with pytest.raises(ModelError, match=r"turned by 45 degrees.*0\.001 m.*cyclic-faces") as caught:
+        CyclicSector(structure=solid, sectors=8, faces=faces)
+    assert str(number) in str(caught.value)
+    CyclicSector(structure=solid, sectors=8, faces=faces, tolerance=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "given", "words"),
+    [
+        (part, {"sectors": 9, "faces": ("low", "high")}, "faces 45 degrees apart, as 8 sectors.*cyclic-sectors"),
+        (part, {"sectors": 9}, "turned by 40 degrees.*cyclic-faces"),
+        (part, {"sectors": 16}, "repeats itself within.*cyclic-sectors"),
+        (part, {"sectors": 1}, "found 1.*cyclic-sectors"),
+        (part, {"sectors": 8, "faces": ("low", "rim")}, "nodes in 'low'.*cyclic-faces"),
+        (part, {"sectors": 8, "faces": ("low", "hgh")}, "did you mean 'high'.*mesh-no-group"),
+        (lambda: part(rotation=cf.Rotation(omega=9.0, axis=(1.0, 0.0, 0.0))), {"sectors": 8}, "cyclic-axis"),
+        (lambda: part(rotation=cf.Rotation(omega=9.0, centre=(0.1, 0.0, 0.0))), {"sectors": 8}, "cyclic-axis"),
+        (lambda: part(supports={"base": Fixed(directions=("x",))}), {"sectors": 8}, "holds x.*cyclic-support"),
+    ],
+)  # fmt: skip
+def test_what_is_no_sector_is_refused(make, given, words):
+    with pytest.raises(ModelError, match=words):
+        CyclicSector(structure=make(), **given)
+
+
+@pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
+def test_other_diagonals_on_the_faces_are_refused():
+    other = wedge(2, 4, prism=[[0, 1, 2, 5], [0, 1, 5, 3], [1, 3, 5, 4]])
+    with pytest.raises(ModelError, match=r"comes to lie on nodes .*, which are no facet.*cyclic-faces"):
+        CyclicSector(structure=cf.Solid(mesh=other, material=STEEL), sectors=4)
+
+
+def test_supports_must_hold_both_faces_alike():
+    solid = part()
+    groups = dict(solid.mesh.groups) | {"pin": Group(nodes=solid.mesh.groups["low"].nodes[:1])}
+    pinned = cf.Solid(mesh=replace(solid.mesh, groups=groups), material=STEEL, supports={"pin": cf.Clamped()})
+    with pytest.raises(ModelError, match=r"not held alike.*cyclic-support"):
+        cyclic_modes(CyclicSector(structure=pinned, sectors=8), 1)

@@ -1,0 +1,130 @@
+"""[cyclic] of a study: from the file of a sector to modes by nodal diameter and a basis; what it cannot mean."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import contact as ct
+from casingfem.cli import main
+from casingfem.modal.cyclic.mistuned import mistuned_modes
+from casingfem.modal.cyclic.modes import cyclic_modes
+from casingfem.study import StudyError, load_any
+from reports.modes.cyclic import bladed_disk
+from reports.modes.mesh_files import write_inp
+from tests.casingfem.study.study_texts import STEEL
+
+SMALL = (1, 1, 2, 1)
+WHEEL = f"""{STEEL}[solid]
+mesh = "disk.inp"
+[support.hub]
+kind = "clamped"
+[cyclic]
+sectors = 6
+mistuning = "blades.csv"
+blade = "vane"
+[modes]
+count = 2
+[reduce]
+interface = "tip"
+nodes = 2
+modes = 2
+out = "wheel.npz"
+"""
+TABLE = "# SYNTHETIC\nblade,deviation\n" + "".join(f"{7 - k},{0.01 * k}\n" for k in range(1, 7))
+DEVIATIONS = 0.01 * np.arange(6, 0, -1)
+
+
+@pytest.fixture(scope="module")
+def disk():
+    return bladed_disk(6, SMALL)
+
+
+@pytest.fixture
+def write(tmp_path, disk):
+    mesh = disk.structure.mesh
+    write_inp(mesh, tmp_path / "disk.inp")
+    cells = "\n".join(str(cell + 1) for cell in mesh.groups["blade"].cells)
+    with (tmp_path / "disk.inp").open("a") as file:
+        file.write(f"*ELSET, ELSET=vane\n{cells}\n")
+
+    def written(old="", new="", table=TABLE):
+        assert old in WHEEL
+        (tmp_path / "blades.csv").write_text(table)
+        (tmp_path / "wheel.toml").write_text(WHEEL.replace(old, new, 1))
+        return tmp_path / "wheel.toml"
+
+    return written
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, list(map(str, arguments)))
+
+
+def test_modes_and_basis_of_a_file_are_those_of_python(write, disk, tmp_path):
+    answer = run("modes", write(), "--json", "--out", tmp_path / "out", "--vtu", "--modes", "1")
+    assert answer.exit_code == 0, answer.output
+    document = json.loads(answer.stdout)
+    exact = cyclic_modes(disk, 2)
+    assert [(row["n"], row["doublet"] is None) for row in document["modes"][:4]] == [(0, True)] * 2 + [(1, False)] * 2
+    np.testing.assert_allclose(sorted({row["freq_hz"] for row in document["modes"]}), np.sort(exact.freq), rtol=1e-9)
+    mistuned = mistuned_modes(disk, DEVIATIONS, 2, blade="blade")
+    np.testing.assert_allclose([row["freq_hz"] for row in document["mistuned"]], mistuned.freq, rtol=1e-9)
+    assert (tmp_path / "out" / "vtu" / "mode_001.vtu").is_file()
+    assert (tmp_path / "out" / "modes.csv").read_text().count("False") == 12
+    assert run("reduce", tmp_path / "wheel.toml").exit_code == 0
+    body = ct.ModalBody.load(tmp_path / "wheel.npz")
+    assert (body.sectors, len(body.omega), body.channels[-1]) == (6, 12, "sector5.node1.chord")
+    np.testing.assert_allclose(body.omega, 2.0 * np.pi * mistuned.freq, rtol=2e-4)
+
+
+def test_waves_are_printed_where_they_are_asked_for(write):
+    turning = '[rotation]\nspeed_hz = 100.0\naxis = "z"\n[cyclic]\ncoriolis = true\nnodal_diameters = [1]\n'
+    said = run("modes", write("[cyclic]\n", turning)).stdout
+    assert said.count("forward") == said.count("backward") == 2
+    assert "localisation" in said
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("sectors = 6", "sectors = 1", "cyclic.sectors: found 1"),
+        ("sectors = 6", "sectors = 6\nsector = 3", "cyclic.sector: found an unknown key"),
+        ("sectors = 6", "sectors = 5", "cyclic: disk.inp: turned by 72 degrees"),
+        ("sectors = 6", "sectors = 6\ncoriolis = true", "cyclic.coriolis: found true at rest"),
+        ("sectors = 6", "sectors = 6\nnodal_diameters = [4]", r"nodal_diameters: found [4], expected some of 0 to 3"),
+        ("sectors = 6", 'sectors = 6\nfaces = ["low"]', "cyclic.faces: found ['low']"),
+        ("sectors = 6", 'sectors = 6\nfaces = ["low", "tip"]', "faces 30 degrees apart"),
+        ('mistuning = "blades.csv"', "mistuning = [0.1]", "cyclic.mistuning: found 1 values, expected 6"),
+        ('mistuning = "blades.csv"', 'mistuning = "none.csv"', "none.csv"),
+        ('mistuning = "blades.csv"\n', "", "found blade without mistuning"),
+        ('blade = "vane"', 'blade = "van"', "did you mean 'vane'"),
+    ],
+)
+def test_bad_wheels_are_named_by_key(write, old, new, words):
+    with pytest.raises(StudyError) as caught:
+        load_any(write(old, new), wheel=True)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("blade,freq\n1,0.1\n", "line 1: found blade,freq; expected blade,deviation"),
+        (TABLE.replace("5,0.02", "4,0.02"), "expected each of 1 to 6 once"),
+        (TABLE.replace("0.02", "two"), "line 4, column 'deviation': found 'two'"),
+    ],
+)
+def test_bad_tables_of_blades_are_named_by_line(write, table, words):
+    with pytest.raises(StudyError) as caught:
+        load_any(write(table=table), wheel=True)
+    assert words in str(caught.value)
+
+
+def test_commands_for_a_part_alone_refuse_a_wheel(write):
+    answer = run("export", write())
+    assert answer.exit_code == 2
+    assert "cyclic: found a wheel" in answer.stderr
+    answer = run("reduce", write("modes = 2\nout", 'modes = 2\nmethod = "free"\nout'))
+    assert (answer.exit_code, "reduce.method" in answer.stderr) == (2, True)
