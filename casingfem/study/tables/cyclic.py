@@ -24,7 +24,7 @@ class CyclicTable(Table):
     )
     coriolis: bool = Field(default=False, description="casingfem modes gives the waves with Coriolis forces too")
     mistuning: str | list[float] | None = Field(
-        default=None, description="relative deviation of each blade's frequency: a list, or a CSV file blade,deviation"
+        default=None, description="relative deviation [-] of each blade's frequency: a list, or a CSV blade,deviation"
     )
     blade: Edge | None = Field(default=None, description="group of the cells that deviate; the sector if left out")
 

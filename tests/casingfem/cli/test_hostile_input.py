@@ -137,7 +137,7 @@ def test_numbers_of_bolts_and_waves_are_whole_and_modest():
     ],
 )
 def test_ctrl_c_says_what_is_safe(tmp_path, monkeypatch, command, out, words):
-    def pressed(*_):
+    def pressed(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("casingfem.study.load_any", pressed)
