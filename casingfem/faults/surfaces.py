@@ -137,7 +137,11 @@ SURFACES = {
     ),
     "shear-correction": Fault(
         "the shear correction is none of 5/6, about 1, or the thin-shell limit",
-        "leave it at 5/6; give 1e6 for a wall without shear",
+        "leave it out; give 1e6 for a wall without shear",
+    ),
+    "shell-wall": Fault(
+        "no such theory of the wall",
+        "give curved (the metric through the wall), or linear (published shell theory)",
     ),
     "shell-free": Fault(
         "nothing holds the structure: its first modes are rigid motions",

@@ -157,7 +157,7 @@ def harmonic_floor(shell: Shell, n: int) -> float:
     at = sampled_geometry(shell, 1)
     radius = float(np.linalg.norm(at.surface.x[:2], axis=0).max())
     bending = at.E * at.thickness**2 / (12.0 * at.rho * radius**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1)
-    shear = shell.shear_correction * at.E / (2.0 * (1.0 + at.nu)) * n**2 / (at.rho * radius**2)
+    shear = shell.shear_factor(at.nu) * at.E / (2.0 * (1.0 + at.nu)) * n**2 / (at.rho * radius**2)
     lowest = float(np.min(0.7 * bending * shear / (bending + shear)))
     rings = [(name, support) for name, support in shell.supports.items() if isinstance(support, Ring)]
     return min([lowest, *(ring_floor(shell, name, ring, n) for name, ring in rings)])

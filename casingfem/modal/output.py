@@ -15,6 +15,7 @@ from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.mesh.kinematics import DOFS, frame, strain_slots
 from casingfem.structure.mesh.place import place_jets
 from casingfem.structure.shell.system import System
+from casingfem.structure.shell.wall import curvature, strain_rows
 
 DIRECTIONS = ("x", "y", "z", "normal", "radial", "tangential")
 STRAINS = {"11": 0, "22": 1, "12": 2}
@@ -55,9 +56,10 @@ class Displacement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Strain:
-    """Strain [-] at parameters `at`: eps_ij + side t/2 chi_ij, component "11" (along the span), "22", "12" (2 eps_12).
+    """Strain [-] at parameters `at` and z = side t/2: component "11" (along the span), "22", "12" (2 eps_12).
 
-    `side` +1 on the face the normal points to, -1 on the other, 0 at mid-surface.
+    eps + z chi, on a curved wall with the metric there (`structure.shell.wall.strain_rows`). `side` +1 on the face the
+    normal points to, -1 on the other, 0 at mid-surface.
 
     >>> Strain(name="root", at=(0.0, 0.0)).component
     '11'
@@ -75,9 +77,10 @@ class Strain:
             raise ModelError("output-direction", f"output {self.name!r}: found {found}")
         nodes, jets = jets_at(system, self.name, self.at)
         geometry = system.shell.geometry(*(np.array([v]) for v in self.at))
-        L, _ = strain_slots(geometry.surface)
-        i, thickness = STRAINS[self.component], float(np.ravel(geometry.thickness)[0])
-        slots = L[:, i, :, 0] + 0.5 * thickness * self.side * L[:, i + 3, :, 0]
+        L, rates = strain_slots(geometry.surface)
+        b = curvature(rates) if system.shell.wall == "curved" else np.zeros((3, 1))
+        rows = strain_rows(b, 0.5 * self.side * geometry.thickness)[0, STRAINS[self.component]]
+        slots = np.einsum("r,krc->kc", rows, L[:, :6, :, 0])
         row = np.zeros((system.grid.nodes.shape[1], DOFS))
         row[nodes] = jets.T @ slots
         return row

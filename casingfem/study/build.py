@@ -78,6 +78,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
             chart=chart,
             thickness=thickness,
             material=material,
+            wall=tables.shell.wall,
             supports=supports,
             strips=strips,
             taper=taper,

@@ -2,9 +2,9 @@
 
 `python -m reports.verification.cone [--quick] [--out DIR]` prints one row for each half angle and pair of ends, and
 writes cone_summary.csv and cone.csv (every row). Reference: data/reference/cone_love_ritz_irie_set.csv; R2 = 1, E = 1,
-rho such that omega is the table's frequency factor. Beside this project's shell stands its limit of thin shells, in
-which transverse shear is stiff and the rotations have no inertia: what it meets and the shell does not is Love's own
-gap. --quick takes every fifth n.
+rho such that omega is the table's frequency factor. Beside this project's shell stands its limit of thin shells, whose
+wall is linear, in which transverse shear is stiff and the rotations have no inertia: what it meets and the shell does
+not is Love's own gap. --quick takes every fifth n.
 """
 
 from dataclasses import replace
@@ -52,8 +52,8 @@ def cone(alpha_deg: float, l_sin_alpha: float, small: str, large: str, mesh: She
 
 
 def thin_limit(shell: Shell, n: int) -> Meridian:
-    """Matrices of one harmonic without transverse shear and rotary inertia: Love's theory."""
-    meridian = harmonic_matrices(replace(shell, shear_correction=STIFF), n)
+    """Matrices of one harmonic, linear wall without transverse shear and rotary inertia: Love's theory."""
+    meridian = harmonic_matrices(replace(shell, shear_correction=STIFF, wall="linear"), n)
     rotations = meridian.free % DOFS > 2
     return replace(meridian, mass=np.where(rotations, LIGHT, 1.0) * meridian.mass)
 

@@ -2,8 +2,8 @@
 
 `python -m reports.verification.cylinder [--quick] [--out DIR]` prints the summary and writes cylinder.csv (every row)
 and cylinder_summary.csv. Reference: data/reference/cyl_shear_diaphragm_exact.csv; R = 1, E = 1, rho such that
-omega is the table's frequency factor. Beside this project's shell stand the gaps of Fluegge's and Donnell's
-thin-shell theories, from the same table. --quick takes every fourth n.
+omega is the table's frequency factor. Beside this project's shell stand its linear wall (`Shell.wall`) and the gaps of
+Fluegge's and Donnell's thin-shell theories, from the same table. --quick takes every fourth n.
 """
 
 from pathlib import Path
@@ -28,7 +28,7 @@ WITHIN = 1e-3
 CANDIDATES = 12  # lowest modes of one n among which the row's own is found: with short ends, torsion comes first
 
 
-def cylinder(h_over_r: float, l_over_r: float, mesh: ShellMesh = FIXED) -> Shell:
+def cylinder(h_over_r: float, l_over_r: float, mesh: ShellMesh = FIXED, wall: str = "curved") -> Shell:
     """The table's cylinder, R = 1."""
     ends = {"base": ShearDiaphragm(), "top": ShearDiaphragm()}
     return Shell(
@@ -36,11 +36,12 @@ def cylinder(h_over_r: float, l_over_r: float, mesh: ShellMesh = FIXED) -> Shell
         thickness=h_over_r,
         material=MATERIAL,
         supports=ends,
+        wall=wall,
         mesh=mesh,
     )
 
 
-def errors(table: pd.DataFrame, mesh: ShellMesh = FIXED) -> pd.DataFrame:
+def errors(table: pd.DataFrame, mesh: ShellMesh = FIXED, wall: str = "curved") -> pd.DataFrame:
     """Rows of the table with the relative errors of this shell, Fluegge and Donnell against 3-D.
 
     The table has the lowest root of each (n, m). A row's own mode is the computed one nearest to the exact solution of
@@ -48,10 +49,10 @@ def errors(table: pd.DataFrame, mesh: ShellMesh = FIXED) -> pd.DataFrame:
     """
     parts = []
     for (h, length, n), rows in table.groupby(["h_over_R", "L_over_R", "n"]):
-        values, _ = lowest(harmonic_matrices(cylinder(h, length, mesh), n), CANDIDATES, 1e-6)
+        values, _ = lowest(harmonic_matrices(cylinder(h, length, mesh, wall), n), CANDIDATES, 1e-6)
         found = np.sqrt(np.maximum(values, 0.0))
         exact = rows.omega_3d.to_numpy()
-        theory = np.array([shear_shell(h, length, int(n), int(m), metric=False) for m in rows.m])
+        theory = np.array([shear_shell(h, length, int(n), int(m), wall) for m in rows.m])
         nearest = found[np.abs(found[:, None] - theory).argmin(axis=0)]
         parts.append(
             rows[["h_over_R", "L_over_R", "n", "m", "omega_3d"]].assign(
@@ -78,6 +79,8 @@ def summary(found: pd.DataFrame) -> list[Row]:
                 "at L/R": float(worst.L_over_R),
                 "n": int(worst.n),
                 "m": int(worst.m),
+                "linear worst %": 100.0 * float(part.linear.abs().max()),
+                "linear within": int(np.count_nonzero(part.linear.abs() < WITHIN)),
                 "Fluegge worst %": 100.0 * float(part.fluegge.abs().max()),
                 "Fluegge within": int(np.count_nonzero(part.fluegge.abs() < WITHIN)),
                 "Donnell worst %": 100.0 * float(part.donnell.abs().max()),
@@ -92,6 +95,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     if quick:
         table = table[table.n % 4 == 0]
     found = errors(table)
+    found["linear"] = errors(table, wall="linear").error
     rows = summary(found)
     show(f"Cylinders between shear diaphragms against 3-D, order {FIXED.order}, {FIXED.rows} rows", rows)
     thin = found[found.h_over_R <= 0.02]

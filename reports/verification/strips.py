@@ -36,13 +36,13 @@ SEGMENTS: tuple[Segment, ...] = ((0.08, 4e-3, STEEL), (0.03, 10e-3, ALUMINIUM), 
 
 
 def stepped(segments: Sequence[Segment] = SEGMENTS, **changes: object) -> Shell:
-    """The cylinder of these segments: the first is the wall, the others are strips."""
+    """The cylinder of these segments, of linear walls: the first is the wall, the others are strips."""
     ends = np.cumsum([length for length, _, _ in segments]).tolist()
     strips = tuple(
         Strip(start=start, end=end, thickness=t, material=material)
         for start, end, (_, t, material) in zip(ends, ends[1:], segments[1:], strict=False)
     )
-    parts = {"supports": {"base": Clamped()}, "strips": strips, "mesh": None} | changes
+    parts = {"supports": {"base": Clamped()}, "strips": strips, "mesh": None, "wall": "linear"} | changes
     return Shell(
         chart=Cylinder(radius=RADIUS, height=ends[-1]), thickness=segments[0][1], material=segments[0][2], **parts
     )

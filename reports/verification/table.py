@@ -53,19 +53,16 @@ LOVE = {
     60: {"C-C": 2.6, "C-F": 1.5, "F-C": 1.7, "F-F": 1.3, "S3-S3": 1.2},
 }  # per cent by half angle and ends: a fifth more than is seen of the gap between the shell and Love's theory
 TWISTED = {
-    (1, 5, 0): 0.95,
-    (1, 5, 15): 1.3,
-    (1, 5, 30): 3.2,
-    (1, 5, 45): 5.5,
-    (1, 5, 60): 7.7,
-    (3, 5, 30): 0.8,
-    (3, 5, 45): 1.1,
-    (3, 5, 60): 1.4,
-    (1, 20, 30): 0.72,
-    (1, 20, 45): 1.05,
-    (1, 20, 60): 1.35,
+    (1, 5, 15): 0.93,
+    (1, 5, 30): 1.95,
+    (1, 5, 45): 3.2,
+    (1, 5, 60): 4.4,
+    (3, 5, 45): 0.74,
+    (3, 5, 60): 0.9,
+    (1, 20, 45): 0.76,
+    (1, 20, 60): 0.98,
 }  # per cent by a/b, b/h and twist: a fifth more than is seen
-THICK_TUBE = {"3": 0.25, "6": 0.63}  # per cent by mode of FV41: the same
+THICK_TUBE = {"3": 0.25}  # per cent by mode of FV41: the same
 EDGES = ShellMesh(order=12, rows=(0.0, 0.02, 0.5, 0.98, 1.0), around=4)
 
 
@@ -87,7 +84,9 @@ def frustum() -> list[Row]:
     for low, _ in found.doublets:
         n, m = int(found.nodal_diameters[low]), int(found.meridional[low])
         exact = float(table.loc[n, f"f{m}_3d"])
-        rows.append(check(f"A0 frustum, n = {n}, m = {m}", "3-D elasticity", exact, float(found.freq[low]), 0.018))
+        reason = "a clamp in three dimensions holds the wall's thickness too (verification.wall)"
+        case = f"A0 frustum, n = {n}, m = {m}"
+        rows.append(check(case, "3-D elasticity", exact, float(found.freq[low]), 0.018, gap=0.026, reason=reason))
     return rows
 
 
@@ -104,17 +103,16 @@ def cylinders(quick: bool) -> list[Row]:
 
 
 def beside_theory(row: pd.Series, words: str) -> Row:
-    """A cylinder's row beside the gap of the shell's own theory, solved exactly: the mesh may add 0.02 %."""
-    theory, kept = cylinder_exact.gaps(row.h_over_R, row.L_over_R, int(row.n), int(row.m))
-    cause = "the wall's metric, left out" if abs(kept) < 0.7 * abs(theory) else "first-order kinematics"
+    """A cylinder's row beside the gap of the shell's own theory, solved exactly: the mesh may add 0.002 %."""
+    linear, theory = cylinder_exact.gaps(row.h_over_R, row.L_over_R, int(row.n), int(row.m))
     return check(
         f"A1 cylinder, h/R {row.h_over_R:g}, L/R {row.L_over_R:g}, {words}: n = {row.n:.0f}, m = {row.m:.0f}",
         "3-D elasticity",
         row.omega_3d,
         row.omega,
-        0.1,
-        gap=abs(theory) + 0.02,
-        reason=f"{cause}: the theory solved exactly {theory:.3f} %, with the metric {kept:.3f} %",
+        0.05,
+        gap=abs(theory) + 0.002,
+        reason=f"first-order kinematics: the theory solved exactly {theory:.3f} %, with a linear wall {linear:.3f} %",
     )
 
 
@@ -209,7 +207,7 @@ def mindlin(m: int, n: int, shell: Shell, side: float) -> float:
     """
     h, material = shell.thickness, shell.material
     k = np.pi * np.hypot(m, n) / side
-    S = shell.shear_correction * material.shear_modulus * h
+    S = float(shell.shear_factor(np.asarray(material.nu))) * material.shear_modulus * h
     rigidity = material.E * h**3 / (12.0 * (1.0 - material.nu**2))
     mass = material.rho * np.array([h, h**3 / 12.0])
     A = np.array([[S * k**2, S * k], [S * k, rigidity * k**2 + S]]) / np.sqrt(np.outer(mass, mass))
@@ -217,7 +215,7 @@ def mindlin(m: int, n: int, shell: Shell, side: float) -> float:
 
 
 def nafems() -> list[Row]:
-    """A5: flat plates FV12, FV16, FV52 and the free thick cylinder FV41."""
+    """A5: flat plates FV12, FV16, FV52 (with Mindlin's shear factor, a linear wall's), the free thick cylinder FV41."""
     table = reference("nafems_free_vibration.csv").set_index("case")
     rows = []
     for case, supports in (("FV12", {}), ("FV16", {"root": Clamped()})):
@@ -227,7 +225,7 @@ def nafems() -> list[Row]:
             place = int(str(label).partition("-")[0]) - (4 if case == "FV12" else 1)
             rows.append(check(f"A5 {case} plate, mode {label}", "Kirchhoff, Ritz", exact, elastic[place], 0.11))
     hard = {edge: ShearDiaphragm() for edge in SQUARE.edges}
-    thick = Shell(chart=SQUARE, thickness=1.0, material=NAFEMS, supports=hard, mesh=ONE)
+    thick = Shell(chart=SQUARE, thickness=1.0, material=NAFEMS, supports=hard, wall="linear", mesh=ONE)
     found = modes(thick, 8)
     for m, n in ((1, 1), (1, 2), (2, 2)):
         exact = mindlin(m, n, thick, 10.0)
@@ -240,13 +238,9 @@ def nafems() -> list[Row]:
     size = np.abs(meridian.expand(vectors)[:, :3]).max(axis=0)
     freq = np.sqrt(np.maximum(values, 0.0))[size[1] < np.maximum(size[0], size[2])] / (2.0 * np.pi)
     for label, exact in table.loc["FV41", ["mode", "check_hz"]].itertuples(index=False):
-        reason = "R/t = 5, first-order shear: bricks of 27 nodes meet it (their rows)"
-        case = f"A5 FV41 thick cylinder, mode {label}"
-        rows.append(
-            check(
-                case, "3-D elasticity", exact, freq[int(label) - 1], 0.18, gap=THICK_TUBE.get(label, 0.0), reason=reason
-            )
-        )
+        reason = "R/t = 5, first-order kinematics: bricks of 27 nodes meet it (their rows)"
+        case, gap = f"A5 FV41 thick cylinder, mode {label}", THICK_TUBE.get(label, 0.0)
+        rows.append(check(case, "3-D elasticity", exact, freq[int(label) - 1], 0.18, gap=gap, reason=reason))
     return rows
 
 

@@ -16,7 +16,7 @@ def found(reference):
 
 @pytest.mark.slow
 def test_without_shear_and_rotary_inertia_all_880_rows_are_met(found):
-    """Worst .06 %: metric, curvature, ends and order of modes are right for every cone."""
+    """Love's theory, of a linear wall; worst .06 %: metric, curvature, ends, order of modes are right for all."""
     assert len(found) == 880
     assert found.thin.abs().max() < 7e-4
 

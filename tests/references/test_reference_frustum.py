@@ -1,6 +1,7 @@
 """The reference frustum against 3-D elasticity, Naghdi's and Kirchhoff and Love's theory (data/reference)."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -37,12 +38,17 @@ def forty(request, perfect_modes, fourier_modes):
 
 @pytest.mark.slow
 def test_first_40_modes_are_within_a_thousandth_of_3d_elasticity(forty, table):
-    """All at the place the table gives them: worst 1.1e-4 on the default mesh."""
+    """All at the place the table gives them: worst 2.2e-4 on the default mesh, n = 6.
+
+    That is what a three-dimensional clamp does that holds the wall's thickness too (`reports.verification.wall`).
+    """
     columns = [f"f{m}_3d" for m in BRANCHES]
     flat = np.repeat(table[columns].to_numpy(), np.where(table.index == 0, 1, 2), axis=0)
     np.testing.assert_allclose(forty.freq, np.sort(flat.ravel())[:40], rtol=1e-3)
     own = [table.loc[n, f"f{m}_3d"] for n, m in zip(forty.nodal_diameters, forty.meridional, strict=True)]
-    np.testing.assert_allclose(forty.freq, own, rtol=2e-4)
+    np.testing.assert_allclose(forty.freq, own, rtol=2.4e-4)
+    others = np.array(forty.meridional) > 1
+    np.testing.assert_allclose(forty.freq[others], np.array(own)[others], rtol=1e-4)
 
 
 @pytest.mark.slow
@@ -86,25 +92,29 @@ def test_shell_approaches_fourier_spectrally_around_the_circle(frustum):
 def test_all_rows_and_branches_by_harmonics(frustum, table):
     """63 values, n = 0 to 20.
 
-    Against 3-D the converged first-order shear shell stays within 2.8e-4 (worst: third branch, n = 4 and 20). The
-    table's own Naghdi column is met to 3.0e-4: it treats the wall's curvature in the shear layers differently.
+    Against 3-D the converged curved wall stays within 2.4e-4 (worst: lowest branch, n = 6, where the clamp is felt; the
+    others 1.0e-4), a linear one within 2.9e-4. The table's own Naghdi column, which integrates through the wall, is met
+    to 1.6e-4 and 3.0e-4.
     """
     shell = frustum(mesh=ShellMesh(order=8, rows=(0.0, 0.03, 0.97, 1.0), around=1))
-    for n, found in zip(table.index, three_branches(shell, range(21)), strict=True):
-        row = table.loc[n]
-        np.testing.assert_allclose(found, row[[f"f{m}_3d" for m in BRANCHES]], rtol=3.5e-4)
-        np.testing.assert_allclose(found, row[[f"f{m}_rm" for m in BRANCHES]], rtol=3.5e-4)
+    columns = {kind: table[[f"f{m}_{kind}" for m in BRANCHES]].to_numpy(float) for kind in ("3d", "rm")}
+    for wall, within in (("curved", (2.5e-4, 1.7e-4)), ("linear", (3.0e-4, 3.2e-4))):
+        found = np.array(list(three_branches(replace(shell, wall=wall), range(21))))
+        for exact, most in zip(columns.values(), within, strict=True):
+            np.testing.assert_allclose(found, exact, rtol=most)
+        if wall == "curved":
+            np.testing.assert_allclose(found[:, 1:], columns["3d"][:, 1:], rtol=1.1e-4)
 
 
 def test_kirchhoff_love_limit(frustum, table):
-    """A stiff transverse shear leaves thin-shell theory: within 2.8e-4 of the _kl column, which itself lies up to
+    """A stiff transverse shear leaves thin-shell theory: within 1.7e-4 of the _kl column, which itself lies up to
     4.8e-3 from 3-D; the rest is the transverse rotary inertia that stays."""
     mesh = ShellMesh(order=10, rows=(0.0, 0.03, 0.5, 0.97, 1.0), around=1)
     shell = frustum(shear_correction=1e3, mesh=mesh)
     worst_3d = 0.0
     for n, found in zip(table.index, three_branches(shell, range(21)), strict=True):
         row = table.loc[n]
-        np.testing.assert_allclose(found, row[[f"f{m}_kl" for m in BRANCHES]], rtol=3.5e-4)
+        np.testing.assert_allclose(found, row[[f"f{m}_kl" for m in BRANCHES]], rtol=1.7e-4)
         worst_3d = max(worst_3d, np.abs(found / row[[f"f{m}_3d" for m in BRANCHES]].to_numpy(float) - 1).max())
     assert worst_3d > 4e-3
 

@@ -69,7 +69,7 @@ class MeshShell:
         Group -> `Clamped`, `Fixed` (displacements), or `ElasticEdge(k_face=...)` on the group's edges: t k_face per
         length on displacements, t^3/12 k_face on rotations.
     shear_correction
-        Factor of the transverse shear stiffness.
+        Factor of the transverse shear stiffness, 5/(6 - nu) if left out. The wall is linear (`Shell.wall`).
     rotation
         Steady rotation: speed and axis; at rest if left out.
 
@@ -91,7 +91,7 @@ class MeshShell:
     thickness: float
     material: Material
     supports: Mapping[str, MeshSupport] = field(default_factory=dict)
-    shear_correction: float = 5.0 / 6.0
+    shear_correction: float | None = None
     rotation: Rotation | None = None
     thicknesses: Mapping[str, float] = field(default_factory=dict)
     materials: Mapping[str, Material] = field(default_factory=dict)

@@ -76,9 +76,10 @@ def tangent_rates(surface: Surface) -> Rates:
     return Rates(basis=basis, D=D, normal=np.array(normal_slope), turn=np.array(turn))
 
 
-def strain_slots(surface: Surface) -> tuple[Array, Frame]:
-    """Coefficients L of strain = L[0] U + L[1] d_1 U + L[2] d_2 U, shape (3, 8, 5, ...), and the frame."""
-    basis, D, normal_slope, turn = tangent_rates(surface)
+def strain_slots(surface: Surface) -> tuple[Array, Rates]:
+    """Coefficients L of strain = L[0] U + L[1] d_1 U + L[2] d_2 U, shape (3, 8, 5, ...), and the frame's rates."""
+    rates = tangent_rates(surface)
+    basis, D, normal_slope, turn = rates
     e, n, a11 = (basis.e1, basis.e2), basis.normal, D[0, 0]
     L = np.zeros((3, STRAINS, DOFS, *a11.shape), dtype=a11.dtype)
     for alpha in range(2):
@@ -103,4 +104,4 @@ def strain_slots(surface: Surface) -> tuple[Array, Frame]:
     L[0, 5, 3] = -turn[0]
     L[0, 6, 3] = 1.0
     L[0, 7, 4] = 1.0
-    return L, basis
+    return L, rates

@@ -1,7 +1,9 @@
 """Shell -> stiffness and mass matrices.
 
-    a(U, V) = int [t eps:C:eps + t^3/12 chi:C:chi + (5/6) G t gamma.gamma] J
-    m(U, V) = int rho [t u.v + t^3/12 w.w] J
+    a(U, V) = int E(U) : D : E(V) J,  m(U, V) = int [m0 u.v + m2 w.w] J
+
+E are the eight strains eps, chi, gamma (`mesh.kinematics`); the section stiffness D and the inertia m0, m2 are those of
+the wall (`wall`): on a flat one t C on eps, t^3/12 C on chi, k G t on gamma, rho t and rho t^3/12.
 
 Element stiffness is the product of a weighted strain table with itself, batched over the elements. The mass
 uses the Lobatto rule whose points are the nodes, so M is diagonal. Dofs of a node held in the frame of an
@@ -26,8 +28,8 @@ from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.prestress import Spin, spin_matrices
 from casingfem.structure.shell.shell import Shell
-from casingfem.structure.shell.strains import constitutive
 from casingfem.structure.shell.system import System
+from casingfem.structure.shell.wall import constitutive, curvature, inertia
 
 CHUNK = 6_000_000  # strain table entries held at a time
 
@@ -35,9 +37,9 @@ CHUNK = 6_000_000  # strain table entries held at a time
 def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
     """Element stiffness matrices, (elements, 5 functions, 5 functions)."""
     geometry = shell.geometry(*grid.parameters, grid.middle)
-    L, basis = strain_slots(geometry.surface)
+    L, rates = strain_slots(geometry.surface)
     L[1:] /= grid.size[:, None, None, :, None]
-    D = constitutive(shell, geometry) * (basis.jacobian * grid.measure)
+    D = constitutive(shell, geometry, curvature(rates)) * (rates.basis.jacobian * grid.measure)
     root = np.linalg.cholesky(np.moveaxis(D, (0, 1), (-2, -1)))  # D = root root^T
     slots = np.einsum("eqts,kteqc->kceqs", root, np.moveaxis(L, 2, 4), optimize=True)
     functions, points = grid.table.shape[1:]
@@ -62,8 +64,8 @@ def nodal_mass(shell: Shell, grid: Grid) -> Array:
     """
     a, b = grid.nodes[:, grid.elements]
     geometry = shell.geometry(a, b, grid.middle)
-    density = geometry.rho * geometry.thickness * frame(geometry.surface).jacobian
-    return nodal_sums(grid, np.stack([density, density * geometry.thickness**2 / 12.0], axis=-1))
+    density = inertia(shell, geometry) * frame(geometry.surface).jacobian
+    return nodal_sums(grid, np.moveaxis(density, 0, -1))
 
 
 def nodal_sums(grid: Grid, density: Array) -> Array:

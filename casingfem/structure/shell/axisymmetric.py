@@ -20,7 +20,7 @@ from casingfem.structure.mesh.kinematics import DOFS, STRAINS, frame, strain_slo
 from casingfem.structure.shell.assembly import edge_rotation
 from casingfem.structure.shell.edges import harmonic_forms
 from casingfem.structure.shell.shell import Shell
-from casingfem.structure.shell.strains import constitutive
+from casingfem.structure.shell.wall import constitutive, curvature, inertia
 
 HOOP = np.array([1.0, 1j, 1.0, 1.0, 1j])  # hoop motions are in quadrature
 SPIN = np.zeros((DOFS, DOFS))  # d/d theta of the cylindrical unit vectors at theta = 0
@@ -91,8 +91,8 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
     z = lines[:-1, None] + size[:, None] * x
     middle = (lines[:-1] + 0.5 * size)[:, None]
     geometry = shell.geometry(z, np.zeros_like(z), middle)
-    L, basis = strain_slots(geometry.surface)
-    D = constitutive(shell, geometry) * (basis.jacobian * size[:, None] * w)
+    L, rates = strain_slots(geometry.surface)
+    D = constitutive(shell, geometry, curvature(rates)) * (rates.basis.jacobian * size[:, None] * w)
     values, slopes = lagrange(order, x)
     still = np.einsum("sceq,fq->eqsfc", L[0] + n * 1j * L[2], values)
     still += np.einsum("sceq,cd,fq->eqsfd", L[2], SPIN, values)
@@ -109,9 +109,9 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
     points, weights = lobatto(order)
     z = lines[:-1, None] + size[:, None] * points
     geometry = shell.geometry(z, np.zeros_like(z), middle)
-    density = geometry.rho * geometry.thickness * frame(geometry.surface).jacobian * size[:, None] * weights
+    density = inertia(shell, geometry) * (frame(geometry.surface).jacobian * size[:, None] * weights)
     mass = np.zeros((nodes, 2))
-    np.add.at(mass, at, np.stack([density, density * geometry.thickness**2 / 12.0], axis=-1))
+    np.add.at(mass, at, np.moveaxis(density, 0, -1))
     return supported(shell, n, K, np.append(z[:, :-1].ravel(), lines[-1]), np.repeat(mass, (3, 2), axis=1))
 
 

@@ -18,12 +18,17 @@ from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.variation import field_samples, finest_harmonic, outer_supports
 from contact.io.names import hint
 
+WALLS = ("curved", "linear")
 SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bolts, Ring)
 
 
 def check_parts(shell: ShellParts) -> None:
     """Refuse parts that cannot belong together: what there is to say before a mesh is chosen."""
-    require_positive("shell", thickness=shell.thickness, shear_correction=shell.shear_correction)
+    require_positive("shell", thickness=shell.thickness)
+    if shell.shear_correction is not None:
+        require_positive("shell", shear_correction=shell.shear_correction)
+    if shell.wall not in WALLS:
+        raise ModelError("shell-wall", f"shell.wall: expected {' or '.join(WALLS)}, found {shell.wall!r}")
     check_chart(shell.chart)
     known = shell.chart.edges
     for edge, support in shell.supports.items():

@@ -15,10 +15,11 @@ from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.assembly import admitted, nodal_mass
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.shell import Shell
-from casingfem.structure.shell.strains import constitutive, point_jets, point_strains
+from casingfem.structure.shell.strains import point_jets, point_strains
+from casingfem.structure.shell.wall import constitutive
 
-WALL = ("chart", "thickness", "material", "shear_correction", "strips", "taper", "radius_defect", "thickness_defect",
-        "modulus_defect", "density_defect")  # fmt: skip
+WALL = ("chart", "thickness", "material", "shear_correction", "wall", "strips", "taper", "radius_defect",
+        "thickness_defect", "modulus_defect", "density_defect")  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,8 +35,8 @@ class PointFields:
     """Modes at the quadrature points and nodes: what all parameters share.
 
     `own` are the motions of the rings' own dofs, (own, modes). `jets` holds U, d_1 U, d_2 U: (elements, points, 3 * 5,
-    modes); `strain`, `jacobian` belong to the shell the modes were computed on and serve every parameter that leaves
-    the surface alone.
+    modes); `strain`, `curvature`, `jacobian` belong to the shell the modes were computed on and serve every parameter
+    that leaves the surface alone.
     """
 
     shell: Shell
@@ -44,14 +45,18 @@ class PointFields:
     own: Array
     jets: Array
     strain: Array
+    curvature: Array
     jacobian: Array
 
 
 def point_fields(shell: Shell, grid: Grid, fields: Array, own: Array) -> PointFields:
     """Evaluate modes (nodes, 5, modes) and their parameter derivatives at all quadrature points."""
     jets = point_jets(grid, fields)
-    strain, jacobian = point_strains(shell, grid, jets)
-    return PointFields(shell=shell, grid=grid, fields=fields, own=own, jets=jets, strain=strain, jacobian=jacobian)
+    strain, curvature, jacobian = point_strains(shell, grid, jets)
+    return PointFields(
+        shell=shell, grid=grid, fields=fields, own=own, jets=jets,
+        strain=strain, curvature=curvature, jacobian=jacobian,
+    )  # fmt: skip
 
 
 def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
@@ -73,7 +78,7 @@ def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
 def point_stiffness(shell: Shell, at: PointFields) -> Array:
     """Section stiffness times the area of each quadrature point, (elements, points, 8, 8)."""
     geometry = shell.geometry(*at.grid.parameters, at.grid.middle)
-    return np.moveaxis(constitutive(shell, geometry) * (at.jacobian * at.grid.measure), (0, 1), (2, 3))
+    return np.moveaxis(constitutive(shell, geometry, at.curvature) * (at.jacobian * at.grid.measure), (0, 1), (2, 3))
 
 
 def product_rates(shell: Shell, at: PointFields) -> ModalProducts:
@@ -111,5 +116,5 @@ def on_surface(shell: Shell, at: PointFields) -> PointFields:
     if stretched or turned:
         grid = make_grid(shell.chart, shell.mesh) if stretched else at.grid
         return point_fields(shell, grid, admitted(shell, grid, at.fields) if turned else at.fields, at.own)
-    strain, jacobian = point_strains(shell, at.grid, at.jets)
-    return replace(at, shell=shell, strain=strain, jacobian=jacobian)
+    strain, curvature, jacobian = point_strains(shell, at.grid, at.jets)
+    return replace(at, shell=shell, strain=strain, curvature=curvature, jacobian=jacobian)

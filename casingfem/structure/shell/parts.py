@@ -44,7 +44,8 @@ class ShellParts:
     thickness_defect: Field | None = None
     modulus_defect: Field | None = None
     density_defect: Field | None = None
-    shear_correction: float = 5.0 / 6.0
+    shear_correction: float | None = None
+    wall: str = "curved"
     strips: tuple[Strip, ...] = ()
     taper: Taper | None = None
     rotation: Rotation | None = None
@@ -69,6 +70,12 @@ class ShellParts:
         """The least thickness of wall and strips [m], taper included, imperfections not."""
         taper = 1.0 if self.taper is None else self.taper.lowest
         return taper * float(np.real([self.thickness, *(strip.thickness for strip in self.strips)]).min())
+
+    def shear_factor(self, nu: Array) -> Array:
+        """Factor of the transverse shear stiffness where Poisson's ratio is nu."""
+        if self.shear_correction is not None:
+            return np.asarray(self.shear_correction) + 0.0 * nu
+        return 5.0 / (6.0 - nu) if self.wall == "curved" else np.full_like(nu, 5.0 / 6.0)
 
     def geometry(self, a: Array, b: Array, inside: Array | None = None) -> ShellGeometry:
         """Mid-surface, thickness and material at parameters (a, b).

@@ -92,7 +92,7 @@ def wall_warnings(shell: Shell) -> Iterator[Concern]:
     thin = float(size.thickness.min() / size.diagonal)
     if thin < THIN:
         yield "shell-thin", f"the wall is {thin:.2g} of the structure's diagonal"
-    factor = float(np.real(shell.shear_correction))
+    factor = 1.0 if shell.shear_correction is None else float(np.real(shell.shear_correction))
     if not (SHEAR[0] <= factor <= SHEAR[1] or factor >= SHEAR[2]):
         yield "shear-correction", f"shell.shear_correction = {factor:g}"
 

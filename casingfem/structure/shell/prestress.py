@@ -30,12 +30,13 @@ from casingfem.errors import warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.mesh.kinematics import DOFS, Rates, dot, frame, strain_slots, tangent_rates
+from casingfem.structure.mesh.kinematics import DOFS, Rates, dot, frame, strain_slots
 from casingfem.structure.mesh.scatter import scatter_blocks, scatter_elements
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.shell import Shell
-from casingfem.structure.shell.strains import constitutive, point_jets
+from casingfem.structure.shell.strains import point_jets
 from casingfem.structure.shell.system import System
+from casingfem.structure.shell.wall import constitutive, curvature
 
 JET = 3 * DOFS  # U, d_1 U, d_2 U
 LINEAR = 0.3  # quadratic strains of the steady state above this part of the linear ones call for a warning
@@ -184,10 +185,9 @@ def point_stiffness(shell: Shell, grid: Grid, fields: FloatArray) -> tuple[tuple
     And the root of the energy of the quadratic strains of `fields` (nodes, 5, 1) over that of the linear ones.
     """
     geometry = shell.geometry(*grid.parameters, grid.middle)
-    rates = tangent_rates(geometry.surface)
-    L, _ = strain_slots(geometry.surface)
+    L, rates = strain_slots(geometry.surface)
     L = np.moveaxis(L, 0, 1).reshape(len(L[0]), JET, *L.shape[3:])
-    D = constitutive(shell, geometry) * (rates.basis.jacobian * grid.measure)
+    D = constitutive(shell, geometry, curvature(rates)) * (rates.basis.jacobian * grid.measure)
     jets = np.moveaxis(point_jets(grid, fields)[..., 0], -1, 0)
     g = gradients(rates).reshape(5, 3, JET, *rates.turn.shape[1:])
     S = quadratic_strains(rates)

@@ -31,7 +31,11 @@ class Shell(ShellParts):
     thickness_defect, modulus_defect, density_defect
         Relative fields of the thickness t (1 + f), of Young's modulus E (1 + f), of the density rho (1 + f).
     shear_correction
-        Factor of the transverse shear stiffness; a large one gives the thin-shell (Kirchhoff-Love) limit.
+        Factor of the transverse shear stiffness: 5/(6 - nu), or 5/6 on a linear wall, if left out; a large one gives
+        the thin-shell (Kirchhoff-Love) limit.
+    wall
+        "curved": strains and inertia with the metric at every depth of the wall, and the stretch of its normals;
+        "linear": strains linear through the wall, as published shell theory has them (`structure.shell.wall`).
     strips
         Bands along the first parameter with a thickness, or a material, of their own.
     taper
@@ -46,7 +50,7 @@ class Shell(ShellParts):
     Raises
     ------
     ModelError
-        Not positive thickness, an unknown edge, or a field as large as what it varies.
+        Not positive thickness, an unknown edge or wall, or a field as large as what it varies.
     ModelError
         Springs that a pattern makes negative (`springs-negative`); strips that overlap or leave the shell
         (`strip-overlap`, `strip-outside`), or end where a given mesh has no element line (`strip-off-line`).

@@ -115,6 +115,9 @@ class ShellTable(ImportTable):
     """[shell]: a wall on [chart], or on an imported mesh of quadrilaterals."""
 
     thickness: Length = Field(description="nominal wall thickness [m]")
+    wall: Literal["curved", "linear"] = Field(
+        default="curved", description="strains with the wall's metric, or linear through it as in published theory"
+    )
     thicknesses: dict[str, Length] = Field(default={}, description="group of cells of a mesh -> its thickness [m]")
     material: dict[str, MaterialTable] = Field(default={}, description="group of cells of a mesh -> its own material")
 

@@ -22,8 +22,8 @@ class ShellCells(Protocol):
         ...
 
     @property
-    def shear_correction(self) -> float:
-        """Factor of the transverse shear stiffness."""
+    def shear_correction(self) -> float | None:
+        """Factor of the transverse shear stiffness; None for 5/(6 - nu)."""
         ...
 
     def walls(self) -> FloatArray:
@@ -74,15 +74,20 @@ def stiffness(shell: ShellCells, normals: FloatArray, frames: FloatArray) -> Flo
 
 
 def wall_stiffness(shell: ShellCells) -> FloatArray:
-    """Resultants of the strains (eps, chi, gamma) along orthonormal tangents of each cell, (cells, 8, 8)."""
+    """Resultants of the strains (eps, chi, gamma) along orthonormal tangents of each cell, (cells, 8, 8).
+
+    The linear wall of `structure.shell.wall`: directors follow kinks of a mesh, where a metric through the wall would
+    take their turn for curvature.
+    """
     t, E, nu, _ = shell.walls()
+    shear = 5.0 / (6.0 - nu) if shell.shear_correction is None else shell.shear_correction
     C = np.zeros((3, 3, len(t)))
     C[0, 0] = C[1, 1] = E / (1.0 - nu**2)
     C[0, 1] = C[1, 0] = nu * C[0, 0]
     C[2, 2] = E / (2.0 * (1.0 + nu))
     D = np.zeros((len(t), 8, 8))
     D[:, :3, :3], D[:, 3:6, 3:6] = (t * C).transpose(2, 0, 1), (t**3 / 12.0 * C).transpose(2, 0, 1)
-    D[:, 6, 6] = D[:, 7, 7] = shell.shear_correction * C[2, 2] * t
+    D[:, 6, 6] = D[:, 7, 7] = shear * C[2, 2] * t
     return D
 
 

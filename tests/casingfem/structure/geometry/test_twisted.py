@@ -96,15 +96,15 @@ def test_takes_no_radius_defect(steel):
 
 @pytest.mark.slow
 def test_thin_plates_are_within_half_a_per_cent_of_3d(reference):
-    """75 of 80; the others, torsion of strongly twisted square plates, up to 1.11 %: see the next test."""
+    """76 of 80; the others, strongly twisted square plates, up to 0.81 %: see the next test."""
     table = reference("twisted_plate_3d.csv")
     found = errors(table[table.b_over_h == 20])
     assert len(found) == 80
     beyond = found[found.error.abs() >= 5e-3]
-    assert len(beyond) == 5
+    assert len(beyond) == 4
     assert set(beyond.a_over_b) == {1}
-    assert beyond.twist_deg.min() == 30
-    assert beyond.error.abs().max() < 1.15e-2
+    assert beyond.twist_deg.min() == 45
+    assert beyond.error.abs().max() < 8.5e-3
 
 
 @pytest.mark.slow
@@ -112,7 +112,7 @@ def test_what_stands_beyond_are_the_faces_which_lean_against_the_normal(referenc
     """A solid with turned sections is the reference; one along the normal is the shell."""
     parts = anatomy(reference("twisted_plate_3d.csv"), 1, 20, 60)
     assert max(abs(row["solid, turned sections / table"]) for row in parts) < 0.15
-    assert max(abs(row["shell / solid along the normal"]) for row in parts) < 0.6
+    assert max(abs(row["shell / solid along the normal"]) for row in parts) < 0.3
     assert max(abs(row["h along the normal instead"]) for row in parts) > 3.0
 
 

@@ -10,11 +10,12 @@ from casingfem.errors import ModelError, ModelWarning
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.geometry.chart import Surface
-from casingfem.structure.mesh.kinematics import frame, strain_slots, tangent_rates
+from casingfem.structure.mesh.kinematics import frame, strain_slots
 from casingfem.structure.mesh.scatter import scatter_blocks
 from casingfem.structure.shell.assembly import assemble, nodal_mass, spin
 from casingfem.structure.shell.prestress import centrifugal, gradients, gyroscopic, quadratic_strains, softening
-from casingfem.structure.shell.strains import constitutive, point_jets
+from casingfem.structure.shell.strains import point_jets
+from casingfem.structure.shell.wall import constitutive, curvature
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports.verification.rotation import FACTORS, rotating_beam, strip, strip_factors
 
@@ -61,7 +62,7 @@ def exact_strains(surface, rates, jets):
 def test_quadratic_strains_are_the_second_order_of_the_deformed_surface(chart):
     """Linear part from the strain slots, quadratic part here; what is left falls with the third power."""
     surface = Surface(*(part[:, 0] for part in chart.surface(np.array([0.1]), np.array([0.8]), None)))
-    rates, (L, _) = tangent_rates(surface), strain_slots(surface)
+    L, rates = strain_slots(surface)
     jets = np.random.default_rng(5).normal(size=15)
     g = np.einsum("pcsd,sd->pc", gradients(rates), jets.reshape(3, 5))
     linear = np.einsum("ksd,sd->k", np.moveaxis(L, 0, 1), jets.reshape(3, 5))
@@ -226,8 +227,8 @@ def test_matrices_are_the_derivatives_of_the_strain_energy():
     grid, added = system.grid, spin(system, rotation)
     v = np.random.default_rng(3).normal(size=(system.size, 1))
     geometry = shell.geometry(*grid.parameters, grid.middle)
-    rates, (L, _) = tangent_rates(geometry.surface), strain_slots(geometry.surface)
-    D = constitutive(shell, geometry) * rates.basis.jacobian * grid.measure
+    L, rates = strain_slots(geometry.surface)
+    D = constitutive(shell, geometry, curvature(rates)) * rates.basis.jacobian * grid.measure
     fields = np.concatenate([added.fields[:, :, None], system.expand(v)], axis=2)
     u1, moved = np.moveaxis(point_jets(grid, fields).reshape(*D.shape[2:], 3, 5, 2), -1, 0)
 

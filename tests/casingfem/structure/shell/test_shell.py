@@ -165,3 +165,8 @@ def test_a_thin_casing_gets_more_elements(steel):
 def test_the_largest_curvature_is_that_of_the_surface(steel, chart, expected):
     shell = Shell(chart=chart, thickness=1e-3, material=steel, supports={})
     assert extent(shell).curvature.max() == pytest.approx(expected, rel=1e-6)
+
+
+def test_refuses_a_wall_that_is_none(frustum):
+    with pytest.raises(ValueError, match=r"shell\.wall: expected curved or linear, found 'thin'"):
+        frustum(wall="thin")
