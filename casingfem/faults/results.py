@@ -76,6 +76,11 @@ RESULTS = {
         "LOBPCG with multigrid did not find the modes, as on thin walls; shift-invert was used instead",
         "none is needed; `mesh_modes(solid, count, multigrid=False)` saves the attempt",
     ),
+    "modes-memory": Fault(
+        "a factorisation needs more memory than is free",
+        "take fewer elements or a larger machine; thick solids go without a factor, "
+        "`mesh_modes(solid, count, multigrid=True)`",
+    ),
     "modes-method": Fault(
         "this method does not apply",
         "leave method out; harmonics need a casing on which nothing varies around",

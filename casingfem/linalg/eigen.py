@@ -68,7 +68,7 @@ def sturm_count(K: csc_array, mass: Mass, sigma: float) -> int:
     return make_pencil(K, mass).count_below(sigma)
 
 
-def solve(K: csc_array, mass: Mass, wanted: int | Band, shift: float, direct: Direct = "superlu") -> EigenResult:
+def solve(K: csc_array, mass: Mass, wanted: int | Band, shift: float, direct: Direct = "multifrontal") -> EigenResult:
     """So many modes (`solve_modes`), or those of a band [Hz] (`solve_band`)."""
     if isinstance(wanted, int):
         return solve_modes(K, mass, wanted, shift=shift, direct=direct)
@@ -101,7 +101,7 @@ def gap_after(
 
 
 def solve_modes(
-    K: csc_array, mass: Mass, count: int, shift: float, extra: int = 4, direct: Direct = "superlu"
+    K: csc_array, mass: Mass, count: int, shift: float, extra: int = 4, direct: Direct = "multifrontal"
 ) -> EigenResult:
     """Lowest `count` modes of K - omega^2 M, complete by a Sturm count.
 
@@ -171,7 +171,7 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
     raise NumericsError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
 
 
-def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direct = "superlu") -> EigenResult:
+def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direct = "multifrontal") -> EigenResult:
     """Every mode with omega^2 in a band [rad^2/s^2], certified by Sturm counts at its ends.
 
     A mode on an end of the band, to a relative 1e-7, belongs to it, and so does its double. A band that holds many

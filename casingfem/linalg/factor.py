@@ -1,8 +1,10 @@
 """Factorisations of symmetric sparse matrices, and the inertia that their pivots show: statics, modes, reduction.
 
-The ordering decides the cost. "superlu" comes with scipy: minimum degree on A^T + A, symmetric mode and diagonal
+"multifrontal" is the package's own: L D L^T by dense fronts (`multifrontal`) along a nested dissection; how much memory
+it takes is known and checked before. "superlu" comes with scipy: minimum degree on A^T + A, symmetric mode and diagonal
 pivots are some 30 times faster here than its default. Because pivots stay on the diagonal, the signs of U's diagonal
-are the inertia of A (Sylvester). "pardiso" is MKL's LDL^T by nested dissection, if the extra `direct` is installed.
+are the inertia of A (Sylvester). It takes complex matrices too. "pardiso" is MKL's LDL^T, if the extra `direct` is
+installed.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,12 +16,15 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
-from casingfem.errors import ModelError, NumericsError
+from casingfem.errors import ModelError, NumericsError, sentence
 from casingfem.extras import remedy
 from casingfem.io.arrays import Array, FloatArray
+from casingfem.linalg.fronts import planned
+from casingfem.linalg.memory import MemoryNeedError, free_memory, require_memory
+from casingfem.linalg.multifrontal import SINGULAR, factored
 from casingfem.linalg.pardiso import PardisoFactor
 
-Direct: TypeAlias = Literal["superlu", "pardiso"]
+Direct: TypeAlias = Literal["multifrontal", "superlu", "pardiso"]
 
 BALANCE = 1e-3  # relative error of u K u = u f beyond which K is singular; 1e-5 is round-off at t/L 3e-4
 
@@ -53,18 +58,32 @@ class SuperLUFactor:
         return int(np.count_nonzero(np.real(self.lu.U.diagonal()) < 0.0))
 
 
-def superlu(A: csc_array) -> Factor:
+def multifrontal(A: csc_array, keep: bool = True) -> Factor:
+    """Factorise by dense fronts, or count negative eigenvalues alone; complex matrices by SuperLU."""
+    if np.iscomplexobj(A.data):
+        return superlu(A)
+    try:
+        fronts = planned(A)
+        require_memory(fronts.bytes(keep), A.shape[0], free_memory())
+        return factored(A, fronts, keep)
+    except MemoryError as error:
+        if isinstance(error, MemoryNeedError):
+            raise
+        raise MemoryNeedError(sentence("modes-memory", f"found no memory to factor {A.shape[0]} unknowns")) from error
+
+
+def superlu(A: csc_array, keep: bool = True) -> Factor:
     """Factorise by SuperLU."""
     try:
-        lu = splu(csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        lu = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
-        raise NumericsError(
-            "the matrix is singular: the structure is not supported, or the shift is an eigenvalue"
-        ) from error
+        raise NumericsError(SINGULAR) from error
+    except MemoryError as error:
+        raise MemoryNeedError(sentence("modes-memory", f"found no memory to factor {A.shape[0]} unknowns")) from error
     return SuperLUFactor(lu)
 
 
-def pardiso(A: csc_array) -> Factor:
+def pardiso(A: csc_array, keep: bool = True) -> Factor:
     """Factorise by pypardiso, an optional package."""
     try:
         factor: Factor = PardisoFactor(A)
@@ -73,16 +92,22 @@ def pardiso(A: csc_array) -> Factor:
     return factor
 
 
-SOLVERS: Mapping[str, Callable[[csc_array], Factor]] = MappingProxyType({"superlu": superlu, "pardiso": pardiso})
+SOLVERS: Mapping[str, Callable[[csc_array, bool], Factor]] = MappingProxyType(
+    {"multifrontal": multifrontal, "superlu": superlu, "pardiso": pardiso}
+)
 
 
-def factorise(A: csc_array, direct: Direct = "superlu") -> Factor:
-    """Factor a symmetric sparse matrix, or with "superlu" a Hermitian one, indefinite ones included.
+def factorise(A: csc_array, direct: Direct = "multifrontal", *, keep: bool = True) -> Factor:
+    """Factor a symmetric or Hermitian sparse matrix, indefinite ones included; without `keep` for its inertia alone.
+
+    A complex matrix goes to SuperLU.
 
     Raises
     ------
     NumericsError
         If the matrix is singular, or the solver is not installed.
+    MemoryNeedError
+        `modes-memory`, a `NumericsError` too, if it does not fit into what memory is free.
 
     >>> factor = factorise(csc_array(np.diag([2.0, -4.0])))
     >>> factor.solve(np.ones(2)).tolist(), factor.negative()
@@ -90,7 +115,7 @@ def factorise(A: csc_array, direct: Direct = "superlu") -> Factor:
     """
     if direct not in SOLVERS:
         raise NumericsError(f"direct must be one of {', '.join(SOLVERS)}, found {direct!r}")
-    return SOLVERS[direct](A)
+    return SOLVERS[direct](csc_array(A), keep)
 
 
 def solve_held(K: csc_array, f: FloatArray) -> FloatArray:

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, diags_array
 
 from casingfem.errors import NumericsError
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.factor import Direct, factorise
 
 Mass: TypeAlias = FloatArray | csc_array  # the diagonal of M, or M itself
@@ -18,12 +18,13 @@ class Pencil:
     """A x = lambda B x with A = R K R, B = R M R, R = diag(M)^-1/2; B has a unit diagonal.
 
     A and B are symmetric, or Hermitian. `B` is None where M is diagonal; `scale` is the diagonal of R, (free,).
-    phi = R x.
+    phi = R x. A's pattern holds that of B, the entries of which stand at `places` in A's data.
     """
 
     A: csc_array
     B: csc_array | None
     scale: FloatArray
+    places: IntArray
 
     @property
     def size(self) -> int:
@@ -31,12 +32,10 @@ class Pencil:
         return len(self.scale)
 
     def shifted(self, sigma: float) -> csc_array:
-        """A - sigma B."""
-        if self.B is not None:
-            return csc_array(self.A - sigma * self.B)
-        shifted = self.A.copy()
-        shifted.setdiag(self.A.diagonal() - sigma)
-        return shifted
+        """A - sigma B, of A's pattern."""
+        data = self.A.data.copy()
+        data[self.places] -= sigma if self.B is None else sigma * self.B.data
+        return csc_array((data, self.A.indices, self.A.indptr), shape=self.A.shape)
 
     def weigh(self, vectors: Array) -> Array:
         """B x."""
@@ -46,7 +45,7 @@ class Pencil:
         """The largest length of some vectors, |x|^2 = x^H B x."""
         return float(np.sqrt(np.einsum("ij,ij->j", vectors.conj(), self.weigh(vectors)).real.max()))
 
-    def count_below(self, sigma: float, direct: Direct = "superlu") -> int:
+    def count_below(self, sigma: float, direct: Direct = "multifrontal") -> int:
         """Number of eigenvalues below sigma, by the inertia of A - sigma B.
 
         Raises
@@ -55,7 +54,7 @@ class Pencil:
             If sigma is an eigenvalue.
         """
         try:
-            return factorise(self.shifted(sigma), direct).negative()
+            return factorise(self.shifted(sigma), direct, keep=False).negative()
         except NumericsError as error:
             raise NumericsError(f"no Sturm count at shift {sigma:.6g}: {error}") from error
 
@@ -63,6 +62,16 @@ class Pencil:
         """|A x - lambda B x| / max(|lambda|, floor), (modes,)."""
         norms = np.linalg.norm(self.A @ vectors - self.weigh(vectors) * values, axis=0)
         return np.asarray(norms / np.maximum(np.abs(values), floor))
+
+
+def places_in(K: csc_array, M: csc_array | None) -> IntArray:
+    """Numbers of M's entries, the diagonal's if it is None, in the data of K; without those that K does not have."""
+    if M is None:
+        return np.flatnonzero(K.indices == np.repeat(np.arange(K.shape[0], dtype=K.indices.dtype), np.diff(K.indptr)))
+    numbers = csc_array((np.arange(1, len(K.data) + 1), K.indices, K.indptr), shape=K.shape)
+    return np.asarray(
+        numbers.multiply(csc_array((np.ones(len(M.data), dtype=int), M.indices, M.indptr))).tocsc().data - 1
+    )
 
 
 def scaled(K: csc_array, root: FloatArray) -> csc_array:
@@ -91,5 +100,10 @@ def make_pencil(K: csc_array, mass: Mass) -> Pencil:
         raise NumericsError(
             "the mass has a diagonal that is not positive: a density, a thickness or an element is wrong"
         )
+    M = None if isinstance(mass, np.ndarray) else mass
+    places = places_in(K, M)
+    if len(places) != (K.shape[0] if M is None else len(M.data)):
+        K = csc_array((K + 1j * (diags_array(diagonal) if M is None else M)).real)  # no entry of either cancels
+        places = places_in(K, M)
     scale = 1.0 / np.sqrt(diagonal)
-    return Pencil(A=scaled(K, scale), B=None if isinstance(mass, np.ndarray) else scaled(mass, scale), scale=scale)
+    return Pencil(A=scaled(K, scale), B=None if M is None else scaled(M, scale), scale=scale, places=places)

@@ -36,7 +36,7 @@ def modes(
     band: Band | None = None,
     method: str = "auto",
     system: System | None = None,
-    direct: Direct = "superlu",
+    direct: Direct = "multifrontal",
 ) -> Modes: ...
 @overload
 def modes(
@@ -46,7 +46,7 @@ def modes(
     band: Band | None = None,
     method: str = "auto",
     system: MeshSystem | None = None,
-    direct: Direct = "superlu",
+    direct: Direct = "multifrontal",
 ) -> MeshModes: ...
 def modes(
     shell: Shell | MeshStructure,
@@ -55,7 +55,7 @@ def modes(
     band: Band | None = None,
     method: str = "auto",
     system: System | MeshSystem | None = None,
-    direct: Direct = "superlu",
+    direct: Direct = "multifrontal",
 ) -> ModeSet:
     """Lowest `count` modes of a structure, or all in a band, labelled, complete by Sturm counts.
 
@@ -77,7 +77,7 @@ def modes(
     system
         The assembled structure, if there is one already.
     direct
-        The factorisation: "superlu", or "pardiso" if pypardiso is installed.
+        The factorisation: "multifrontal", "superlu", or "pardiso" if pypardiso is installed.
 
     Raises
     ------

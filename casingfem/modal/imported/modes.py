@@ -34,13 +34,13 @@ def mesh_modes(
     wanted: int | Band = 40,
     *,
     system: MeshSystem | None = None,
-    direct: Direct = "superlu",
+    direct: Direct = "multifrontal",
     multigrid: bool | None = None,
 ) -> MeshModes:
     """So many modes of an imported structure, or those of a band [Hz], labelled, complete by Sturm counts.
 
     A count of modes of a large thick solid (`large_and_thick`) is found by LOBPCG with multigrid unless `multigrid` is
-    false or `direct` is not "superlu"; where that fails, by shift-invert with a warning. Of more than `COUNTABLE`
+    false or `direct` is given; where that fails, by shift-invert with a warning. Of more than `COUNTABLE`
     unknowns a factor takes gigabytes: their completeness is searched instead of counted, `sturm_count` is None.
 
     Raises
@@ -65,7 +65,7 @@ def mesh_modes(
     system = system or structure.assembled()
     assembled = time.perf_counter()
     if multigrid is None:
-        multigrid = direct == "superlu" and large_and_thick(system)
+        multigrid = direct == "multifrontal" and large_and_thick(system)
     found = solved_by(system, wanted, direct, multigrid=multigrid)
     solved = time.perf_counter()
     if getattr(structure, "rotation", None) is not None and found.eigenvalues[0] < 0.0:

@@ -97,5 +97,5 @@ def test_a_cluster_larger_than_the_block_is_found_whole():
 
 
 def test_refuses_a_factorisation_it_does_not_know():
-    with pytest.raises(NumericsError, match="direct must be one of superlu, pardiso, found 'cholmod'"):
+    with pytest.raises(NumericsError, match="direct must be one of multifrontal, superlu, pardiso, found 'cholmod'"):
         factorise(csc_array(np.eye(3)), "cholmod")

@@ -1,0 +1,239 @@
+"""The plan of a multifrontal factorisation: which unknowns each front eliminates, which it updates, what it will cost.
+
+Fronts are the nodes of a nested dissection, in postorder. A front holds its own unknowns, its pivots, and those later
+ones that they are coupled with, directly or through what was eliminated before (Duff & Reid, ACM Trans. Math. Softw. 9,
+1983, 302; Liu, SIAM Review 34, 1992, 82).
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TypeAlias
+from weakref import ReferenceType, ref
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.linalg.dissection import coordinates, dissect, quotient, spans
+
+Places: TypeAlias = slice | IntArray
+Runs: TypeAlias = tuple[tuple[slice, slice], ...]
+
+SMALL = 10_000_000  # entries of a pattern whose plan is kept, some 60 MB of it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Front:
+    """One dense matrix on `pivots` unknowns from number `start` on, and on those at `rows`, later ones, ascending.
+
+    `source`, `column` and `pointers` are its part of A, a sparse matrix (pivots, pivots + rows): entries by their
+    number in A's data. Of its parent's front, its first `split` rows are the pivots `head`, the others the rows `tail`.
+    """
+
+    start: int
+    pivots: int
+    rows: IntArray
+    source: IntArray
+    column: IntArray
+    pointers: IntArray
+    children: tuple[int, ...]
+    split: int
+    head: Places
+    tail: Places
+    head_runs: Runs
+    tail_runs: Runs
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Pivots and rows."""
+        return self.pivots, len(self.rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Fronts:
+    """Fronts in the order of elimination, for matrices of one pattern.
+
+    Attributes
+    ----------
+    indptr, indices
+        The pattern, of a matrix in columns.
+    order
+        Unknowns in the order of elimination, (n,).
+    fronts
+        Children before parents.
+    """
+
+    indptr: IntArray
+    indices: IntArray
+    order: IntArray
+    fronts: tuple[Front, ...]
+
+    @property
+    def operations(self) -> float:
+        """Multiplications and additions of a factorisation."""
+        k, m = np.array([front.size for front in self.fronts], dtype=float).T
+        return float(np.sum(k**3 / 3.0 + k**2 * m + k * m**2))
+
+    @property
+    def entries(self) -> int:
+        """Numbers that a factor keeps."""
+        return sum(k * (k + m) for k, m in (front.size for front in self.fronts))
+
+    def working(self) -> int:
+        """Numbers held at most beside the factor: a front, and what its elder relatives have passed on so far."""
+        most = held = 0
+        for front in self.fronts:
+            k, m = front.size
+            most = max(most, held + (k + m) ** 2 + k * (k + m))
+            held += m * m - sum(len(self.fronts[child].rows) ** 2 for child in front.children)
+        return most
+
+    def bytes(self, keep: bool) -> float:
+        """Memory that a factorisation takes at most, of its factor and without it."""
+        return 8.0 * (self.working() + keep * self.entries)
+
+    def fits(self, A: csc_array) -> bool:
+        """Whether a matrix has this pattern."""
+        same = len(A.indptr) == len(self.indptr) and len(A.indices) == len(self.indices)
+        return same and np.array_equal(A.indptr, self.indptr) and np.array_equal(A.indices, self.indices)
+
+
+def postorder(parent: IntArray) -> IntArray:
+    """Number of each node, children before their parents and next to them."""
+    children: list[list[int]] = [[] for _ in parent]
+    for i, p in enumerate(parent[1:].tolist(), start=1):
+        children[p].append(i)
+    order, stack = [], [0]
+    while stack:  # parents first, then reversed
+        order.append(stack.pop())
+        stack += children[order[-1]]
+    number = np.empty(len(parent), dtype=np.int64)
+    number[order[::-1]] = np.arange(len(parent))
+    return number
+
+
+def compact(places: IntArray) -> Places:
+    """Ascending places as a slice, if they follow each other."""
+    if len(places) and places[-1] - places[0] == len(places) - 1:
+        return slice(int(places[0]), int(places[-1]) + 1)
+    return places
+
+
+def runs(places: IntArray) -> Runs:
+    """Ascending places cut into pieces that follow each other: which of them, and where.
+
+    >>> runs(np.array([3, 4, 9]))
+    ((slice(0, 2, None), slice(3, 5, None)), (slice(2, 3, None), slice(9, 10, None)))
+    """
+    cuts = [0, *(np.flatnonzero(np.diff(places) > 1) + 1).tolist(), len(places)]
+    pieces = pairwise(cuts) if len(places) else ()
+    return tuple((slice(a, b), slice(int(places[a]), int(places[b - 1]) + 1)) for a, b in pieces)
+
+
+class Recent:
+    """The plan last made, as long as somebody holds it or it is small: shifts and neighbours share their pattern."""
+
+    last: ReferenceType[Fronts] | None = None
+    small: Fronts | None = None
+
+
+def planned(A: csc_array) -> Fronts:
+    """The plan for a matrix: that of the last one, if the pattern is the same, or a new one."""
+    last = Recent.last() if Recent.last is not None else None
+    if last is not None and last.fits(A):
+        return last
+    fronts = plan(A)
+    Recent.last, Recent.small = ref(fronts), fronts if len(A.indices) <= SMALL else None
+    return fronts
+
+
+def plan(A: csc_array) -> Fronts:
+    """Plan the factorisation of matrices with the pattern of A, symmetric.
+
+    >>> fronts = plan(csc_array(np.eye(3)))
+    >>> len(fronts.fronts), fronts.entries
+    (1, 9)
+    """
+    vertex, graph = quotient(A)
+    axes = coordinates(graph)
+    node, parent = dissect(graph, axes)
+    number = postorder(parent)
+    above = np.full(len(parent), -1)
+    above[number[1:]] = number[parent[1:]]
+    of = number[node]
+    by_front = np.lexsort((longest(axes, of, len(parent)), of))
+    place = np.empty(graph.size, dtype=np.int64)
+    place[by_front] = np.arange(graph.size)
+    ends = np.searchsorted(of[by_front], np.arange(len(parent) + 1))
+    weight = graph.weight[by_front]
+    starts = np.append(0, np.cumsum(weight))
+    order = np.argsort(place[vertex], kind="stable")
+    coupled = later_neighbours(graph.tail, graph.head, place, ends)
+    children: list[list[int]] = [[] for _ in parent]
+    structures: list[IntArray] = []
+    for f, p in enumerate(above.tolist()):
+        below = np.unique(np.concatenate([coupled[f], *(structures[child] for child in children[f])]))
+        structures.append(below[below >= ends[f + 1]])
+        if p >= 0:
+            children[p].append(f)
+    rows = [spans(starts[s], weight[s]) for s in structures]
+    return Fronts(A.indptr, A.indices, order, make_fronts(A, order, starts[ends], rows, above, children))
+
+
+def longest(axes: FloatArray, of: IntArray, fronts: int) -> FloatArray:
+    """Of each vertex the coordinate along which its front is longest: what neighbours share of it stays together."""
+    count = np.maximum(np.bincount(of, minlength=fronts), 1)
+    mean = np.array([np.bincount(of, x, fronts) / count for x in axes])
+    spread = np.array([np.bincount(of, x * x, fronts) / count for x in axes]) - mean**2
+    return np.asarray(np.choose(spread.argmax(axis=0)[of], axes))
+
+
+def later_neighbours(tail: IntArray, head: IntArray, place: IntArray, ends: IntArray) -> list[IntArray]:
+    """For each front, the places of vertices after its own that its vertices are coupled with."""
+    here, there = place[tail], place[head]
+    front = np.searchsorted(ends, here, side="right") - 1
+    later = np.flatnonzero(there >= ends[front + 1])
+    later = later[np.argsort(front[later], kind="stable")]
+    cuts = np.searchsorted(front[later], np.arange(1, len(ends) - 1))
+    return [np.unique(part) for part in np.split(there[later], cuts)]
+
+
+def make_fronts(
+    A: csc_array, order: IntArray, starts: IntArray, rows: list[IntArray], above: IntArray, children: list[list[int]]
+) -> tuple[Front, ...]:
+    """Fronts with their places in A and in each other."""
+    position = np.empty(len(order), dtype=np.int32)
+    position[order] = np.arange(len(order), dtype=np.int32)
+    local = np.zeros(len(order), dtype=np.int32)  # places of unknowns in the front at hand
+    degree = np.diff(A.indptr)
+    number = np.int32 if len(A.indices) < 2**31 else np.int64
+    fronts = []
+    for f, (start, end, p) in enumerate(zip(starts[:-1].tolist(), starts[1:].tolist(), above.tolist(), strict=True)):
+        columns = order[start:end]
+        source = spans(A.indptr[columns].astype(number), degree[columns].astype(number)).astype(number, copy=False)
+        row = position[A.indices[source]]
+        kept = row >= start
+        counts = np.zeros(end - start + 1, dtype=np.int32)
+        np.cumsum(np.diff(np.append(0, np.cumsum(kept))[np.append(0, np.cumsum(degree[columns]))]), out=counts[1:])
+        local[start:end] = np.arange(end - start)
+        local[rows[f]] = end - start + np.arange(len(rows[f]))
+        split = int(np.searchsorted(rows[f], starts[p + 1])) if p >= 0 else 0
+        head = rows[f][:split] - starts[p]
+        tail = np.searchsorted(rows[p], rows[f][split:]) if p >= 0 else rows[f]
+        fronts.append(
+            Front(
+                start=start,
+                pivots=end - start,
+                rows=rows[f],
+                source=source[kept],
+                column=local[row[kept]],
+                pointers=counts,
+                children=tuple(children[f]),
+                split=split,
+                head=compact(head),
+                tail=compact(tail),
+                head_runs=runs(head),
+                tail_runs=runs(tail),
+            )
+        )
+    return tuple(fronts)

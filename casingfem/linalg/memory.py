@@ -1,0 +1,74 @@
+"""Is there memory for it? What a factorisation takes is known from its plan, before it is taken."""
+
+import mmap
+from pathlib import Path
+
+import numpy as np
+
+from casingfem.errors import NumericsError, sentence
+
+SPARED = 0.9  # of what is free may be taken
+INFO = Path("/proc/meminfo")
+STATUS = Path("/proc/self/statm")
+GROUP = Path("/sys/fs/cgroup")
+
+
+class MemoryNeedError(NumericsError, MemoryError):
+    """A computation needs more memory than is free."""
+
+
+def free_memory() -> float:
+    """Bytes that this process may still take: free on the machine, left in its control group and its own limit.
+
+    Infinite where the system does not tell.
+    """
+    return min(free_on_machine(), left_in_group(), left_by_limit())
+
+
+def free_on_machine() -> float:
+    """Memory that programs may take without swapping."""
+    lines = INFO.read_text(encoding="ascii").splitlines() if INFO.exists() else []
+    return next((1024.0 * float(line.split()[1]) for line in lines if line.startswith("MemAvailable")), np.inf)
+
+
+def left_in_group() -> float:
+    """What is left of the limit of the control group, as in a container."""
+    try:
+        most, used = ((GROUP / name).read_text(encoding="ascii").strip() for name in ("memory.max", "memory.current"))
+        return np.inf if most == "max" else float(most) - float(used)
+    except OSError:
+        return np.inf
+
+
+def left_by_limit() -> float:
+    """What is left of the process's limit on its address space (ulimit -v)."""
+    try:
+        import resource
+    except ImportError:
+        return np.inf
+    most, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if most == resource.RLIM_INFINITY or not STATUS.exists():
+        return np.inf
+    return float(most) - mmap.PAGESIZE * float(STATUS.read_text(encoding="ascii").split()[0])
+
+
+def require_memory(needed: float, unknowns: int, free: float) -> None:
+    """Refuse a factorisation that needs more bytes than are free.
+
+    Raises
+    ------
+    MemoryNeedError
+        `modes-memory`, with what it takes and what there is.
+
+    >>> require_memory(7e10, 10**6, free=8e9)
+    Traceback (most recent call last):
+        ...
+    casingfem.linalg.memory.MemoryNeedError: the factor of 1000000 unknowns takes 70 GB, 8 GB are free: take fewer \
+elements or a larger machine; thick solids go without a factor, `mesh_modes(solid, count, multigrid=True)` \
+[modes-memory]
+    """
+    if needed > SPARED * free:
+        found = (
+            f"the factor of {unknowns} unknowns takes {1e-9 * needed:.2g} GB, {1e-9 * max(free, 0.0):.2g} GB are free"
+        )
+        raise MemoryNeedError(sentence("modes-memory", found))

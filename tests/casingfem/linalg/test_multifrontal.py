@@ -1,0 +1,141 @@
+"""Dense fronts: solutions and inertia against dense arithmetic, ordering against SuperLU's, memory foreseen."""
+
+import numpy as np
+import pytest
+from scipy.sparse import block_diag, csc_array, kron
+from test_eigen import consistent_mass
+
+from casingfem.errors import NumericsError
+from casingfem.linalg import factor as factors
+from casingfem.linalg import fronts as plans
+from casingfem.linalg.factor import factorise
+from casingfem.linalg.fronts import plan, planned
+from casingfem.linalg.memory import MemoryNeedError, free_memory
+from casingfem.linalg.multifrontal import factored
+from casingfem.structure.shell.assembly import assemble
+
+
+def random_matrix(size, density, shift, seed):
+    """Symmetric, with entries anywhere: about `density` of them, and a diagonal of some size."""
+    rng = np.random.default_rng(seed)
+    A = np.where(rng.random((size, size)) < density, rng.standard_normal((size, size)), 0.0)
+    return A + A.T + np.diag(rng.standard_normal(size) + shift)
+
+
+def grid(*counts):
+    """Consistent mass of bilinear (trilinear) elements on a grid of nodes, two coupled unknowns each."""
+    A = csc_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
+    for count in counts:
+        A = kron(A, consistent_mass(count))
+    return csc_array(A)
+
+
+@pytest.mark.parametrize(("size", "density", "shift"), [
+    (1, 1.0, 0.0), (2, 1.0, 0.0), (7, 0.5, 0.0), (60, 0.1, 3.0), (500, 0.01, 0.0), (700, 0.003, 3.0),
+    (700, 0.0003, 0.5),
+])  # fmt: skip
+def test_solutions_and_inertia_are_the_dense_ones(size, density, shift):
+    dense = random_matrix(size, density, shift, seed=size + 11)
+    A = csc_array(dense)
+    factor = factorise(A)
+    b = np.random.default_rng(5).standard_normal((size, 3))
+    x = factor.solve(b)
+    np.testing.assert_allclose(x, np.linalg.solve(dense, b), rtol=1e-6, atol=1e-8 * np.abs(x).max())
+    np.testing.assert_allclose(factor.solve(b[:, 1]), x[:, 1], rtol=1e-7, atol=1e-9 * np.abs(x).max())
+    negative = int(np.count_nonzero(np.linalg.eigvalsh(dense) < 0.0))
+    assert factor.negative() == factorise(A, keep=False).negative() == factorise(A, "superlu").negative() == negative
+
+
+def test_pivots_of_two():
+    """No pivot of one exists in [[0, 1], [1, 0]]: one eigenvalue is negative in each block."""
+    A = csc_array(block_diag([np.array([[0.0, 1.0], [1.0, 0.0]])] * 200))
+    factor = factorise(A)
+    b = np.arange(400.0)
+    np.testing.assert_array_equal(factor.solve(b), b.reshape(-1, 2)[:, ::-1].ravel())
+    assert factor.negative() == 200
+
+
+def test_the_same_matrix_twice_gives_the_same_bits():
+    A, b = grid(9, 8, 7), np.ones((1008, 4))
+    first, second = (factored(A, plan(A)).solve(b) for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+    np.testing.assert_allclose(A @ first, b, atol=1e-11)
+
+
+@pytest.mark.parametrize(("counts", "share"), [((40, 40), 0.75), ((12, 12, 12), 0.6)])
+def test_the_dissection_fills_less_than_minimum_degree(counts, share):
+    """On grids the factor has no more entries than SuperLU's L, and fewer operations (columns' lengths squared)."""
+    A = grid(*counts)
+    fronts = plan(A)
+    assert sorted(fronts.order.tolist()) == list(range(A.shape[0]))
+    L = factorise(A, "superlu").lu.L
+    assert sum(k * (k + 1) // 2 + k * m for k, m in (front.size for front in fronts.fronts)) < 1.15 * L.nnz
+    assert fronts.operations < share * np.sum(np.diff(L.indptr).astype(float) ** 2)
+
+
+def test_a_casing_is_cut_along_lines_of_elements(frustum, coarse):
+    """Once round a casing no separator is wider than two lines of nodes: the unrolled distances see it as a ring."""
+    shell = frustum(mesh=coarse)
+    system = assemble(shell)
+    line = 5 * (coarse.order * (len(coarse.breaks) - 1) + 1)
+    rows = [len(front.rows) for front in plan(system.K).fronts if front.pivots]
+    assert max(rows) <= 4 * line
+    assert plan(system.K).operations < 0.2 * system.size**3 / 3.0
+
+
+def test_a_plan_serves_all_matrices_of_its_pattern(monkeypatch):
+    A = grid(20, 20)
+    first = planned(A)
+    assert planned(csc_array(2.0 * A)) is first
+    assert planned(grid(20, 21)) is not first
+    monkeypatch.setattr(plans, "SMALL", 100)
+    kept = planned(A)
+    assert planned(A) is kept
+    del kept
+    assert plans.Recent.last() is None  # too large to be kept for nobody
+
+
+@pytest.mark.parametrize("keep", [True, False])
+def test_what_does_not_fit_is_refused_before(monkeypatch, keep):
+    A = grid(12, 12, 12)
+    needed = plan(A).bytes(keep)
+    monkeypatch.setattr(factors, "free_memory", lambda: 1.2 * needed)
+    assert factorise(A, keep=keep).negative() == 0
+    monkeypatch.setattr(factors, "free_memory", lambda: 1.05 * needed)
+    monkeypatch.setattr(factors, "factored", None)  # never reached
+    with pytest.raises(
+        MemoryNeedError, match=r"the factor of 3456 unknowns takes .* GB, .* GB are free: .*\[modes-mem"
+    ):
+        factorise(A, keep=keep)
+
+
+def test_the_estimate_is_what_is_kept():
+    """The factor's arrays have as many numbers as the plan says."""
+    A = grid(15, 15)
+    factor = factorise(A)
+    assert sum(block.L.size + block.below.size for block in factor.blocks) == factor.fronts.entries
+
+
+@pytest.mark.parametrize("direct", ["multifrontal", "superlu"])
+def test_a_lack_of_memory_that_was_not_foreseen_is_told(monkeypatch, direct):
+    def greedy(*args, **options):
+        raise MemoryError
+
+    monkeypatch.setattr(factors, "factored", greedy)
+    monkeypatch.setattr(factors, "splu", greedy)
+    with pytest.raises(MemoryNeedError, match="no memory to factor 2 unknowns"):
+        factorise(csc_array(np.eye(2)), direct)
+
+
+def test_free_memory_is_some():
+    assert 1e6 < free_memory()
+
+
+@pytest.mark.parametrize(("A", "words"), [
+    (np.zeros((3, 3)), "the matrix is singular: the structure is not supported"),
+    (np.ones((2, 2)), "the matrix is singular: the structure is not supported"),
+    (np.diag([1.0, np.nan]), "the matrix holds values that are not finite"),
+])  # fmt: skip
+def test_refuses_singular_matrices_and_what_is_no_number(A, words):
+    with pytest.raises(NumericsError, match=words):
+        factorise(csc_array(A))
