@@ -128,3 +128,31 @@ def first_sentence(text: str) -> str:
             break
     words, _, more = " ".join(lines).partition(". ")
     return f"{words}." if more else words
+
+
+FIRST = {
+    "scenes/first_rub.toml": "rub.toml",
+    "studies/rig_casing.toml": "casing.toml",
+    "studies/rig_blade.toml": "blade.toml",
+    "surveys/rig_casing.csv": "survey.csv",
+    "experiments/rig_casing.csv": "frequencies.csv",
+}  # what a project of one's own begins with, and its names there
+STEPS = ("modes casing.toml", "update casing.toml", "reduce casing.toml --out .", "reduce blade.toml --out .",
+         "rub rub.toml --out results", "report casing.toml --out results")  # fmt: skip
+
+
+def first_files() -> dict[str, str]:
+    """A study, a blade, a scene, a survey and a frequency table in one folder, each by its name there.
+
+    >>> sorted(first_files())
+    ['blade.toml', 'casing.toml', 'frequencies.csv', 'rub.toml', 'survey.csv']
+    """
+    places = {f"../{there}": here for there, here in FIRST.items()}
+    bases = {f"{Path(there).stem}.npz": f"{Path(here).stem}.npz" for there, here in FIRST.items() if "studies" in there}
+    found = {}
+    for there, here in FIRST.items():
+        text = (DATA / there).read_text(encoding="utf-8")
+        for old, new in (places | bases).items() if here.endswith(".toml") else ():
+            text = text.replace(f'"{old}"', f'"{new}"')
+        found[here] = text.replace(f"data/{there} --out reports/out", f"{here} --out results")
+    return found

@@ -12,6 +12,7 @@ from casingfem.cli.identify import identify
 from casingfem.cli.locate import locate
 from casingfem.cli.matrices import export_matrices, import_matrices
 from casingfem.cli.mistune import mistune
+from casingfem.cli.new import new, watch
 from casingfem.cli.rig import rig
 from casingfem.cli.schema import schema
 from casingfem.cli.study import campbell, modes, reduce, report, update
@@ -52,6 +53,8 @@ for command in (
     cycles,
     sweep,
     report,
+    new,
+    watch,
     schema,
     example,
     explain,

@@ -17,8 +17,15 @@ if TYPE_CHECKING:
 WIDTH = 80  # of the text about an example in the list
 
 
+def names_of(context: click.Context, parameter: click.Parameter, text: str) -> list[str]:
+    """The examples that begin with this, for the shell."""
+    from casingfem.examples import examples
+
+    return [name for name in examples() if name.startswith(text)]
+
+
 @click.command()
-@click.argument("name", required=False)
+@click.argument("name", required=False, shell_complete=names_of)
 @options
 def example(name: str | None, as_json: bool, out: Path | None) -> None:
     """Write the example NAME with all it needs, to be run from here; all names if left out.

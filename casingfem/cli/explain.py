@@ -11,7 +11,7 @@ from contact.io.outfiles import json_text
 
 
 @click.command()
-@click.argument("code", required=False)
+@click.argument("code", required=False, shell_complete=lambda *given: [c for c in CATALOGUE if c.startswith(given[2])])
 @options
 def explain(code: str | None, as_json: bool, out: Path | None) -> None:
     """The cause of an error or warning by its CODE, and what helps; all codes if left out."""

@@ -14,8 +14,14 @@ if TYPE_CHECKING:
     from contact.io.tables import Model
 
 
+def keys_of(context: click.Context, parameter: click.Parameter, text: str) -> list[str]:
+    """The tables that begin with this, for the shell."""
+    known = {*roots(), "scene", *(name for models in roots().values() for name in tables_in(models))}
+    return sorted(name for name in known if name.startswith(text))
+
+
 @click.command()
-@click.argument("key", required=False)
+@click.argument("key", required=False, shell_complete=keys_of)
 @options
 def schema(key: str | None, as_json: bool, out: Path | None) -> None:
     """The table or key KEY of study.toml and scene.toml on a screen; JSON schemas of all if left out.
@@ -26,8 +32,8 @@ def schema(key: str | None, as_json: bool, out: Path | None) -> None:
     if key is not None:
         found = explained(key)
         if not found:
-            known = sorted({*roots(), "scene", *(name for models in roots().values() for name in tables_in(models))})
-            raise click.UsageError(f"found {key!r}, expected a table or key of a file{hint(key, known, most=3)}")
+            near = hint(key, keys_of(click.get_current_context(), schema.params[0], ""), most=3)
+            raise click.UsageError(f"found {key!r}, expected a table or key of a file{near}")
         text = "\n\n".join(part["text"] for part in found)
         deliver({"tables": found}, text, as_json=as_json, out=out, files={"schema.txt": text + "\n"})
         return

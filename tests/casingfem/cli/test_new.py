@@ -1,0 +1,134 @@
+"""`casingfem new` and `watch`: a folder that runs as it is, and files run again when they are saved; completion."""
+
+import json
+import os
+import time
+from pathlib import Path
+
+import pytest
+from click.shell_completion import ShellComplete
+from click.testing import CliRunner
+
+from casingfem.cli import main
+from casingfem.cli.new import changes, stamps
+from casingfem.study import load_study
+from contact.scene.load import read_scene
+
+PLATE = """
+[material]
+E = 210e9
+nu = 0.3
+rho = 7800.0
+[chart]
+kind = "plate"
+length = 0.2
+width = 0.04
+[shell]
+thickness = 3e-3
+[support.root]
+kind = "clamped"
+[modes]
+count = 2
+[mesh]
+order = 5
+rows = 1
+around = 1
+[reduce]
+interface = "tip"
+out = "plate.npz"
+"""
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_new_folder_is_whole_and_says_what_to_type(here):
+    document = json.loads(invoke("new", "mine", "--json").stdout)
+    names = {"casing.toml", "blade.toml", "rub.toml", "survey.csv", "frequencies.csv"}
+    assert {path.name for path in (here / "mine").iterdir()} == names
+    assert document["next"][0] == "cd mine"
+    studies = {name: load_study(here / "mine" / f"{name}.toml") for name in ("casing", "blade")}
+    assert studies["casing"].table.path.endswith("frequencies.csv")
+    scene, _ = read_scene(here / "mine" / "rub.toml")
+    bases = {name: study.file.reduce.out for name, study in studies.items()}
+    assert bases == {"casing": "casing.npz", "blade": "blade.npz"}
+    assert (scene.casing.basis, scene.blade.basis) == ("casing.npz", "blade.npz")
+    every = " ".join(path.read_text(encoding="utf-8") for path in (here / "mine").glob("*.toml"))
+    assert "../" not in every
+    assert "data/" not in every
+
+
+def test_nothing_that_is_there_is_touched(here):
+    (here / "mine").mkdir()
+    again = invoke("new", "mine")
+    assert again.exit_code == 2
+    assert "mine: found such a file or folder, expected none" in again.stderr
+    assert list((here / "mine").iterdir()) == []
+    assert invoke("new", "mine", "--out", "elsewhere").exit_code == 0
+    assert (here / "elsewhere" / "mine" / "rub.toml").is_file()
+
+
+@pytest.mark.slow
+def test_the_new_folder_runs_as_it_is(here, monkeypatch):
+    steps = json.loads(invoke("new", "mine", "--json").stdout)["next"][1:]
+    monkeypatch.chdir(here / "mine")
+    found = {}
+    for step in steps:
+        if step.split()[1] in ("reduce", "rub"):  # modes, update and report of this casing are tested elsewhere
+            result = invoke(*step.split()[1:], "--json")
+            assert result.exit_code == 0, result.output
+            found[step.split()[1]] = json.loads(result.stdout)
+    assert len(found["rub"]["contacts"][0]["intervals"]) >= 4  # twice a turn
+    assert Path("results/rub_forces.csv").is_file()
+
+
+def test_watching_runs_again_when_the_file_or_what_it_names_is_saved(here, monkeypatch):
+    """Not when what it writes is written, and not while nothing happens; Ctrl-C ends with 130."""
+    file = here / "plate.toml"
+    file.write_text(PLATE, encoding="utf-8")
+    looks = []
+
+    def sleep(seconds):
+        looks.append(seconds)
+        if len(looks) == 2:
+            file.write_text(PLATE.replace("3e-3", "4e-3"), encoding="utf-8")
+        if len(looks) == 3:
+            (here / "plate.npz").write_bytes(b"made")
+        if len(looks) == 4:
+            file.write_text(PLATE.replace("thickness", "thicknes"), encoding="utf-8")
+        if len(looks) == 6:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(time, "sleep", sleep)
+    result = invoke("watch", file, "--json")
+    assert result.exit_code == 130
+    first, second = (json.loads(line)["modes"][0]["freq_hz"] for line in result.stdout.splitlines())
+    assert second == pytest.approx(4.0 / 3.0 * first, rel=2e-3)  # and a little shear
+    assert "did you mean thickness?" in result.stderr  # the third run
+    assert result.stderr.count(f"casingfem modes {file} --json") == 3
+    assert result.stderr.splitlines()[-1] == "stopped watching"
+
+
+def test_files_that_are_named_are_watched(here):
+    scene = here / "rub.toml"
+    scene.write_text('[scene]\nkind = "rim"\n[casing]\nbasis = "casing.npz"\n', encoding="utf-8")
+    assert set(stamps(scene)) == {scene}
+    (here / "casing.npz").write_bytes(b"a")
+    assert set(stamps(scene)) == {scene, here / "casing.npz"}
+    looks = changes(scene, lambda _: os.utime(here / "casing.npz", (1.0, 1.0)))
+    assert [next(looks) for _ in range(2)] == [None, None]
+
+
+@pytest.mark.parametrize(("words", "start", "found"), [((), "wat", "watch"), (("example",), "two_r", "two_rods"),
+                                                       (("explain",), "mesh-co", "mesh-coarse"),
+                                                       (("schema",), "coat", "coating")])  # fmt: skip
+def test_the_shell_completes_names(words, start, found):
+    known = ShellComplete(main, {}, "casingfem", "_CASINGFEM_COMPLETE").get_completions(list(words), start)
+    assert found in [item.value for item in known]
