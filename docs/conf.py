@@ -49,6 +49,7 @@ sphinx_gallery_conf = {
     ],
     "filename_pattern": r"\.py$",
     "image_scrapers": ("site_parts.pictures.save",),
+    "capture_repr": (),
     "abort_on_example_error": True,
     "download_all_examples": False,
     "show_memory": False,

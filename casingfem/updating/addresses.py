@@ -6,9 +6,9 @@ the wall's); support.<edge>.k_face | k_r | k_theta | k_z | k_rot; support.<edge>
 along its edge, relative) and support.<edge>.around.p4.cos (all springs of the edge together). Bolts have
 support.<edge>.k | k_rot | bolts.3.k, where k is the largest of a bolt's three stiffnesses and the others keep their
 ratios; bolts.3.k alone where one edge has bolts. chart.chord.2, taper.along.1: a station of a law, the root's first.
-mass.top.1.mass | angle: the first mass on an edge. Under a ring the same names are those of the ring's own support; the
-ring itself has support.<edge>.section.width | depth | diameter | area | I_r | I_z | J and, if it has one,
-support.<edge>.material.E | nu | rho.
+mass.top.1.mass | angle: the first mass on an edge. Under a ring the same names are those of the ring's own support
+(support.<edge>.support.k, as a study nests it, is support.<edge>.k); the ring itself has support.<edge>.section.width |
+depth | diameter | area | I_r | I_z | J and, if it has one, support.<edge>.material.E | nu | rho.
 """
 
 import re
@@ -62,7 +62,8 @@ def shell_address(shell: Shell, name: str) -> Address:
     if parts[0] == "support" and len(parts) > 2:
         if not isinstance(shell.supports.get(parts[1]), Bolts | Ring):
             return of_elastic_edge(shell, name, parts)
-        held = HeldNumber(parts[1], tuple(parts[2:]))
+        on_ring = isinstance(shell.supports.get(parts[1]), Ring) and parts[2] == "support" and len(parts) > 3
+        held = HeldNumber(parts[1], tuple(parts[3 if on_ring else 2 :]))
         try:
             held.value(shell)
         except KeyError as error:

@@ -2,12 +2,14 @@
 
 import importlib
 import inspect
+import re
 from pathlib import Path
 from types import ModuleType
 
 from sphinx.application import Sphinx
 
 PACKAGES = ("casingfem", "contact")
+ARRAY = re.compile(r"(?:numpy\.)?ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], (?:numpy\.)?dtype\[[\w.]+\]\]")
 SHORT = {"casingfem": "cf", "contact": "ct"}
 
 
@@ -70,12 +72,27 @@ def write(app: Sphinx) -> None:
 
 
 def plain(app: Sphinx, what: str, name: str, item: object, options: object, lines: list[str]) -> None:
-    """|u| in a docstring is a modulus, which Sphinx would take for a name to be replaced; not so in examples."""
+    """What docstrings mean: |u| is a modulus, no name to be replaced; indented lines are formulas, no quotation."""
     lines[:] = [line if line.lstrip().startswith((">>>", "...")) else line.replace("|", "\\|") for line in lines]
+    for k in range(len(lines) - 1, 1, -1):
+        before = next((line for line in reversed(lines[:k]) if line.strip()), "")
+        begins = lines[k].startswith("  ") and not lines[k - 1].strip() and not before.startswith(" ")
+        if begins and not lines[k].lstrip().startswith(">>>"):
+            lines[k:k] = ["::", ""]
+            end = next((j for j in range(k + 2, len(lines)) if lines[j][:1].strip()), len(lines))
+            lines[k:end] = [line.replace("\\|", "|") for line in lines[k:end]]
+
+
+def short(
+    app: Sphinx, what: str, name: str, item: object, options: object, signature: str | None, returns: str | None
+) -> tuple[str | None, str | None]:
+    """A signature that says Array, where numpy's own name fills a line."""
+    return tuple(text and ARRAY.sub("Array", text) for text in (signature, returns))
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Called by Sphinx."""
     app.connect("builder-inited", write)
     app.connect("autodoc-process-docstring", plain, priority=400)  # before napoleon
+    app.connect("autodoc-process-signature", short)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -10,17 +10,17 @@ LINK = re.compile(r"(?<!!)\[([^][]+)\]\(([^)#\s]+)(#[\w-]+)?\)")
 
 def here(app: Sphinx, docname: str, source: list[str]) -> None:
     """Rewrite the links of a page."""
-    folder = Path(app.env.doc2path(docname)).parent
+    folder, own = Path(app.env.doc2path(docname)).parent, Path(app.srcdir).resolve()
 
     def to(found: re.Match[str]) -> str:
         words, target, anchor = found[1], found[2], found[3] or ""
         if "://" in target:
             return found[0]
         path = (folder / target).resolve()
-        own = Path(app.srcdir).resolve()
-        if path in (own / "gallery", own / "tutorial"):
-            up = "../" * (len(folder.resolve().relative_to(own).parts))
-            return f"[{words}]({up}built/{path.name}/index)"
+        up = "../" * len(folder.resolve().relative_to(own).parts)
+        if path.is_relative_to(own / "gallery") or path.is_relative_to(own / "tutorial"):
+            part = path.relative_to(own).with_suffix("").as_posix()
+            return f"[{words}]({up}built/{part if path.suffix else f'{part}/index'})"
         if path == own.parent / "README.md":
             return f"[{words}](/index.md{anchor})"
         if path.is_dir():

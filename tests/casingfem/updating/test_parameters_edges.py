@@ -63,6 +63,7 @@ def test_a_section_by_its_numbers_changes_one_of_them():
         ("support.base.section.depth", 0.025),
         ("support.base.material.E", 190e9),
         ("support.base.k_r", 1e8),
+        ("support.base.support.k_r", 1e8),  # as the study nests it
         ("mass.base.1.mass", 0.2),
         ("mass.top.1.angle", 0.5),
     ],

@@ -20,7 +20,7 @@ class WallPart(NamedTuple):
     """Some cells of a shell, as `shell_cells` takes them."""
 
     mesh: MeshData
-    shear_correction: float
+    shear_correction: float | None
     table: FloatArray
 
     def walls(self) -> FloatArray:
