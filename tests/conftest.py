@@ -110,5 +110,5 @@ def perfect_modes() -> Modes:
 
 @pytest.fixture(scope="session")
 def split_modes() -> Modes:
-    """First 40 modes with cos 8 theta, .2 % of the radius."""
+    """First 40 modes with cos 8 theta, 0.2 % of the radius."""
     return modes(reference_frustum(radius_defect=FourierField.of({8: 0.002})), 40)

@@ -69,7 +69,7 @@ SURFACES = {
     ),
     "field-large": Fault(
         "an imperfection is larger than any wall has: it changes the design",
-        "give fields relative to the nominal value (.4 % as 0.004); put the design itself into the chart",
+        "give fields relative to the nominal value (0.4 % as 0.004); put the design itself into the chart",
     ),
     "field-mesh": Fault(
         "the field has finer waves than the mesh can carry",
@@ -85,7 +85,7 @@ SURFACES = {
     ),
     "field-range": Fault(
         "a relative field takes away almost all of what it acts on, or multiplies it tenfold",
-        "give fields relative to the nominal value (.4 % as 0.004), between -0.9 and 9",
+        "give fields relative to the nominal value (0.4 % as 0.004), between -0.9 and 9",
     ),
     "field-resolution": Fault(
         "a pair of n nodal diameters is split by harmonic 2n of a defect, which the survey is too coarse to show",

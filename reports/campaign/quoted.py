@@ -62,7 +62,7 @@ QUOTED: dict[str, tuple[Table, ...]] = {
     "verification.cylinder": (
         Table(
             "cylinder_summary.csv", ("h/R",),
-            plain("rows", "within .1 %", "worst %", "linear within", "linear worst %", "Fluegge within")
+            plain("rows", "within 0.1 %", "worst %", "linear within", "linear worst %", "Fluegge within")
             | plain("Fluegge worst %"),
         ),
     ),

@@ -211,7 +211,7 @@ def main(out: Path, quick: bool = False) -> dict[str, Row]:
     if not quick:
         rows, summaries["blade test"], summaries["blade"] = blade_chain()
         predicted += rows
-    show("Frequencies that were not used, in sigma of the test (.04 %)", predicted)
+    show("Frequencies that were not used, in sigma of the test (0.04 %)", predicted)
     short = [row for row in summaries.values() if "unseen" in row]
     show("The same in one line each", short)
     write(out / "rig_measure_summary.csv", marked(short))

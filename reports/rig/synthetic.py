@@ -111,7 +111,7 @@ def measured_table(truth: cf.Modes, rng: np.random.Generator) -> cf.FrequencyTab
             "SYNTHETIC: made by `python -m reports.rig.synthetic`, not measured",
             "Frustum .50 -> .45 m, height .25 m, 3 mm steel, elastically embedded base, free top.",
             "Made from a finer model with thickness variations, radius harmonics up to 32 and embedding",
-            "harmonics that the updated model does not have; noise of .04 % a frequency.",
+            "harmonics that the updated model does not have; noise of 0.04 % a frequency.",
         ),
     )
 

@@ -1,7 +1,7 @@
 """Modal speed: error against time over meshes and orders, and where the time goes.
 
 `python -m reports.speed.modal [--quick] [--out DIR]` takes the first 40 modes of the reference frustum: by the
-two-dimensional shell on several meshes, perfect and with cos 8 theta of .2 % in the radius, and 13 harmonics by three
+two-dimensional shell on several meshes, perfect and with cos 8 theta of 0.2 % in the radius, and 13 harmonics by three
 modes. Errors are against 3-D elasticity (perfect) or the finest mesh (imperfect). The parts of a solution are timed in
 the same run, and so is ARPACK on the same factor, one vector at a time. Writes modal_speed.csv and modal_parts.csv.
 """

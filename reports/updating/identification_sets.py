@@ -1,9 +1,9 @@
 """Synthetic responses of imperfect frusta, whose modes are known: what `reports.updating.identification` identifies.
 
 Each casing is the reference frustum with a wall whose thickness has harmonics 2n, n = 2..16, of seeded size and phase:
-splits from about .05 to 1 %. Damping is .1 to .5 %, alike within a pair to a tenth. A rim of 24 uneven radial sensors,
-radial forces at one or two points of the rim, accelerance over lines 1/8 Hz apart, with the compliance of all modes
-left out, and noise 40 dB below the rms of each channel.
+splits from about 0.05 to 1 %. Damping is 0.1 to 0.5 %, alike within a pair to a tenth. A rim of 24 uneven radial
+sensors, radial forces at one or two points of the rim, accelerance over lines 1/8 Hz apart, with the compliance of all
+modes left out, and noise 40 dB below the rms of each channel.
 """
 
 from dataclasses import replace

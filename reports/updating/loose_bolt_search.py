@@ -5,7 +5,7 @@ data/studies/bolted_ring.toml with all bolts tight. The truth is made on another
 that a lathe left untrue, every bolt some per cent off its nominal stiffness, and two bolts at 30 %; the model that
 searches knows none of that. Frequencies up to 480 Hz, n = 4 to 11, have relative noise, and the phase n psi of every
 orientation .02 rad. With a baseline the same casing was measured before, with the same noise; without one the model is
-told to be off by .2 %.
+told to be off by 0.2 %.
 
 Half a turn of the casing changes no frequency and no orientation, so that a set of bolts and the opposite set are one
 answer. loose_bolts_found.csv: draws by noise; "truth fits better": the search stopped at bolts that explain less than
@@ -256,7 +256,7 @@ def main(out: Path, quick: bool = False, short: bool = False) -> list[Row]:
     write(out / "loose_bolts_alike.csv", groups)
     if not quick:
         heavy = masses(8)
-        show("One mass on the rim, noise .01 %", heavy)
+        show("One mass on the rim, noise 0.01 %", heavy)
         write(out / "masses_found.csv", heavy)
     return rows
 

@@ -1,7 +1,7 @@
 """Does the updater know how sure it is? A twin of its own family, noise on every row, many draws.
 
 `python -m reports.updating.twin [--quick] [--out DIR]`. A steel frustum on an elastic base with harmonics 8 and 16 in
-its radius; 20 frequencies, .1 % noise on the mean of each pair and on both components of its split vector, which is
+its radius; 20 frequencies, 0.1 % noise on the mean of each pair and on both components of its split vector, which is
 noise on frequencies and angles; five parameters. Without noise the parameters come back from a start 13 % off. Over the
 draws: how often the 95 % interval covers the truth (92 to 98 % is what 200 draws of an honest one give), and the
 scatter of the estimates over the Cramer-Rao bound, the sigma of the noise-free fit. The first draws begin 13 % off, the

@@ -95,7 +95,7 @@ def summary(found: pd.DataFrame) -> list[Row]:
                 "alpha": float(alpha),
                 "ends": f"{small}-{large}",
                 "rows": len(part),
-                "within .3 %": int(np.count_nonzero(part.error.abs() < WITHIN)),
+                "within 0.3 %": int(np.count_nonzero(part.error.abs() < WITHIN)),
                 "worst %": 100.0 * float(worst.error),
                 "n": int(worst.n),
                 "m": int(worst.m),
@@ -115,7 +115,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     rows = summary(found)
     show(f"Conical frusta against Love's theory, order {FIXED.order}, {len(FIXED.breaks) - 1} rows", rows)
     good, thin = (int(np.count_nonzero(error.abs() < WITHIN)) for error in (found.error, found.thin))
-    print(f"within .3 %: {good} of {len(found)}; without shear and rotary inertia {thin}, worst "
+    print(f"within 0.3 %: {good} of {len(found)}; without shear and rotary inertia {thin}, worst "
           f"{100 * found.thin.abs().max():.3f} %")  # fmt: skip
     write(out / "cone_summary.csv", rows)
     found.to_csv(out / "cone.csv", index=False)

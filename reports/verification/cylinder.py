@@ -66,7 +66,7 @@ def errors(table: pd.DataFrame, mesh: ShellMesh = FIXED, wall: str = "curved") -
 
 
 def summary(found: pd.DataFrame) -> list[Row]:
-    """One row for each h/R: rows within .1 %, worst errors in per cent, where the worst stands."""
+    """One row for each h/R: rows within 0.1 %, worst errors in per cent, where the worst stands."""
     rows: list[Row] = []
     for h, part in found.groupby("h_over_R"):
         worst = part.loc[part.error.abs().idxmax()]
@@ -74,7 +74,7 @@ def summary(found: pd.DataFrame) -> list[Row]:
             {
                 "h/R": float(h),
                 "rows": len(part),
-                "within .1 %": int(np.count_nonzero(part.error.abs() < WITHIN)),
+                "within 0.1 %": int(np.count_nonzero(part.error.abs() < WITHIN)),
                 "worst %": 100.0 * float(part.error.abs().max()),
                 "at L/R": float(worst.L_over_R),
                 "n": int(worst.n),
@@ -100,7 +100,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     show(f"Cylinders between shear diaphragms against 3-D, order {FIXED.order}, {FIXED.rows} rows", rows)
     thin = found[found.h_over_R <= 0.02]
     good = np.count_nonzero(thin.error.abs() < WITHIN)
-    print(f"h/R <= .02: {good} of {len(thin)} rows within .1 %, worst {100 * thin.error.abs().max():.3f} %")
+    print(f"h/R <= .02: {good} of {len(thin)} rows within 0.1 %, worst {100 * thin.error.abs().max():.3f} %")
     write(out / "cylinder_summary.csv", rows)
     found.to_csv(out / "cylinder.csv", index=False)
     return rows

@@ -45,9 +45,9 @@ SLOPES: dict[str, Callable[[int], float]] = {
 def fields() -> dict[str, dict[str, FourierField]]:
     """Imperfections whose harmonics are multiples of one p: name -> fields."""
     return {
-        "cos 8, radius .2 %": {"radius_defect": FourierField.of({8: 0.002})},
+        "cos 8, radius 0.2 %": {"radius_defect": FourierField.of({8: 0.002})},
         "cos 6, thickness 5 %": {"thickness_defect": FourierField.of({6: 0.05})},
-        "p = 10, radius .1 % and thickness 3.6 %": {
+        "p = 10, radius 0.1 % and thickness 3.6 %": {
             "radius_defect": FourierField.of({10: 0.001}),
             "thickness_defect": FourierField.of({10: (0.02, 0.03)}),
         },

@@ -71,13 +71,13 @@ def solid(
 
 
 def summary(found: pd.DataFrame) -> list[Row]:
-    """One row for each plate: worst error, where it stands, modes within .5 %."""
+    """One row for each plate: worst error, where it stands, modes within 0.5 %."""
     rows: list[Row] = []
     for (a, h, twist), part in found.groupby(CASE):
         worst = part.loc[part.error.abs().idxmax()]
         within = int(np.count_nonzero(part.error.abs() < WITHIN))
         rows.append(
-            {"a/b": float(a), "b/h": float(h), "twist deg": float(twist), "modes": len(part), "within .5 %": within,
+            {"a/b": float(a), "b/h": float(h), "twist deg": float(twist), "modes": len(part), "within 0.5 %": within,
              "worst %": 100.0 * float(worst.error), "mode": int(worst["mode"])}
         )  # fmt: skip
     return rows
@@ -110,7 +110,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     show(f"Pretwisted plates against 3-D elasticity, order {FIXED.order}, one element", rows)
     thin = found[found.b_over_h == 20]
     good = int(np.count_nonzero(thin.error.abs() < WITHIN))
-    print(f"b/h = 20: {good} of {len(thin)} rows within .5 %, worst {100 * thin.error.abs().max():.2f} %")
+    print(f"b/h = 20: {good} of {len(thin)} rows within 0.5 %, worst {100 * thin.error.abs().max():.2f} %")
     if not quick:
         parts = anatomy(table, 1, 20, 60)
         show("a/b = 1, b/h = 20, twist 60 degrees: what the gap is made of, per cent", parts)

@@ -27,9 +27,9 @@ def table(reference):
 
 
 def test_model_as_it_comes_is_within_03_percent_of_the_seven_converged_values(table):
-    """Default mesh: all seven .05 to .26 % below thin-shell theory.
+    """Default mesh: all seven 0.05 to 0.26 % below thin-shell theory.
 
-    A fully converged first-order shear model lies up to .42 % below (sixth to twelfth mode: .45 %), because thin
+    A fully converged first-order shear model lies up to 0.42 % below (sixth to twelfth mode: 0.45 %), because thin
     shells have no shear layer at the free edges; see the Kirchhoff limit below.
     """
     error = modes(blade(), 12).freq[:7] / table.computed_love_ritz_hz[:7].to_numpy() - 1
@@ -39,7 +39,7 @@ def test_model_as_it_comes_is_within_03_percent_of_the_seven_converged_values(ta
 
 @pytest.mark.slow
 def test_kirchhoff_limit_meets_all_twelve_thin_shell_values(table):
-    """Transverse shear made stiff: within .09 % on order 10, 3 x 3 elements, on every mode."""
+    """Transverse shear made stiff: within 0.09 % on order 10, 3 x 3 elements, on every mode."""
     thin = modes(blade(shear_correction=100.0, mesh=ShellMesh(order=10, rows=3, around=3)), 12)
     np.testing.assert_allclose(thin.freq, table.computed_love_ritz_hz, rtol=1e-3)
 

@@ -16,14 +16,14 @@ def found(reference):
 
 @pytest.mark.slow
 def test_without_shear_and_rotary_inertia_all_880_rows_are_met(found):
-    """Love's theory, of a linear wall; worst .06 %: metric, curvature, ends, order of modes are right for all."""
+    """Love's theory, of a linear wall; worst 0.06 %: metric, curvature, ends, order of modes are right for all."""
     assert len(found) == 880
     assert found.thin.abs().max() < 7e-4
 
 
 @pytest.mark.slow
 def test_the_shell_lies_below_by_what_thin_theory_leaves_out(found):
-    """617 rows within .3 %; the rest are short waves on the short wide cones, to -2.2 % (C-C, 60 degrees, m = 2)."""
+    """617 rows within 0.3 %; the rest are short waves on the short wide cones, to -2.2 % (C-C, 60 degrees, m = 2)."""
     assert np.count_nonzero(found.error.abs() < 3e-3) >= 610
     beyond = found[found.error.abs() >= 3e-3]
     assert np.all(beyond.error < 0.0)

@@ -19,7 +19,7 @@ def thin(reference):
 
 @pytest.mark.slow
 def test_one_mesh_serves_the_table(thin):
-    """All within .0034 % of 3-D elasticity, as near as the table's own digits where h/R is .01 or less."""
+    """All within 0.0034 % of 3-D elasticity, as near as the table's own digits where h/R is .01 or less."""
     worst = thin.error.abs().groupby(thin.h_over_R).max()
     assert len(thin) == 390
     assert worst[0.005] < 1.2e-5
@@ -28,7 +28,7 @@ def test_one_mesh_serves_the_table(thin):
 
 
 def test_thick_walls_and_the_shortest_waves(reference):
-    """h/R .05: within .031 %, where Fluegge's theory is off by 12 %; h/R .1, as thick as warned of at .2: .16 %."""
+    """h/R .05: within 0.031 %, where Fluegge's theory is off by 12 %; h/R .1, as thick as warned of at .2: 0.16 %."""
     table = reference("cyl_shear_diaphragm_exact.csv")
     found = errors(table[(table.h_over_R >= 0.05) & (table.n % 4 == 0)])
     worst = found.error.abs().groupby(found.h_over_R).max()
@@ -39,7 +39,7 @@ def test_thick_walls_and_the_shortest_waves(reference):
 
 @pytest.mark.slow
 def test_a_linear_wall_is_published_theory_and_farther_off(reference):
-    """Its gaps of before: .19 % at h/R .02, in the shortest waves."""
+    """Its gaps of before: 0.19 % at h/R .02, in the shortest waves."""
     table = reference("cyl_shear_diaphragm_exact.csv")
     error = errors(table[(table.h_over_R == 0.02) & (table.n % 4 == 0)], wall="linear").error
     assert error.abs().max() == pytest.approx(1.86e-3, rel=0.01)
@@ -84,7 +84,7 @@ def test_the_mesh_solves_the_shell_s_own_theory(reference, h, length, n, wall, w
 
 @pytest.mark.parametrize(("length", "n", "m"), [(20.0, 2, 1), (20.0, 2, 2), (0.5, 0, 2), (0.5, 12, 2)])
 def test_the_curved_wall_closes_the_gap_of_long_and_of_short_waves(length, n, m):
-    """To a ninth at least up to h/R .02; at h/R .1, L/R 20, n = m = 2 from -.62 to -.02 %."""
+    """To a ninth at least up to h/R .02; at h/R .1, L/R 20, n = m = 2 from -.62 to -0.02 %."""
     for h, left in ((0.005, 0.11), (0.02, 0.06), (0.1, 0.32)):
         linear, curved = gaps(h, length, n, m)
         assert abs(curved) < left * abs(linear)

@@ -100,19 +100,30 @@ def remedies(fit: UpdateResult) -> list[str]:
         [f"Look at {len(fit.outliers)} rows that contradict all others and were set aside."] if fit.outliers else []
     )
     if fit.inflation > 1.0:
-        words.append("Look at the rows with the largest error: something that is not varied is wrong there.")
+        words.append(f"Look at {worst_rows(fit)}: something that is not varied is wrong there, or the measurement.")
     return words or ["Predict what was not measured: casingfem update --leave-one-out shows how well that goes."]
+
+
+def worst_rows(fit: UpdateResult, count: int = 2) -> str:
+    """The rows of the table that lie farthest off by their own uncertainty, with the error that is left."""
+    rows = [{name: float(str(row[name])) for name in ("mode", "measured_hz", "after_hz", "sigma_hz")}
+            for row in fit.pairs()]  # fmt: skip
+    rows.sort(key=lambda row: -abs(row["after_hz"] - row["measured_hz"]) / row["sigma_hz"])
+    return " and ".join(
+        f"mode {row['mode']:.0f} of the table ({100.0 * (row['after_hz'] / row['measured_hz'] - 1.0):+.2g} %)"
+        for row in rows[:count]
+    )
 
 
 def parameters_table(fit: UpdateResult) -> Table:
     """Start, value and sigma of each parameter, in as many digits as sigma leaves."""
     rows = [
         (p.name, a, digits_of(b, b * math.log(10.0) * s if p.log else s),
-         f"{100.0 * (b / a - 1.0):+.2f}" if a else None, raised(f"{s:.2g}") + (" decades" if p.log else ""),
-         p.lower, p.upper)
+         None if not a else f"{b / a:.3g} times" if p.log else f"{100.0 * (b / a - 1.0):+.2f} %",
+         raised(f"{s:.2g}") + (" decades" if p.log else ""), p.lower, p.upper)
         for p, a, b, s in zip(fit.parameters, fit.start, fit.value, fit.sigma, strict=True)
     ]  # fmt: skip
-    columns = ("parameter", "start", "updated", "change [%]", "sigma", "lower bound", "upper bound")
+    columns = ("parameter", "start", "updated", "change", "sigma", "lower bound", "upper bound")
     caption = "Parameters; sigma is one standard deviation given the measurement's uncertainty and the priors."
     return Table(caption, columns, tuple(rows))
 

@@ -8,7 +8,7 @@ import numpy as np
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.identify.identified import Identified
 from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
-from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page
+from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, raised, render_page
 
 SYNTHETIC = "SYNTHETIC: the responses were made by a program; nobody measured them."
 
@@ -51,7 +51,7 @@ def identification_verdict(found: Identified) -> Verdict:
     """How many modes, how good the fit, what to do about the rest."""
     doubtful = int(np.sum(~found.sure))
     first = f"{len(found)} modes from {found.freq[0]:.2f} to {found.freq[-1]:.2f} Hz" if len(found) else "No mode"
-    pairs = f", {len(found.doublets)} of them pairs" if found.doublets else ""
+    pairs = f", {len(found.doublets)} pairs among them" if found.doublets else ""
     sure = f"{len(found) - doubtful} are sure, {doubtful} doubtful. "
     if np.isfinite(found.deviation):
         sure += f"The fit leaves {100.0 * found.deviation:.2g} % of what was measured (rms)."
@@ -68,8 +68,8 @@ def modes_table(found: Identified) -> Table:
     """Every mode with its uncertainties."""
     rows: list[tuple[Cell, ...]] = [
         (
-            row["mode"], f"{row['freq_hz']:.4f}", f"{row['sigma_hz']:.1g}", f"{100.0 * row['zeta']:.3f}",
-            f"{100.0 * row['sigma_zeta']:.1g}", row["n"],
+            row["mode"], f"{row['freq_hz']:.4f}", raised(f"{row['sigma_hz']:.1g}"), f"{100.0 * row['zeta']:.3f}",
+            raised(f"{100.0 * row['sigma_zeta']:.1g}"), row["n"],
             f"{row['angle_deg']:.1f}" if np.isfinite(row["angle_deg"]) else None, row["doublet"],
             f"{100.0 * row['collinearity']:.1f}", row["verdict"],
         )

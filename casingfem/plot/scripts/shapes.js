@@ -64,7 +64,8 @@
 
     const surface = gl.createVertexArray();
     gl.bindVertexArray(surface);
-    attribute("at", page.integers(data.points, Int16Array), gl.SHORT, 3);
+    const points = page.integers(data.points, Int16Array);
+    attribute("at", points, gl.SHORT, 3);
     attribute("outward", page.integers(data.out, Int8Array), gl.BYTE, 3);
     const moves = data.shapes.map((shape) => page.integers(shape.move, Int16Array));
     const moving = attribute("move", moves[0], gl.SHORT, 3, gl.DYNAMIC_DRAW);
@@ -78,6 +79,11 @@
     attribute("move", new Float32Array(3), gl.FLOAT, 3);
     const strayMove = gl.getParameter(gl.ARRAY_BUFFER_BINDING);
 
+    let [wide, high] = [0, 0]; // farthest from the axis and along it
+    for (let k = 0; k < points.length; k += 3) {
+      wide = Math.max(wide, Math.hypot(points[k], points[k + 1]) / 32767);
+      high = Math.max(high, Math.abs(points[k + 2]) / 32767);
+    }
     const state = { shape: 0, phase: 0, speed: 1, size: 1, zoom: 1, playing: !page.still, old: true };
     let [pitch, yaw] = data.view.map((degrees) => (degrees * Math.PI) / 180);
     let tags = [];
@@ -124,7 +130,7 @@
       }
       const drawn = shape.flat ? "" : `; drawn ${Number(((state.size * data.swing * data.reach) / shape.metres).toPrecision(2))} times`;
       const most = Math.max(Math.abs(shape.least), Math.abs(shape.most));
-      const end = (value) => `${value.toPrecision(3)} ${shape.unit} `;
+      const end = (value) => `${Number(value.toPrecision(3))} ${shape.unit} `;
       words.append(end(-most), page.element("span", { className: "colours" }), ` ${end(most)}`);
       words.append(`(found from ${end(shape.least)}to ${end(shape.most).trim()})${drawn}`);
       if (shape.strays.length) words.append(`; dots: ${shape.strays.length} stray points of the survey`);
@@ -175,7 +181,8 @@
       const part = state.size * data.swing * (shape.still ? 1 : Math.cos(state.phase));
       const [c, s, ce, se] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
       const near = [ce * c, ce * s, se], right = [-s, c, 0], up = [-se * c, -se * s, ce];
-      const fit = (0.92 * state.zoom * Math.min(canvas.width, 1.35 * canvas.height));
+      const room = state.size * data.swing, tall = high * ce + wide * Math.abs(se) + room;
+      const fit = 0.96 * state.zoom * Math.min(canvas.width / (wide + room), canvas.height / tall);
       const zoom = [fit / canvas.width, fit / canvas.height];
       gl.viewport(0, 0, canvas.width, canvas.height);
       gl.enable(gl.DEPTH_TEST);

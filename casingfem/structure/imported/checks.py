@@ -200,7 +200,7 @@ def slender(mesh: MeshData) -> list[Finding]:
 def thin_and_curved(mesh: MeshData) -> list[Finding]:
     """Solid cells whose bow, from the chord of an edge to its middle node, is large beside their thickness: they lock.
 
-    On the frustum of reports/modes/imported.py (27 nodes) a bow of .06 of the thickness costs .5 % of the lowest
+    On the frustum of reports/modes/imported.py (27 nodes) a bow of .06 of the thickness costs 0.5 % of the lowest
     frequency, .2 costs 5 %, .6 costs 23 %.
     """
     kind = mesh.cell_kind

@@ -88,7 +88,7 @@ def _spikes(quick: bool) -> list[Row]:
 
 
 PHASES = "known: .053 to .057 by the instant of closing; .039 of it because forces are constant over a step"
-A_BOUNCE = "known: .07 % an impact, .02 % at Courant .98; the energy law above keeps it"
+A_BOUNCE = "known: 0.07 % an impact, 0.02 % at Courant .98; the energy law above keeps it"
 
 
 def _study_accuracy() -> list[Row]:

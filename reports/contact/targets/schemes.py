@@ -16,7 +16,7 @@ STIFFNESS = np.array([[30.0, -10.0, 0.0], [-10.0, 30.0, -20.0], [0.0, -20.0, 20.
 MASS, LOAD, VELOCITY = np.array([1.0, 2.0, 0.5]), np.array([0.0, -1.0, 0.5]), np.array([1.0, 0.0, 2.0])
 FIRST_ORDER = ("Newmark (.5, .55)", "Newmark (.25, .55)")
 CHATTERS = "known: the contact opens and closes again and again, more often as the step falls"
-SCATTERS = "known: below .2 % from the first step on, by where in a step it closes"
+SCATTERS = "known: below 0.2 % from the first step on, by where in a step it closes"
 KNOWN = {
     "CD-Lagrange": SCATTERS, "HHT (-.3), penalty": SCATTERS, "HHT (-.3)": CHATTERS, "HHT (-.3), augmented": CHATTERS,
     "Newmark (.5, .55)": CHATTERS, "Newmark (.25, .55)": CHATTERS, "Newmark (.25, .5)": CHATTERS,

@@ -169,6 +169,9 @@ def test_update_recovers_what_made_the_table_and_writes_a_study(study, tmp_path)
     E, k = document["parameters"]
     assert E["value"] == pytest.approx(205e9, rel=1e-2)
     assert abs(np.log10(k["value"] / 1.2e12)) < 3 * k["sigma"]
+    page = (tmp_path / "out" / "update.html").read_text(encoding="utf-8")
+    for words in ("How sure", "The misfit is", "Parameters; sigma", "sha256"):
+        assert words in page, words
     again = invoke("modes", tmp_path / "out" / "study_updated.toml", "--json")
     modes = json.loads(again.stdout)["modes"]
     assert modes[0]["freq_hz"] == pytest.approx(document["pairs"][0]["after_hz"], rel=1e-9)
@@ -249,7 +252,7 @@ def test_sweep_writes_table_picture_and_store_and_goes_on(tmp_path):
     document = json.loads(result.stdout)
     assert [run["status"] for run in document["runs"]] == ["done"] * 4
     assert document["runs"][0]["rod[1].velocity"] == 1.0
-    assert sorted(p.name for p in out.iterdir()) == ["store", "sweep.csv", "sweep.json", "sweep.png"]
+    assert sorted(p.name for p in out.iterdir()) == ["store", "sweep.csv", "sweep.html", "sweep.json", "sweep.png"]
     table = (out / "sweep.csv").read_bytes()
     again = invoke("sweep", file, "--jobs", "1", "--out", out)
     assert "4 runs were there already" in again.stdout

@@ -38,6 +38,9 @@ def test_cycles_gives_points_folds_and_files(tmp_path):
     assert np.abs(arrays["multipliers"][7]).max() == document["points"][7]["multiplier"]
     assert "fold" in arrays["special"]
     assert (tmp_path / "out" / "cycles.png").stat().st_size > 10_000
+    page = (tmp_path / "out" / "cycles.html").read_text(encoding="utf-8")
+    for words in ("How sure", "Floquet", "fold at ", "sha256", "periodic motions on 1 branch over"):
+        assert words in page, words
     said = invoke("cycles", file).stdout
     assert "fold at 0.24" in said
     assert "UNSTABLE" in said

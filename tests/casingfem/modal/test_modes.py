@@ -70,7 +70,7 @@ def test_turning_the_field_changes_no_frequency_and_turns_the_shapes(frustum, sp
 
 @pytest.mark.slow
 def test_turning_a_mixed_field_changes_no_frequency(frustum):
-    """Five harmonics up to .2 %, default mesh; mixed harmonics couple many n through the mesh."""
+    """Five harmonics up to 0.2 %, default mesh; mixed harmonics couple many n through the mesh."""
     field = FourierField.of({2: 0.002, 3: (0.001, 0.0005), 5: 0.0005, 8: 0.001, 4: 0.001})
     still = modes(frustum(radius_defect=field), 24)
     assert_turned(modes(frustum(radius_defect=field.rotated(-1.7)), 24), still, -1.7, 1e-9)

@@ -11,6 +11,9 @@ from casingfem.errors import ModelWarning
 from casingfem.plot.film import rub_film
 from casingfem.plot.modes import figure_frequencies
 from casingfem.plot.page import Picture, Section, Table, Verdict, render_page
+from casingfem.plot.pages.cycles import cycles_page
+from casingfem.plot.pages.scene import scene_page, scene_verdict
+from casingfem.plot.pages.sweep import sweep_page
 from casingfem.plot.turning import turning_shapes
 from tests.casingfem.plot.browser import Tab, browser, found_browser
 
@@ -143,6 +146,41 @@ def test_without_webgl_the_moving_pictures_stay(html, tmp_path):
         tab.open(tmp_path / "page.html", 1200)
         assert tab.run("document.querySelectorAll('[data-live=shapes] canvas').length") == 0
         assert tab.run("document.querySelector('[data-live=shapes] details img').offsetWidth") > 400
+        assert tab.heard == []
+
+
+RUNS = [
+    {"speed.hz": float(k), "status": "done", "amplitude_m": 1e-6 * k, "contact_fraction": 0.1, "growth_1_s": 3.0 - k,
+     "dominant_n": 3, "diverged_at_s": None, "unaccounted_rel": 1e-13, "flags": "", "why": ""}
+    for k in range(1, 4)
+]  # fmt: skip
+ORBITS = [
+    {"branch": 1, "freq_hz": 10.0 + k, "amplitude_x": 1e-4 * k, "stable": k < 3, "force": 2.0, "gap": 1e-6}
+    for k in range(1, 5)
+]
+MARKS = [{"kind": "fold", "branch": 1, "freq_hz": 12.5, "amplitude_x": 2.5e-4}]
+SOURCE = {"scene": "a_name_without_a_place_to_break_it_" * 3 + ".toml", "sha256": "0123" * 16, "numpy": "2.0"}
+NUMBERS = dict.fromkeys(
+    ("steps", "time simulated [s]", "time in contact [s]", "impulse [N s]", "largest windowed force [N]",
+     "law violated by [m]", "energy not accounted for"), 1.25e-6,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("width", [1200, 360])
+def test_pages_of_other_kinds_fit_and_do_not_err(tab, width, tmp_path):
+    values = np.array([[1.0], [2.0], [3.0]])
+    verdict = scene_verdict(NUMBERS, ("a flag",), diverged=True, rubs=True)
+    pages = {
+        "sweep": sweep_page("rub", ["speed.hz"], RUNS, SOURCE, (["speed.hz"], values), "3 runs"),
+        "cycles": cycles_page("rod", ORBITS, MARKS, [""], SOURCE, "branch 1"),
+        "scene": scene_page("rub", "[scene]", "words " * 40, ("a flag",), NUMBERS, {}, verdict=verdict, source=SOURCE),
+    }
+    for name, text in pages.items():
+        (tmp_path / f"{name}.html").write_text(text, encoding="utf-8")
+        tab.open(tmp_path / f"{name}.html", width)
+        assert tab.run("document.documentElement.scrollWidth") <= width, name
+        assert tab.run("document.querySelectorAll('.verdict dd').length") == 3
+        assert "10⁻" in tab.run("document.body.innerText") or name == "cycles"
         assert tab.heard == []
 
 

@@ -200,7 +200,7 @@ def test_samples_agree_with_the_gaussian_where_there_is_one(fit):
 
 
 def test_the_models_own_error_is_what_scatter_noise_does_not_explain():
-    """Noise of 1 % called .1 %: the floor is 1 %."""
+    """Noise of 1 % called 0.1 %: the floor is 1 %."""
     fit = cf.update(blade(), table(0.01), vary("material.E"))
     assert fit.misfit > 5.0
     assert 0.006 < fit.model_floor < 0.014

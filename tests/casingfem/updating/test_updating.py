@@ -156,7 +156,7 @@ def blade_table(E=200e9, t=3e-3, rows=5, sigma=1e-3):
 def test_an_open_shell_updates_by_order(frustum):
     fit = update(blade(), blade_table(), [Parameter(name="material.E", lower=150e9, upper=250e9)])
     assert fit.value[0] == pytest.approx(200e9, rel=1e-8)
-    # f^2 ~ E: five rows of .1 % give sigma_E = 2 E 1e-3/sqrt(5)
+    # f^2 ~ E: five rows of 0.1 % give sigma_E = 2 E 1e-3/sqrt(5)
     assert fit.sigma[0] == pytest.approx(2 * 200e9 * 1e-3 / np.sqrt(5), rel=1e-6)
 
 

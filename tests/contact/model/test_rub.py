@@ -350,7 +350,7 @@ def test_a_turning_blade_is_stiffer(at_hz):
         errors.append(undamped)
         assert abs(result.energy.unaccounted) <= 1e-11 * result.energy.scale
         assert result.energy.external != 0.0
-    assert max(errors) <= 0.05  # damping of .2 % over 14 ms
+    assert max(errors) <= 0.05  # damping of 0.2 % over 14 ms
 
 
 @pytest.mark.slow
