@@ -37,14 +37,18 @@ def contact(file: Path, as_json: bool, out: Path | None) -> None:
 
 @click.command()
 @SCENE
+@click.option("--vtu", is_flag=True, help="Also write the motion of all nodes for ParaView, to DIR/vtu.")
 @options
-def rub(file: Path, as_json: bool, out: Path | None) -> None:
+def rub(file: Path, as_json: bool, out: Path | None, vtu: bool) -> None:
     """Run SCENE: a turning casing against one blade tip (rim), or against many places of many blades (rub).
 
     --out DIR gets the result, pictures of force, gap, spectrum, orbit and energy, and the forces as a table. A run that
-    diverges stops there, keeps all it has, and ends with exit code 3, or 0 with on_limit = "flag".
+    diverges stops there, keeps all it has, and ends with exit code 3, or 0 with on_limit = "flag". --vtu needs a basis
+    that recovers its nodes: recovery = true in [reduce] of its study.
     """
-    run_scene(file, "rub", as_json, out)
+    if vtu and out is None:
+        raise click.UsageError("found --vtu without --out DIR, expected a folder to write to")
+    run_scene(file, "rub", as_json, out, vtu=vtu)
 
 
 @click.command()
@@ -110,7 +114,7 @@ def interaction_rows(found: "Confirmed") -> str:
     return "\n".join(lines) + "\n"
 
 
-def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None:
+def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False) -> None:
     """Load, run, deliver; of a run that failed or diverged, what there is up to that step."""
     from contact import RotatingRim, Rub, load_scene
     from contact.scene.load import SceneError, read_scene
@@ -129,6 +133,10 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None) -> None
 
         files = {f"{command}.npz": result.save, f"{command}.json": json_text(document)}
         files |= run_files(scene, result, command)
+    if vtu and isinstance(scene.what, RotatingRim | Rub):
+        from casingfem.cli.series import series_files
+
+        files |= series_files(scene.what, result)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)
     if broken is not None:
         fail(f"{command} {file}: the numerics failed: {broken}", NUMERICS_FAILED)

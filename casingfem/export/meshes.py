@@ -14,14 +14,10 @@ import numpy as np
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.modal.imported.modes import MeshModes
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.mesh.element import ElementQuadLobatto
+from casingfem.structure.imported.cell_kind import VTK
 from casingfem.structure.mesh.kinematics import dot, frame
+from casingfem.structure.mesh.shell_mesh import QUAD, quads
 
-VTK = {
-    "quad": 9, "quad8": 23, "quad9": 28, "tetra": 10, "tetra10": 24, "hexahedron": 12, "hexahedron20": 25,
-    "hexahedron27": 29,
-}  # VTK's numbers of the kinds of cells  # fmt: skip
-QUAD = VTK["quad"]
 EXAGGERATION = 0.05  # largest displacement drawn, as a part of the structure's diagonal
 PHASES = 16  # pictures in one period
 
@@ -72,17 +68,13 @@ def drawn_surface(modes: Modes) -> Drawn:
     normals = frame(geometry.surface).normal
     outward = dot(normals, shell.chart.directions(*grid.nodes)[0])
     flip = float(outward.sum()) < 0.0
-    order = grid.mesh.order
-    place = np.empty((order + 1, order + 1), dtype=np.int64)  # function number at each lattice point of an element
-    place[tuple(ElementQuadLobatto(order).pairs.T)] = np.arange((order + 1) ** 2)
-    corners = np.stack([place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:]], axis=-1).reshape(-1, 4)
-    quads = grid.elements[:, corners[:, ::-1] if flip else corners].reshape(-1, 4)
+    cells = quads(grid)[:, ::-1] if flip else quads(grid)
     count = len(geometry.surface.x.T)
     return Drawn(
         points=np.real(geometry.surface.x.T),
-        cells=quads,
+        cells=cells,
         kind=QUAD,
-        sides=np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2),
+        sides=np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2),
         rows=np.arange(count),
         labels=np.arange(1, count + 1),
         normals=np.real(-normals.T if flip else normals.T),

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from casingfem.errors import InputError
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.npz import read_npz
 from contact.io.names import names_fault
 from contact.io.npz import compliance_fault, whole, write_npz
@@ -24,8 +24,8 @@ from contact.io.reported import Reported
 FORMAT = "casingfem-modal-basis-1"
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 OPTIONAL = (
-    "recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation",
-    "out_of_roundness",
+    "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "output_rows", "output_S", "K_omega",
+    "participation", "out_of_roundness",
 )  # fmt: skip
 
 
@@ -47,9 +47,9 @@ class ModalBasis(Reported):
         "rim": Fourier amplitudes around an edge; "point": displacements of one place.
     n_max, radius, thickness
         Of a rim: highest harmonic, mean radius and least thickness of the wall [m], 0 where that is not known.
-    recovery, recovery_S, recovery_points
+    recovery, recovery_S, recovery_points, recovery_cells
         Displacements elsewhere, u = recovery q + recovery_S lam: (3 points, modes), (3 points, channels),
-        (points, 3); empty unless asked for.
+        (points, 3); the cells between the points, each VTK's number of its kind and its nodes; empty unless asked for.
     lines
         Of a rim: axial place and radius of each of its lines [m], (lines, 2).
     outputs, output_rows, output_S
@@ -81,6 +81,7 @@ class ModalBasis(Reported):
     recovery: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     recovery_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     recovery_points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    recovery_cells: IntArray = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int64))
     lines: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
     outputs: tuple[str, ...] = ()
     output_rows: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))

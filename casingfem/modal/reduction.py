@@ -64,7 +64,7 @@ def reduce(
     zeta
         Damping ratio given to every mode.
     recovery
-        Also store what recovers the displacements at all nodes.
+        Also store what recovers the displacements at all nodes, and the cells that draw them.
     outputs
         To be had from a run by their names: `Displacement` and `Strain` at places of a chart, `NodeDisplacement`,
         `NodeStrain` and `NodeStress` of an imported part.
@@ -117,6 +117,7 @@ def reduce(
             "recovery": system.expand(vectors)[:, :3].reshape(-1, len(omega)),
             "recovery_S": system.expand(left)[:, :3].reshape(-1, P.shape[1]),
             "recovery_points": system.points,
+            "recovery_cells": system.cells,
         }
     if outputs:
         restricted = load_columns(system, wanted).T

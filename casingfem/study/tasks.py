@@ -111,6 +111,7 @@ def run_reduce(
             modes=tables.modes,
             method=tables.method,
             zeta=tables.zeta,
+            recovery=tables.recovery,
             outputs=[table.output() for table in tables.output],
             system=system,
         )

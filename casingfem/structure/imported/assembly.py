@@ -13,7 +13,7 @@ from scipy.sparse import coo_array, csc_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.geometry.rigid_body import rigid_left
-from casingfem.structure.imported.cell_kind import KINDS, rule
+from casingfem.structure.imported.cell_kind import KINDS, VTK, rule
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.support import MeshSupport
 from contact.io.brief import brief
@@ -91,6 +91,12 @@ class MeshSystem:
     tie: csc_array | None = None
 
     __repr__ = brief
+
+    @property
+    def cells(self) -> IntArray:
+        """What to draw: VTK's number of the kind of cell and its nodes, (cells, 1 + nodes of a cell)."""
+        mesh = self.structure.mesh
+        return np.insert(mesh.cells, 0, VTK[mesh.kind], axis=1)
 
     @property
     def size(self) -> int:

@@ -105,6 +105,12 @@ class CellKind:
         return np.array([[number[frozenset(facet[i] for i in nodes)] for nodes in inner] for facet in self.facets])
 
 
+VTK = {
+    "quad": 9, "quad8": 23, "quad9": 28, "tetra": 10, "tetra10": 24, "hexahedron": 12, "hexahedron20": 25,
+    "hexahedron27": 29,
+}  # VTK's numbers of the kinds of cells  # fmt: skip
+
+
 def _kinds() -> dict[str, CellKind]:
     line = Outline(LINE, ((0, 1),), ())
     tri = Outline(TRIANGLE, TRIANGLE_EDGES, TRIANGLE_EDGES)

@@ -12,6 +12,7 @@ from casingfem.structure.geometry.chart import Chart, Surface
 from casingfem.structure.mesh.element import ElementQuadLobatto, gauss, lagrange, lobatto
 from contact.io.brief import brief
 
+QUAD = 9  # VTK's number of a quadrilateral
 LARGEST = 2_000_000  # unknowns: their factor needs some 20 GB
 
 
@@ -199,6 +200,15 @@ def make_grid(chart: Chart, mesh: ShellMesh) -> Grid:
         weights=frozen(weights),
         edges=edges,
     )
+
+
+def quads(grid: Grid) -> IntArray:
+    """Every element of order p as p x p four-noded quadrilaterals on its own nodes, (elements p^2, 4)."""
+    order = grid.mesh.order
+    place = np.empty((order + 1, order + 1), dtype=np.int64)  # function number at each lattice point of an element
+    place[tuple(ElementQuadLobatto(order).pairs.T)] = np.arange((order + 1) ** 2)
+    corners = np.stack([place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:]], axis=-1).reshape(-1, 4)
+    return np.asarray(grid.elements[:, corners].reshape(-1, 4))
 
 
 def edge_breaks(grid: Grid, edge: str) -> Array:

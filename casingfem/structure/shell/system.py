@@ -9,7 +9,7 @@ from scipy.sparse.linalg import splu
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.mesh.kinematics import DOFS
-from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.mesh.shell_mesh import QUAD, Grid, quads
 from casingfem.structure.shell.shell import Shell
 from contact.io.brief import brief
 
@@ -52,6 +52,11 @@ class System:
     def dofs(self) -> int:
         """Dofs of a node."""
         return DOFS
+
+    @property
+    def cells(self) -> IntArray:
+        """What to draw: VTK's number of a quadrilateral and its nodes, (cells, 5)."""
+        return np.insert(quads(self.grid), 0, QUAD, axis=1)
 
     @property
     def size(self) -> int:

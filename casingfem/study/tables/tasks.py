@@ -152,6 +152,7 @@ class ReduceTable(Table):
     nodes: int | None = Field(default=None, ge=1, le=100, description="pieces of a blade's tip, for one mean place")
     axis: Axis | None = Field(default=None, description='axis of an imported rim, "x", "y", "z" or [x, y, z]')
     point: Vector | None = Field(default=None, description="a point on it [m]; the origin if left out")
+    recovery: bool = Field(default=False, description="also what recovers the motion of all nodes, for ParaView")
     output: list[OutputTable] = Field(default_factory=list, description="displacements and strains to be had from runs")
     modes: int = Field(default=40, ge=1, le=100_000, description="number of modes kept")
     method: Literal["free", "craig-bampton"] = Field(

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
 OPTIONAL = (
-    "recovery", "recovery_S", "recovery_points", "lines", "output_rows", "output_S", "K_omega", "participation",
-    "out_of_roundness",
+    "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "output_rows", "output_S", "K_omega",
+    "participation", "out_of_roundness",
 )  # fmt: skip
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 
@@ -38,8 +38,9 @@ class ModalBody:
     then tangential.cos0 .. tangential.sinN, then maybe axial alike, with `n_max` = N, `radius` and the least
     `thickness` of the wall [m], 0 where it is not known; of several rim lines line0.radial.cos0 .. line1..., `lines`
     (L, 2) their axial positions and radii [m]. `recovery` (R, m), `recovery_S` (R, K) and `recovery_points` (R, 3) give
-    displacements elsewhere; `output_rows` (O, m) and `output_S` (O, K) the quantities named in `outputs`. `K_omega`
-    (m, m): what Omega^2 - spin^2 adds to the modal stiffness of a body whose basis was made at `spin` [rad/s].
+    displacements elsewhere, `recovery_cells` the cells between those points, for drawing; `output_rows` (O, m) and
+    `output_S` (O, K) the quantities named in `outputs`. `K_omega` (m, m): what Omega^2 - spin^2 adds to the modal
+    stiffness of a body whose basis was made at `spin` [rad/s].
     `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the whole body, Phi^T M e, along x, y and the
     axis of a rim, along span, flap and chord of a blade.
     `sectors` of a wheel, else 0: so many evenly around, with channels sector0.span, ..., sector1.span, ...
@@ -66,6 +67,7 @@ class ModalBody:
     recovery: Array | None = None
     recovery_S: Array | None = None
     recovery_points: Array | None = None
+    recovery_cells: Array | None = None
     lines: Array | None = None
     outputs: tuple[str, ...] = ()
     output_rows: Array | None = None

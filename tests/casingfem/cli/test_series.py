@@ -1,0 +1,123 @@
+"""A rub for ParaView: the whole casing moves as its rim does, and the tips stand where they press."""
+
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import meshio
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import casingfem as cf
+import contact as ct
+from casingfem.cli import main
+from casingfem.cli.series import series_files
+from casingfem.structure.mesh.shell_mesh import make_grid
+from contact.model.trig import harmonics
+from contact.recovery import at_channels, rub_forces
+
+N_MAX, FRAMES = 6, 100
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+CASING = cf.Shell(
+    chart=cf.Cylinder(radius=0.3, height=0.2), thickness=2e-3, material=STEEL, supports={"base": cf.Clamped()},
+    mesh=cf.ShellMesh(order=5, rows=1, around=9),
+)  # fmt: skip
+SCENE = """
+[scene]
+kind = "rim"
+t_end = 0.02
+[casing]
+basis = "casing.npz"
+[blade]
+basis = "blade.npz"
+[contact]
+clearance = 1e-4
+out_of_roundness = [{p = 2, cos = 1.5e-4}]
+[speed]
+hz = 20.0
+[scheme]
+kind = "exact-modal"
+dt = 2e-5
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A scene whose bases recover their nodes."""
+    found = tmp_path_factory.mktemp("series")
+    blade = cf.Shell(
+        chart=cf.Plate(length=0.1, width=0.04), thickness=3e-3, material=STEEL, supports={"root": cf.Clamped()},
+        mesh=cf.ShellMesh(order=4, rows=1, around=1),
+    )  # fmt: skip
+    cf.reduce(CASING, cf.Rim("top", n_max=N_MAX), modes=20, recovery=True).save(found / "casing.npz")
+    cf.reduce(blade, cf.Tip(), modes=3, recovery=True).save(found / "blade.npz")
+    (found / "rub.toml").write_text(SCENE, encoding="utf-8")
+    return found
+
+
+@pytest.fixture(scope="module")
+def written(folder):
+    """What the command writes: its folder, and the result."""
+    out = folder / "out"
+    result = CliRunner().invoke(main, ["rub", str(folder / "rub.toml"), "--vtu", "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    return out / "vtu", ct.Result.load(out / "rub.npz")
+
+
+def series(path):
+    """Times and files of a PVD."""
+    found = ET.parse(path).getroot().findall("Collection/DataSet")
+    return [(float(entry.get("timestep")), path.parent / entry.get("file")) for entry in found]
+
+
+@pytest.mark.slow
+def test_the_casing_moves_as_its_rim(folder, written):
+    """Its Fourier coefficients by the edge's quadrature are the rim's channels: kept modes and residual compliance."""
+    out, result = written
+    frames = series(out / "casing.pvd")
+    assert len(frames) == FRAMES
+    assert result.force.max() > 1.0
+    rub = ct.load_scene(folder / "rub.toml").what
+    channels = at_channels(rub.casing, result.state_of("casing"), rub_forces(rub, result, "casing")[1])
+    points, edge = rub.casing.recovery_points, make_grid(CASING.chart, CASING.mesh).edges["top"]
+    top = edge.nodes
+    theta = np.arctan2(points[top, 1], points[top, 0])
+    size = 2 * N_MAX + 1
+    waves = harmonics(N_MAX, theta) * (edge.weights / np.pi)[:, None]
+    waves[:, 0] /= 2.0
+    for time, file in frames[-30::7]:  # from the first touch on
+        k = int(np.argmin(np.abs(result.state_time - time)))
+        mesh = meshio.read(file)
+        moved = mesh.point_data["displacement"]
+        radial = moved[top, 0] * np.cos(theta) + moved[top, 1] * np.sin(theta)
+        np.testing.assert_allclose(radial @ waves, channels[k, :size], atol=3e-4 * np.abs(channels[k]).max())
+        away = np.linalg.norm(mesh.points - points, axis=1)
+        ratio = away[top] / np.linalg.norm(moved[top], axis=1)
+        assert ratio == pytest.approx(np.full(len(top), ratio[0]), rel=1e-2)  # drawn larger, all alike
+    assert mesh.cells[0].type == "quad"
+    assert len(mesh.cells[0].data) == 9 * 25
+
+
+@pytest.mark.slow
+def test_the_tips_stand_on_the_rim_and_turn_against_the_casing(written):
+    out, result = written
+    frames = series(out / "tips.pvd")
+    angle = np.unwrap([np.arctan2(*meshio.read(file).points[0, 1::-1]) for _, file in frames])
+    times = np.array([time for time, _ in frames])
+    np.testing.assert_allclose(angle - angle[0], -2.0 * np.pi * 20.0 * (times - times[0]), atol=1e-3)
+    force = [float(meshio.read(file).point_data["normal_force_N"][0]) for _, file in frames]
+    k = int(np.argmax(np.abs(force)))
+    near = np.abs(result.time - times[k]) < 1e-4
+    assert abs(force[k]) == pytest.approx(result.force[near].max(), rel=0.1)
+
+
+@pytest.mark.slow
+def test_what_is_missing_is_said(folder, written):
+    rim = ct.load_scene(folder / "rub.toml").what
+    bodies = (replace(body, recovery=None, recovery_S=None, recovery_cells=None) for body in (rim.casing, rim.blade))
+    without = ct.RotatingRim(*bodies, clearance=1e-4, speed_hz=20.0)
+    with pytest.raises(ct.InputError, match=r"recovery = true in \[reduce\]"):
+        series_files(without, written[1])
+    alone = CliRunner().invoke(main, ["rub", str(folder / "rub.toml"), "--vtu"])
+    assert alone.exit_code == 2
+    assert "--vtu without --out" in alone.stderr
