@@ -14,6 +14,7 @@ import numpy as np
 from contact.base.arrays import require_positive
 from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.io.brief import brief
+from contact.io.notebook import told
 from contact.model.bodies.beam import BeamInCircle
 from contact.model.bodies.body import Body
 from contact.model.bodies.chain import assemble
@@ -114,7 +115,8 @@ def run(
     settings these arguments override. `scheme` defaults to
     CentralDifference for bodies (PenaltyDifference for a Penalty law) and ExactModal for what is modal; `dt` [s] or
     `courant` sets the step;
-    `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done.
+    `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done, which a notebook shows
+    by itself.
     `record` defaults to every step, or to as many as make 1,000,000 samples. `on_limit` as in `Scene`.
 
     Raises InputError (also beyond 1e10 steps) and LimitError before the first step, NumericsError (which
@@ -134,7 +136,7 @@ def run(
     )  # fmt: skip
     if dt is not None or courant is not None:
         settings = replace(settings, dt=dt, courant=courant)
-    return completed(prepared(settings), progress)
+    return completed(prepared(settings), progress or told("run", "{:.0%}".format))
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fail, options
+from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
         from casingfem.plot.interaction import figure_stability
         from casingfem.plot.style import png
 
+        files["stability.csv"] = csv_text(found.records(), "COMPUTED: growth of closed contact, by poles")
         files["stability.png"] = png(figure_stability(found))
     deliver(document, f"{found!r}\n{STABILITY}", as_json=as_json, out=out, files=files)
 

@@ -8,6 +8,7 @@ import click
 from casingfem.cli.model_warnings import collected
 from casingfem.cli.running import ProgressMessage, deliver, options
 from casingfem.cli.study import STUDY
+from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -60,6 +61,7 @@ def result_files(result: "Correlation", document: dict[str, object]) -> dict[str
 
     return {
         "correlation.json": json_text(document, indent=1),
+        "correlation.csv": csv_text(result.records(), "measured shapes and the computed modes they pair with"),
         "mac.png": png(figure_mac(result)),
         "comac.png": png(figure_comac(result)),
     }

@@ -1,7 +1,5 @@
 """The command cycles: periodic motions of a driven body before contacts, or of a rub, over frequency, force, speed."""
 
-import csv
-import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +7,7 @@ import click
 
 from casingfem.cli.contact import SCENE
 from casingfem.cli.running import ProgressMessage, deliver, options, source_of
+from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -46,15 +45,12 @@ def result_files(found: "Cycles", file: Path) -> dict[str, Content]:
     from casingfem.plot.pages.cycles import cycles_page
     from casingfem.plot.style import png
 
-    rows, text = found.table(), io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
+    rows = found.table()
     page = cycles_page(
         file.stem, rows, found.marks(), [part.end for part in found.branches], source_of(file), repr(found)
     )
     return {
         "cycles.html": page,
-        "cycles.csv": text.getvalue(), "cycles.npz": found.save, "cycles.json": json_text(found.to_dict(), indent=1),
+        "cycles.csv": csv_text(rows), "cycles.npz": found.save, "cycles.json": json_text(found.to_dict(), indent=1),
         "cycles.png": png(figure_cycles(rows, found.marks())),
     }  # fmt: skip

@@ -7,6 +7,7 @@ import click
 from casingfem.cli.model_warnings import collected
 from casingfem.cli.running import ProgressMessage, deliver, options
 from casingfem.cli.study import STUDY
+from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 
 
@@ -69,6 +70,7 @@ def locate(
     if out is not None:
         files = {
             "located.json": json_text(document, indent=1),
+            "located.csv": csv_text(found.records(), "COMPUTED: places that explain the table, the best one first"),
             "located.png": png(figure_located(found)),
         }
     deliver(document, text, as_json=as_json, out=out, files=files)

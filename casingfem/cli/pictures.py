@@ -1,13 +1,13 @@
 """What `--out` of a contact command shows: pictures, the force history as a table, the page of a scene."""
 
 from collections.abc import Callable
-from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from casingfem.cli.tables import of_columns
 from contact.io.outfiles import Content
 
 if TYPE_CHECKING:
@@ -96,18 +96,8 @@ def force_files(result: "Result", command: str) -> dict[str, Content]:
 
     files: dict[str, Content] = {f"{command}_forces.csv": csv}
     if find_spec("pyarrow") is not None:
-        files[f"{command}_forces.parquet"] = parquet(table)
+        files[f"{command}_forces.parquet"] = of_columns(table)
     return files
-
-
-def parquet(table: dict[str, Any]) -> Callable[[Path], None]:
-    """Writer of a table by pyarrow, which is nobody's dependency."""
-
-    def write(path: Path) -> None:
-        arrow: Any = import_module("pyarrow")
-        import_module("pyarrow.parquet").write_table(arrow.table(table), str(path))
-
-    return write
 
 
 def coatings(tracks: "tuple[Wear, ...]") -> dict[str, Content]:

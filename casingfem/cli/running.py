@@ -94,7 +94,12 @@ def deliver(
     document: Mapping[str, Any], text: str, *, as_json: bool, out: Path | None, files: Mapping[str, Content]
 ) -> None:
     """Write the files, then print the document or the text and where the files went."""
-    written = write_files(out, files) if out is not None and files else []
+    if out is not None and files:
+        from casingfem.cli.tables import parquets
+
+        written = write_files(out, {**files, **parquets(files)})
+    else:
+        written = []
     if as_json:
         click.echo(json_text({**document, "warnings": collected()}), nl=False)
         return

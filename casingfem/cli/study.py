@@ -8,6 +8,7 @@ import click
 from casingfem.cli.mode_files import modes_csv, shapes, universal
 from casingfem.cli.model_warnings import collected
 from casingfem.cli.running import ProgressMessage, deliver, options
+from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -148,10 +149,12 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
         "warnings": collected(),
         "source": study.source,
     }
-    files = {"update.json": json_text(document, indent=1)}
+    files: dict[str, Content] = {"update.json": json_text(document, indent=1)}
     if out is not None:
         from casingfem.plot.pages.study import update_page
 
+        files["update.csv"] = csv_text(fit.records(), f"COMPUTED: parameters fitted to {fit.table.path}")
+        files["update_pairs.csv"] = csv_text(fit.pairs(), f"rows of {fit.table.path} and the modes they pair with")
         values = {p.name: value for p, value in zip(fit.parameters, fit.value, strict=True)}
         files[f"{file.stem}_updated.toml"] = updated_toml(study, values, out)
         files["update.html"] = update_page(study, fit)

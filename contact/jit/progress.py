@@ -13,6 +13,8 @@ from typing import Any
 
 from numba.core import event
 
+from contact.io.notebook import in_notebook
+
 LONG = 2.0  # seconds until it is said
 WORDS = "compiling the loops of this run for this processor; kept on disk, so that the next run starts at once"
 
@@ -20,8 +22,8 @@ listener: Any = event.Listener
 
 
 def to_terminal(words: str) -> None:
-    """Print on stderr where somebody reads it; nothing into files and pipes."""
-    if sys.stderr.isatty():
+    """Print on stderr where somebody reads it, a notebook's cell too; nothing into files and pipes."""
+    if sys.stderr.isatty() or in_notebook():
         print(words, file=sys.stderr, flush=True)
 
 

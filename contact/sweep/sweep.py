@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from contact.base.errors import InputError
+from contact.io.notebook import told
 from contact.io.reported import Reported
 from contact.io.workers import end_with_parent, ended_on_failure
 from contact.run import Scene
@@ -87,6 +88,7 @@ def run_sweep(
 
     Raises InputError when the scheduler cannot be reached, or a task's workers died TRIES times.
     """
+    progress = progress or told("sweep", f"{{}} of {len(plan.runs)} runs".format)
     store = None if folder is None else Store.open(folder)
     rows: Rows = {} if store is None else store.rows(run.digest for run in plan.runs)
     resumed = sum(run.digest in rows for run in plan.runs)

@@ -14,6 +14,7 @@ from contact.growth.cycles.course import Course, Tangent
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.result import Branch, Cycles, Special
 from contact.growth.cycles.shooting import Orbit, orbit, settled
+from contact.io import notebook
 
 TRIES = 100  # values in the range at which a run looks for orbits beyond the end of a branch
 SETTLE = 200  # periods of such a run
@@ -35,6 +36,7 @@ def follow(
     """
     require_finite(start=between[0], end=between[1])
     require_positive(longest=longest)
+    progress = progress or notebook.told("follow", "branch {} at {:.6g}, {} orbits".format)
     require_count(2, most=most)
     require_count(0, doublings=doublings)
     if between[0] == between[1]:

@@ -145,9 +145,9 @@ def test_out_of_rods_has_no_orbit(tmp_path):
 
 def test_a_table_of_forces_goes_to_parquet_where_pyarrow_is(tmp_path):
     arrow = pytest.importorskip("pyarrow.parquet")
-    from casingfem.cli.pictures import parquet
+    from casingfem.cli.tables import of_columns
 
-    parquet({"time_s": np.arange(3.0)})(tmp_path / "forces.parquet")
+    of_columns({"time_s": np.arange(3.0)})(tmp_path / "forces.parquet")
     assert arrow.read_table(tmp_path / "forces.parquet")["time_s"].to_pylist() == [0.0, 1.0, 2.0]
 
 

@@ -1,0 +1,39 @@
+"""Progress in notebooks: a line that is written over, from two seconds on; nothing elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+PATIENCE, PACE = 2.0, 0.5  # s until something is said, and between two words
+
+
+def in_notebook() -> bool:
+    """Whether this runs in the kernel of a notebook."""
+    return "ipykernel" in sys.modules
+
+
+def told(what: str, words: Callable[..., str]) -> Callable[..., None] | None:
+    """A `progress` that says so in a notebook, `words` of its arguments; None elsewhere.
+
+    >>> told("run", "{:.0%}".format) is None
+    True
+    """
+    return Line(what, words) if in_notebook() else None
+
+
+class Line:
+    """One line on stderr, written over."""
+
+    def __init__(self, what: str, words: Callable[..., str]) -> None:
+        self.what, self.words = what, words
+        self.next = time.monotonic() + PATIENCE
+
+    def __call__(self, *done: Any) -> None:
+        """Say how far it is, unless that was said just now."""
+        now = time.monotonic()
+        if now >= self.next:
+            self.next = now + PACE
+            print(f"\r{self.what}: {self.words(*done)}", end="", file=sys.stderr, flush=True)
