@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
-LANDMARKS, AXES, SMOOTHINGS = 8, 4, 8
+LANDMARKS, AXES, SMOOTHINGS = 12, 6, 8
 LEAF = 150  # unknowns that are not cut further: a dense matrix of them costs less than its parts
 UNEVEN = 0.75  # the largest share of a part on one side of a cut
 SKEW = 4.0  # how much a cut's uneven sides weigh against its separator
@@ -54,14 +54,17 @@ def spans(starts: IntArray, counts: IntArray) -> IntArray:
 
 
 def quotient(A: csc_array) -> tuple[IntArray, Graph]:
-    """The vertex of each unknown, and the graph of a symmetric pattern.
+    """The vertex of each unknown, and the graph of a symmetric pattern; few unknowns are one vertex.
 
-    >>> A = csc_array(np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+    >>> A = csc_array(np.kron(np.diag(np.ones(100)), np.ones((2, 2))))
     >>> vertex, graph = quotient(A)
-    >>> len(set(vertex[:2].tolist())), sorted(graph.weight.tolist())
-    (1, [1, 2])
+    >>> bool(np.all(vertex[::2] == vertex[1::2])), graph.size, set(graph.weight.tolist()), len(graph.tail)
+    (True, 100, {2}, 0)
     """
     n, degree = A.shape[0], np.diff(A.indptr)
+    if n <= LEAF:
+        none = np.zeros(0, dtype=np.int64)
+        return np.zeros(n, dtype=np.int64), Graph(np.array([n]), none, none)
     key = np.random.default_rng(SEED).integers(2**62, size=n)
     sums = np.zeros(n, dtype=np.int64)  # of the keys in each column: equal patterns, equal sums
     ends = [*np.searchsorted(A.indptr, np.arange(0, A.indptr[-1], CHUNK)).tolist(), n]
@@ -98,6 +101,8 @@ def distances(graph: Graph, sources: IntArray) -> IntArray:
 
 def coordinates(graph: Graph) -> FloatArray:
     """Coordinates of the vertices, (axes, vertices): principal axes of distances to far vertices, and the component."""
+    if graph.size == 1:
+        return np.zeros((1, 1))
     pieces, piece = connected_components(
         csr_array((np.ones(len(graph.head)), graph.head, graph.first), shape=(graph.size, graph.size)), directed=False
     )

@@ -8,7 +8,7 @@ from scipy.sparse import csc_array
 
 from casingfem.errors import NumericsError, sentence
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
+from casingfem.linalg.certificate import clear_of_eigenvalues, most_round_off, round_off, warn_of_count
 from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
@@ -156,10 +156,13 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
         order = np.argsort(found.values)
         values, vectors = found.values[order], found.vectors[:, order]
         if not gaps(values, count, abs(shift), clear).size and wanted < pencil.size:
-            wanted += 2 * extra  # a cluster goes on
+            wanted += 2 * extra + 1  # a cluster goes on
             continue
-        noise = round_off(pencil.A, vectors)
+        noise = most_round_off(pencil.A, vectors)
+        noise[count - 1 :] = round_off(pencil.A, vectors[:, count - 1 :])
         below, sigma = gap_after(values, count, abs(shift), clear, noise[count - 1 :].max())
+        near = np.abs(values - sigma) <= noise
+        noise[near] = round_off(pencil.A, vectors[:, near])
         certified = pencil.count_below(sigma, direct) if clear_of_eigenvalues(sigma, values, noise) else None
         if certified == below:
             return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))

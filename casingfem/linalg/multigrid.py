@@ -19,6 +19,7 @@ from casingfem.errors import NumericsError, warn
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import EigenResult, gap_after, result, solve_modes
 from casingfem.linalg.krylov import START_SEED, ConvergenceError
+from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid_cycle import Hierarchy, make_hierarchy
 from casingfem.linalg.pencil import Mass, Pencil, make_pencil
 
@@ -47,7 +48,8 @@ def multigrid_modes(
     near_null
         The rigid motions on the free dofs, (free, 6).
     counted
-        Whether a Sturm count certifies them, for the memory and time of one factor; without it `sturm_count` is None.
+        Whether a Sturm count certifies them, for the time of one factor; without it, or where that does not fit into
+        memory, `sturm_count` is None.
 
     Raises
     ------
@@ -59,7 +61,7 @@ def multigrid_modes(
         levels = make_levels(pencil, near_null, shift)
         values, vectors, products = iterate(pencil, levels, count + extra, shift)
         below, sigma = gap_after(values, count, abs(shift))
-        certified = pencil.count_below(sigma) if counted else None
+        certified = count_that_fits(pencil, sigma) if counted else None
         if certified is None:
             products += search(pencil, levels, vectors[:, :below], sigma, shift)
         elif certified != below:
@@ -68,6 +70,14 @@ def multigrid_modes(
         warn("modes-lobpcg", f"LOBPCG with multigrid: {error}")
         return solve_modes(K, mass, count, shift, extra)
     return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
+
+
+def count_that_fits(pencil: Pencil, sigma: float) -> int | None:
+    """The Sturm count, None where memory is too small for it."""
+    try:
+        return pencil.count_below(sigma)
+    except MemoryNeedError:
+        return None
 
 
 def search(pencil: Pencil, levels: Hierarchy, found: FloatArray, sigma: float, shift: float) -> int:

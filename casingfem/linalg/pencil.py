@@ -9,6 +9,7 @@ from scipy.sparse import csc_array, diags_array
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.factor import Direct, factorise
+from casingfem.linalg.memory import MemoryNeedError
 
 Mass: TypeAlias = FloatArray | csc_array  # the diagonal of M, or M itself
 
@@ -51,10 +52,12 @@ class Pencil:
         Raises
         ------
         NumericsError
-            If sigma is an eigenvalue.
+            If sigma is an eigenvalue, or memory is too small.
         """
         try:
             return factorise(self.shifted(sigma), direct, keep=False).negative()
+        except MemoryNeedError:
+            raise
         except NumericsError as error:
             raise NumericsError(f"no Sturm count at shift {sigma:.6g}: {error}") from error
 

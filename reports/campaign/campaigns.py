@@ -44,6 +44,7 @@ CAMPAIGNS = (
     Campaign("modes.mistuning", "restarts from the mean casing's modes", STRUCTURE),
     Campaign("modes.cyclic", "wheels of equal and mistuned sectors against their full models, time", STRUCTURE),
     Campaign("speed.modal", "error against time over meshes and solvers", STRUCTURE),
+    Campaign("speed.growth", "modes of ever finer meshes: time, memory, share of dgemm", STRUCTURE, ("--large",)),
     Campaign("speed.solid_solvers", "large solids: memory and time of the solvers", STRUCTURE, ("--large",)),
     Campaign("robustness.broken", "broken models are refused or doubted by name", (*STRUCTURE, "casingfem/faults")),
     Campaign("verification", "every published and exact value: structures, simple contacts", (*STRUCTURE, "contact")),

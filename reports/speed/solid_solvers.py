@@ -18,7 +18,8 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import gap_after
-from casingfem.linalg.factor import SuperLUFactor, factorise
+from casingfem.linalg.factor import factorise
+from casingfem.linalg.fronts import planned
 from casingfem.linalg.krylov import BLOCKS, ConvergenceError, nearest
 from casingfem.linalg.multigrid import iterate, make_levels
 from casingfem.linalg.pencil import Pencil, make_pencil
@@ -61,8 +62,7 @@ def direct(pencil: Pencil, shift: float) -> Iterator[Numbers]:
     """Shift-invert: the factor, the Lanczos vectors, the Sturm count."""
     started = time.process_time()
     factor = factorise(pencil.shifted(shift))
-    size = 12e-6 * factor.lu.nnz if isinstance(factor, SuperLUFactor) else None
-    yield {"setup s": time.process_time() - started, "MB": size}
+    yield {"setup s": time.process_time() - started, "MB": 1e-6 * planned(pencil.A).bytes(keep=True)}
     started = time.process_time()
     found = nearest(pencil, factor.solve, shift, COUNT + EXTRA, BLOCKS[0])
     values = np.sort(found.values)

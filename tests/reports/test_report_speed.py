@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from reports.speed import growth
 from reports.speed import steps as speed
 from reports.speed import sweeps as sweep_speed
 from reports.speed import tips as tip_speed
@@ -42,3 +43,12 @@ def test_a_tip_is_timed_both_ways_and_more_of_them_as_a_rub(tmp_path):
     for row in rows:
         assert (row["closed"] > 0.0) == (row["case"] != "free")
         assert (row["as RotatingRim us/step"] is not None) == (row["tips"] == 1)
+
+
+def test_growth_shows_a_counted_solution_with_its_memory(tmp_path):
+    (row,) = growth.main(tmp_path, quick=True)
+    assert row["ended"] == "done"
+    assert row["unknowns"] == 5 * 7 * 7 * 16
+    assert row["counted"] == 40
+    assert row["factor MB"] < row["peak MB"]
+    assert min(row[name] for name in ("assemble s", "plan s", "factor s", "modes s", "GF/s", "of dgemm")) > 0.0

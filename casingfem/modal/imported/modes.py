@@ -9,6 +9,7 @@ from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.eigen import Band, EigenResult, solve
 from casingfem.linalg.factor import Direct
+from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
@@ -100,17 +101,30 @@ def large_and_thick(system: MeshSystem) -> bool:
     from 10,000 unknowns on, a plate of .035 loses at 22,000, one of .003 fails:
     `python -m reports.speed.solid_solvers --large`.
     """
+    return system.size >= LARGE and thick(system)
+
+
+def thick(system: MeshSystem) -> bool:
+    """Whether a solid's wall is `THICK` of its size, so that multigrid converges."""
     mesh = system.structure.mesh
-    return mesh.cell_kind.dim == 3 and system.size >= LARGE and system.wall >= THICK * mesh.size
+    return mesh.cell_kind.dim == 3 and system.wall >= THICK * mesh.size
 
 
 def solved_by(system: MeshSystem, wanted: int | Band, direct: Direct, *, multigrid: bool) -> EigenResult:
-    """The eigenpairs, by LOBPCG with multigrid where that is wanted and a count is asked for, or by shift-invert."""
+    """The eigenpairs, by LOBPCG with multigrid where that is wanted and a count is asked for, or by shift-invert.
+
+    A thick solid whose factor does not fit into memory goes to LOBPCG too.
+    """
     shift = -((SHIFT * system.frequency_scale) ** 2)
     if multigrid and isinstance(wanted, int):
         near_null = rigid_motions(system.points)[system.free]
         return multigrid_modes(system.K, system.M, near_null, wanted, shift, counted=system.size <= COUNTABLE)
-    return solve(system.K, system.M, wanted, shift=shift, direct=direct)
+    try:
+        return solve(system.K, system.M, wanted, shift=shift, direct=direct)
+    except MemoryNeedError:
+        if multigrid or not (isinstance(wanted, int) and thick(system)):
+            raise
+        return solved_by(system, wanted, direct, multigrid=True)
 
 
 def check_rigid(system: MeshSystem, freq: FloatArray) -> None:

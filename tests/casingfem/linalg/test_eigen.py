@@ -65,6 +65,13 @@ def test_modes_of_a_shell_equal_the_dense_solution(frustum, coarse):
     np.testing.assert_allclose(found.vectors.T @ (system.K @ found.vectors), np.diag(exact), atol=1e-9 * exact[-1])
 
 
+@pytest.mark.parametrize("extra", [0, 1])
+def test_few_modes_beyond_those_wanted_end_too(extra):
+    """Without one mode more there is no gap to see: the search goes on instead of round in circles."""
+    found = solve_modes(chain(300), np.ones(300), 5, shift=-1e-6, extra=extra)
+    assert len(found.eigenvalues) == found.sturm_count == 5
+
+
 def blind(misses, count=1):
     """A search that loses the second lowest eigenpair in its first `misses` calls."""
     calls = []

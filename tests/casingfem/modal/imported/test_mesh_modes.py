@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelWarning
+from casingfem.errors import ModelWarning, NumericsError
+from casingfem.linalg import factor
 from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.modal.imported import modes as mesh_module
 from casingfem.modal.imported.modes import mesh_modes, projected
@@ -150,3 +151,19 @@ def test_large_thick_solids_are_solved_by_multigrid_and_others_are_not(steel, mo
     np.testing.assert_allclose(found.freq, exact.freq, rtol=1e-9)
     monkeypatch.setattr(mesh_module, "COUNTABLE", 100)
     assert "5 modes, 492 dofs, not counted" in repr(mesh_modes(thick, 5))
+
+
+def test_without_memory_for_a_factor_thick_solids_go_to_multigrid_and_others_are_refused(steel, monkeypatch):
+    def block(size):
+        mesh = grid_mesh("hexahedron20", (4, 3, 2), lambda u: u * np.array(size), groups={"root": (0, 0.0)})
+        return Solid(mesh=mesh, material=steel, supports={"root": Clamped()})
+
+    thick, thin = block((1.0, 0.8, 0.6)), block((1.0, 0.8, 0.02))
+    exact = mesh_modes(thick, 5)
+    monkeypatch.setattr(factor, "free_memory", lambda: 1e5)
+    found = mesh_modes(thick, 5)
+    assert found.sturm_count is None
+    np.testing.assert_allclose(found.freq, exact.freq, rtol=1e-7)
+    for structure, wanted in ((thin, 5), (thick, (0.0, 1.1 * exact.freq[0]))):
+        with pytest.raises(NumericsError, match=r"takes .* GB, 0.0001 GB are free: .*\[modes-memory\]"):
+            mesh_modes(structure, wanted)
