@@ -12,7 +12,7 @@ unexport PYTHONDONTWRITEBYTECODE
 CORES := -n logical
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study docs test variants fast check lint types doctests bench campaign mutants clean
+.PHONY: help setup study docs links test variants fast check lint types doctests bench campaign mutants clean
 
 help:    ## show what each target does
 	@grep -hE '^[a-z]+: .*##|^[a-z]+:  +##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -32,6 +32,9 @@ study: $(READY) ## measured frequencies -> updated shells -> reduced bases -> ru
 docs: $(VENV)/.docs ## the pages of docs/ as a site, with tutorial and gallery run -> build/docs/index.html
 	$(BIN)/python -m sphinx -W --keep-going -q -d build/doctrees docs build/docs
 	@echo build/docs/index.html
+
+links: $(VENV)/.docs ## whether the links of the pages that lead to the web still do
+	$(BIN)/python -m sphinx -q -b linkcheck -D plot_gallery=0 -d build/links/doctrees docs build/links
 
 # the packages that build the site are an extra of their own
 $(VENV)/.docs: $(READY)

@@ -15,6 +15,7 @@ logging.getLogger("skfem").setLevel(logging.WARNING)  # Sphinx shows what others
 import casingfem  # noqa: E402
 
 project = "casingfem"
+html_show_copyright = False
 version = release = casingfem.__version__
 extensions = [
     "myst_parser",
@@ -32,6 +33,7 @@ suppress_warnings = [
 ]
 html_theme = "furo"
 html_title = f"casingfem {release}"
+html_static_path, html_css_files = ["site_parts/static"], ["formulas.css"]
 html_copy_source = False
 html_math_renderer = "mathml"
 myst_enable_extensions = ["dollarmath", "deflist"]
