@@ -33,7 +33,8 @@ def test_cycles_gives_points_folds_and_files(tmp_path):
         rows = list(csv.DictReader(stream))
     assert len(rows) == len(document["points"])
     assert float(rows[7]["amplitude_x"]) == document["points"][7]["amplitude"]["x"]
-    arrays = np.load(tmp_path / "out" / "cycles.npz")
+    with np.load(tmp_path / "out" / "cycles.npz") as file_of_arrays:
+        arrays = dict(file_of_arrays)
     assert arrays["x"].shape == (len(rows), 2)
     assert np.abs(arrays["multipliers"][7]).max() == document["points"][7]["multiplier"]
     assert "fold" in arrays["special"]

@@ -18,7 +18,10 @@ from contact.solver.unilateral.scalar import scalar_force
 
 ROOT = Path(contact.__file__).parent
 # annotations and what is raised outside loops
-NOT_COMPILED = {"contact.jit.compiled", "contact.jit.progress", "contact.base.errors", "contact.base.arrays"}
+PLAIN = ("jit.compiled", "jit.progress", "base.errors", "base.arrays", "io.brief", "io.notebook")
+NOT_COMPILED = {f"contact.{name}" for name in PLAIN}
+    f"contact.{name}" for name in ("jit.compiled", "jit.progress", "base.errors", "base.arrays", "io.brief")
+}
 
 
 def imported(source: Path) -> set[str]:

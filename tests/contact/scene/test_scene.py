@@ -8,7 +8,8 @@ import contact as ct
 from tests.contact.synthetic_rim import blade, ring
 
 SCENES = Path(__file__).parents[3] / "data" / "scenes"
-RUNS = sorted(set(SCENES.glob("*.toml")) - {SCENES / "pair.toml"})  # a pair has poles and no run
+# a pair has poles and no run; the first rub needs bases that `casingfem new` tells how to make
+RUNS = sorted(set(SCENES.glob("*.toml")) - {SCENES / "pair.toml", SCENES / "first_rub.toml"})
 COLD = {"beam_in_ring.toml", "bladed_disk.toml", "coulomb_oscillator.toml", "rotating_beam.toml"}  # to compile
 IMPULSE = {
     "two_rods.toml": 1.4842, "two_rods_sweep.toml": 1.4842,
