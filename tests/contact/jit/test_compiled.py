@@ -20,8 +20,6 @@ ROOT = Path(contact.__file__).parent
 # annotations and what is raised outside loops
 PLAIN = ("jit.compiled", "jit.progress", "base.errors", "base.arrays", "io.brief", "io.notebook")
 NOT_COMPILED = {f"contact.{name}" for name in PLAIN}
-    f"contact.{name}" for name in ("jit.compiled", "jit.progress", "base.errors", "base.arrays", "io.brief")
-}
 
 
 def imported(source: Path) -> set[str]:
