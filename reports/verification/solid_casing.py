@@ -12,7 +12,7 @@ modes is a pair of equal frequency. (Bloch's theorem; D.L. Thomas, J. Sound Vib.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import block_diag, coo_array, csc_array, diags_array
+from scipy.sparse import block_array, coo_array, csc_array, diags_array
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
@@ -49,16 +49,16 @@ class SolidModes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """One of the k parts: node places (3, nodes), K (3 nodes, 3 nodes), mass (nodes,), and where its nodes stand.
+    """One of the k parts: K (3 nodes, 3 nodes), all u_x first, mass (nodes,), and what is known of its nodes.
 
-    `seam` pairs the nodes of the last line with those of the first, (2, pairs); `held` are nodes that do not move;
-    `rim` are nodes of the top's middle line around, (elements, order + 1).
+    `motions` are what its support leaves free, (3 nodes, free), the nodes of the last line left out; `seam` pairs these
+    with those of the first, (2, pairs); `rim` are nodes of one line around the top, (elements, order + 1).
     """
 
     K: csc_array
     mass: FloatArray
+    motions: csc_array
     seam: IntArray
-    held: IntArray
     rim: IntArray
 
 
@@ -89,8 +89,11 @@ def element_slopes(orders: Orders) -> tuple[list[FloatArray], FloatArray]:
     return [np.kron(np.kron(a, b), c) for a, b, c in sides], np.einsum("i,j,k->ijk", *(w for _, w in rules)).ravel()
 
 
-def make_part(shell: Shell, mesh: SolidMesh, parts: int) -> Part:
-    """Stiffness and mass of the first of `parts` parts of a casing between its faces, springs on its base included."""
+def make_part(shell: Shell, mesh: SolidMesh, parts: int, *, breathes: bool = False) -> Part:
+    """Stiffness and mass of the first of `parts` parts of a casing between its faces, springs on its base included.
+
+    A clamp holds the whole of the base's face; if the wall `breathes` there, all but its stretch along the normal.
+    """
     elements, (along, around) = lattice(mesh)
     (z0, z1), _ = shell.chart.bounds
     through = lobatto(mesh.orders[2])[0]
@@ -116,15 +119,32 @@ def make_part(shell: Shell, mesh: SolidMesh, parts: int) -> Part:
         area = np.zeros(len(z))
         area[base] = face_area(place[:, base].reshape(3, len(around), -1), mesh)
         K = K + diags_array(np.tile(support.k_face * area * support.factor("k_face", z, theta), 3))
-    middle = lagrange(mesh.orders[2], np.array([0.5]))[0][:, 0].argmax()
-    rim = number[-1, :, middle]
+    middle = mesh.orders[2] // 2
+    if breathes and mesh.orders[2] % 2:
+        raise ValueError("a wall that breathes is held in its middle: its order must be even")
+    rim, last = number[-1, :, middle], number[:, -1].ravel()
+    free = np.ones(len(z), dtype=bool)
+    free[last] = False
+    sliding = np.zeros(0, dtype=int)
+    if isinstance(support, Clamped):
+        free[base] = False
+        sliding = np.delete(number[0, :-1], middle, axis=1).ravel() if breathes else sliding
     return Part(
         K=csc_array(K),
         mass=mass,
-        seam=np.stack([number[:, -1].ravel(), number[:, 0].ravel()]),
-        held=base if isinstance(support, Clamped) else base[:0],
+        motions=motions_of(np.flatnonzero(free), sliding, frame(at.surface).normal[:, sliding], len(z)),
+        seam=np.stack([last, number[:, 0].ravel()]),
         rim=rim[np.arange(mesh.around)[:, None] * mesh.orders[1] + np.arange(mesh.orders[1] + 1)],
     )
+
+
+def motions_of(free: IntArray, sliding: IntArray, normals: FloatArray, nodes: int) -> csc_array:
+    """Columns (3 nodes, motions): three for each free node, one along its normal (3, sliding) for each that slides."""
+    rows = np.concatenate([*(free + k * nodes for k in range(3)), *(sliding + k * nodes for k in range(3))])
+    along = 3 * len(free) + np.arange(len(sliding))
+    columns = np.concatenate([np.arange(3 * len(free)), along, along, along])
+    values = np.concatenate([np.ones(3 * len(free)), *normals])
+    return coo_array((values, (rows, columns)), shape=(3 * nodes, 3 * len(free) + len(sliding))).tocsc()
 
 
 def stiffness_of(
@@ -173,37 +193,19 @@ def class_modes(part: Part, parts: int, c: int, count: int) -> tuple[FloatArray,
 
 
 def tying(part: Part, parts: int, c: int) -> csc_array:
-    """Free dofs of one class -> all dofs of the part, all u_x first: the seam follows with its turn and phase."""
-    nodes = len(part.mass)
-    turn = 2.0 * np.pi / parts
-    phase = np.exp(2j * np.pi * c / parts)
-    if 2 * c % parts == 0:
-        phase = phase.real
+    """Free motions of one class -> all dofs of the part: the seam's last line follows the first, turned, in phase."""
+    nodes, turn = len(part.mass), 2.0 * np.pi / parts
+    phase = np.exp(1j * c * turn)
+    phase = phase.real if 2 * c % parts == 0 else phase
     C, S = phase * np.cos(turn), phase * np.sin(turn)
     last, first = part.seam
-    free = np.ones(nodes, dtype=bool)
-    free[last] = free[part.held] = False
-    number = np.full(nodes, -1)
-    number[free] = np.arange(free.sum())
-    kept = free[first]
-    last, first = last[kept], first[kept]
-    own = coo_array((np.ones(free.sum()), (np.flatnonzero(free), number[free])), shape=(nodes, free.sum()))
-    tied = coo_array((np.ones(len(last)), (last, number[first])), shape=own.shape)
-    both = block_diag([own, own, own], format="csc").astype(np.result_type(C, 1.0))
-    blocks = np.array([[C, -S, 0.0], [S, C, 0.0], [0.0, 0.0, phase]])
-    rows, columns = own.shape
-    for i in range(3):
-        for j in range(3):
-            if blocks[i, j] != 0.0:
-                moved = coo_array(
-                    (blocks[i, j] * tied.data, (tied.row + i * rows, tied.col + j * columns)), shape=both.shape
-                )
-                both = both + moved.tocsc()
-    return csc_array(both)
+    follow = coo_array((np.ones(len(last)), (last, first)), shape=(nodes, nodes))
+    return csc_array(part.motions + block_array([[C * follow, -S * follow, None], [S * follow, C * follow, None],
+                                                 [None, None, phase * follow]]) @ part.motions)  # fmt: skip
 
 
 def rim_lines(part: Part, parts: int, c: int, shapes: Array, mesh: SolidMesh) -> Array:
-    """Radial motion of the rim's middle line at `SAMPLES` equal angles of the whole turn, (samples, modes)."""
+    """Radial motion of the rim's line at `SAMPLES` equal angles of the whole turn, (samples, modes)."""
     per_part = 2.0 * np.pi / parts
     theta = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
     turn = np.floor(theta / per_part + 1e-12).astype(int)
@@ -216,15 +218,18 @@ def rim_lines(part: Part, parts: int, c: int, shapes: Array, mesh: SolidMesh) ->
     return (u * np.cos(own)[:, None] + v * np.sin(own)[:, None]) * np.exp(2j * np.pi * c * turn / parts)[:, None]
 
 
-def solid_casing(shell: Shell, mesh: SolidMesh, parts: int, count: int) -> SolidModes:
-    """The lowest modes of a casing of `parts` equal parts around as a solid, pairs of equal frequency twice."""
-    part = make_part(shell, mesh, parts)
+def solid_casing(shell: Shell, mesh: SolidMesh, parts: int, count: int, *, breathes: bool = False) -> SolidModes:
+    """The lowest modes of a casing of `parts` equal parts around as a solid, pairs of equal frequency twice.
+
+    Its clamp is that of `make_part`.
+    """
+    part = make_part(shell, mesh, parts, breathes=breathes)
     rows: list[tuple[float, int, float]] = []
     dofs = 0
     for c in range(parts // 2 + 1):
         single = 2 * c % parts == 0
         values, shapes = class_modes(part, parts, c, count if single else (count + 1) // 2)
-        dofs += shapes.shape[0] - 3 * part.seam.shape[1]
+        dofs += part.motions.shape[1]
         lines = rim_lines(part, parts, c, shapes, mesh)
         waves = np.fft.fft(lines, axis=0) / SAMPLES
         for value, wave in zip(values, waves.T, strict=True):
