@@ -232,7 +232,7 @@ def against_solid(quick: bool) -> list[Row]:
             "3-D elasticity",
             solid[k],
             found[k],
-            0.6 if quick else 0.28,
+            0.6 if quick else 0.2,
         )
         for k in range(count)
     ]

@@ -79,7 +79,7 @@ def by_harmonics(h_over_r: float, l_over_r: float, quick: bool) -> Row:
     found = np.array([found_by_shape(h_over_r, l_over_r, n) for n in diameters])
     i, j = np.unravel_index(np.abs(found / exact - 1.0).argmax(), exact.shape)
     case = f"A1 thin cylinder, h/R {h_over_r:g}, L/R {l_over_r:g}, worst of {exact.size}"
-    return check(f"{case}: n = {diameters[i]}, m = {j + 1}", "Fluegge, exact", exact[i, j], found[i, j], 0.018)
+    return check(f"{case}: n = {diameters[i]}, m = {j + 1}", "Fluegge, exact", exact[i, j], found[i, j], 0.012)
 
 
 def by_shell(h_over_r: float, l_over_r: float, count: int) -> Row:
@@ -89,7 +89,7 @@ def by_shell(h_over_r: float, l_over_r: float, count: int) -> Row:
     found = 2.0 * np.pi * modes(shell, count + 1, method="shell").freq[1:]  # it slides along its axis
     worst = int(np.abs(found / exact - 1.0).argmax())
     case = f"A1 thin cylinder, h/R {h_over_r:g}, L/R {l_over_r:g}, 2-D shell, worst of {count}: mode {worst + 1}"
-    return check(case, "Fluegge, exact", exact[worst], found[worst], 0.018)
+    return check(case, "Fluegge, exact", exact[worst], found[worst], 0.012)
 
 
 def rows(quick: bool) -> list[Row]:

@@ -129,7 +129,7 @@ def ring_rows() -> list[Row]:
         waves = ring_waves(n, omega, still=still, springs=k)
         for name, sense, exact in (("forward", 1, waves[0]), ("backward", -1, waves[1])):
             case = f"A8 rotating ring, {name} wave, n = {n}"
-            rows.append(check(case, "ring theory, closed form", exact, in_plane(found, n, sense), 0.025))
+            rows.append(check(case, "ring theory, closed form", exact, in_plane(found, n, sense), 0.022))
     return rows
 
 
