@@ -67,7 +67,7 @@ def stacked_rows(couples: csr_array, width: IntArray, index: type) -> IntArray:
     counts = width[couples.indices]
     ends = np.append(0, np.cumsum(counts))
     before = (np.cumsum(width) - width)[couples.indices] - ends[:-1]
-    rows = (np.repeat(before, counts) + np.arange(ends[-1])).astype(index)
+    rows: IntArray = (np.repeat(before, counts) + np.arange(ends[-1])).astype(index)
     parts = np.split(rows, ends[couples.indptr[1:-1]])
     return np.concatenate([part for part, columns in zip(parts, width.tolist(), strict=True) for _ in range(columns)])
 
