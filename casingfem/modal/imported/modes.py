@@ -18,8 +18,8 @@ from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, map
 from casingfem.structure.imported.revolution import elements_around, round_about_z
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of the system's `frequency_scale`
-LARGE, THICK = 20_000, 0.1  # unknowns, and wall over size, from which LOBPCG with multigrid is quicker
-COUNTABLE = 70_000  # unknowns of a thick solid up to which a Sturm count is affordable: 3 GB at 60,000
+LARGE, THICK = 50_000, 0.1  # unknowns, and wall over size, from which LOBPCG with multigrid is quicker
+COUNTABLE = 70_000  # unknowns of a thick solid up to which a Sturm count is affordable: ten seconds at 60,000
 DEGREE = 3  # of the polynomials in r and z that carry the meridional shape in the projection
 
 
@@ -42,7 +42,7 @@ def mesh_modes(
 
     A count of modes of a large thick solid (`large_and_thick`) is found by LOBPCG with multigrid unless `multigrid` is
     false or `direct` is given; where that fails, by shift-invert with a warning. Of more than `COUNTABLE`
-    unknowns a factor takes gigabytes: their completeness is searched instead of counted, `sturm_count` is None.
+    unknowns a factor takes minutes: their completeness is searched instead of counted, `sturm_count` is None.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def large_and_thick(system: MeshSystem) -> bool:
     """Whether LOBPCG with multigrid is worth it: a solid of `LARGE` unknowns or more, its wall `THICK` of its size.
 
     The wall is twice the volume over the surface, the size the diagonal of its box. Blocks of .18 gain
-    from 10,000 unknowns on, a plate of .035 loses at 22,000, one of .003 fails:
+    from some 50,000 unknowns on, a plate of .035 loses, one of .003 fails:
     `python -m reports.speed.solid_solvers --large`.
     """
     return system.size >= LARGE and thick(system)
