@@ -131,6 +131,14 @@ SURFACES = {
         "an arc of no length or of more than a turn",
         "give two angles in radians, less than 2 pi apart",
     ),
+    "meridian-off-line": Fault(
+        "the pieces of a meridian need an element line where they meet, at both ends of each fillet",
+        "leave mesh.rows out, or give breaks that hold them",
+    ),
+    "meridian-pieces": Fault(
+        "the pieces of a meridian do not join: a corner without a fillet that fits, an arc that is too small",
+        "give arcs a radius above half of their way, and corners a fillet: the wall's thickness where they are sharp",
+    ),
     "meridian-axis": Fault(
         "the meridian reaches the axis, where a chart of revolution ends in a pole",
         "stop short of the axis and leave a small hole",

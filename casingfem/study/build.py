@@ -15,6 +15,7 @@ from casingfem.structure.field.random import RAYLEIGH, RandomField, Spectrum
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.blade import Blade
 from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate
+from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.geometry.strip import Strip, check_strips
 from casingfem.structure.geometry.survey_check import check_survey, mean_radius
@@ -32,8 +33,8 @@ from casingfem.study.tables.shapes import (
     ChartTable,
     DomeTable,
     MassTable,
+    MeridianTable,
     MeshTable,
-    StripTable,
     TwistedPlateTable,
 )
 from casingfem.study.tables.supports import BoltsTable, ElasticTable, FixedTable, RingTable, SupportTable, SymmetryTable
@@ -53,7 +54,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
         with problems.at("material"):
             material = Material(**tables.material.model_dump())
     supports = build_supports(tables.support, chart, problems)
-    strips = build_strips(tables.strip, chart, problems)
+    strips = build_strips(tables, chart, problems)
     taper = None
     if tables.taper is not None:
         with problems.at("taper"):
@@ -111,6 +112,12 @@ def build_chart(table: ChartTable) -> Chart:
     """The chart of a [chart] table."""
     if isinstance(table, TwistedPlateTable):
         return TwistedPlate(length=table.length, width=table.width, twist=float(np.radians(table.twist_deg)))
+    if isinstance(table, MeridianTable):
+        pieces = tuple(
+            Piece(to=(part.to[0], part.to[1]), radius=part.radius, fillet=part.fillet) for part in table.piece
+        )
+        start = (table.start[0], table.start[1])
+        return Revolved(profile=PiecewiseMeridian(start=start, pieces=pieces, fillet=table.fillet))
     if isinstance(table, DomeTable):
         ends = np.radians([table.start_deg, table.end_deg]).tolist()
         return Revolved(profile=Arc(radius=table.radius, start=ends[0], end=ends[1], r0=table.r0))
@@ -124,17 +131,37 @@ def build_chart(table: ChartTable) -> Chart:
     return chart
 
 
-def build_strips(tables: list[StripTable], chart: Chart | None, problems: Problems) -> tuple[Strip, ...]:
-    """Strips in the file's order; what is wrong with one or with all together is collected."""
+def build_strips(study: StudyFile, chart: Chart | None, problems: Problems) -> tuple[Strip, ...]:
+    """Strips in the file's order, then those of a meridian's pieces; what is wrong with them is collected."""
     strips: list[Strip] = []
+    tables = study.strip
     for k, table in enumerate(tables):
         with problems.at(f"strip[{k + 1}]"):
             material = None if table.material is None else Material(**table.material.model_dump())
             strips.append(Strip(start=table.start, end=table.end, thickness=table.thickness, material=material))
     if chart is not None and len(strips) == len(tables):
+        strips += piece_strips(study, chart)
         with problems.at("strip"):
             check_strips(strips, chart.bounds[0], None)
     return tuple(strips)
+
+
+def piece_strips(study: StudyFile, chart: Chart) -> list[Strip]:
+    """Strips of the pieces of a meridian that have a wall or a material of their own."""
+    table = study.chart
+    if not isinstance(table, MeridianTable) or not isinstance(chart, Revolved) or study.shell is None:
+        return []
+    assert isinstance(chart.profile, PiecewiseMeridian)
+    return [
+        Strip(
+            start=start,
+            end=end,
+            thickness=part.thickness or study.shell.thickness,
+            material=None if part.material is None else Material(**part.material.model_dump()),
+        )
+        for part, (start, end) in zip(table.piece, chart.profile.owners, strict=True)
+        if part.thickness is not None or part.material is not None
+    ]
 
 
 def build_mesh(table: MeshTable, default: ShellMesh) -> ShellMesh:

@@ -1,10 +1,10 @@
-"""Reports on loose bolts, on restarted modes of mistuned casings and on wheels of sectors run small."""
+"""Reports on loose bolts, on restarted modes of mistuned casings on wheels of sectors and on meridians run small."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from reports.modes import cyclic, loose_bolts, mistuning
+from reports.modes import cyclic, loose_bolts, meridians, mistuning
 
 
 @pytest.mark.campaign
@@ -41,3 +41,14 @@ def test_wheels_are_their_full_models(tmp_path):
     assert worst[0] > worst[1] > worst[2] >= worst[3]
     assert worst[4] < 2e-4
     assert rows[-2]["static compliance"] < 5e-4
+
+
+@pytest.mark.campaign
+@pytest.mark.filterwarnings("ignore:.*mesh-(kink|thin-curved|aspect)")
+def test_a_cylinder_and_a_cone_are_their_imported_meshes(tmp_path):
+    bent, stepped = meridians.main(tmp_path, quick=True)
+    assert bent["modes"] == stepped["modes"] == 18
+    assert max(row["quadrilaterals: worst %"] for row in (bent, stepped)) < 0.1
+    assert bent["3-D: worst %"] < 0.5
+    assert bent["3-D: rms %"] < 0.3
+    assert bent["half the fillet: worst %"] < 0.1

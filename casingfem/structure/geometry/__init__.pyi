@@ -1,5 +1,6 @@
 from .blade import Blade
 from .chart import Chart, Cylinder, Frustum, Panel, Plate
+from .pieces import Piece, PiecewiseMeridian
 from .revolved import Arc, Meridian, Revolved, RevolvedPanel
 from .rotation import Rotation
 from .strip import Strip
@@ -14,6 +15,8 @@ __all__ = [
     "Frustum",
     "Meridian",
     "Panel",
+    "Piece",
+    "PiecewiseMeridian",
     "Plate",
     "Revolved",
     "RevolvedPanel",

@@ -10,10 +10,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import Array
+from casingfem.io.arrays import Array, FloatArray
 from casingfem.structure.field.fourier import FieldValues
 from casingfem.structure.geometry.chart import (
     Bounds,
+    Chart,
     Closed,
     Open,
     Surface,
@@ -120,6 +121,11 @@ class Revolved(Closed):
         """S from 0 to the meridian's length, theta once around."""
         return (0.0, self.profile.length), (0.0, 2.0 * np.pi)
 
+    @property
+    def lines(self) -> FloatArray:
+        """Values of s at which the curvature of a meridian of several pieces jumps: element lines."""
+        return np.asarray(getattr(self.profile, "lines", np.zeros(0)))
+
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at s = a, theta = b."""
         return revolved_surface(self.profile, a, b, defect)
@@ -155,3 +161,8 @@ class RevolvedPanel(Open):
     def directions(self, a: Array, b: Array) -> Array:
         """The cylindrical unit vectors."""
         return cylindrical_directions(a, b)
+
+
+def chart_lines(chart: Chart) -> list[float]:
+    """Values of the first parameter that must be element lines: where a meridian of several pieces changes."""
+    return [float(line) for line in getattr(chart, "lines", ())]

@@ -82,14 +82,15 @@ def check_strips(strips: Sequence[Strip], ends: tuple[float, float], lines: Floa
                 raise ModelError("strip-off-line", f"{name}: no element line at {end:g} m")
 
 
-def breaks_between(strips: Sequence[Strip], ends: tuple[float, float]) -> list[float]:
-    """The ends of the shell and of its strips as parts of the length, from 0 to 1.
+def breaks_between(strips: Sequence[Strip], ends: tuple[float, float], lines: Sequence[float] = ()) -> list[float]:
+    """The ends of the shell and of its strips, and lines of its chart, as parts of the length, from 0 to 1.
 
     >>> breaks_between([Strip(start=1.0, end=3.0, thickness=2e-3)], (0.0, 4.0))
     [0.0, 0.25, 0.75, 1.0]
     """
     low, high = np.real(ends)
-    parts = sorted((end - low) / (high - low) for strip in strips for end in (strip.start, strip.end))
+    places = [*(end for strip in strips for end in (strip.start, strip.end)), *lines]
+    parts = sorted((place - low) / (high - low) for place in places)
     inner: list[float] = []
     for part in parts:
         if ON_LINE < part < 1.0 - ON_LINE and (not inner or part - inner[-1] > ON_LINE):

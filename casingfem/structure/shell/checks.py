@@ -11,7 +11,8 @@ from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphrag
 from casingfem.structure.field.fourier import Field
 from casingfem.structure.geometry.chart import require_positive
 from casingfem.structure.geometry.chart_checks import check_chart, check_symmetry
-from casingfem.structure.geometry.strip import check_strips
+from casingfem.structure.geometry.revolved import chart_lines
+from casingfem.structure.geometry.strip import ON_LINE, check_strips
 from casingfem.structure.geometry.survey_check import check_survey, surveys
 from casingfem.structure.shell.extent import check_wall
 from casingfem.structure.shell.parts import ShellParts
@@ -62,7 +63,11 @@ def check_parts(shell: ShellParts) -> None:
 def check_on_mesh(shell: ShellParts) -> None:
     """Refuse strips, fields, walls and springs that the meshed shell cannot carry; warn of bolts it does not follow."""
     start, end = shell.chart.bounds[0]
-    check_strips(shell.strips, (start, end), start + (end - start) * shell.mesh.breaks)
+    lines = start + (end - start) * shell.mesh.breaks
+    check_strips(shell.strips, (start, end), lines)
+    for line in chart_lines(shell.chart):
+        if np.abs(np.real(lines) - line).min() > ON_LINE * float(np.real(end - start)):
+            raise ModelError("meridian-off-line", f"mesh.rows: no element line at s = {line:g} m of the meridian")
     for quantity, defect in shell.defects.items():
         check_field(shell, f"{quantity}_defect", defect)
         for survey in surveys(defect):

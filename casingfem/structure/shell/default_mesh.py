@@ -8,6 +8,7 @@ from casingfem.structure.edge.bolt_mesh import following
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.geometry.revolved import chart_lines
 from casingfem.structure.geometry.strip import breaks_between
 from casingfem.structure.mesh.edge_form import Sprung
 from casingfem.structure.mesh.shell_mesh import ShellMesh
@@ -26,7 +27,8 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     harmonics below 2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned;
     where springs vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian:
     the shear layer of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length
-    sqrt(R t). Strips put an element line at each of their ends, and each stretch between them is divided on its own;
+    sqrt(R t). Strips, and the pieces of a meridian, put
+    an element line at each of their ends, and each stretch between them is divided on its own;
     where there are many, the order falls. Bolts are followed: a multiple of their number around, which by itself keeps
     whole what symmetry does, at 8 nodes a wave where nothing else varies; and a layer along their edge, which is free
     between them.
@@ -39,7 +41,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
         around = int(np.clip(round(2.0 * size / length), 2, 8))
         rows = int(np.clip(round(2.0 * length / size), 2, 8))
         return ShellMesh(order=8, rows=divided(shell, 1.0 / rows) if shell.strips else rows, around=around)
-    stretches = len(breaks_between(shell.strips, shell.chart.bounds[0])) - 1
+    stretches = len(breaks_between(shell.strips, shell.chart.bounds[0], chart_lines(shell.chart))) - 1
     order = 7 if stretches <= MANY else max(2, 7 * MANY // stretches)
     middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
@@ -69,7 +71,7 @@ def divided(shell: ShellParts, longest: float, layers: tuple[float, float] = (0.
 
     A layer wider than half of its stretch is left out.
     """
-    breaks = breaks_between(shell.strips, shell.chart.bounds[0])
+    breaks = breaks_between(shell.strips, shell.chart.bounds[0], chart_lines(shell.chart))
     rows: set[float] = set()
     for low, high in pairwise(breaks):
         first = layers[0] * (low == 0.0 and layers[0] < 0.5 * (high - low))

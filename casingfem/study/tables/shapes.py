@@ -59,6 +59,30 @@ class DomeTable(Table):
     r0: float = Field(default=0.0, ge=-1e3, le=1e3, description="distance of the meridian's centre from the axis [m]")
 
 
+RZ = Annotated[list[float], Field(min_length=2, max_length=2)]
+
+
+class PieceTable(Table):
+    """[[chart.piece]]: a straight piece or an arc of a meridian, with a wall of its own if it has one."""
+
+    to: RZ = Field(description="[r, z] where it ends [m]")
+    radius: Annotated[float, Field(ge=-1e3, le=1e3)] | None = Field(
+        default=None, description="of an arc [m], positive if it turns left on its way; straight if left out"
+    )
+    fillet: Length | None = Field(default=None, description="radius of the corner at its start [m]")
+    thickness: Length | None = Field(default=None, description="its wall thickness [m]")
+    material: MaterialTable | None = Field(default=None, description="E, nu, rho; the wall's own if left out")
+
+
+class MeridianTable(Table):
+    """[chart] of kind "meridian": pieces from base to top, turned about z."""
+
+    kind: Literal["meridian"]
+    start: RZ = Field(description="[r, z] of the base [m]")
+    fillet: Length | None = Field(default=None, description="radius of the corners [m]; the wall's thickness if sharp")
+    piece: list[PieceTable] = Field(min_length=1, description="at least one [[chart.piece]]")
+
+
 class TwistedPlateTable(Table):
     """[chart] of kind "twisted-plate"."""
 
@@ -84,7 +108,7 @@ class BladeTable(Table):
 
 
 ChartTable = Annotated[
-    FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable | DomeTable | BladeTable,
+    FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable | DomeTable | MeridianTable | BladeTable,
     Field(discriminator="kind"),
 ]
 

@@ -66,7 +66,7 @@ def paired_faces(mesh: MeshData, turn: Turn, names: tuple[str, str] | None, tole
     Examples
     --------
     >>> from casingfem.structure.imported.grid import grid_mesh, revolved
-    >>> wall = revolved((0.5, 0.45), (0.0, 0.25), 0.01)
+    >>> wall = revolved((0.5, 0.45), (0.0, 0.25), 0.12)
     >>> part = grid_mesh("hexahedron20", (1, 2, 2), lambda u: wall(u * [1.0, 0.125, 1.0]))
     >>> pairs = paired_faces(part, Turn((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), np.pi / 4.0), None, None)
     >>> len(pairs.low)  # two bricks of 20 nodes with a common facet

@@ -1,0 +1,139 @@
+"""Meridians of several pieces: lines, arcs and fillets in the plane; the shells on them."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.errors import ModelError
+from casingfem.modal.cyclic.modes import cyclic_modes
+from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
+from reports.modes.meridians import CASINGS, chart_shell, sector, stations
+
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+CONE = (Piece(to=(0.3, 0.1)), Piece(to=(0.25, 0.2)))
+
+
+def meridian(*pieces, start=(0.3, 0.0), fillet=0.01):
+    return PiecewiseMeridian(start=start, pieces=pieces or CONE, fillet=fillet)
+
+
+def shell(profile, **given):
+    parts = {"thickness": 8e-3, "material": STEEL, "supports": {"base": cf.Clamped()}}
+    return cf.Shell(chart=cf.Revolved(profile=profile), **{**parts, **given})
+
+
+SHAPES = {
+    "cone": meridian(),
+    "right angle in": meridian(Piece(to=(0.3, 0.1)), Piece(to=(0.2, 0.1))),
+    "right angle out": meridian(Piece(to=(0.3, 0.1)), Piece(to=(0.4, 0.1))),
+    "arc to the left": meridian(Piece(to=(0.3, 0.1)), Piece(to=(0.2, 0.18), radius=0.15), Piece(to=(0.1, 0.4))),
+    "arc to the right": meridian(Piece(to=(0.3, 0.1)), Piece(to=(0.4, 0.2), radius=-0.12), Piece(to=(0.4, 0.3))),
+    "two arcs": meridian(Piece(to=(0.35, 0.1), radius=0.2), Piece(to=(0.3, 0.2), radius=-0.1)),
+    "back": meridian(Piece(to=(0.3, 0.1)), Piece(to=(0.35, 0.05)), Piece(to=(0.4, 0.2)), fillet=0.006),
+}
+
+
+@pytest.mark.parametrize("profile", SHAPES.values(), ids=SHAPES)
+def test_pieces_and_fillets_make_one_smooth_line_of_unit_speed(profile):
+    s = np.linspace(0.0, profile.length, 20_001)
+    at, h = profile.at(s), profile.length / 20_000
+    np.testing.assert_allclose(at.r1**2 + at.z1**2, 1.0, rtol=1e-12)
+    assert np.hypot(np.diff(at.r), np.diff(at.z)).max() < h * (1.0 + 1e-9)
+    assert np.hypot(np.diff(at.r1), np.diff(at.z1)).max() < h / 0.005  # no kink is left: no bend is sharper
+    for line in profile.lines[1:-1]:
+        np.testing.assert_allclose(
+            np.stack(profile.at(np.array(line - 1e-12))[::3] + profile.at(np.array(line - 1e-12))[1::3]),
+            np.stack(profile.at(np.array(line + 1e-12))[::3] + profile.at(np.array(line + 1e-12))[1::3]),
+            atol=1e-9,
+        )
+    inside = np.setdiff1d(np.arange(50, 19_950, 97), np.searchsorted(s, profile.lines))
+    for value, slope, bend in ((at.r, at.r1, at.r2), (at.z, at.z1, at.z2)):
+        step = np.array([profile.lines.searchsorted(s[inside - 2]), profile.lines.searchsorted(s[inside + 2])])
+        k = inside[step[0] == step[1]]
+        np.testing.assert_allclose((value[k + 1] - value[k - 1]) / (2.0 * h), slope[k], atol=1e-6)
+        np.testing.assert_allclose((slope[k + 1] - slope[k - 1]) / (2.0 * h), bend[k], atol=1e-5 * 200.0)
+
+
+def test_a_fillet_touches_both_pieces_at_its_radius():
+    """A right angle: from the ends of the fillet to the corner is its radius, and it is a quarter turn."""
+    profile = SHAPES["right angle in"]
+    assert np.diff(profile.lines) == pytest.approx([0.09, 0.01 * np.pi / 2.0, 0.09])
+    assert profile.owners[0][1] == pytest.approx(0.09 + 0.005 * np.pi / 2.0)
+    ends = profile.at(profile.lines)
+    assert (ends.r[1], ends.z[1]) == pytest.approx((0.3, 0.09))
+    assert (ends.r[2], ends.z[2]) == pytest.approx((0.29, 0.1))
+
+
+def test_an_arc_passes_through_its_ends_at_its_radius():
+    """A quarter circle about (0.2, 0.0) from (0.3, 0.0) to (0.2, 0.1) needs no fillet behind a cylinder."""
+    profile = PiecewiseMeridian(
+        start=(0.3, -0.1), pieces=(Piece(to=(0.3, 0.0)), Piece(to=(0.2, 0.1), radius=0.1), Piece(to=(0.1, 0.1)))
+    )
+    at = profile.at(np.linspace(0.1, 0.1 + 0.05 * np.pi, 9))
+    np.testing.assert_allclose(np.hypot(at.r - 0.2, at.z), 0.1, rtol=1e-12)
+    assert len(profile.bends) == 3
+
+
+@pytest.mark.parametrize(
+    ("pieces", "given", "words"),
+    [
+        (CONE, {"fillet": None}, r"piece\[2\].fillet: found none at a corner of 26.6 degrees"),
+        (CONE, {"fillet": 1.0}, r"piece\[2\].fillet: found 1 m, which does not fit"),
+        ((Piece(to=(0.3, 0.0)),), {}, r"piece\[1\]: found no way"),
+        ((Piece(to=(0.2, 0.0), radius=0.04),), {}, r"piece\[1\].radius: found 0.04 m for a way of 0.1 m"),
+        ((Piece(to=(0.3, 0.1)), Piece(to=(0.3, 0.0))), {}, "at a corner of 180 degrees"),
+        ((Piece(to=(0.4, 0.0)), Piece(to=(0.4, 0.02)), Piece(to=(0.5, 0.02))), {"fillet": 0.015}, "leave nothing"),
+    ],
+)
+def test_pieces_that_do_not_join_are_named(pieces, given, words):
+    with pytest.raises(ModelError, match=words):
+        meridian(*pieces, **given)
+
+
+def test_a_meridian_that_reaches_the_axis_is_refused():
+    with pytest.raises(ModelError, match="meridian-axis"):
+        meridian(Piece(to=(0.0, 0.1)))
+
+
+def test_pieces_in_line_are_the_frustum():
+    """No corner, no fillet: two pieces of one cone are the frustum's chart."""
+    mesh = cf.ShellMesh(order=7, rows=(0.0, 0.4, 1.0), around=21)
+    parts = {"thickness": 8e-3, "material": STEEL, "supports": {"base": cf.Clamped()}, "mesh": mesh}
+    whole = cf.Shell(chart=cf.Frustum(r_base=0.3, r_top=0.25, height=0.2), **parts)
+    cut = PiecewiseMeridian(start=(0.3, 0.0), pieces=(Piece(to=(0.28, 0.08)), Piece(to=(0.25, 0.2))))
+    assert len(cut.bends) == 2
+    np.testing.assert_allclose(cf.modes(shell(cut, mesh=mesh), 4).freq, cf.modes(whole, 4).freq, rtol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*mesh-(kink|aspect)")
+def test_a_corner_is_that_of_imported_quadrilaterals():
+    pieces, walls = CASINGS["the same, cone of 5 mm"]
+    casing = chart_shell(pieces, walls, 5e-3)
+    own = cf.modes(casing, 8)
+    quads = sector(casing, rows=stations(casing, 0.006, 8), sectors=60, solid=False)
+    theirs = cyclic_modes(quads, 1, diameters=(3, 4))
+    for n, freq in zip((3, 4), theirs.freq, strict=True):
+        assert own.freq[own.nodal_diameters == n][0] == pytest.approx(freq, rel=3e-4)
+
+
+@pytest.mark.slow
+def test_the_harmonic_path_is_the_shell_and_a_corner_hardly_asks_how_round_it_is():
+    casing = shell(meridian(fillet=8e-3), mesh=cf.ShellMesh(order=6, rows=(0.0, *corner_lines(8e-3), 1.0), around=9))
+    np.testing.assert_allclose(cf.modes(casing, 5).freq, cf.modes(casing, 5, method="shell").freq, rtol=2e-3)
+    sharper, rounder = (cf.modes(shell(meridian(fillet=fillet)), 8).freq for fillet in (4e-3, 8e-3))
+    np.testing.assert_allclose(sharper, rounder, rtol=2e-3)
+
+
+def corner_lines(fillet):
+    lines = meridian(fillet=fillet).lines
+    return (lines[1:-1] / lines[-1]).tolist()
+
+
+def test_element_lines_stand_where_pieces_meet():
+    casing = shell(meridian(), strips=(cf.Strip(start=meridian().owners[1][0], end=meridian().length, thickness=5e-3),))
+    lines = casing.mesh.breaks * meridian().length
+    for line in (*meridian().lines, meridian().owners[1][0]):
+        assert np.abs(lines - line).min() < 1e-9
+    with pytest.raises(ModelError, match="meridian-off-line"):
+        shell(meridian(), mesh=cf.ShellMesh(order=6, rows=3, around=9))
