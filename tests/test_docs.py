@@ -54,3 +54,9 @@ def test_an_example_runs_and_draws(path, tmp_path, monkeypatch):
     assert isinstance(names["figure"], matplotlib.figure.Figure)
     assert any(axes.has_data() for axes in names["figure"].axes)
     plt.close("all")
+
+
+def test_no_formula_is_broken_over_two_lines():
+    for path in DOCS.rglob("*.md"):
+        text = re.sub(r"```.*?```|\$\$.*?\$\$|`[^`]*`", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+        assert [line for line in text.splitlines() if line.count("$") % 2] == [], path.name
