@@ -24,8 +24,8 @@ def lowest(order):
     return cf.modes(casing, 8).freq
 
 
-orders = range(4, 10)
-finest = lowest(12)
+orders = range(4, 9)
+finest = lowest(11)
 worst = [np.abs(lowest(order) / finest - 1.0).max() for order in orders]
 
 figure, axes = plt.subplots(layout="constrained")

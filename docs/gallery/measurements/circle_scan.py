@@ -22,7 +22,7 @@ casing = cf.Shell(
 bench = rig.rig_of(cf.modes(casing, count=8), [rig.Place(at=(0.25, 0.3)), *rig.circle(0.25, 24)], zeta=0.002)
 tone = rig.Tone(bench.freq[0])
 turning = rig.Turning(mirror=4.1)  # turns a second
-test = rig.scan(bench, turning, [tone], circle=range(1, 25), drive=0, fs=4096.0, seconds=4.0, seed=20261, snr_db=20.0)
+test = rig.scan(bench, turning, [tone], circle=range(1, 25), drive=0, fs=4096.0, seconds=2.0, seed=20261, snr_db=20.0)
 found = cf.circle.demodulate(test.record, 8)
 wave = found.wave(0, 3)
 print(wave)
