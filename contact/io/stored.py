@@ -103,6 +103,10 @@ class Packing:
             return {"same": self._met[id(part)][0]}
         if isinstance(part, np.ndarray) and part.dtype.kind in "biufcU":
             return self._numbered(part, {"array": self._array(part, name or "value")})
+        if getattr(part, "format", "") == "csc" and hasattr(part, "indptr"):
+            arrays = {key: getattr(part, key) for key in ("data", "indices", "indptr")}
+            inside = {key: self.packed(value, f"{name}.{key}") for key, value in arrays.items()}
+            return self._numbered(part, {"sparse": list(part.shape), "fields": inside})
         if isinstance(part, os.PathLike):
             return {"path": os.fspath(part)}
         if names := getattr(type(part), "_fields", ()):
@@ -149,7 +153,7 @@ class Unpacking:
         if "same" in part:
             return self._met[part["same"]]
         if "number_of" in part:
-            found = self._array(part["array"]) if "array" in part else self._value(part)
+            found = self._array(part["array"]) if "array" in part else self._whole(part)
             self._met[part["number_of"]] = found
             return found
         ((word, inside),) = part.items()
@@ -163,6 +167,14 @@ class Unpacking:
 
     def _array(self, name: str) -> Any:
         return sealed(self._arrays[name])
+
+    def _whole(self, part: Mapping[str, Any]) -> Any:
+        if "sparse" not in part:
+            return self._value(part)
+        from scipy.sparse import csc_array
+
+        data, indices, indptr = (self.unpacked(part["fields"][key]) for key in ("data", "indices", "indptr"))
+        return csc_array((data, indices, indptr), shape=tuple(part["sparse"]))
 
     def _value(self, part: Mapping[str, Any]) -> Any:
         module, _, name = part["value"].partition(":")

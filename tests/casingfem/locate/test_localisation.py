@@ -22,6 +22,7 @@ from casingfem.structure.geometry.chart import Cylinder
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.calibration import calibrated
+from tests.test_results import assert_whole
 
 BOLTS = Bolts(count=12, k=2e8, k_rot=1e5)
 COARSE = ShellMesh(order=5, rows=(0.0, 0.05, 1.0), around=12)
@@ -66,7 +67,7 @@ def table_of(shell, count=20):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("loose", [{5: 0.3}, {2: 0.3, 6: 0.5}])
-def test_loose_bolts_are_recovered_without_noise(casing, model, loose):
+def test_loose_bolts_are_recovered_without_noise(casing, model, loose, tmp_path):
     found = locate(casing, table_of(loosened(casing, loose)), model=model)
     turned = {(bolt + 5) % 12 + 1 for bolt in loose}
     explanations = (found.best, *found.others)
@@ -74,6 +75,7 @@ def test_loose_bolts_are_recovered_without_noise(casing, model, loose):
     told = next(e for e in explanations if e.places == frozenset(loose))
     assert {one.place: one.value for one in told.found} == pytest.approx(loose, abs=5e-3)
     assert found.chi2 < 1e-4 * found.chi2_start
+    assert_whole(found, tmp_path)
 
 
 @pytest.mark.slow

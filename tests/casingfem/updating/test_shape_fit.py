@@ -9,6 +9,7 @@ import casingfem as cf
 from casingfem.plot.pages.fit_shapes import figure_shape_mac, shapes_section
 from casingfem.updating.addresses import with_value
 from casingfem.updating.shape_fit import shape_fit
+from tests.test_results import assert_whole
 
 THETA = 2.0 * np.pi * np.arange(20) / 20 + 0.05
 ROWS = 8
@@ -72,7 +73,8 @@ def test_what_is_left_over_is_listed_on_both_sides(fit):
 
 
 @pytest.mark.slow
-def test_pictures_frame_every_pair(fit):
+def test_pictures_frame_every_pair(fit, tmp_path):
+    assert_whole(shape_fit(fit), tmp_path)
     figure = figure_shape_mac(shape_fit(fit))
     axes = [axes for axes in figure.axes if axes.get_xlabel() == "computed mode"]
     seen = [match for match in fit.pairing.matches if min(match.rows) < ROWS - 1]
