@@ -15,35 +15,41 @@ import numpy as np
 
 from casingfem.experiment.identify.bands import Band
 from casingfem.experiment.identify.ema_poles import lscf_poles
-from casingfem.experiment.identify.own_shifts import aligned, shifted_reading
+from casingfem.experiment.identify.own_shifts import Modes
 from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
 from casingfem.experiment.identify.pole_selection import select_poles
 from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.shifted import Shifted, shifted
 from casingfem.experiment.identify.stabilisation import Stabilisation, stabilise
 from casingfem.io.arrays import Array, FloatArray
 
 FLOOR = 3e-4  # of a window's rms: a model is not better than that
 ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most
-PASSES = 2  # fits of every band after the first, 1 where peaks are shifted
+PASSES = 2  # fits of every band after the first
 USUAL_ZETA = 2e-3  # of a picked pole that no stable one is near to
 
 
 class Responses(NamedTuple):
-    """Lines [Hz], responses (channels, lines), standard deviation of each channel's noise, power of j omega."""
+    """Lines [Hz], responses (channels, lines), standard deviation of each channel's noise, power of j omega.
+
+    `leak` as in `Window`.
+    """
 
     freq: FloatArray
     H: Array
     noise: FloatArray
     power: int
+    leak: float = 0.0
 
 
 class BandFits(NamedTuple):
-    """One fit for each band, its stabilisation diagram, and whether peaks are shifted from channel to channel."""
+    """One fit for each band, its stabilisation diagram, and what set-ups differ by in ln f, 0 where there is one."""
 
     bands: list[Band]
     fits: list[PoleFit]
     diagrams: list[Stabilisation]
-    shifted: bool
+    shift: float
+    leak: float
 
 
 class _Mode(NamedTuple):
@@ -71,22 +77,53 @@ def fit_bands(
         if picked is not None:
             starts = _picks(data.freq, band, picked, starts)
         fits.append(select_poles(_window(data, band, []), starts, search=picked is None) if band.peaks else None)
-    fits, shifted = _read(data, bands, fits, reduce=picked is None)
-    passes = 1 if shifted else PASSES
-    for again in range(passes):
+    if any(fit is not None and len(fit.freq) for fit in fits):
+        say("set-ups")
+        kind = "complex" if any(fit.window.columns == 2 for fit in fits if fit is not None) else "real"
+        whole = replace(_window(data, Band((0, len(data.freq)), (0, len(data.freq)), 0), []), residues=kind)
+        found = shifted(whole, _together(_modes(data, bands, fits)))
+        data = data._replace(leak=found.leak)
+        if found.several and picked is None:
+            return BandFits(bands, _aligned_fits(data, bands, found, whole), diagrams, found.shift, found.leak)
+    for again in range(PASSES):
         for k, band in enumerate(bands):
-            say(f"fit {again + 2} of {passes + 1}, band {k + 1} of {len(bands)}")
-            modes = _modes(data, bands, fits)
-            low, high = data.freq[band.window[0]], data.freq[band.window[1] - 1]
-            inside = [mode for mode in modes if low <= mode.freq <= high]
-            outside = [mode for mode in modes if not low <= mode.freq <= high]
+            say(f"fit {again + 2} of {PASSES + 1}, band {k + 1} of {len(bands)}")
+            inside, outside = _sides(data, band, _modes(data, bands, fits))
             starts = np.array([(mode.freq, mode.zeta) for mode in inside]).reshape(-1, 2)
-            window, fit = _window(data, band, outside), fits[k]
-            if shifted and fit is not None:
-                fits[k] = _without_shifts(replace(window, residues=fit.window.residues), starts)
-            else:
-                fits[k] = select_poles(window, starts, search=picked is None)
-    return BandFits(bands, [fit for fit in fits if fit is not None], diagrams, shifted)
+            fits[k] = select_poles(_window(data, band, outside), starts, search=picked is None)
+    return BandFits(bands, [fit for fit in fits if fit is not None], diagrams, 0.0, data.leak)
+
+
+def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Window) -> list[PoleFit]:
+    """Fits of what the channels would show if all set-ups had the same frequencies; sigma knows that they do not."""
+    straight = found.aligned(whole)
+    data = data._replace(H=straight.as_complex.T * data.noise[:, None])
+    freq, sigma = found.mean()
+    modes = [_Mode(*each) for each in zip(freq.tolist(), found.modes.zeta.tolist(), found.modes.residues, strict=True)]
+    aligned = []
+    for band in bands:
+        inside, outside = _sides(data, band, modes)
+        starts = np.array([(mode.freq, mode.zeta) for mode in inside]).reshape(-1, 2)
+        window = replace(_window(data, band, outside), residues=straight.residues)
+        fit = fit_poles(window, *starts.T, steps=0)
+        nearest = np.array([np.abs(freq - f).argmin() for f in fit.freq], int)
+        known = np.r_[sigma[nearest], found.sigma_zeta[nearest]]
+        raised = np.maximum(known / np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 1e-300)), 1.0)
+        aligned.append(replace(fit, covariance=fit.covariance * np.outer(raised, raised), labels=found.doubt[nearest]))
+    return aligned
+
+
+def _together(modes: list[_Mode]) -> Modes:
+    """Modes of one set-up."""
+    freq, zeta = np.array([(mode.freq, mode.zeta) for mode in modes]).reshape(-1, 2).T
+    return Modes(freq[:, None], zeta, np.array([mode.residues for mode in modes]))
+
+
+def _sides(data: Responses, band: Band, modes: list[_Mode]) -> tuple[list[_Mode], list[_Mode]]:
+    """Modes within a band's window, and the others."""
+    low, high = data.freq[band.window[0]], data.freq[band.window[1] - 1]
+    inside = [mode for mode in modes if low <= mode.freq <= high]
+    return inside, [mode for mode in modes if not low <= mode.freq <= high]
 
 
 def _picks(freq: FloatArray, band: Band, picked: FloatArray, stable: FloatArray) -> FloatArray:
@@ -96,29 +133,6 @@ def _picks(freq: FloatArray, band: Band, picked: FloatArray, stable: FloatArray)
     if not len(stable):
         return np.column_stack([here, np.full(len(here), USUAL_ZETA)])
     return np.column_stack([here, stable[np.abs(stable[None, :, 0] - here[:, None]).argmin(axis=1), 1]])
-
-
-def _read(
-    data: Responses, bands: list[Band], fits: list[PoleFit | None], *, reduce: bool
-) -> tuple[list[PoleFit | None], bool]:
-    """The fits, and whether peaks are shifted from channel to channel; then with as few poles as that leaves."""
-    readings = [
-        None if fit is None else shifted_reading(fit, *core_of(data.freq, band))
-        for band, fit in zip(bands, fits, strict=True)
-    ]
-    shifted = sum(reading.evidence for reading in readings if reading is not None) > 0.0
-    if not (shifted and reduce):
-        return fits, shifted
-    return [
-        fit if fit is None or reading is None else fit_poles(fit.window, *reading.starts.T)
-        for fit, reading in zip(fits, readings, strict=True)
-    ], True
-
-
-def _without_shifts(window: Window, starts: FloatArray) -> PoleFit:
-    """The fit of what the channels would show without shifts; sigma knows of them."""
-    straight, shift = aligned(fit_poles(window, *starts.T))
-    return replace(fit_poles(straight, *starts.T), shift=shift)
 
 
 def core_of(freq: FloatArray, band: Band) -> tuple[float, float]:
@@ -138,26 +152,20 @@ def _sweep(data: Responses, band: Band, order: int | None) -> tuple[Stabilisatio
 def _window(data: Responses, band: Band, outside: list[_Mode]) -> Window:
     """What is to be fitted in a band, without the modes outside its window."""
     lines = slice(*band.window)
-    whole = data.H[:, lines] / data.noise[:, None]
-    rest = whole - _added(data, lines, outside) / data.noise[:, None]
-    return Window(
+    weighted = (data.H[:, lines] / data.noise[:, None]).T
+    window = Window(
         freq=data.freq[lines],
-        Y=np.concatenate([rest.real, rest.imag], axis=1).T,
+        Y=np.concatenate([weighted.real, weighted.imag]),
         power=data.power,
         residues="real",
         weight=1.0 / data.noise,
-        floor=FLOOR * float(np.sqrt(0.5 * np.mean(np.abs(whole) ** 2))),
+        floor=FLOOR * float(np.sqrt(0.5 * np.mean(np.abs(weighted) ** 2))),
+        leak=data.leak,
     )
-
-
-def _added(data: Responses, lines: slice, modes: list[_Mode]) -> Array:
-    """Sum of modes (channels, lines)."""
-    if not modes:
-        return np.zeros((len(data.H), 1))
-    f = data.freq[lines]
-    own, zeta = np.array([(mode.freq, mode.zeta) for mode in modes]).T[:, :, None]
-    unit = (1j * f) ** data.power * own**2 / (own**2 - f**2 + 2j * zeta * own * f)
-    return np.asarray(np.array([mode.residues for mode in modes]).T @ unit)
+    if not outside:
+        return window
+    added = _together(outside).response(window, [np.arange(len(data.H))])
+    return replace(window, Y=window.Y - np.concatenate([added.real, added.imag]))
 
 
 def _modes(data: Responses, bands: list[Band], fits: list[PoleFit | None]) -> list[_Mode]:

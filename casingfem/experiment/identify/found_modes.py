@@ -59,11 +59,9 @@ def found_modes(
     """
     modes: list[FoundMode] = []
     left_out: list[tuple[float, str]] = []
-    shifts = np.concatenate([fit.shift for fit in fits]) if fits else np.zeros(0)
-    usual = float(np.median(shifts)) if shifts.size else 0.0
     for fit, (low, high) in zip(fits, cores, strict=True):
         here = [_mode(fit, pole, grid, signs, circle) for pole in range(len(fit.freq))]
-        judged = verdicts(fit, [mode.collinearity for mode in here], usual)
+        judged = verdicts(fit, [mode.collinearity for mode in here])
         gone = [k for k, (_, out) in enumerate(judged) if out and not keep]
         left_out += [(here[k].freq, judged[k][0]) for k in gone if low <= here[k].freq < high]
         here = [replace(mode, doubt=doubt) for mode, (doubt, _) in zip(here, judged, strict=True)]
@@ -91,7 +89,7 @@ def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: 
     double = shape.second > 1.0 and shape.balance > BALANCE
     return FoundMode(
         freq=freq,
-        sigma_freq=freq * float(np.hypot(sigma[pole], fit.shift[pole])),
+        sigma_freq=freq * float(np.hypot(sigma[pole], fit.labels[pole])),
         zeta=zeta,
         sigma_zeta=float(sigma[len(fit.freq) + pole] * zeta),
         n=label.n,

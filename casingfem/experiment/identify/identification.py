@@ -105,7 +105,7 @@ def identify(
         doublets=doublets,
         unresolved=tuple(k for k, mode in enumerate(modes) if mode.unresolved),
         doubts=tuple(mode.doubt for mode in modes),
-        notes=(*shift_note(found.shifted), *notes_of(modes, doublets), *left_out),
+        notes=(*test_notes(found), *notes_of(modes, doublets), *left_out),
         diagram=join(found.diagrams, cores),
         card=frfs.card,
         seconds=time.perf_counter() - started,
@@ -122,10 +122,15 @@ def _picked(path: str, pick: ArrayLike, freq: FloatArray) -> FloatArray:
     return picked
 
 
-def shift_note(shifted: bool) -> tuple[str, ...]:
-    """What a test with shifted peaks is said to be."""
-    words = "peaks lie at different frequencies in different channels (roving mass, moved hammer?): means are given"
-    return (words,) if shifted else ()
+def test_notes(found: BandFits) -> tuple[str, ...]:
+    """What a test with shifted peaks or with leakage is said to be."""
+    shifted = (
+        "peaks lie at different frequencies in different channels (roving mass, moved hammer?): means over the set-ups"
+        f" are given, which differ by {100.0 * found.shift:.2g} % (standard deviation); the uncertainties are those of"
+        " the means"
+    )
+    leaked = "peaks are widened as by a Hann window, which is taken account of"
+    return (*([shifted] if found.shift else []), *([leaked] if found.leak else []))
 
 
 def _lines(frfs: FrfSet, band: tuple[float, float] | None) -> tuple[FloatArray, Array]:

@@ -4,6 +4,9 @@
 
 x and w_k in units of the window's mean frequency; q = 0, 1, 2 for receptance, mobility, accelerance. a_k are real
 where damping is proportional, complex otherwise; the Chebyshev polynomials T_i stand for modes outside the window.
+
+An average of random blocks under a Hann window leaks: it is H smoothed by the window's power spectrum (Bendat and
+Piersol, Random Data, 4th ed., 2010, section 8.5), whose moments are those of 1/6, 2/3, 1/6 on three lines.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ import numpy as np
 from casingfem.io.arrays import Array, FloatArray, frozen
 
 TERMS = 4  # polynomials
+HANN = (-1.0, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.0, 1.0 / 6.0)  # lines away, share of the power
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -22,7 +26,8 @@ class Window:
     """Lines and channels of one fit: freq [Hz] (lines,), Y (2 lines, channels) real over imaginary, weighted.
 
     `power` is q above; `residues` "real" or "complex"; `weight` (channels,) what Y was multiplied by; `floor` the
-    least rms deviation per entry of Y that counts: models are never better than that.
+    least rms deviation per entry of Y that counts: models are never better than that; `leak` the distance of lines
+    [Hz] over which a Hann window leaks, 0 where nothing does.
     """
 
     freq: FloatArray
@@ -31,6 +36,7 @@ class Window:
     residues: str
     weight: FloatArray
     floor: float
+    leak: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("freq", "Y", "weight"):
@@ -46,9 +52,15 @@ class Window:
         """Mean frequency [Hz]."""
         return float(self.freq.mean())
 
+    @property
+    def as_complex(self) -> Array:
+        """The data as complex numbers, (lines, channels)."""
+        half = len(self.freq)
+        return np.asarray(self.Y[:half] + 1j * self.Y[half:])
+
     def resonances(self, f: FloatArray, zeta: FloatArray) -> FloatArray:
         """Columns (2 lines, poles x columns) of unit residue at poles f [Hz], zeta."""
-        return self.as_real(self._resonances(f, zeta)[0])
+        return self.as_real(self.peaks(f, zeta)[0])
 
     def slopes(self, f: FloatArray, zeta: FloatArray) -> FloatArray:
         """Derivatives of `resonances` by ln f of all poles, then by ln zeta, (2 lines, 2 poles x columns)."""
@@ -56,8 +68,14 @@ class Window:
 
     def peaks(self, f: FloatArray, zeta: FloatArray) -> tuple[Array, tuple[Array, Array]]:
         """Complex resonances (lines, poles) of unit residue, and their derivatives by ln f and ln zeta."""
-        g, by_zeta, w, below = self._resonances(f, zeta)
-        return g, (2.0 * g * (1.0 - w**2 / below) + by_zeta, by_zeta)
+        if not self.leak:
+            return self._peaks(self.freq, f, zeta)
+        near = [self._peaks(self.freq + by * self.leak, f, zeta) for by, _ in HANN]
+        g, by_freq, by_zeta = (
+            np.tensordot([share for _, share in HANN], each, axes=1)
+            for each in ([g for g, _ in near], [slopes[0] for _, slopes in near], [slopes[1] for _, slopes in near])
+        )
+        return g, (by_freq, by_zeta)
 
     def residuals(self) -> FloatArray:
         """Columns (2 lines, TERMS x columns) of modes outside the window."""
@@ -71,9 +89,10 @@ class Window:
             columns = np.stack([columns, 1j * columns], axis=2).reshape(len(columns), -1)
         return np.concatenate([columns.real, columns.imag])
 
-    def _resonances(self, f: FloatArray, zeta: FloatArray) -> tuple[Array, Array, Array, Array]:
-        """Complex columns (lines, poles), their derivative by ln zeta, w and the denominator."""
-        x, w = self.freq[:, None] / self.scale, f / self.scale
+    def _peaks(self, at: FloatArray, f: FloatArray, zeta: FloatArray) -> tuple[Array, tuple[Array, Array]]:
+        """`peaks` at frequencies [Hz], without leakage."""
+        x, w = at[:, None] / self.scale, f / self.scale
         below = w**2 - x**2 + 2j * zeta * w * x
         g = (1j * x) ** self.power * w**2 / below
-        return g, -g * 2j * zeta * w * x / below, w, below
+        by_zeta = -g * 2j * zeta * w * x / below
+        return g, (2.0 * g * (1.0 - w**2 / below) + by_zeta, by_zeta)

@@ -10,12 +10,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from casingfem.experiment.identify.own_shifts import noise_squares
 from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.experiment.identify.pole_selection import gains, noise_at, penalty
+from casingfem.experiment.identify.shifted import noise_squares
 
 FREQ = 0.1, 0.5  # standard deviation of the frequency over the half-power bandwidth: doubtful, left out
-UNUSUAL = 3.0  # times the usual shift
 ZETA = 0.2, 0.6  # of ln zeta
 DAMPED = 0.06, 0.3  # damping ratio
 GAIN = 3.0, 0.0  # fall of the sum of squares over what a pole must bring
@@ -24,30 +23,24 @@ LINES = 1.5, 0.5  # lines within the half-power bandwidth
 IN_PHASE = 0.6, 0.0  # share of the shape's energy that is in phase
 BESIDE = 3.0, 6, 0.8  # bandwidths to a stronger neighbour; channels below which shapes say nothing; MAC, else
 MISFIT = 3.0, 6.0, 0.7  # squares over the noise's; then bandwidths to a neighbour whose peak is so much larger
-SHIFTED = 1.0, 0.6  # bandwidths to a neighbour, peak over its peak, in a test with shifted peaks
 FEW = 0.12, 8  # share of the channels that has the energy: of a local mode; from so many channels on
 
 
-def verdicts(fit: PoleFit, collinearity: list[float], usual_shift: float) -> list[tuple[str, bool]]:
-    """For each pole of a fit what is doubtful about it, "" where nothing is, and whether it is to be left out.
-
-    `usual_shift` is the median of what shifted peaks leave uncertain in ln f, over all modes of the test: such shifts
-    are the test's, larger ones speak against the pole.
-    """
+def verdicts(fit: PoleFit, collinearity: list[float]) -> list[tuple[str, bool]]:
+    """For each pole of a fit what is doubtful about it, "" where nothing is, and whether it is to be left out."""
     worth = gains(fit) / penalty(fit.window) if len(fit.freq) else np.zeros(0)
     found = []
     for pole, phase in enumerate(collinearity):
-        reasons = [*_reasons(fit, pole, float(worth[pole]), phase, usual_shift), *_beside(fit, pole)]
+        reasons = [*_reasons(fit, pole, float(worth[pole]), phase), *_beside(fit, pole)]
         found.append(("; ".join(text for text, _ in reasons), any(out for _, out in reasons)))
     return found
 
 
-def _reasons(fit: PoleFit, pole: int, worth: float, phase: float, usual_shift: float) -> Iterator[tuple[str, bool]]:
+def _reasons(fit: PoleFit, pole: int, worth: float, phase: float) -> Iterator[tuple[str, bool]]:
     """What speaks against a pole, and whether so much that it is left out."""
     f, zeta = float(fit.freq[pole]), float(fit.zeta[pole])
     variance = fit.noise * np.diag(fit.covariance)
-    shift = float(fit.shift[pole]) if fit.shift[pole] > UNUSUAL * usual_shift else 0.0
-    freq = float(np.hypot(np.sqrt(variance[pole]), shift)) / (2.0 * zeta)
+    freq = float(np.sqrt(variance[pole])) / (2.0 * zeta)
     damping = float(np.sqrt(variance[len(fit.freq) + pole]))
     lines = 2.0 * zeta * f / float(fit.window.freq[1] - fit.window.freq[0])
     size = np.linalg.norm(fit.A[pole], axis=0)
@@ -85,9 +78,6 @@ def _beside(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
         if away < BESIDE[0] and (alike or shapes.shape[1] < BESIDE[1]):
             why = "of the same shape" if shapes.shape[1] >= BESIDE[1] else "too few channels to tell their shapes"
             yield f"{away:.1f} bandwidths from the stronger mode at {fit.freq[other]:.2f} Hz, {why}: one mode?", False
-            return
-        if fit.shift.any() and away < SHIFTED[0] and peaks[pole] < SHIFTED[1] * peaks[other]:
-            yield f"{away:.1f} bandwidths from the stronger mode at {fit.freq[other]:.2f} Hz, whose peaks shift", False
             return
         if misfit > MISFIT[0] and away < MISFIT[1] and peaks[pole] < MISFIT[2] * peaks[other]:
             yield (

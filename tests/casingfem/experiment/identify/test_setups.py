@@ -1,0 +1,97 @@
+"""Set-ups with peaks of their own, modes matched between them, and a window that leaks."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.experiment.identify.own_shifts import OwnPeaks
+from casingfem.experiment.identify.setups import find_setups, label_doubt, matched
+from casingfem.experiment.rig.unkind import Unkind, hann_power, unkind_frfs
+
+GROUPS = [np.array([0, 1, 4]), np.array([2, 5]), np.array([3, 6, 7])]
+SIGMA = 1e-5
+
+
+def peaks(logs, zeta, rng):
+    """Modes (modes, set-ups) with frequencies off by `logs`, as fits of one channel each give them."""
+    m, count = logs.shape
+    noise = SIGMA * rng.standard_normal((2, m, count))
+    freq = np.linspace(300.0, 400.0, m)[:, None] * np.exp(logs + noise[0])
+    ones = np.ones((m, count))
+    return OwnPeaks(freq, zeta[:, None] * np.exp(100 * noise[1]), SIGMA**2 * ones, 1e-6 * ones, ones + 0j, 0.0)
+
+
+def test_channels_whose_peaks_agree_are_one_setup_and_a_dead_one_is_anywhere():
+    rng = np.random.default_rng(17)
+    shift, where = 1e-3 * rng.standard_normal((10, 3)), np.zeros(8, int)
+    for k, channels in enumerate(GROUPS):
+        where[channels] = k
+    own = peaks(shift[:, where], np.full(10, 2e-3), rng)
+    found = find_setups([own], np.ones(8, bool))
+    assert sorted(map(tuple, found)) == sorted(map(tuple, GROUPS))
+    alive = np.ones(8, bool)
+    alive[4] = False
+    assert sorted(len(channels) for channels in find_setups([own], alive)) == [2, 2, 4]
+    few = OwnPeaks(*(part[:2] for part in own[:5]), 0.0)  # two modes tell nothing of that kind
+    assert len(find_setups([few], np.ones(8, bool))) == 8
+
+
+def test_modes_that_cross_are_matched_by_their_damping_and_doubted_without():
+    rng = np.random.default_rng(19)
+    setups = [np.array([k]) for k in range(3)]
+    logs = np.array([[0.0, 1.0, 0.2], [0.4, 0.3, 0.9]]) * 1e-3
+    for zeta, sure in (((1e-3, 1.3e-3), True), ((1e-3, 1e-3), False)):
+        own = peaks(logs, np.array(zeta), rng)
+        own = own._replace(freq=350.0 * np.exp(logs))
+        rows = [np.array([0, 1]), np.array([1, 0]), np.array([0, 1])]
+        found = matched(own.ordered(rows, setups), setups, 5e-4)
+        doubt = label_doubt(found, setups, 5e-4)
+        if sure:
+            np.testing.assert_allclose(np.sort(np.log(found.freq / 350.0), axis=0), np.sort(logs, axis=0), atol=1e-9)
+            assert np.log(found.freq[:, 1] / 350.0) @ [1, -1] == pytest.approx(
+                0.7e-3 * np.sign(found.zeta[1, 0] - found.zeta[0, 0]), abs=1e-9
+            )
+            assert doubt.max() < 1e-6
+        else:
+            assert doubt.min() > 2e-5
+
+
+def test_a_window_that_leaks_does_not_damp():
+    """Responses smoothed by a Hann window's power spectrum, bandwidths of six lines and three."""
+    lines, step = np.arange(90.0, 130.0, 0.1), 0.1
+    shape = np.array([1.0, -0.6, 0.8, 0.4, -0.9, 0.7])[:, None]
+
+    def clean(f):
+        return sum(
+            shape**k * f0**2 / (f0**2 - f**2 + 2j * z * f0 * f) for k, f0, z in ((1, 100.0, 3e-3), (2, 118.0, 1.3e-3))
+        )
+
+    x = np.arange(-1.75, 1.8, 0.25)
+    leaked = sum(w * clean(lines + by * step) for w, by in zip(hann_power(x), x, strict=True))
+    rng = np.random.default_rng(23)
+    for H, noted in ((clean(lines), False), (leaked, True)):
+        noise = 0.002 * np.abs(H).max() * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
+        frfs = cf.frf.FrfSet.from_arrays(
+            kind="frf", x=lines, responses=H + noise, unit="m/N", response_point=range(len(shape))
+        )
+        found = cf.identify(frfs)
+        assert any("Hann" in note for note in found.notes) == noted
+        np.testing.assert_allclose(found.zeta, [3e-3, 1.3e-3], rtol=0.01)
+
+
+@pytest.mark.slow
+def test_pairs_that_three_setups_show_at_other_frequencies_are_found_once_with_honest_intervals():
+    zeta, freq = np.array([2e-3, 2.2e-3, 1.5e-3, 1.4e-3, 3e-3]), np.array([200.0, 200.9, 212.0, 213.5, 225.0])
+    around = 2 * np.pi * np.arange(13) / 13
+    waves = zip((2, 2, 3, 3, 4), (0.3, 0.3 + np.pi / 2, 1.0, 1.0 + np.pi / 2, 0.5), strict=True)
+    rig = cf.rig.Rig.of(
+        omega=2 * np.pi * freq, zeta=zeta, rows=np.array([np.cos(n * around - turn) for n, turn in waves]).T
+    )
+    what = Unkind(snr_db=45.0, setups=3, shift=2e-3, leakage=True)
+    test = unkind_frfs(rig, np.arange(192.0, 233.0, 0.1), what, sensors=range(12), drives=[12], seed=29)
+    found = cf.identify(test.frfs)
+    assert len(found) == 5
+    assert found.sure.all()
+    np.testing.assert_allclose(found.freq, test.truth.freq.mean(axis=0), rtol=5e-5)
+    np.testing.assert_allclose(found.zeta, zeta, rtol=0.02)
+    assert np.all(np.abs(found.freq - test.truth.freq.mean(axis=0)) < 4.0 * found.sigma_freq)
