@@ -28,7 +28,7 @@ from casingfem.experiment.identify.stabilisation import join
 from casingfem.io.arrays import Array, FloatArray
 
 LEAST_LINES = 30
-EVEN = 1e-6
+EVEN = 0.05  # of a step: what rounded lines may be off their even places
 
 
 def identify(
@@ -144,14 +144,14 @@ def _lines(frfs: FrfSet, band: tuple[float, float] | None) -> tuple[FloatArray, 
     freq, H = np.array(frfs.x[kept]), np.array(frfs.responses[:, kept])
     if len(freq) < LEAST_LINES:
         raise InputError(frfs.path, found=f"{len(freq)} lines in the band", expected=f"at least {LEAST_LINES}")
-    steps = np.diff(freq)
-    if np.ptp(steps) > EVEN * freq[-1]:
+    steps, even = np.diff(freq), np.linspace(freq[0], freq[-1], len(freq))
+    if np.abs(freq - even).max() > EVEN * (even[1] - even[0]):
         raise InputError(frfs.path, found=f"steps from {steps.min():g} to {steps.max():g} Hz", expected="even steps")
     dead = np.flatnonzero(np.abs(H).max(axis=1) == 0.0)
     if dead.size:
         place = f"channel {dead[0] + 1} (point {frfs.response_point[dead[0]]})"
         raise InputError(frfs.path, found=f"{place} is zero on every line", expected="a signal, or leave it out")
-    return freq, H
+    return even, H
 
 
 def _fitted(found: BandFits, H: Array) -> Array:

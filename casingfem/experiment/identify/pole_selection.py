@@ -16,7 +16,7 @@ import numpy as np
 from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
 from casingfem.experiment.identify.pole_window import Window
 from casingfem.experiment.identify.stabilisation import ZETA_MAX
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import Array, FloatArray
 
 GRID = 400  # frequencies tried for a further pole
 BEYOND = 0.03  # of the frequency
@@ -100,13 +100,18 @@ def gains(fit: PoleFit) -> FloatArray:
     return np.array([rise[k] / noise_at(fit, k) / alike_lines(fit, k) for k in each], float)
 
 
-def noise_at(fit: PoleFit, pole: int) -> float:
-    """Variance of an entry about a pole: noise of estimated responses is larger on peaks than on average."""
+def near(fit: PoleFit, pole: int) -> Array:
+    """The deviation about a pole, (lines, channels)."""
     lines = fit.window.freq
     at = int(np.searchsorted(lines, fit.freq[pole]))
     width = max(LOCAL[1], int(LOCAL[0] * fit.zeta[pole] * fit.freq[pole] / (lines[1] - lines[0])))
-    near = fit.spread[max(at - width, 0) : at + width]
-    return max(fit.noise, 0.5 * float(np.mean(np.abs(near) ** 2)) if near.size else 0.0)
+    return np.asarray(fit.spread[max(at - width, 0) : at + width])
+
+
+def noise_at(fit: PoleFit, pole: int) -> float:
+    """Variance of an entry about a pole: noise of estimated responses is larger on peaks than on average."""
+    about = near(fit, pole)
+    return max(fit.noise, 0.5 * float(np.mean(np.abs(about) ** 2)) if about.size else 0.0)
 
 
 def alike_lines(fit: PoleFit, pole: int) -> float:
@@ -114,15 +119,12 @@ def alike_lines(fit: PoleFit, pole: int) -> float:
 
     1 + 2 sum_l (1 - l/L) rho_l with the autocorrelation rho over the lines, up to L = a half-power bandwidth.
     """
-    lines = fit.window.freq
-    at, step = int(np.searchsorted(lines, fit.freq[pole])), float(lines[1] - lines[0])
-    width = max(LOCAL[1], int(LOCAL[0] * fit.zeta[pole] * fit.freq[pole] / step))
-    near = fit.spread[max(at - width, 0) : at + width]
-    most = min(int(2.0 * fit.zeta[pole] * fit.freq[pole] / step), len(near) // 3)
-    whole = float(np.sum(np.abs(near) ** 2))
+    about, step = near(fit, pole), float(fit.window.freq[1] - fit.window.freq[0])
+    most = min(int(2.0 * fit.zeta[pole] * fit.freq[pole] / step), len(about) // 3)
+    whole = float(np.sum(np.abs(about) ** 2))
     if most < 2 or whole == 0.0:
         return 1.0
-    rho = [float(np.sum((near[lag:] * near[:-lag].conj()).real)) / whole for lag in range(1, most)]
+    rho = [float(np.sum((about[lag:] * about[:-lag].conj()).real)) / whole for lag in range(1, most)]
     return max(1.0, 1.0 + 2.0 * float(np.sum((1.0 - np.arange(1, most) / most) * rho)))
 
 

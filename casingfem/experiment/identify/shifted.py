@@ -16,7 +16,6 @@ import numpy as np
 from casingfem.experiment.identify.bands import line_noise
 from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks, Setups, apart, linked
 from casingfem.experiment.identify.places import places
-from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.experiment.identify.pole_window import Window
 from casingfem.experiment.identify.setups import find_setups, label_doubt, matched
 from casingfem.io.arrays import Array, FloatArray, IntArray
@@ -24,10 +23,11 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 REACH = 2e-3, 0.5  # beyond the poles of a cluster, that peaks may lie: relative, and damping ratios
 AROUND, LEAST_LINES = 8.0, 40  # damping ratios beyond that, that lines are taken from, and so many at least
 TOGETHER, MOST = 14, 14  # poles in a cluster, and modes it is taken for, at most
-MOST_LINES, ON_PEAK = 400, 8  # that a cluster is read from; in its narrowest half-power bandwidth at least
+MOST_LINES, ON_PEAK = (300, 1000), 8  # that a cluster is read from, and fitted last; on its narrowest peak at least
 PASSES = 3
 LAGS = 2  # lines over which a window makes noise alike
 FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say whether peaks are shifted at all
+CLUSTERS = 12  # that tell which channels are one set-up, at most
 ALIVE = 2.0  # rms of a channel over its noise
 DAMPED = 5.0  # times the usual damping, beyond which a mode is no peak
 
@@ -90,11 +90,6 @@ class Shifted(NamedTuple):
         return replace(whole, Y=whole.Y + np.concatenate([change.real, change.imag]))
 
 
-def noise_squares(fit: PoleFit) -> float:
-    """Sum of squares that noise alone would have, by the differences between neighbouring lines of the deviation."""
-    return float(2.0 * len(fit.spread) * np.sum(line_noise(fit.spread.T) ** 2))
-
-
 def shifted(whole: Window, modes: Modes) -> Shifted:
     """Read a test of common poles (one set-up) as one of several; `whole` has all lines and channels."""
     alive = np.mean(whole.Y**2, axis=0) > ALIVE**2
@@ -107,7 +102,7 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
     first = _alone([some[k] for k in _spread(len(some), FIRST[0])], few, damped, step)
     if len(few) < 2 or max(first.evidence, default=0.0) <= 0.0:
         return _unshifted(common, modes, step, sum(first.evidence))
-    alone = _alone(common, np.arange(len(alive)), damped, step)
+    alone = _alone([common[k] for k in _spread(len(common), CLUSTERS)], np.arange(len(alive)), damped, step)
     if sum(alone.evidence) <= 0.0:
         return _unshifted(common, modes, step, sum(alone.evidence))
     setups, shift, leak = find_setups(alone.peaks, alive), scatter(alone.peaks), alone.leak
@@ -121,7 +116,7 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
         if not own:
             return _unshifted(common, modes, step, 0.0)
         shift, modes = scatter([each.own for each in own]), _joined(own)
-    last = [_polished(c, setups) for c in clusters(replace(whole, leak=leak), modes, setups, np.inf)]
+    last = [_polished(c, setups) for c in clusters(replace(whole, leak=leak), modes, setups, MOST_LINES[1])]
     return Shifted(
         modes=_joined(last),
         variance=np.concatenate([each.own.variance for each in last]),
@@ -135,7 +130,7 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
 
 
 def _polished(c: Cluster, setups: Setups) -> _Read:
-    """The modes of a cluster on all of its lines."""
+    """The modes of a cluster on more of its lines."""
     f, zeta = c.modes.freq, c.modes.zeta
     return _Read(c, _again(c, setups, f, zeta), _fit(c, setups, f, zeta))
 
@@ -181,12 +176,16 @@ def _alone(common: Sequence[Cluster], channels: IntArray, damped: float, step: f
 
 
 def _evidence(c: Cluster, own: OwnPeaks, setups: int) -> float:
-    """Twice the ln of the odds of own frequencies against common poles, noise unknown; alike lines count as one."""
-    shared, price = _fit_common(c).squares, np.log(c.window.Y.size)
+    """Twice the ln of the odds of own frequencies against common poles, noise unknown; alike lines count as one.
+
+    A fit that ended in a poor place speaks no more against shifts than one that is as good as common poles.
+    """
+    shared, price, m = _fit_common(c).squares, np.log(c.window.Y.size), len(own.freq)
     lines = min(c.window.Y.size, shared / c.noise)
-    numbers = [len(modes) * (c.window.columns * c.window.Y.shape[1] + poles)
-               for modes, poles in ((own.freq, setups + 1), (c.modes.zeta, 2))]  # fmt: skip
-    return float(lines * np.log(shared / max(own.squares, 1e-300)) - price * (numbers[0] - numbers[1]))
+    numbers = [k * (c.window.columns * c.window.Y.shape[1] + poles)
+               for k, poles in ((m, setups + 1), (len(c.modes.zeta), 2))]  # fmt: skip
+    gain = lines * np.log(shared / max(own.squares, 1e-300)) - price * (numbers[0] - numbers[1])
+    return float(max(gain, -price * m * (setups - 1)))
 
 
 def _fit_common(c: Cluster) -> OwnPeaks:
@@ -230,7 +229,7 @@ def _joined(own: Sequence[_Read]) -> Modes:
     )
 
 
-def clusters(whole: Window, modes: Modes, setups: Setups, most_lines: float = MOST_LINES) -> Iterator[Cluster]:
+def clusters(whole: Window, modes: Modes, setups: Setups, most_lines: int = MOST_LINES[0]) -> Iterator[Cluster]:
     """Modes so near each other that one's shifted peaks may be several of them, without all others.
 
     Of many lines every so many are taken, as long as the narrowest peak keeps enough.

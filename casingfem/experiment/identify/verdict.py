@@ -10,19 +10,25 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from casingfem.experiment.identify.bands import line_noise
 from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.experiment.identify.pole_selection import gains, noise_at, penalty
-from casingfem.experiment.identify.shifted import noise_squares
+from casingfem.experiment.identify.pole_selection import gains, near, noise_at, penalty
 
 FREQ = 0.1, 0.5  # standard deviation of the frequency over the half-power bandwidth: doubtful, left out
 ZETA = 0.2, 0.6  # of ln zeta
 DAMPED = 0.06, 0.3  # damping ratio
 GAIN = 3.0, 0.0  # fall of the sum of squares over what a pole must bring
-PEAK = 3.0, 0.5  # peak over the fit's deviation about it, both rms over the channels
+PEAK = 3.0, 0.5  # peak over the fit's deviation about it, both rms over the channels; more where these are few
+CONFIRM = 6  # channels that confirm each other: of fewer a peak must be higher
 LINES = 1.5, 0.5  # lines within the half-power bandwidth
 IN_PHASE = 0.6, 0.0  # share of the shape's energy that is in phase
 BESIDE = 3.0, 6, 0.8  # bandwidths to a stronger neighbour; channels below which shapes say nothing; MAC, else
-MISFIT = 3.0, 6.0, 0.7  # squares over the noise's; then bandwidths to a neighbour whose peak is so much larger
+MISFIT = (
+    3.0,
+    6.0,
+    0.7,
+)  # squares over the noise's, about the pole; then bandwidths to a neighbour whose peak is so much larger
+LEAST_LINES = 8  # about a pole, that tell its noise
 FEW = 0.12, 8  # share of the channels that has the energy: of a local mode; from so many channels on
 
 
@@ -55,8 +61,9 @@ def _reasons(fit: PoleFit, pole: int, worth: float, phase: float) -> Iterator[tu
         yield f"damping of {100.0 * zeta:.2g} %", zeta > DAMPED[1]
     if worth < GAIN[0]:
         yield "hardly above what the fit leaves, whose lines are alike", False
-    if ratio < PEAK[0]:
-        yield f"peak {ratio:.2g} times what the fit leaves there", ratio < PEAK[1]
+    if ratio < PEAK[0] * max(1.0, CONFIRM / len(size)):
+        few = f", in {len(size)} channel{'s' * (len(size) > 1)}" if ratio >= PEAK[0] else ""
+        yield f"peak {ratio:.2g} times what the fit leaves there{few}", ratio < PEAK[1]
     if lines < LINES[0]:
         yield f"bandwidth of {lines:.2g} lines", lines < LINES[1]
     if phase < IN_PHASE[0]:
@@ -69,7 +76,7 @@ def _beside(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
     """Whether a stronger neighbour's peak, which the fit may not follow, explains a pole."""
     peaks = np.linalg.norm(fit.A.reshape(len(fit.A), -1), axis=1) / fit.zeta
     shapes = (fit.A[:, 0] + 1j * fit.A[:, -1] if fit.A.shape[1] == 2 else fit.A[:, 0]) / fit.window.weight
-    misfit = fit.squares / max(noise_squares(fit), fit.window.floor**2 * fit.window.Y.size, 1e-300)
+    misfit = _misfit(fit, pole)
     for other in np.flatnonzero((peaks > peaks[pole]) & (fit.zeta < DAMPED[0])).tolist():
         width = 2.0 * np.sqrt(fit.zeta[pole] * fit.freq[pole] * fit.zeta[other] * fit.freq[other])
         away = abs(float(fit.freq[pole] - fit.freq[other])) / width
@@ -88,3 +95,12 @@ def _beside(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
                 False,
             )
             return
+
+
+def _misfit(fit: PoleFit, pole: int) -> float:
+    """Mean square of the deviation about a pole over that of the noise, by differences between neighbouring lines."""
+    about = near(fit, pole)
+    if len(about) < LEAST_LINES:
+        return 0.0
+    noise = max(float(np.mean(line_noise(about.T) ** 2)), fit.window.floor**2, 1e-300)
+    return 0.5 * float(np.mean(np.abs(about) ** 2)) / noise
