@@ -41,6 +41,8 @@ class RubFilm:
         Deviation of the radius as built [m] at equal steps of the angle on the casing, (places,).
     radius
         Of the rim [m].
+    left_out
+        Tips that stand before other rim lines.
     angle
         Angles of the tips at rest [rad], (tips,): those on the rim line of the first.
     gap, force
@@ -55,6 +57,7 @@ class RubFilm:
     sin: Array
     profile: Array
     radius: float
+    left_out: int
     angle: Array
     gap: Array
     force: Array
@@ -88,6 +91,7 @@ def rub_film(what: What, result: Result, *, places: int = 360) -> RubFilm | None
         sin=sin[:, n],
         profile=np.array([rub.profile(2.0 * math.pi * k / places) for k in range(places)]),
         radius=rub.casing.line_radius(line),
+        left_out=len(rub.tips) - len(tips),
         angle=np.radians([rub.tips[j].angle_deg for j in tips]),
         gap=result.gap[near][:, tips],
         force=result.windowed_force()[near][:, tips],

@@ -72,4 +72,5 @@ def caption(film: Any, scale: float) -> str:
         f"out-of-roundness and gap are drawn {scale:,.0f} times. {whole[0].upper()}{whole[1:]} at {rate:,.0f} frames a "
         f"second, with the harmonics n = {listed(film.n.tolist())}. The tick on the rim turns with the "
         "casing; beside, force and least gap of the whole run."
+        + (f" {film.left_out} tips before other lines of the rim are not drawn." if film.left_out else "")
     )

@@ -135,7 +135,8 @@ def figure_correlation(fit: UpdateResult) -> Figure:
     """Correlations of the updated parameters: near ±1 the data cannot tell two of them apart."""
     names, R = [p.name for p in fit.parameters], fit.correlation
     size = 0.62 * len(names) + 2.6
-    figure = new_figure(size + 1.2, size)
+    figure = new_figure(size + 1.2 + 0.025 * max(map(len, names)), size)
+    figure.set_layout_engine("compressed")  # square cells: else the longest name sticks out at the side
     axes = figure.add_subplot()
     image = axes.imshow(R, vmin=-1.0, vmax=1.0, cmap=DIVERGING)
     axes.grid(False)

@@ -43,7 +43,7 @@ def html(surveyed) -> str:
     film = SimpleNamespace(
         time=t, turned=20.0 * t, stretches=np.zeros(1, int), n=np.array([0, 3]), cos=np.hstack([0.1 * wave, wave]),
         sin=np.hstack([0.0 * wave, 0.5 * wave]), profile=1e-5 * np.cos(2.0 * np.radians(np.arange(360.0))),
-        radius=0.5, angle=np.array([0.3]), gap=gap, force=np.maximum(0.0, 1e-5 - gap) * 1e7,
+        radius=0.5, left_out=0, angle=np.array([0.3]), gap=gap, force=np.maximum(0.0, 1e-5 - gap) * 1e7,
     )  # fmt: skip
     run = SimpleNamespace(time=t, gap=gap, windowed_force=lambda: film.force)
     rows = tuple((k, f"{1.0 / (k + 1):.4f}", "a column of words that is long enough to be wide") for k in range(3))

@@ -2,6 +2,7 @@
 
 import base64
 import datetime
+import io
 import json
 import re
 from html.parser import HTMLParser
@@ -11,12 +12,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
+from PIL import Image
 
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.plot.contact import figure_contact
+from casingfem.plot.hover import hover_values
 from casingfem.plot.page import Section, Table, render_page
-from casingfem.plot.style import embed, new_figure
+from casingfem.plot.style import embed, new_figure, png
 from contact.io.outfiles import json_text, write_atomic, write_files
 from tests.casingfem.study.study_texts import THICK
 
@@ -42,6 +46,7 @@ class Page(HTMLParser):
         super().__init__()
         self.tags: list[str] = []
         self.open: list[str] = []
+        self.figures: list[Figure] = []
         self.images: list[dict[str, str | None]] = []
         self.links: list[str] = []
         self.text = ""
@@ -81,11 +86,22 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
     cf.FrequencyTable.from_arrays(
         freq_hz=truth.freq, sigma_hz=0.5, n=truth.nodal_diameters, angle_deg=truth.angle_deg, synthetic=True
     ).to_csv(folder / "table.csv")
-    result = CliRunner().invoke(main, ["report", str(study), "--out", str(folder / "out"), "--json"])
+    figures: list[Figure] = []
+    save = Figure.savefig
+
+    def kept(figure: Figure, *words: object, **more: object) -> None:
+        figures.append(figure)
+        save(figure, *words, **more)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", kept)
+        result = CliRunner().invoke(main, ["report", str(study), "--out", str(folder / "out"), "--json"])
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["report"] == str(folder / "out" / "report.html")
     assert [path.name for path in (folder / "out").iterdir()] == ["report.html"]
-    return Page((folder / "out" / "report.html").read_text(encoding="utf-8"))
+    found = Page((folder / "out" / "report.html").read_text(encoding="utf-8"))
+    found.figures = figures
+    return found
 
 
 @pytest.mark.slow
@@ -149,6 +165,29 @@ def test_numbers_have_digits_that_mean_something(page):
     assert not re.search(r"\d[eE][+-]\d", page.text)
     for words in ("FourierField(", "SurveyField(", "ElasticEdge("):
         assert words not in page.text
+
+
+def test_values_stand_where_they_are_drawn():
+    """The marker's colour is in the picture where the page says that its value is; a value outside is not told."""
+    figure = new_figure(4.0, 3.0)
+    axes = figure.add_subplot()
+    axes.plot([1.0, 2.0, 9.0], [10.0, 40.0, 20.0], "s", color="#ff0000", markersize=9, label="dots")
+    axes.set(xlim=(0.0, 3.0), ylim=(1.0, 100.0), yscale="log", xlabel="n", ylabel="f [Hz]")
+    picture = np.asarray(Image.open(io.BytesIO(png(figure))).convert("RGB"))
+    (series,) = hover_values(figure)
+    assert (series["name"], series["axes"]) == ("dots", ["n", "f [Hz]"])
+    assert [row[2:] for row in series["rows"]] == [[1, 10], [2, 40]]
+    for x, y, *_ in series["rows"]:
+        assert picture[round(y * picture.shape[0]), round(x * picture.shape[1])].tolist() == [255, 0, 0]
+
+
+@pytest.mark.slow
+def test_no_label_is_cut_off(page):
+    assert len(page.figures) == 6
+    for figure in page.figures:
+        drawn = figure.get_tightbbox()  # inches
+        assert min(drawn.x0, drawn.y0) > -0.02
+        assert np.all(figure.get_size_inches() + 0.02 > [drawn.x1, drawn.y1])
 
 
 def test_figures_are_the_same_bits_twice():

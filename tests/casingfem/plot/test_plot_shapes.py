@@ -110,6 +110,12 @@ def test_an_imported_part_is_drawn_by_its_skin():
     a, b, c = (whole.points[whole.triangles[:, k]] for k in range(3))
     volume = np.sum(a * np.cross(b, c)) / 6.0  # of a closed surface, positive where every face looks outward
     assert volume == pytest.approx(0.25 * 0.04 * 2 * np.pi * 0.475, rel=0.03)
+    x, y, z = whole.points.T
+    beyond = np.hypot(x, y) - (0.5 - 0.2 * z)  # the middle of the wall
+    along = np.sum(whole.out[:, :2] * whole.points[:, :2], axis=1) / np.hypot(x, y)
+    flat = np.abs(along) > 0.3
+    assert flat.sum() > 100
+    assert np.all((along * beyond)[flat] > 0.0)
     few = skin(wall, most=120)
     assert 30 < len(few.points) <= 120
     assert len(few.triangles) > 60
