@@ -79,6 +79,19 @@ def test_a_window_that_leaks_does_not_damp():
         np.testing.assert_allclose(found.zeta, [3e-3, 1.3e-3], rtol=0.01)
 
 
+def test_rounded_lines_are_even_and_what_one_channel_hardly_shows_is_not_sure():
+    rng = np.random.default_rng(37)
+    lines = np.arange(90.0, 130.0, 0.1)
+    H = sum(a * f0**2 / (f0**2 - lines**2 + 2j * 3e-3 * f0 * lines) for a, f0 in ((1.0, 100.0), (0.02, 118.0)))
+    H = H + 0.4 * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
+    rounded = lines + 0.002 * rng.uniform(-1.0, 1.0, len(lines))
+    frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=rounded, responses=H[None], unit="m/N", response_point=[1])
+    found = cf.identify(frfs)
+    assert found.freq.round(1).tolist() == [100.0, 118.0]
+    assert found.sure.tolist() == [True, False]
+    assert "in 1 channel" in found.doubts[1]
+
+
 @pytest.mark.slow
 def test_pairs_that_three_setups_show_at_other_frequencies_are_found_once_with_honest_intervals():
     zeta, freq = np.array([2e-3, 2.2e-3, 1.5e-3, 1.4e-3, 3e-3]), np.array([200.0, 200.9, 212.0, 213.5, 225.0])
