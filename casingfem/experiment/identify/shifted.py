@@ -26,6 +26,7 @@ TOGETHER, MOST = 14, 14  # poles in a cluster, and modes it is taken for, at mos
 MOST_LINES, ON_PEAK = (300, 1000), 8  # that a cluster is read from, and fitted last; on its narrowest peak at least
 PASSES = 3
 LAGS = 2  # lines over which a window makes noise alike
+SMOOTH = 40.0  # times the noise that neighbouring lines tell: more is no noise
 FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say whether peaks are shifted at all
 CLUSTERS = 12  # that tell which channels are one set-up, at most
 ALIVE = 2.0  # rms of a channel over its noise
@@ -272,14 +273,15 @@ def _few_each(members: IntArray, freq: FloatArray) -> list[IntArray]:
 def _noise(rest: Array) -> float:
     """Variance of an entry, from what is left (channels, lines), times the number of lines over which that is alike.
 
-    What modes not yet found leave counts as noise, too: it falls when they are.
+    What modes not yet found leave counts as noise, too, up to a limit: it falls when they are.
     """
     whole = float(np.sum(np.abs(rest) ** 2))
     if whole == 0.0:
         return 0.0
     alike = [float(np.sum((rest[:, k:] * rest[:, :-k].conj()).real)) / whole for k in range(1, LAGS + 1)]
     many = 1.0 + 2.0 * sum((1.0 - k / (LAGS + 1.0)) * rho for k, rho in enumerate(alike, start=1))
-    return max(float(np.mean(line_noise(rest) ** 2)), 0.5 * whole / rest.size * max(many, 1.0))
+    rough = float(np.mean(line_noise(rest) ** 2))
+    return max(rough, min(0.5 * whole / rest.size * max(many, 1.0), SMOOTH * rough))
 
 
 def read(cluster: Cluster, setups: Setups, damped: float, shift: float) -> OwnPeaks | None:
