@@ -1,5 +1,7 @@
 """Wheels from one sector against the whole wheel: modes, waves, mistuning, the basis for rubs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -59,6 +61,19 @@ def test_all_modes_of_the_wheel_are_those_of_its_sector(make):
     np.testing.assert_allclose(shapes.T @ (system.M @ shapes), np.eye(len(wheel)), atol=1e-9)
     residual = system.K @ shapes - (system.M @ shapes) * wheel.omega**2
     assert np.linalg.norm(residual, axis=0).max() < 1e-6 * np.linalg.norm(system.K @ shapes, axis=0).min()
+
+
+def test_a_free_wheel_has_its_six_rigid_motions(disk):
+    free = cf.imported.CyclicSector(structure=replace(disk.structure, supports={}), sectors=N)
+    found = cyclic_modes(free, 3, diameters=[0, 1])
+    assert sum(bool(row["rigid"]) for row in found.records()) == 6
+    assert found.nodal_diameters[found.rigid].tolist() == [0, 0, 1, 1]
+
+
+def test_a_band_has_the_modes_of_the_whole_wheel_in_it(disk):
+    band = (1000.0, 5000.0)
+    found = wheel_modes(cyclic_modes(disk, band))
+    np.testing.assert_allclose(found.freq, cf.modes(wheel_structure(disk), band=band).freq, rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["solid turning", "shell turning"])
