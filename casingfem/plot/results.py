@@ -187,7 +187,7 @@ PICTURES: dict[str, Draw] = {
     "casingfem.experiment.circle.scan.CircleScan": scan,
     "casingfem.locate.located.Localisation": by_name("locate", "figure_located"),
     "casingfem.updating.result.UpdateResult": update,
-    "casingfem.updating.shape_fit.ShapeFit": by_name("fit_shapes", "figure_shape_mac"),
+    "casingfem.updating.shape_fit.ShapeFit": by_name("pages.fit_shapes", "figure_shape_mac"),
     "casingfem.updating.posterior.Laplace": partial(
         columns, x="name", y="sigma", labels=("", "standard deviation, whole Hessian")
     ),

@@ -77,7 +77,7 @@ class PieceTable(Table):
 class MeridianTable(Table):
     """[chart] of kind "meridian": pieces from base to top, turned about z."""
 
-    kind: Literal["meridian"]
+    kind: Literal["meridian"] = Field(description="which surface it is")
     start: RZ = Field(description="[r, z] of the base [m]")
     fillet: Length | None = Field(default=None, description="radius of the corners [m]; the wall's thickness if sharp")
     piece: list[PieceTable] = Field(min_length=1, description="at least one [[chart.piece]]")
