@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 from scipy.io import loadmat
-from scipy.io.matlab import MatReadError
 from scipy.sparse import csc_array, issparse
 
 from casingfem.errors import ModelError
 from casingfem.extras import remedy
 from casingfem.io.arrays import IntArray
 from casingfem.io.npz import read_npz
+from casingfem.io.probe import fault_of
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
 
 TABLES = ("dofs", "nodes")
@@ -61,14 +61,16 @@ def read_from_npz(path: Path) -> dict[str, Any]:
 
 
 def read_from_mat(path: Path) -> dict[str, Any]:
-    """MATLAB's variables."""
+    """MATLAB's variables; a process of its own reads them first, as scipy's reader ends with some damaged files."""
+    if path.is_file() and (fault := fault_of(path, "scipy.io", "loadmat")):
+        raise ModelError("matrix-file", f"{path.name}: no readable .mat file: {fault}")
     try:
         stored = loadmat(path)
     except NotImplementedError:  # version 7.3 is HDF5
         return read_from_hdf5(path)
-    except (ValueError, TypeError, OSError, MatReadError) as error:
-        if isinstance(error, FileNotFoundError):
-            raise
+    except FileNotFoundError:
+        raise
+    except Exception as error:  # whatever it trips over is a malformed file
         raise ModelError("matrix-file", f"{path.name}: no readable .mat file ({error})") from None
     return {name: value for name, value in stored.items() if not name.startswith("__")}
 

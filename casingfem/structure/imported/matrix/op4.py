@@ -85,10 +85,10 @@ def read_text(lines: list[str], source: str) -> dict[str, csc_array]:
         if not lines[at].strip():
             at += 1
             continue
-        head, width = lines[at][:32].split(), FORMAT.search(lines[at][40:])
-        if len(head) != 4 or width is None:
+        width = FORMAT.search(lines[at][40:])
+        if len(lines[at][:32].split()) != 4 or width is None:
             raise fault(source, f"line {at + 1}: found {lines[at][:48]!r}, expected columns, rows, form, type, name")
-        columns, rows, _, kind = map(int, head)
+        columns, rows, _, kind = integers(lines[at][:32], at, source)
         entries = begun(source, lines[at][32:40].strip(), columns, rows, kind)
         at = text_columns(lines, at + 1, int(width[1]), entries, source)
         found[entries.name] = entries.matrix(source)

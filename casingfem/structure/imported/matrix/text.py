@@ -3,13 +3,13 @@
 from pathlib import Path
 
 import numpy as np
-from scipy.io import mmread
-from scipy.sparse import csc_array
+from scipy.sparse import coo_array, csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, from_triples, roles_of
 
+MOST = 10**8  # rows
 Labelled = tuple[csc_array, IntArray | None]  # a matrix, and what its rows are where the file says it
 
 
@@ -35,15 +35,67 @@ def read_mtx(path: Path) -> Labelled:
     with path.open("rb") as stream:
         head = stream.read(14)
     if head == b"%%MatrixMarket":
-        try:
-            return csc_array(mmread(path)), None
-        except (ValueError, TypeError, OSError) as error:
-            raise ModelError("matrix-file", f"{path.name}: {error}") from None
+        return read_market(path), None
     table = numbers(path, 5)
     ends = table[:, :4].astype(np.int64).reshape(-1, 2, 2)
     dofs, place = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
     rows, columns = place.ravel().reshape(-1, 2).T
     return from_triples(rows, columns, table[:, 4], len(dofs)), dofs
+
+
+def read_market(path: Path) -> csc_array:
+    """A real matrix of Matrix Market, line by line: scipy's reader ends the whole program on some files cut short.
+
+    Raises
+    ------
+    ModelError
+        `matrix-file` for another kind of matrix, entries outside of it, or fewer or more than announced.
+    """
+    head = path.read_text(encoding="utf-8", errors="replace").partition("\n")[0].lower().split()
+    if len(head) != 5 or head[3] not in ("real", "integer") or head[4] not in ("general", "symmetric"):
+        found = (
+            f"found {' '.join(head[1:]) or 'no kind'}, expected matrix coordinate or array, real, general or symmetric"
+        )
+        raise ModelError("matrix-file", f"{path.name}: {found}")
+    if head[2] == "array":
+        return dense_market(path, symmetric=head[4] == "symmetric")
+    table = numbers(path, 3)
+    announced = table[0].astype(np.int64) if len(table) else np.zeros(3, dtype=np.int64)
+    size, count = int(announced[0]), int(announced[2])
+    entries = table[1:]
+    if announced[1] != size or not 0 < size <= MOST or len(entries) != count:
+        found = f"found {len(entries)} entries, announced {announced.tolist()} rows, columns, entries"
+        raise ModelError("matrix-file", f"{path.name}: {found}: cut short?")
+    places = entries[:, :2].astype(np.int64) - 1
+    if count and not (places.min() >= 0 and places.max() < size and np.array_equal(places + 1, entries[:, :2])):
+        raise ModelError("matrix-file", f"{path.name}: found an entry outside of {size} x {size}")
+    rows, columns = places.T
+    A = coo_array((entries[:, 2], (rows, columns)), shape=(size, size))
+    if head[4] == "general":
+        return csc_array(A)
+    if np.any(columns > rows):
+        raise ModelError("matrix-file", f"{path.name}: found entries above the diagonal of a symmetric matrix")
+    return from_triples(rows, columns, entries[:, 2], size)
+
+
+def dense_market(path: Path, *, symmetric: bool) -> csc_array:
+    """A matrix of Matrix Market that gives every entry, column by column."""
+    words = path.read_text(encoding="utf-8", errors="replace").splitlines()[1:]
+    words = " ".join(line for line in words if not line.startswith("%")).split()
+    try:
+        size, columns = (int(word) for word in words[:2])
+        values = np.array(words[2:], dtype=float)
+    except ValueError as error:
+        raise ModelError("matrix-file", f"{path.name}: {error}") from None
+    wanted = size * (size + 1) // 2 if symmetric else size * size
+    if size != columns or size < 1 or len(values) != wanted:
+        found = f"found {len(values)} entries of {size} x {columns}, expected {wanted} of a square matrix"
+        raise ModelError("matrix-file", f"{path.name}: {found}: cut short?")
+    if not symmetric:
+        return csc_array(values.reshape(size, size).T)
+    A = np.zeros((size, size))
+    A.T[np.triu_indices(size)] = values
+    return csc_array(A + np.tril(A, -1).T)
 
 
 def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:

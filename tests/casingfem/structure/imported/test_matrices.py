@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from scipy.io import savemat
+from scipy.io import mmread, mmwrite, savemat
 from scipy.sparse import csc_array, tril
 
 import casingfem as cf
@@ -19,10 +19,12 @@ from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
 from casingfem.structure.imported.matrix.op4 import read_op4
 from casingfem.structure.imported.matrix.read import read_matrices
+from casingfem.structure.imported.matrix.text import read_market
 from casingfem.structure.imported.matrix.write import NAMES, matrix_files
 from contact.model.gaps.rub_laws import Speed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+MARKET = "%%MatrixMarket matrix coordinate real symmetric\n"
 MESH = grid_mesh(
     "hexahedron20", (3, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.11, 0.04, 5.4e-3],
     groups={"root": (0, 0.0), "tip": (0, 1.0)},
@@ -373,6 +375,12 @@ def test_an_op4_file_cut_anywhere_is_refused_or_whole(tmp_path):
         ({"a.sti": "1 1 x\n", "a.mas": "1 1 1.0\n", "a.dof": "6.1\n"}, "a.sti: .*x"),
         ({"a.sti": "1 1\n", "a.mas": "1 1 1.0\n", "a.dof": "6.1\n"}, "found 2 columns, expected 3"),
         ({"K.mtx": "%%MatrixMarket matrix array real general\n", "M.mtx": ""}, "K.mtx: "),
+        ({"K.mtx": f"{MARKET}1 1 1\n1 1 1.7e", "M.mtx": ""}, "K.mtx: .*1.7e"),  # ends the program in scipy's reader
+        ({"K.mtx": f"{MARKET}2 2 2\n1 1 1.0\n", "M.mtx": ""}, "K.mtx: found 1 entries, announced .2, 2, 2."),
+        ({"K.mtx": f"{MARKET}1 1 1\n1 2 1.0\n", "M.mtx": ""}, "K.mtx: found an entry outside of 1 x 1"),
+        ({"K.mtx": f"{MARKET}2 2 1\n1 2 1.0\n", "M.mtx": ""}, "K.mtx: found entries above the diagonal"),
+        ({"K.mtx": MARKET.replace("real", "complex"), "M.mtx": ""}, "K.mtx: found matrix coordinate complex"),
+        ({"a.op4": f"{'2K':>8}{2:8d}{6:8d}{2:8d}KAAX    1P,3E23.16\n"}, "a.op4: line 1: found '.*2K"),
         ({"a.pch": "", "b.sti": ""}, "found a.pch, b.sti"),
         ({"a.xyz": ""}, "found a.xyz"),
         ({"a.mat": "no"}, "no readable .mat file"),
@@ -385,6 +393,17 @@ def test_bad_files_are_named(files, message, tmp_path):
     given = [tmp_path / name for name in files]
     with pytest.raises(InputError, match=message):
         read_matrices(given if len({path.suffix for path in given}) < 3 and given[0].suffix != ".sti" else given[:1])
+
+
+@pytest.mark.parametrize("dense", [False, True])
+@pytest.mark.parametrize("symmetry", ["general", "symmetric"])
+def test_matrix_market_is_read_as_scipy_reads_it(tmp_path, dense, symmetry):
+    half = np.random.default_rng(5).normal(size=(4, 4)).round(3)
+    A = half + half.T if symmetry == "symmetric" else half
+    path = tmp_path / "K.mtx"
+    mmwrite(path, A if dense else csc_array(np.where(np.abs(A) > 0.5, A, 0.0)), symmetry=symmetry, comment="a line")
+    found = mmread(path)
+    np.testing.assert_array_equal(read_market(path).toarray(), found if dense else found.toarray())
 
 
 def test_formats_without_dofs_ask_for_them(tmp_path):
