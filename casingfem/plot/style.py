@@ -2,6 +2,7 @@
 
 import base64
 import io
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -17,6 +18,7 @@ from matplotlib.gridspec import GridSpec
 MEASURED, PERFECT, BEFORE, AFTER = "#000000", "#8a8a8a", "#0072B2", "#D55E00"
 GREEN, SKY, PURPLE = "#009E73", "#56B4E9", "#CC79A7"
 DIVERGING = "RdBu_r"
+SCREEN = 96  # dots an inch, in a notebook
 
 RC: dict[str, Any] = {
     "font.size": 9.5,
@@ -112,7 +114,18 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 def new_figure(width: float = 7.6, height: float = 4.0) -> Figure:
     """An empty figure (inches) that no global state knows of; where a picture is `placed`, one inside of its axes."""
     ax = PLACE.get()
+    know_in_notebook()
     return Figure(figsize=(width, height), layout="constrained") if ax is None else cast(Figure, Inset(ax))
+
+
+def know_in_notebook() -> None:
+    """Let a notebook show figures: of itself it shows those of pyplot, which nothing here loads."""
+    ipython: Any = sys.modules.get("IPython")
+    shell = None if ipython is None else ipython.get_ipython()
+    if shell is not None:
+        formatter = shell.display_formatter.formatters["image/png"]
+        if Figure not in formatter.type_printers:
+            formatter.for_type(Figure, lambda figure: png(figure, dpi=SCREEN))
 
 
 @styled

@@ -5,6 +5,7 @@ import datetime
 import io
 import json
 import re
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -235,3 +236,17 @@ def test_json_has_no_nan():
     assert json.loads(json_text({"a": [float("nan"), float("inf"), 1.5], "b": {"c": (2,)}})) == {
         "a": [None, None, 1.5], "b": {"c": [2]},
     }  # fmt: skip
+
+
+def test_a_notebook_is_told_how_a_figure_looks(monkeypatch):
+    """It shows the figures of pyplot, of itself; a stand-in for IPython, whose formatter keeps types with functions."""
+    known = {}
+    formatter = SimpleNamespace(type_printers=known, for_type=known.__setitem__)
+    shell = SimpleNamespace(display_formatter=SimpleNamespace(formatters={"image/png": formatter}))
+    with monkeypatch.context() as notebook:
+        notebook.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+        figure = new_figure(1.0, 1.0)
+        first = known[Figure]
+        new_figure(1.0, 1.0)
+    assert known == {Figure: first}
+    assert first(figure).startswith(b"\x89PNG")
