@@ -151,10 +151,13 @@ def test_ctrl_c_says_what_is_safe(tmp_path, monkeypatch, command, out, words):
 def test_ctrl_c_in_a_sweep_ends_its_workers_and_it_goes_on(tmp_path):
     """SIGINT to the whole group, as a terminal sends it, while two workers are busy."""
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
-    vary = '[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nfrom = -2.0\nto = -1.0\nsteps = 256\n'
-    file.write_text(RODS.replace("1e-4\n[[rod", "0.05\n[[rod") + vary)
+    vary = '[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nfrom = -2.0\nto = -1.0\nsteps = 64\n'
+    file.write_text(RODS.replace("1e-4\n[[rod", "6.0\n[[rod") + vary)  # seconds of work, else it may be through
     line = [sys.executable, "-m", "casingfem", "sweep", str(file), "--jobs", "2", "--out", str(out)]
+    # where the tests themselves run in the background of a shell, SIGINT is ignored, and children inherit that
+    listening = signal.signal(signal.SIGINT, signal.default_int_handler)
     process = subprocess.Popen(line, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    signal.signal(signal.SIGINT, listening)
     deadline = time.monotonic() + 120.0
     while not list(out.glob("store/runs/*/*.json")) and time.monotonic() < deadline:
         time.sleep(0.02)
