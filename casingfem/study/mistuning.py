@@ -9,10 +9,9 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Executor, Future, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, cast
 
@@ -32,7 +31,7 @@ from casingfem.study.load import Study, load_study
 from casingfem.study.problems import StudyError
 from contact.io.checked_json import read_checked, write_checked
 from contact.io.outfiles import json_text, write_atomic
-from contact.io.workers import end_with_parent, ended_on_failure
+from contact.io.workers import worker_pool
 
 CHUNK = 5  # draws a file: what a killed run loses at most, for each process
 CHECKED = 50  # every so many draws one is also solved from nothing, and the difference reported
@@ -88,7 +87,7 @@ def run_mistune(
     resumed = sum(len(chunk) for chunk in chunks if chunk.start in kept)
     missing = [chunk for chunk in chunks if chunk.start not in kept]
     workers = min(processes or usable_cores(), max(len(missing), 1))
-    with one_thread(), pool(study, workers) as executor, ended_on_failure():
+    with one_thread(), worker_pool(workers, set_up, str(study.path), study.source["sha256"]) as executor:
         perfect = executor.submit(mean_pairs)
         waiting = {executor.submit(compute_chunk, chunk): chunk for chunk in missing}
         done = resumed
@@ -169,8 +168,7 @@ _worker: list[WorkerState] = []  # of this process, filled once by `set_up`
 
 
 def set_up(path: str, digest: str) -> None:
-    """Load the study and solve its mean shell; end with the parent, even if it was killed."""
-    end_with_parent()
+    """Load the study and solve its mean shell."""
     study = load_study(path)
     if study.source["sha256"] != digest:
         raise RuntimeError(f"{path} changed while its draws were computed")
@@ -196,12 +194,6 @@ def compute_chunk(chunk: range) -> dict[str, Any]:
         elif draw % CHECKED == 0:
             content["errors"][str(draw)] = restart_error(found)
     return content
-
-
-def pool(study: Study, workers: int) -> ProcessPoolExecutor:
-    """Fresh processes that have set up the study."""
-    arguments = (str(study.path), study.source["sha256"])
-    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=set_up, initargs=arguments)
 
 
 @contextmanager

@@ -5,30 +5,56 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing import active_children, parent_process
+from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.process import BaseProcess
+from typing import Any
 
 
 @contextmanager
-def ended_on_failure() -> Iterator[None]:
-    """Where the block is broken off, by Ctrl-C too, end the processes that were started inside."""
+def worker_pool(count: int, set_up: Callable[..., None] | None = None, *values: Any) -> Iterator[ProcessPoolExecutor]:
+    """`count` fresh processes, each after `set_up(*values)`.
+
+    Where the block is broken off, by Ctrl-C too, they end at once, whatever they were doing.
+    """
     before = set(active_children())
+    pool = ProcessPoolExecutor(count, get_context("spawn"), _begin, (set_up, values))
+    try:
+        with _interrupts_held():
+            for _ in range(count):  # each starts one process
+                pool.submit(int)
+        yield pool
+    except BaseException:
+        for process in set(active_children()) - before:
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Ctrl-C waits meanwhile; processes started inside never see it: it is their parent who ends them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
-    except BaseException:
-        for child in set(active_children()) - before:
-            child.terminate()
-        raise
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def end_with_parent() -> None:
+def _begin(set_up: Callable[..., None] | None, values: tuple[Any, ...]) -> None:
     """Let this worker end when its parent does, even if that was killed, and leave Ctrl-C to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+    if set_up is not None:
+        set_up(*values)
 
 
 def _end_with(parent: BaseProcess) -> None:

@@ -7,17 +7,16 @@ already. So the table is the same to the last bit.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 from contact.base.errors import InputError
 from contact.io.notebook import told
 from contact.io.reported import Reported
-from contact.io.workers import end_with_parent, ended_on_failure
+from contact.io.workers import worker_pool
 from contact.run import Scene
 from contact.run_many import Outcome, run_many
 from contact.scene.load import scene_of
@@ -92,13 +91,12 @@ def run_sweep(
     store = None if folder is None else Store.open(folder)
     rows: Rows = {} if store is None else store.rows(run.digest for run in plan.runs)
     resumed = sum(run.digest in rows for run in plan.runs)
-    with ended_on_failure():
-        for found in _workers(tasks(plan, rows, folder, jobs), jobs, scheduler):
-            rows |= found
-            if store is not None:
-                store.note(found)
-            if progress is not None:
-                progress(len(rows))
+    for found in _workers(tasks(plan, rows, folder, jobs), jobs, scheduler):
+        rows |= found
+        if store is not None:
+            store.note(found)
+        if progress is not None:
+            progress(len(rows))
     return SweepResult(plan=plan, rows=tuple(rows[run.digest] for run in plan.runs), resumed=resumed)
 
 
@@ -159,8 +157,7 @@ def in_processes(todo: Sequence[Task], jobs: int) -> Iterator[Rows]:
     """Rows from worker processes; where one is killed, what it had not finished is given out again."""
     waiting, tries = dict(enumerate(todo)), dict.fromkeys(range(len(todo)), 0)
     while waiting:
-        context = get_context("spawn")
-        with ProcessPoolExecutor(min(jobs, len(waiting)), mp_context=context, initializer=end_with_parent) as pool:
+        with worker_pool(min(jobs, len(waiting))) as pool:
             futures = {pool.submit(run_task, task): number for number, task in waiting.items()}
             for future in as_completed(futures):
                 number = futures[future]

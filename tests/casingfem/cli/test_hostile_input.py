@@ -166,4 +166,4 @@ def test_ctrl_c_in_a_sweep_ends_its_workers_and_it_goes_on(tmp_path):
     assert process.returncode == 130
     assert said == f"stopped: what is finished is safe in {out}/store; the same command goes on from there\n"
     again = CliRunner().invoke(main, ["sweep", str(file), "--jobs", "1", "--out", str(out), "--json"])
-    assert json.loads(again.stdout)["resumed"] >= 1
+    assert 1 <= json.loads(again.stdout)["resumed"] < 64  # its workers did not go on to the end
