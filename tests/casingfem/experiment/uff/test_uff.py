@@ -180,6 +180,14 @@ def test_errors_name_set_line_and_what_was_found(case, tmp_path):
     assert "set" in caught.value.where
 
 
+def test_one_point_too_many_on_the_last_line_of_two_each(tmp_path):
+    whole = function(even=False, is_complex=False, double=True)
+    data = written(tmp_path, functions=[replace(whole, x=whole.x[:-1], values=whole.values[:-1])])
+    assert b"        40" in data
+    with pytest.raises(InputError, match="more than one point"):
+        parse_uff(data.replace(b"        40", b"        39", 1), "rig.uff")
+
+
 def test_marks_and_minus_ones_in_headers_are_text(tmp_path):
     plain = function(even=True, is_complex=True, double=False)
     odd = replace(
