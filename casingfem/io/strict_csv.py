@@ -2,8 +2,10 @@
 
 The format: UTF-8, '#' lines above the header (the source card), one header row of
 distinct names, then rows with exactly one cell per name, comma separated, numbers
-with a decimal point.  General readers repair or drop what does not fit; a measured
-table that does not fit must go back to who measured it.
+with a decimal point; or, as spreadsheets of half of Europe write it, separated by
+semicolons or tabs, where numbers may all have a decimal comma.  General readers repair
+or drop what does not fit; a measured table that does not fit must go back to who
+measured it.
 """
 
 from __future__ import annotations
@@ -12,7 +14,8 @@ import csv
 import math
 import os
 import re
-from collections.abc import Iterator, Mapping
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from unicodedata import category
@@ -24,6 +27,8 @@ from casingfem.io.arrays import FloatArray, IntArray
 from contact.io.outfiles import settle
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+_WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
+_SEPARATORS = (";", "\t")  # of a header without commas
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,6 +48,7 @@ class StrictCsv:
     header_line: int
     cells: Mapping[str, tuple[str, ...]]
     lines: IntArray
+    decimal: str = "."
 
     def refuse(self, *, found: str, expected: str, row: int | None = None, column: str | None = None) -> InputError:
         """Return the reader's error for a row (from 0) and column, to be raised."""
@@ -61,7 +67,8 @@ class StrictCsv:
             if blank is not None:
                 return blank
             raise self.refuse(row=row, column=column, found="an empty cell", expected="a number")
-        value = float(text) if _NUMBER.fullmatch(text) else math.nan
+        point = text.replace(",", ".", 1) if self.decimal == "," else text
+        value = float(point) if _NUMBER.fullmatch(point) else math.nan
         if not math.isfinite(value):
             expected = "a finite number such as 371.2 or 3.712e2"
             raise self.refuse(row=row, column=column, found=repr(text), expected=expected)
@@ -96,10 +103,10 @@ def read(path: str | os.PathLike[str]) -> StrictCsv:
     settle(Path(path).parent)
     data = Path(path).read_bytes()
     try:
-        text = data.decode("utf-8-sig")
+        text = data.decode("utf-16" if data[:2] in (BOM_UTF16_LE, BOM_UTF16_BE) else "utf-8-sig")
     except UnicodeDecodeError as reason:
         line = data.count(b"\n", 0, reason.start) + 1
-        found = f"byte 0x{data[reason.start]:02x}, which is not UTF-8"
+        found = f"byte 0x{data[reason.start]:02x}, which is not {reason.encoding.upper()}"
         raise InputError(str(path), line=line, found=found, expected="a UTF-8 text file") from None
     return parse(text, str(path))
 
@@ -108,7 +115,7 @@ def parse(text: str, path: str) -> StrictCsv:
     """Parse a table from text; ``path`` is only named in errors."""
     card: list[str] = []
     header: tuple[str, ...] = ()
-    header_line = 0
+    header_line, separator = 0, ","
     rows: list[tuple[str, ...]] = []
     lines: list[int] = []
     for number, line in _significant_lines(text, path):
@@ -118,13 +125,15 @@ def parse(text: str, path: str) -> StrictCsv:
                 raise InputError(path, line=number, found=found, expected=expected)
             card.append(line.strip()[1:].strip())
             continue
-        cells = _split(line, number, path)
+        if not header:
+            separator = next((mark for mark in _SEPARATORS if mark in line and "," not in line), ",")
+        cells = _split(line, number, path, separator)
         if not header:
             header, header_line = _checked_header(cells, number, path), number
         elif len(cells) != len(header):
             found = f"{len(cells)} cells in {line.strip()!r}"
             expected = f"{len(header)}, one for each of {','.join(header)}"
-            if len(cells) > len(header):
+            if len(cells) > len(header) and separator == ",":
                 expected += " (numbers take a decimal point, not a comma)"
             raise InputError(path, line=number, found=found, expected=expected)
         else:
@@ -137,7 +146,7 @@ def parse(text: str, path: str) -> StrictCsv:
     columns = dict(zip(header, zip(*rows, strict=True), strict=True))
     return StrictCsv(
         path=path, card=tuple(card), header=header, header_line=header_line, cells=columns,
-        lines=np.array(lines),
+        lines=np.array(lines), decimal="." if separator == "," else _decimal(rows, lines, path),
     )  # fmt: skip
 
 
@@ -152,9 +161,22 @@ def _significant_lines(text: str, path: str) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
-def _split(line: str, number: int, path: str) -> tuple[str, ...]:
+def _decimal(rows: Sequence[tuple[str, ...]], lines: Sequence[int], path: str) -> str:
+    """What stands before the decimals of a table whose cells no comma separates: one mark throughout."""
+    marks = ""
+    for line, cells in zip(lines, rows, strict=True):
+        for cell in cells:
+            mark = "," if _WITH_COMMA.fullmatch(cell) else "." if "." in cell and _NUMBER.fullmatch(cell) else ""
+            if mark and marks and mark != marks:
+                found = f"{cell!r} below numbers with a decimal {'comma' if marks == ',' else 'point'}"
+                raise InputError(path, line=line, found=found, expected="one decimal mark in all numbers")
+            marks = marks or mark
+    return marks or "."
+
+
+def _split(line: str, number: int, path: str, separator: str) -> tuple[str, ...]:
     try:
-        cells = next(csv.reader([line], strict=True, skipinitialspace=True))
+        cells = next(csv.reader([line], strict=True, skipinitialspace=separator != "\t", delimiter=separator))
     except csv.Error:
         found = f"quotes that do not pair in {line.strip()!r}"
         raise InputError(path, line=number, found=found, expected="cells on one line, quoted or not") from None
@@ -162,10 +184,6 @@ def _split(line: str, number: int, path: str) -> tuple[str, ...]:
 
 
 def _checked_header(cells: tuple[str, ...], number: int, path: str) -> tuple[str, ...]:
-    for separator, name in ((";", "semicolons"), ("\t", "tabs")):
-        if len(cells) == 1 and separator in cells[0]:
-            found = f"a header separated by {name}"
-            raise InputError(path, line=number, found=found, expected="commas, with decimal points in numbers")
     if _NUMBER.fullmatch(cells[0]):
         found = f"numbers ({cells[0]}) in the first row"
         raise InputError(path, line=number, found=found, expected="a header with the names of the columns")

@@ -87,8 +87,9 @@ BAD = {
     "foreign digits": (HEAD + "1,8,٣٧١,0.4,,\n", "column 'freq_hz'"),
     "decimal comma": (HEAD + "1,8,371,2,0.4,,\n", "line 2: found 7 cells .* decimal point"),
     "quoted decimal comma": (HEAD + '1,8,"371,2",0.4,,\n', "column 'freq_hz': found '371,2'"),
-    "semicolons": (HEAD.replace(",", ";"), "separated by semicolons"),
-    "tabs": (HEAD.replace(",", "\t"), "separated by tabs"),
+    "semicolons and commas": (HEAD.replace(",", ";", 2) + "1;8;371.2,0.4,,\n", "column .mode;n;freq_hz.: found an unknown column"),
+    "two decimal marks": (HEAD.replace(",", ";") + "1;8;371,2;0.4;;\n", "line 2: found '0.4' below .* decimal comma"),
+    "thousands and a comma": (HEAD.replace(",", ";") + "1;8;1.371,2;0,4;;\n", "column 'freq_hz': found '1.371,2'"),
     "short row": (HEAD + ROW + "2,8,373.9\n", "line 3: found 3 cells in '2,8,373.9'; expected 6"),
     "mode twice": (HEAD + ROW + ROW, "line 3, column 'mode': found 1 again; expected .* each once"),
     "mode 0": (HEAD + "0,8,371.2,0.4,,\n", "column 'mode': found 0"),
@@ -116,6 +117,20 @@ def test_malformed_tables_are_refused_with_their_place(tmp_path, name):
         FrequencyTable.from_csv(path)
     assert "bad.csv" in str(caught.value)
     assert caught.value.expected
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_tables_of_spreadsheets_with_decimal_commas(tmp_path, mark, encoding):
+    rows = HEAD + "1,8,371.2,0.4,7.5,\n2,8,373.9,4e-1,18,1e-3\n"
+    path, same = tmp_path / "excel.csv", tmp_path / "same.csv"
+    path.write_bytes(rows.replace(",", mark).replace(".", ",").replace("\n", "\r\n").encode(encoding))
+    same.write_text(rows)
+    found, expected = FrequencyTable.from_csv(path), FrequencyTable.from_csv(same)
+    assert found.card == expected.card
+    assert (found.to_dataframe().fillna(-1) == expected.to_dataframe().fillna(-1)).all(axis=None)
+    path.write_bytes(rows.replace(",", mark).encode(encoding))
+    assert (FrequencyTable.from_csv(path).freq_hz == [371.2, 373.9]).all()
 
 
 def test_bytes_that_are_not_utf8_name_their_line(tmp_path):
