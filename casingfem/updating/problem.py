@@ -19,6 +19,7 @@ from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.following import LostModeError, followed, paired_rows
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes, shape_jacobian, shape_values
+from casingfem.updating.table_unit import require_hz
 from casingfem.updating.targets import jacobian, rates, values
 from contact.io.brief import brief
 
@@ -232,6 +233,7 @@ class Problem:
         pairing = pair(found, self.table, reach=self.reach, shape_mac=alike)
         self.seconds["pairing"] += time.perf_counter() - started
         if not pairing.matches:
+            require_hz(self.table, found.freq, getattr(found, "nodal_diameters", None))
             raise InputError(
                 f"no row of {self.table.path} pairs with a computed mode within {self.reach:.0%}: "
                 f"measured {self.table.freq_hz.min():.1f} to {self.table.freq_hz.max():.1f} Hz, "

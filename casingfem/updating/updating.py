@@ -15,7 +15,7 @@ import numpy as np
 from casingfem.errors import InputError, ModelError, warn
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.modes import count_below
+from casingfem.modal.modes import count_below, modes
 from casingfem.structure.imported.assembly import MeshStructure, require_structure
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.following import paired_rows
@@ -26,10 +26,12 @@ from casingfem.updating.problem import Problem, Progress, State
 from casingfem.updating.regularisation import Regularisation, Regularised, chosen_weight, trade_off
 from casingfem.updating.result import POOR, UpdateResult, weak_priors
 from casingfem.updating.shapes import SensorShapes
+from casingfem.updating.table_unit import require_hz
 from casingfem.updating.targets import with_model_error
 from contact.io.notebook import told
 
 ROUNDS = 8  # solutions until a weight must have settled
+FAR = 6  # modes below the highest row, to each row, from which the table's unit is doubted
 LOOKS = 5  # rounds in which rows may be set aside or taken back
 WAYS = (0.1, 1.0, 0.01)  # dampings to begin with: long first steps and short ones end in different valleys
 SETTLED = 0.06  # two of the weights tried, which stand .058 apart in logarithm
@@ -100,7 +102,11 @@ def update(
         require_structure(structure, "update")
         table = fitted_to_mesh(table, shapes)
     check_parameters(structure, vary)
-    count = count or mode_count(table, structure)
+    if count is None:
+        count = mode_count(table, structure)
+        if count > FAR * len(table):
+            lowest = modes(structure, 2 * len(table))
+            require_hz(table, lowest.freq, getattr(lowest, "nodal_diameters", None))
     if shapes is not None and shapes.shapes.shape[1] != len(table):
         raise InputError(
             f"shapes: found {shapes.shapes.shape[1]} columns, expected {len(table)}, one a row of the table"

@@ -87,7 +87,10 @@ BAD = {
     "foreign digits": (HEAD + "1,8,٣٧١,0.4,,\n", "column 'freq_hz'"),
     "decimal comma": (HEAD + "1,8,371,2,0.4,,\n", "line 2: found 7 cells .* decimal point"),
     "quoted decimal comma": (HEAD + '1,8,"371,2",0.4,,\n', "column 'freq_hz': found '371,2'"),
-    "semicolons and commas": (HEAD.replace(",", ";", 2) + "1;8;371.2,0.4,,\n", "column .mode;n;freq_hz.: found an unknown column"),
+    "semicolons and commas": (
+        HEAD.replace(",", ";", 2) + "1;8;371.2,0.4,,\n",
+        "column .mode;n;freq_hz.: found an unknown column",
+    ),
     "two decimal marks": (HEAD.replace(",", ";") + "1;8;371,2;0.4;;\n", "line 2: found '0.4' below .* decimal comma"),
     "thousands and a comma": (HEAD.replace(",", ";") + "1;8;1.371,2;0,4;;\n", "column 'freq_hz': found '1.371,2'"),
     "short row": (HEAD + ROW + "2,8,373.9\n", "line 3: found 3 cells in '2,8,373.9'; expected 6"),

@@ -83,6 +83,9 @@ def test_without_noise_every_parameter_is_recovered_to_1e_5(frustum, exact_fit):
     assert len(fit.history) - 1 <= 12  # steps from the start
     assert not any(fit.at_bound)
     assert fit.rms_after < 1e-7 < 1e-2 < fit.rms_before
+    printed = [line.split() for line in repr(fit).partition("sure\n")[2].splitlines()[:ROWS]]
+    told = [[row["mode"], row["n"], row["measured_hz"], row["before_hz"], row["after_hz"]] for row in fit.pairs()]
+    np.testing.assert_allclose([[float(cell) for cell in line[:5]] for line in printed], told, atol=6e-4)
 
 
 @pytest.mark.campaign
