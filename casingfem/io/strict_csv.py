@@ -102,6 +102,8 @@ def read(path: str | os.PathLike[str]) -> StrictCsv:
         raise InputError(repr(os.fspath(path)), found="a name with a zero byte", expected="a file")
     settle(Path(path).parent)
     data = Path(path).read_bytes()
+    if data[:4] == b"PK\x03\x04":
+        raise InputError(str(path), found="a workbook or another zip file", expected="a table saved as CSV")
     try:
         text = data.decode("utf-16" if data[:2] in (BOM_UTF16_LE, BOM_UTF16_BE) else "utf-8-sig")
     except UnicodeDecodeError as reason:
