@@ -203,6 +203,10 @@ SURFACES = {
         "places of a survey measured twice differ beyond chance",
         "survey again, or keep the pass that is right: an offset, a turn or a change between them is no noise",
     ),
+    "survey-eccentric": Fault(
+        "the surveyed part stood beside the axis of the survey by more than it is out of round",
+        "centred = true takes the points about the part's own axis; leave it where the part turns beside its axis",
+    ),
     "survey-quantity": Fault(
         "the survey is of another quantity",
         "let `of` name what was surveyed",

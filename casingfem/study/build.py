@@ -299,8 +299,9 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
     elif table.survey is not None:
         with problems.at(f"{key}.survey"):
             survey = SurveyField.from_csv(
-                problems.file.parent / table.survey, table.n_max, table.degree, robust=bool(table.robust)
-            )
+                problems.file.parent / table.survey, table.n_max, table.degree,
+                robust=bool(table.robust), centred=bool(table.centred),
+            )  # fmt: skip
             chart = None if tables.chart is None else build_chart(tables.chart)
             check_survey(survey, table.of, chart, None if tables.shell is None else tables.shell.thickness)
             return survey

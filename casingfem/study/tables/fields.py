@@ -40,6 +40,7 @@ class ImperfectionTable(Table):
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic fitted to the survey")
     degree: int | None = Field(default=None, ge=0, le=20, description="degree of the fit along z")
     robust: bool | None = Field(default=None, description="set stray points of the survey aside, and say which")
+    centred: bool | None = Field(default=None, description="take the survey's points about the part's own axis")
     random: Random | None = Field(default=None, description='"example" (radius), or [{p, median, high}], relative')
     seed: int | None = Field(default=None, ge=0, description="of the random field: same seed, same field")
     scale: Positive | None = Field(default=None, description="factor on the random field's spectrum [-]")
@@ -47,7 +48,11 @@ class ImperfectionTable(Table):
 
     @model_validator(mode="after")
     def _one_source(self) -> "ImperfectionTable":
-        sources = {"harmonics": (), "survey": ("n_max", "degree", "robust"), "random": ("seed", "scale", "p_max")}
+        sources = {
+            "harmonics": (),
+            "survey": ("n_max", "degree", "robust", "centred"),
+            "random": ("seed", "scale", "p_max"),
+        }
         given = [name for name in sources if getattr(self, name) is not None]
         if len(given) != 1:
             found = "neither harmonics nor survey nor random" if not given else " beside ".join(given)

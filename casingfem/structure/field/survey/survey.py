@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.field.fourier import Field, FourierField, SeriesBehind
+from casingfem.structure.field.survey.axis import Axis, centred_points, eccentric
 from casingfem.structure.field.survey.fit import fit_points, resolved_harmonic
 from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points
 from casingfem.structure.field.survey.robust import pure_error
@@ -44,6 +45,7 @@ class SurveyField(SeriesBehind):
     repeats : how many there are
     doubted : points, like those set aside, that took part in a plain fit and contradict all others
     without : the fit without them, None where there are none
+    axis : the part's own axis, about which the points were taken; None where they were taken as they are
 
     Examples
     --------
@@ -69,10 +71,17 @@ class SurveyField(SeriesBehind):
     repeats: int = 0
     doubted: tuple[tuple[float, float, float], ...] = ()
     without: FourierField | None = None
+    axis: Axis | None = None
 
     @classmethod
     def from_csv(
-        cls, path: str | os.PathLike[str], n_max: int | None = None, degree: int | None = None, *, robust: bool = False
+        cls,
+        path: str | os.PathLike[str],
+        n_max: int | None = None,
+        degree: int | None = None,
+        *,
+        robust: bool = False,
+        centred: bool = False,
     ) -> SurveyField:
         """Read and fit a survey CSV: theta_deg|theta_rad, z_m|z_mm, radius_m|radius_mm (or thickness).
 
@@ -83,19 +92,21 @@ class SurveyField(SeriesBehind):
             lowered (then n_max) while the points cannot carry it
         robust : weigh stray points down (Huber, then bisquare weights, scale by the median deviation), and say which
             were set aside
+        centred : take the points about the part's own axis, offset and lean fitted, not the one it was turned about
 
         Warns
         -----
         ModelWarning
             `survey-outliers`: a robust fit set points aside; `survey-stray`: a plain one has points that contradict
-            all others; `survey-passes`: places measured twice differ beyond chance.
+            all others; `survey-passes`: places measured twice differ beyond chance; `survey-eccentric`: the part
+            stood beside the axis of the survey by more than it is out of round.
 
         Raises
         ------
         InputError
             Malformed or implausible tables, a circle not covered for the n_max asked, too few points.
         """
-        return cls.fitted(read_points(path), n_max=n_max, degree=degree, robust=robust)
+        return cls.fitted(read_points(path), n_max=n_max, degree=degree, robust=robust, centred=centred)
 
     @classmethod
     def from_points(
@@ -108,17 +119,27 @@ class SurveyField(SeriesBehind):
         n_max: int | None = None,
         degree: int | None = None,
         robust: bool = False,
+        centred: bool = False,
     ) -> SurveyField:
         """Fit points given as arrays (points,): theta [rad], z [m], radius or thickness [m]."""
         theta, z, value = (np.asarray(array, float) for array in (theta, z, value))
         points = SurveyPoints(theta=theta, z=z, value=value, quantity=quantity)
-        return cls.fitted(points, n_max=n_max, degree=degree, robust=robust)
+        return cls.fitted(points, n_max=n_max, degree=degree, robust=robust, centred=centred)
 
     @classmethod
     def fitted(
-        cls, points: SurveyPoints, *, n_max: int | None = None, degree: int | None = None, robust: bool = False
+        cls,
+        points: SurveyPoints,
+        *,
+        n_max: int | None = None,
+        degree: int | None = None,
+        robust: bool = False,
+        centred: bool = False,
     ) -> SurveyField:
-        """Fit points already read; n_max, degree and robust as in from_csv."""
+        """Fit points already read; the options as in from_csv."""
+        axis: Axis | None = None
+        if centred:
+            points, axis = centred_points(points, lambda moved: fit_points(moved, n_max, degree, robust))
         fit = fit_points(points, n_max, degree, robust)
         stray = ~fit.kept
         places = zip(np.degrees(points.theta[stray]), points.z[stray], fit.residual[stray], strict=True)
@@ -134,6 +155,8 @@ class SurveyField(SeriesBehind):
             warn("survey-stray", f"{Path(points.path).name}: {said}", stacklevel=4)
         if words := passes_words(points.at(fit.kept)):
             warn("survey-passes", f"{Path(points.path).name}: {words}", stacklevel=4)
+        if axis is None and (beside := eccentric(fit, points)) is not None:
+            warn("survey-eccentric", f"{Path(points.path).name}: the part stood {beside}", stacklevel=4)
         residual, (scatter, repeats) = fit.residual[fit.kept], pure_error(points.at(fit.kept))
         return cls(
             fit=fit.field,
@@ -152,6 +175,7 @@ class SurveyField(SeriesBehind):
             without=fit.without,
             pure_error=scatter,
             repeats=repeats,
+            axis=axis,
         )
 
     def mean_radius(self, z: ArrayLike) -> FloatArray:
@@ -191,6 +215,8 @@ class SurveyField(SeriesBehind):
             f"  residual  rms {self.residual_rms:.2e} ({self.residual_rms_m * 1e6:.3g} um),"
             f" max {self.residual_max:.2e}",
         ]
+        if self.axis is not None:
+            lines.append(f"  centred   the part stood {self.axis}")
         if self.pure_error is not None:
             lines.append(f"  repeats   {self.repeats}, pure error {self.pure_error * 1e6:.3g} um")
         if self.set_aside:

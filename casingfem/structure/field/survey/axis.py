@@ -1,0 +1,87 @@
+"""The axis of a surveyed part: where the middles of its circles lie, and its points seen from there.
+
+A part that stands beside the middle of the turntable, or leans, shows one wave around, which is no shape.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from casingfem.errors import InputError
+from casingfem.io.arrays import FloatArray
+from casingfem.structure.field.survey.fit import SurveyFit
+from casingfem.structure.field.survey.points import SurveyPoints
+
+STEPS = 8  # the first leaves the square of the offset over the radius
+SETTLED = 1e-10  # of the radius
+SMALL = 1e-5  # of the radius: an offset that changes nothing
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """The line x + i y = offset + tilt (z - z_mid) [m, -] in the coordinates of the survey.
+
+    Examples
+    --------
+    >>> print(Axis(offset=3e-4j, tilt=0.0, z_mid=0.1))
+    0.3 mm off the axis towards 90 deg at z = 0.1 m
+    """
+
+    offset: complex
+    tilt: complex
+    z_mid: float
+
+    def __add__(self, other: Axis) -> Axis:
+        return Axis(self.offset + other.offset, self.tilt + other.tilt, self.z_mid)
+
+    def __str__(self) -> str:
+        towards = round(np.degrees(np.angle(self.offset))) % 360
+        lean = f", leaning by {1e3 * abs(self.tilt):.3g} mm/m" if self.tilt else ""
+        return f"{1e3 * abs(self.offset):.3g} mm off the axis towards {towards} deg at z = {self.z_mid:.3g} m{lean}"
+
+    def seen_from(self, points: SurveyPoints) -> SurveyPoints:
+        """The points (theta, z, radius) about this axis; its lean is taken as small."""
+        place = points.value * np.exp(1j * points.theta) - self.offset - self.tilt * (points.z - self.z_mid)
+        return replace(points, theta=np.angle(place) % (2.0 * np.pi), value=np.abs(place))
+
+
+def axis_of(fit: SurveyFit, z: FloatArray) -> Axis:
+    """The straight line nearest to a fit's first harmonic, cos theta towards x and sin theta towards y."""
+    field = fit.field if fit.without is None else fit.without
+    zeta, z_mid = (z - field.z_mid) / field.z_half, field.z_mid
+    first = int(np.flatnonzero(field.p == 1)[0])
+    wave = np.real(field.cos[first]) + 1j * np.real(field.sin[first])
+    middle = (fit.mean[0] + fit.mean[1] * z) * np.polynomial.polynomial.polyval(zeta, wave)
+    if fit.heights == 1:
+        return Axis(complex(np.mean(middle)), 0.0, z_mid)
+    tilt, offset = np.polyfit(z - z_mid, middle, 1)
+    return Axis(complex(offset), complex(tilt), z_mid)
+
+
+def centred_points(points: SurveyPoints, fitted: Callable[[SurveyPoints], SurveyFit]) -> tuple[SurveyPoints, Axis]:
+    """The points about their own axis, and that axis: fits and moves until no first harmonic is left to it."""
+    if points.quantity != "radius":
+        raise InputError(points.path, found="a thickness to be centred", expected="radii: a wall has no axis")
+    axis = axis_of(fitted(points), points.z)
+    for _ in range(STEPS):
+        moved = axis.seen_from(points)
+        fit = fitted(moved)
+        rest = axis_of(fit, points.z)
+        axis = axis + rest
+        if abs(rest.offset) + abs(rest.tilt) * np.ptp(points.z) < SETTLED * fit.mean[0]:
+            break
+    return axis.seen_from(points), axis
+
+
+def eccentric(fit: SurveyFit, points: SurveyPoints) -> Axis | None:
+    """The axis of radii whose first harmonic is larger than all others together; None where it is not."""
+    if points.quantity != "radius":
+        return None
+    axis, field, z = axis_of(fit, points.z), fit.field, points.z
+    others = np.sqrt(sum(field.amplitude(p) ** 2 for p in field.harmonics if p > 1))
+    reach = max(abs(axis.offset + axis.tilt * (end - axis.z_mid)) for end in (z.min(), z.max()))
+    noise = 3.0 * float(np.sqrt(np.mean(fit.residual**2)))
+    return axis if reach > max(others, noise, SMALL) * fit.mean[0] else None
