@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import singledispatch
 
 import numpy as np
 
@@ -11,8 +10,8 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.growth.closed_contact import floor_of, growth
 from contact.growth.perfect_mean import mean_contact
-from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import WALL
+from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ClosedContact
 from contact.model.gaps.rub import Rub
 from contact.record.divergence import Divergence
@@ -127,19 +126,10 @@ def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
     )
 
 
-@singledispatch
 def _closed(problem: Problem, mu: float, time: float) -> tuple[ClosedContact, float, bool] | None:
     """All contacts closed, the speed [Hz], whether split pairs were averaged; None of what does not turn."""
-    return None
-
-
-@_closed.register
-def _(problem: RotatingRim, mu: float, time: float) -> tuple[ClosedContact, float, bool] | None:
-    contact, mean = mean_contact(problem, mu=mu)
-    return contact, problem.speed_hz, mean
-
-
-@_closed.register
-def _(problem: Rub, mu: float, time: float) -> tuple[ClosedContact, float, bool] | None:
-    contact, mean = mean_contact(problem, mu=mu)
-    return contact, problem.speed.omega(time) / (2.0 * math.pi), mean
+    rub: Rub | None = rub_of(problem)
+    if rub is None:
+        return None
+    contact, mean = mean_contact(rub, mu=mu)
+    return contact, rub.speed.omega(time) / (2.0 * math.pi), mean

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.base.arrays import Array
-from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.rub import Rub
 from contact.recovery import at_channels, rub_forces
@@ -68,8 +67,8 @@ def rub_film(what: What, result: Result, *, places: int = 360) -> RubFilm | None
 
     A run too long for its frames, `A_PERIOD` in a period of the casing's motion, is shown in stretches spread over it.
     """
-    rub = rub_of(what) if isinstance(what, RotatingRim) else what
-    if not isinstance(rub, Rub) or len(result.state) < 2 or result.channels.size or not result.time.size:
+    rub: Rub | None = rub_of(what)
+    if rub is None or len(result.state) < 2 or result.channels.size or not result.time.size:
         return None
     tips = [j for j, tip in enumerate(rub.tips) if tip.line == rub.tips[0].line]
     line = rub.tips[0].line

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import singledispatch
 
 import numpy as np
 
 from contact.base.arrays import Array
-from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.rub import Rub
 from contact.model.trig import harmonics
@@ -57,49 +55,31 @@ def force_table(result: Result, rows: int = ROWS) -> dict[str, Array]:
 
 def strain_energy(what: What, result: Result) -> dict[str, Array]:
     """Strain energy [J] of each modal body at `result.state_time`, by its name; none of other problems."""
-    bodies = {"casing": getattr(what, "casing", None), "blade": getattr(what, "blade", None)}
-    if isinstance(what, Rub):
-        bodies = dict(zip(what.names, what.bodies, strict=True))
-    names = {name for name, _, _ in result.blocks}
-    if result.channels.size or not len(result.state):
+    rub: Rub | None = rub_of(what)
+    if rub is None or result.channels.size or not len(result.state):
         return {}
     return {
         name: 0.5 * np.sum((result.state_of(name) * body.omega) ** 2, axis=1)
-        for name, body in bodies.items()
-        if body is not None and name in names
+        for name, body in zip(rub.names, rub.bodies, strict=True)
     }
 
 
-@singledispatch
 def tip_motion(what: object, result: Result) -> TipMotion | None:
     """Motion of the first tip of a rim or rub whose states are stored, residual compliance included; else None."""
-    return None
-
-
-@tip_motion.register
-def _(what: RotatingRim, result: Result) -> TipMotion | None:
-    return tip_motion(rub_of(what), result)
-
-
-@tip_motion.register
-def _(what: Rub, result: Result) -> TipMotion | None:
-    if not _stored(result):
+    rub: Rub | None = rub_of(what)
+    if rub is None or len(result.state) < 2 or result.channels.size:
         return None
-    tip = what.tips[0]
-    name = what.names[1 + tip.blade]
+    tip = rub.tips[0]
+    name = rub.names[1 + tip.blade]
     casing, blade = (
-        at_channels(body, result.state_of(of), rub_forces(what, result, of)[1])
-        for of, body in (("casing", what.casing), (name, what.blades[tip.blade]))
+        at_channels(body, result.state_of(of), rub_forces(rub, result, of)[1])
+        for of, body in (("casing", rub.casing), (name, rub.blades[tip.blade]))
     )
-    moved = blade @ tip.directions(what.blades[tip.blade])[:2].T
-    turned = np.array([what.speed.angle(float(t)) for t in result.state_time])
+    moved = blade @ tip.directions(rub.blades[tip.blade])[:2].T
+    turned = np.array([rub.speed.angle(float(t)) for t in result.state_time])
     phi = math.radians(tip.angle_deg) - turned
-    rim = _rim(casing, phi, what.casing.n_max, tip.line, what.casing.directions)
+    rim = _rim(casing, phi, rub.casing.n_max, tip.line, rub.casing.directions)
     return TipMotion(time=result.state_time, tip=moved, rim=rim)
-
-
-def _stored(result: Result) -> bool:
-    return len(result.state) > 1 and not result.channels.size
 
 
 def _rim(channels: Array, phi: Array, n_max: int, line: int, directions: int) -> Array:

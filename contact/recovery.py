@@ -52,7 +52,7 @@ def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Arr
 
     Raises InputError for names that the rub does not have and results without stored states.
     """
-    rub = rub_of(scene) if isinstance(scene, RotatingRim) else scene
+    rub: Rub = rub_of(scene)
     if name not in rub.names:
         raise InputError(f"name: found {name!r}, expected one of {', '.join(rub.names)}{hint(name, rub.names)}")
     forces = result.state_of("tips")

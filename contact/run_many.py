@@ -41,8 +41,12 @@ def run_many(
     found: list[Outcome | None] = [None] * len(scenes)
     groups: dict[int, list[tuple[int, Prepared]]] = {}
     for i, scene in enumerate(scenes):
-        ready = _prepared(scene, record)
-        if isinstance(ready, Prepared) and _fits(ready):
+        try:
+            ready = _prepared(scene, record)
+        except InputError as error:
+            found[i] = _note(i, error, ended)
+            continue
+        if _fits(ready):
             groups.setdefault(ready.stepper.size, []).append((i, ready))
         else:
             found[i] = _note(i, _alone(ready), ended)
@@ -59,17 +63,12 @@ def _note(i: int, outcome: Outcome, ended: Ended | None) -> Outcome:
     return outcome
 
 
-def _prepared(scene: Scene, record: Callable[[int], Record] | None) -> Prepared | InputError:
-    try:
-        ready = prepared(scene)
-    except InputError as error:
-        return error
+def _prepared(scene: Scene, record: Callable[[int], Record] | None) -> Prepared:
+    ready = prepared(scene)
     return ready if record is None or scene.record is not None else replace(ready, record=record(ready.count))
 
 
-def _alone(ready: Prepared | InputError) -> Outcome:
-    if isinstance(ready, InputError):
-        return ready
+def _alone(ready: Prepared) -> Outcome:
     try:
         return completed(ready)
     except (InputError, NumericsError) as error:

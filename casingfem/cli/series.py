@@ -19,11 +19,10 @@ def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Conte
     """
     from casingfem.export.motion import frames, motion_files, point_files
     from contact.base.errors import InputError
-    from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.one_tip import rub_of
     from contact.recovery import at_points, rub_forces
 
-    rub = rub_of(what) if isinstance(what, RotatingRim) else what
+    rub: Rub = rub_of(what)
     drawn = {name: body for name, body in zip(rub.names, rub.bodies, strict=True) if body.recovery_cells is not None}
     if not drawn:
         expected = "recovery = true in [reduce] of the study that makes it"

@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 from casingfem.errors import InputError, code_of, with_code
 from casingfem.study.schema import StudyFile
 from contact.io.tables import keys, kinds, models_at, resolved, unknown
+from contact.io.toml import written
 
 KEYS = {  # the code of a value that the schema refuses, by table and key, or by table
     ("material", "E"): "material-modulus",
@@ -156,15 +157,3 @@ def choices(info: FieldInfo | None) -> str:
     """What a missing key may hold, from its type."""
     options = get_args(info.annotation) if info is not None else ()
     return "one of " + ", ".join(map(str, options)) if options else "a value"
-
-
-def written(loc: Sequence[str | int]) -> str:
-    """The key path as text, entries of arrays counted from 1.
-
-    >>> written(("imperfection", 0, "harmonics", 2, "p"))
-    'imperfection[1].harmonics[3].p'
-    """
-    text = ""
-    for part in loc:
-        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if text else part
-    return text

@@ -24,6 +24,7 @@ from contact.growth.perfect_mean import mean_contact
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ClosedContact, HandPair
 from contact.model.gaps.rub import Rub
 
@@ -277,8 +278,7 @@ def _pressed(what: RotatingRim | Rub | HandPair) -> tuple[Array, list[tuple[int,
 
 @_pressed.register
 def _(what: RotatingRim) -> tuple[Array, list[tuple[int, float, float]]]:
-    mean = sum(a for p, a, _ in what.terms if p == 0)
-    return np.array([-what.clearance - mean]), what.terms
+    return _pressed(rub_of(what))
 
 
 @_pressed.register

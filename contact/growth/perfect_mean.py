@@ -9,7 +9,7 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.permanent import ClosedContact, SplitError, rim_contact, rub_contact
+from contact.model.gaps.permanent import ClosedContact, SplitError, rub_contact
 from contact.model.gaps.rub import Rub
 
 
@@ -54,11 +54,10 @@ def perfect_mean(casing: ModalBody) -> ModalBody:
 
 def mean_contact(rub: RotatingRim | Rub, *, mu: float = 0.0) -> tuple[ClosedContact, bool]:
     """What stays of a rim or rub with every contact closed, and whether its pairs had to be averaged for that."""
-    close = rub_contact if isinstance(rub, Rub) else rim_contact
     try:
-        return close(rub, mu=mu), False  # type: ignore[arg-type]
+        return rub_contact(rub, mu=mu), False
     except SplitError:
-        return close(replace(rub, casing=perfect_mean(rub.casing)), mu=mu), True  # type: ignore[arg-type]
+        return rub_contact(replace(rub, casing=perfect_mean(rub.casing)), mu=mu), True
 
 
 def _by_order(values: Array, N: int) -> Array:

@@ -11,8 +11,9 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
+from functools import singledispatch
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
@@ -33,19 +34,31 @@ class StoredError(ValueError):
     """A value that no file can hold, or a file that holds none: which, what was found, what is expected."""
 
 
+@singledispatch
 def sealed(value: Any) -> Any:
     """The same value with all its arrays read-only, those inside tuples, mappings and frozen values too."""
-    if isinstance(value, np.ndarray):
-        value.setflags(write=False)
-    elif isinstance(value, tuple | list | frozenset):
-        for entry in value:
-            sealed(entry)
-    elif isinstance(value, Mapping):
-        for entry in value.values():
-            sealed(entry)
-    elif is_dataclass(value):
-        for field in fields(value):
-            sealed(getattr(value, field.name, None))
+    for field in fields(value) if is_dataclass(value) else ():
+        sealed(getattr(value, field.name, None))
+    return value
+
+
+@sealed.register(np.ndarray)
+def _(value: np.ndarray[Any, Any]) -> Any:
+    value.setflags(write=False)
+    return value
+
+
+@sealed.register(tuple | list | frozenset)
+def _(value: Iterable[Any]) -> Any:
+    for entry in value:
+        sealed(entry)
+    return value
+
+
+@sealed.register(Mapping)
+def _(value: Mapping[Any, Any]) -> Any:
+    for entry in value.values():
+        sealed(entry)
     return value
 
 
@@ -91,52 +104,108 @@ class Packing:
 
     def packed(self, part: Any, name: str) -> Any:
         """The part as JSON has it."""
-        if part is None or isinstance(part, bool | str):
-            return part
-        if isinstance(part, np.generic):
-            part = part.item()
-        if isinstance(part, int | float):
-            return part if math.isfinite(part) else {"number": str(float(part))}
-        if isinstance(part, complex):
-            return {"complex": [self.packed(part.real, name), self.packed(part.imag, name)]}
-        if id(part) in self._met:
-            return {"same": self._met[id(part)][0]}
-        if isinstance(part, np.ndarray) and part.dtype.kind in "biufcU":
-            return self._numbered(part, {"array": self._array(part, name or "value")})
-        if getattr(part, "format", "") == "csc" and hasattr(part, "indptr"):
-            arrays = {key: getattr(part, key) for key in ("data", "indices", "indptr")}
-            inside = {key: self.packed(value, f"{name}.{key}") for key, value in arrays.items()}
-            return self._numbered(part, {"sparse": list(part.shape), "fields": inside})
-        if isinstance(part, os.PathLike):
-            return {"path": os.fspath(part)}
-        if names := getattr(type(part), "_fields", ()):
-            return self._values(part, dict(zip(names, part, strict=True)), name)
-        for word, kind in MANY.items():
-            if type(part) is kind:
-                return {word: [self.packed(entry, f"{name}.{k + 1}") for k, entry in enumerate(part)]}
-        if isinstance(part, Mapping):
-            pairs = [[self.packed(key, name), self.packed(entry, f"{name}.{key}")] for key, entry in part.items()]
-            return {"dict" if isinstance(part, dict) else "mapping": pairs}
-        if is_dataclass(part) and not isinstance(part, type) and type(part).__module__.startswith(OWN):
-            return self._values(part, {f.name: getattr(part, f.name) for f in fields(part) if f.init}, name)
-        found = f"{type(part).__module__}.{type(part).__qualname__}"
-        raise StoredError(f"{name}: found {found}, expected numbers, text, or values of casingfem and contact")
+        return {"same": self._met[id(part)][0]} if id(part) in self._met else written(part, name, self)
 
-    def _values(self, part: Any, values: Mapping[str, Any], name: str) -> dict[str, Any]:
+    def values(self, part: Any, values: Mapping[str, Any], name: str) -> dict[str, Any]:
+        """A value of named parts, by its class."""
         kind = f"{type(part).__module__}:{type(part).__qualname__}"
-        inside = {key: self.packed(value, f"{name}.{key}" if name else key) for key, value in values.items()}
-        return self._numbered(part, {"value": kind, "fields": inside})
+        return self.numbered(part, {"value": kind, "fields": self.inside(values, f"{name}." if name else "")})
 
-    def _numbered(self, part: Any, document: dict[str, Any]) -> dict[str, Any]:
+    def inside(self, values: Mapping[str, Any], path: str) -> dict[str, Any]:
+        """Parts by their names."""
+        return {key: self.packed(value, f"{path}{key}") for key, value in values.items()}
+
+    def entries(self, part: Iterable[Any], name: str) -> list[Any]:
+        """Parts by their numbers."""
+        return [self.packed(entry, f"{name}.{k + 1}") for k, entry in enumerate(part)]
+
+    def pairs(self, part: Mapping[Any, Any], name: str) -> list[Any]:
+        """Keys with their parts."""
+        return [[self.packed(key, name), self.packed(entry, f"{name}.{key}")] for key, entry in part.items()]
+
+    def numbered(self, part: Any, document: dict[str, Any]) -> dict[str, Any]:
+        """The document of a part that is written once, however often the tree holds it."""
         number = len(self._met)
         self._met[id(part)] = number, part
         return document | {"number_of": number}
 
-    def _array(self, part: Any, name: str) -> str:
+    def array(self, part: Any, name: str) -> str:
+        """The name under which an array is kept."""
         while name in self.arrays or name in ("format", "document"):
             name += "_"
         self.arrays[name] = part
         return name
+
+
+@singledispatch
+def written(part: Any, name: str, packing: Packing) -> Any:
+    """The JSON of a part by its class; of a sparse matrix or a dataclass by what it has."""
+    if getattr(part, "format", "") == "csc" and hasattr(part, "indptr"):
+        arrays = {key: getattr(part, key) for key in ("data", "indices", "indptr")}
+        return packing.numbered(part, {"sparse": list(part.shape), "fields": packing.inside(arrays, f"{name}.")})
+    if is_dataclass(part) and type(part).__module__.startswith(OWN):
+        return packing.values(part, {f.name: getattr(part, f.name) for f in fields(part) if f.init}, name)
+    found = f"{type(part).__module__}.{type(part).__qualname__}"
+    raise StoredError(f"{name}: found {found}, expected numbers, text, or values of casingfem and contact")
+
+
+@written.register
+def _(part: bool | str | None, name: str, packing: Packing) -> Any:
+    return part
+
+
+@written.register
+def _(part: int | float, name: str, packing: Packing) -> Any:
+    return part if math.isfinite(part) else {"number": str(float(part))}
+
+
+@written.register
+def _(part: complex, name: str, packing: Packing) -> Any:
+    return {"complex": [packing.packed(part.real, name), packing.packed(part.imag, name)]}
+
+
+@written.register(np.generic)
+def _(part: np.generic, name: str, packing: Packing) -> Any:
+    return packing.packed(part.item(), name)
+
+
+@written.register(np.ndarray)
+def _(part: np.ndarray[Any, Any], name: str, packing: Packing) -> Any:
+    if part.dtype.kind not in "biufcU":
+        raise StoredError(f"{name}: found an array of {part.dtype}, expected one of numbers or text")
+    return packing.numbered(part, {"array": packing.array(part, name or "value")})
+
+
+@written.register(os.PathLike)
+def _(part: os.PathLike[str], name: str, packing: Packing) -> Any:
+    return {"path": os.fspath(part)}
+
+
+@written.register(tuple)
+def _(part: tuple[Any, ...], name: str, packing: Packing) -> Any:
+    if names := getattr(part, "_fields", ()):
+        return packing.values(part, dict(zip(names, part, strict=True)), name)
+    return {"tuple": packing.entries(part, name)}
+
+
+@written.register(list)
+def _(part: list[Any], name: str, packing: Packing) -> Any:
+    return {"list": packing.entries(part, name)}
+
+
+@written.register(frozenset)
+def _(part: frozenset[Any], name: str, packing: Packing) -> Any:
+    return {"set": packing.entries(part, name)}
+
+
+@written.register(Mapping)
+def _(part: Mapping[Any, Any], name: str, packing: Packing) -> Any:
+    return {"mapping": packing.pairs(part, name)}
+
+
+@written.register(dict)
+def _(part: dict[Any, Any], name: str, packing: Packing) -> Any:
+    return {"dict": packing.pairs(part, name)}
 
 
 class Unpacking:

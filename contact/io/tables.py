@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from contact.io.names import hint
+from contact.io.toml import entries
 
 Model = type[BaseModel]
 WORDS = {float: "number", int: "whole number", str: "text", bool: "true or false"}
@@ -34,29 +35,25 @@ def kinds(model: Model) -> tuple[Any, ...]:
     return get_args(model.model_fields["kind"].annotation) if "kind" in model.model_fields else ()
 
 
-def models_at(models: Sequence[Model], loc: Sequence[str | int], data: Any) -> list[Model]:
-    """The table models that a key path leads to, from `models`, by the kinds that the file names."""
+def models_at(models: Sequence[Model], path: Sequence[str | int], data: Any) -> list[Model]:
+    """The table models that a path of keys leads to, from `models`, by the kinds that the file names."""
     found, here = list(models), data
-    for part in loc:
+    for part in path:
         here = here[part]
-        if isinstance(part, int):
-            continue
-        fields = [keys(m)[part] for m in found if part in keys(m)]
-        found = [m for field in fields for m in members(field.annotation)] or found
-        if isinstance(here, dict) and isinstance(here.get("kind"), str):
-            found = [m for m in found if here["kind"] in kinds(m)] or found
+        found = [model for m in found if part in keys(m) for model in members(keys(m)[str(part)].annotation)] or found
+        named = entries(here).get("kind")
+        found = [m for m in found if named in kinds(m)] or found
     return found
 
 
 def resolved(loc: Sequence[str | int], kind: str, data: Any) -> tuple[str | int, ...]:
-    """The key path of a pydantic error of a kind without the tags that it puts in for the members of a union."""
+    """The path of keys of a pydantic error of a kind without the tags that it puts in for the members of a union."""
     path: list[str | int] = []
     here = data
     for k, part in enumerate(loc):
-        inside = isinstance(here, dict) and part in here
-        indexed = isinstance(here, list) and isinstance(part, int)
-        if inside or indexed:
-            here = here[part]
+        inside = entries(here)
+        if part in inside:
+            here = inside[part]
             path.append(part)
         elif k == len(loc) - 1 and kind == "missing":
             path.append(part)

@@ -1,6 +1,7 @@
-"""TOML files of both packages: bytes and tables, or one sentence about what is wrong."""
+"""TOML files of both packages: bytes and tables, or one sentence about what is wrong; where a value of them stands."""
 
 import tomllib
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,3 +27,23 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
         raise ValueError("not TOML: found values nested some hundred deep, expected tables and lists") from None
     except ValueError as error:  # also of numbers with thousands of digits
         raise ValueError(f"not TOML: {error}") from None
+
+
+def entries(value: object) -> Mapping[Any, Any]:
+    """What a value of a file holds: of a table by key, of a list by number from 0; nothing in a plain value.
+
+    >>> entries({"hz": 5.0}), entries([2, 3]), entries(5.0)
+    ({'hz': 5.0}, {0: 2, 1: 3}, {})
+    """
+    if isinstance(value, dict):
+        return value
+    return dict(enumerate(value)) if isinstance(value, list) else {}
+
+
+def written(path: Iterable[str | int]) -> str:
+    """Where a value stands, as text: entries of lists counted from 1.
+
+    >>> written(("imperfection", 0, "harmonics", 2, "p"))
+    'imperfection[1].harmonics[3].p'
+    """
+    return "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in path).removeprefix(".")

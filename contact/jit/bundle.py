@@ -8,6 +8,7 @@ marked as never changing, so that the compiler moves them out of loops. Fields a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import singledispatch
 from typing import Any
 
 import numba
@@ -66,12 +67,18 @@ class BundleType(Type):  # type: ignore[misc]
 
 def bundled(value: Any) -> Any:
     """Return a NamedTuple as a bundle, anything else as it is."""
-    return Bundle(value) if isinstance(value, tuple) and hasattr(value, "_fields") else value
+    return Bundle(value) if hasattr(value, "_fields") else value
 
 
-def _size(kind: Any) -> int:
+@singledispatch
+def _size(_: Any) -> int:
     """Words of a field: items, address, shape and strides of an array; one for what else there is."""
-    return 2 + 2 * kind.ndim if isinstance(kind, types.Array) else 1
+    return 1
+
+
+@_size.register(types.Array)
+def _(kind: Any) -> int:
+    return 2 + 2 * int(kind.ndim)
 
 
 def bundle_type(of: type[Any], kinds: Sequence[Any]) -> BundleType:
@@ -158,26 +165,30 @@ class BundleAttributes(Attributes):  # type: ignore[misc]
 
 
 def _field(context: Any, builder: Any, kind: Any, table: Any, field: str) -> Any:
-    begin, wanted = kind.begin[field], kind.fields[field]
-
     def word(offset: int, into: Any = WORD) -> Any:
-        place = builder.gep(table, [ir.Constant(WORD, begin + offset)], inbounds=True)
+        place = builder.gep(table, [ir.Constant(WORD, kind.begin[field] + offset)], inbounds=True)
         found = builder.load(builder.bitcast(place, into.as_pointer()))
         found.set_metadata("invariant.load", builder.module.add_metadata([]))
         return found
 
-    if isinstance(wanted, types.Array):
-        return _array(context, builder, wanted, word)
-    if isinstance(wanted, BundleType):
-        return word(0, WORD.as_pointer())
-    if isinstance(wanted, types.FunctionType):
-        return _function(context, builder, wanted, word(0, BYTES))
-    if wanted == types.boolean:
+    return _loaded(kind.fields[field], context, builder, word)
+
+
+@singledispatch
+def _loaded(kind: Any, context: Any, builder: Any, word: Any) -> Any:
+    """What a field of this type is in compiled code, `word` of its table loaded by number; here a number."""
+    if kind == types.boolean:
         return builder.trunc(word(0), ir.IntType(1))
-    return word(0, ir.DoubleType() if wanted == types.float64 else WORD)
+    return word(0, ir.DoubleType() if kind == types.float64 else WORD)
 
 
-def _array(context: Any, builder: Any, kind: Any, word: Any) -> Any:
+@_loaded.register(BundleType)
+def _(kind: Any, context: Any, builder: Any, word: Any) -> Any:
+    return word(0, WORD.as_pointer())
+
+
+@_loaded.register(types.Array)
+def _(kind: Any, context: Any, builder: Any, word: Any) -> Any:
     array = make_array(kind)(context, builder)
     shape, strides = ([word(2 + part * kind.ndim + i) for i in range(kind.ndim)] for part in range(2))
     data = word(1, context.get_value_type(kind.dtype).as_pointer())
@@ -186,9 +197,10 @@ def _array(context: Any, builder: Any, kind: Any, word: Any) -> Any:
     return array._getvalue()
 
 
-def _function(context: Any, builder: Any, kind: Any, address: Any) -> Any:
+@_loaded.register(types.FunctionType)
+def _(kind: Any, context: Any, builder: Any, word: Any) -> Any:
     function = struct(kind.get_precise())(context, builder)
-    function.c_addr = address
+    function.c_addr = word(0, BYTES)
     return function._getvalue()
 
 

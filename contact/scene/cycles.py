@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
@@ -14,6 +14,7 @@ from contact.growth.cycles.driven import DrivenBody, ForcedFamily, Parameter
 from contact.growth.cycles.follow import Progress, follow
 from contact.growth.cycles.result import Cycles
 from contact.growth.cycles.rubbing import RimFamily
+from contact.io.toml import entries
 from contact.model.bodies.patch import Patch
 from contact.model.gaps.gap import RotatingRim
 from contact.scene.load import SceneError, problem_text, scene_data, scene_of
@@ -174,8 +175,7 @@ def load_cycles(path: str | Path) -> CyclesScene:
     """
     file = Path(path)
     data, _ = scene_data(file)
-    head = data.get("scene")
-    rim = isinstance(head, dict) and head.get("kind") == "rim"
+    rim = entries(data.get("scene")).get("kind") == "rim"
     model = RimCyclesFile if rim else CyclesFile
     try:
         return _rim(data, file) if rim else _driven(CyclesFile.model_validate(data), file)
@@ -205,8 +205,7 @@ def _rim(data: dict[str, Any], file: Path) -> CyclesScene:
         {**still, "scene": {**still["scene"], "t_end": 1.0}, "speed": {"hz": between[0]},
          "scheme": {"kind": "exact-modal", "dt": 1.0}}, file,
     )  # fmt: skip
-    rim = run.what
-    assert isinstance(rim, RotatingRim)
+    rim = cast(RotatingRim, run.what)
     return CyclesScene(
         family=RimFamily(rim=rim, mu=run.law.mu if run.law else 0.0, looks=how.looks), between=between, how=how
     )

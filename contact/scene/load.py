@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from contact.base.errors import InputError
-from contact.io.toml import read_toml
+from contact.io.toml import entries, read_toml, written
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.body import Body, PointMass, Rod, Wall
 from contact.model.bodies.chain import assemble
@@ -90,8 +90,7 @@ def _validated(data: dict[str, Any], file: Path) -> File:
 
     from contact.scene.tables import FILES
 
-    head = data.get("scene")
-    kind = head.get("kind") if isinstance(head, dict) else None
+    kind = entries(data.get("scene")).get("kind")
     if str(kind) not in FILES:
         found = "nothing" if kind is None else repr(kind)
         raise SceneError([f"{file}: scene.kind: found {found}, expected one of {', '.join(map(repr, FILES))}"])
@@ -106,16 +105,12 @@ def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], tab
     """Write one pydantic error of a table's `data`, by its model, as file: key: found, expected."""
     from contact.io.tables import keys, models_at, resolved, unknown
 
-    loc = resolved(detail["loc"], detail["type"], data)
-    models = models_at([model], loc[:-1], data)
-    meaning = next((keys(m)[str(loc[-1])].description for m in models if loc and str(loc[-1]) in keys(m)), None)
-    key = table
-    for part in detail["loc"]:
-        if isinstance(part, str) and part.endswith("]"):  # pydantic's name of one kind of value among several
-            continue
-        key += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if key else str(part)
+    path = resolved(detail["loc"], detail["type"], data)
+    models = models_at([model], path[:-1], data)
+    meaning = next((keys(m)[str(path[-1])].description for m in models if path and str(path[-1]) in keys(m)), None)
+    key = written((table, *path) if table else path)
     if detail["type"] == "extra_forbidden":
-        return f"{file}: {key}: unknown key, {unknown(str(loc[-1]), models)}"
+        return f"{file}: {key}: unknown key, {unknown(str(path[-1]), models)}"
     if detail["type"] == "missing":
         return f"{file}: {key}: missing{f', expected {meaning}' if meaning else ''}"
     message = detail["msg"].removeprefix("Value error, ")

@@ -16,6 +16,7 @@ import numpy as np
 
 from contact.io.brief import brief
 from contact.io.checked_json import digest_of
+from contact.io.toml import entries
 from contact.result import versions
 from contact.scene.load import SceneError, problem_text, scene_data, scene_of
 
@@ -88,7 +89,7 @@ def _table(data: object, file: Path) -> SweepTable:
 
     from contact.sweep.tables import SweepTable
 
-    if not isinstance(data, dict):
+    if entries(data) is not data:  # no table
         raise SceneError([f"{file}: sweep: missing, expected [sweep] with [[sweep.vary]]"])
     try:
         return SweepTable.model_validate(data)
@@ -164,8 +165,13 @@ def _place(data: dict[str, Any], key: str, file: Path | None) -> tuple[dict[str,
     *path, last = key.split(".")
     at: Any = data
     for part in path:
-        at = _step(at, part, key, file)
-    if not isinstance(at, dict) or PART.fullmatch(last) is None or "[" in last or not path:
+        match = PART.fullmatch(part)
+        at = entries(at).get(match[1]) if match else None
+        if match and match[2]:
+            at = entries(at).get(int(match[2]) - 1)
+        if entries(at) is not at:  # no table
+            raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, but the scene has no {part!r} there"])
+    if not path or re.fullmatch(r"\w+", last) is None:
         raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, expected table.key of the scene"])
     return at, last
 
@@ -179,17 +185,6 @@ def _whole(base: dict[str, Any], key: str, file: Path) -> bool:
 def _as_in_scene(value: Value, whole: bool) -> Value:
     """A number as the scene has it: 50.0 elements are 50."""
     return int(value) if whole and isinstance(value, float) and value.is_integer() else value
-
-
-def _step(at: Any, part: str, key: str, file: Path | None) -> Any:
-    match, found = PART.fullmatch(part), None
-    if match is not None:
-        found, number = at.get(match[1]), match[2]
-        if number is not None:
-            found = dict(enumerate(found, 1)).get(int(number)) if isinstance(found, list) else None
-    if not isinstance(found, dict):
-        raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, but the scene has no {part!r} there"])
-    return found
 
 
 def _definition(data: dict[str, Any], file: Path, run_on: dict[str, str], contents: dict[Path, str]) -> dict[str, Any]:
@@ -211,6 +206,5 @@ def _words(part: Any) -> Iterator[str]:
     """All texts of a scene's tables: bases, profiles, whatever may name a file."""
     if isinstance(part, str):
         yield part
-    elif isinstance(part, dict | list):
-        for inner in part.values() if isinstance(part, dict) else part:
-            yield from _words(inner)
+    for inner in entries(part).values():
+        yield from _words(inner)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import singledispatch
 from typing import Any, cast
 
 import numpy as np
@@ -42,17 +43,31 @@ def sweep_record(steps: int) -> Record:
 
 def row_of(scene: Scene | None, outcome: Outcome) -> dict[str, Any]:
     """One row; a refused, failed or diverged run says why, the last two have what they reached."""
-    row: dict[str, Any] = dict.fromkeys(COLUMNS)
-    result = outcome.result if isinstance(outcome, DivergedError) else outcome
-    if isinstance(result, Result):
-        ended = result.divergence
-        row |= {"status": "done", "flags": "; ".join(_flags(result, _rim(scene))), "why": ""}
-        if ended is not None:
-            row |= {"status": "diverged", "diverged_at_s": ended.time, "why": ended.words}
-        return row | _numbers(scene, result)
-    if isinstance(outcome, NumericsError):
-        return row | {"status": "failed", "flags": "", "why": str(outcome)} | _numbers(scene, outcome.result)
-    return row | {"status": "refused", "flags": "", "why": str(outcome)}
+    return dict.fromkeys(COLUMNS) | _ended(outcome, scene)
+
+
+@singledispatch
+def _ended(outcome: Outcome, scene: Scene | None) -> dict[str, Any]:
+    return {"status": "refused", "flags": "", "why": str(outcome)}
+
+
+@_ended.register
+def _(outcome: NumericsError, scene: Scene | None) -> dict[str, Any]:
+    return {"status": "failed", "flags": "", "why": str(outcome)} | _numbers(scene, outcome.result)
+
+
+@_ended.register
+def _(outcome: DivergedError, scene: Scene | None) -> dict[str, Any]:
+    return _ended(outcome.result, scene)
+
+
+@_ended.register
+def _(outcome: Result, scene: Scene | None) -> dict[str, Any]:
+    ended, flags = outcome.divergence, "; ".join(_flags(outcome, _rim(scene)))
+    said: dict[str, Any] = {"status": "done", "flags": flags, "why": ""}
+    if ended is not None:
+        said = {"status": "diverged", "flags": flags, "diverged_at_s": ended.time, "why": ended.words}
+    return said | _numbers(scene, outcome)
 
 
 def _numbers(scene: Scene | None, result: Result | None) -> dict[str, Any]:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from functools import singledispatch
+from typing import Any
+
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import ContactPoint, Rub, Start
 from contact.model.gaps.rub_laws import RimProfile, Speed
 
 
-def rub_of(rim: RotatingRim) -> Rub:
-    """The rub with one tip that a rotating rim is.
+@singledispatch
+def rub_of(what: object) -> Any:
+    """The rub that a problem is, a rotating rim one with one tip; None of other problems.
 
     >>> import numpy as np
     >>> import contact as ct
@@ -22,6 +26,16 @@ def rub_of(rim: RotatingRim) -> Rub:
     >>> rub_of(ct.RotatingRim(casing, blade, clearance=1e-4, speed_hz=5.0, lean_deg=10.0)).tips[0].lean_deg
     10.0
     """
+    return None
+
+
+@rub_of.register
+def _(rub: Rub) -> Rub:
+    return rub
+
+
+@rub_of.register
+def _(rim: RotatingRim) -> Rub:
     return Rub(
         rim.casing, (rim.blade,), (ContactPoint(angle_deg=rim.angle_deg, lean_deg=rim.lean_deg),),
         clearance=rim.clearance, speed=Speed.constant(rim.speed_hz), profile=RimProfile.fourier(rim.out_of_roundness),

@@ -18,10 +18,9 @@ from contact.base.arrays import (
 )
 from contact.base.errors import InputError
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.modal_system import rim_system
+from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import rub_system
-from contact.model.trig import Trig
 
 PERFECT = 1e-8  # relative: modes closer than this are one group, and turn into each other on a perfect casing
 TURNS = 1e-3  # of the rows' derivative may be left by turns: a mesh adds harmonics of its own, such as 2e-4
@@ -196,39 +195,19 @@ def turning(n: list[int], size: int) -> Array:
 
 
 def rim_contact(rim: RotatingRim, *, mu: float = 0.0) -> ClosedContact:
-    """A perfect casing against its blade while the contact stays closed, in the blade's frame.
+    """A perfect casing against its blade while the contact stays closed, as `rub_contact` has it."""
+    return rub_contact(rim, mu=mu)
 
-    The out-of-roundness only forces the vibration and is left out. Every pair must be equal to 1e-8 and turn into
-    itself but for 1e-3, and S must not depend on the angle.
+
+def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
+    """A perfect casing with every tip of a rub closed, sliding around, in the tips' frame.
+
+    Profile, closing, whirl and stiffening only force or detune the vibration and are left out. Every pair must be
+    equal to 1e-8 and turn into itself but for 1e-3, and S must not depend on the angle.
 
     Raises SplitError where it does: the coefficients are then periodic in time (`contact.growth.floquet`).
     """
-    system = rim_system(rim)
-    table = system.table
-    assert table is not None  # a rim's rows always turn
-    m = rim.casing.omega.size
-    tables = [table.by_harmonic(v)[:, :m] for v in (table.q_cos, table.q_sin, table.t_cos, table.t_sin)]
-    G = np.zeros((system.omega.size,) * 2)
-    G[:m, :m], left = _generator(rim.casing.omega, rim.casing.zeta, tables)
-    S = _mean(system.S_nn)
-    if left > TURNS or _varies(system.S_nn, S) or _varies(system.S_nt, S):
-        raise SplitError(
-            f"casing: found pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on "
-            "the angle, expected a perfect casing; a split one is a matter for Floquet's theory"
-        )
-    Q, T = table.rows(0.0)
-    return ClosedContact(
-        omega=system.omega, zeta=system.zeta, G=G, Q=Q[None], T=T[None], S_nn=np.array([[S]]),
-        S_nt=np.array([[_mean(system.S_nt)]]), casing=m, mu=mu,
-    )  # fmt: skip
-
-
-def rub_contact(rub: Rub, *, mu: float = 0.0) -> ClosedContact:
-    """A perfect casing with every tip of a rub closed, sliding around, in the tips' frame.
-
-    Profile, closing, whirl and stiffening only force or detune the vibration and are left out. Raises SplitError as
-    `rim_contact` does.
-    """
+    rub: Rub = rub_of(what)
     system = rub_system(rub, 2)
     rim, m, K = system.rim, rub.casing.omega.size, system.contacts
     seen = [int(line) * system.directions + i for line in np.unique(system.line) for i in (0, 1)]
@@ -238,7 +217,7 @@ def rub_contact(rub: Rub, *, mu: float = 0.0) -> ClosedContact:
     if left > TURNS or system.turns:
         raise SplitError(
             f"casing: found pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on "
-            "the angle, expected a perfect casing"
+            "the angle, expected a perfect casing; a split one is a matter for Floquet's theory"
         )
     rows = np.zeros((2, K, system.omega.size))
     for j in range(K):
@@ -258,16 +237,6 @@ def equal_modes(omega: Array, zeta: Array) -> list[Indices]:
     ascending = np.argsort(omega, kind="stable")
     apart = (np.diff(omega[ascending]) > PERFECT * omega[ascending][1:]) | (np.diff(zeta[ascending]) != 0.0)
     return [group for group in np.split(ascending, np.flatnonzero(apart) + 1) if group.size]
-
-
-def _mean(polynomial: Trig) -> float:
-    return float(polynomial.cos[polynomial.harmonic == 0].sum())
-
-
-def _varies(polynomial: Trig, scale: float) -> bool:
-    """Whether a coefficient beyond the mean matters beside `scale`."""
-    turns = polynomial.harmonic > 0
-    return float(np.hypot(polynomial.cos, polynomial.sin)[turns].max(initial=0.0)) > TURNS * scale
 
 
 def _generator(omega: Array, zeta: Array, tables: list[Array]) -> tuple[Array, float]:

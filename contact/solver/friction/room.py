@@ -46,9 +46,10 @@ class Otherwise(protocol):  # type: ignore[misc]
                 if pivoted is None:
                     return math.nan
                 found, residual = pivoted(W[:n, :n].copy(), b[:n].copy(), mu[:count].copy(), dim, force[:n].copy())
-            except BaseException as error:  # none can pass through compiled code: it would read 0, a problem solved
-                if not isinstance(error, Exception):
-                    self.interrupted.append(error)
+            except Exception:  # none can pass through compiled code: it would read 0, a problem solved
+                return math.nan
+            except BaseException as error:  # Ctrl-C, which `pass_on` raises
+                self.interrupted.append(error)
                 return math.nan
             force[:n] = found
             return residual
