@@ -110,15 +110,16 @@ class Localisation(Reported):
 
     def __repr__(self) -> str:
         """What was found, what else it may be, and what cannot be told."""
-        what = {"bolts": "loose bolts", "mass": "added masses"}[self.among]
+        one, many = {"bolts": ("loose bolt", "loose bolts"), "mass": ("added mass", "added masses")}[self.among]
+        what = one if len(self.found) == 1 else many
         lines = [f"{len(self.found) or 'no'} {what} found ({'with' if self.calibrated else 'without'} a baseline)"]
-        lines += [f"  {described(self.among, one)}" for one in self.found]
+        lines += [f"  {described(self.among, place)}" for place in self.found]
         lines.append(
             f"chi^2 {self.chi2_start:.4g} -> {self.chi2:.4g} over {self.rows} residuals; "
             f"they are {self.scale:.3g} times their stated sigma"
         )
         for other in self.others:
-            places = ", ".join(described(self.among, one) for one in other.found)
+            places = ", ".join(described(self.among, place) for place in other.found)
             lines.append(f"as likely (chi^2 {other.behind:+.2g}): {places}")
         if self.others:
             lines.append("half a turn changes no frequency and no orientation: measured shapes decide")
