@@ -22,9 +22,6 @@ def threads(environment: Mapping[str, str]) -> dict[str, str]:
 
     The matrices of a shell are small: more threads wait for each other, and where other programs run as well they wait
     long (six times the seconds for the modes of a casing on two busy cores).
-
-    >>> threads({}), threads({"OMP_NUM_THREADS": "4"})
-    ({'OPENBLAS_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}, {})
     """
     chosen = {"OMP_NUM_THREADS", *THREADS} & set(environment)
     return {} if chosen else dict.fromkeys(THREADS, "1")

@@ -11,6 +11,7 @@ import pytest
 import casingfem
 import contact
 from casingfem import former_names as former_casingfem
+from casingfem.__main__ import threads
 from contact import former_names as former_contact
 from reports.speed.start_up import HEAVY, HELP, loaded, main
 
@@ -104,3 +105,9 @@ def test_the_report_has_a_row_for_each_command(tmp_path):
     assert rows["import contact"]["of them heavy"] is None
     assert rows["casingfem.modes"]["modules"] > rows["casingfem.Shell"]["modules"] > rows["import casingfem"]["modules"]
     assert all(0.0 < row["least [s]"] <= row["median [s]"] for row in rows.values())
+
+
+def test_blas_has_one_thread_unless_the_environment_says_otherwise():
+    assert threads({"PATH": "/bin"}) == {"OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        assert threads({name: "4"}) == {}
