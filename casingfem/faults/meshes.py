@@ -35,6 +35,10 @@ MESHES = {
         "cells are much longer than wide",
         "refine along their long side, or see that no node is misplaced",
     ),
+    "mesh-attachment": Fault(
+        "a mass, spring or connection of a mesh cannot be put on its nodes, or not in this analysis",
+        "change it in the model and export again; docs/structures.md says what each can be",
+    ),
     "mesh-coarse": Fault(
         "the shapes bend more within an element than its polynomials carry: frequencies come out too high",
         "ask for more elements or a higher order, for fewer modes, or leave [mesh] out",
@@ -92,7 +96,7 @@ MESHES = {
         "refine there; on a smooth surface the angle falls with the size of the cells",
     ),
     "mesh-left-out": Fault(
-        "springs, masses, ties or rigid links of a mesh file are not taken over",
+        "items of a mesh file with stiffness, mass or constraints are not taken over",
         "the body is computed without them; join parts in the mesher, give supports in the study",
     ),
     "mesh-linear-cells": Fault(
@@ -160,8 +164,8 @@ MESHES = {
         "give a whole number of at least 1, or breaks ascending from 0 to 1",
     ),
     "mesh-scale": Fault(
-        "the scale or joining distance of a mesh is not a usable number",
-        "give scale = 1e-3 for millimetres, join = a distance in metres",
+        "the scale, units or joining distance of a mesh cannot be used",
+        'give units = "mm-t-s" or scale = 1e-3 for millimetres, join = a distance in metres',
     ),
     "mesh-scrambled-cell": Fault(
         "the nodes of a cell are in another order than the format's",

@@ -141,12 +141,16 @@ class ModalBasis(Reported):
         """One row a mode: what `records` has, and the displacement of each channel of the interface."""
         return {**super().columns(), **dict(zip(self.channels, self.rows, strict=True))}
 
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write an npz of plain arrays, whole or not at all; returns the path."""
+    def arrays(self) -> dict[str, Any]:
+        """Plain arrays by name: what a file of it holds, and what `ct.ModalBody.of` takes."""
         own = {field.name: np.array(getattr(self, field.name)) for field in fields(self) if field.name != "provenance"}
         own["outputs"] = np.array(self.outputs, dtype=np.str_)
         provenance = np.array(json.dumps(self.provenance, sort_keys=True))
-        return write_npz(path, {"format": np.array(FORMAT), **own, "provenance": provenance})
+        return {"format": np.array(FORMAT), **own, "provenance": provenance}
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write an npz of plain arrays, whole or not at all; returns the path."""
+        return write_npz(path, self.arrays())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "ModalBasis":

@@ -36,6 +36,8 @@ def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
     require_structure(structure, "matrices")
     assembled = structure.assembled()
     mesh = structure.mesh
+    if assembled.lift is not None:
+        raise ModelError("matrix-size", f"matrices: found connections in {mesh.source}, which tie nodes to others")
     return of_system(assembled.K, assembled.M, assembled.free, assembled.dofs, mesh.labels, mesh.points)
 
 

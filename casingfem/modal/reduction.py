@@ -168,7 +168,7 @@ def free_vectors(system: System | MeshSystem, count: int) -> tuple[FloatArray, F
         return system.collect(of_shell.fields, of_shell.own), of_shell.omega
     refuse_rigid(system.rigid)
     found = lowest_modes(system.structure, count, system=system)
-    return system.restrict(found.fields), found.omega
+    return system.collect(found.fields), found.omega
 
 
 def refuse_rigid(rigid: int) -> None:

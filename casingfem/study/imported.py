@@ -152,7 +152,7 @@ def build_mesh(table: ImportTable, key: str, problems: Problems) -> MeshData | N
     """The mesh a table names, read relative to the study."""
     if table.mesh is not None:
         with problems.at(f"{key}.mesh"):
-            return read_mesh(problems.file.parent / table.mesh, scale=table.scale, join=table.join)
+            return read_mesh(problems.file.parent / table.mesh, scale=table.scale, join=table.join, units=table.units)
     return None
 
 

@@ -70,7 +70,7 @@ def mesh_product_derivatives(
     for k, value in enumerate(values):
         h = STEP * abs(value)
         ahead, behind = (renewed(k, value + step).assembled() for step in (h, -h))
-        X = ahead.restrict(fields)
+        X = ahead.collect(fields)
         K[k] = (X.T @ (ahead.K @ X) - X.T @ (behind.K @ X)) / (2.0 * h)
         M[k] = (X.T @ (ahead.M @ X) - X.T @ (behind.M @ X)) / (2.0 * h)
     return K, M

@@ -165,10 +165,9 @@ def rim_rows(system: MeshSystem, rim: Rim) -> RimView:
 def node_rows(system: MeshSystem, at: AtNodes) -> FloatArray:
     """Rows (3 nodes, nodes, 3) of nodes by the numbers that the file gives them."""
     places = node_places(system, at.nodes)
-    loose = np.zeros(len(system.points) * system.dofs, dtype=bool)
-    loose[system.free] = True
+    moving = system.moving
     for number, place in zip(at.nodes, places, strict=True):
-        if not loose[system.dofs * place : system.dofs * place + 3].any():
+        if not moving[place, :3].any():
             source = system.structure.mesh.source
             raise ModelError("interface-held", f"{source}: node {number} is held, nothing can be pushed there")
     rows = np.zeros((len(places), 3, len(system.points), 3))
@@ -179,7 +178,7 @@ def node_rows(system: MeshSystem, at: AtNodes) -> FloatArray:
 def node_places(system: MeshSystem, numbers: tuple[int, ...]) -> IntArray:
     """Indices of nodes by their numbers in the file; ModelError for one that is not there, or twice."""
     mesh = system.structure.mesh
-    used = mesh.used
+    used = mesh.present
     places = dict(zip(mesh.node_numbers[used[::-1]].tolist(), used[::-1].tolist(), strict=True))  # the first of each
     missing = [number for number in numbers if number not in places]
     if missing or len(set(numbers)) < len(numbers) or not numbers:

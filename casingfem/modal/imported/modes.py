@@ -105,9 +105,9 @@ def large_and_thick(system: MeshSystem) -> bool:
 
 
 def thick(system: MeshSystem) -> bool:
-    """Whether a solid's wall is `THICK` of its size, so that multigrid converges."""
+    """Whether a solid's wall is `THICK` of its size and no attachment ties it, so that multigrid converges."""
     mesh = system.structure.mesh
-    return mesh.cell_kind.dim == 3 and system.wall >= THICK * mesh.size
+    return mesh.cell_kind.dim == 3 and system.lift is None and system.wall >= THICK * mesh.size
 
 
 def solved_by(system: MeshSystem, wanted: int | Band, direct: Direct, *, multigrid: bool) -> EigenResult:

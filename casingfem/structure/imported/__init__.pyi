@@ -1,4 +1,5 @@
 from .assembly import MeshStructure, MeshSystem
+from .attachments.values import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
 from .cyclic.sector import CyclicSector
 from .loads import FacetPressure, NodeLoad
 from .matrix.matrix_set import MatrixSet
@@ -11,18 +12,25 @@ from .static import MeshDeflection
 from .support import Fixed
 
 __all__ = [
+    "Attachments",
     "CyclicSector",
+    "Equation",
     "FacetPressure",
     "Fixed",
     "Group",
     "MatrixSet",
+    "Mean",
     "MeshData",
     "MeshDeflection",
     "MeshShell",
     "MeshStructure",
     "MeshSystem",
     "NodeLoad",
+    "PointMass",
+    "Rigid",
     "Solid",
+    "Spring",
+    "Term",
     "read_matrices",
     "read_mesh",
 ]

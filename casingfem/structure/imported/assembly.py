@@ -8,11 +8,14 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import coo_array, csc_array, csr_array
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
+from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.rigid_body import rigid_left
+from casingfem.structure.imported.attachments.system import attached
+from casingfem.structure.imported.attachments.ties import motions_of
 from casingfem.structure.imported.cell_kind import KINDS, VTK, rule
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.support import MeshSupport
@@ -67,7 +70,7 @@ class MeshSystem:
     K, M
         Stiffness and consistent mass, (free, free), symmetric [SI].
     free
-        Numbers of the free dofs among dofs * nodes.
+        Numbers of the free dofs among dofs * nodes; with `lift` of the unknowns, turns of nodes counted on behind.
     dofs
         Dofs of a node: 3 in solids, 5 in shells.
     rigid
@@ -78,6 +81,9 @@ class MeshSystem:
         Bending frequency c t/size^2 [rad/s] of the body taken as flat: a floor for its elastic modes.
     tie
         Motions (free, unknowns) to which static states are confined, those of a sector's faces; None if all are free.
+    lift
+        Dofs of the nodes by the unknowns, (dofs * nodes, free), where attachments tie some; None where each unknown
+        is one of them.
     """
 
     structure: MeshStructure
@@ -89,6 +95,7 @@ class MeshSystem:
     wall: float
     frequency_scale: float
     tie: csc_array | None = None
+    lift: csr_array | None = None
 
     __repr__ = brief
 
@@ -110,19 +117,48 @@ class MeshSystem:
 
     def expand(self, vectors: Array) -> Array:
         """Free dofs (free, columns) -> nodal fields (nodes, dofs, columns), zero where held."""
+        if self.lift is not None:
+            return np.asarray((self.lift @ vectors).reshape(len(self.points), self.dofs, -1))
         full = np.zeros((len(self.points) * self.dofs, vectors.shape[1]), dtype=vectors.dtype)
         full[self.free] = vectors
         return full.reshape(len(self.points), self.dofs, -1)
 
     def restrict(self, forces: Array) -> Array:
         """Nodal forces (nodes, dofs, columns) -> free dofs (free, columns)."""
-        return np.asarray(forces.reshape(len(self.points) * self.dofs, -1)[self.free])
+        flat = forces.reshape(len(self.points) * self.dofs, -1)
+        return np.asarray(flat[self.free] if self.lift is None else self.lift.T @ flat)
+
+    def collect(self, fields: Array) -> Array:
+        """Nodal fields (nodes, dofs, columns) that `expand` gave -> free dofs (free, columns)."""
+        if self.lift is None:
+            return self.restrict(fields)
+        flat = fields.reshape(len(self.points) * self.dofs, -1)
+        own = self.free < len(flat)
+        found = np.zeros((self.size, flat.shape[1]), dtype=flat.dtype)
+        found[own] = flat[self.free[own]]
+        turns = self.lift[:, ~own].toarray()
+        if not turns.any(axis=0).all():
+            source = self.structure.mesh.source
+            raise ModelError("mesh-attachment", f"{source}: found a turn that moves no node, known to no field")
+        seen = np.flatnonzero(turns.any(axis=1))
+        found[~own] = np.linalg.lstsq(turns[seen], (flat - self.lift @ found)[seen], rcond=None)[0]
+        return found
 
     def translations(self, axes: FloatArray) -> FloatArray:
         """Unit translations of the body along the rows of `axes` (k, 3) on the free dofs, (free, k)."""
         shift = np.zeros((len(self.points), self.dofs, len(axes)))
         shift[:, :3] = axes.T
-        return np.asarray(self.restrict(shift))
+        if self.lift is None:
+            return np.asarray(self.restrict(shift))
+        still = np.zeros((3 * len(self.points), len(axes)))  # more than there are turns behind the nodes
+        return np.vstack([shift.reshape(-1, len(axes)), still])[self.free]
+
+    @property
+    def moving(self) -> BoolArray:
+        """Dofs of the nodes that move at all, (nodes, dofs)."""
+        mask = np.zeros(len(self.points) * self.dofs, dtype=bool)
+        mask[self.free if self.lift is None else np.flatnonzero(np.diff(self.lift.indptr))] = True
+        return mask.reshape(-1, self.dofs)
 
 
 def assembled(
@@ -133,8 +169,9 @@ def assembled(
     motions: FloatArray,
     wall: float,
     sound: float,
+    tangents: tuple[FloatArray, FloatArray] | None = None,
 ) -> MeshSystem:
-    """The system of all dofs put on the free ones: those of a cell that no support holds.
+    """The system of all dofs put on the free ones: those of a cell that no support holds, and what attachments leave.
 
     Parameters
     ----------
@@ -146,24 +183,39 @@ def assembled(
         Rigid motions on all dofs, (all, 6).
     wall, sound
         Wall thickness [m], and the least speed of sound c = sqrt(E/rho) [m/s].
+    tangents
+        Of a shell: directors (nodes, 3) and frames (nodes, 2, 3).
     """
     mesh, size = structure.mesh, K.shape[0]
     dofs = size // len(mesh.points)
     held = held_dofs(structure, dofs)
+    K = csc_array(sum(springs, K))
+    scale = sound * wall / mesh.size**2
+    if mesh.attachments:
+        normals, frames = tangents or (None, None)
+        hung = attached(motions_of(mesh, dofs, normals, frames), K, M, held, still_nodes(structure), motions, springs)
+        return MeshSystem(
+            structure=structure, K=symmetric(hung.K), M=symmetric(hung.M), free=hung.unknowns, dofs=dofs,
+            rigid=hung.rigid, wall=wall, frequency_scale=scale, lift=hung.lift,
+        )  # fmt: skip
     loose = np.zeros(size, dtype=bool)
     loose[cell_dofs(mesh.used[None], dofs)] = True
     loose[held] = False
     free = np.flatnonzero(loose)
     return MeshSystem(
-        structure=structure,
-        K=on_free(csc_array(sum(springs, K)), free),
-        M=on_free(M, free),
-        free=free,
-        dofs=dofs,
-        rigid=rigid_left(motions, held, list(springs)),
-        wall=wall,
-        frequency_scale=sound * wall / mesh.size**2,
-    )
+        structure=structure, K=on_free(K, free), M=on_free(M, free), free=free, dofs=dofs,
+        rigid=rigid_left(motions, held, list(springs)), wall=wall, frequency_scale=scale,
+    )  # fmt: skip
+
+
+def still_nodes(structure: MeshStructure) -> IntArray:
+    """Nodes that a support holds against turning, where they turn by themselves."""
+    groups = [
+        structure.mesh.groups[name].nodes
+        for name, support in structure.supports.items()
+        if isinstance(support, Clamped)
+    ]
+    return np.unique(np.concatenate([*groups, np.zeros(0, dtype=np.int64)]))
 
 
 def held_dofs(structure: MeshStructure, dofs: int) -> IntArray:
@@ -214,9 +266,14 @@ def scatter(matrices: Array, rows: IntArray, size: int) -> csc_array:
 
 def on_free(A: csc_array, free: IntArray) -> csc_array:
     """Rows and columns of the free dofs, without stored zeros, exactly symmetric."""
-    A = csc_array(A[:, free][free])
+    return symmetric(csc_array(A[:, free][free]))
+
+
+def symmetric(A: csc_array) -> csc_array:
+    """The symmetric part of a matrix that is symmetric but for round-off, without stored zeros."""
     A = csc_array(0.5 * (A + A.T))
     A.eliminate_zeros()
+    A.sort_indices()  # products of sparse matrices are not in order
     return A
 
 

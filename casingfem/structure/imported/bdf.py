@@ -1,4 +1,4 @@
-"""Read the mesh of a Nastran bulk data file: GRID, solid and shell elements, single point constraints.
+"""Read the mesh of a Nastran bulk data file: GRID, solid and shell elements, constraints, what is attached.
 
 A parser of our own, for small, large and free fields: it keeps the file's numbers and the constraint sets, puts grids
 from their coordinate systems into the basic one (`coordinates.py`), and refuses what would move nodes behind the
@@ -16,6 +16,7 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
+from casingfem.structure.imported.attachments.nastran import CARDS, LEFT_OUT, NastranAttachments
 from casingfem.structure.imported.coordinates import KINDS_OF_SYSTEMS, System, in_basic
 from casingfem.structure.imported.draft import Block, Draft, Lookup, require_last_line
 
@@ -27,7 +28,7 @@ SHELLS = {"CQUAD4": ("quad", 4), "CQUADR": ("quad", 4), "CQUAD8": ("quad8", 8), 
           "CTRIA3": ("triangle", 3), "CTRIAR": ("triangle", 3), "CTRIA6": ("triangle6", 6)}  # fmt: skip
 PLACES = {"CTETRA": 10, "CHEXA": 20, "CPENTA": 15, "CPYRAM": 13}
 BRICK20 = (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)  # upright edges come before the upper ones here
-CONSTRAINTS = ("RBE2", "RBE3", "RBAR", "MPC", "CELAS1", "CELAS2", "CBUSH", "CONM2", "CBAR", "CBEAM", "CROD")
+OFFSETS = {"CQUAD4": 7, "CQUADR": 7, "CTRIA3": 6, "CTRIAR": 6, "CQUAD8": 15}  # field of ZOFFS
 MOST = 99_999_999  # of numbers, which have eight digits
 SHORT_EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 
@@ -112,6 +113,8 @@ class Parser:
         self.placed: list[tuple[int, int, Card]] = []  # grid by its row, its system, its card
         self.constraints: dict[tuple[str, str], list[int]] = {}  # set, components -> grids
         self.left_out: dict[str, list[int]] = {}  # card -> its lines
+        self.hung = NastranAttachments(self)
+        self.turned: set[int] = set()  # grids whose displacements have a coordinate system of their own
 
     def fault(self, card: Card, message: str) -> ModelError:
         """A malformed file."""
@@ -132,7 +135,11 @@ class Parser:
                 raise self.fault(card, "a coordinate system by grids, expected one by points: CORD2R, CORD2C, CORD2S")
             elif card.name.startswith("INCLUDE"):
                 raise self.fault(card, "refers to another file, expected a flat mesh")
-            elif card.name in CONSTRAINTS:
+            elif card.name in CARDS:
+                self.hung.take(card)
+            elif card.name == "GRDSET" and any(card.fields):
+                raise self.fault(card, "found defaults of the grids, expected them on each GRID")
+            elif LEFT_OUT.match(card.name):
                 self.left_out.setdefault(card.name, []).append(card.line)
         if self.left_out:
             found = ", ".join(f"{len(lines)} {name} (from line {lines[0]})" for name, lines in self.left_out.items())
@@ -170,6 +177,8 @@ class Parser:
         x, y, z = (self.real(card, text) for text in fields[2:5])
         number = self.integer(card, fields[0])
         self.grids.append((number, x, y, z))
+        if fields[5] not in ("", "0"):
+            self.turned.add(number)
         if len(fields) > 11 and card.fields[6:7] not in ([], [""]):
             self.constraints.setdefault(("PS", card.fields[6]), []).append(number)
 
@@ -201,6 +210,8 @@ class Parser:
         kind = SOLIDS.get((card.name, len(given))) if card.name in PLACES else SHELLS[card.name][0]
         if kind is None or (card.name in SHELLS and len(given) != places):
             raise self.fault(card, f"element {number} has {len(given)} nodes, expected all or none of the middle ones")
+        if self.real(card, (card.fields[OFFSETS.get(card.name, 99) :] or [""])[0]):
+            self.left_out.setdefault(f"offset (ZOFFS) of {card.name}", []).append(card.line)
         nodes = [self.integer(card, text) for text in given]
         owner = self.integer(card, card.fields[1] or str(number))
         self.elements.setdefault(kind, []).append((number, owner, nodes))
@@ -254,4 +265,5 @@ class Parser:
             blocks=blocks,
             node_sets={name: nodes(np.array(members, dtype=np.int64)) for name, members in node_sets.items()},
             cell_sets=cell_sets,
+            attachments=self.hung.attachments(table[:, 1:], nodes, frozenset(self.turned)),
         )

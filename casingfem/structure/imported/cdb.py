@@ -42,6 +42,7 @@ class Archive:
     elements: list[list[int]] = field(default_factory=list)  # facts, then nodes
     types: dict[int, str] = field(default_factory=dict)
     components: dict[str, tuple[str, list[int]]] = field(default_factory=dict)
+    left_out: Counter[str] = field(default_factory=Counter)
 
     def fault(self, at: int, message: str) -> ModelError:
         """A malformed file, by its line from 0."""
@@ -85,6 +86,8 @@ def read_cdb(path: Path) -> Draft:
             continue
         if head == "ET" and len(fields) > 1:
             archive.types[archive.integer(at, fields[0])] = fields[1]
+        elif head in ("CE", "CP", "CERIG", "RBE3") and archive.lines[at][:1] not in "/!":
+            archive.left_out[f"constraints ({head})"] += 1
         elif head in ("N", "E", "EN") and len(fields) > 1 and not fields[0].startswith("R5."):
             raise archive.fault(at, f"found {head}, a node or element by itself, expected blocks (CDWRITE, DB)")
         at += 1
@@ -204,14 +207,14 @@ def draft(archive: Archive) -> Draft:
     numbers = table[:, 0].astype(np.int64)
     nodes = Lookup(numbers, source, "node")
     rows: dict[str, list[tuple[int, int, IntArray]]] = {}  # kind -> number, material, nodes
-    left_out: Counter[str] = Counter()
+    left_out = archive.left_out
     for element in archive.elements:
         kind = archive.types.get(element[1], "")
         if not kind:
             raise ModelError("mesh-file", f"{source}: element {element[OWN]} of type {element[1]}, which no ET names")
         found_kind = kind_of(kind, np.array(element[FACTS:], dtype=np.int64))
         if found_kind is None:
-            left_out[kind] += 1
+            left_out[f"elements of type {kind}"] += 1
             continue
         name, own = found_kind
         if (own <= 0).any():
@@ -219,7 +222,7 @@ def draft(archive: Archive) -> Draft:
             raise ModelError("mesh-file", f"{source}: {message}")
         rows.setdefault(name, []).append((element[OWN], element[0], own))
     if left_out:
-        found = ", ".join(f"{count} elements of type {kind}" for kind, count in left_out.items())
+        found = ", ".join(f"{count} {kind}" for kind, count in left_out.items())
         warn("mesh-left-out", f"{source}: {found}", stacklevel=5)
     if not rows:
         raise ModelError("mesh-no-cells", f"{source}: found {len(numbers)} nodes and no solid or shell elements")

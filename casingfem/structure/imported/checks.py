@@ -118,12 +118,16 @@ def coincident(mesh: MeshData) -> list[Finding]:
 
 
 def parts(mesh: MeshData) -> list[Finding]:
-    """Cells that do not hang together by common nodes."""
+    """Cells that do not hang together by common nodes or attachments."""
     cells = mesh.cells
     count = len(cells)
     owner = np.repeat(np.arange(count), cells.shape[1])
     size = count + len(mesh.points)
-    graph = coo_array((np.ones(cells.size), (owner, count + cells.ravel())), shape=(size, size))
+    first, other = owner, count + cells.ravel()
+    for link in mesh.attachments.links:
+        first = np.append(first, count + np.broadcast_to(link[0], len(link)))
+        other = np.append(other, count + link)
+    graph = coo_array((np.ones(len(first)), (first, other)), shape=(size, size))
     part = connected_components(graph, directed=False)[1][:count]
     _, part = np.unique(part, return_inverse=True)
     sizes = np.bincount(part)
@@ -178,9 +182,9 @@ def normals(mesh: MeshData) -> list[Finding]:
 
 
 def orphans(mesh: MeshData) -> list[Finding]:
-    """Nodes that no cell has."""
+    """Nodes that neither a cell nor an attachment has."""
     alone = np.ones(len(mesh.points), dtype=bool)
-    alone[mesh.cells] = False
+    alone[mesh.present] = False
     return where("mesh-orphan-nodes", alone, lambda k: f"{nodes_named(mesh, k)} without a cell")
 
 
@@ -233,7 +237,7 @@ def check_groups(mesh: MeshData, names: Sequence[str]) -> None:
             near = hint(repr(name), known, most=3)
             found = f"no group {name!r}{near}; its groups: {', '.join(known) or 'none'}"
             raise ModelError("mesh-no-group", f"{mesh.source}: {found}")
-        if not np.isin(mesh.groups[name].nodes, mesh.cells).any():
+        if not np.isin(mesh.groups[name].nodes, mesh.present).any():
             raise ModelError("mesh-group-empty", f"{mesh.source}: group {name!r} has no node of a cell")
 
 

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.attachments.values import NOTHING, Attachments
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
 from contact.io.names import names_fault
@@ -37,7 +38,8 @@ class Block:
 class Draft:
     """What a reader found.
 
-    `node_sets` are node indices; `cell_sets` pairs (block, rows); `facet_sets` corner node indices (m, corners).
+    `node_sets` are node indices; `cell_sets` pairs (block, rows); `facet_sets` corner node indices (m, corners);
+    `attachments` are in the file's units.
     """
 
     points: FloatArray
@@ -46,6 +48,7 @@ class Draft:
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)
     cell_sets: Mapping[str, Sequence[tuple[int, IntArray]]] = field(default_factory=dict)
     facet_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    attachments: Attachments = NOTHING
 
 
 class Lookup:
@@ -109,6 +112,7 @@ def build(draft: Draft, source: str) -> MeshData:
         cells=np.concatenate([draft.blocks[k].cells for k in main]),
         cell_numbers=np.concatenate([draft.blocks[k].numbers for k in main]),
         node_numbers=draft.node_numbers,
+        attachments=draft.attachments,
         source=source,
     )
     names = dict.fromkeys([*draft.cell_sets, *draft.facet_sets, *draft.node_sets])
@@ -149,8 +153,9 @@ def locate(name: str, corners: IntArray, mesh: MeshData) -> IntArray:
 
 
 def joined(mesh: MeshData, distance: float) -> MeshData:
-    """The mesh with nodes closer than a distance [m] made one."""
-    pairs = cKDTree(mesh.points).query_pairs(distance, output_type="ndarray")
+    """The mesh with nodes of cells closer than a distance [m] made one; those of attachments alone stay apart."""
+    used = mesh.used
+    pairs = used[cKDTree(mesh.points[used]).query_pairs(distance, output_type="ndarray")]
     count = len(mesh.points)
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     _, part = connected_components(graph, directed=False)
@@ -162,4 +167,5 @@ def joined(mesh: MeshData, distance: float) -> MeshData:
         cells=place[mesh.cells],
         groups=groups,
         node_numbers=mesh.node_numbers[first],
+        attachments=mesh.attachments.renumbered(lambda nodes: place[nodes]),
     )

@@ -14,6 +14,8 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.attachments.abaqus import CONNECTIONS, ELEMENTS, PROPERTIES, AbaqusAttachments
+from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.draft import Block, Draft, Lookup, require_last_line
 from casingfem.structure.imported.instances import Frame, laid_out
 
@@ -29,9 +31,13 @@ NODES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge"
          "quad8": 8, "quad9": 9, "triangle": 3, "triangle6": 6, "line": 2, "line3": 3}  # fmt: skip
 TETRA_FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))  # S1 to S4
 CUBE_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))  # S1 to S6
-REFUSED = {"INCLUDE": "another file", "SYSTEM": "a local coordinate system"}
+REFUSED = {"INCLUDE": "another file", "SYSTEM": "a local coordinate system"} | dict.fromkeys(
+    ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"), "nodes or elements that are not written out"
+)
 MOST = 1e15  # of numbers that a mesh has: beyond, a float does not tell them apart
-CONSTRAINTS = ("TIE", "EQUATION", "MPC", "RIGID BODY", "COUPLING", "SHELL TO SOLID COUPLING")
+LEFT_OUT = ("TIE", "SHELL TO SOLID COUPLING", "DISTRIBUTING", "DISTRIBUTING COUPLING", "EMBEDDED ELEMENT",
+            "NONSTRUCTURAL MASS", "CONNECTOR SECTION", "CYCLIC SYMMETRY MODEL", "MATRIX INPUT", "MATRIX ASSEMBLE",
+            "SUBSTRUCTURE PATH", "TRANSFORM", "BEAM SECTION", "BEAM GENERAL SECTION")  # fmt: skip
 
 
 @dataclass(slots=True)
@@ -90,6 +96,9 @@ class Parser:
         self.surfaces: dict[str, list[tuple[IntArray, str]]] = {}
         self.spelling: dict[str, str] = {}
         self.frame = Frame()
+        self.left_out: dict[str, int] = {}  # keyword -> its line
+        self.hung = AbaqusAttachments(self)
+        self.on_nodes: dict[str, list[IntArray]] = {}  # surfaces of nodes
 
     def fault(self, line: int, message: str) -> ModelError:
         """A malformed file."""
@@ -100,15 +109,19 @@ class Parser:
         self.size = len(text)
         takers = {"NODE": self.take_nodes, "ELEMENT": self.take_elements, "NSET": self.take_set,
                   "ELSET": self.take_set, "SURFACE": self.take_surface}  # fmt: skip
-        left_out: dict[str, int] = {}
+        takers |= dict.fromkeys((*PROPERTIES, *CONNECTIONS), self.hung.take)
+        left_out = self.left_out
         for card, frame in laid_out(cards(text), self.fault):
             self.frame = frame
             if card.keyword in REFUSED:
                 raise self.fault(card.line, f"*{card.keyword} refers to {REFUSED[card.keyword]}, expected a flat mesh")
-            if card.keyword in CONSTRAINTS:
+            if card.keyword in LEFT_OUT or (card.keyword == "SHELL SECTION" and "OFFSET" in card.parameters):
                 left_out[card.keyword] = card.line
             if card.keyword in takers:
                 takers[card.keyword](card)
+        if "TRANSFORM" in left_out and self.hung.by_direction:
+            line = left_out["TRANSFORM"]
+            raise self.fault(line, "*TRANSFORM beside springs or equations, expected them along the global axes")
         if left_out:
             found = ", ".join(f"*{name} (line {line})" for name, line in left_out.items())
             warn("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
@@ -143,10 +156,15 @@ class Parser:
     def take_elements(self, card: Card) -> None:
         """*ELEMENT: number and nodes, over as many lines as they need."""
         name = card.parameters.get("TYPE", "").upper()
+        if name in ELEMENTS:
+            self.take_points(card, name)
+            return
         families = [family for family in FAMILIES if name.startswith(family) and not name[len(family) :][:1].isdigit()]
         if not families:
             raise ModelError("mesh-unsupported-cell", f"{self.source}: line {card.line}: *ELEMENT of type {name!r}")
         kind = FAMILIES[max(families, key=len)]
+        if name.startswith("B3"):
+            self.left_out[f"ELEMENT of type {name}"] = card.line
         wanted, flat = NODES[kind] + 1, list[int]()
         for (line, _), row in zip(card.data, self.values(card, int), strict=True):
             if len(flat) % wanted + len(row) > wanted:  # each element starts on a line of its own
@@ -158,6 +176,42 @@ class Parser:
         self.elements.append((kind, table[:, 0], table[:, 1:]))
         if "ELSET" in card.parameters:
             self.add(self.element_sets, card.parameters["ELSET"], table[:, 0])
+
+    def take_points(self, card: Card, kind: str) -> None:
+        """*ELEMENT of point masses and springs."""
+        rows = self.values(card, int)
+        for (line, text), row in zip(card.data, rows, strict=True):
+            if len(row) != 1 + ELEMENTS[kind]:
+                raise self.fault(line, f"found {text!r}, expected a number and {ELEMENTS[kind]} nodes")
+        table = np.array(rows, dtype=np.int64).reshape(-1, 1 + ELEMENTS[kind]) + self.frame.offset
+        self.hung.take_elements(card.line, kind, table[:, 0], table[:, 1:])
+        if "ELSET" in card.parameters:
+            self.add(self.element_sets, card.parameters["ELSET"], table[:, 0])
+
+    def nodes_of(self, cell: str, line: int) -> IntArray:
+        """Numbers of a node or node set named so far."""
+        return self.numbers_of(self.node_sets, cell, line)
+
+    def elements_of(self, name: str, line: int) -> IntArray:
+        """Numbers of an element set named so far."""
+        return self.numbers_of(self.element_sets, name, line)
+
+    def surface_nodes(self, name: str, line: int) -> IntArray:
+        """Numbers of the nodes of a surface, of elements with the middles of their faces."""
+        if name.upper() in self.on_nodes:
+            return np.unique(np.concatenate(self.on_nodes[name.upper()]))
+        if name.upper() not in self.surfaces:
+            raise self.fault(line, f"no surface {name!r}")
+        found = []
+        for ids, face in self.surfaces[name.upper()]:
+            for kind, numbers, cells in self.elements:
+                block = Block(kind, cells[np.isin(numbers, ids)], numbers)
+                if len(block.cells):
+                    corners = self.local_corners(kind, face)
+                    facets = KINDS[kind].facets
+                    place = next(k for k, facet in enumerate(facets) if set(facet) == set(corners))
+                    found.append(block.cells[:, KINDS[kind].facet_nodes[place]].ravel())
+        return np.unique(np.concatenate(found))
 
     def take_set(self, card: Card) -> None:
         """*NSET and *ELSET: numbers, ranges, names of other sets."""
@@ -192,9 +246,13 @@ class Parser:
 
     def take_surface(self, card: Card) -> None:
         """*SURFACE of TYPE=ELEMENT: element or set, face S1, S2, ..."""
+        name = self.named(card.parameters.get("NAME", ""))
+        if card.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
+            cells = [(line, text.split(",")[0].strip()) for line, text in card.data]
+            self.on_nodes.setdefault(name.upper(), []).extend(self.nodes_of(cell, line) for line, cell in cells)
+            return
         if card.parameters.get("TYPE", "ELEMENT").upper() != "ELEMENT":
             return
-        name = self.named(card.parameters.get("NAME", ""))
         entries = self.surfaces.setdefault(name.upper(), [])
         self.spelling.setdefault(name.upper(), name)
         for line, text in card.data:
@@ -226,7 +284,7 @@ class Parser:
         first = np.cumsum([0, *(len(b.cells) for b in blocks)])
 
         def rows(ids: IntArray) -> list[tuple[int, IntArray]]:
-            place = elements(ids)
+            place = elements(ids[~np.isin(ids, list(self.hung.elements))])
             return [(int(k), place[owner[place] == k] - first[k]) for k in np.unique(owner[place])]
 
         return Draft(
@@ -242,11 +300,16 @@ class Parser:
                 for name, entries in self.surfaces.items()
                 if entries
             },
+            attachments=self.hung.attachments(np.concatenate(self.points), nodes),
         )
 
     def corners(self, block: Block, rows: IntArray, face: str) -> IntArray:
         """Corners of one face of elements."""
-        faces = {"tetra": TETRA_FACES, "hexahedron": CUBE_FACES}.get(block.kind.rstrip("0123456789"), ())
+        return block.cells[rows][:, list(self.local_corners(block.kind, face))]
+
+    def local_corners(self, kind: str, face: str) -> tuple[int, ...]:
+        """Which nodes of an element of a kind are the corners of a face."""
+        faces = {"tetra": TETRA_FACES, "hexahedron": CUBE_FACES}.get(kind.rstrip("0123456789"), ())
         if not (face[:1] == "S" and face[1:].isdigit() and 1 <= int(face[1:]) <= len(faces)):
-            raise ModelError("mesh-file", f"{self.source}: a surface on face {face!r} of {block.kind} elements")
-        return block.cells[rows][:, list(faces[int(face[1:]) - 1])]
+            raise ModelError("mesh-file", f"{self.source}: a surface on face {face!r} of {kind} elements")
+        return faces[int(face[1:]) - 1]

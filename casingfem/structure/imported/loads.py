@@ -45,7 +45,7 @@ class NodeLoad:
     def on_mesh(self, structure: MeshStructure) -> FloatArray:
         """Nodal forces [N], (nodes, 3)."""
         mesh = structure.mesh
-        place = mesh.used[mesh.node_numbers[mesh.used] == self.node]
+        place = mesh.present[mesh.node_numbers[mesh.present] == self.node]
         if not len(place):
             raise ModelError("load-place", f"{mesh.source}: load at node {self.node}, which no cell has")
         loads = np.zeros_like(mesh.points)
@@ -89,7 +89,13 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
         case Gravity():
             on = mapped(mesh.kind, mesh.points, mesh.cells)
             force = structure.density()[:, None, None] * np.asarray(load.acceleration)
-            return spread(mesh, on, mesh.cells, np.broadcast_to(force, on.x.shape))
+            loads = spread(mesh, on, mesh.cells, np.broadcast_to(force, on.x.shape))
+            for mass in mesh.attachments.masses:
+                if any(mass.offset):
+                    found = f"{mesh.source}: Gravity on the {mass.where}, which stands off its node"
+                    raise ModelError("load-edge", found)
+                loads[mass.node] += mass.mass * np.asarray(load.acceleration)
+            return loads
         case EdgeLoad():
             on, nodes = group_facets(mesh, load.edge)
             return spread(mesh, on, nodes, np.broadcast_to(np.asarray(load.force), on.x.shape))

@@ -7,6 +7,7 @@ from types import MappingProxyType
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.structure.imported.attachments.values import NOTHING, Attachments
 from casingfem.structure.imported.cell_kind import KINDS, CellKind
 from contact.io.brief import brief
 
@@ -51,6 +52,8 @@ class MeshData:
         Numbers that cells and nodes have in the file; counted from 1 where the file has none.
     directors
         Unit normals at the nodes of a shell, (nodes, 3), where they are not the means over its cells.
+    attachments
+        Point masses, springs and connections between nodes, which the structure takes over.
     source
         Name of the file, for messages.
 
@@ -68,12 +71,16 @@ class MeshData:
     cell_numbers: IntArray = field(default_factory=lambda: NONE)
     node_numbers: IntArray = field(default_factory=lambda: NONE)
     directors: FloatArray | None = None
+    attachments: Attachments = NOTHING
     source: str = "mesh"
 
     def __repr__(self) -> str:
         box = " x ".join(f"{side:.4g}" for side in np.ptp(self.points, axis=0))
         groups = f"; groups {', '.join(self.groups)}" if self.groups else ""
-        return f"MeshData({self.source}: {len(self.cells)} {self.kind}, {len(self.points)} nodes, {box} m{groups})"
+        hung = f"; {self.attachments}" if self.attachments else ""
+        return (
+            f"MeshData({self.source}: {len(self.cells)} {self.kind}, {len(self.points)} nodes, {box} m{groups}{hung})"
+        )
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -86,6 +93,8 @@ class MeshData:
             raise ValueError(f"{self.source}: cells have shape {cells.shape}, expected (at least 1, {wanted})")
         if cells.min() < 0 or cells.max() >= len(points):
             raise ValueError(f"{self.source}: cells name nodes outside 0 to {len(points) - 1}")
+        if self.attachments and not 0 <= self.attachments.nodes[0] <= self.attachments.nodes[-1] < len(points):
+            raise ValueError(f"{self.source}: attachments name nodes outside 0 to {len(points) - 1}")
         for name, values, count in (("cell_numbers", self.cell_numbers, len(cells)),
                                     ("node_numbers", self.node_numbers, len(points))):  # fmt: skip
             numbers = values if len(values) == count else np.arange(1, count + 1)
@@ -103,6 +112,11 @@ class MeshData:
     def used(self) -> IntArray:
         """Nodes that a cell has, ascending."""
         return np.unique(self.cells)
+
+    @property
+    def present(self) -> IntArray:
+        """Nodes that a cell or an attachment has, ascending."""
+        return np.union1d(self.cells, self.attachments.nodes) if self.attachments else self.used
 
     @property
     def labels(self) -> IntArray:

@@ -6,6 +6,7 @@ meshio is loaded when a mesh of these formats is read, not before.
 """
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +19,13 @@ from casingfem.structure.imported.cdb import read_cdb
 from casingfem.structure.imported.draft import Block, Draft, build, joined
 from casingfem.structure.imported.inp import read_inp
 from casingfem.structure.imported.mesh_data import MeshData
+from contact.io.units import units_of
 
 LONGEST = 10_000  # characters of a line of names
 WORDS = ("point", "curve", "surface", "volume")
 
 
-def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0) -> MeshData:
+def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units: str | None = None) -> MeshData:
     """Read a mesh; its format is told by the ending.
 
     Parameters
@@ -33,7 +35,10 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0) -> Mes
     scale
         What coordinates are multiplied by to be metres: 1e-3 for millimetres.
     join
-        Nodes closer than this [m] become one; 0 leaves them.
+        Nodes of cells closer than this [m] become one; 0 leaves them.
+    units
+        Length, mass and time of the file, such as "mm-t-s", instead of `scale`: a file with masses or springs needs
+        them where its lengths are not metres.
 
     Raises
     ------
@@ -52,13 +57,26 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0) -> Mes
     reader = readers.get(file.suffix.lower())
     if reader is None:
         raise ModelError("mesh-format", f"{file.name}: found the ending {file.suffix!r}")
-    draft = reader(file)
-    mesh = build(draft, file.name)
-    mesh = MeshData(
-        kind=mesh.kind, points=scale * mesh.points, cells=mesh.cells, groups=mesh.groups,
-        cell_numbers=mesh.cell_numbers, node_numbers=mesh.node_numbers, source=mesh.source,
-    )  # fmt: skip
+    length, mass, time = sizes_of(file.name, scale, units)
+    mesh = build(reader(file), file.name)
+    if mesh.attachments.weighed and units is None and scale != 1.0:
+        found = f"{file.name}: found {mesh.attachments} and scale = {scale:g}"
+        raise ModelError("mesh-scale", f"{found}, expected units such as mm-t-s")
+    hung = mesh.attachments.in_si(length, mass, time)
+    mesh = replace(mesh, points=length * mesh.points, attachments=hung)
     return joined(mesh, join) if join > 0.0 else mesh
+
+
+def sizes_of(name: str, scale: float, units: str | None) -> tuple[float, float, float]:
+    """Length, mass and time of a file in SI."""
+    if units is None:
+        return scale, 1.0, 1.0
+    if scale != 1.0:
+        raise ModelError("mesh-scale", f"{name}: found scale = {scale:g} beside units {units!r}, expected one of them")
+    try:
+        return units_of(units)
+    except ValueError as error:
+        raise ModelError("mesh-scale", f"{name}: {error}") from None
 
 
 def from_meshio(file: Path, module: str) -> Any:

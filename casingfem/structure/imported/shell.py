@@ -180,7 +180,9 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     t, E, _, rho = shell.walls()
     motions = rigid_motions(mesh.points, normals, frames)
     sound = float(np.sqrt((E / rho).min()))
-    return assembled(shell, K, M, edge_springs(shell, frames), motions, float(t.min()), sound)
+    return assembled(
+        shell, K, M, edge_springs(shell, frames), motions, float(t.min()), sound, tangents=(normals, frames)
+    )
 
 
 def edge_springs(shell: MeshShell, frames: FloatArray) -> list[csc_array]:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csc_array
 
-from casingfem.errors import warn
+from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
@@ -107,6 +107,9 @@ def mesh_spin(
     """
     rows = cell_dofs(system.structure.mesh.cells, system.dofs)
     size = system.dofs * len(system.points)
+    if mesh_attachments := system.structure.mesh.attachments:
+        found = f"{system.structure.mesh.source}: rotation of a part with {mesh_attachments}"
+        raise ModelError("mesh-attachment", found)
     of = inertia(rotation)
     force = scatter(of.mass, rows, size) @ of.away.ravel()
     fields = system.expand(tied_solution(system, system.K, force[system.free], solve_held)[:, None])[:, :, 0]

@@ -34,8 +34,9 @@ class MeshDeflection(Reported):
     def columns(self) -> dict[str, Any]:
         """One row a node: its number in the file, place and displacement [m], turns [rad]."""
         mesh = self.structure.mesh
-        named = zip(("x_m", "y_m", "z_m", *NODAL), (*mesh.points[mesh.used].T, *self.fields.T), strict=False)
-        return {"node": mesh.node_numbers[mesh.used], **dict(named)}
+        shown = mesh.present
+        named = zip(("x_m", "y_m", "z_m", *NODAL), (*mesh.points[shown].T, *self.fields[shown].T), strict=False)
+        return {"node": mesh.node_numbers[shown], **dict(named)}
 
     def __repr__(self) -> str:
         return deflected(self.fields, self.energy)
@@ -43,7 +44,7 @@ class MeshDeflection(Reported):
     def at(self, node: int) -> FloatArray:
         """Displacement (u_x, u_y, u_z) [m] of a node by its number in the file, (3,)."""
         mesh = self.structure.mesh
-        place = mesh.used[mesh.node_numbers[mesh.used] == node]
+        place = mesh.present[mesh.node_numbers[mesh.present] == node]
         if not len(place):
             raise ModelError("load-place", f"{mesh.source}: displacement at node {node}, which no cell has")
         return np.asarray(self.fields[place[0], :3])

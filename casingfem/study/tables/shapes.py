@@ -126,6 +126,7 @@ class ImportTable(Table):
     mesh: str | None = Field(default=None, min_length=1, description="mesh file, relative to this file")
     scale: Positive = Field(default=1.0, description="factor that makes the file's lengths metres [-]: 1e-3 for mm")
     join: NotNegative = Field(default=0.0, description="nodes closer than this become one [m]")
+    units: str | None = Field(default=None, description="instead of scale: length-mass-time of the file, mm-t-s")
 
 
 class SolidTable(ImportTable):
@@ -147,8 +148,10 @@ class ShellTable(ImportTable):
 
     @model_validator(mode="after")
     def _mesh_keys(self) -> "ShellTable":
-        if self.mesh is None and {"scale", "join", "thicknesses", "material"} & self.model_fields_set:
-            raise ValueError("found scale, join, thicknesses or material without mesh, expected them with a mesh only")
+        if self.mesh is None and {"scale", "join", "units", "thicknesses", "material"} & self.model_fields_set:
+            raise ValueError(
+                "found scale, join, units, thicknesses or material without mesh, expected them with a mesh only"
+            )
         return self
 
 

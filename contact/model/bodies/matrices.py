@@ -19,7 +19,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.model.bodies.units import units_of
+from contact.io.units import units_of
 
 DIRECTIONS = ("q", "x", "y", "z", "rx", "ry", "rz")  # q: a scalar, such as the amplitude of a mode
 MODES = 20  # kept where nothing is said
@@ -60,7 +60,10 @@ class Matrices:
         """Check matrices in any consistent units; raises InputError naming what does not fit."""
         from scipy.sparse import csc_array, diags_array
 
-        system = units_of(units)
+        try:
+            system = units_of(units)
+        except ValueError as error:
+            raise InputError(str(error)) from None
         named = tuple(checked_dof(dof) for dof in dofs)
         if len(set(named)) < len(named):
             twice = next(dof for k, dof in enumerate(named) if dof in named[:k])

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -25,6 +25,13 @@ OPTIONAL = (
     "participation", "out_of_roundness",
 )  # fmt: skip
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
+
+
+class Basis(Protocol):
+    """A reduced basis: its arrays by the names of a file of it."""
+
+    def arrays(self) -> Mapping[str, Any]:
+        """Plain arrays by name."""
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -261,17 +268,41 @@ class ModalBody:
         """Read a modal basis file; raises InputError that names the file and the key."""
         data = read_npz(Path(path), FORMAT, REQUIRED, TEXTS)
         try:
-            return ModalBody(
-                omega=data["omega"], zeta=data["zeta"], rows=data["rows"], S=data["S"],
-                channels=tuple(str(name) for name in np.atleast_1d(data["channels"])), kind=str(data["kind"]),
-                n_max=whole(data, "n_max"), sectors=whole(data, "sectors"),
-                radius=float(data.get("radius", np.array(0.0))),
-                outputs=tuple(str(name) for name in np.atleast_1d(data.get("outputs", np.zeros(0, dtype=np.str_)))),
-                spin=float(data.get("spin", np.array(0.0))), thickness=float(data.get("thickness", np.array(0.0))),
-                provenance=str(data.get("provenance", "{}")), **{n: data[n] for n in OPTIONAL if n in data},
-            )  # fmt: skip
+            return of_arrays(data)
         except (InputError, TypeError, ValueError) as error:
             raise InputError(f"{path}: {error}") from error
+
+    @staticmethod
+    def of(basis: Basis) -> ModalBody:
+        """The body of a reduced basis in memory, what `load` reads after `basis.save`; raises InputError.
+
+        >>> class Own:  # cf.reduce(...) gives one
+        ...     def arrays(self):
+        ...         return {"format": FORMAT, "omega": np.array([10.0]), "zeta": np.zeros(1), "rows": np.ones((1, 1)),
+        ...                 "S": np.zeros((1, 1)), "channels": np.array(["span"]), "kind": np.array("point"),
+        ...                 "n_max": np.array(0), "sectors": np.array(0)}
+        >>> ModalBody.of(Own()).channels
+        ('span',)
+        """
+        if not hasattr(basis, "arrays"):
+            raise InputError(f"basis: found {type(basis).__name__}, expected a reduced basis (cf.reduce)")
+        data = basis.arrays()
+        if missing := [name for name in REQUIRED if name not in data]:
+            raise InputError(f"basis: missing {', '.join(missing)}")
+        return of_arrays(data)
+
+
+def of_arrays(data: Mapping[str, Any]) -> ModalBody:
+    """A body from the arrays of a basis."""
+    return ModalBody(
+        omega=data["omega"], zeta=data["zeta"], rows=data["rows"], S=data["S"],
+        channels=tuple(str(name) for name in np.atleast_1d(data["channels"])), kind=str(data["kind"]),
+        n_max=whole(data, "n_max"), sectors=whole(data, "sectors"),
+        radius=float(data.get("radius", np.array(0.0))),
+        outputs=tuple(str(name) for name in np.atleast_1d(data.get("outputs", np.zeros(0, dtype=np.str_)))),
+        spin=float(data.get("spin", np.array(0.0))), thickness=float(data.get("thickness", np.array(0.0))),
+        provenance=str(data.get("provenance", "{}")), **{n: data[n] for n in OPTIONAL if n in data},
+    )  # fmt: skip
 
 
 def rim_channels(n_max: int, directions: int = 2, lines: int = 1) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+import contact as ct
 from casingfem.errors import InputError
 from casingfem.modal.basis import FORMAT, ModalBasis
 
@@ -45,6 +46,17 @@ def test_file_gives_everything_back_bit_for_bit(tmp_path):
         ours, theirs = getattr(first, name), getattr(again, name)
         assert ours.tobytes() == theirs.tobytes() if isinstance(ours, np.ndarray) else ours == theirs, name
     assert os.listdir(path.parent) == ["casing.npz"]
+
+
+def test_a_body_of_a_basis_is_that_of_its_file(tmp_path):
+    path = basis(channels=("tip.x", "tip.y"), kind="point", n_max=0, sectors=0).save(tmp_path / "blade.npz")
+    read = ct.ModalBody.load(path)
+    made = ct.ModalBody.of(ModalBasis.load(path))
+    for name in (field.name for field in fields(ct.ModalBody)):
+        ours, theirs = getattr(made, name), getattr(read, name)
+        assert ours.tobytes() == theirs.tobytes() if isinstance(ours, np.ndarray) else ours == theirs, name
+    with pytest.raises(ct.InputError, match="basis: found str, expected a reduced basis"):
+        ct.ModalBody.of("blade.npz")
 
 
 def test_what_is_not_given_is_nothing(tmp_path):

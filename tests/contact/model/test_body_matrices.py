@@ -7,9 +7,9 @@ import pytest
 from scipy.sparse import csc_array, diags_array
 
 import contact as ct
+from contact.io.units import units_of
 from contact.model.bodies.from_matrices import body_of
 from contact.model.bodies.matrices import Matrices
-from contact.model.bodies.units import units_of
 
 
 def rod(n, fixed, *, E=210e9, rho=7800.0, A=1e-4, L=1.0):

@@ -296,11 +296,11 @@ def test_mixed_cells_and_loose_facets_are_named(tmp_path):
     ("name", "text", "told"),
     [
         ("a.inp", INP + "*TIE, NAME=t\n a, b\n", r"\*TIE \(line 24\)"),
-        ("a.bdf", "RBE2,9,1,123,2", r"1 RBE2 \(from line \d+\)"),
+        ("a.bdf", "RBE1,9,1,123,2", r"1 RBE1 \(from line \d+\)"),
         (
             "b.bdf",
-            "RBE2,9,1,123,2\nMPC,3,1,1,1.,2,1,-1.\nRBE2,10,1,123,3\nRBE2,11,1,123,4",
-            r"3 RBE2 \(from line \d+\), 1 MPC \(from line \d+\)",
+            "CGAP,9,3,1,2\nMPCADD,3,1,2\nCGAP,10,3,1,2\nCGAP,11,3,1,2",
+            r"3 CGAP \(from line \d+\), 1 MPCADD \(from line \d+\)",
         ),
     ],
 )

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from contact.base.errors import InputError
-
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}
 MASSES = {"kg": 1.0, "g": 1e-3, "t": 1e3, "lb": 0.45359237}
 TIMES = {"s": 1.0, "ms": 1e-3}
@@ -33,7 +31,7 @@ class Units(NamedTuple):
 def units_of(words: str) -> Units:
     """Units of a consistent system: length, mass (or force) and time.
 
-    Raises InputError for words that are none.
+    Raises ValueError for words that are none.
 
     >>> units_of("mm-t-s").stiffness, round(units_of("in-lbf-s").mass, 4)
     (1000.0, 175.1268)
@@ -41,7 +39,7 @@ def units_of(words: str) -> Units:
     parts = words.split("-")
     if len(parts) != 3 or parts[0] not in LENGTHS or parts[1] not in {*MASSES, *FORCES} or parts[2] not in TIMES:
         known = f"length ({', '.join(LENGTHS)}), mass ({', '.join([*MASSES, *FORCES])}), time ({', '.join(TIMES)})"
-        raise InputError(f"units: found {words!r}, expected {known}, as in mm-t-s")
+        raise ValueError(f"units: found {words!r}, expected {known}, as in mm-t-s")
     length, time = LENGTHS[parts[0]], TIMES[parts[2]]
     mass = MASSES[parts[1]] if parts[1] in MASSES else FORCES[parts[1]] * time**2 / length
     return Units(length, mass, time)

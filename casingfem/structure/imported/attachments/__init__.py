@@ -1,0 +1,1 @@
+"""What hangs on a mesh beside its cells: point masses, springs, rigid and mean connections, equations."""

@@ -1,0 +1,261 @@
+"""Point masses, springs and connections of an Abaqus or CalculiX input file.
+
+Elements MASS, ROTARYI, SPRING1, SPRING2, SPRINGA with *MASS, *ROTARY INERTIA, *SPRING; *COUPLING with *KINEMATIC,
+*KINEMATIC COUPLING, *RIGID BODY of nodes, *MPC of the kinds BEAM and PIN, *EQUATION. Variants that are not
+understood are refused by keyword and line.
+"""
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.attachments.values import Attachments, Equation, PointMass, Rigid, Spring, Term
+
+ELEMENTS = {"MASS": 1, "ROTARYI": 1, "SPRING1": 1, "SPRING2": 2, "SPRINGA": 2}  # nodes of each
+PROPERTIES = {"MASS": ("MASS",), "ROTARY INERTIA": ("ROTARYI",), "SPRING": ("SPRING1", "SPRING2", "SPRINGA")}
+CONNECTIONS = ("COUPLING", "KINEMATIC", "KINEMATIC COUPLING", "RIGID BODY", "EQUATION", "MPC")
+MPCS = ("BEAM", "PIN")
+REFUSED = ("ORIENTATION", "NONLINEAR", "ROT NODE", "ELSET", "PIN NSET", "ANALYTICAL SURFACE")
+
+
+class CardLike(Protocol):
+    """What is asked of a card: its line, keyword, parameters and data lines."""
+
+    line: int
+    keyword: str
+    parameters: dict[str, str]
+    data: list[tuple[int, str]]
+
+
+class Names(Protocol):
+    """How the reader of the file refuses lines, and what its names stand for."""
+
+    def fault(self, line: int, message: str) -> ModelError:
+        """A malformed file."""
+
+    def nodes_of(self, cell: str, line: int) -> IntArray:
+        """Numbers of a node or node set named so far."""
+
+    def elements_of(self, name: str, line: int) -> IntArray:
+        """Numbers of an element set."""
+
+    def surface_nodes(self, name: str, line: int) -> IntArray:
+        """Numbers of the nodes of a surface."""
+
+
+class AbaqusAttachments:
+    """Cards of a file, in its numbers of nodes and elements, until all of it is read."""
+
+    def __init__(self, names: Names) -> None:
+        self.names = names
+        self.elements: dict[int, tuple[str, IntArray, int]] = {}  # number -> type, nodes, line of the card
+        self.properties: list[tuple[CardLike, IntArray]] = []  # card, elements
+        self.equations: list[Equation] = []
+        self.rigids: list[Callable[[], Rigid]] = []  # surfaces are known at the end
+        self.coupling: CardLike | None = None
+
+    def take_elements(self, line: int, kind: str, numbers: IntArray, nodes: IntArray) -> None:
+        """Elements of a type of `ELEMENTS`."""
+        self.elements |= {int(number): (kind, row, line) for number, row in zip(numbers, nodes, strict=True)}
+
+    def take(self, card: CardLike) -> None:
+        """One card of `PROPERTIES` or `CONNECTIONS`."""
+        for name in REFUSED:
+            if name in card.parameters and not (name == "ELSET" and card.keyword in PROPERTIES):
+                raise self.names.fault(card.line, f"*{card.keyword}: found {name}, which is not read here")
+        if card.keyword in PROPERTIES:
+            owner = card.parameters.get("ELSET", "")
+            self.properties.append((card, self.names.elements_of(owner, card.line)))
+        elif card.keyword == "COUPLING":
+            self.coupling = card
+        elif card.keyword == "KINEMATIC":
+            self.take_kinematic(card)
+        elif card.keyword == "KINEMATIC COUPLING":
+            for line, cells in self.rows(card):
+                reach = self.span(line, cells[1:]) if cells[1:] else range(6)
+                self.add_rigid(card, self.names.nodes_of(cells[0], line), tuple(reach))
+        elif card.keyword == "RIGID BODY":
+            name = card.parameters.get("NSET", card.parameters.get("TIE NSET", ""))
+            self.add_rigid(card, self.names.nodes_of(name, card.line), tuple(range(6)))
+        elif card.keyword == "MPC":
+            self.take_mpc(card)
+        else:
+            self.take_equations(card)
+
+    @property
+    def by_direction(self) -> bool:
+        """Whether single directions of nodes are named."""
+        return bool(self.equations) or any(card.keyword == "SPRING" for card, _ in self.properties)
+
+    def rows(self, card: CardLike) -> list[tuple[int, list[str]]]:
+        """Data lines with their cells."""
+        return [(line, [cell.strip() for cell in text.rstrip(", ").split(",")]) for line, text in card.data]
+
+    def number(self, line: int, cell: str) -> float:
+        """A real number."""
+        try:
+            value = float(cell.upper().replace("D", "E"))
+        except ValueError:
+            value = np.nan
+        if not np.isfinite(value):
+            raise self.names.fault(line, f"found {cell!r}, expected a number")
+        return value
+
+    def component(self, line: int, cell: str) -> int:
+        """A degree of freedom 1 to 6 as an index from 0."""
+        if cell not in ("1", "2", "3", "4", "5", "6"):
+            raise self.names.fault(line, f"found {cell!r}, expected a degree of freedom 1 to 6")
+        return int(cell) - 1
+
+    def span(self, line: int, cells: list[str]) -> range:
+        """First and last degree of freedom."""
+        ends = [self.component(line, cell) for cell in cells[:2]]
+        return range(ends[0], ends[-1] + 1)
+
+    def reference(self, card: CardLike) -> int:
+        """The node that REF NODE names."""
+        found = self.names.nodes_of(card.parameters.get("REF NODE", ""), card.line)
+        if len(found) != 1:
+            raise self.names.fault(card.line, f"*{card.keyword}: found {len(found)} nodes as REF NODE, expected one")
+        return int(found[0])
+
+    def add_rigid(self, card: CardLike, nodes: IntArray, components: tuple[int, ...]) -> None:
+        """Nodes that follow the card's reference."""
+        reference = self.reference(card)
+        followers = np.setdiff1d(nodes, [reference])
+        rigid = Rigid(
+            reference=reference, nodes=followers, components=components, where=f"*{card.keyword} (line {card.line})"
+        )
+        self.rigids.append(lambda: rigid)
+
+    def take_kinematic(self, card: CardLike) -> None:
+        """*KINEMATIC of the *COUPLING before it: lines of first and last degree of freedom, all without any."""
+        coupling = self.coupling
+        if coupling is None:
+            raise self.names.fault(card.line, "*KINEMATIC without *COUPLING before it")
+        self.coupling = None
+        rows = self.rows(card)
+        components = sorted({c for line, cells in rows for c in self.span(line, cells)}) or range(6)
+        reference, name = self.reference(coupling), coupling.parameters.get("SURFACE", "")
+
+        def rigid() -> Rigid:
+            nodes = np.setdiff1d(self.names.surface_nodes(name, coupling.line), [reference])
+            where = f"*COUPLING (line {coupling.line})"
+            return Rigid(reference=reference, nodes=nodes, components=tuple(components), where=where)
+
+        self.rigids.append(rigid)
+
+    def take_mpc(self, card: CardLike) -> None:
+        """*MPC: kind, the node that follows, the node it follows."""
+        for line, cells in self.rows(card):
+            if cells[0].upper() not in MPCS or len(cells) != 3:
+                known = ", ".join(MPCS)
+                raise self.names.fault(line, f"*MPC: found {', '.join(cells)}, expected a kind ({known}) and two nodes")
+            first, other = (self.names.nodes_of(cell, line) for cell in cells[1:])
+            for node, reference in zip(first, np.broadcast_to(other, first.shape), strict=True):
+                self.take_pair(line, cells[0].upper(), int(node), int(reference))
+
+    def take_pair(self, line: int, kind: str, node: int, reference: int) -> None:
+        """One node that follows another: rigidly, or as if it stood there."""
+        where = f"*MPC {kind} (line {line})"
+        if kind == "BEAM":
+            rigid = Rigid(reference=reference, nodes=np.array([node]), where=where)
+            self.rigids.append(lambda: rigid)
+            return
+        for c in range(3):
+            self.equations.append(Equation(terms=(Term(node, c, 1.0), Term(reference, c, -1.0)), where=where))
+
+    def take_equations(self, card: CardLike) -> None:
+        """*EQUATION: number of terms, then node, degree of freedom, coefficient of each, as often as given."""
+        rows = self.rows(card)
+        while rows:
+            (line, head), rows = rows[0], rows[1:]
+            count = int(self.number(line, head[0]))
+            cells: list[str] = []
+            while rows and len(cells) < 3 * count:
+                cells, rows = cells + rows[0][1], rows[1:]
+            if count < 2 or len(cells) != 3 * count:
+                raise self.names.fault(
+                    line, f"*EQUATION: found {len(cells)} cells, expected 3 for each of {count} terms"
+                )
+            terms = []
+            for k in range(0, len(cells), 3):
+                nodes = self.names.nodes_of(cells[k], line)
+                if len(nodes) != 1:
+                    raise self.names.fault(line, f"*EQUATION: found {len(nodes)} nodes in {cells[k]!r}, expected one")
+                terms.append(Term(int(nodes[0]), self.component(line, cells[k + 1]), self.number(line, cells[k + 2])))
+            self.equations.append(Equation(terms=tuple(terms), where=f"*EQUATION (line {line})"))
+
+    def attachments(self, points: FloatArray, index: Callable[[IntArray], IntArray]) -> Attachments:
+        """All of them by indices of nodes."""
+        masses: list[PointMass] = []
+        springs: list[Spring] = []
+        owned: set[int] = set()
+        for card, numbers in self.properties:
+            for number in numbers.tolist():
+                kind, nodes, _ = self.elements.get(number, ("", np.zeros(0, dtype=np.int64), 0))
+                if kind not in PROPERTIES[card.keyword]:
+                    expected = " or ".join(PROPERTIES[card.keyword])
+                    raise self.names.fault(card.line, f"*{card.keyword} on element {number}, expected {expected}")
+                owned.add(number)
+                where = f"{kind} {number} (line {card.line})"
+                if kind in ("MASS", "ROTARYI"):
+                    masses.append(self.point_mass(card, int(nodes[0]), where))
+                else:
+                    springs.append(self.spring(card, kind, nodes, points[index(nodes)], where))
+        if missing := sorted(set(self.elements) - owned):
+            kind, _, line = self.elements[missing[0]]
+            needed = next(key for key, kinds in PROPERTIES.items() if kind in kinds)
+            raise self.names.fault(line, f"element {missing[0]} of type {kind} without *{needed}")
+        found = Attachments(
+            masses=tuple(masses),
+            springs=tuple(springs),
+            rigids=tuple(make() for make in self.rigids),
+            equations=tuple(self.equations),
+        )
+        return found.renumbered(index)
+
+    def point_mass(self, card: CardLike, node: int, where: str) -> PointMass:
+        """*MASS: m; *ROTARY INERTIA: I11, I22, I33."""
+        line, cells = (self.rows(card) or [(card.line, [""])])[0]
+        values = [self.number(line, cell) for cell in cells if cell]
+        if card.parameters.get("TYPE", "ISOTROPIC").upper() != "ISOTROPIC" or not values or min(values) < 0.0:
+            raise self.names.fault(line, f"*{card.keyword}: found {', '.join(cells)}, expected numbers of 0 or more")
+        if card.keyword == "MASS":
+            return PointMass(node=node, mass=values[0], where=where)
+        if len(values) < 3 or any(values[3:]):
+            found = f"*ROTARY INERTIA: found {', '.join(cells)}, expected I11, I22, I33 without products"
+            raise self.names.fault(line, found)
+        return PointMass(node=node, mass=0.0, inertia=np.diag(values[:3]), where=where)
+
+    def spring(self, card: CardLike, kind: str, nodes: IntArray, places: FloatArray, where: str) -> Spring:
+        """*SPRING: degrees of freedom (SPRING1, SPRING2), then the stiffness."""
+        rows = self.rows(card)
+        if len(rows) != (1 if kind == "SPRINGA" else 2):
+            expected = "the stiffness" if kind == "SPRINGA" else "degrees of freedom, then the stiffness"
+            raise self.names.fault(card.line, f"*SPRING: found {len(rows)} data lines, expected {expected}")
+        line, cells = rows[-1]
+        stiffness = self.number(line, cells[0])
+        if stiffness <= 0.0:
+            raise self.names.fault(line, f"*SPRING: found the stiffness {stiffness:g}, expected one above 0")
+        if kind != "SPRINGA":
+            along = [self.component(rows[0][0], cell) for cell in rows[0][1][: len(nodes)]]
+            if len(along) != len(nodes) or len({c > 2 for c in along}) > 1:
+                found = f"*SPRING: found {', '.join(rows[0][1])}, expected {len(nodes)} of one kind"
+                raise self.names.fault(rows[0][0], found)
+            signs = zip(nodes.tolist(), along, (1.0, -1.0), strict=False)
+            return Spring(terms=tuple(Term(*term) for term in signs), stiffness=stiffness, where=where)
+        axis = places[1] - places[0]
+        length = float(np.linalg.norm(axis))
+        if not length > 0.0:
+            raise self.names.fault(card.line, f"{where}: found two nodes at one place, which have no line between them")
+        terms = [
+            Term(int(node), c, sign * float(axis[c] / length))
+            for node, sign in zip(nodes, (1.0, -1.0), strict=True)
+            for c in range(3)
+            if axis[c]
+        ]
+        return Spring(terms=tuple(terms), stiffness=stiffness, where=where)

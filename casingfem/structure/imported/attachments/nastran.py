@@ -1,0 +1,251 @@
+"""Point masses, springs and connections of a Nastran bulk data file (MSC Nastran Quick Reference Guide).
+
+CONM2; CELAS1, CELAS2 with PELAS; CBUSH with PBUSH on coincident grids in the basic system; RBE2, RBE3, RBAR; one set of
+MPC; PARAM WTMASS. Variants that are not understood are refused by card and line.
+"""
+
+import re
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.attachments.values import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
+
+CARDS = ("CONM2", "CELAS1", "CELAS2", "PELAS", "CBUSH", "PBUSH", "RBE2", "RBE3", "RBAR", "MPC", "PARAM")
+WHOLE = ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})  # components that mean the same in every system of coordinates
+LEFT_OUT = re.compile(
+    r"C(?!ORD|OORD|SET|REEP|LOAD|AERO|HBDY|ONV|SUPER|SCHD|SLOT|TABLE|YJOIN|YAX|YSYM|YSUP)"
+    r"|RBE|RROD|RTRPLT|RSPLINE|RSSCON|RJOINT|MPC|NSM|DMIG|GENEL|SPOINT|EPOINT"
+)  # other cards with stiffness, mass or constraints
+
+
+class CardLike(Protocol):
+    """What is asked of a card."""
+
+    line: int
+    name: str
+    fields: list[str]
+
+
+class Numbers(Protocol):
+    """How the reader of the file reads numbers and refuses cards."""
+
+    def fault(self, card: CardLike, message: str) -> ModelError:
+        """A malformed file."""
+
+    def integer(self, card: CardLike, text: str) -> int:
+        """A whole number."""
+
+    def real(self, card: CardLike, text: str) -> float:
+        """A real number; empty is zero."""
+
+
+class NastranAttachments:
+    """Cards of a file, in its numbers of grids, until all of it is read."""
+
+    def __init__(self, numbers: Numbers) -> None:
+        self.numbers = numbers
+        self.cards: dict[str, list[CardLike]] = {name: [] for name in CARDS}
+
+    def take(self, card: CardLike) -> None:
+        """Keep a card."""
+        self.cards[card.name].append(card)
+
+    def attachments(
+        self, points: FloatArray, index: Callable[[IntArray], IntArray], turned: frozenset[int]
+    ) -> Attachments:
+        """All of them by indices of nodes.
+
+        `turned` are the grids whose displacements have a coordinate system of their own.
+        """
+        self.turned = turned
+        scale = self.mass_factor()
+        masses = tuple(self.point_mass(card, scale) for card in self.cards["CONM2"])
+        springs = [self.spring(card, self.pelas()) for name in ("CELAS1", "CELAS2") for card in self.cards[name]]
+        bushes = [spring for card in self.cards["CBUSH"] for spring in self.bush(card, points, index)]
+        rigids = [self.rigid(card) for card in self.cards["RBE2"]] + [self.bar(card) for card in self.cards["RBAR"]]
+        given = Attachments(
+            masses=masses,
+            springs=(*springs, *bushes),
+            rigids=tuple(rigids),
+            means=tuple(self.mean(card) for card in self.cards["RBE3"]),
+            equations=self.equations(),
+        )
+        return given.renumbered(index)
+
+    def field(self, card: CardLike, place: int) -> str:
+        """A field, empty beyond the last."""
+        return card.fields[place] if place < len(card.fields) else ""
+
+    def where(self, card: CardLike) -> str:
+        """Card, number and line of an item."""
+        return f"{card.name} {self.field(card, 0)} (line {card.line})"
+
+    def components(self, card: CardLike, text: str) -> tuple[int, ...]:
+        """Components such as 123 as indices from 0."""
+        if not text or not set(text) <= set("123456") or len(set(text)) < len(text):
+            raise self.numbers.fault(card, f"found the components {text!r}, expected some of 123456")
+        return tuple(sorted(int(digit) - 1 for digit in text))
+
+    def grid(self, card: CardLike, text: str, components: tuple[int, ...]) -> int:
+        """A grid, refused where single components of it are along axes of its own."""
+        grid = self.numbers.integer(card, text)
+        if grid in self.turned and set(components) not in WHOLE:
+            found = f"single components of grid {grid}, whose displacements have a coordinate system (CD) of their own"
+            raise self.numbers.fault(card, found)
+        return grid
+
+    def mass_factor(self) -> float:
+        """PARAM, WTMASS: what masses are multiplied by."""
+        found = 1.0
+        for card in self.cards["PARAM"]:
+            if self.field(card, 0).upper() == "WTMASS":
+                found = self.numbers.real(card, self.field(card, 1))
+        return found
+
+    def point_mass(self, card: CardLike, scale: float) -> PointMass:
+        """CONM2: number, grid, system, mass, offset, then I11, I21, I22, I31, I32, I33."""
+        real = [self.numbers.real(card, self.field(card, place)) for place in (3, 4, 5, 6, *range(8, 14))]
+        mass, x, y, z, i11, i21, i22, i31, i32, i33 = real
+        inertia = scale * np.array([[i11, -i21, -i31], [-i21, i22, -i32], [-i31, -i32, i33]])
+        if self.field(card, 2) not in ("", "0") and (any((x, y, z)) or inertia.any()):
+            raise self.numbers.fault(card, f"found the system {self.field(card, 2)}, expected 0, the basic one")
+        if mass < 0.0 or np.linalg.eigvalsh(inertia)[0] < -1e-9 * np.abs(inertia).max():
+            raise self.numbers.fault(card, f"found the mass {mass:g} or an inertia below 0")
+        node = self.numbers.integer(card, self.field(card, 1))
+        return PointMass(node=node, mass=scale * mass, inertia=inertia, offset=(x, y, z), where=self.where(card))
+
+    def pelas(self) -> dict[int, float]:
+        """Stiffness of each PELAS, two on a card."""
+        return {
+            self.numbers.integer(card, card.fields[k]): self.numbers.real(card, self.field(card, k + 1))
+            for card in self.cards["PELAS"]
+            for k in (0, 4)
+            if self.field(card, k)
+        }
+
+    def spring(self, card: CardLike, stiffness: dict[int, float]) -> Spring:
+        """CELAS1: number, property, grid, component, grid, component; CELAS2 with a stiffness for the property."""
+        if card.name == "CELAS2":
+            k = self.numbers.real(card, self.field(card, 1))
+        else:
+            owner = self.numbers.integer(card, self.field(card, 1) or self.field(card, 0))
+            if owner not in stiffness:
+                raise self.numbers.fault(card, f"found the property {owner}, which no PELAS gives")
+            k = stiffness[owner]
+        ends = [place for place in (2, 4) if self.field(card, place) not in ("", "0")]
+        terms = tuple(self.term(card, place, 1.0 if k == 0 else -1.0) for k, place in enumerate(ends))
+        if not terms:
+            raise self.numbers.fault(card, "found no grid")
+        if len({term.component > 2 for term in terms}) > 1:
+            raise self.numbers.fault(card, "found a displacement against a turn, expected two of a kind")
+        return Spring(terms=terms, stiffness=self.positive(card, k), where=self.where(card))
+
+    def positive(self, card: CardLike, k: float) -> float:
+        """A stiffness."""
+        if k <= 0.0:
+            raise self.numbers.fault(card, f"found the stiffness {k:g}, expected one above 0")
+        return k
+
+    def term(self, card: CardLike, place: int, coefficient: float) -> Term:
+        """A grid and one component behind it."""
+        components = self.components(card, self.field(card, place + 1))
+        if len(components) > 1:
+            raise self.numbers.fault(card, f"found the components {self.field(card, place + 1)}, expected one")
+        return Term(self.grid(card, self.field(card, place), components), components[0], coefficient)
+
+    def bush(self, card: CardLike, points: FloatArray, index: Callable[[IntArray], IntArray]) -> list[Spring]:
+        """CBUSH: number, property, grids A and B, orientation, system; springs along the basic axes."""
+        of = {self.field(p, 0): p for p in self.cards["PBUSH"]}.get(self.field(card, 1))
+        if of is None:
+            raise self.numbers.fault(card, f"found the property {self.field(card, 1)}, which no PBUSH gives")
+        grids = [self.numbers.integer(card, text) for text in card.fields[2:4] if text]
+        places = points[index(np.array(grids, dtype=np.int64))]
+        if self.field(card, 7) != "0" or np.any(places[0] != places[-1]):
+            found = "two places, or another system than the basic one"
+            raise self.numbers.fault(card, f"found {found}, expected coincident grids and CID = 0")
+        named = [text.upper() for text in of.fields]
+        start = named.index("K") + 1 if "K" in named else len(named)
+        springs = []
+        for component, text in enumerate(of.fields[start : start + 6]):
+            if text and not text[0].isalpha() and self.numbers.real(of, text):
+                k = self.positive(of, self.numbers.real(of, text))
+                terms = tuple(
+                    Term(self.grid(card, str(grid), (component,)), component, sign)
+                    for grid, sign in zip(grids, (1.0, -1.0), strict=False)
+                )
+                springs.append(Spring(terms=terms, stiffness=k, where=self.where(card)))
+        return springs
+
+    def rigid(self, card: CardLike) -> Rigid:
+        """RBE2: number, reference, components, grids, and perhaps a thermal expansion."""
+        components = self.components(card, self.field(card, 2))
+        grids = [text for text in card.fields[3:] if text and text.isdecimal()]
+        if not grids:
+            raise self.numbers.fault(card, "found no grid that follows")
+        nodes = np.array([self.grid(card, text, components) for text in grids], dtype=np.int64)
+        reference = self.numbers.integer(card, self.field(card, 1))
+        return Rigid(reference=reference, nodes=nodes, components=components, where=self.where(card))
+
+    def bar(self, card: CardLike) -> Rigid:
+        """RBAR: number, grids A and B, independent components of each, dependent ones of each."""
+        a, b, of_a, of_b, by_a, by_b = (self.field(card, place) for place in range(1, 7))
+        if of_b == "123456" and not of_a:
+            a, b, of_a, of_b, by_b = b, a, of_b, of_a, by_a
+        if of_a != "123456" or of_b:
+            raise self.numbers.fault(card, "found independent components at both ends, expected 123456 at one")
+        components = self.components(card, by_b or "123456")
+        nodes = np.array([self.grid(card, b, components)])
+        return Rigid(
+            reference=self.numbers.integer(card, a), nodes=nodes, components=components, where=self.where(card)
+        )
+
+    def mean(self, card: CardLike) -> Mean:
+        """RBE3: number, -, reference, components, then groups of a weight, components and grids."""
+        components = self.components(card, self.field(card, 3))
+        weights: list[float] = []
+        grids: list[int] = []
+        rest = [text for text in card.fields[4:] if text]
+        weight, place = 0.0, 0
+        while place < len(rest):
+            text = rest[place]
+            if text.upper() == "ALPHA":
+                break
+            if text[0].isalpha():
+                raise self.numbers.fault(card, f"found {text}, expected weights, components and grids")
+            if not text.isdecimal():  # a real number begins a group
+                weight = self.positive(card, self.numbers.real(card, text))
+                if rest[place + 1 : place + 2] != ["123"]:
+                    raise self.numbers.fault(card, f"found the components {rest[place + 1 : place + 2]}, expected 123")
+                place += 2
+                continue
+            if not weight:
+                raise self.numbers.fault(card, f"found {text}, expected a weight such as 1.0")
+            weights.append(weight)
+            grids.append(self.numbers.integer(card, text))
+            place += 1
+        if not grids:
+            raise self.numbers.fault(card, "found no grid to follow")
+        return Mean(
+            reference=self.grid(card, self.field(card, 2), components),
+            nodes=np.array(grids, dtype=np.int64),
+            weights=np.array(weights),
+            components=components,
+            where=self.where(card),
+        )
+
+    def equations(self) -> tuple[Equation, ...]:
+        """MPC: set, then grid, component, coefficient, two on each line."""
+        found = []
+        for card in self.cards["MPC"]:
+            if self.field(card, 0) != self.field(self.cards["MPC"][0], 0):
+                raise self.numbers.fault(card, "found a second set, expected one, as nothing here selects between them")
+            places = [k + j for k in range(0, len(card.fields), 8) for j in (1, 4) if self.field(card, k + j)]
+            terms = tuple(self.term(card, k, self.numbers.real(card, self.field(card, k + 2))) for k in places)
+            if len(terms) < 2:
+                raise self.numbers.fault(card, f"found {len(terms)} terms, expected two or more")
+            found.append(Equation(terms=terms, where=self.where(card)))
+        return tuple(found)

@@ -1,0 +1,168 @@
+"""Matrices of a mesh with attachments: masses and springs added, tied motions eliminated, K = T^T K T."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import coo_array, csc_array, csr_array
+
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.geometry.rigid_body import unfelt
+from casingfem.structure.imported.attachments.ties import DIRECTIONS, Motions, Rows, eliminated, tied_rows
+
+ROUND = 1e-9  # motions, of the size of one, below which a spring or an equation does not feel them
+LOOSE = 1e-12  # least stiffness and mass of a node's six motions, each scaled to one, below which one of them is free
+
+
+class Attached(NamedTuple):
+    """What a mesh with attachments becomes.
+
+    K, M on the unknowns, not yet made symmetric; `lift` of the dofs of nodes by unknowns; `unknowns` among dofs of
+    nodes and the turns behind them; rigid motions left.
+    """
+
+    K: csc_array
+    M: csc_array
+    lift: csr_array
+    unknowns: IntArray
+    rigid: int
+
+
+def attached(
+    motions: Motions,
+    K: csc_array,
+    M: csc_array,
+    held: IntArray,
+    still: IntArray,
+    fields: FloatArray,
+    supports: Sequence[csc_array] = (),
+) -> Attached:
+    """Put masses and springs on matrices of all dofs, and eliminate what is tied.
+
+    Parameters
+    ----------
+    K, M
+        Of the cells, supports included, on all dofs of nodes.
+    held, still
+        Dofs that supports hold; nodes that supports hold against turning too.
+    fields
+        Rigid motions on all dofs of nodes, (dofs, 6).
+    supports
+        Springs of the elastic supports, in K already, on all dofs of nodes.
+
+    Raises
+    ------
+    ModelError
+        `mesh-attachment`, with card and node, for what cannot be attached.
+    """
+    mesh, size = motions.mesh, motions.size
+    rows = tied_rows(motions)
+    turns = np.array([motions.turn(node) for node in still if motions.turn(node) >= 0], dtype=np.int64)
+    held = np.concatenate([held, (turns[:, None] + np.arange(3)).ravel()])
+    refuse_held(motions, rows, held)
+    R = eliminated(rows)
+    springs = spring_rows(motions)
+    k = np.array([spring.stiffness for spring in mesh.attachments.springs])
+    K = csc_array(enlarged(K, size) + springs.T @ (springs * k[:, None]))
+    M = csc_array(enlarged(M, size) + mass_matrix(motions))
+    active = np.zeros(size, dtype=bool)
+    active[(motions.dofs * mesh.used[:, None] + np.arange(motions.dofs)).ravel()] = True
+    active[(motions.dofs * motions.turning[:, None] + np.arange(3)).ravel()] = True
+    active[motions.dofs * len(mesh.points) :] = True
+    active[held] = False
+    active[list(rows.owner)] = False
+    unknowns = np.flatnonzero(active)
+    T = csr_array(R[:, unknowns])
+    K, M = csc_array(T.T @ K @ T), csc_array(T.T @ M @ T)
+    kept = np.flatnonzero(M.diagonal() != 0.0)
+    refuse_massless(motions, unknowns[(K.diagonal() != 0.0) & (M.diagonal() == 0.0)])
+    K, M, unknowns = csc_array(K[:, kept][kept]), csc_array(M[:, kept][kept]), unknowns[kept]
+    refuse_loose(motions, K, M, unknowns)
+    lift = csr_array(T[: motions.dofs * len(mesh.points), kept])
+    reactions = [np.asarray(fields.T @ (support @ fields)) for support in supports]
+    return Attached(K, M, lift, unknowns, rigid_left(motions, rows, R, springs, held, fields, reactions))
+
+
+def enlarged(A: csc_array, size: int) -> csc_array:
+    """A matrix with empty rows and columns behind."""
+    A = A.copy()
+    A.resize((size, size))
+    return A
+
+
+def spring_rows(motions: Motions) -> csr_array:
+    """What each spring feels of the dofs, (springs, dofs)."""
+    entries = [
+        (k, dof, value)
+        for k, spring in enumerate(motions.mesh.attachments.springs)
+        for dof, value in motions.combined(spring.terms, spring.where).items()
+    ]
+    i, j, value = np.array(entries, dtype=float).reshape(-1, 3).T
+    place = i.astype(np.int64), j.astype(np.int64)
+    return csr_array(coo_array((value, place), shape=(len(motions.mesh.attachments.springs), motions.size)))
+
+
+def mass_matrix(motions: Motions) -> csc_array:
+    """Mass of the point masses on all dofs."""
+    total = csc_array((motions.size, motions.size))
+    for mass in motions.mesh.attachments.masses:
+        count = 6 if mass.turns else 3
+        felt = [motions.row(mass.node, component, mass.where) for component in range(count)]
+        places = [(c, dof, value) for c, row in enumerate(felt) for dof, value in row.items()]
+        i, j, value = np.array(places).T
+        six = coo_array((value, (i.astype(np.int64), j.astype(np.int64))), shape=(count, motions.size)).tocsr()
+        total = csc_array(total + six.T @ csr_array(mass.matrix[:count, :count]) @ six)
+    return total
+
+
+def refuse_held(motions: Motions, rows: Rows, held: IntArray) -> None:
+    """Refuse motions that a support holds and a connection moves; what a node ties of itself is held with it."""
+    for dof in held.tolist():
+        if dof in rows.owner and dof not in rows.own:
+            found = "a support on it, expected one on the node that it follows"
+            raise motions.fault(rows.owner[dof], motions.place(dof)[0], found)
+
+
+def refuse_massless(motions: Motions, dofs: IntArray) -> None:
+    """Refuse motions with a stiffness and no mass, which are no modes."""
+    if len(dofs):
+        node, component = motions.place(int(dofs[0]))
+        found = f"a stiffness and no mass along {DIRECTIONS[component]}, expected a mass there"
+        raise motions.fault("springs", node, found)
+
+
+def refuse_loose(motions: Motions, K: csc_array, M: csc_array, unknowns: IntArray) -> None:
+    """Refuse nodes with turns of their own of which one motion has neither stiffness nor mass."""
+    first = motions.dofs * len(motions.mesh.points)
+    for k, node in enumerate(motions.turning.tolist()):
+        own = np.isin(unknowns, [*(motions.dofs * node + np.arange(3)), *(first + 3 * k + np.arange(3))])
+        place = np.flatnonzero(own)
+        if not len(place):
+            continue
+        both = [A[:, place][place].toarray() for A in (K, M)]
+        size = sum(block / max(float(np.trace(block)), np.finfo(float).tiny) for block in both)
+        scale = 1.0 / np.sqrt(np.diagonal(size))
+        if np.linalg.eigvalsh(scale[:, None] * size * scale)[0] < LOOSE:
+            found = "a motion with neither stiffness nor mass, expected nodes that are not in a line, or a mass there"
+            raise motions.fault("connections", node, found)
+
+
+def rigid_left(
+    motions: Motions,
+    rows: Rows,
+    R: csr_array,
+    springs: csr_array,
+    held: IntArray,
+    fields: FloatArray,
+    reactions: Sequence[FloatArray],
+) -> int:
+    """How many rigid motions neither a support nor a spring nor an equation feels."""
+    mesh = motions.mesh
+    reach = np.abs(mesh.points - mesh.points.mean(axis=0)).max()
+    turns = np.hstack([np.zeros((3, 3)), np.eye(3) / reach])
+    whole = np.vstack([fields, np.tile(turns, (len(motions.turning), 1))])
+    felt = [springs @ whole, whole[held]]
+    tied = np.array(list(rows.owner), dtype=np.int64)
+    felt.append(whole[tied] - (R @ whole)[tied])
+    clear = [np.where(np.abs(part) > ROUND, part, 0.0) for part in felt]
+    return int(unfelt([*reactions, *(part.T @ part for part in clear)]).shape[1])

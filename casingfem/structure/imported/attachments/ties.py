@@ -1,0 +1,218 @@
+"""Elimination of tied motions: every dof of a mesh with attachments as a combination of its unknowns.
+
+Beside the dofs of the nodes (`dofs` of each, node by node) stand three turns for each node that has all six
+components: nodes that no cell has, and reference nodes of rigid connections. Behind a rigid connection
+
+    u_j = u + theta x (x_j - x),   w_j = theta x n_j on shells;
+
+a mean connection gives its reference the motion that fits u_j best, the least squares of
+sum w_j |u_j - u - theta x (x_j - x)|^2 (RBE3: MSC Nastran Quick Reference Guide); an equation is solved for its first
+term. What depends on dependent motions is put in from the bottom up.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.attachments.values import Equation, Mean, Rigid, Term, cross_matrix
+from casingfem.structure.imported.mesh_data import MeshData
+
+LEVELS = 6  # squarings: connections that hang on one another, 64 deep
+FLAT = 1e-10  # least over largest spread of nodes below which their mean turn is not defined
+DIRECTIONS = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Motions:
+    """How nodes of a mesh with attachments move.
+
+    Attributes
+    ----------
+    mesh, dofs
+        The mesh, and dofs of each of its nodes.
+    turning
+        Nodes with turns of their own, ascending, (turning,).
+    tilts
+        Of shells, (nodes, 2, 3): the turn theta that goes with w_1 = 1 and w_2 = 1, n x e_a. None of solids.
+    """
+
+    mesh: MeshData
+    dofs: int
+    turning: IntArray
+    tilts: FloatArray | None
+
+    @property
+    def size(self) -> int:
+        """Dofs of nodes, and the turns behind them."""
+        return self.dofs * len(self.mesh.points) + 3 * len(self.turning)
+
+    def turn(self, node: int) -> int:
+        """First of the three turns of a node; -1 if it has none of its own."""
+        place = int(np.searchsorted(self.turning, node))
+        own = place < len(self.turning) and self.turning[place] == node
+        return self.dofs * len(self.mesh.points) + 3 * place if own else -1
+
+    def place(self, dof: int) -> tuple[int, int]:
+        """Node and component of a dof; those of a shell's director count as turns."""
+        behind = dof - self.dofs * len(self.mesh.points)
+        return (int(self.turning[behind // 3]), 3 + behind % 3) if behind >= 0 else divmod(dof, self.dofs)
+
+    def row(self, node: int, component: int, where: str) -> dict[int, float]:
+        """One component of a node's motion over the dofs: dof -> coefficient."""
+        if component < 3:
+            return {self.dofs * node + component: 1.0}
+        if (turn := self.turn(node)) >= 0:
+            return {turn + component - 3: 1.0}
+        if self.tilts is None:
+            raise self.fault(where, node, f"the {DIRECTIONS[component]}, and nodes of solids do not turn")
+        return {self.dofs * node + 3 + a: float(self.tilts[node, a, component - 3]) for a in (0, 1)}
+
+    def combined(self, terms: Sequence[Term], where: str) -> dict[int, float]:
+        """A sum of terms over the dofs."""
+        total: dict[int, float] = {}
+        for node, component, coefficient in terms:
+            for dof, value in self.row(node, component, where).items():
+                total[dof] = total.get(dof, 0.0) + coefficient * value
+        return {dof: value for dof, value in total.items() if value}
+
+    def fault(self, where: str, node: int, found: str) -> ModelError:
+        """What cannot be attached, and at which node."""
+        source, number = self.mesh.source, self.mesh.node_numbers[node]
+        return ModelError("mesh-attachment", f"{source}: {where}: node {number}: found {found}")
+
+
+def motions_of(mesh: MeshData, dofs: int, normals: FloatArray | None, frames: FloatArray | None) -> Motions:
+    """How nodes move; of shells with the directors (nodes, 3) and their tangents (nodes, 2, 3)."""
+    hung = mesh.attachments
+    alone = np.setdiff1d(hung.nodes, mesh.used)
+    pivots = np.array([rigid.reference for rigid in hung.rigids], dtype=np.int64)
+    tilts = None if normals is None or frames is None else np.cross(normals[:, None], frames)
+    return Motions(mesh, dofs, np.union1d(alone, pivots), tilts)
+
+
+class Rows:
+    """Dependent dofs and what they are made of, each once."""
+
+    def __init__(self, motions: Motions) -> None:
+        self.motions = motions
+        self.owner: dict[int, str] = {}
+        self.own: set[int] = set()  # dofs that follow the turns of their own node
+        self.entries: list[tuple[int, int, float]] = []
+
+    def add(self, dof: int, node: int, of: dict[int, float], where: str) -> None:
+        """Make a dof the sum of others."""
+        if dof in self.owner:
+            raise self.motions.fault(where, node, f"it tied already by {self.owner[dof]}")
+        self.owner[dof] = where
+        self.entries += [(dof, other, value) for other, value in of.items() if value]
+
+
+def tied_rows(motions: Motions) -> Rows:
+    """Every dependent dof of the attachments of a mesh."""
+    rows = Rows(motions)
+    for rigid in motions.mesh.attachments.rigids:
+        take_rigid(rows, rigid)
+    for mean in motions.mesh.attachments.means:
+        take_mean(rows, mean)
+    for equation in motions.mesh.attachments.equations:
+        take_equation(rows, equation)
+    return rows
+
+
+def take_rigid(rows: Rows, rigid: Rigid) -> None:
+    """Rows of a rigid connection."""
+    motions, mesh, dofs = rows.motions, rows.motions.mesh, rows.motions.dofs
+    reference, pivot = rigid.reference, rows.motions.turn(rigid.reference)
+    arms = -cross_matrix(mesh.points[rigid.nodes] - mesh.points[reference])  # of theta in theta x r
+    turning = [c for c in rigid.components if c > 2]
+    of_shell = motions.tilts is not None and bool(np.isin(reference, mesh.cells))
+    if of_shell and dofs * reference + 3 not in rows.owner:
+        tie_director(rows, reference, pivot, f"its turns as the reference of {rigid.where}")
+        rows.own |= {dofs * reference + 3, dofs * reference + 4}
+    for node, arm in zip(rigid.nodes.tolist(), arms, strict=True):
+        if node == reference:
+            raise motions.fault(rigid.where, node, "it among the nodes that follow it")
+        for c in (c for c in rigid.components if c < 3):
+            turned = {pivot + k: float(arm[c, k]) for k in range(3)}
+            rows.add(dofs * node + c, node, {dofs * reference + c: 1.0} | turned, rigid.where)
+        own = motions.turn(node)
+        if own >= 0:
+            for c in turning:
+                rows.add(own + c - 3, node, {pivot + c - 3: 1.0}, rigid.where)
+        elif turning and motions.tilts is not None:
+            if len(turning) < 3:
+                raise motions.fault(
+                    rigid.where, node, "some of the turns of a shell's node, expected all three or none"
+                )
+            tie_director(rows, node, pivot, rigid.where)
+
+
+def tie_director(rows: Rows, node: int, pivot: int, where: str) -> None:
+    """The director of a shell's node turns with a pivot: w_a = e_a.(theta x n) = theta.(n x e_a)."""
+    tilts = rows.motions.tilts
+    assert tilts is not None
+    for a in (0, 1):
+        of = {pivot + k: float(tilts[node, a, k]) for k in range(3)}
+        rows.add(rows.motions.dofs * node + 3 + a, node, of, where)
+
+
+def take_mean(rows: Rows, mean: Mean) -> None:
+    """Rows of a mean connection: (A^T w A)^-1 A^T w u with A = [1, -[r]]."""
+    motions, mesh, dofs = rows.motions, rows.motions.mesh, rows.motions.dofs
+    arms = mesh.points[mean.nodes] - mesh.points[mean.reference]
+    reach = max(float(np.abs(arms).max()), np.finfo(float).tiny)
+    A = np.concatenate([np.broadcast_to(np.eye(3), (len(arms), 3, 3)), -cross_matrix(arms / reach)], axis=2)
+    normal = np.einsum("j,jcs,jct->st", mean.weights, A, A)
+    size = np.linalg.eigvalsh(normal)
+    if not size[0] > FLAT * size[-1]:
+        found = f"{len(arms)} nodes in a line, expected three that span a triangle"
+        raise motions.fault(mean.where, mean.reference, found)
+    fit = np.linalg.solve(normal, np.einsum("j,jcs->sjc", mean.weights, A).reshape(6, -1)).reshape(6, -1, 3)
+    fit[3:] /= reach
+    pivot = motions.turn(mean.reference)
+    for c in mean.components:
+        if c > 2 and pivot < 0:
+            raise motions.fault(mean.where, mean.reference, "turns of a node on cells, expected x, y, z alone")
+        dof = dofs * mean.reference + c if c < 3 else pivot + c - 3
+        of = {dofs * node + k: float(fit[c, j, k]) for j, node in enumerate(mean.nodes.tolist()) for k in range(3)}
+        rows.add(dof, mean.reference, of, mean.where)
+
+
+def take_equation(rows: Rows, equation: Equation) -> None:
+    """The row of an equation, solved for its first term."""
+    motions, (first, *others) = rows.motions, equation.terms
+    own = motions.row(first.node, first.component, equation.where)
+    if first.coefficient == 0.0 or len(own) > 1:
+        found = "a coefficient of 0" if first.coefficient == 0.0 else "a turn of a shell's node"
+        raise motions.fault(equation.where, first.node, f"{found} in the first term, expected a motion to solve for")
+    of = motions.combined([t._replace(coefficient=-t.coefficient / first.coefficient) for t in others], equation.where)
+    rows.add(next(iter(own)), first.node, of, equation.where)
+
+
+def eliminated(rows: Rows) -> csr_array:
+    """Every dof as a combination of independent ones, (size, size); rows of independent dofs are those of 1.
+
+    Raises
+    ------
+    ModelError
+        `mesh-attachment` for connections that hang on one another in a ring.
+    """
+    size = rows.motions.size
+    dependent = np.zeros(size, dtype=bool)
+    dependent[list(rows.owner)] = True
+    free = np.flatnonzero(~dependent)
+    i, j, value = np.array(rows.entries, dtype=float).reshape(-1, 3).T
+    place = np.concatenate([i.astype(np.int64), free]), np.concatenate([j.astype(np.int64), free])
+    R = coo_array((np.concatenate([value, np.ones(len(free))]), place), shape=(size, size)).tocsr()
+    for _ in range(LEVELS):
+        if not dependent[R.indices].any():
+            return csr_array(R)
+        R = csr_array(R @ R)
+        R.eliminate_zeros()
+    ring = rows.owner[int(R.indices[dependent[R.indices]][0])]
+    found = f"{ring}: found connections that hang on one another in a ring"
+    raise ModelError("mesh-attachment", f"{rows.motions.mesh.source}: {found}")

@@ -1,0 +1,243 @@
+"""Point masses, springs, rigid and mean connections and equations between nodes, as values.
+
+Nodes are indices into the points of a mesh, components 0 to 5: x, y, z and the turns about them. A node that no cell
+has is a point with all six; a node of a shell has three displacements and two turns (none about its normal), one of a
+solid has displacements alone.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from casingfem.io.arrays import FloatArray, IntArray, frozen
+
+Renumbering: TypeAlias = Callable[[IntArray], IntArray]
+
+
+class Term(NamedTuple):
+    """A coefficient times one component of a node's motion."""
+
+    node: int
+    component: int
+    coefficient: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PointMass:
+    """A rigid mass at a node.
+
+    Attributes
+    ----------
+    node
+        Where it hangs.
+    mass
+        m [kg].
+    inertia
+        About its own centre [kg m^2], (3, 3), symmetric.
+    offset
+        From the node to its centre [m].
+    where
+        Its card and line, for messages.
+
+    >>> PointMass(node=3, mass=2.0, offset=(0.0, 0.0, 0.1)).matrix[0].tolist()
+    [2.0, 0.0, 0.0, 0.0, 0.2, 0.0]
+    """
+
+    node: int
+    mass: float
+    inertia: FloatArray = field(default_factory=lambda: np.zeros((3, 3)))
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    where: str = "mass"
+
+    @property
+    def matrix(self) -> FloatArray:
+        """Mass on the node's six components, (6, 6): m |u + theta x offset|^2 + theta.J theta."""
+        moved = np.hstack([np.eye(3), -cross_matrix(np.asarray(self.offset))])
+        whole = self.mass * moved.T @ moved
+        whole[3:, 3:] += self.inertia
+        return np.asarray(whole)
+
+    @property
+    def turns(self) -> bool:
+        """Whether it is more than a mass on the displacements."""
+        return bool(np.any(self.inertia)) or any(self.offset)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spring:
+    """A stiffness on a combination of motions, k (sum of terms)^2/2: to the ground, or between two nodes.
+
+    >>> Spring(terms=(Term(0, 2, 1.0), Term(5, 2, -1.0)), stiffness=1e6).nodes
+    (0, 5)
+    """
+
+    terms: tuple[Term, ...]
+    stiffness: float
+    where: str = "spring"
+
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        """Nodes that it joins."""
+        return tuple(term.node for term in self.terms)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rigid:
+    """Components of nodes that follow a reference node as one rigid body (RBE2, kinematic coupling).
+
+    >>> Rigid(reference=9, nodes=np.array([1, 2, 3])).components
+    (0, 1, 2, 3, 4, 5)
+    """
+
+    reference: int
+    nodes: IntArray
+    components: tuple[int, ...] = (0, 1, 2, 3, 4, 5)
+    where: str = "rigid connection"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Mean:
+    """Components of a reference node that follow nodes in the mean, by weighted least squares (RBE3).
+
+    >>> Mean(reference=9, nodes=np.array([1, 2, 3]), weights=np.ones(3)).components
+    (0, 1, 2, 3, 4, 5)
+    """
+
+    reference: int
+    nodes: IntArray
+    weights: FloatArray
+    components: tuple[int, ...] = (0, 1, 2, 3, 4, 5)
+    where: str = "mean connection"
+
+    def renumbered(self, new: Renumbering) -> "Mean":
+        """The same with other numbers of nodes; of nodes that become one the weights add up."""
+        nodes, place = np.unique(new(self.nodes), return_inverse=True)
+        weights = np.bincount(place.ravel(), self.weights)
+        return replace(self, reference=int(new(np.array([self.reference]))[0]), nodes=nodes, weights=weights)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Equation:
+    """A sum of terms that is zero; the first term is what follows the others.
+
+    >>> Equation(terms=(Term(0, 2, 1.0), Term(5, 2, -1.0))).nodes
+    (0, 5)
+    """
+
+    terms: tuple[Term, ...]
+    where: str = "equation"
+
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        """Nodes that it joins."""
+        return tuple(term.node for term in self.terms)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Attachments:
+    """All that hangs on a mesh beside its cells.
+
+    >>> hung = Attachments(masses=(PointMass(node=3, mass=2.0),))
+    >>> bool(hung), hung.ties, hung.nodes.tolist()
+    (True, (), [3])
+    """
+
+    masses: tuple[PointMass, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    rigids: tuple[Rigid, ...] = ()
+    means: tuple[Mean, ...] = ()
+    equations: tuple[Equation, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.masses or self.springs or self.ties)
+
+    def __repr__(self) -> str:
+        kinds = (
+            ("point mass", "es", self.masses), ("spring", "s", self.springs), ("rigid connection", "s", self.rigids),
+            ("mean connection", "s", self.means), ("equation", "s", self.equations),
+        )  # fmt: skip
+        parts = (f"{len(items)} {name}{plural * (len(items) > 1)}" for name, plural, items in kinds if items)
+        return ", ".join(parts) or "nothing"
+
+    @property
+    def weighed(self) -> bool:
+        """Whether it has numbers in the file's units of mass or force."""
+        return bool(self.masses or self.springs)
+
+    @property
+    def ties(self) -> tuple[Rigid | Mean | Equation, ...]:
+        """What makes motions depend on others."""
+        return (*self.rigids, *self.means, *self.equations)
+
+    @property
+    def links(self) -> Iterator[IntArray]:
+        """Nodes that each item holds together, two or more."""
+        for group in (*self.springs, *self.equations):
+            if len(set(group.nodes)) > 1:
+                yield np.array(group.nodes, dtype=np.int64)
+        for tie in (*self.rigids, *self.means):
+            yield np.append(tie.nodes, tie.reference)
+
+    @property
+    def nodes(self) -> IntArray:
+        """Every node that is named, ascending."""
+        ends = [node for spring in (*self.springs, *self.equations) for node in spring.nodes]
+        ends += [mass.node for mass in self.masses]
+        tied = [np.append(tie.nodes, tie.reference) for tie in (*self.rigids, *self.means)]
+        return np.unique(np.concatenate([np.array(ends, dtype=np.int64), *tied]))
+
+    def renumbered(self, new: Renumbering) -> "Attachments":
+        """The same with other numbers of nodes: `new` takes an array of them."""
+
+        def one(node: int) -> int:
+            return int(new(np.array([node]))[0])
+
+        def terms(of: tuple[Term, ...]) -> tuple[Term, ...]:
+            return tuple(term._replace(node=one(term.node)) for term in of)
+
+        return Attachments(
+            masses=tuple(replace(mass, node=one(mass.node)) for mass in self.masses),
+            springs=tuple(replace(spring, terms=terms(spring.terms)) for spring in self.springs),
+            rigids=tuple(replace(r, reference=one(r.reference), nodes=np.unique(new(r.nodes))) for r in self.rigids),
+            means=tuple(mean.renumbered(new) for mean in self.means),
+            equations=tuple(replace(equation, terms=terms(equation.terms)) for equation in self.equations),
+        )
+
+    def in_si(self, length: float, mass: float, time: float) -> "Attachments":
+        """The same in m, kg, s, from units of which these are the sizes."""
+
+        def stiff(spring: Spring) -> float:
+            turning = all(term.component > 2 for term in spring.terms)
+            return spring.stiffness * mass / time**2 * (length**2 if turning else 1.0)
+
+        def terms(of: tuple[Term, ...]) -> tuple[Term, ...]:  # of displacements in m
+            return tuple(t if t.component > 2 else t._replace(coefficient=t.coefficient / length) for t in of)
+
+        return replace(
+            self,
+            masses=tuple(
+                replace(
+                    m,
+                    mass=m.mass * mass,
+                    inertia=frozen(np.asarray(m.inertia) * mass * length**2),
+                    offset=(m.offset[0] * length, m.offset[1] * length, m.offset[2] * length),
+                )
+                for m in self.masses
+            ),
+            springs=tuple(replace(spring, stiffness=stiff(spring)) for spring in self.springs),
+            equations=tuple(replace(equation, terms=terms(equation.terms)) for equation in self.equations),
+        )
+
+
+def cross_matrix(r: FloatArray) -> FloatArray:
+    """Matrix [r] with [r] v = r x v; of places (..., 3), (..., 3, 3).
+
+    >>> cross_matrix(np.array([0.0, 0.0, 1.0])).tolist()
+    [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    """
+    return np.cross(np.asarray(r)[..., None, :], np.eye(3)).swapaxes(-1, -2)
+
+
+NOTHING = Attachments()

@@ -1,0 +1,444 @@
+"""Point masses, springs and connections on imported parts: exact solutions, two formats of one model, refusals."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+
+import casingfem as cf
+from casingfem.errors import ModelError, ModelWarning
+from casingfem.modal.imported.modes import mesh_modes
+from casingfem.modal.interface import AtNodes
+from casingfem.structure.imported.attachments.values import (
+    Attachments,
+    Equation,
+    Mean,
+    PointMass,
+    Rigid,
+    Spring,
+    Term,
+    cross_matrix,
+)
+from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.loads import NodeLoad
+from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.shell import MeshShell
+from casingfem.structure.imported.solid import Solid
+from casingfem.structure.shell.loads import Gravity
+from reports.modes.mesh_files import write_bdf, write_inp
+
+pytestmark = [pytest.mark.filterwarnings(f"ignore:.*{code}") for code in ("mesh-aspect", "mesh-orphan-nodes")]
+
+STEEL = cf.Material(E=210e9, nu=0.0, rho=7800.0)  # nu = 0: beam theory without its anticlastic curvature
+L, B = 1.0, 0.02
+EI, RHO_A = 210e9 * B**4 / 12.0, 7800.0 * B**2
+
+
+def beam(offset=0.0, kind="solid"):
+    """A slender cantilever along x, and the index of a node of no cell at x = L + offset."""
+    if kind == "shell":
+        mesh = grid_mesh("quad8", (6, 1), lambda u: np.insert((u - [0.0, 0.5]) * [L, B], 2, 0.0, axis=1),
+                         groups={"root": (0, 0.0), "tip": (0, 1.0)})  # fmt: skip
+    else:
+        mesh = grid_mesh("hexahedron20", (16, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [L, B, B],
+                         groups={"root": (0, 0.0), "tip": (0, 1.0)})  # fmt: skip
+    count = len(mesh.points)
+    points = np.vstack([mesh.points, [[L + offset, 0.0, 0.0]]])
+    return replace(mesh, points=points, node_numbers=np.arange(1, count + 2)), count
+
+
+def hung(mesh, **items):
+    return replace(mesh, attachments=Attachments(**items))
+
+
+def structure(mesh, supports=("root",)):
+    held = {name: cf.Clamped() for name in supports}
+    if mesh.cell_kind.dim == 2:
+        return MeshShell(mesh=mesh, thickness=B, material=STEEL, supports=held)
+    return Solid(mesh=mesh, material=STEEL, supports=held)
+
+
+def joined_to(mesh, node, how):
+    tip = mesh.groups["tip"].nodes
+    if how == "rigid":
+        return {"rigids": (Rigid(reference=node, nodes=tip),)}
+    return {"means": (Mean(reference=node, nodes=tip, weights=np.ones(len(tip))),)}
+
+
+@pytest.mark.parametrize(("kind", "how"), [("solid", "rigid"), ("solid", "mean"), ("shell", "rigid")])
+def test_a_cantilever_with_a_tip_mass_swings_as_its_equation_says(kind, how):
+    """1 + cos b cosh b + mu b (cos b sinh b - sin b cosh b) = 0, omega = b^2 sqrt(EI/(rho A L^4)), mu = m/(rho A L)."""
+    mesh, node = beam(kind=kind)
+    mass = 2.0
+    found = mesh_modes(
+        structure(hung(mesh, **joined_to(mesh, node, how), masses=(PointMass(node=node, mass=mass),))), 4
+    )
+    mu = mass / (RHO_A * L)
+    b = brentq(lambda b: 1 / np.cosh(b) + np.cos(b) + mu * b * (np.cos(b) * np.tanh(b) - np.sin(b)), 0.5, 2.0)
+    np.testing.assert_allclose(found.freq[0], b**2 * np.sqrt(EI / (RHO_A * L**4)) / (2 * np.pi), rtol=6e-4)
+    assert found.sturm_count == len(found.freq)
+
+
+@pytest.mark.parametrize(("kind", "how"), [("solid", "rigid"), ("solid", "mean"), ("shell", "rigid")])
+def test_a_force_on_an_arm_beyond_the_tip_brings_its_moment(kind, how):
+    """u = P (L^3/3 + L^2 e + L e^2)/EI where a rigid arm e carries the force."""
+    e, P = 0.3, 10.0
+    mesh, node = beam(e, kind)
+    part = structure(hung(mesh, **joined_to(mesh, node, how)))
+    found = cf.solve_static(part, [NodeLoad(node=node + 1, force=(0.0, 0.0, P))])
+    np.testing.assert_allclose(found.at(node + 1)[2], P * (L**3 / 3 + L**2 * e + L * e**2) / EI, rtol=6e-4)
+
+
+def test_reduction_at_a_reference_node_keeps_its_static_compliance():
+    mesh, node = beam(0.1)
+    mass = PointMass(node=node, mass=1.0, inertia=np.diag([1e-3, 2e-3, 3e-3]), offset=(0.0, 0.0, 0.05))
+    part = structure(hung(mesh, **joined_to(mesh, node, "rigid"), masses=(mass,)))
+    basis = cf.reduce(part, interface=AtNodes((node + 1,)), modes=3)
+    whole = basis.rows @ np.diag(basis.omega**-2) @ basis.rows.T + basis.S
+    for k, force in enumerate(np.eye(3)):
+        moved = cf.solve_static(part, [NodeLoad(node=node + 1, force=tuple(force))]).at(node + 1)
+        np.testing.assert_allclose(whole[:, k], moved, atol=1e-9 * np.abs(whole).max())
+
+
+def block(**items):
+    """A free cube of one element, all nodes on a reference in its centre, and the reference's index."""
+    cube = grid_mesh("hexahedron20", (1, 1, 1), lambda u: (u - 0.5) * [0.1, 0.2, 0.3])
+    count = len(cube.points)
+    mesh = replace(cube, points=np.vstack([cube.points, np.zeros((1, 3))]), node_numbers=np.arange(1, count + 2))
+    return hung(mesh, rigids=(Rigid(reference=count, nodes=np.arange(count)),), **items), count
+
+
+def test_a_rigid_block_with_an_eccentric_mass_on_springs_is_the_six_by_six_pencil():
+    k = np.array([1e5, 2e5, 3e5, 4e3, 5e3, 6e3])
+    off = np.array([0.3, -0.2, 0.1])
+    J = np.array([[0.3, 0.02, 0.0], [0.02, 0.4, 0.05], [0.0, 0.05, 0.5]])
+    node = 20
+    springs = tuple(Spring(terms=(Term(node, c, 1.0),), stiffness=value) for c, value in enumerate(k))
+    mesh, _ = block(springs=springs, masses=(PointMass(node=node, mass=7.0, inertia=J, offset=tuple(off)),))
+    system = structure(mesh, ()).assembled()
+    own = 7800.0 * 0.1 * 0.2 * 0.3
+    sides = np.array([0.1, 0.2, 0.3])
+    M = np.diag([own] * 3 + [own * (sides @ sides - side**2) / 12.0 for side in sides])
+    arm = cross_matrix(off)
+    M += np.block([[7.0 * np.eye(3), -7.0 * arm], [7.0 * arm, J - 7.0 * arm @ arm]])
+    assert system.size == 6
+    assert system.rigid == 0
+    found = eigh(system.K.toarray(), system.M.toarray(), eigvals_only=True)
+    np.testing.assert_allclose(found, eigh(np.diag(k), M, eigvals_only=True), rtol=1e-8)
+
+
+def test_a_mass_on_a_spring_apart_from_the_cells_has_its_own_frequency():
+    mesh, node = beam(0.5)
+    springs = (Spring(terms=(Term(node, 1, 1.0),), stiffness=50.0), Spring(terms=(Term(node, 2, 1.0),), stiffness=18.0))
+    ground = Spring(terms=(Term(node, 0, 1.0),), stiffness=1e12)
+    found = mesh_modes(structure(hung(mesh, masses=(PointMass(node=node, mass=2.0),), springs=(*springs, ground))), 2)
+    np.testing.assert_allclose(2.0 * np.pi * found.freq, [3.0, 5.0], rtol=1e-8)
+
+
+def test_weight_of_point_masses_bends_the_beam():
+    mesh, _ = beam()
+    tip = mesh.groups["tip"].nodes
+    masses = tuple(PointMass(node=int(node), mass=2.0 / len(tip)) for node in tip)
+    part = structure(hung(mesh, masses=masses))
+    heavy, bare = (cf.solve_static(s, [Gravity(acceleration=(0.0, 0.0, -9.81))]) for s in (part, structure(mesh)))
+    change = (heavy.fields - bare.fields)[tip, 2].mean()
+    np.testing.assert_allclose(change, -2.0 * 9.81 * L**3 / (3.0 * EI), rtol=1e-3)
+
+
+def test_connections_and_springs_between_nodes_leave_six_rigid_motions_and_know_no_axes():
+    """A free part, a mass on a mean of its end, a second mass on a slanted spring; then all of it turned."""
+    mesh, node = beam(0.05)
+    far = np.array([[L + 0.1, 0.04, 0.03]])
+    mesh = replace(mesh, points=np.vstack([mesh.points, far]), node_numbers=np.arange(1, node + 3))
+
+    def free(mesh):
+        axis = mesh.points[node + 1] - mesh.points[node]
+        axis /= np.linalg.norm(axis)
+        terms = [Term(end, c, s * float(axis[c])) for end, s in ((node, 1.0), (node + 1, -1.0)) for c in range(3)]
+        items = joined_to(mesh, node, "mean") | {"masses": (PointMass(node=node + 1, mass=0.5),)}
+        across = [Spring(terms=(Term(node, c, 1.0), Term(node + 1, c, -1.0)), stiffness=1e5) for c in range(3)]
+        return structure(hung(mesh, **items, springs=(Spring(terms=tuple(terms), stiffness=1e6), *across)), ())
+
+    turn = np.linalg.qr(np.arange(9.0).reshape(3, 3) ** 2 + np.eye(3))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    one, other = free(mesh), free(replace(mesh, points=mesh.points @ turn.T))
+    slanted = replace(one.mesh, attachments=replace(one.mesh.attachments, springs=one.mesh.attachments.springs[:1]))
+    assert structure(slanted, ()).assembled().rigid == 6
+    values = []
+    for part in (one, other):
+        system = part.assembled()
+        values.append(eigh(system.K.toarray(), system.M.toarray(), eigvals_only=True, subset_by_index=[0, 14]))
+    np.testing.assert_allclose(values[0][6:], values[1][6:], rtol=1e-6)
+
+
+def test_equations_make_displacements_one():
+    """Two beams of one mesh, tied tip to tip along z by an equation, share a force."""
+    mesh, _ = beam()
+    tip = mesh.groups["tip"].nodes
+    first, *others = tip.tolist()
+    equations = tuple(Equation(terms=(Term(node, 2, 1.0), Term(first, 2, -1.0))) for node in others)
+    found = cf.solve_static(structure(hung(mesh, equations=equations)), [NodeLoad(node=first + 1, force=(0, 0, 1.0))])
+    np.testing.assert_allclose(found.fields[tip, 2], found.fields[first, 2], rtol=1e-12)
+    np.testing.assert_allclose(found.fields[first, 2], L**3 / (3.0 * EI), rtol=2e-3)
+
+
+def test_connections_hang_on_connections():
+    """A rigid arm of two links is one of their length; links in a ring are refused."""
+    mesh, node = beam(0.2)
+    mesh = replace(mesh, points=np.vstack([mesh.points, [[L + 0.5, 0.1, 0.0]]]), node_numbers=np.arange(1, node + 3))
+    tip = mesh.groups["tip"].nodes
+    two = (Rigid(reference=node, nodes=tip), Rigid(reference=node + 1, nodes=np.array([node])))
+    one = (Rigid(reference=node + 1, nodes=tip),)
+    load = [NodeLoad(node=node + 2, force=(0.0, 1.0, 2.0))]
+    found, exact = (cf.solve_static(structure(hung(mesh, rigids=r)), load).at(node + 2) for r in (two, one))
+    np.testing.assert_allclose(found, exact, rtol=1e-9)
+    ring = (*two, Rigid(reference=int(tip[0]), nodes=np.array([node + 1])))
+    with pytest.raises(ModelError, match="in a ring"):
+        structure(hung(mesh, rigids=ring)).assembled()
+
+
+BDF_ITEMS = """GRID,{n},,1.1,0.01,0.
+GRID,{m},,1.1,0.2,0.
+RBE2,901,{n},123456,{tip}
+CONM2,902,{n},,1.5,0.,0.,0.,,+
++,2.-3,,3.-3,,,4.-3
+CELAS2,903,2.+5,{n},3
+CELAS2,904,3.+4,{n},4
+CONM2,905,{m},,0.25
+CELAS1,906,77,{n},2,{m},2
+PELAS,77,1.+6
+CELAS2,907,1.+7,{m},1
+CELAS2,908,1.+7,{m},3
+MPC,5,{a},2,1.,{b},2,-2.,,+
++,,{c},3,.5
+"""
+INP_ITEMS = """*NODE
+{n}, 1.1, 0.01, 0.
+{m}, 1.1, 0.2, 0.
+*KINEMATIC COUPLING, REF NODE={n}
+tip
+*ELEMENT, TYPE=MASS, ELSET=m1
+902, {n}
+*MASS, ELSET=m1
+1.5
+*ELEMENT, TYPE=ROTARYI, ELSET=r1
+912, {n}
+*ROTARY INERTIA, ELSET=r1
+2e-3, 3e-3, 4e-3
+*ELEMENT, TYPE=SPRING1, ELSET=s1
+903, {n}
+*SPRING, ELSET=s1
+3
+2e5
+*ELEMENT, TYPE=SPRING1, ELSET=s2
+904, {n}
+*SPRING, ELSET=s2
+4
+3e4
+*ELEMENT, TYPE=MASS, ELSET=m2
+905, {m}
+*MASS, ELSET=m2
+0.25
+*ELEMENT, TYPE=SPRINGA, ELSET=s3
+906, {n}, {m}
+*SPRING, ELSET=s3
+1e6
+*ELEMENT, TYPE=SPRING1, ELSET=s4
+907, {m}
+*SPRING, ELSET=s4
+1
+1e7
+*ELEMENT, TYPE=SPRING1, ELSET=s5
+908, {m}
+*SPRING, ELSET=s5
+3
+1e7
+*EQUATION
+3
+{a}, 2, 1., {b}, 2, -2., {c}, 3, 0.5
+"""
+
+
+def both_files(folder, factor=1.0):
+    """One model with everything on it as a bulk data file and as an input file."""
+    mesh = grid_mesh("hexahedron20", (4, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [L, 0.1, 0.05] * factor,
+                     groups={"root": (0, 0.0), "tip": (0, 1.0)})  # fmt: skip
+    count = len(mesh.points)
+    inner = np.setdiff1d(np.arange(count), np.concatenate([g.nodes for g in mesh.groups.values()]))[:3] + 1
+    numbers = dict(zip("nmabc", [count + 1, count + 2, *inner.tolist()], strict=True))
+    write_bdf(mesh, folder / "part.bdf")
+    write_inp(mesh, folder / "part.inp")
+    tip = (mesh.groups["tip"].nodes + 1).tolist()
+    rows = ",".join(map(str, tip[:5])) + ",+\n+," + ",".join(map(str, tip[5:]))
+    text = (folder / "part.bdf").read_text()
+    (folder / "part.bdf").write_text(text.replace("ENDDATA", BDF_ITEMS.format(tip=rows, **numbers) + "ENDDATA"))
+    with (folder / "part.inp").open("a") as file:
+        file.write(INP_ITEMS.format(**numbers))
+    return folder / "part.bdf", folder / "part.inp"
+
+
+def test_one_model_in_two_formats_has_the_same_modes(tmp_path):
+    bdf, inp = both_files(tmp_path)
+    meshes = {"SPC 1": read_mesh(bdf), "root": read_mesh(inp)}
+    assert repr(meshes["SPC 1"].attachments) == "2 point masses, 5 springs, 1 rigid connection, 1 equation"
+    found = [mesh_modes(structure(mesh, (name,)), 8).freq for name, mesh in meshes.items()]
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
+    bare = mesh_modes(structure(replace(meshes["root"], attachments=Attachments())), 8).freq
+    assert np.abs(found[1] / bare - 1.0).min() > 1e-3
+
+
+def test_couplings_to_surfaces_and_bodies_of_sets_are_rigid_connections(tmp_path):
+    """*COUPLING takes all nodes of the faces, their middles included; *RIGID BODY those of the set."""
+    _, inp = both_files(tmp_path)
+    plain = inp.read_text()
+    by_nodes = read_mesh(inp).attachments.rigids[0]
+    head = plain.index("*KINEMATIC COUPLING")
+    tail = plain[plain.index("\n", plain.index("\n", head) + 1) + 1 :]
+    reference = re.search(r"REF NODE=(\d+)", plain)[1]
+    face = "*SURFACE, NAME=end\n4, S4\n*COUPLING, REF NODE={}, SURFACE=end, CONSTRAINT NAME=c\n*KINEMATIC\n"
+    for text in (face, "*RIGID BODY, REF NODE={}, NSET=tip\n"):
+        inp.write_text(plain[:head] + text.format(reference) + tail)
+        found = read_mesh(inp).attachments.rigids[0]
+        np.testing.assert_array_equal(found.nodes, by_nodes.nodes)
+        assert found.components == by_nodes.components
+
+
+def test_masses_and_springs_need_the_units_of_the_file(tmp_path):
+    """The same numbers in mm, t, s: a thousandth of the size, masses a thousand times larger, stiffness alike."""
+    bdf, _ = both_files(tmp_path)
+    si, mm = read_mesh(bdf).attachments, read_mesh(bdf, units="mm-t-s").attachments
+    assert mm.masses[0].mass == pytest.approx(1e3 * si.masses[0].mass)
+    np.testing.assert_allclose(mm.masses[0].inertia, 1e-3 * si.masses[0].inertia)
+    assert [m.stiffness / s.stiffness for m, s in zip(mm.springs, si.springs, strict=True)] == pytest.approx(
+        [1e3, 1e3, 1e-3, 1e3, 1e3]
+    )
+    with pytest.raises(ModelError, match=r"found 2 point masses, .* and scale = 0.001, expected units.*mesh-scale"):
+        read_mesh(bdf, scale=1e-3)
+    with pytest.raises(ModelError, match="beside units"):
+        read_mesh(bdf, scale=1e-3, units="mm-t-s")
+    with pytest.raises(ModelError, match="units: found 'mm'"):
+        read_mesh(bdf, units="mm")
+
+
+TETRA = """BEGIN BULK
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,0.,1.,0.
+GRID,4,,0.,0.,1.,{cd}
+GRID,5,,0.,0.,2.
+GRID,6,,0.,0.,3.
+CTETRA,1,7,1,2,3,4
+SPC1,3,123,1,3
+{card}
+ENDDATA
+"""
+INP = """*NODE
+1,0.,0.,0.
+2,1.,0.,0.
+3,0.,1.,0.
+4,0.,0.,1.
+5,0.,0.,2.
+*ELEMENT,TYPE=C3D4,ELSET=E
+1,1,2,3,4
+"""
+
+
+@pytest.mark.parametrize(
+    ("card", "told"),
+    [
+        ("CELAS1,9,3,4,1", "line 10: CELAS1: found the property 3, which no PELAS"),
+        ("CELAS2,9,-1.,4,1", "CELAS2: found the stiffness -1"),
+        ("CELAS2,9,1.,4,12", "components 12, expected one"),
+        ("CELAS2,9,1.,4,8", "components '8'"),
+        ("CELAS2,9,1.,4,1,5,4", "displacement against a turn"),
+        ("CONM2,9,5,3,1.,.1", "CONM2: found the system 3, expected 0"),
+        ("CONM2,9,5,,-1.", "CONM2: found the mass -1"),
+        ("CONM2,9,8,,1.", "grid 8 is named but not given"),
+        ("CBUSH,9,3,4,5,,,,0\nPBUSH,3,K,1.", "two places"),
+        ("RBE2,9,5,1237,4", "components '1237'"),
+        ("RBE2,9,5,123", "no grid that follows"),
+        ("RBE3,9,,5,123,1.,123456,1,2", "expected 123"),
+        ("RBE3,9,,5,123,1.,123,1,2,3\n,UM,1,123", "found UM"),
+        ("RBAR,9,4,5,123,456", "expected 123456 at one"),
+        ("MPC,1,4,1,1.,3,1,-1.\nMPC,2,4,2,1.,3,2,-1.", "found a second set"),
+        ("MPC,1,4,1,1.", "1 terms"),
+        ("GRDSET,,1", "defaults of the grids"),
+    ],
+)
+def test_cards_that_are_not_understood_are_refused_by_line(card, told, tmp_path):
+    path = tmp_path / "a.bdf"
+    path.write_text(TETRA.format(cd="", card=card))
+    with pytest.raises(ModelError, match=told):
+        read_mesh(path)
+
+
+def test_single_directions_of_turned_grids_are_refused_and_all_three_are_not(tmp_path):
+    path = tmp_path / "a.bdf"
+    path.write_text(TETRA.format(cd="2", card="RBE2,9,5,12,4"))
+    with pytest.raises(ModelError, match=r"single components of grid 4, .*\(CD\)"):
+        read_mesh(path)
+    path.write_text(TETRA.format(cd="2", card="RBE2,9,5,123,4"))
+    assert read_mesh(path).attachments.rigids[0].components == (0, 1, 2)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("*ELEMENT,TYPE=MASS,ELSET=M\n9,4\n", r"line 9: element 9 of type MASS without \*MASS"),
+        ("*MASS,ELSET=E\n2.5\n", r"line 9: \*MASS on element 1, expected MASS"),
+        ("*ELEMENT,TYPE=SPRING1,ELSET=S\n9,4\n*SPRING,ELSET=S\n1e6\n", "1 data lines"),
+        ("*ELEMENT,TYPE=SPRING2,ELSET=S\n9,4,5\n*SPRING,ELSET=S\n1,4\n1e6\n", "expected 2 of one kind"),
+        ("*ELEMENT,TYPE=SPRING1,ELSET=S\n9,4\n*SPRING,ELSET=S,NONLINEAR\n1\n1.\n", "found NONLINEAR"),
+        ("*EQUATION\n2\n4,1,1.\n", "found 3 cells"),
+        ("*MPC\nSLIDER,4,5,1\n", r"\*MPC: found SLIDER"),
+        ("*KINEMATIC\n1,3\n", r"without \*COUPLING"),
+        ("*COUPLING,REF NODE=5,SURFACE=S\n*KINEMATIC\n1,3\n", "no surface 'S'"),
+        ("*NGEN\n1,4\n", "not written out"),
+        ("*TRANSFORM,NSET=N\n1.,0.,0.,0.,1.,0.\n*EQUATION\n2\n4,1,1.,3,1,-1.\n", "along the global axes"),
+    ],
+)
+def test_keywords_that_are_not_understood_are_refused_by_line(text, told, tmp_path):
+    path = tmp_path / "a.inp"
+    path.write_text(INP + text)
+    with pytest.raises(ModelError, match=told):
+        read_mesh(path)
+
+
+@pytest.mark.parametrize("name", ["CONM1,9,4", "CMASS2,9,3.,4,1", "CGAP,9,3,4,5", "CSHEAR,9,3,1,2,3,4", "RROD,9,4,5",
+                                  "RSPLINE,9", "NSM,1", "DMIG,K2GG,0", "SPOINT,9"])  # fmt: skip
+def test_other_cards_with_stiffness_or_mass_are_not_passed_over_in_silence(name, tmp_path):
+    path = tmp_path / "a.bdf"
+    path.write_text(TETRA.format(cd="", card=name + "\nMAT1,1,2.+11\nPARAM,POST,-1\nCORD2R,2,,0.,0.,0.,0.,0.,1.\n,1."))
+    with pytest.warns(ModelWarning, match=f"1 {name.partition(',')[0]} .*mesh-left-out"):
+        read_mesh(path)
+
+
+@pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
+@pytest.mark.parametrize(
+    ("card", "told"),
+    [
+        ("CELAS2,9,1.,4,5", "node 4: found the turn about y, and nodes of solids do not turn"),
+        ("RBE2,9,5,123,4\nRBE2,10,6,123,4", r"RBE2 10 \(line 11\): node 4: found it tied already by RBE2 9"),
+        ("RBE2,9,5,123,1", "node 1: found a support on it"),
+        ("RBE3,9,,5,123,1.,123,1,2", "2 nodes in a line"),
+        ("CELAS2,9,1.,5,3", "node 5: found a stiffness and no mass along z"),
+        ("CONM2,9,4,,1.,.1", "node 4: found the turn"),
+        ("RBE2,9,5,123,4,2", "node 5: found a motion with neither stiffness nor mass"),
+    ],
+)
+def test_what_cannot_be_attached_is_refused_by_card_and_node(card, told, tmp_path):
+    path = tmp_path / "a.bdf"
+    path.write_text(TETRA.format(cd="", card=card))
+    part = Solid(mesh=read_mesh(path), material=STEEL, supports={"SPC 3": cf.Clamped()})
+    with pytest.raises(ModelError, match=told + ".*mesh-attachment"):
+        part.assembled()
+
+
+def test_analyses_that_do_not_take_attachments_say_so():
+    mesh, node = beam()
+    part = structure(hung(mesh, **joined_to(mesh, node, "rigid"), masses=(PointMass(node=node, mass=1.0),)))
+    with pytest.raises(ModelError, match=r"rotation of a part with 1 point mass, 1 rigid connection.*mesh-attachment"):
+        cf.campbell(replace(part, rotation=cf.Rotation(omega=0.0, axis=(0.0, 0.0, 1.0))), [10.0], count=1)
