@@ -55,6 +55,10 @@ MESHES = {
         "a mesh file is malformed, cut short, or has what this program does not read",
         "export it again whole, in one file, without what the message names",
     ),
+    "mesh-include": Fault(
+        "a mesh file includes another one that is not there, or that includes itself",
+        "put the included file beside the one that names it",
+    ),
     "mesh-flat-cell": Fault(
         "a cell has no volume or area",
         "delete it, or see whether its nodes were merged by mistake",

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from casingfem.errors import with_code
 from casingfem.experiment.correlation.shape_files import read_shapes
 from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.io.included import included_files
 from casingfem.linalg.eigen import START_SEED
 from casingfem.modal.interface import Rim, Tip, TipNodes
 from casingfem.structure.geometry.chart import Chart
@@ -253,7 +254,8 @@ def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:
     mistuning = None if tables.cyclic is None else tables.cyclic.mistuning
     names = [*names, mistuning if isinstance(mistuning, str) else None]
     names = [*names, *(table.mesh for table in (tables.solid, tables.shell) if table is not None)]
-    contents = [text, *((file.parent / name).read_bytes() for name in names if name is not None)]
+    files = [file.parent / name for name in names if name is not None]
+    contents = [text, *(each.read_bytes() for name in files for each in (name, *included_files(name)))]
     return {
         "study": file.name,
         "sha256": hashlib.sha256(b"\0".join(contents)).hexdigest(),

@@ -2,13 +2,13 @@
 
 A parser of our own, for small, large and free fields: it keeps the file's numbers and the constraint sets, puts grids
 from their coordinate systems into the basic one (`coordinates.py`), and refuses what would move nodes behind the
-reader's back (systems by grids, CORD1R, CORD1C, CORD1S; includes). Elements of property 7 are the group
+reader's back (systems by grids, CORD1R, CORD1C, CORD1S). Elements of property 7 are the group
 `PID 7`; the grids of SPC and SPC1 with set 3 on components 123 are `SPC 3 123`, and all of set 3 `SPC 3`.
 """
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,9 +16,10 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
-from casingfem.structure.imported.attachments.nastran import CARDS, LEFT_OUT, NastranAttachments
+from casingfem.io.included import NumberedLine, read_lines
+from casingfem.structure.imported.attachments.nastran import CARDS, LEFT_OUT, CardLike, NastranAttachments
 from casingfem.structure.imported.coordinates import KINDS_OF_SYSTEMS, System, in_basic
-from casingfem.structure.imported.draft import Block, Draft, Lookup, require_last_line
+from casingfem.structure.imported.draft import Block, Draft, Lookup
 
 SOLIDS = {
     ("CTETRA", 4): "tetra", ("CTETRA", 10): "tetra10", ("CHEXA", 8): "hexahedron", ("CHEXA", 20): "hexahedron20",
@@ -37,7 +38,7 @@ SHORT_EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 class Card:
     """One card: its line, name and fields after the name."""
 
-    line: int
+    line: str
     name: str
     fields: list[str]
     room: int = 0  # fields on its lines, filled or not
@@ -51,9 +52,7 @@ def read_bdf(path: Path) -> Draft:
     ModelError
         With the line, if the file is malformed or has what cannot be read.
     """
-    text = path.read_text(encoding="utf-8", errors="replace")
-    require_last_line(text, path.name)
-    return Parser(path.name).read(text)
+    return Parser(path.name).read(read_lines(path))
 
 
 def split_line(line: str) -> tuple[str, list[str]]:
@@ -76,13 +75,12 @@ def split_line(line: str) -> tuple[str, list[str]]:
     return head, data
 
 
-def cards(text: str) -> Iterator[Card]:
+def cards(lines: Sequence[NumberedLine]) -> Iterator[Card]:
     """Cards of the bulk data, continuations joined, comments left out."""
-    lines = text.splitlines()
-    begin = next((k + 1 for k, line in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), 0)
+    begin = next((k + 1 for k, (_, line) in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), 0)
     card: Card | None = None
     full = 0
-    for number, raw in enumerate(lines[begin:], begin + 1):
+    for number, raw in lines[begin:]:
         line = raw.partition("$")[0].rstrip()
         if not line.strip():
             continue
@@ -112,17 +110,17 @@ class Parser:
         self.systems: dict[int, System] = {}
         self.placed: list[tuple[int, int, Card]] = []  # grid by its row, its system, its card
         self.constraints: dict[tuple[str, str], list[int]] = {}  # set, components -> grids
-        self.left_out: dict[str, list[int]] = {}  # card -> its lines
+        self.left_out: dict[str, list[str]] = {}  # card -> its lines
         self.hung = NastranAttachments(self)
         self.turned: set[int] = set()  # grids whose displacements have a coordinate system of their own
 
-    def fault(self, card: Card, message: str) -> ModelError:
+    def fault(self, card: CardLike, message: str) -> ModelError:
         """A malformed file."""
         return ModelError("mesh-file", f"{self.source}: line {card.line}: {card.name}: {message}")
 
-    def read(self, text: str) -> Draft:
+    def read(self, lines: Sequence[NumberedLine]) -> Draft:
         """Take every card in turn."""
-        for card in cards(text):
+        for card in cards(lines):
             if card.name == "GRID":
                 self.take_grid(card)
             elif card.name in PLACES or card.name in SHELLS:
@@ -133,8 +131,6 @@ class Parser:
                 self.take_system(card)
             elif card.name in ("CORD1R", "CORD1C", "CORD1S"):
                 raise self.fault(card, "a coordinate system by grids, expected one by points: CORD2R, CORD2C, CORD2S")
-            elif card.name.startswith("INCLUDE"):
-                raise self.fault(card, "refers to another file, expected a flat mesh")
             elif card.name in CARDS:
                 self.hung.take(card)
             elif card.name == "GRDSET" and any(card.fields):
@@ -146,7 +142,7 @@ class Parser:
             warn("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
         return self.draft()
 
-    def integer(self, card: Card, text: str) -> int:
+    def integer(self, card: CardLike, text: str) -> int:
         """A whole number."""
         try:
             number = int(text)
@@ -156,7 +152,7 @@ class Parser:
             raise self.fault(card, f"found {text!r}, expected a number of at most eight digits")
         return number
 
-    def real(self, card: Card, text: str) -> float:
+    def real(self, card: CardLike, text: str) -> float:
         """A real number in Nastran's ways: 1.5, 1.5-3, 1.5D-3; empty is zero."""
         plain = SHORT_EXPONENT.sub(r"e\1", text.upper().replace("D", "E").lower()) if "e" not in text.lower() else text
         try:

@@ -17,7 +17,6 @@ from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
 from contact.io.names import names_fault
 
 DIMENSIONS = {"vertex": 0, "wedge": 3, "pyramid": 3, "polygon": 2} | {name: kind.dim for name, kind in KINDS.items()}
-ENDS = ("*END", "**", "ENDDATA", "$")  # lines that a text may end with, ended or not
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,18 +67,6 @@ class Lookup:
         if len(missing):
             raise ModelError("mesh-file", f"{self.source}: {self.what} {missing[0]} is named but not given")
         return np.asarray(self.order[place])
-
-
-def require_last_line(text: str, source: str) -> None:
-    """Refuse a text whose last line is not ended: its last number may be a part of one.
-
-    Raises
-    ------
-    ModelError
-        With that line.
-    """
-    if text and text[-1] not in "\r\n" and not (last := text.splitlines()[-1].strip()).upper().startswith(ENDS):
-        raise ModelError("mesh-file", f"{source}: the last line, {last[-40:]!r}, has no end: cut short?")
 
 
 def build(draft: Draft, source: str) -> MeshData:

@@ -1,11 +1,11 @@
 """Read the mesh of an Abaqus or CalculiX input file: nodes, elements, node sets, element sets, element surfaces.
 
 A parser of our own: it keeps the file's numbers, every block of nodes, nested sets and surfaces, places instances of
-parts (`instances.py`), and refuses what would move or merge nodes behind the reader's back (coordinate systems,
-includes). What is not geometry (materials, steps) is passed over.
+parts (`instances.py`), follows *INCLUDE, and refuses what would move or merge nodes behind the reader's back
+(coordinate systems). What is not geometry (materials, steps) is passed over.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,9 +14,10 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.included import NumberedLine, read_lines
 from casingfem.structure.imported.attachments.abaqus import CONNECTIONS, ELEMENTS, PROPERTIES, AbaqusAttachments
 from casingfem.structure.imported.cell_kind import KINDS
-from casingfem.structure.imported.draft import Block, Draft, Lookup, require_last_line
+from casingfem.structure.imported.draft import Block, Draft, Lookup
 from casingfem.structure.imported.instances import Frame, laid_out
 
 FAMILIES = {
@@ -31,7 +32,7 @@ NODES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge"
          "quad8": 8, "quad9": 9, "triangle": 3, "triangle6": 6, "line": 2, "line3": 3}  # fmt: skip
 TETRA_FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))  # S1 to S4
 CUBE_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))  # S1 to S6
-REFUSED = {"INCLUDE": "another file", "SYSTEM": "a local coordinate system"} | dict.fromkeys(
+REFUSED = {"SYSTEM": "a local coordinate system"} | dict.fromkeys(
     ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"), "nodes or elements that are not written out"
 )
 MOST = 1e15  # of numbers that a mesh has: beyond, a float does not tell them apart
@@ -44,10 +45,10 @@ LEFT_OUT = ("TIE", "SHELL TO SOLID COUPLING", "DISTRIBUTING", "DISTRIBUTING COUP
 class Card:
     """One keyword: its line, parameters and data lines with their line numbers."""
 
-    line: int
+    line: str
     keyword: str
     parameters: dict[str, str]
-    data: list[tuple[int, str]] = field(default_factory=list)
+    data: list[tuple[str, str]] = field(default_factory=list)
 
 
 def read_inp(path: Path) -> Draft:
@@ -58,15 +59,13 @@ def read_inp(path: Path) -> Draft:
     ModelError
         With the line, if the file is malformed or has what cannot be read.
     """
-    text = path.read_text(encoding="utf-8", errors="replace")
-    require_last_line(text, path.name)
-    return Parser(path.name).read(text)
+    return Parser(path.name).read(read_lines(path))
 
 
-def cards(text: str) -> Iterator[Card]:
+def cards(lines: Iterable[NumberedLine]) -> Iterator[Card]:
     """Keywords with their data; comments and empty lines are left out, continued keyword lines joined."""
     card: Card | None = None
-    for number, raw in enumerate(text.splitlines(), 1):
+    for number, raw in lines:
         line = raw.strip()
         if not line or line.startswith("**"):
             continue
@@ -96,22 +95,22 @@ class Parser:
         self.surfaces: dict[str, list[tuple[IntArray, str]]] = {}
         self.spelling: dict[str, str] = {}
         self.frame = Frame()
-        self.left_out: dict[str, int] = {}  # keyword -> its line
+        self.left_out: dict[str, str] = {}  # keyword -> its line
         self.hung = AbaqusAttachments(self)
         self.on_nodes: dict[str, list[IntArray]] = {}  # surfaces of nodes
 
-    def fault(self, line: int, message: str) -> ModelError:
+    def fault(self, line: str, message: str) -> ModelError:
         """A malformed file."""
         return ModelError("mesh-file", f"{self.source}: line {line}: {message}")
 
-    def read(self, text: str) -> Draft:
+    def read(self, lines: Sequence[NumberedLine]) -> Draft:
         """Take every card in turn."""
-        self.size = len(text)
+        self.size = sum(len(line) + 1 for _, line in lines)
         takers = {"NODE": self.take_nodes, "ELEMENT": self.take_elements, "NSET": self.take_set,
                   "ELSET": self.take_set, "SURFACE": self.take_surface}  # fmt: skip
         takers |= dict.fromkeys((*PROPERTIES, *CONNECTIONS), self.hung.take)
         left_out = self.left_out
-        for card, frame in laid_out(cards(text), self.fault):
+        for card, frame in laid_out(cards(lines), self.fault):
             self.frame = frame
             if card.keyword in REFUSED:
                 raise self.fault(card.line, f"*{card.keyword} refers to {REFUSED[card.keyword]}, expected a flat mesh")
@@ -188,15 +187,15 @@ class Parser:
         if "ELSET" in card.parameters:
             self.add(self.element_sets, card.parameters["ELSET"], table[:, 0])
 
-    def nodes_of(self, cell: str, line: int) -> IntArray:
+    def nodes_of(self, cell: str, line: str) -> IntArray:
         """Numbers of a node or node set named so far."""
         return self.numbers_of(self.node_sets, cell, line)
 
-    def elements_of(self, name: str, line: int) -> IntArray:
+    def elements_of(self, name: str, line: str) -> IntArray:
         """Numbers of an element set named so far."""
         return self.numbers_of(self.element_sets, name, line)
 
-    def surface_nodes(self, name: str, line: int) -> IntArray:
+    def surface_nodes(self, name: str, line: str) -> IntArray:
         """Numbers of the nodes of a surface, of elements with the middles of their faces."""
         if name.upper() in self.on_nodes:
             return np.unique(np.concatenate(self.on_nodes[name.upper()]))
@@ -235,7 +234,7 @@ class Parser:
             found += [self.numbers_of(sets, cell, line) for cell in cells if cell]
         self.add(sets, name, np.concatenate([*found, np.zeros(0, dtype=np.int64)]))
 
-    def numbers_of(self, sets: dict[str, list[IntArray]], cell: str, line: int) -> IntArray:
+    def numbers_of(self, sets: dict[str, list[IntArray]], cell: str, line: str) -> IntArray:
         """A number, or the members of a set named before."""
         if cell.isdecimal() and int(cell) < MOST:
             return np.array([int(cell) + self.frame.offset])
@@ -248,8 +247,8 @@ class Parser:
         """*SURFACE of TYPE=ELEMENT: element or set, face S1, S2, ..."""
         name = self.named(card.parameters.get("NAME", ""))
         if card.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
-            cells = [(line, text.split(",")[0].strip()) for line, text in card.data]
-            self.on_nodes.setdefault(name.upper(), []).extend(self.nodes_of(cell, line) for line, cell in cells)
+            named = [(line, text.split(",")[0].strip()) for line, text in card.data]
+            self.on_nodes.setdefault(name.upper(), []).extend(self.nodes_of(cell, line) for line, cell in named)
             return
         if card.parameters.get("TYPE", "ELEMENT").upper() != "ELEMENT":
             return

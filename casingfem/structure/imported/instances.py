@@ -24,10 +24,10 @@ from casingfem.io.arrays import FloatArray
 class CardLike(Protocol):
     """What is asked of a card: its line, keyword, parameters and data lines."""
 
-    line: int
+    line: str
     keyword: str
     parameters: dict[str, str]
-    data: list[tuple[int, str]]
+    data: list[tuple[str, str]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +55,7 @@ class Frame:
         return np.asarray(x @ self.turn.T + self.shift)
 
 
-def laid_out(cards: Iterable[Any], fault: Callable[[int, str], ModelError]) -> Iterator[tuple[Any, Frame]]:
+def laid_out(cards: Iterable[Any], fault: Callable[[str, str], ModelError]) -> Iterator[tuple[Any, Frame]]:
     """Every card with its frame, those of a part once for each of its instances.
 
     Raises
@@ -120,7 +120,7 @@ def largest(card: CardLike) -> int:
     return max((int(number) for number in numbers if number.isdecimal()), default=0)
 
 
-def motion(card: CardLike, fault: Callable[[int, str], ModelError]) -> tuple[FloatArray, FloatArray]:
+def motion(card: CardLike, fault: Callable[[str, str], ModelError]) -> tuple[FloatArray, FloatArray]:
     """Turn (3, 3) and shift (3,) of an instance: x -> turn x + shift."""
     rows = []
     for line, text in card.data:

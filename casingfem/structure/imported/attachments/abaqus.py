@@ -24,25 +24,25 @@ REFUSED = ("ORIENTATION", "NONLINEAR", "ROT NODE", "ELSET", "PIN NSET", "ANALYTI
 class CardLike(Protocol):
     """What is asked of a card: its line, keyword, parameters and data lines."""
 
-    line: int
+    line: str
     keyword: str
     parameters: dict[str, str]
-    data: list[tuple[int, str]]
+    data: list[tuple[str, str]]
 
 
 class Names(Protocol):
     """How the reader of the file refuses lines, and what its names stand for."""
 
-    def fault(self, line: int, message: str) -> ModelError:
+    def fault(self, line: str, message: str) -> ModelError:
         """A malformed file."""
 
-    def nodes_of(self, cell: str, line: int) -> IntArray:
+    def nodes_of(self, cell: str, line: str) -> IntArray:
         """Numbers of a node or node set named so far."""
 
-    def elements_of(self, name: str, line: int) -> IntArray:
+    def elements_of(self, name: str, line: str) -> IntArray:
         """Numbers of an element set."""
 
-    def surface_nodes(self, name: str, line: int) -> IntArray:
+    def surface_nodes(self, name: str, line: str) -> IntArray:
         """Numbers of the nodes of a surface."""
 
 
@@ -51,13 +51,13 @@ class AbaqusAttachments:
 
     def __init__(self, names: Names) -> None:
         self.names = names
-        self.elements: dict[int, tuple[str, IntArray, int]] = {}  # number -> type, nodes, line of the card
+        self.elements: dict[int, tuple[str, IntArray, str]] = {}  # number -> type, nodes, line of the card
         self.properties: list[tuple[CardLike, IntArray]] = []  # card, elements
         self.equations: list[Equation] = []
         self.rigids: list[Callable[[], Rigid]] = []  # surfaces are known at the end
         self.coupling: CardLike | None = None
 
-    def take_elements(self, line: int, kind: str, numbers: IntArray, nodes: IntArray) -> None:
+    def take_elements(self, line: str, kind: str, numbers: IntArray, nodes: IntArray) -> None:
         """Elements of a type of `ELEMENTS`."""
         self.elements |= {int(number): (kind, row, line) for number, row in zip(numbers, nodes, strict=True)}
 
@@ -90,11 +90,11 @@ class AbaqusAttachments:
         """Whether single directions of nodes are named."""
         return bool(self.equations) or any(card.keyword == "SPRING" for card, _ in self.properties)
 
-    def rows(self, card: CardLike) -> list[tuple[int, list[str]]]:
+    def rows(self, card: CardLike) -> list[tuple[str, list[str]]]:
         """Data lines with their cells."""
         return [(line, [cell.strip() for cell in text.rstrip(", ").split(",")]) for line, text in card.data]
 
-    def number(self, line: int, cell: str) -> float:
+    def number(self, line: str, cell: str) -> float:
         """A real number."""
         try:
             value = float(cell.upper().replace("D", "E"))
@@ -104,13 +104,13 @@ class AbaqusAttachments:
             raise self.names.fault(line, f"found {cell!r}, expected a number")
         return value
 
-    def component(self, line: int, cell: str) -> int:
+    def component(self, line: str, cell: str) -> int:
         """A degree of freedom 1 to 6 as an index from 0."""
         if cell not in ("1", "2", "3", "4", "5", "6"):
             raise self.names.fault(line, f"found {cell!r}, expected a degree of freedom 1 to 6")
         return int(cell) - 1
 
-    def span(self, line: int, cells: list[str]) -> range:
+    def span(self, line: str, cells: list[str]) -> range:
         """First and last degree of freedom."""
         ends = [self.component(line, cell) for cell in cells[:2]]
         return range(ends[0], ends[-1] + 1)
@@ -158,7 +158,7 @@ class AbaqusAttachments:
             for node, reference in zip(first, np.broadcast_to(other, first.shape), strict=True):
                 self.take_pair(line, cells[0].upper(), int(node), int(reference))
 
-    def take_pair(self, line: int, kind: str, node: int, reference: int) -> None:
+    def take_pair(self, line: str, kind: str, node: int, reference: int) -> None:
         """One node that follows another: rigidly, or as if it stood there."""
         where = f"*MPC {kind} (line {line})"
         if kind == "BEAM":

@@ -25,7 +25,7 @@ LEFT_OUT = re.compile(
 class CardLike(Protocol):
     """What is asked of a card."""
 
-    line: int
+    line: str
     name: str
     fields: list[str]
 

@@ -114,7 +114,7 @@ class Mean:
     def renumbered(self, new: Renumbering) -> "Mean":
         """The same with other numbers of nodes; of nodes that become one the weights add up."""
         nodes, place = np.unique(new(self.nodes), return_inverse=True)
-        weights = np.bincount(place.ravel(), self.weights)
+        weights = np.bincount(place.ravel(), self.weights).astype(np.float64)
         return replace(self, reference=int(new(np.array([self.reference]))[0]), nodes=nodes, weights=weights)
 
 
@@ -174,19 +174,22 @@ class Attachments:
     @property
     def links(self) -> Iterator[IntArray]:
         """Nodes that each item holds together, two or more."""
-        for group in (*self.springs, *self.equations):
+        groups: tuple[Spring | Equation, ...] = (*self.springs, *self.equations)
+        for group in groups:
             if len(set(group.nodes)) > 1:
                 yield np.array(group.nodes, dtype=np.int64)
-        for tie in (*self.rigids, *self.means):
+        ties: tuple[Rigid | Mean, ...] = (*self.rigids, *self.means)
+        for tie in ties:
             yield np.append(tie.nodes, tie.reference)
 
     @property
     def nodes(self) -> IntArray:
         """Every node that is named, ascending."""
-        ends = [node for spring in (*self.springs, *self.equations) for node in spring.nodes]
-        ends += [mass.node for mass in self.masses]
-        tied = [np.append(tie.nodes, tie.reference) for tie in (*self.rigids, *self.means)]
-        return np.unique(np.concatenate([np.array(ends, dtype=np.int64), *tied]))
+        masses = np.array([mass.node for mass in self.masses], dtype=np.int64)
+        groups: tuple[Spring | Equation, ...] = (*self.springs, *self.equations)
+        ends = [np.array(group.nodes, dtype=np.int64) for group in groups]
+        ties: tuple[Rigid | Mean, ...] = (*self.rigids, *self.means)
+        return np.unique(np.concatenate([masses, *ends, *(np.append(tie.nodes, tie.reference) for tie in ties)]))
 
     def renumbered(self, new: Renumbering) -> "Attachments":
         """The same with other numbers of nodes: `new` takes an array of them."""

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from casingfem.io.arrays import FloatArray
+from casingfem.io.included import read_lines
 from casingfem.structure.imported.bdf import Card, Parser, cards
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, from_triples, roles_of
 
@@ -26,7 +27,7 @@ def read_dmig(path: Path) -> MatrixSet:
     parser = Parser(path.name)
     entries: dict[str, list[Entry]] = {}
     points: dict[int, FloatArray] = {}
-    for card in cards(path.read_text(encoding="utf-8", errors="replace")):
+    for card in cards(read_lines(path)):
         if card.name == "GRID":
             parser.take_grid(card)
             number, *x = parser.grids[-1]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError, ModelWarning
+from casingfem.io.included import included_files
 from casingfem.modal.imported.modes import mesh_modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.imported.cell_kind import KINDS, SHELLS, SOLIDS
@@ -209,7 +210,9 @@ BROKEN = {
     "short.inp": (INP.replace("20, 30, 40\n", "20, 30\n"), "4 numbers, expected 5 an element"),
     "word.inp": (INP.replace("2., 0., 0.", "2., 0., x"), "line 6: found '20, 2., 0., x'"),
     "plane.inp": (INP.replace("2., 0., 0.", "2., 0."), "expected a node number and x, y, z"),
-    "include.inp": (INP + "*INCLUDE, INPUT=b.inp\n", "refers to another file"),
+    "include.inp": (INP + "*INCLUDE, INPUT=b.inp\n", "line 24: found no file b.inp .*mesh-include"),
+    "itself.inp": (INP + "*include, input=itself.inp\n", "itself.inp includes itself"),
+    "include.bdf": ("INCLUDE 'b.bdf'\n" + BDF, "line 1: found no file b.bdf"),
     "set.inp": (INP.replace(" Some, 40", " Sum, 40"), "no set 'Sum' up to here"),
     "face.inp": (INP.replace("S1\n", "S5\n"), "face 'S5' of tetra"),
     "parts.inp": (INP + "*Part, name=Q\n", "several parts"),
@@ -266,6 +269,30 @@ def test_what_meshio_drops_without_a_word_is_counted(tmp_path):
     text = (tmp_path / "a.vtu").read_text().replace('"types" format="ascii">\n25', '"types" format="ascii">\n99')
     with pytest.raises(ModelError, match="15 of 16 cells were read"):
         read_mesh(write(tmp_path / "a.vtu", text))
+
+
+@pytest.mark.parametrize(
+    ("ending", "whole", "line"),
+    [("inp", INP, "*Include, Input={}\n"), ("bdf", BDF, "INCLUDE '{}'\n"), ("nas", BDF, "include {}\n")],
+)
+def test_included_files_stand_where_they_are_named(ending, whole, line, tmp_path):
+    """In a folder of its own, and from there back beside the first file."""
+    lines = whole.splitlines(keepends=True)
+    (tmp_path / "parts").mkdir()
+    path, inner, last = tmp_path / f"a.{ending}", tmp_path / "parts" / "b.txt", tmp_path / "c.txt"
+    path.write_text("".join(lines[:4]) + line.format(r"parts\b.txt") + "".join(lines[12:]))
+    inner.write_text("".join(lines[4:8]) + line.format("c.txt"))
+    last.write_text("".join(lines[8:12]))
+    plain = tmp_path / f"whole.{ending}"
+    plain.write_text(whole)
+    assert included_files(path) == [inner, last]
+    found, expected = read_mesh(path), read_mesh(plain)
+    assert np.array_equal(found.points, expected.points)
+    assert np.array_equal(found.cells, expected.cells)
+    assert list(found.groups) == list(expected.groups)
+    last.write_text("".join(lines[8:12]).replace("10, 20", "x, 20").replace("CTETRA  7", "CTETRA  x"))
+    with pytest.raises(ModelError, match=r"line \d of c.txt: .*found '.*x"):
+        read_mesh(path)
 
 
 def test_kinds_that_nobody_knows_are_refused():
