@@ -34,6 +34,9 @@ MOST = 99_999_999  # of numbers, which have eight digits
 SHORT_EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 
 
+BLANK = [""] * 7  # fields of a GRID, as many as are used
+
+
 @dataclass(slots=True)
 class Card:
     """One card: its line, name and fields after the name."""
@@ -112,6 +115,7 @@ class Parser:
         self.constraints: dict[tuple[str, str], list[int]] = {}  # set, components -> grids
         self.left_out: dict[str, list[str]] = {}  # card -> its lines
         self.hung = NastranAttachments(self)
+        self.defaults = BLANK  # fields of GRDSET: system of the place, of the motions, constraints
         self.turned: set[int] = set()  # grids whose displacements have a coordinate system of their own
 
     def fault(self, card: CardLike, message: str) -> ModelError:
@@ -119,7 +123,9 @@ class Parser:
         return ModelError("mesh-file", f"{self.source}: line {card.line}: {card.name}: {message}")
 
     def read(self, lines: Sequence[NumberedLine]) -> Draft:
-        """Take every card in turn."""
+        """Take every card in turn; GRDSET, which may stand anywhere, first."""
+        if any(line.upper().startswith("GRDSET") for _, line in lines):
+            self.defaults = next(([*card.fields, *BLANK][:7] for card in cards(lines) if card.name == "GRDSET"), BLANK)
         for card in cards(lines):
             if card.name == "GRID":
                 self.take_grid(card)
@@ -133,8 +139,6 @@ class Parser:
                 raise self.fault(card, "a coordinate system by grids, expected one by points: CORD2R, CORD2C, CORD2S")
             elif card.name in CARDS:
                 self.hung.take(card)
-            elif card.name == "GRDSET" and any(card.fields):
-                raise self.fault(card, "found defaults of the grids, expected them on each GRID")
             elif LEFT_OUT.match(card.name):
                 self.left_out.setdefault(card.name, []).append(card.line)
         if self.left_out:
@@ -165,7 +169,8 @@ class Parser:
 
     def take_grid(self, card: Card) -> None:
         """GRID: number, coordinate system, x, y, z, ..."""
-        fields = [*card.fields, "", "", "", "", ""]
+        given = [*card.fields, *BLANK]
+        fields = [cell or default for cell, default in zip(given, self.defaults, strict=False)]
         if fields[1] not in ("", "0"):
             self.placed.append((len(self.grids), self.integer(card, fields[1]), card))
         if card.room < 5:
@@ -175,8 +180,8 @@ class Parser:
         self.grids.append((number, x, y, z))
         if fields[5] not in ("", "0"):
             self.turned.add(number)
-        if len(fields) > 11 and card.fields[6:7] not in ([], [""]):
-            self.constraints.setdefault(("PS", card.fields[6]), []).append(number)
+        if fields[6]:
+            self.constraints.setdefault(("PS", fields[6]), []).append(number)
 
     def take_system(self, card: Card) -> None:
         """CORD2R, CORD2C, CORD2S: number, system of the points, origin A, B on the z axis, C in the x-z plane."""

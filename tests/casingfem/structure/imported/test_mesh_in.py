@@ -210,7 +210,7 @@ BROKEN = {
     "short.inp": (INP.replace("20, 30, 40\n", "20, 30\n"), "4 numbers, expected 5 an element"),
     "word.inp": (INP.replace("2., 0., 0.", "2., 0., x"), "line 6: found '20, 2., 0., x'"),
     "plane.inp": (INP.replace("2., 0., 0.", "2., 0."), "expected a node number and x, y, z"),
-    "include.inp": (INP + "*INCLUDE, INPUT=b.inp\n", "line 24: found no file b.inp .*mesh-include"),
+    "include.inp": (INP + "*INCLUDE, INPUT=b.inp\n", "line 24: found no file b.inp: .*mesh-include"),
     "itself.inp": (INP + "*include, input=itself.inp\n", "itself.inp includes itself"),
     "include.bdf": ("INCLUDE 'b.bdf'\n" + BDF, "line 1: found no file b.bdf"),
     "set.inp": (INP.replace(" Some, 40", " Sum, 40"), "no set 'Sum' up to here"),
@@ -269,6 +269,17 @@ def test_what_meshio_drops_without_a_word_is_counted(tmp_path):
     text = (tmp_path / "a.vtu").read_text().replace('"types" format="ascii">\n25', '"types" format="ascii">\n99')
     with pytest.raises(ModelError, match="15 of 16 cells were read"):
         read_mesh(write(tmp_path / "a.vtu", text))
+
+
+def test_defaults_of_grids_are_those_of_grdset(tmp_path):
+    """CP, PS where a GRID leaves them blank, wherever the card stands; 0 is not blank."""
+    path = tmp_path / "told.bdf"
+    turned = "CORD2R,7,0,0.,0.,0.,1.,0.,0.\n,0.,1.,0.\n"  # z along x, x along y
+    bare = BDF.replace("SPC1    3       123     1       THRU    3\n", turned)
+    path.write_text(bare.replace("ENDDATA", "GRDSET,,7,,,,,345\nENDDATA"))
+    found = read_mesh(path)
+    assert np.allclose(found.points, [[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])
+    assert found.groups["SPC PS 345"].nodes.tolist() == [0, 1, 2, 3]
 
 
 @pytest.mark.parametrize(
