@@ -12,7 +12,7 @@ modes is a pair of equal frequency. (Bloch's theorem; D.L. Thomas, J. Sound Vib.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import block_array, coo_array, csc_array, diags_array
+from scipy.sparse import block_array, block_diag, coo_array, csc_array, diags_array, hstack, vstack
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
@@ -92,7 +92,8 @@ def element_slopes(orders: Orders) -> tuple[list[FloatArray], FloatArray]:
 def make_part(shell: Shell, mesh: SolidMesh, parts: int, *, breathes: bool = False) -> Part:
     """Stiffness and mass of the first of `parts` parts of a casing between its faces, springs on its base included.
 
-    A clamp holds the whole of the base's face; if the wall `breathes` there, all but its stretch along the normal.
+    A clamp holds the whole of the base's face; if the wall `breathes` there, its motion along the normal is held in the
+    mean over the thickness alone, as a shell's clamp holds it.
     """
     elements, (along, around) = lattice(mesh)
     (z0, z1), _ = shell.chart.bounds
@@ -120,31 +121,39 @@ def make_part(shell: Shell, mesh: SolidMesh, parts: int, *, breathes: bool = Fal
         area[base] = face_area(place[:, base].reshape(3, len(around), -1), mesh)
         K = K + diags_array(np.tile(support.k_face * area * support.factor("k_face", z, theta), 3))
     middle = mesh.orders[2] // 2
-    if breathes and mesh.orders[2] % 2:
-        raise ValueError("a wall that breathes is held in its middle: its order must be even")
     rim, last = number[-1, :, middle], number[:, -1].ravel()
     free = np.ones(len(z), dtype=bool)
     free[last] = False
-    sliding = np.zeros(0, dtype=int)
+    lines = np.zeros((0, len(through)), dtype=int)
     if isinstance(support, Clamped):
         free[base] = False
-        sliding = np.delete(number[0, :-1], middle, axis=1).ravel() if breathes else sliding
+        lines = number[0, :-1] if breathes else lines
+    normals = frame(at.surface).normal[:, lines[:, 0]]
     return Part(
         K=csc_array(K),
         mass=mass,
-        motions=motions_of(np.flatnonzero(free), sliding, frame(at.surface).normal[:, sliding], len(z)),
+        motions=motions_of(np.flatnonzero(free), lines, normals, lobatto(mesh.orders[2])[1], len(z)),
         seam=np.stack([last, number[:, 0].ravel()]),
         rim=rim[np.arange(mesh.around)[:, None] * mesh.orders[1] + np.arange(mesh.orders[1] + 1)],
     )
 
 
-def motions_of(free: IntArray, sliding: IntArray, normals: FloatArray, nodes: int) -> csc_array:
-    """Columns (3 nodes, motions): three for each free node, one along its normal (3, sliding) for each that slides."""
-    rows = np.concatenate([*(free + k * nodes for k in range(3)), *(sliding + k * nodes for k in range(3))])
-    along = 3 * len(free) + np.arange(len(sliding))
-    columns = np.concatenate([np.arange(3 * len(free)), along, along, along])
-    values = np.concatenate([np.ones(3 * len(free)), *normals])
-    return coo_array((values, (rows, columns)), shape=(3 * nodes, 3 * len(free) + len(sliding))).tocsc()
+def motions_of(free: IntArray, lines: IntArray, normals: FloatArray, weights: FloatArray, nodes: int) -> csc_array:
+    """Columns (3 nodes, motions): three for each free node, and those along the normals of lines through the wall.
+
+    Nodes of a line (lines, through) move along its normal (3, lines) with mean 0, by the rule's weights (through,).
+    """
+    units = coo_array((np.ones(len(free)), (free, np.arange(len(free)))), shape=(nodes, len(free)))
+    stretches = np.vstack([np.eye(len(weights) - 1), -weights[:-1] / weights[-1]])  # the last node balances the others
+    i, j, k = np.indices((len(lines), *stretches.shape))
+    along = [
+        coo_array(
+            ((normal[:, None, None] * stretches).ravel(), (lines[i, j].ravel(), (i * stretches.shape[1] + k).ravel())),
+            shape=(nodes, len(lines) * stretches.shape[1]),
+        )
+        for normal in normals
+    ]
+    return csc_array(hstack([block_diag([units] * 3), vstack(along)]))
 
 
 def stiffness_of(

@@ -5,9 +5,11 @@ solid has the same chart and fields and is solved on two meshes (`reports.verifi
 agree to 1e-4. The shell stands there with its curved wall on the default mesh, and with the linear wall of published
 shell theory. Splits above 0.1 % are compared in per cent of themselves, orientations of their pairs at the rim.
 
-A clamp of three dimensions holds the whole end face, the stretch of the wall along its normal with it; a shell's does
-not. The second table says what that is worth, for the perfect frustum and one number of nodal diameters at a time: held
-by either clamp. It grows with wall over height; casings on springs are free of it.
+A clamp of three dimensions holds the whole end face, the stretch of the wall along its normal with it; a shell's holds
+motion along the normal in the mean over the thickness alone. So clamped casings have two rows: against a solid whose
+wall may stretch at the clamp, which is what a shell states, and against one whose wall may not. The second table says
+what lies between them, for the perfect frustum and one number of nodal diameters at a time. It grows with wall over
+height; casings on springs are free of it.
 --quick takes one thick casing, six modes and coarse solids.
 """
 
@@ -96,45 +98,53 @@ def against(found: Modes, solid: SolidModes, count: int) -> dict[str, float]:
     }
 
 
-def compared(name: str, shell: Shell, meshes: tuple[SolidMesh, SolidMesh], parts: int, count: int) -> Row:
-    """One row: both solids, the curved wall on the default mesh, the linear one beside it."""
-    coarse, solid = (solid_casing(shell, mesh, parts, count + 4) for mesh in meshes)
+def compared(name: str, shell: Shell, meshes: tuple[SolidMesh, SolidMesh], parts: int, count: int) -> list[Row]:
+    """The curved wall on the default mesh and the linear one against solids; of clamped casings by either clamp."""
+    clamped = isinstance(shell.supports["base"], Clamped)
+    coarse, solid = (solid_casing(shell, mesh, parts, count + 4, breathes=clamped) for mesh in meshes)
     differ = float(np.abs(coarse.freq[:count] / solid.freq[:count] - 1.0).max())
     started = time.process_time()
-    curved = against(modes(shell, count + 2), solid, count)
+    curved = modes(shell, count + 2)
     seconds = time.process_time() - started
-    linear = against(modes(replace(shell, wall="linear"), count + 2), solid, count)
-    return {
-        "case": name,
-        "solids differ": differ,
-        "unknowns": solid.dofs,
-        "worst": curved["worst"],
-        "rms": curved["rms"],
-        "linear worst": linear["worst"],
-        "linear rms": linear["rms"],
-        "splits": curved["splits"],
-        "split %": 100.0 * curved["split"],
-        "linear split %": 100.0 * linear["split"],
-        "angles": curved["angles"],
-        "angle deg": curved["angle"],
-        "linear angle deg": linear["angle"],
-        "shell s": seconds,
-        "verdict": verdict(shell, differ, curved),
-    }
+    linear = modes(replace(shell, wall="linear"), count + 2)
+
+    def row(name: str, solid: SolidModes, held: float) -> Row:
+        near, flat = (against(found, solid, count) for found in (curved, linear))
+        return {
+            "case": name,
+            "solids differ": differ,
+            "unknowns": solid.dofs,
+            "worst": near["worst"],
+            "rms": near["rms"],
+            "linear worst": flat["worst"],
+            "linear rms": flat["rms"],
+            "splits": near["splits"],
+            "split %": 100.0 * near["split"],
+            "linear split %": 100.0 * flat["split"],
+            "angles": near["angles"],
+            "angle deg": near["angle"],
+            "linear angle deg": flat["angle"],
+            "shell s": seconds,
+            "verdict": verdict(differ, near, held),
+        }
+
+    rows = [row(name, solid, 0.0)]
+    if clamped:
+        (z0, z1), _ = shell.chart.bounds
+        whole = solid_casing(shell, meshes[1], parts, count + 4)
+        rows.append(row(f"{name}; clamp holds the thickness", whole, CLAMP * shell.thickness / (z1 - z0)))
+    return rows
 
 
-def verdict(shell: Shell, differ: float, curved: dict[str, float]) -> str:
-    """What a row says: pass, FAIL, or that the clamp is what frequencies lack: `CLAMP` times wall over height."""
+def verdict(differ: float, curved: dict[str, float], held: float) -> str:
+    """What a row says: pass, FAIL, or that its solid's clamp explains the frequencies, worth up to `held` of them."""
     if differ > AGREE:
         return "FAIL: the solids have not settled"
-    if curved["split"] > SPLIT or curved["angle"] > ANGLE:
+    if curved["split"] > SPLIT or curved["angle"] > ANGLE or curved["worst"] > FREQUENCY + held:
         return "FAIL"
     if curved["worst"] < FREQUENCY:
         return "pass"
-    (z0, z1), _ = shell.chart.bounds
-    clamp = CLAMP * shell.thickness / (z1 - z0) if isinstance(shell.supports["base"], Clamped) else 0.0
-    reason = f"a clamp in three dimensions holds the wall's thickness too, {clamp:.1e}"
-    return reason if curved["worst"] < FREQUENCY + clamp else "FAIL"
+    return f"a shell's clamp lets the wall stretch, this one does not: up to {held:.1e}"
 
 
 def clamps(diameters: tuple[int, ...], thickness: float) -> list[Row]:
@@ -172,10 +182,10 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     if quick:
         bed, mesh = {"base": ElasticEdge(k_face=1e12)}, ShellMesh(order=8, rows=(0.0, 0.04, 0.96, 1.0), around=33)
         shell = changed(radius_defect=FourierField.of({8: 0.012}), thickness=0.006, supports=bed)
-        shell = replace(shell, mesh=mesh)  # a row for the shear layer at the springs, which the default mesh leaves out
-        rows = [compared("radius 1.2 % cos 8, wall 6 mm, on springs", shell, (SKETCH, FINER), 8, 6)]
+        shell = replace(shell, mesh=mesh)
+        rows = compared("radius 1.2 % cos 8, wall 6 mm, on springs", shell, (SKETCH, FINER), 8, 6)
     else:
-        rows = [compared(name, shell, (COARSE, FINE), 4, COUNT) for name, shell in cases().items()]
+        rows = [row for name, shell in cases().items() for row in compared(name, shell, (COARSE, FINE), 4, COUNT)]
     show("Imperfect casings against solids of three dimensions, the shell on its default mesh", rows)
     ends = clamps((7,), 3e-3) if quick else clamps((0, 2, 4, 6, 7, 8, 12, 16), 3e-3) + clamps((2, 5, 7), 0.01)
     show("Perfect frustum: a clamp of the whole end face, and one that lets the wall breathe", ends)

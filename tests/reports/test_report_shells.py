@@ -83,10 +83,9 @@ def test_an_imperfect_thick_casing_is_its_solid(tmp_path):
 
 
 def test_a_row_fails_by_frequency_split_angle_and_by_solids_that_differ():
-    shell = frustum_convergence.reference_frustum()
     good = {"worst": 2e-4, "split": 1e-3, "angle": 0.1}
-    assert wall.verdict(shell, 1e-5, good) == "pass"
-    assert wall.verdict(shell, 1e-5, good | {"worst": 5e-4}).startswith("a clamp")
+    assert wall.verdict(1e-5, good, 0.0) == "pass"
+    assert wall.verdict(1e-5, good | {"worst": 5e-4}, 3e-4).startswith("a shell's clamp")
     for bad in ({"worst": 8e-4}, {"split": 0.02}, {"angle": 0.6}):
-        assert wall.verdict(shell, 1e-5, good | bad) == "FAIL"
-    assert wall.verdict(shell, 2e-4, good).startswith("FAIL")
+        assert wall.verdict(1e-5, good | bad, 3e-4) == "FAIL"
+    assert wall.verdict(2e-4, good, 0.0).startswith("FAIL")

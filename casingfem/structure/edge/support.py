@@ -67,7 +67,8 @@ class ElasticEdge:
 
     Line springs k_r, k_theta, k_z [N/m per m] along the chart's directions, a rotational spring k_rot
     [N m/rad per m] on both rotations, and k_face [N/m^3], the foundation modulus on the end face: a shell of
-    thickness t resting on it feels t k_face per length in all three directions and t^3/12 k_face in rotation.
+    thickness t resting on it feels k_face int (u + z w)^2 (1 - z b) dz per length, t k_face in all three directions,
+    t^3/12 k_face in rotation, and -b t^3/12 k_face between them, b the edge's curvature towards its normal.
 
     `around` makes them vary along the edge as k (1 + f): one Field f for all of them, or a mapping from a spring's
     name to its own field; springs it does not name are even.
@@ -122,11 +123,13 @@ class ElasticEdge:
         at = line.nodal
         length = at.stretch * line.weights
         blocks, rotation = self.line_stiffness(at.directions, at.a, at.b, at.thickness)
+        moment = -at.bend * self.k_face * self.factor("k_face", at.a, at.b) * at.thickness**3 / 12.0
         return PointSprings(
             nodes=line.nodes[:, None],
             values=np.ones((len(line.nodes), 1)),
             blocks=blocks * length[:, None, None],
             rotation=rotation * length,
+            coupling=np.moveaxis(at.tangents * moment * length, -1, 0),
         )
 
     def pattern(self, spring: str) -> Field | None:

@@ -43,13 +43,19 @@ class EdgeForm(NamedTuple):
 
 
 class LineFrame(NamedTuple):
-    """An edge at places (q,): chart parameters, unit vectors (3, 3, q), thickness, length per parameter."""
+    """An edge at places (q,): chart parameters, unit vectors (3, 3, q), thickness, length per parameter.
+
+    `tangents` are those of the rotations (3, 2, q); `bend` is the curvature along the edge (q,) [1/m], counted as the
+    wall's kind counts it: 0 for a linear one.
+    """
 
     a: Array
     b: Array
     directions: Array
     thickness: Array
     stretch: Array
+    tangents: Array
+    bend: Array
 
 
 class EdgeLine(NamedTuple):
@@ -74,13 +80,14 @@ class PointSprings(NamedTuple):
     """Springs at points of an edge, weights of integration included.
 
     They act on what `values` (q, m) interpolate from `nodes` (q, m): blocks (q, 3, 3) [N/m] on the displacement,
-    rotation (q,) [N m] on the rotations of the normal.
+    rotation (q,) [N m] on the rotations of the normal, coupling (q, 3, 2) [N] between the two.
     """
 
     nodes: IntArray
     values: Array
     blocks: Array
     rotation: Array
+    coupling: Array | None = None
 
 
 @runtime_checkable
@@ -115,9 +122,11 @@ def spring_form(springs: PointSprings) -> EdgeForm:
     points, m = springs.nodes.shape
     dofs = (springs.nodes[:, :, None] * DOFS + np.arange(DOFS)).reshape(points, -1)
     B = np.einsum("qm,ij->qimj", springs.values, np.eye(DOFS)).reshape(points, DOFS, m * DOFS)
-    D = np.zeros((points, DOFS, DOFS), dtype=np.result_type(springs.blocks, springs.rotation))
+    D = np.zeros((points, DOFS, DOFS), dtype=np.result_type(*(part for part in springs[2:] if part is not None)))
     D[:, :3, :3] = springs.blocks
     D[:, 3, 3] = D[:, 4, 4] = springs.rotation
+    if springs.coupling is not None:
+        D[:, :3, 3:], D[:, 3:, :3] = springs.coupling, springs.coupling.swapaxes(1, 2)
     return EdgeForm(dofs=dofs, B=B, D=D)
 
 

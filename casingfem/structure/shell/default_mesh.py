@@ -26,12 +26,11 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     forbids to split stays whole (`reports.verification.splitting`); and 14 nodes a wave of the fields themselves,
     harmonics below 2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned;
     where springs vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian:
-    the shear layer of a free edge, about 2 t wide, takes a row of its own; the rest is divided by the bending length
-    sqrt(R t). Strips, and the pieces of a meridian, put
-    an element line at each of their ends, and each stretch between them is divided on its own;
-    where there are many, the order falls. Bolts are followed: a multiple of their number around, which by itself keeps
-    whole what symmetry does, at 8 nodes a wave where nothing else varies; and a layer along their edge, which is free
-    between them.
+    the shear layer of an edge that nothing holds (free, on springs, bolts or a ring), about 2 t wide, takes a row of
+    its own; the rest is divided by the bending length sqrt(R t). Strips, and the pieces of a meridian, put an element
+    line at each of their ends, and each stretch between them is divided on its own; where there are many, the order
+    falls. Bolts are followed: a multiple of their number around, which by itself keeps whole what symmetry does, at 8
+    nodes a wave where nothing else varies.
     """
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
     t, length, span = shell.thinnest, float(a1 - a0), float(b1 - b0)
@@ -59,7 +58,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
         around = whole
     if bolted:
         around = following(around, int(np.lcm.reduce(list(bolted.values()))))
-    held = {shell.chart.edges[edge] for edge in shell.supports.keys() - bolted.keys()}
+    held = {shell.chart.edges[edge] for edge, support in shell.supports.items() if support.held}
     at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
     layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
     longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.modes.locking

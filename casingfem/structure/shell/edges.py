@@ -15,7 +15,7 @@ from casingfem.structure.mesh.edge_form import (
     single_place,
     spring_form,
 )
-from casingfem.structure.mesh.kinematics import DOFS, dot
+from casingfem.structure.mesh.kinematics import DOFS, dot, frame
 from casingfem.structure.mesh.shell_mesh import Grid, edge_breaks, rim_values
 from casingfem.structure.shell.ring_form import harmonic_ring, node_dofs, outward, ring_forms, support_form, ties
 from casingfem.structure.shell.shell import Shell
@@ -51,13 +51,17 @@ def edge_line(shell: Shell, grid: Grid, name: str) -> EdgeLine:
 def line_frame(shell: Shell, along: int, a: Array, b: Array, inside: Array | None = None) -> LineFrame:
     """An edge along one parameter at (a, b); `inside` tells the side of a strip's end, as in `Shell.geometry`."""
     geometry = shell.geometry(a, b, inside)
-    tangent = geometry.surface.x2 if along == 1 else geometry.surface.x1
+    surface = geometry.surface
+    tangent, second = (surface.x2, surface.x22) if along == 1 else (surface.x1, surface.x11)
+    basis, square = frame(surface), dot(tangent, tangent)
     return LineFrame(
         a=a,
         b=b,
         directions=shell.chart.directions(a, b),
         thickness=geometry.thickness,
-        stretch=np.sqrt(dot(tangent, tangent)),
+        stretch=np.sqrt(square),
+        tangents=np.stack([basis.e1, basis.e2], axis=1),
+        bend=(shell.wall == "curved") * dot(basis.normal, second) / square,
     )
 
 

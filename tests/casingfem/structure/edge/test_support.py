@@ -10,8 +10,11 @@ from casingfem.linalg.eigen import solve_modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.structure.field.fourier import FieldValues, FourierField
 from casingfem.structure.geometry.chart import Cylinder, Plate
+from casingfem.structure.mesh.edge_form import single_place, spring_form
+from casingfem.structure.mesh.kinematics import frame
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.assembly import assemble, held_dofs
+from casingfem.structure.shell.edges import line_frame
 from casingfem.structure.shell.shell import Shell
 
 
@@ -77,6 +80,23 @@ def test_face_foundation_is_felt_over_the_thickness():
     blocks, rotation = ElasticEdge(k_face=5e12).line_stiffness(d, np.zeros(2), theta, t)
     np.testing.assert_allclose(blocks, 5e12 * t[:, None, None] * np.eye(3), rtol=1e-14)
     np.testing.assert_allclose(rotation, 5e12 * t**3 / 12, rtol=1e-14)
+
+
+@pytest.mark.parametrize("wall", ["curved", "linear"])
+def test_a_face_is_longer_outside_than_inside(steel, wall):
+    """k int |u + z w|^2 (R + z) dz per angle of a cylinder's end, by Gauss points; R for a linear wall."""
+    radius, t, k = 0.5, 0.1, 5e12
+    shell = Shell(chart=Cylinder(radius=radius, height=0.4), thickness=t, material=steel, wall=wall)
+    line = line_frame(shell, 1, np.zeros(1), np.zeros(1))
+    form = spring_form(ElasticEdge(k_face=k).springs(single_place(line))).D[0]
+    outward = np.sign(frame(shell.chart.surface(np.zeros(1), np.zeros(1), None)).normal[0, 0])
+    u, w = np.array([0.3, -0.7, 0.2]), np.array([1.9, -2.3])
+    z, weights = np.polynomial.legendre.leggauss(3)
+    z, weights = 0.5 * t * z, 0.5 * t * weights
+    motion = u[:, None] + line.tangents[:, :, 0] @ w[:, None] * z
+    length = radius + outward * z * (wall == "curved")
+    x = np.append(u, w)
+    assert x @ form @ x == pytest.approx(k * np.sum(weights * length * np.sum(motion**2, axis=0)), rel=1e-12)
 
 
 def test_energy_of_the_springs_in_a_translation(frustum, coarse):

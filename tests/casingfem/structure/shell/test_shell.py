@@ -10,6 +10,8 @@ import pytest
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.point_mass import EdgeMass
+from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.fourier import FieldValues, FourierField
 from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
@@ -128,10 +130,13 @@ def test_default_mesh_is_odd_around_and_finer_for_finer_fields(frustum):
     assert wavy.around > plain.around
 
 
-def test_default_mesh_grades_free_edges_only(frustum):
+def test_default_mesh_grades_edges_that_nothing_holds(frustum):
     assert frustum().mesh.rows == (0.0, 0.97, 1.0)
     assert frustum(supports={}).mesh.rows == (0.0, 0.03, 0.97, 1.0)
     assert frustum(supports={"base": Clamped(), "top": Clamped()}).mesh.rows == (0.0, 1.0)
+    ring = Ring(section=Section.rectangle(width=0.04, depth=0.04))
+    for loose in (ElasticEdge(k_face=1e12), ring, Bolts(count=24, k=2e8)):
+        assert frustum(supports={"base": loose, "top": Clamped()}).mesh.rows == (0.0, 0.03, 1.0)
 
 
 def test_default_mesh_of_a_plate_follows_its_shape(steel):
