@@ -5,9 +5,9 @@
 E are the eight strains eps, chi, gamma (`mesh.kinematics`); the section stiffness D and the inertia m0, m2 are those of
 the wall (`wall`): on a flat one t C on eps, t^3/12 C on chi, k G t on gamma, rho t and rho t^3/12.
 
-Element stiffness is the product of a weighted strain table with itself, batched over the elements. The mass
-uses the Lobatto rule whose points are the nodes, so M is diagonal. Dofs of a node held in the frame of an
-edge are rotated in the element matrices, and held dofs are left out.
+Element stiffness is a form on the jets of (u, w) at the quadrature points (`mesh.jet_form`). The mass uses the Lobatto
+rule whose points are the nodes, so M is diagonal. Dofs of a node held in the frame of an edge are rotated in the
+element matrices, and held dofs are left out.
 """
 
 from dataclasses import replace
@@ -22,6 +22,7 @@ from casingfem.linalg.diagonal_mass import diagonalised
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
+from casingfem.structure.mesh.jet_form import JET, jet_elements
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, dot, frame, strain_slots
 from casingfem.structure.mesh.scatter import scatter_elements
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
@@ -31,30 +32,14 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.wall import constitutive, curvature, inertia
 
-CHUNK = 6_000_000  # strain table entries held at a time
-
 
 def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
     """Element stiffness matrices, (elements, 5 functions, 5 functions)."""
     geometry = shell.geometry(*grid.parameters, grid.middle)
     L, rates = strain_slots(geometry.surface)
-    L[1:] /= grid.size[:, None, None, :, None]
     D = constitutive(shell, geometry, curvature(rates)) * (rates.basis.jacobian * grid.measure)
-    root = np.linalg.cholesky(np.moveaxis(D, (0, 1), (-2, -1)))  # D = root root^T
-    slots = np.einsum("eqts,kteqc->kceqs", root, np.moveaxis(L, 2, 4), optimize=True)
-    functions, points = grid.table.shape[1:]
-    elements = len(grid.elements)
-    step = max(1, CHUNK // (points * STRAINS * functions * DOFS))
-    matrices = np.empty((elements, functions * DOFS, functions * DOFS))
-    for start in range(0, elements, step):
-        part = slots[:, :, start : start + step]
-        strain = np.zeros((part.shape[2], points, STRAINS, functions, DOFS))
-        for k in range(3):
-            weights = np.ascontiguousarray(part[k].transpose(1, 2, 3, 0))[:, :, :, None, :]
-            strain += grid.table[k].T[None, :, None, :, None] * weights
-        flat = strain.reshape(part.shape[2], points * STRAINS, functions * DOFS)
-        np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[start : start + step])
-    return matrices
+    strains = np.ascontiguousarray(L.transpose(3, 4, 1, 0, 2)).reshape(*L.shape[3:], STRAINS, JET)
+    return jet_elements(grid, strains.swapaxes(-1, -2) @ (np.moveaxis(D, (0, 1), (-2, -1)) @ strains))
 
 
 def nodal_mass(shell: Shell, grid: Grid) -> Array:
@@ -203,7 +188,8 @@ def assemble(shell: Shell) -> System:
     forms = edge_forms(shell, grid)
     free = np.append(free, len(frames) * DOFS + np.arange(forms.own))
     K.resize(len(free), len(free))
-    K = K + on_free(forms.stiffness, frames, free, forms.own)
+    if forms.stiffness:
+        K = K + on_free(forms.stiffness, frames, free, forms.own)
     change = None
     if forms.mass:
         lumped = diags_array(np.append(mass, np.zeros(forms.own)))

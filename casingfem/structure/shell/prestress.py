@@ -30,6 +30,7 @@ from casingfem.errors import warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.mesh.jet_form import JET, jet_elements
 from casingfem.structure.mesh.kinematics import DOFS, Rates, dot, frame, strain_slots
 from casingfem.structure.mesh.scatter import scatter_blocks, scatter_elements
 from casingfem.structure.mesh.shell_mesh import Grid
@@ -38,7 +39,6 @@ from casingfem.structure.shell.strains import point_jets
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.wall import constitutive, curvature
 
-JET = 3 * DOFS  # U, d_1 U, d_2 U
 LINEAR = 0.3  # quadratic strains of the steady state above this part of the linear ones call for a warning
 
 
@@ -204,21 +204,3 @@ def point_stiffness(shell: Shell, grid: Grid, fields: FloatArray) -> tuple[tuple
         (H + cross + cross.swapaxes(2, 3), np.einsum("kieq,kjeq->eqij", second, pulled)),
         float(np.sqrt(energies[0] / energies[1])) if energies[1] > 0.0 else 0.0,
     )
-
-
-def jet_elements(grid: Grid, H: Array) -> FloatArray:
-    """Element matrices (elements, 5 functions, 5 functions) of a form on the jets (elements, points, 15, 15)."""
-    elements, (functions, points) = len(grid.elements), grid.table.shape[1:]
-    H = H.reshape(elements, points, 3, DOFS, 3, DOFS)
-    scale = np.concatenate([np.ones((1, elements)), 1.0 / grid.size])
-    H = np.einsum("eqsctd,se,te->cdeqst", H, scale, scale, optimize=True)
-    table = grid.table.transpose(2, 0, 1)  # (points, slots, functions)
-    left = table.reshape(-1, functions).T
-    matrices = np.empty((elements, functions, DOFS, functions, DOFS))
-    for c in range(DOFS):
-        for d in range(c, DOFS):
-            right = np.matmul(H[c, d], table).reshape(elements, 3 * points, functions)
-            block = np.matmul(left, right)
-            matrices[:, :, c, :, d] = block
-            matrices[:, :, d, :, c] = block.transpose(0, 2, 1)
-    return matrices.reshape(elements, functions * DOFS, functions * DOFS)

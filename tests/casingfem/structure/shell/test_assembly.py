@@ -216,5 +216,5 @@ def test_element_matrices_do_not_depend_on_how_they_are_chunked(frustum, coarse,
     shell = imperfect(frustum, coarse)
     grid = make_grid(shell.chart, shell.mesh)
     whole = element_matrices(shell, grid)
-    monkeypatch.setattr("casingfem.structure.shell.assembly.CHUNK", 1)
+    monkeypatch.setattr("casingfem.structure.mesh.jet_form.CHUNK", 1)
     np.testing.assert_allclose(element_matrices(shell, grid), whole, rtol=1e-12, atol=1e-12 * np.abs(whole).max())

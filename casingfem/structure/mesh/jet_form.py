@@ -1,0 +1,59 @@
+"""Quadratic forms on the jets of a displacement -> element matrices, one direction of the element after the other.
+
+The jet of U at a point is (U, d_1 U, d_2 U). With functions f_a(x) f_b(y) on a tensor of points, a form H on the jets
+is summed over the points of one direction, then over those of the other: (p + 1)^5 operations for each couple of dofs
+where sums over all points at once take (p + 1)^6 (sum factorisation: S.A. Orszag, J. Comput. Phys. 37, 1980, 70).
+"""
+
+from functools import cache
+
+import numpy as np
+
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.structure.mesh.element import ElementQuadLobatto, gauss, lagrange
+from casingfem.structure.mesh.kinematics import DOFS
+from casingfem.structure.mesh.shell_mesh import Grid
+
+JET = 3 * DOFS
+CHUNK = 200_000  # entries of element matrices made together: what stays in a core's cache
+SLOTS = ((slice(0, 2), 2), (slice(2, 3), 1))  # of a jet: those with f, with f' of the second direction, and their count
+
+
+@cache
+def products(order: int) -> tuple[tuple[FloatArray, ...], FloatArray, IntArray]:
+    """Products of two functions of one direction at its points, and where those of two directions stand.
+
+    Of the first direction for each couple of parts of `SLOTS`, ((a, b), (slots, slots, points)); of the second one,
+    ((a, b), (parts, parts, points)); and for functions i and j of the element their number among all (a, b, a', b'),
+    second direction first, (functions, functions).
+    """
+    n = order + 1
+    f = np.stack(lagrange(order, gauss(n)[0]))
+    both = np.einsum("kaq,lbq->abklq", f, f)
+    first = tuple(both[:, :, :k, :m].reshape(n * n, -1) for _, k in SLOTS for _, m in SLOTS)
+    a, b = ElementQuadLobatto(order).pairs.T
+    place = ((b[:, None] * n + b) * n + a[:, None]) * n + a
+    return first, both.reshape(n * n, -1), place
+
+
+def jet_elements(grid: Grid, H: Array) -> FloatArray:
+    """Element matrices (elements, 5 functions, 5 functions) of a form on the jets (elements, points, 15, 15)."""
+    n, elements = grid.mesh.order + 1, len(grid.elements)
+    first, second, place = products(grid.mesh.order)
+    scale = np.repeat(np.concatenate([np.ones((1, elements)), 1.0 / grid.size]), DOFS, axis=0).T  # of d_1, d_2
+    matrices = np.empty((elements, n * n, DOFS, n * n, DOFS))
+    step = max(1, CHUNK // (DOFS * n * n) ** 2)
+    for low in range(0, elements, step):
+        own = slice(low, low + step)
+        scaled = H[own] * (scale[own, :, None] * scale[own, None, :])[:, None]
+        jets = scaled.reshape(-1, n, n, 3, DOFS, 3, DOFS).transpose(
+            0, 2, 3, 5, 1, 4, 6
+        )  # e, y, slot, slot, x, dof, dof
+        sums = np.empty((len(scaled), 4, n, n * n, DOFS * DOFS))
+        for part, table in enumerate(first):
+            (rows, _), (columns, _) = SLOTS[part // 2], SLOTS[part % 2]
+            at_x = jets[:, :, rows, columns].reshape(len(scaled), n, -1, DOFS * DOFS)
+            np.matmul(table, at_x, out=sums[:, part])
+        whole = np.matmul(second, sums.reshape(len(scaled), 4 * n, -1)).reshape(len(scaled), n**4, DOFS, DOFS)
+        matrices[own] = whole[:, place].transpose(0, 1, 3, 2, 4)
+    return matrices.reshape(elements, n * n * DOFS, n * n * DOFS)
