@@ -54,7 +54,7 @@ def spans(starts: IntArray, counts: IntArray) -> IntArray:
 
 
 def quotient(A: csc_array) -> tuple[IntArray, Graph]:
-    """The vertex of each unknown, and the graph of a symmetric pattern; few unknowns are one vertex.
+    """The vertex of each unknown, and the graph of a symmetric pattern.
 
     >>> A = csc_array(np.kron(np.diag(np.ones(100)), np.ones((2, 2))))
     >>> vertex, graph = quotient(A)
@@ -62,9 +62,6 @@ def quotient(A: csc_array) -> tuple[IntArray, Graph]:
     (True, 100, {2}, 0)
     """
     n, degree = A.shape[0], np.diff(A.indptr)
-    if n <= LEAF:
-        none = np.zeros(0, dtype=np.int64)
-        return np.zeros(n, dtype=np.int64), Graph(np.array([n]), none, none)
     key = np.random.default_rng(SEED).integers(2**62, size=n)
     sums = np.zeros(n, dtype=np.int64)  # of the keys in each column: equal patterns, equal sums
     ends = [*np.searchsorted(A.indptr, np.arange(0, A.indptr[-1], CHUNK)).tolist(), n]

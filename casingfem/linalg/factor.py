@@ -62,6 +62,9 @@ def multifrontal(A: csc_array, keep: bool = True) -> Factor:
     """Factorise by dense fronts, or count negative eigenvalues alone; complex matrices by SuperLU."""
     if np.iscomplexobj(A.data):
         return superlu(A)
+    if not A.has_canonical_format:  # as plans expect it
+        A = A.copy()
+        A.sum_duplicates()
     try:
         fronts = planned(A)
         require_memory(fronts.bytes(keep), A.shape[0], free_memory())

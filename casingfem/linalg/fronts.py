@@ -13,7 +13,7 @@ from weakref import ReferenceType, ref
 import numpy as np
 from scipy.sparse import csc_array
 
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.dissection import coordinates, dissect, quotient, spans
 
 Places: TypeAlias = slice | IntArray
@@ -26,16 +26,16 @@ SMALL = 5_000_000  # entries of a pattern whose plan is kept, some 40 MB of it
 class Front:
     """One dense matrix on `pivots` unknowns from number `start` on, and on those at `rows`, later ones, ascending.
 
-    `source`, `column` and `pointers` are its part of A, a sparse matrix (pivots, pivots + rows): entries by their
-    number in A's data. Of its parent's front, its first `split` rows are the pivots `head`, the others the rows `tail`.
+    Its part of A: entries number `source` of A's data are entries number `place` of its columns, those of the pivots
+    (pivots, pivots) one after the other and then those of the rows (rows, pivots). Of its parent's front, its first
+    `split` rows are the pivots `head`, the others the rows `tail`.
     """
 
     start: int
     pivots: int
     rows: IntArray
     source: IntArray
-    column: IntArray
-    pointers: IntArray
+    place: IntArray
     children: tuple[int, ...]
     split: int
     head: Places
@@ -148,7 +148,7 @@ def planned(A: csc_array) -> Fronts:
 
 
 def plan(A: csc_array) -> Fronts:
-    """Plan the factorisation of matrices with the pattern of A, symmetric.
+    """Plan the factorisation of matrices with the pattern of A, symmetric, its indices sorted.
 
     >>> fronts = plan(csc_array(np.eye(3)))
     >>> len(fronts.fronts), fronts.entries
@@ -177,7 +177,7 @@ def plan(A: csc_array) -> Fronts:
         if p >= 0:
             children[p].append(f)
     rows = [spans(starts[s], weight[s]) for s in structures]
-    return Fronts(A.indptr, A.indices, order, make_fronts(A, order, starts[ends], rows, above, children))
+    return Fronts(A.indptr, A.indices, order, make_fronts(A, order, weight, starts, ends, rows, above, children))
 
 
 def longest(axes: FloatArray, of: IntArray, fronts: int) -> FloatArray:
@@ -199,35 +199,38 @@ def later_neighbours(tail: IntArray, head: IntArray, place: IntArray, ends: IntA
 
 
 def make_fronts(
-    A: csc_array, order: IntArray, starts: IntArray, rows: list[IntArray], above: IntArray, children: list[list[int]]
+    A: csc_array,
+    order: IntArray,
+    weight: IntArray,
+    starts: IntArray,
+    ends: IntArray,
+    rows: list[IntArray],
+    above: IntArray,
+    children: list[list[int]],
 ) -> tuple[Front, ...]:
-    """Fronts with their places in A and in each other."""
+    """Fronts with their places in A and in each other; vertices have `weight` unknowns from `starts`, fronts `ends`."""
     position = np.empty(len(order), dtype=np.int32)
     position[order] = np.arange(len(order), dtype=np.int32)
     local = np.zeros(len(order), dtype=np.int32)  # places of unknowns in the front at hand
+    firsts = starts[ends]
     degree = np.diff(A.indptr)
-    number = np.int32 if len(A.indices) < 2**31 else np.int64
     fronts = []
-    for f, (start, end, p) in enumerate(zip(starts[:-1].tolist(), starts[1:].tolist(), above.tolist(), strict=True)):
-        columns = order[start:end]
-        source = spans(A.indptr[columns].astype(number), degree[columns].astype(number)).astype(number, copy=False)
-        row = position[A.indices[source]]
-        kept = row >= start
-        counts = np.zeros(end - start + 1, dtype=np.int32)
-        np.cumsum(np.diff(np.append(0, np.cumsum(kept))[np.append(0, np.cumsum(degree[columns]))]), out=counts[1:])
+    for f, p in enumerate(above.tolist()):
+        start, end = int(firsts[f]), int(firsts[f + 1])
         local[start:end] = np.arange(end - start)
         local[rows[f]] = end - start + np.arange(len(rows[f]))
-        split = int(np.searchsorted(rows[f], starts[p + 1])) if p >= 0 else 0
-        head = rows[f][:split] - starts[p]
+        own, size = slice(ends[f], ends[f + 1]), (end - start, len(rows[f]))
+        source, place = entries_of(A, order[start:end], position, local, degree, weight[own], starts[own], size)
+        split = int(np.searchsorted(rows[f], firsts[p + 1])) if p >= 0 else 0
+        head = rows[f][:split] - firsts[p]
         tail = np.searchsorted(rows[p], rows[f][split:]) if p >= 0 else rows[f]
         fronts.append(
             Front(
                 start=start,
                 pivots=end - start,
                 rows=rows[f],
-                source=source[kept],
-                column=local[row[kept]],
-                pointers=counts,
+                source=source,
+                place=place,
                 children=tuple(children[f]),
                 split=split,
                 head=compact(head),
@@ -237,3 +240,32 @@ def make_fronts(
             )
         )
     return tuple(fronts)
+
+
+def entries_of(
+    A: csc_array,
+    unknowns: IntArray,
+    position: Array,
+    local: Array,
+    degree: IntArray,
+    weight: IntArray,
+    starts: IntArray,
+    size: tuple[int, int],
+) -> tuple[IntArray, IntArray]:
+    """`source` and `place` of a front: found for the first unknown of each of its vertices, the others follow."""
+    k, m = size
+    first = unknowns[starts - starts[0]] if k else unknowns
+    entries = degree[first]
+    inside = spans(np.zeros_like(entries), entries)
+    row = position[A.indices[inside + np.repeat(A.indptr[first], entries)]]
+    kept = row >= np.repeat(starts, entries)  # the lower triangle, and vertices' own blocks
+    inside, row = inside[kept], local[row[kept]]
+    ends = np.append(0, np.cumsum(kept))[np.cumsum(entries)]
+    here = row < k
+    place, step = np.where(here, row, k * k + row - k), np.where(here, k, m)
+    number = np.int32 if max(len(A.indices), k * (k + m)) < 2**31 else np.int64
+    each = np.repeat(np.diff(ends, prepend=0), weight)  # entries of each unknown
+    of = spans(np.repeat(np.append(0, ends)[:-1], weight), each)
+    column, begin = (np.repeat(x.astype(number), each) for x in (np.arange(k), A.indptr[unknowns]))
+    at, own, stride = (x.astype(number)[of] for x in (inside, place, step))
+    return at + begin, own + stride * column

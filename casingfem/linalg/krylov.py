@@ -43,7 +43,10 @@ class RitzPairs:
 
 @dataclass(slots=True, eq=False)
 class Basis:
-    """A B-orthonormal basis Q (n, count), the next block, and T = Q^H B (A - sigma B)^-1 B Q."""
+    """A B-orthonormal basis Q (n, count), the next block, and T = Q^H B (A - sigma B)^-1 B Q.
+
+    The image of the next block has parts in the vectors from number `tied` on alone, but for round-off.
+    """
 
     pencil: Pencil
     solve: Solve
@@ -52,6 +55,7 @@ class Basis:
     fresh: Array = field(default_factory=lambda: np.empty((0, 0)))
     coupling: Array = field(default_factory=lambda: np.empty((0, 0)))
     count: int = 0
+    tied: int = 0
     products: int = 0
 
     def grow(self) -> None:
@@ -63,10 +67,11 @@ class Basis:
         self.products += self.fresh.shape[1]
         H = np.zeros((self.count, self.fresh.shape[1]), dtype=Q.dtype)
         size = self.pencil.norm(image)
-        for _ in range(2):  # twice is enough for orthogonality to round-off
-            part = Q.conj().T @ self.pencil.weigh(image)
-            image -= Q @ part
-            H += part
+        for first in (self.tied, 0):  # twice is enough for orthogonality to round-off
+            part = Q[:, first:].conj().T @ self.pencil.weigh(image)
+            image -= Q[:, first:] @ part
+            H[first:] += part
+        self.tied = old
         self.T[: self.count, old : self.count] = H
         self.T[old : self.count, : self.count] = H.conj().T
         self.fresh, self.coupling = orthonormal(self.pencil, image, NOISE * size)
@@ -93,7 +98,7 @@ class Basis:
         self.Q[:, :kept] = self.Q[:, : self.count] @ S[:, :kept]
         self.T[:] = 0.0
         self.T[np.arange(kept), np.arange(kept)] = theta[:kept]
-        self.count = kept
+        self.count, self.tied = kept, 0
 
 
 def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int = BLOCKS[0]) -> RitzPairs:

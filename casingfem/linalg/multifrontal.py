@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.blas import dgemm, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf, dsyconv, dsytrf, dsytrf_lwork
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array
 
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray, IntArray
@@ -108,8 +108,9 @@ def assembled(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The parts of a front in its lower triangle, from A and from its children, whose updates are used up."""
     k, m = front.size
-    panel = csr_array((A.data[front.source], front.column, front.pointers), shape=(k, k + m)).toarray().T
-    K_pp, K_rp = np.asfortranarray(panel[:k]), np.asfortranarray(panel[k:])
+    columns = np.zeros(k * (k + m))
+    columns[front.place] = A.data[front.source]
+    K_pp, K_rp = columns[: k * k].reshape((k, k), order="F"), columns[k * k :].reshape((m, k), order="F")
     K_rr = np.zeros((m, m), order="F")
     for number in front.children:
         child, update = fronts.fronts[number], passed.pop(number)

@@ -1,5 +1,7 @@
 """Dense fronts: solutions and inertia against dense arithmetic, ordering against SuperLU's, memory foreseen."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.sparse import block_diag, csc_array, kron
@@ -46,6 +48,16 @@ def test_solutions_and_inertia_are_the_dense_ones(size, density, shift):
     np.testing.assert_allclose(factor.solve(b[:, 1]), x[:, 1], rtol=1e-7, atol=1e-9 * np.abs(x).max())
     negative = int(np.count_nonzero(np.linalg.eigvalsh(dense) < 0.0))
     assert factor.negative() == factorise(A, keep=False).negative() == factorise(A, "superlu").negative() == negative
+
+
+def test_entries_may_stand_in_any_order_and_twice():
+    A = csc_array(random_matrix(300, 0.02, 3.0, seed=8))
+    mixed = [np.concatenate([np.arange(a, b)[::-1], [a]]) for a, b in pairwise(A.indptr.tolist())]
+    entries = np.concatenate(mixed)
+    halves = np.where(entries == np.repeat(A.indptr[:-1], np.diff(A.indptr) + 1), 0.5, 1.0) * A.data[entries]
+    disordered = csc_array((halves, A.indices[entries], A.indptr + np.arange(301)), shape=A.shape)
+    b = np.arange(300.0)
+    np.testing.assert_allclose(factorise(disordered).solve(b), factorise(A).solve(b), rtol=1e-10)
 
 
 def test_pivots_of_two():
