@@ -29,7 +29,8 @@ SHAPES = {4: "tetra", 5: "pyramid", 6: "wedge"}  # of a brick's distinct corners
 TETRA8, TETRA20 = (0, 1, 2, 4), (0, 1, 2, 4, 8, 9, 11, 16, 17, 18)  # what is left of a brick collapsed to a tetrahedron
 FACTS, COUNT, OWN = 11, 8, 10  # numbers before an element's nodes; among them how many nodes, and its own number
 NAME = re.compile(r"(\d+)$")
-COLUMNS = re.compile(r"\((\d*)i(\d+)(?:,(\d*)e(\d+)\.\d+(?:e\d+)?)?\)$", re.IGNORECASE)
+COLUMNS = re.compile(r"\(((?:\d*i\d+,?)+)(?:(\d*)e(\d+)\.\d+(?:e\d+)?)?\)$", re.IGNORECASE)
+INTEGERS = re.compile(r"(\d*)i(\d+)", re.IGNORECASE)
 
 
 @dataclass(slots=True)
@@ -55,12 +56,13 @@ class Archive:
         except ValueError:
             raise self.fault(at, f"found {text.strip()!r}, expected a whole number") from None
 
-    def layout(self, at: int) -> tuple[int, int, int]:
-        """How many whole numbers stand on a line, their width, and that of the reals after them."""
+    def layout(self, at: int) -> tuple[list[int], int]:
+        """Widths of the whole numbers on a line, and that of the reals after them."""
         found = COLUMNS.match(self.lines[at].strip()) if at < len(self.lines) else None
         if found is None:
             raise self.fault(min(at, len(self.lines) - 1), "expected the columns of a block, such as (19i9)")
-        return int(found[1] or 1), int(found[2]), int(found[4] or 0)
+        widths = [int(width) for times, width in INTEGERS.findall(found[1]) for _ in range(int(times or 1))]
+        return widths, int(found[3] or 0)
 
     def whole(self, at: int, width: int) -> list[int]:
         """The whole numbers of a line in columns."""
@@ -108,7 +110,7 @@ def check_count(archive: Archive, at: int, fields: list[str], found: int) -> Non
 
 def take_nodes(archive: Archive, at: int, fields: list[str]) -> int:
     """NBLOCK; returns the line after it."""
-    begun, (count, width, real) = at, archive.layout(at + 1)
+    begun, (widths, real) = at, archive.layout(at + 1)
     if not real:
         raise archive.fault(at + 1, "expected columns of whole numbers and reals, such as (3i9,6e21.13e3)")
     at += 2
@@ -118,15 +120,15 @@ def take_nodes(archive: Archive, at: int, fields: list[str]) -> int:
         if line.upper().startswith("N,") or line.strip() == "-1":
             check_count(archive, begun, fields, len(archive.nodes) - first)
             return at + 1
-        start = count * width
+        start = sum(widths)
         parts = [line[start + k * real : start + (k + 1) * real] for k in range(3)]
         if (len(line) - start) % real and len(line) > start:
-            raise archive.fault(at, f"found {len(line)} characters, expected columns of {width} and {real}")
+            raise archive.fault(at, f"found {len(line)} characters, expected columns of {widths[0]} and {real}")
         try:
             x, y, z = (float(part) if part.strip() else 0.0 for part in parts)
         except ValueError:
             raise archive.fault(at, f"found {line[start:].strip()!r}, expected coordinates") from None
-        archive.nodes.append((archive.integer(at, line[:width]), x, y, z))
+        archive.nodes.append((archive.integer(at, line[: widths[0]]), x, y, z))
         at += 1
     raise archive.fault(begun, "NBLOCK without its end: cut short?")
 
@@ -135,7 +137,7 @@ def take_elements(archive: Archive, at: int, fields: list[str]) -> int:
     """EBLOCK; returns the line after it."""
     if "SOLID" not in fields:
         raise archive.fault(at, "found an EBLOCK that is not SOLID, expected EBLOCK,19,SOLID")
-    begun, (_, width, _) = at, archive.layout(at + 1)
+    begun, width = at, archive.layout(at + 1)[0][0]
     at += 2
     first = len(archive.elements)
     while at < len(archive.lines):
@@ -162,7 +164,8 @@ def take_component(archive: Archive, at: int, fields: list[str]) -> int:
     if len(fields) < 3 or fields[1] not in ("NODE", "ELEM", "ELEMENT"):
         raise archive.fault(at, "expected CMBLOCK, name, NODE or ELEM, count")
     begun, count = at, archive.integer(at, fields[2].partition("!")[0])
-    per_line, width, _ = archive.layout(at + 1)
+    widths, _ = archive.layout(at + 1)
+    per_line, width = len(widths), widths[0]
     given: list[int] = []
     at += 2
     while len(given) < count and at < len(archive.lines):

@@ -1,5 +1,7 @@
 """Ansys archives: bricks, tetrahedra, shells, collapsed bricks, components, materials; what is cut short is refused."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -40,6 +42,17 @@ def component(name, kind, members):
 def written(path, mesh, **more):
     path.write_text(cdb(mesh.points, mesh.cells, ELEMENTS[mesh.kind], **more))
     return read_mesh(path)
+
+
+def test_node_blocks_with_whole_numbers_of_two_widths(tmp_path):
+    """As Workbench writes them: (1i7,2i9,6e21.13)."""
+    mesh = grid_mesh("hexahedron", (2, 1, 1), place)
+    text = cdb(mesh.points, mesh.cells, ELEMENTS["hexahedron"])
+    head, nodes, rest = re.split(r"(?<=e3\)\n)|(?=N,R5)", text)
+    narrow = "".join(line[2:] + "\n" for line in nodes.splitlines())
+    path = tmp_path / "workbench.cdb"
+    path.write_text(head.replace("(3i9,6e", "(1i7,2i9,6e") + narrow + rest)
+    np.testing.assert_allclose(read_mesh(path).points, mesh.points, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ELEMENTS)
