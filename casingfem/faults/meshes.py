@@ -44,8 +44,8 @@ MESHES = {
         "ask for more elements or a higher order, for fewer modes, or leave [mesh] out",
     ),
     "mesh-collapsed-cell": Fault(
-        "a cell has the same node twice, as wedges written as bricks have",
-        "mesh with tetrahedra or true bricks; wedges and pyramids are not supported",
+        "a cell has the same node twice, and is no linear brick or square that collapses to a solid or a triangle",
+        "mesh without such cells, or linearly: wedges and pyramids with middle nodes are not supported",
     ),
     "mesh-distorted-cell": Fault(
         "a cell is nearly folded somewhere",
@@ -120,7 +120,7 @@ MESHES = {
         "join the parts over facets, or support each of them",
     ),
     "mesh-mixed-cells": Fault(
-        "a mesh has cells of several kinds",
+        "a mesh has cells of several kinds, not all of them linear",
         "mesh with one kind: all quadratic tetrahedra, or all bricks with the same middle nodes",
     ),
     "mesh-no-cells": Fault(
@@ -193,7 +193,8 @@ MESHES = {
     ),
     "mesh-unsupported-cell": Fault(
         "cells of a kind that is not supported",
-        "use tetrahedra or bricks for solids, quadrilaterals for shells",
+        "use tetrahedra or bricks for solids, linear wedges and pyramids among them; quadrilaterals for shells, "
+        "linear triangles among them",
     ),
     "structure-unknown": Fault(
         "what was given is no structure, or not one of the kind that this needs",

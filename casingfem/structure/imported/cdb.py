@@ -25,7 +25,7 @@ BRICKS = ("45", "95", "185", "186", "190")
 TETRAHEDRA = ("92", "187", "285")
 SHELLS = ("63", "93", "181", "281")
 WHOLE = {8: "hexahedron", 20: "hexahedron20", 4: "tetra", 10: "tetra10"}
-SHAPES = {4: "tetra", 5: "pyramid", 6: "wedge"}  # of a brick's distinct corners
+SHAPES = {5: "pyramid13", 6: "wedge15"}  # of a quadratic brick's distinct corners
 TETRA8, TETRA20 = (0, 1, 2, 4), (0, 1, 2, 4, 8, 9, 11, 16, 17, 18)  # what is left of a brick collapsed to a tetrahedron
 FACTS, COUNT, OWN = 11, 8, 10  # numbers before an element's nodes; among them how many nodes, and its own number
 NAME = re.compile(r"(\d+)$")
@@ -189,7 +189,7 @@ def kind_of(element: str, nodes: IntArray) -> tuple[str, IntArray] | None:
         return WHOLE.get(len(nodes), "tetra14"), nodes
     if name in SHELLS:
         kind = {4: "quad", 8: "quad8", 3: "triangle", 6: "triangle6"}.get(len(nodes), "polygon")
-        return ("triangle" if len(set(nodes[:4].tolist())) == 3 else kind), nodes
+        return ("triangle6" if len(nodes) > 4 and len(set(nodes[:4].tolist())) == 3 else kind), nodes
     if name not in BRICKS:
         return None
     corners = len(set(nodes[:8].tolist()))
@@ -197,7 +197,7 @@ def kind_of(element: str, nodes: IntArray) -> tuple[str, IntArray] | None:
         return WHOLE.get(len(nodes), "polyhedron"), nodes
     if corners == 4 and len(nodes) in (8, 20):
         return ("tetra", nodes[list(TETRA8)]) if len(nodes) == 8 else ("tetra10", nodes[list(TETRA20)])
-    return SHAPES.get(corners, "polyhedron"), nodes[:corners]
+    return ("hexahedron" if len(nodes) == 8 else SHAPES.get(corners, "polyhedron")), nodes
 
 
 def draft(archive: Archive) -> Draft:

@@ -14,7 +14,8 @@ from casingfem.errors import ModelError, sentence, warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.structure.imported.assembly import mapped
 from casingfem.structure.imported.cell_kind import SHELLS, shape_functions
-from casingfem.structure.imported.findings import SHOWN, Finding, cells_named, edge_vectors, nodes_named, where
+from casingfem.structure.imported.cells.collapsed import LEAST, distinct
+from casingfem.structure.imported.findings import SHOWN, Finding, cells_named, edge_lengths, nodes_named, where
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.material import Material
 from casingfem.structure.shell.plausible import SOUND
@@ -50,9 +51,9 @@ def non_finite(mesh: MeshData) -> list[Finding]:
 
 
 def repeated_nodes(mesh: MeshData) -> list[Finding]:
-    """Cells that have a node twice: collapsed, or wedges written as bricks."""
-    ordered = np.sort(mesh.cells, axis=1)
-    bad = (np.diff(ordered, axis=1) == 0).any(axis=1)
+    """Cells that have a node twice, but for bricks and squares that collapse to a solid or a triangle."""
+    kept = np.count_nonzero(distinct(mesh.cells) >= 0, axis=1)
+    bad = kept < LEAST.get(mesh.kind, mesh.cell_kind.nodes)
     return where("mesh-collapsed-cell", bad, lambda k: f"{cells_named(mesh, k)} with a node twice")
 
 
@@ -71,8 +72,7 @@ def orientation(mesh: MeshData) -> FloatArray:
         centre = middle.sum(axis=1)
         centre /= np.maximum(np.linalg.norm(centre, axis=1, keepdims=True), np.finfo(float).tiny)
         local = np.einsum("eqc,ec->eq", normal, centre)
-    edges = np.linalg.norm(edge_vectors(mesh), axis=2)
-    return np.asarray(local / edges.max(axis=1)[:, None] ** kind.dim)
+    return np.asarray(local / edge_lengths(mesh).max(axis=1)[:, None] ** kind.dim)
 
 
 def bad_cells(mesh: MeshData) -> list[Finding]:
@@ -103,7 +103,7 @@ def stray_middles(mesh: MeshData) -> Array:
 
 def spacing(mesh: MeshData) -> float:
     """The shortest distance that nodes of one cell should have: its shortest edge, halved by a middle node."""
-    return float(np.linalg.norm(edge_vectors(mesh), axis=2).min()) * (0.5 if mesh.cell_kind.middles else 1.0)
+    return float(edge_lengths(mesh).min()) * (0.5 if mesh.cell_kind.middles else 1.0)
 
 
 def coincident(mesh: MeshData) -> list[Finding]:
@@ -177,7 +177,8 @@ def normals(mesh: MeshData) -> list[Finding]:
         return []
     ends = mesh.facets.reshape(-1, 2)
     _, inverse, counts = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
-    bad = (counts[inverse.ravel()] > 1).reshape(len(mesh.cells), -1).any(axis=1)
+    twice = (counts[inverse.ravel()] > 1) & (ends[:, 0] != ends[:, 1])
+    bad = twice.reshape(len(mesh.cells), -1).any(axis=1)
     return where("mesh-flipped-shell", bad, lambda k: f"{cells_named(mesh, k)} with the normal against a neighbour's")
 
 
@@ -190,10 +191,10 @@ def orphans(mesh: MeshData) -> list[Finding]:
 
 def slender(mesh: MeshData) -> list[Finding]:
     """Cells much longer than wide, or nearly folded."""
-    edges = np.linalg.norm(edge_vectors(mesh), axis=2)
+    edges = edge_lengths(mesh)
     ratio = edges.max(axis=1) / edges.min(axis=1)
     local = orientation(mesh)
-    lowest = local.min(axis=1) / local.max(axis=1)
+    lowest = np.where(mesh.collapsed, 1.0, local.min(axis=1) / local.max(axis=1))
     long = f"longest to shortest edge up to {ratio.max():.3g}"
     return [
         *where("mesh-aspect", ratio > ASPECT, lambda k: f"{cells_named(mesh, k)}, {long}"),
@@ -213,7 +214,7 @@ def thin_and_curved(mesh: MeshData) -> list[Finding]:
     first = len(kind.corners)
     ends = mesh.points[mesh.cells[:, np.array(kind.edges)]].mean(axis=2)
     bow = np.linalg.norm(mesh.points[mesh.cells[:, first : first + len(kind.edges)]] - ends, axis=2).max(axis=1)
-    ratio = bow / np.linalg.norm(edge_vectors(mesh), axis=2).min(axis=1)
+    ratio = bow / edge_lengths(mesh).min(axis=1)
     worst = f"bow up to {ratio.max():.2g} of the thickness"
     return where("mesh-thin-curved", ratio > BOW, lambda k: f"{cells_named(mesh, k)} thin and curved, {worst}")
 

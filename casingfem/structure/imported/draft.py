@@ -13,6 +13,7 @@ from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.attachments.values import NOTHING, Attachments
 from casingfem.structure.imported.cell_kind import KINDS
+from casingfem.structure.imported.cells.collapsed import common_kind, written_as
 from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
 from contact.io.names import names_fault
 
@@ -86,9 +87,9 @@ def build(draft: Draft, source: str) -> MeshData:
     found = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     if top < 2:
         raise ModelError("mesh-no-cells", f"{source}: found {found or 'no cells'}")
-    if len(kinds) > 1:
-        raise ModelError("mesh-mixed-cells", f"{source}: found {found}")
-    kind = next(iter(kinds))
+    kind = common_kind(kinds)
+    if not kind:
+        raise ModelError("mesh-mixed-cells" if len(kinds) > 1 else "mesh-unsupported-cell", f"{source}: found {found}")
     if kind not in KINDS or kind.startswith("triangle"):
         raise ModelError("mesh-unsupported-cell", f"{source}: found {found}")
     main = [k for k, dim in enumerate(dims) if dim == top]
@@ -96,7 +97,9 @@ def build(draft: Draft, source: str) -> MeshData:
     mesh = MeshData(
         kind=kind,
         points=draft.points,
-        cells=np.concatenate([draft.blocks[k].cells for k in main]),
+        cells=np.concatenate(
+            [written_as(kind, draft.blocks[k].kind, draft.blocks[k].cells, draft.points) for k in main]
+        ),
         cell_numbers=np.concatenate([draft.blocks[k].numbers for k in main]),
         node_numbers=draft.node_numbers,
         attachments=draft.attachments,
@@ -131,7 +134,7 @@ def make_group(name: str, draft: Draft, mesh: MeshData, start: Mapping[int, int]
 
 def locate(name: str, corners: IntArray, mesh: MeshData) -> IntArray:
     """Facets given by corners as (cell, local facet); those of no cell are doubted and left out."""
-    facets = find_facets(mesh, corners) if corners.shape[1] == mesh.facets.shape[2] else np.full((len(corners), 2), -1)
+    facets = find_facets(mesh, corners)
     lost = int(np.count_nonzero(facets[:, 0] < 0))
     if lost:
         found = f"{mesh.source}: group {name!r} has {lost} of {len(corners)} facets that belong to no cell"

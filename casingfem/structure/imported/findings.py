@@ -40,6 +40,13 @@ def where(code: str, bad: Array | np.bool_, message: Callable[[IntArray], str]) 
     return [Finding(code, message(place))] if len(place) else []
 
 
+def edge_lengths(mesh: MeshData) -> FloatArray:
+    """Lengths of the straight edges of every cell, (cells, edges); a collapsed one counts as the longest."""
+    lengths = np.linalg.norm(edge_vectors(mesh), axis=2)
+    gone = (lengths == 0.0) & mesh.collapsed[:, None]
+    return np.asarray(np.where(gone, lengths.max(axis=1, keepdims=True), lengths))
+
+
 def edge_vectors(mesh: MeshData) -> FloatArray:
     """Straight edges of every cell, (cells, edges, 3)."""
     ends = mesh.points[mesh.cells[:, np.array(mesh.cell_kind.edges)]]

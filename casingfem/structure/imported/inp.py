@@ -31,6 +31,7 @@ FAMILIES = {
 NODES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15, "quad": 4,
          "quad8": 8, "quad9": 9, "triangle": 3, "triangle6": 6, "line": 2, "line3": 3}  # fmt: skip
 TETRA_FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))  # S1 to S4
+WEDGE_FACES = ((0, 1, 2), (3, 5, 4), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))  # S1 to S5
 CUBE_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))  # S1 to S6
 REFUSED = {"SYSTEM": "a local coordinate system"} | dict.fromkeys(
     ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"), "nodes or elements that are not written out"
@@ -79,6 +80,12 @@ def cards(lines: Iterable[NumberedLine]) -> Iterator[Card]:
             card.data.append((number, line))
     if card is not None:
         yield card
+
+
+def stacked(parts: Sequence[IntArray]) -> IntArray:
+    """Faces of one table, the last corner of triangles repeated beside squares."""
+    width = max(part.shape[1] for part in parts)
+    return np.concatenate([np.pad(part, ((0, 0), (0, width - part.shape[1])), mode="edge") for part in parts])
 
 
 class Parser:
@@ -293,7 +300,7 @@ class Parser:
             node_sets={self.spelling[n]: nodes(np.concatenate(parts)) for n, parts in self.node_sets.items()},
             cell_sets={self.spelling[n]: rows(np.concatenate(parts)) for n, parts in self.element_sets.items()},
             facet_sets={
-                self.spelling[name]: np.concatenate(
+                self.spelling[name]: stacked(
                     [self.corners(blocks[k], part, face) for ids, face in entries for k, part in rows(ids)]
                 )
                 for name, entries in self.surfaces.items()
@@ -308,7 +315,9 @@ class Parser:
 
     def local_corners(self, kind: str, face: str) -> tuple[int, ...]:
         """Which nodes of an element of a kind are the corners of a face."""
-        faces = {"tetra": TETRA_FACES, "hexahedron": CUBE_FACES}.get(kind.rstrip("0123456789"), ())
+        faces = {"tetra": TETRA_FACES, "wedge": WEDGE_FACES, "hexahedron": CUBE_FACES}.get(
+            kind.rstrip("0123456789"), ()
+        )
         if not (face[:1] == "S" and face[1:].isdigit() and 1 <= int(face[1:]) <= len(faces)):
             raise ModelError("mesh-file", f"{self.source}: a surface on face {face!r} of {kind} elements")
         return faces[int(face[1:]) - 1]

@@ -6,9 +6,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.io.arrays import BoolArray, FloatArray, IntArray, frozen
 from casingfem.structure.imported.attachments.values import NOTHING, Attachments
 from casingfem.structure.imported.cell_kind import KINDS, CellKind
+from casingfem.structure.imported.cells.collapsed import distinct
 from contact.io.brief import brief
 
 NONE: IntArray = frozen(np.zeros(0, dtype=np.int64))
@@ -78,9 +79,9 @@ class MeshData:
         box = " x ".join(f"{side:.4g}" for side in np.ptp(self.points, axis=0))
         groups = f"; groups {', '.join(self.groups)}" if self.groups else ""
         hung = f"; {self.attachments}" if self.attachments else ""
-        return (
-            f"MeshData({self.source}: {len(self.cells)} {self.kind}, {len(self.points)} nodes, {box} m{groups}{hung})"
-        )
+        collapsed = int(self.collapsed.sum())
+        kind = f"{self.kind}, {collapsed} of them collapsed" if collapsed else self.kind
+        return f"MeshData({self.source}: {len(self.cells)} {kind}, {len(self.points)} nodes, {box} m{groups}{hung})"
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -132,6 +133,11 @@ class MeshData:
         return float(np.linalg.norm(np.ptp(self.points[self.used], axis=0)))
 
     @property
+    def collapsed(self) -> BoolArray:
+        """Cells with a node twice, (cells,): wedges, pyramids, tetrahedra among bricks, triangles among squares."""
+        return np.asarray((distinct(self.cells) < 0).any(axis=1))
+
+    @property
     def facets(self) -> IntArray:
         """Corners of every facet of every cell, (cells, facets, corners)."""
         return self.cells[:, np.array(self.cell_kind.facets)]
@@ -144,11 +150,12 @@ class MeshData:
 
     @property
     def sharing(self) -> IntArray:
-        """How many cells have each facet, (cells, facets)."""
-        corners = np.sort(self.facets, axis=2)
+        """How many cells have each facet, (cells, facets); 0 for facets that are collapsed to an edge or a node."""
+        corners = distinct(self.facets)
         _, inverse, counts = np.unique(corners.reshape(-1, corners.shape[2]), axis=0, return_inverse=True,
                                        return_counts=True)  # fmt: skip
-        return np.asarray(counts[inverse.ravel()].reshape(corners.shape[:2]))
+        whole = np.count_nonzero(corners >= 0, axis=2) >= self.cell_kind.dim
+        return np.asarray(np.where(whole, counts[inverse.ravel()].reshape(corners.shape[:2]), 0))
 
     def facet_nodes(self, facets: IntArray) -> IntArray:
         """Nodes of facets (m, 2) in the order of the facet's kind, (m, facet nodes)."""
@@ -168,8 +175,11 @@ class MeshData:
 
 def find_facets(mesh: MeshData, corners: IntArray) -> IntArray:
     """The (cell, local facet) of facets given by their corners (m, corners); -1 where no cell has them."""
-    own = np.sort(mesh.facets, axis=2).reshape(-1, corners.shape[1])
-    asked = np.sort(corners, axis=1)
+    own = distinct(mesh.facets).reshape(-1, mesh.facets.shape[2])
+    missing = own.shape[1] - corners.shape[1]
+    if missing < 0:
+        return np.full((len(corners), 2), -1)
+    asked = np.pad(distinct(corners), ((0, 0), (missing, 0)), constant_values=-1)
     both = np.concatenate([own, asked])
     _, code = np.unique(both, axis=0, return_inverse=True)
     code = code.ravel()

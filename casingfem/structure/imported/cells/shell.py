@@ -36,7 +36,11 @@ def cell_normals(mesh: MeshData) -> FloatArray:
     _, slopes = shape_functions(mesh.kind, np.ascontiguousarray(mesh.cell_kind.places.T))
     tangents = np.einsum("dkq,ekc->deqc", slopes, mesh.points[mesh.cells])
     normals = np.cross(tangents[0], tangents[1])
-    return np.asarray(normals / np.linalg.norm(normals, axis=2, keepdims=True))
+    size = np.linalg.norm(normals, axis=2, keepdims=True)
+    if mesh.collapsed.any():  # to triangles, which have one normal
+        normals = np.where(size > 0.0, normals, normals.sum(axis=1, keepdims=True))
+        size = np.linalg.norm(normals, axis=2, keepdims=True)
+    return np.asarray(normals / size)
 
 
 def directors(mesh: MeshData) -> FloatArray:

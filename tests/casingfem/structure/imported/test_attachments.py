@@ -365,7 +365,6 @@ INP = """*NODE
         ("RBAR,9,4,5,123,456", "expected 123456 at one"),
         ("MPC,1,4,1,1.,3,1,-1.\nMPC,2,4,2,1.,3,2,-1.", "found a second set"),
         ("MPC,1,4,1,1.", "1 terms"),
-        ("GRDSET,,1", "defaults of the grids"),
     ],
 )
 def test_cards_that_are_not_understood_are_refused_by_line(card, told, tmp_path):

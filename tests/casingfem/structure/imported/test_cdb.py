@@ -103,12 +103,21 @@ def test_what_is_no_solid_is_counted(tmp_path):
         assert len(read_mesh(tmp_path / "part.cdb").cells) == 2
 
 
-def test_wedges_are_refused_by_name(tmp_path):
-    mesh = grid_mesh("hexahedron", (1, 1, 1), place)
-    wedge = mesh.cells[:, [0, 1, 2, 2, 4, 5, 6, 6]]
-    (tmp_path / "part.cdb").write_text(cdb(mesh.points, wedge, 185))
-    with pytest.raises(ModelError, match="1 wedge"):
+def test_wedges_are_collapsed_bricks_and_quadratic_ones_refused_by_name(tmp_path):
+    mesh = grid_mesh("hexahedron20", (1, 1, 1), place)
+    wedge = mesh.cells[:, [0, 1, 2, 2, 4, 5, 6, 6, 8, 9, 2, 11, 12, 13, 6, 15, 16, 17, 18, 18]]
+    (tmp_path / "part.cdb").write_text(cdb(mesh.points, wedge[:, :8], 185))
+    found = read_mesh(tmp_path / "part.cdb")
+    assert (found.kind, found.cells.tolist(), found.collapsed.tolist()) == ("hexahedron", wedge[:, :8].tolist(), [True])
+    (tmp_path / "part.cdb").write_text(cdb(mesh.points, wedge, 186))
+    with pytest.raises(ModelError, match="1 wedge15"):
         read_mesh(tmp_path / "part.cdb")
+
+
+def test_triangles_are_collapsed_squares(tmp_path):
+    mesh = grid_mesh("quad", (1, 1), place)
+    (tmp_path / "part.cdb").write_text(cdb(mesh.points, mesh.cells[:, [0, 1, 2, 2]], 181))
+    assert read_mesh(tmp_path / "part.cdb").collapsed.tolist() == [True]
 
 
 def test_archives_cut_short_are_refused(tmp_path):

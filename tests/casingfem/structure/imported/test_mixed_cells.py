@@ -1,0 +1,170 @@
+"""Meshes of several linear kinds: wedges, pyramids and tetrahedra among bricks, triangles among squares."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.errors import ModelError
+from casingfem.modal.imported.output import mean_row
+from casingfem.structure.imported.assembly import mapped
+from casingfem.structure.imported.cells.collapsed import written_as
+from casingfem.structure.imported.draft import Block, Draft, build
+from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.solid import assemble_solid
+
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+WEDGES = ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))  # of a brick
+BASES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))  # of pyramids in it
+pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
+
+
+def mixed(counts, *, bend=0.0):
+    """A bar of 1 x 0.2 x 0.1 m: wedges at its root, bricks, then pyramids, the lowest of them cut to tetrahedra."""
+
+    def place(u):
+        return (u + bend * np.sin(7.0 * u[:, [1, 2, 0]]) * u * (1.0 - u)) * [1.0, 0.2, 0.1]
+
+    bricks = grid_mesh("hexahedron", counts, place, groups={"root": (0, 0.0)})
+    middle = bricks.points[bricks.cells].mean(axis=1)
+    first, last = middle[:, 0] < 1.0 / counts[0], middle[:, 0] > 1.0 - 1.0 / counts[0]
+    points = np.vstack([bricks.points, middle[last]])
+    apex = len(bricks.points) + np.arange(np.count_nonzero(last))
+    pyramids = np.concatenate([np.column_stack([bricks.cells[last][:, list(base)], apex]) for base in BASES])
+    low = points[pyramids[:, :4], 2].max(axis=1) < 1e-12
+    parts = {
+        "hexahedron": bricks.cells[~first & ~last],
+        "wedge": np.concatenate([bricks.cells[first][:, list(wedge)] for wedge in WEDGES]),
+        "pyramid": pyramids[~low],
+        "tetra": np.concatenate([pyramids[low][:, [0, 1, 2, 4]], pyramids[low][:, [0, 2, 3, 4]]]),
+    }
+    starts = np.cumsum([1, *(len(cells) for cells in parts.values())])
+    blocks = [Block(k, cells, s + np.arange(len(cells))) for (k, cells), s in zip(parts.items(), starts, strict=False)]
+    root = {"root": bricks.groups["root"].nodes}
+    numbers = np.arange(1, len(points) + 1)
+    return build(Draft(points=points, node_numbers=numbers, blocks=blocks, node_sets=root), "mixed"), bricks
+
+
+def test_constant_strains_are_exact_through_all_kinds():
+    """K u of a linear field is zero at inner nodes; energy and mass are those of the volume."""
+    mesh, _ = mixed((4, 2, 2), bend=0.15)
+    system = assemble_solid(cf.Solid(mesh=mesh, material=STEEL))
+    slope = np.random.default_rng(4).normal(size=(3, 3))
+    u = (mesh.points @ slope.T).ravel()
+    force = (system.K @ u).reshape(-1, 3)
+    inner = np.setdiff1d(mesh.used, mesh.facet_nodes(mesh.boundary))
+    assert len(inner) == 3 + 4  # of the grid, and the pyramids' common corners
+    assert np.abs(force[inner]).max() < 1e-9 * np.abs(force).max()
+    eps, mu, lam = 0.5 * (slope + slope.T), 210e9 / 2.6, 210e9 * 0.3 / (1.3 * 0.4)
+    along = np.tile([1.0, 0.0, 0.0], len(mesh.points))
+    volume = along @ system.M @ along / 7800.0
+    assert u @ force.ravel() == pytest.approx(volume * (2.0 * mu * np.sum(eps**2) + lam * np.trace(eps) ** 2), rel=1e-6)
+    assert volume == pytest.approx(0.02, rel=1e-3)  # bent faces of wedges are no longer those of bricks
+
+
+def test_facets_of_collapsed_cells_are_squares_and_triangles():
+    mesh, bricks = mixed((4, 2, 2))
+    assert repr(mesh).startswith("MeshData(mixed: 42 hexahedron, 34 of them collapsed, 49 nodes")
+    faces = mesh.facet_nodes(mesh.boundary)
+    assert mapped("quad", mesh.points, faces).measure.sum() == pytest.approx(2.0 * (0.2 + 0.1 + 0.02), rel=1e-12)
+    assert len(mesh.group_facets("root")) == len(bricks.group_facets("root")) == 4
+    below = np.flatnonzero(mesh.points[:, 2] < 1e-12)
+    corners = np.array([len(set(face)) for face in faces.tolist() if np.isin(face, below).all()])
+    assert sorted(corners) == [3] * 8 + [4] * 4  # of four wedges and four tetrahedra; of bricks
+
+
+def test_collapsed_bricks_are_tetrahedra():
+    """The stiffness to round-off; of the mass, whose quadrature they share with bricks, the sum."""
+    tetra = grid_mesh("tetra", (3, 2, 1), lambda u: u * [1.0, 0.2, 0.1])
+    bricks = replace(tetra, kind="hexahedron", cells=written_as("hexahedron", "tetra", tetra.cells, tetra.points))
+    own, collapsed = (assemble_solid(cf.Solid(mesh=mesh, material=STEEL)) for mesh in (tetra, bricks))
+    assert abs(own.K - collapsed.K).max() < 1e-12 * abs(own.K).max()
+    assert collapsed.M.sum() == pytest.approx(own.M.sum(), rel=1e-12)
+
+
+def test_a_mixed_bar_is_stressed_alike_everywhere():
+    """Stress at nodes of cells of every kind, of a bar pulled evenly."""
+    mesh, _ = mixed((8, 2, 2))
+    axial = cf.Material(E=210e9, nu=0.0, rho=7800.0)
+    solid = cf.Solid(mesh=mesh, material=axial, supports={"root": cf.Clamped()})
+    system = assemble_solid(solid)
+    pulled = np.zeros((len(mesh.points), 3))
+    pulled[:, 0] = 1e-3 * mesh.points[:, 0]
+    for node in range(0, len(mesh.points), 5):
+        row = mean_row(system, "stress", int(mesh.node_numbers[node]), "xx", stress=True)
+        assert np.sum(row * pulled) == pytest.approx(210e6, rel=1e-6)
+
+
+def plate(thirds, count):
+    """A square plate of 0.4 m, clamped along one side, `thirds` of its squares cut to two triangles each."""
+    side = {"base": (0, 0.0)}
+    squares = grid_mesh("quad", (count, count), lambda u: np.insert(0.4 * u, 2, 0.0, axis=1), groups=side)
+    cut = np.arange(len(squares.cells)) % 3 < thirds
+    halves = np.concatenate([squares.cells[cut][:, [0, 1, 2]], squares.cells[cut][:, [0, 2, 3]]])
+    parts = {"quad": squares.cells[~cut], "triangle": halves}
+    blocks = [
+        Block(k, cells, 1000 * j + np.arange(len(cells))) for j, (k, cells) in enumerate(parts.items()) if cells.size
+    ]
+    numbers, base = np.arange(1, len(squares.points) + 1), {"base": squares.groups["base"].nodes}
+    mesh = build(Draft(points=squares.points, node_numbers=numbers, blocks=blocks, node_sets=base), "plate")
+    return cf.MeshShell(mesh=mesh, thickness=4e-3, material=STEEL, supports={"base": cf.Clamped()})
+
+
+def test_a_cantilevered_plate_of_squares_and_triangles_converges():
+    """Towards Kirchhoff's plate: A. Leissa, J. Sound Vib. 31, 1973, 257, table C17, bounds from above by 0.6 %."""
+    leissa = np.array([3.4917, 8.5246, 21.429, 27.331, 31.111])
+    unit = np.sqrt(210e9 * 4e-3**3 / (12.0 * 0.91) / (7800.0 * 4e-3)) / (2.0 * np.pi * 0.4**2)
+    for thirds in (1, 3):
+        coarse, fine = (cf.modes(plate(thirds, count), 5).freq / unit / leissa - 0.994 for count in (8, 16))
+        assert np.all(np.abs(fine) < 0.04)
+        assert np.abs(fine[3:]).max() < 0.4 * np.abs(coarse[3:]).max()
+
+
+def test_cells_that_collapse_to_nothing_and_quadratic_ones_are_refused():
+    mesh, _ = mixed((2, 1, 1))
+    flat = mesh.cells.copy()
+    flat[0] = flat[0][[0, 1, 2, 2, 0, 1, 2, 2]]
+    with pytest.raises(ModelError, match="a node twice"):
+        cf.Solid(mesh=replace(mesh, cells=flat), material=STEEL)
+    points = np.random.default_rng(1).normal(size=(25, 3))
+    kinds = {"hexahedron20": 20, "wedge15": 15}
+    blocks = [Block(kind, np.arange(n)[None], np.array([n])) for kind, n in kinds.items()]
+    with pytest.raises(ModelError, match=r"1 hexahedron20, 1 wedge15: .*mesh-mixed-cells"):
+        build(Draft(points=points, node_numbers=np.arange(25), blocks=blocks), "part")
+
+
+INP = """*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+9, 2., 0., 0.
+10, 2., 0., 1.
+*ELEMENT, TYPE=C3D8
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*ELEMENT, TYPE=C3D6, ELSET=END
+2, 2, 9, 3, 6, 10, 7
+*SURFACE, NAME=TOP
+1, S2
+END, S2
+"""
+
+
+@pytest.mark.parametrize("nodes", ["2, 9, 3, 6, 10, 7", "6, 10, 7, 2, 9, 3"])
+def test_bricks_and_wedges_of_an_input_file(nodes, tmp_path):
+    """Wedges either way up, and surfaces with faces of both kinds."""
+    path = tmp_path / "part.inp"
+    text = INP.replace("2, 2, 9, 3, 6, 10, 7", f"2, {nodes}")
+    path.write_text(text if nodes[0] == "2" else text.replace("END, S2", "END, S1"))
+    mesh = read_mesh(path)
+    assert mesh.collapsed.tolist() == [False, True]
+    faces = mesh.facet_nodes(mesh.groups["TOP"].facets)
+    assert mapped("quad", mesh.points, faces).measure.sum(axis=1) == pytest.approx([1.0, 0.5])
+    system = assemble_solid(cf.Solid(mesh=mesh, material=STEEL))
+    assert system.M.sum() / 3.0 == pytest.approx(1.5 * 7800.0, rel=1e-12)
