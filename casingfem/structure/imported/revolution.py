@@ -63,4 +63,5 @@ def elements_around(mesh: MeshData) -> int:
     theta = np.arctan2(mesh.points[mesh.cells, 1], mesh.points[mesh.cells, 0])
     span = np.ptp((theta - theta[:, :1] + np.pi) % (2.0 * np.pi), axis=1)
     off_axis = np.linalg.norm(mesh.points[mesh.cells, :2], axis=2).min(axis=1) > 1e-6 * mesh.size
-    return int(np.floor(2.0 * np.pi / span[off_axis].max() + 1e-6)) if off_axis.any() else 0
+    widest = span[off_axis].max(initial=0.0)  # 0 in a plane through the axis
+    return int(np.floor(2.0 * np.pi / widest + 1e-6)) if widest > 1e-6 else 0
