@@ -108,8 +108,8 @@ MESHES = {
         "use quadratic cells (order 2 in the mesher)",
     ),
     "mesh-loose-facets": Fault(
-        "facets of a group lie on no cell of the part",
-        "they are left out; save the group with the part it is on",
+        "triangles or squares of a group lie on no cell of the part",
+        "they are left out, with the stiffness they may have as shells; save the group with the part it is on",
     ),
     "mesh-material-twice": Fault(
         "a cell lies in two groups that each have a material",

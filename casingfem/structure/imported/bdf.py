@@ -18,6 +18,7 @@ from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
 from casingfem.io.included import NumberedLine, read_lines
 from casingfem.structure.imported.attachments.nastran import CARDS, LEFT_OUT, CardLike, NastranAttachments
+from casingfem.structure.imported.cells.handed import right_handed
 from casingfem.structure.imported.coordinates import KINDS_OF_SYSTEMS, System, in_basic
 from casingfem.structure.imported.draft import Block, Draft, Lookup
 
@@ -251,6 +252,7 @@ class Parser:
             cells = nodes(np.array([row[2] for row in rows]))
             if kind == "hexahedron20":
                 cells = cells[:, BRICK20]
+            cells = right_handed(kind, cells, table[:, 1:])  # Nastran asks for neither way
             owners = np.array([row[1] for row in rows])
             for owner in np.unique(owners):
                 cell_sets.setdefault(f"PID {owner}", []).append((len(blocks), np.flatnonzero(owners == owner)))

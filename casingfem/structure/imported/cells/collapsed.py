@@ -9,6 +9,7 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.cells.handed import right_handed
 
 CORNERS: Mapping[str, Mapping[str, Sequence[int]]] = {
     "hexahedron": {
@@ -35,11 +36,8 @@ def written_as(target: str, kind: str, cells: IntArray, points: FloatArray) -> I
     """Cells of a kind (m, nodes) as those of another; wedges, which VTK numbers from above, from below."""
     if kind == target:
         return cells
-    if kind == "wedge":
-        x = points[cells]
-        height = np.einsum("ec,ec->e", np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), x[:, 3] - x[:, 0])
-        cells = np.where((height < 0.0)[:, None], cells[:, [3, 4, 5, 0, 1, 2]], cells)
-    return np.asarray(cells[:, list(CORNERS[target][kind])])
+    upright = right_handed(kind, cells, points) if kind == "wedge" else cells
+    return np.asarray(upright[:, list(CORNERS[target][kind])])
 
 
 def distinct(corners: IntArray) -> IntArray:

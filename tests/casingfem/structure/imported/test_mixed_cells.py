@@ -10,6 +10,7 @@ from casingfem.errors import ModelError
 from casingfem.modal.imported.output import mean_row
 from casingfem.structure.imported.assembly import mapped
 from casingfem.structure.imported.cells.collapsed import written_as
+from casingfem.structure.imported.cells.handed import mirror, right_handed
 from casingfem.structure.imported.draft import Block, Draft, build
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.read import read_mesh
@@ -82,6 +83,18 @@ def test_collapsed_bricks_are_tetrahedra():
     own, collapsed = (assemble_solid(cf.Solid(mesh=mesh, material=STEEL)) for mesh in (tetra, bricks))
     assert abs(own.K - collapsed.K).max() < 1e-12 * abs(own.K).max()
     assert collapsed.M.sum() == pytest.approx(own.M.sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27"])
+def test_cells_numbered_the_other_way_round_are_mirrored(kind):
+    """Which nodes a cell has stays; its volume turns; and what is right-handed is left."""
+    mesh = grid_mesh(kind, (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1])
+    turned = mesh.cells[:, mirror(kind)]
+    assert np.array_equal(np.sort(turned, axis=1), np.sort(mesh.cells, axis=1))
+    volumes = [mapped(kind, mesh.points, cells).measure.sum(axis=1) for cells in (turned, mesh.cells)]
+    np.testing.assert_allclose(volumes[0], -volumes[1], rtol=1e-12)
+    assert np.array_equal(right_handed(kind, turned, mesh.points), mesh.cells)
+    assert np.array_equal(right_handed(kind, mesh.cells, mesh.points), mesh.cells)
 
 
 def test_a_mixed_bar_is_stressed_alike_everywhere():
