@@ -104,15 +104,18 @@ def write(path: Path, rows: Sequence[Row]) -> None:
         writer.writerows(rows)
 
 
-def command_line(description: str | None, main: Callable[..., object], **flags: str) -> None:
-    """Run a report's `main(out, quick)` with --out, --quick and flags of its own, name -> help.
+def command_line(description: str | None, main: Callable[..., object], **flags: str | tuple[int, str]) -> None:
+    """Run a report's `main(out, quick)` with --out, --quick and flags of its own, name -> help, or number and help.
 
     The exit code is 1 where rows that it returns say that something is wrong.
     """
     parser = argparse.ArgumentParser(description=(description or "").partition("\n")[0])
     parser.add_argument("--quick", action="store_true", help="leave out what takes long")
     for name, words in flags.items():
-        parser.add_argument(f"--{name}", action="store_true", help=words)
+        if isinstance(words, str):
+            parser.add_argument(f"--{name}", action="store_true", help=words)
+        else:
+            parser.add_argument(f"--{name}", type=int, default=words[0], help=f"{words[1]}; {words[0]} by default")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
     arguments = parser.parse_args()
     rows = main(arguments.out, arguments.quick, **{name: getattr(arguments, name) for name in flags})

@@ -16,7 +16,7 @@ from casingfem.cli.model_warnings import collected, collecting
 from contact.io.outfiles import Content, json_text, settle, write_files
 
 BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
-STORES = {"sweep": "store", "mistune": "draws"}  # where commands keep what is finished
+STORES = {"sweep": "store", "mistune": "draws", "cycles": "cycles.part.npz"}  # where commands keep what is finished
 PATIENCE = 1.0  # seconds before a terminal is told what takes so long
 
 P = ParamSpec("P")

@@ -19,10 +19,13 @@ LABELS = {
 
 
 @styled
-def figure_cycles(rows: Sequence[Mapping[str, Any]], marks: Sequence[Mapping[str, Any]]) -> Figure:
+def figure_cycles(
+    rows: Sequence[Mapping[str, Any]], marks: Sequence[Mapping[str, Any]], reached: Sequence[Mapping[str, Any]] = ()
+) -> Figure:
     """Amplitude of each channel over the parameter, one panel a channel.
 
-    `rows` are those of `Cycles.table`; `marks` its special points: kind, branch, the parameter, amplitudes.
+    `rows` are those of `Cycles.table`; `marks` its special points: kind, branch, the parameter, amplitudes; `reached`
+    the motions of `Basins.records` with the parameter, drawn with the part of random starts that end on them.
     """
     names = [key for key in rows[0] if key.startswith("amplitude_")]
     parameter = list(rows[0])[1]
@@ -37,6 +40,10 @@ def figure_cycles(rows: Sequence[Mapping[str, Any]], marks: Sequence[Mapping[str
             if shown:
                 colour = PERFECT if kind == "grazing" else MEASURED
                 axes.plot(x, y, shape, color=colour, markersize=6, mfc="white", label=kind, zorder=4)
+        for one in reached:
+            x, y = one[parameter], one[f"{name}_m"]
+            axes.plot(x, y, "o", color=AFTER, markersize=4.0 + 14.0 * one["share"] ** 0.5, alpha=0.5, zorder=5)
+            axes.annotate(f"{one['share']:.0%}", (x, y), xytext=(9, 0), textcoords="offset points", va="center")
         axes.set_ylabel(f"max |{name.removeprefix('amplitude_')}| [m]")
     panels[-1].set_xlabel(LABELS.get(parameter, parameter))
     for kept, style in (("stable", "-"), ("unstable", "--")):

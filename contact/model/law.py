@@ -204,6 +204,11 @@ class Abradable:
         """Itself."""
         return self
 
+    @property
+    def under_tip(self) -> float:
+        """Elastic stiffness of all bars under a tip [N/m]."""
+        return self.E * self.width * self.tip / self.thickness
+
     def stress(self, worn: Depth) -> Depth:
         """Stress at which a bar of this worn depth [m] flows [Pa]."""
         return self.yield_stress + self.hardening * worn / self.thickness

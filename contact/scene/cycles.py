@@ -1,26 +1,35 @@
-"""Scene files for `casingfem cycles`: a modal body and a harmonic force, or a rim and its blade; what is varied."""
+"""Scene files for `casingfem cycles`: a modal body and a harmonic force, or a rim and its blades; what is varied."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
+import numpy as np
 from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
 from contact.base.errors import InputError
+from contact.growth.cycles.basins import Basins, basins
 from contact.growth.cycles.driven import DrivenBody, ForcedFamily, Parameter
 from contact.growth.cycles.follow import Progress, follow
 from contact.growth.cycles.result import Cycles
 from contact.growth.cycles.rubbing import RimFamily
 from contact.io.toml import entries
 from contact.model.bodies.patch import Patch
-from contact.model.gaps.gap import RotatingRim
 from contact.scene.load import SceneError, problem_text, scene_data, scene_of
 from contact.scene.patch import GroundTable, PatchBodyTable
 from contact.scene.scheme import Positive, Table, Unit
-from contact.scene.tables import BladeTable, CasingTable, RimContact
+from contact.scene.turning import TURNING, BasinsTable, ContinuationTable, TurningFile
+
+if TYPE_CHECKING:
+    from contact.growth.cycles.rubbing import Parameter as RimParameter
+    from contact.model.gaps.gap import RotatingRim
+    from contact.model.gaps.rub import Rub
+
+NEAR = 6  # orbits about a value, whose states tell how large random starts are
 
 
 class CyclesHead(Table):
@@ -73,20 +82,6 @@ class DriveTable(Table):
         return start or 0.0, stop or 0.0  # the table has one of both ranges
 
 
-class ContinuationTable(Table):
-    """[continuation]: longest step, most points, looks at gaps in a period, doublings followed, channels shown."""
-
-    longest_step: Annotated[FiniteFloat, Field(gt=0, le=1)] = Field(
-        default=0.02, description="of the parameter's range [-]"
-    )
-    most_points: Annotated[int, Field(ge=2)] = Field(default=1000, description="points of a branch at most")
-    looks: Annotated[int, Field(ge=8)] | None = Field(default=None, description="looks at the gaps in a period")
-    doublings: Annotated[int, Field(ge=0)] = Field(default=0, description="period doublings that are followed")
-    channels: list[str] = Field(
-        default_factory=list, description="channels whose amplitudes are shown; all if left out"
-    )
-
-
 class CyclesFile(Table):
     """A modal body under a harmonic force before contacts."""
 
@@ -96,6 +91,7 @@ class CyclesFile(Table):
     ground: GroundTable = Field(default_factory=GroundTable, description="the rigid ground")
     drive: DriveTable = Field(description="the harmonic force and what is varied")
     continuation: ContinuationTable = Field(default_factory=ContinuationTable, description="how branches are followed")
+    basins: BasinsTable | None = Field(default=None, description="which motions random starts reach")
 
     @model_validator(mode="after")
     def _alike(self) -> CyclesFile:
@@ -121,64 +117,45 @@ class CyclesFile(Table):
         )  # fmt: skip
 
 
-class SpeedRange(Table):
-    """[speed] of a rim: from where to where [Hz]."""
-
-    from_hz: FiniteFloat = Field(description="first speed [turns/s]")
-    to_hz: FiniteFloat = Field(description="last speed [turns/s]")
-
-    @model_validator(mode="after")
-    def _one_sense(self) -> SpeedRange:
-        if not self.from_hz * self.to_hz > 0.0 or self.from_hz == self.to_hz:
-            raise ValueError(f"{self.from_hz:g} to {self.to_hz:g} found, expected two different speeds of one sense")
-        return self
-
-
-class RimCyclesHead(Table):
-    """[scene] of a rim: the kind alone."""
-
-    kind: Literal["rim"] = Field(description="which kind of scene this is")
-
-
-class RimCyclesFile(Table):
-    """A turning rim against its blade, over speed."""
-
-    scene: RimCyclesHead = Field(description="what this scene is")
-    casing: CasingTable = Field(description="the rim")
-    blade: BladeTable = Field(description="the blade")
-    contact: RimContact = Field(description="the gap")
-    speed: SpeedRange = Field(description="range of speeds")
-    continuation: ContinuationTable = Field(default_factory=ContinuationTable, description="how branches are followed")
-
-
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class CyclesScene:
-    """What is followed, from where to where, and how."""
+    """What is followed, from where to where, and how; where random starts are asked for."""
 
     family: ForcedFamily | RimFamily
     between: tuple[float, float]
     how: ContinuationTable
+    ask: BasinsTable | None = None
 
-    def solve(self, progress: Progress | None = None) -> Cycles:
-        """The branches."""
+    def solve(self, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Cycles:
+        """The branches; raises as `follow`."""
         how = self.how
         return follow(
             self.family, self.between, longest=how.longest_step, most=how.most_points, doublings=how.doublings,
-            progress=progress,
+            checkpoint=checkpoint, progress=progress,
         )  # fmt: skip
+
+    def reached(self, found: Cycles, progress: Callable[[int], None] | None = None) -> Basins | None:
+        """What random starts reach, if asked for; starts are as large as the states of the orbits about there."""
+        ask = self.ask
+        if ask is None:
+            return None
+        points = [point for branch in found.branches for point in branch.points]
+        near = sorted(points, key=lambda point: abs(point.value - ask.at))[:NEAR]
+        size = ask.spread * np.max([np.abs(point.x) for point in near], axis=0)
+        return basins(self.family, ask.at, size, starts=ask.starts, seed=ask.seed, settle=ask.settle, progress=progress)
 
 
 def load_cycles(path: str | Path) -> CyclesScene:
-    """Read a scene of kind "patch" with [drive], or of kind "rim" with a range of speed.
+    """Read a scene of kind "patch" with [drive], or of kind "rim", "rub", "disk" with a range.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
     """
     file = Path(path)
     data, _ = scene_data(file)
-    rim = entries(data.get("scene")).get("kind") == "rim"
-    model = RimCyclesFile if rim else CyclesFile
+    kind = str(entries(data.get("scene")).get("kind"))
+    model = TURNING.get(kind, CyclesFile)
     try:
-        return _rim(data, file) if rim else _driven(CyclesFile.model_validate(data), file)
+        return _turning(data, file, TURNING[kind]) if kind in TURNING else _driven(data, file)
     except ValidationError as error:
         raise SceneError([problem_text(file, detail, data, model) for detail in error.errors()]) from error
     except SceneError:
@@ -187,25 +164,37 @@ def load_cycles(path: str | Path) -> CyclesScene:
         raise SceneError([f"{file}: {error}"]) from error
 
 
-def _driven(table: CyclesFile, file: Path) -> CyclesScene:
+def _driven(data: dict[str, Any], file: Path) -> CyclesScene:
+    table = CyclesFile.model_validate(data)
     drive = table.drive
     about = drive.freq_hz or 0.5 * sum(drive.between)
     family = table.driven(file.parent).over(drive.parameter, freq_hz=about, looks=table.continuation.looks)
-    return CyclesScene(family=family, between=drive.between, how=table.continuation)
+    return CyclesScene(family=family, between=_asked(table.basins, drive.between), how=table.continuation,
+                       ask=table.basins)  # fmt: skip
 
 
-def _rim(data: dict[str, Any], file: Path) -> CyclesScene:
+def _turning(data: dict[str, Any], file: Path, model: type[TurningFile]) -> CyclesScene:
     """The bodies as a run has them, without its time."""
-    table = RimCyclesFile.model_validate(data)
-    if table.continuation.channels:
-        raise InputError("continuation.channels: found with a rim, which shows casing, span and flap")
-    between, how = (table.speed.from_hz, table.speed.to_hz), table.continuation
-    still = {key: data[key] for key in ("scene", "casing", "blade", "contact")}
+    table = model.model_validate(data)
+    speed, vary = table.speed, table.vary
+    bodies = {key: part for key, part in data.items() if key not in ("vary", "continuation", "basins")}
     run = scene_of(
-        {**still, "scene": {**still["scene"], "t_end": 1.0}, "speed": {"hz": between[0]},
+        {**bodies, "scene": {**data["scene"], "t_end": 1.0}, "speed": {"hz": speed.hz or speed.from_hz},
          "scheme": {"kind": "exact-modal", "dt": 1.0}}, file,
     )  # fmt: skip
-    rim = cast(RotatingRim, run.what)
-    return CyclesScene(
-        family=RimFamily(rim=rim, mu=run.law.mu if run.law else 0.0, looks=how.looks), between=between, how=how
-    )
+    assert run.law is not None  # those of a rim and a rub
+    between, name = (speed.from_hz or 0.0, speed.to_hz or 0.0), "speed_hz"
+    if vary is not None:
+        between, name = vary.between, "clearance" if vary.clearance is not None else "friction"
+    family = RimFamily(
+        rim=cast("RotatingRim | Rub", run.what), name=cast("RimParameter", name), mu=run.law.mu,
+        stiffness=math.inf if run.law.coating is None else run.law.coating.under_tip, looks=table.continuation.looks,
+    )  # fmt: skip
+    return CyclesScene(family=family, between=_asked(table.basins, between), how=table.continuation, ask=table.basins)
+
+
+def _asked(table: BasinsTable | None, between: tuple[float, float]) -> tuple[float, float]:
+    """The range; raises InputError where random starts are asked for outside."""
+    if table is not None and not min(between) <= table.at <= max(between):
+        raise InputError(f"basins.at: found {table.at:g}, expected a value from {min(between):g} to {max(between):g}")
+    return between

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact.scene.cycles import CyclesFile, RimCyclesFile
+from contact.scene.cycles import CyclesFile
 from contact.scene.scheme import Table
 from contact.scene.tables import FILES
+from contact.scene.turning import TURNING
 
 
 def scene_models() -> dict[str, type[Table]]:
-    """Every kind of scene files; "cycles" and "cycles-rim" as `casingfem cycles` takes them."""
-    return {**FILES, "cycles": CyclesFile, "cycles-rim": RimCyclesFile}
+    """Every kind of scene files; "cycles", "cycles-rim", ... as `casingfem cycles` takes them."""
+    return {**FILES, "cycles": CyclesFile, **{f"cycles-{kind}": model for kind, model in TURNING.items()}}
 
 
 def scene_schema() -> dict[str, Any]:

@@ -10,18 +10,22 @@ CAPTION = (
     "Amplitude of every channel over the parameter: kept motions full, others dashed, one colour a branch; marks "
     "are folds, flips, Neimark-Sacker and branch points, small strokes where a contact begins or ceases to close."
 )
+BASINS = " Discs: what random starts at that value end on, and how many of them."
 ORDINARY = "grazing"  # a change that ends nothing
 Rows = Sequence[Mapping[str, Any]]
 
 
 def cycles_page(
     name: str, rows: Rows, marks: Rows, ends: Sequence[str],
-    source: Mapping[str, Any], words: str,
+    source: Mapping[str, Any], words: str, reached: Rows = (),
 ) -> str:  # fmt: skip
-    """HTML of the page on branches: rows of the table, special points, why branches ended inside the range."""
+    """HTML of the page on branches: rows of the table, special points, why branches ended inside the range.
+
+    `reached` are the motions that random starts end on, with their share.
+    """
+    picture = Picture.of(figure_cycles(rows, marks, reached), CAPTION + BASINS * bool(reached))
     sections = [
-        Section("Branches", figures=(Picture.of(figure_cycles(rows, marks), CAPTION),), tables=(marks_table(marks),),
-                preformatted=words),
+        Section("Branches", figures=(picture,), tables=(marks_table(marks),), preformatted=words),
         Section("Orbits", tables=(orbits_table(rows),)),
     ]  # fmt: skip
     return render_page(f"Cycles of {name}", sections, verdict=cycles_verdict(rows, marks, ends), source=origin(source))

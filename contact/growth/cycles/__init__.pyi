@@ -2,7 +2,7 @@ from .basins import Attractor, Basins, basins
 from .driven import DrivenBody
 from .follow import follow
 from .result import Branch, Cycles, Special
-from .rubbing import RimFamily
+from .rubbing import RimFamily, as_worn
 from .shooting import Orbit, orbit
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "Orbit",
     "RimFamily",
     "Special",
+    "as_worn",
     "basins",
     "follow",
     "orbit",

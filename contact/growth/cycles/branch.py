@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,14 +19,25 @@ STRAIGHT = 0.9  # least cosine between tangents of neighbours
 CORNER, JOINS = "the branch has a corner", "joins the branch of half its period"
 
 
+class Way(NamedTuple):
+    """A branch under way: its orbits and special points, the direction at the last one, the next step's length."""
+
+    points: tuple[Orbit, ...]
+    specials: tuple[Special, ...]
+    along: Tangent
+    length: float
+
+
+def begun(course: Course, begin: Orbit, ahead: Tangent, longest: float) -> Way:
+    """A branch at its first orbit."""
+    return Way((begin,), (), course.tangent(begin, ahead), FIRST * longest)
+
+
 def followed(
-    course: Course, begin: Orbit, ahead: Tangent, *, longest: float, most: int,
-    progress: Callable[[float, int], None] | None = None,
-) -> Branch:  # fmt: skip
-    """Orbits from the first on, the way `ahead` goes; `progress` is told the parameter and the number of orbits."""
-    points, specials = [begin], list[Special]()
-    along = course.tangent(begin, ahead)
-    length = FIRST * longest
+    course: Course, way: Way, *, longest: float, most: int, progress: Callable[[Way], None] | None = None
+) -> Branch:
+    """All orbits of a branch from where it is; `progress` is told the way after each."""
+    points, specials, along, length = list(way.points), list(way.specials), way.along, way.length
     while len(points) < most:
         at = points[-1]
         try:
@@ -50,11 +62,11 @@ def followed(
         points.append(new)
         if merged(course, points[-2], new):
             return Branch(points=tuple(points), specials=tuple(specials), end=JOINS)
-        if progress is not None:
-            progress(new.value, len(points))
         along = after
         if new.iterations <= EASY:
             length = min(1.5 * length, longest)
+        if progress is not None:
+            progress(Way(tuple(points), tuple(specials), along, length))
     end = f"{most} orbits" if len(points) >= most else ""
     return Branch(points=tuple(points), specials=tuple(specials), end=end)
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
 from contact.base.arrays import require_count, require_finite, require_positive
 from contact.base.errors import InputError, NumericsError
-from contact.growth.cycles.branch import followed
+from contact.growth.cycles.branch import Way, begun, followed
+from contact.growth.cycles.checkpoint import Checkpoint, digest
 from contact.growth.cycles.course import Course, Tangent
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.result import Branch, Cycles, Special
@@ -23,7 +25,7 @@ Progress = Callable[[int, float, int], None]
 
 def follow(
     family: Family, between: tuple[float, float], *, first: Orbit | None = None, longest: float = 0.02,
-    most: int = 1000, doublings: int = 0, progress: Progress | None = None,
+    most: int = 1000, doublings: int = 0, checkpoint: str | Path | None = None, progress: Progress | None = None,
 ) -> Cycles:  # fmt: skip
     """Follow the orbits of a family from one value of its parameter to the other, and past folds until they leave both.
 
@@ -31,8 +33,9 @@ def follow(
     change of the state by its own size, or the range; `most` the number of orbits of a branch. Where a branch ends
     inside the range (a rigid contact grazes), a run from its last stable orbit goes on, a hundredth of the range at a
     time, until it settles on an orbit, which is followed as another branch. From each flip the branch of doubled
-    period is followed, to `doublings` doublings. `progress` is told branch, value, orbits. Raises InputError, and
-    NumericsError where no orbit is found.
+    period is followed, to `doublings` doublings. `checkpoint` names a file that keeps what is found meanwhile; where it
+    exists the search goes on from there, and finds the same to the last bit. `progress` is told branch, value, orbits.
+    Raises InputError, and NumericsError where no orbit is found.
     """
     require_finite(start=between[0], end=between[1])
     require_positive(longest=longest)
@@ -42,23 +45,31 @@ def follow(
     if between[0] == between[1]:
         raise InputError(f"{family.name}: found {between[0]:g} to {between[1]:g}, expected a range")
     started = time.perf_counter()
+    kept = Checkpoint(checkpoint, digest(family, between, first, longest, most, doublings) if checkpoint else "")
     found: list[Branch] = []
 
     def go(course: Course, begin: Orbit, ahead: Tangent) -> Branch:
-        number = len(found) + 1
+        number = len(found)
 
-        def told(value: float, points: int) -> None:
+        def told(way: Way) -> None:
+            kept.keep(found, way)
             if progress is not None:
-                progress(number, value, points)
+                progress(number + 1, way.points[-1].value, len(way.points))
 
-        found.append(followed(course, begin, ahead, longest=longest, most=most, progress=told))
+        if number < len(kept.found.done):
+            found.append(kept.found.done[number])
+            return found[-1]
+        way = kept.found.way if number == len(kept.found.done) else None
+        way = way or begun(course, begin, ahead, longest)
+        found.append(followed(course, way, longest=longest, most=most, progress=told))
+        kept.keep(found)
         return found[-1]
 
     def looking(value: float) -> None:
         if progress is not None:
             progress(len(found) + 1, value, 0)
 
-    _main(family, between, first, go, looking)
+    _main(family, between, first, go, looking, lambda: kept.found.begins(len(found)))
     for branch in list(found):
         _doubled(family, between, branch, doublings, longest, go)
     return Cycles(name=family.name, branches=tuple(found), seconds=time.perf_counter() - started)
@@ -68,12 +79,13 @@ Go = Callable[[Course, Orbit, Tangent], Branch]
 
 
 def _main(
-    family: Family, between: tuple[float, float], first: Orbit | None, go: Go, looking: Callable[[float], None]
-) -> None:
-    """From the first value to the other end, by runs where a branch ends inside."""
+    family: Family, between: tuple[float, float], first: Orbit | None, go: Go, looking: Callable[[float], None],
+    known: Callable[[], Orbit | None],
+) -> None:  # fmt: skip
+    """From the first value to the other end, by runs where a branch ends inside; `known` is where the next begins."""
     begin, sense = first, float(np.sign(between[1] - between[0]))
     if begin is None:
-        begin = orbit(family, between[0])
+        begin = known() or orbit(family, between[0])
     while begin is not None:
         course = _course(family, between, begin)
         found = go(course, begin, Tangent(np.zeros_like(begin.x), sense))
@@ -82,7 +94,9 @@ def _main(
         begin = None
         if found.end and kept and sense * (between[1] - reached.value) > 0.0:
             last = max(kept, key=lambda point: sense * point.value)
-            begin = _beyond(family, between, last, reached.value, looking)
+            begin = known()
+            if begin is None or begin.periods > 1:  # of a branch of doubled period
+                begin = _beyond(family, between, last, reached.value, looking)
 
 
 def _beyond(

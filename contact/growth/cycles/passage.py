@@ -165,7 +165,10 @@ def passage(
         reached = reached.after(phase, work)
         for contact, row in plant.slips:
             if contact in closed and not work.least[k + row] > 0.0:
-                raise NumericsError(f"the slip of contact {contact + 1} turns before {time:.6g} s: it would stick")
+                raise NumericsError(
+                    f"the slip of contact {contact + 1} turns before {time:.6g} s: it would stick, which long runs "
+                    "follow (ct.run), not periodic motions"
+                )
         if hit < 0:
             break
         x, M, closed, event = _switched(motion, x, M, closed, hit, time)

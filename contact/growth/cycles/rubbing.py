@@ -1,8 +1,8 @@
-"""A turning rim against its blade over speed, clearance or friction, in the blade's frame: coefficients are constant.
+"""A turning rim against its blades over speed, clearance or friction, in the blades' frame: coefficients are constant.
 
 A perfect casing's modes turn into each other, so with G as in `contact.model.gaps.permanent.ClosedContact`
 (D + Omega G)^2 q + 2 zeta omega (D + Omega G) q + omega^2 q = (Q - mu s T)^T lam,
-gap = clearance + d(phi_0 - Omega t) + Q q + (S_nn - mu s S_nt) lam:
+gap = clearance + d(phi_0 - Omega t) + Q q + (S_nn - mu s S_nt) lam + lam/stiffness:
 the out-of-roundness d forces the motion, once a turn and at its harmonics.
 """
 
@@ -15,128 +15,198 @@ from typing import Literal
 
 import numpy as np
 
-from contact.base.arrays import Array, require_count, require_not_negative
+from contact.base.arrays import Array, require_count, require_not_negative, require_positive
 from contact.base.errors import InputError
 from contact.growth.cycles.driven import looks_of
 from contact.growth.cycles.passage import Motion
-from contact.growth.cycles.switched import Drive, Forcing, Plant
+from contact.growth.cycles.switched import Complex, Drive, Forcing, Plant
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.permanent import ClosedContact, rim_contact
+from contact.model.gaps.one_tip import rub_of
+from contact.model.gaps.permanent import ClosedContact, rub_contact
+from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub_laws import RimProfile, Speed
+from contact.model.law import Abradable
+from contact.record.wear import Wear
 
 SHOWN = ("casing", "span", "flap")
 Parameter = Literal["speed_hz", "clearance", "friction"]
+BY_RUNS = "long runs (ct.run, casingfem rub) take it"
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RimFamily:
-    """A rim against its blade over its speed [Hz], clearance [m] or coefficient of friction, sliding all the time.
+    """A rim, or a rub of several tips, over its speed [Hz], clearance [m] or friction, sliding all the time.
 
-    Shown are the casing's radial motion at the tip, and the blade's span and flap. The orbit's period is that of the
-    out-of-roundness, one turn over the common divisor of its harmonics. Raises SplitError for a casing that is not
-    perfect, InputError for other fields.
+    Shown are the casing's radial motion at a tip, and the blade's there along span and flap: `casing`, `span`, `flap`,
+    of several tips `casing_1` and so on. `stiffness` [N/m] is that of a coating under each tip (`as_worn`). The orbit's
+    period is that of the out-of-roundness, one turn over the common divisor of its harmonics; in a casing at rest each
+    place sees it at the passing of every blade.
+
+    Raises SplitError for a casing that is not perfect, InputError for what is no periodic motion in this frame, or not
+    taken here: a closing, gravity, loads, stiffening, whirl beside whole turns, a profile by a table, axial friction.
     """
 
-    rim: RotatingRim
+    rim: RotatingRim | Rub
     name: Parameter = "speed_hz"
     mu: float = 0.0
+    stiffness: float = math.inf
     looks: int | None = None
 
     def __post_init__(self) -> None:
         require_not_negative(friction=self.mu)
+        if not self.stiffness > 0.0:
+            raise InputError(f"stiffness: found {self.stiffness!r} N/m, expected > 0 (inf: no coating)")
         if self.looks is not None:
             require_count(8, looks=self.looks)
         if self.name not in ("speed_hz", "clearance", "friction"):
             raise InputError(f"name: found {self.name!r}, expected 'speed_hz', 'clearance' or 'friction'")
-        rim_contact(self.rim, mu=self.mu)
+        _require_periodic(self.rub, self.mu)
+        rub_contact(self.rub, mu=self.mu)
+
+    @property
+    def rub(self) -> Rub:
+        """The rub, of one tip where it is a rotating rim."""
+        return rub_of(self.rim) if isinstance(self.rim, RotatingRim) else self.rim
 
     @property
     def channels(self) -> tuple[str, ...]:
         """What is shown."""
-        return SHOWN
+        tips = len(self.rub.tips)
+        return SHOWN if tips == 1 else tuple(f"{name}_{j + 1}" for j in range(tips) for name in SHOWN)
 
     @property
     def begin(self) -> Array:
-        """State from which runs start: the bodies at rest, or at the velocities given."""
-        sizes = self.rim.casing.omega.size, self.rim.blade.omega.size
-        given = self.rim.casing_velocity, self.rim.blade_velocity
-        velocity = [np.zeros(n) if v is None else np.asarray(v) for n, v in zip(sizes, given, strict=True)]
-        omega = np.concatenate([self.rim.casing.omega, self.rim.blade.omega])
-        return np.concatenate([np.zeros(sum(sizes)), np.concatenate(velocity) / omega])
+        """State from which runs start: the bodies at rest, or as given."""
+        rub = self.rub
+        parts = [
+            [np.zeros(body.omega.size) if part is None else np.asarray(part) / scale
+             for part, scale in ((start.displacement, 1.0), (start.velocity, body.omega))]
+            for body, start in zip(rub.bodies, rub.starts, strict=True)
+        ]  # fmt: skip
+        return np.concatenate([part[i] for i in (0, 1) for part in parts])
 
     def at(self, value: float) -> tuple[Motion, float]:
         """Motion at a value of the parameter, and the period of the out-of-roundness [s]."""
-        rim, mu = self.rim, self.mu
+        rub, mu = self.rub, self.mu
         if self.name == "friction":
             mu = value
         elif self.name == "clearance":
-            rim = replace(rim, clearance=value)
+            rub = replace(rub, clearance=value)
         else:
-            rim = replace(rim, speed_hz=value)
-        if rim.speed == 0.0:
+            rub = replace(rub, speed=Speed.constant(value))
+        speed = rub.speed.omega(0.0)
+        if speed == 0.0:
             raise InputError("speed_hz: found 0, expected a rim that turns")
-        contact = rim_contact(rim, mu=mu)
-        plant = _plant(rim, contact)
-        orders = [p for p, cos, sin in rim.terms if p > 0 and (cos or sin)] or [1]
-        base = reduce(math.gcd, orders)
-        period = 2.0 * math.pi / (base * abs(rim.speed))
-        drive = _drive(rim, contact, base)
+        contact = rub_contact(rub, mu=mu)
+        plant = _plant(rub, contact, speed, self.stiffness)
+        waves = _waves(rub, math.copysign(1.0, speed))
+        base = reduce(math.gcd, [order for order in waves if order > 0] or [1])
+        period = 2.0 * math.pi / (base * abs(speed))
+        drive = _drive(rub, contact, speed, waves, base)
         step = looks_of(period, plant.rate, self.looks)
         return Motion(plant=plant, drive=drive, step=step, phases={}), period
 
 
-def _plant(rim: RotatingRim, contact: ClosedContact) -> Plant:
-    """State (q, (D + Omega G) q/omega); shown is what is in `SHOWN`, then the slip in the direction of the turn."""
-    omega, m = contact.omega, contact.omega.size
-    if not omega.min() > 0.0:
-        raise InputError("casing, blade: found a mode at 0 rad/s, expected bodies that are held")
-    sense = math.copysign(1.0, rim.speed)
-    turn = -rim.speed * contact.G
+def as_worn(rub: Rub, law: Abradable, wear: Wear, harmonics: int) -> tuple[Rub, float]:
+    """The rub in its coating as a run has left it: its profile by `harmonics`, and the coating's stiffness [N/m].
+
+    The tip's land feels the mean of the surface under it, and all its bars together; nothing more is worn. Raises
+    InputError for tips on several tracks.
+    """
+    require_count(harmonics=harmonics)
+    if len(wear.tips) != len(rub.tips):
+        raise InputError(f"wear: found that of {len(wear.tips)} tips, expected one track that all {len(rub.tips)} wear")
+    under = np.arange(law.bars) - (law.bars - 1) // 2
+    felt = np.mean([np.roll(wear.after, -int(k)) for k in under], axis=0)
+    middle = wear.angle + float(under.mean()) * 2.0 * math.pi / felt.size
+    orders = np.arange(harmonics + 1)
+    share = np.exp(1j * np.outer(orders, middle)) @ felt * np.where(orders == 0, 1.0, 2.0) / felt.size
+    profile = RimProfile(tuple((int(p), float(z.real), float(z.imag)) for p, z in zip(orders, share, strict=True)))
+    return replace(rub, profile=profile), law.under_tip
+
+
+def _require_periodic(rub: Rub, mu: float) -> None:
+    """Raise InputError for what has no period of a turn, or is not taken."""
+    refused = {
+        "closing": bool(np.any(rub.closing.by)), "gravity": bool(rub.forces), "stiffening": bool(rub.stiffening),
+        "profile": rub.profile.theta is not None, "tips.axial": mu > 0.0 and rub.dimensions == 3,
+        "load": any(start.load is not None and np.any(start.load) for start in rub.starts),
+        "whirl": any(whirl.hz != 0.0 or whirl.per_rev % 1.0 for whirl in rub.whirl),
+    }  # fmt: skip
+    for name, found in refused.items():
+        if found:
+            raise InputError(f"{name}: found one, which periodic motions of a rub do not take; {BY_RUNS}")
+    for name, body in zip(rub.names, rub.bodies, strict=True):
+        require_positive(**{f"{name}.omega, the lowest": float(body.omega.min())})
+
+
+def _plant(rub: Rub, contact: ClosedContact, speed: float, stiffness: float) -> Plant:
+    """State (q, (D + Omega G) q/omega); shown is what is in `SHOWN`, then each slip in the direction of the turn."""
+    omega, k = contact.omega, len(contact.Q)
+    sense, turn = math.copysign(1.0, speed), -speed * contact.G
     W, S = contact.pushes(sense), contact.compliance(sense)
     across = (turn / omega[:, None]) * omega  # of q'/omega
     A = np.block([[turn, np.diag(omega)], [-np.diag(omega), across - np.diag(2.0 * contact.zeta * omega)]])
+    shown, pushed = _shown(rub, contact, sense)
+    S = S + np.eye(k) / stiffness
+    held = omega.max() ** 2 + float(np.linalg.norm(W.T @ np.linalg.solve(S, contact.Q), 2))
     none = np.zeros_like(contact.Q)
-    held = omega.max() ** 2 + float(np.linalg.norm(contact.Q) * np.linalg.norm(W)) / float(S[0, 0])
-    shown, pushed = _shown(rim, contact, sense)
-    slip = np.concatenate([np.zeros(m), sense * contact.T[0] * omega])
-    slips = ((0, len(shown)),) if contact.mu > 0.0 else ()
     return Plant(
         A=A, B=np.vstack([none.T, W.T / omega[:, None]]), C=np.hstack([contact.Q, none]), S=S,
-        D=np.vstack([shown, slip]), E=np.vstack([pushed, np.zeros((1, 1))]), restitution=np.zeros(1),
-        rate=math.sqrt(held) + float(np.abs(turn).sum(axis=1).max()), slips=slips, hidden=1,
+        D=np.vstack([shown, np.hstack([none, sense * contact.T * omega])]), E=np.vstack([pushed, np.zeros((k, k))]),
+        restitution=np.zeros(k), rate=math.sqrt(held) + float(np.abs(turn).sum(axis=1).max()),
+        slips=tuple((j, len(shown) + j) for j in range(k)) if contact.mu > 0.0 else (), hidden=k,
     )  # fmt: skip
 
 
-def _shown(rim: RotatingRim, contact: ClosedContact, sense: float) -> tuple[Array, Array]:
-    """Rows of what is shown over the state, and what a unit force adds by the residual compliances."""
-    m, casing, blade = contact.omega.size, contact.casing, rim.blade
-    rows, pushed = np.zeros((3, 2 * m)), np.zeros((3, 1))
-    rows[0, :casing] = contact.Q[0, :casing]
-    a = math.radians(rim.lean_deg)
-    span, flap = blade.channel("span"), blade.channel("flap")
-    normal = np.array([math.cos(a), math.sin(a)]) - contact.mu * sense * np.array([-math.sin(a), math.cos(a)])
-    own = blade.S[np.ix_([span, flap], [span, flap])]
-    rows[1:, casing:m] = blade.rows[[span, flap]]
-    pushed[1:, 0] = -own @ normal
-    straight = np.array([math.cos(a), math.sin(a)])
-    pushed[0, 0] = float(contact.compliance(sense)[0, 0]) - float(straight @ own @ normal)
+def _shown(rub: Rub, contact: ClosedContact, sense: float) -> tuple[Array, Array]:
+    """Rows of what is shown over the state, and what unit forces at the tips add by the residual compliances."""
+    m, k = contact.omega.size, len(rub.tips)
+    rows, pushed = np.zeros((3 * k, 2 * m)), np.zeros((3 * k, k))
+    rows[::3, : contact.casing] = contact.Q[:, : contact.casing]
+    pushed[::3] = contact.compliance(sense)
+    first = np.cumsum([0, *(body.omega.size for body in rub.bodies)])
+    for i, tip in enumerate(rub.tips):
+        blade = rub.blades[tip.blade]
+        seen = [blade.channel(tip.span), blade.channel(tip.flap)]
+        rows[3 * i + 1 : 3 * i + 3, first[tip.blade + 1] : first[tip.blade + 2]] = blade.rows[seen]
+        normal = tip.directions(blade)[0]
+        for j, other in enumerate(rub.tips):
+            if other.blade == tip.blade:
+                along = other.directions(blade)
+                moved = blade.S @ (along[0] - contact.mu * sense * along[1])
+                pushed[3 * i, j] -= normal @ moved
+                pushed[3 * i + 1 : 3 * i + 3, j] = -moved[seen]
     return rows, pushed
 
 
-def _drive(rim: RotatingRim, contact: ClosedContact, base: int) -> Drive:
-    """The out-of-roundness as it passes the tip; the slip's mean."""
-    terms = [(p, cos, sin) for p, cos, sin in rim.terms if p > 0 and (cos or sin)]
-    harmonics = np.array([p // base for p, _, _ in terms] or [1], dtype=float)
-    wave = np.zeros((1, harmonics.size), dtype=complex)
-    angle, sense = math.radians(rim.angle_deg), math.copysign(1.0, rim.speed)
-    for k, (p, cos, sin) in enumerate(terms):
-        passing = (cos + 1j * sin) * np.exp(-1j * p * angle)  # d = Re passing e^{i p Omega t}
-        wave[0, k] = passing if sense > 0.0 else np.conj(passing)
-    mean = rim.clearance + sum(cos for p, cos, _ in rim.terms if p == 0)
-    n = 2 * contact.omega.size
-    still = np.zeros((len(SHOWN) + 1, harmonics.size), dtype=complex)
-    slip = rim.casing.radius * abs(rim.speed)
+def _waves(rub: Rub, sense: float) -> dict[int, Complex]:
+    """What passes the tips, by order: sum of Re z e^{i order |Omega| t} over out-of-roundness and whirl, (tips,)."""
+    angle = np.radians([tip.angle_deg for tip in rub.tips])
+    terms = [(p, (cos + 1j * sin) * np.exp(-1j * p * angle)) for p, cos, sin in rub.profile.terms]
+    terms += [
+        (1 + int(whirl.per_rev), whirl.amplitude * np.exp(-1j * (angle - math.radians(whirl.phase_deg))))
+        for whirl in rub.whirl
+    ]
+    found: dict[int, Complex] = {}
+    for p, z in terms:
+        order = int(p * sense)
+        found[abs(order)] = found.get(abs(order), 0j) + (z if order >= 0 else z.conj())
+    return {order: z for order, z in found.items() if order == 0 or np.any(z)}
+
+
+def _drive(rub: Rub, contact: ClosedContact, speed: float, waves: dict[int, Complex], base: int) -> Drive:
+    """The out-of-roundness as it passes the tips; the slips' means."""
+    k, n = len(rub.tips), 2 * contact.omega.size
+    orders = [order for order in waves if order > 0] or [base]
+    wave = np.stack([waves.get(order, np.zeros(k)) + 0j for order in orders], axis=1)
+    mean = np.array([rub.clearance + tip.clearance for tip in rub.tips]) + np.real(waves.get(0, np.zeros(k)))
+    slip = abs(speed) * np.array([rub.casing.line_radius(tip.line) for tip in rub.tips])
+
+    def still(rest: Array) -> Forcing:
+        return Forcing(rest, np.zeros((rest.size, len(orders)), dtype=complex))
+
     return Drive(
-        w=base * abs(rim.speed), harmonics=harmonics,
-        b=Forcing(np.zeros(n), np.zeros((n, harmonics.size), dtype=complex)),
-        c=Forcing(np.array([mean]), wave), d=Forcing(np.array([0.0] * len(SHOWN) + [slip]), still),
+        w=base * abs(speed), harmonics=np.array([order // base for order in orders], dtype=float),
+        b=still(np.zeros(n)), c=Forcing(mean, wave), d=still(np.concatenate([np.zeros(3 * k), slip])),
     )  # fmt: skip

@@ -18,12 +18,13 @@ def invoke(*arguments):
 
 @pytest.mark.slow
 def test_cycles_gives_points_folds_and_files(tmp_path):
-    file = written(tmp_path, TEXT.replace("to_hz = 0.2", "to_hz = 0.26"))
+    asked = "\n[basins]\nat = 0.23\nstarts = 8\nseed = 9\nsettle = 300\n"
+    file = written(tmp_path, TEXT.replace("to_hz = 0.2", "to_hz = 0.26") + asked)
     result = invoke("cycles", file, "--json", "--out", tmp_path / "out")
     assert result.exit_code == 0
     document = json.loads(result.stdout)
     assert set(document) == {
-        "parameter", "points", "folds", "events", "end", "branches", "seconds", "warnings"
+        "parameter", "points", "folds", "events", "end", "branches", "seconds", "warnings", "basins"
     }  # fmt: skip
     assert set(document["points"][0]) == {"freq_hz", "amplitude", "multiplier", "stable", "contacts"}
     assert 2.0 * np.pi * document["folds"][0]["freq_hz"] == pytest.approx(1.5579, rel=3e-3)
@@ -42,7 +43,13 @@ def test_cycles_gives_points_folds_and_files(tmp_path):
     page = (tmp_path / "out" / "cycles.html").read_text(encoding="utf-8")
     for words in ("How sure", "Floquet", "fold at ", "sha256", "periodic motions on 1 branch over"):
         assert words in page, words
+    motions = document["basins"]["motions"]
+    assert sum(one["share"] for one in motions) == pytest.approx(1.0)
+    assert len(motions) == 2
+    assert "what random starts" in page
+    assert not list((tmp_path / "out").glob("*.part.npz"))
     said = invoke("cycles", file).stdout
+    assert "8 starts at freq_hz 0.23" in said
     assert "fold at 0.24" in said
     assert "UNSTABLE" in said
 

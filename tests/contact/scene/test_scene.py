@@ -257,7 +257,7 @@ def test_no_such_file(tmp_path):
 def test_schema_is_there_for_every_kind():
     schema = ct.scene.scene_schema()
     kinds = {"rods", "rim", "rub", "disk", "patch", "beam", "cantilever", "pair"}
-    assert set(schema) == kinds | {"cycles", "cycles-rim"}
+    assert set(schema) == kinds | {"cycles", "cycles-rim", "cycles-rub", "cycles-disk"}
     assert "scheme" in schema["rods"]["properties"]
 
 

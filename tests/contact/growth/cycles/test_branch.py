@@ -1,16 +1,19 @@
 """Branches, folds and stability against published orbits and runs in time."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import contact as ct
+from contact.growth.cycles import checkpoint
 from contact.growth.cycles.shooting import map_of
 from reports.contact.cycles import mass_on_stop, rod
 
 pytestmark = pytest.mark.slow
 TURN = 2.0 * math.pi
+SCENES = Path(__file__).parents[4] / "data" / "scenes" / "cycles"
 
 
 def crossings(branch, value):
@@ -92,3 +95,37 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run():
 def test_a_range_of_nothing_is_refused():
     with pytest.raises(ct.InputError, match="expected a range"):
         ct.growth.cycles.follow(mass_on_stop(100.0).over("freq_hz", freq_hz=0.2), (0.2, 0.2))
+
+
+def test_a_search_that_was_stopped_goes_on_to_the_same_bits(tmp_path, monkeypatch):
+    """Stopped within its first branch and within its second, of doubled period."""
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
+    file, said = tmp_path / "part.npz", []
+    scene = ct.scene.load_cycles(SCENES / "bouncing_ball.toml")
+
+    def until(branch, count):
+        def progress(number, _value, points):
+            said.append(number)
+            if (number, points) == (branch, count):
+                raise KeyboardInterrupt
+
+        return progress
+
+    whole = scene.solve()
+    for branch, count in ((1, 12), (2, 4)):
+        with pytest.raises(KeyboardInterrupt):
+            scene.solve(until(branch, count), file)
+    said.clear()
+    again = scene.solve(until(9, 0), file)
+    assert 1 not in said
+    assert len(said) < sum(len(branch.points) for branch in again.branches[1:])
+    for one, other in zip(again.branches, whole.branches, strict=True):
+        assert np.array_equal([p.x for p in one.points], [p.x for p in other.points])
+        assert np.array_equal([p.multipliers for p in one.points], [p.multipliers for p in other.points])
+        assert [(s.kind, s.orbit.value) for s in one.specials] == [(s.kind, s.orbit.value) for s in other.specials]
+    assert again.table() == whole.table()
+    with pytest.raises(ct.InputError, match="found that of another body"):
+        ct.growth.cycles.follow(scene.family, scene.between, longest=0.05, checkpoint=file)
+    file.write_bytes(b"not a file of numbers")
+    with pytest.raises(ct.InputError, match="remove it to begin anew"):
+        scene.solve(checkpoint=file)

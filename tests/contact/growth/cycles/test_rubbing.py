@@ -1,5 +1,6 @@
 """A rim and its blade over speed: the closed contact's poles, a run in time, and a scene file."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 import contact as ct
 from contact.growth.cycles.shooting import map_of
 from contact.model.gaps.permanent import SplitError, rim_contact
+from contact.record.wear import Wear
 from tests.contact.synthetic_rim import blade, ring
 
 pytestmark = pytest.mark.slow
@@ -61,6 +63,75 @@ def test_the_derivative_of_a_turn_is_that_of_the_motion():
     columns = [(turn(x + step * e).x - turn(x - step * e).x) / (2.0 * step) for e in np.eye(x.size)]
     M = turn(x).M
     assert np.array(columns).T == pytest.approx(M, abs=1e-4 * np.abs(M).max())
+
+
+COATING = {"E": 2e8, "yield_stress": 1e9, "hardening": 0.0, "thickness": 2e-3, "width": 0.02, "tip": 5e-3}
+
+
+def two_blades(**given):
+    tips = (ct.ContactPoint(angle_deg=20.0, lean_deg=10.0), ct.ContactPoint(blade=1, angle_deg=150.0, lean_deg=-5.0))
+    profile = ct.gaps.RimProfile.fourier(WAVES)
+    usual = {"tips": tips, "clearance": 2e-6, "speed": ct.gaps.Speed.constant(5.0), "profile": profile}
+    return ct.Rub(ring(zeta=0.02), (blade(zeta=0.02), blade(zeta=0.02, psi=1.2)), **usual | given)
+
+
+def test_two_blades_in_a_coating_are_what_a_run_settles_on():
+    coating, rub = ct.Abradable(mu=0.05, **COATING), two_blades()
+    family = ct.growth.cycles.RimFamily(rim=rub, mu=0.05, stiffness=coating.under_tip)
+    found = ct.growth.cycles.orbit(family, 5.0, settle=20)
+    run = ct.run(rub, law=coating, scheme=ct.ExactModal(law="averaged"), t_end=1.6, dt=5e-6, record=ct.Record(every=1))
+    assert found.stable
+    assert found.force == pytest.approx(run.force[run.time > 1.4].max(axis=0), rel=5e-4)
+    assert list(found.amplitude) == ["casing_1", "span_1", "flap_1", "casing_2", "span_2", "flap_2"]
+    own = map_of(family, 5.0, found.start)(np.asarray(found.x))
+    assert own.x == pytest.approx(found.x, rel=1e-9, abs=1e-12)
+
+
+def test_a_fixed_offset_is_a_wave_of_one_lobe():
+    """An offset in the casing passes once a turn; one that stands still before the blades only moves the gap."""
+    waves = [{"p": 1, "cos": 3e-6, "sin": -4e-6}]
+    offset = ct.gaps.Whirl(amplitude=5e-6, phase_deg=math.degrees(math.atan2(-4e-6, 3e-6)))
+    none = ct.gaps.RimProfile()
+    lobed, moved = two_blades(profile=ct.gaps.RimProfile.fourier(waves)), two_blades(profile=none, whirl=(offset,))
+    drives = [ct.growth.cycles.RimFamily(rim=rub).at(-7.0)[0].drive for rub in (lobed, moved)]
+    assert drives[1].c.wave == pytest.approx(drives[0].c.wave, abs=1e-18)
+    eccentric = two_blades(profile=none, whirl=(ct.gaps.Whirl(amplitude=5e-6, per_rev=-1.0),))
+    still = ct.growth.cycles.RimFamily(rim=eccentric).at(5.0)[0].drive
+    assert np.abs(still.c.wave).max() == 0.0
+    assert still.c.rest == pytest.approx(2e-6 + 5e-6 * np.cos(np.radians([20.0, 150.0])), rel=1e-12)
+
+
+def test_a_worn_coating_is_felt_by_the_mean_over_the_tips_land():
+    law, cells, p = ct.Abradable(bars=4, **COATING), 360, 9
+    angle = 2.0 * np.pi * (np.arange(cells) + 0.5) / cells
+    worn = 1e-5 * (1.0 + np.cos(p * (angle - 0.3)))
+    none = np.zeros(cells)
+    wear = Wear(angle=angle, made=none, cut=none, worn=worn, map_time=none[:1], map=worn[None], volume=1.0, stated=1.0,
+                dissipated=1.0, bare=0)  # fmt: skip
+    one = two_blades(tips=(ct.ContactPoint(),))
+    left, stiffness = ct.growth.cycles.as_worn(one, law, wear, 12)
+    h = math.pi / cells
+    land = math.sin(4 * p * h) / (4.0 * math.sin(p * h))  # mean of a wave over four bars
+    assert left.profile(0.3) == pytest.approx(1e-5 * (1.0 + land), rel=1e-9)
+    assert left.profile(0.3 + math.pi / p) == pytest.approx(1e-5 * (1.0 - land), rel=1e-9)
+    assert stiffness == pytest.approx(2e8 * 0.02 * 5e-3 / 2e-3)
+    with pytest.raises(ct.InputError, match="expected one track that all 2 wear"):
+        ct.growth.cycles.as_worn(two_blades(), law, wear, 12)
+
+
+@pytest.mark.parametrize(
+    ("given", "word"),
+    [
+        ({"closing": ct.gaps.Closing(time=[0.0, 1.0], by=[0.0, 1e-5])}, "closing"),
+        ({"whirl": (ct.gaps.Whirl(amplitude=1e-6, hz=3.0),)}, "whirl"),
+        ({"whirl": (ct.gaps.Whirl(amplitude=1e-6, per_rev=0.5),)}, "whirl"),
+        ({"profile": ct.gaps.RimProfile(theta=[0.0, 2.0, 4.0], depth=[0.0, 1e-6, 0.0])}, "profile"),
+        ({"casing_start": ct.gaps.Start(load=np.ones(10))}, "load"),
+    ],
+)
+def test_what_has_no_period_of_a_turn_is_refused_with_the_way_out(given, word):
+    with pytest.raises(ct.InputError, match=rf"^{word}: found one, .* long runs"):
+        ct.growth.cycles.RimFamily(rim=two_blades(**given))
 
 
 def test_clearance_and_friction_may_vary():
@@ -127,3 +198,62 @@ def test_a_scene_of_a_rim_is_followed_over_its_speeds(tmp_path):
         (tmp_path / "scene.toml").write_text(SCENE.replace(old, new))
         with pytest.raises(ct.scene.SceneError, match=words):
             ct.scene.load_cycles(tmp_path / "scene.toml")
+
+
+VARIED = """
+[scene]
+kind = "disk"
+[casing]
+basis = "casing.npz"
+[disk]
+blades = 2
+freq_hz = 120.0
+modal_mass = 0.4
+zeta = 0.05
+compliance = 1e-5
+lean_deg = 10.0
+[contact]
+clearance = 5e-6
+out_of_roundness = [{p = 2, cos = 2e-5}]
+[coating]
+E = 2e8
+yield_stress = 1e6
+hardening = 0.0
+thickness = 2e-3
+width = 0.02
+tip = 5e-3
+[speed]
+hz = 15.0
+[vary]
+clearance = [1.8e-5, 1.2e-5]
+[basins]
+at = 1.5e-5
+starts = 2
+seed = 5
+settle = 60
+"""
+
+
+def test_a_scene_of_a_disk_is_followed_over_its_clearance(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(VARIED)
+    ring(zeta=0.05).save(tmp_path / "casing.npz")
+    scene = ct.scene.load_cycles(file)
+    assert scene.family.stiffness == pytest.approx(1e7)
+    found = scene.solve()
+    points = found.branches[0].points
+    assert (found.name, points[0].value, points[-1].value) == ("clearance", 1.8e-5, 1.2e-5)
+    assert points[-1].force[0] > points[0].force[0] > 0.0
+    reached = scene.reached(found)
+    assert sum(one.share for one in reached.attractors) == 1.0
+    for old, new, words in (
+        ("hz = 15.0", "from_hz = 15.0\nto_hz = 16.0", r"expected a range of speeds, or \[vary\]"),
+        ("hz = 15.0", "to_hz = 16.0", "speed: to_hz found"),
+        ("[1.8e-5, 1.2e-5]", "[1.8e-5, 1.8e-5]", "two different ends"),
+        ("at = 1.5e-5", "at = 1.5e-4", "basins.at: found 0.00015"),
+        ("tip = 5e-3", "tip = 5e-3\nmachined = 1e-4", "coating.machined found"),
+        ("compliance = 1e-5", "complance = 1e-5", "disk.complance: unknown key"),
+    ):
+        file.write_text(VARIED.replace(old, new))
+        with pytest.raises(ct.scene.SceneError, match=words):
+            ct.scene.load_cycles(file)

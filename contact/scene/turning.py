@@ -1,0 +1,134 @@
+"""Scene files for `casingfem cycles` of a turning rim: the tables of its bodies, and a range in place of a run."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, FiniteFloat, model_validator
+
+from contact.scene.coating import CoatingTable
+from contact.scene.disk import DiskCasingTable, DiskContact, DiskTable
+from contact.scene.rub import RubBlade, RubCasing, RubContact, RubWhirl
+from contact.scene.scheme import NotNegative, Positive, Table
+from contact.scene.tables import BladeTable, CasingTable, RimContact
+
+TWO = Field(min_length=2, max_length=2)
+
+
+class ContinuationTable(Table):
+    """[continuation]: longest step, most points, looks at gaps in a period, doublings followed, channels shown."""
+
+    longest_step: Annotated[FiniteFloat, Field(gt=0, le=1)] = Field(
+        default=0.02, description="of the parameter's range [-]"
+    )
+    most_points: Annotated[int, Field(ge=2)] = Field(default=1000, description="points of a branch at most")
+    looks: Annotated[int, Field(ge=8)] | None = Field(default=None, description="looks at the gaps in a period")
+    doublings: Annotated[int, Field(ge=0)] = Field(default=0, description="period doublings that are followed")
+    channels: list[str] = Field(
+        default_factory=list, description="channels whose amplitudes are shown; all if left out"
+    )
+
+
+class BasinsTable(Table):
+    """[basins]: runs from random starts at one value of the parameter, and the motions that they reach."""
+
+    at: FiniteFloat = Field(description="value of the parameter, within the range")
+    starts: Annotated[int, Field(ge=1, le=100_000)] = Field(default=100, description="number of runs")
+    seed: Annotated[int, Field(ge=0)] = Field(description="of the random starts")
+    spread: Positive = Field(default=1.0, description="deviation of a start's states, over those of the orbits there")
+    settle: Annotated[int, Field(ge=1)] = Field(default=300, description="periods of each run")
+
+
+class SpeedRange(Table):
+    """[speed] of a rim: from where to where [Hz], or one where something else is varied."""
+
+    from_hz: FiniteFloat | None = Field(default=None, description="first speed [turns/s]")
+    to_hz: FiniteFloat | None = Field(default=None, description="last speed [turns/s]")
+    hz: FiniteFloat | None = Field(default=None, description="speed, where [vary] names what is varied [turns/s]")
+
+    @model_validator(mode="after")
+    def _one_sense(self) -> SpeedRange:
+        given = self.from_hz, self.to_hz, self.hz
+        if self.from_hz is not None and self.to_hz is not None and self.hz is None:
+            if not self.from_hz * self.to_hz > 0.0 or self.from_hz == self.to_hz:
+                raise ValueError(
+                    f"{self.from_hz:g} to {self.to_hz:g} found, expected two different speeds of one sense"
+                )
+        elif not self.hz or given[:2] != (None, None):
+            found = ", ".join(name for name, one in zip(("from_hz", "to_hz", "hz"), given, strict=True) if one)
+            raise ValueError(f"{found or 'nothing'} found, expected from_hz and to_hz, or hz beside [vary]")
+        return self
+
+
+class VaryTable(Table):
+    """[vary] of a rim: the first and the last clearance [m], or the first and the last coefficient of friction."""
+
+    clearance: Annotated[list[FiniteFloat], TWO] | None = Field(default=None, description="first and last [m]")
+    friction: Annotated[list[NotNegative], TWO] | None = Field(default=None, description="first and last [-]")
+
+    @model_validator(mode="after")
+    def _one_range(self) -> VaryTable:
+        if (self.clearance is None) == (self.friction is None) or len(set(self.between)) < 2:
+            raise ValueError("expected one of clearance and friction, with two different ends")
+        return self
+
+    @property
+    def between(self) -> tuple[float, float]:
+        """From where to where."""
+        first, last = self.clearance or self.friction or (0.0, 0.0)
+        return first, last
+
+
+class TurningHead(Table):
+    """[scene] of a rim or a rub: the kind alone, for nothing ends."""
+
+    kind: Literal["rim", "rub", "disk"] = Field(description="which kind of scene this is")
+
+
+class TurningFile(Table):
+    """What scenes of a turning rim have in common: the range, the coating, how branches are followed."""
+
+    scene: TurningHead = Field(description="what this scene is")
+    coating: CoatingTable | None = Field(default=None, description="a coating of the rim, which gives way, not worn")
+    speed: SpeedRange = Field(description="range of speeds, or the speed")
+    vary: VaryTable | None = Field(default=None, description="what is varied in place of the speed")
+    continuation: ContinuationTable = Field(default_factory=ContinuationTable, description="how branches are followed")
+    basins: BasinsTable | None = Field(default=None, description="which motions random starts reach")
+
+    @model_validator(mode="after")
+    def _one_parameter(self) -> TurningFile:
+        if (self.vary is None) == (self.speed.hz is not None):
+            raise ValueError("expected a range of speeds, or [vary] with speed.hz")
+        if self.continuation.channels:
+            raise ValueError("continuation.channels found with a rim, which shows casing, span and flap")
+        if self.coating is not None and self.coating.machined > 0.0:
+            raise ValueError("coating.machined found, expected the profile that is left as out_of_roundness")
+        return self
+
+
+class RimCyclesFile(TurningFile):
+    """A turning rim against its blade."""
+
+    casing: CasingTable = Field(description="the rim")
+    blade: BladeTable = Field(description="the blade")
+    contact: RimContact = Field(description="the gap")
+
+
+class RubCyclesFile(TurningFile):
+    """Blades before a turning rim, each tip in one or more places, sliding around."""
+
+    casing: RubCasing = Field(description="the rim")
+    blade: Annotated[list[RubBlade], Field(min_length=1)] = Field(description="tables [[blade]]")
+    contact: RubContact = Field(description="the gap")
+    whirl: list[RubWhirl] = Field(default_factory=list, description="tables [[whirl]]: circles that a centre runs on")
+
+
+class DiskCyclesFile(TurningFile):
+    """A disk of blades before a turning rim."""
+
+    casing: DiskCasingTable = Field(description="the rim")
+    disk: DiskTable = Field(description="the blades")
+    contact: DiskContact = Field(description="the gap")
+
+
+TURNING: dict[str, type[TurningFile]] = {"rim": RimCyclesFile, "rub": RubCyclesFile, "disk": DiskCyclesFile}
