@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from reports.rub import wear
+from reports.rub import jumps, wear
 
 
 @pytest.mark.campaign
@@ -23,3 +23,11 @@ def test_machined_closed_and_worn_free(tmp_path, capsys):
     assert [row["worn [cm^3]"] > 0.0 for row in rows.values()] == [False, False, True, False, True, True, False, True]
     assert (tmp_path / "abradable" / "digging_soft.png").stat().st_size > 10_000
     assert len(pd.read_csv(tmp_path / "wear.csv")) == 8
+
+
+@pytest.mark.campaign
+def test_runs_of_slowly_changing_speed_jump_where_the_branch_folds(tmp_path, capsys):
+    rows = jumps.main(tmp_path, quick=True)
+    assert [row["verdict"] for row in rows] == ["pass"] * 4
+    assert rows[0]["computed"] < rows[1]["computed"] < rows[3]["computed"]  # what jumps up comes back elsewhere
+    assert (tmp_path / "jumps.png").stat().st_size > 10_000
