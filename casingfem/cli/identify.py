@@ -37,6 +37,11 @@ if TYPE_CHECKING:
     help="Poles picked by hand from the stabilisation diagram: a table with a column freq_hz. None is added to them.",
 )
 @click.option(
+    "--exponential", type=float, metavar="TAU", default=None,
+    help="Time constant [s] of an exponential window exp(-t/TAU), whose damping is taken off; from the card's"
+    " exponential_window_s if left out.",
+)  # fmt: skip
+@click.option(
     "--coherence", "coherence_file", type=click.Path(path_type=Path), metavar="NPZ", default=None,
     help="Coherence of the responses, as `casingfem rig` writes it, to be drawn with them.",
 )  # fmt: skip
@@ -50,6 +55,7 @@ def identify(
     n_max: int | None,
     open_part: bool,
     pick_file: Path | None,
+    exponential: float | None,
     coherence_file: Path | None,
     as_json: bool,
     out: Path | None,
@@ -79,7 +85,7 @@ def identify(
     with ProgressMessage(f"modes in {file.name}") as working:
         found = find(
             frfs, angles=angles, places=places, band=band, form=form, order=order, n_max=n_max, pick=pick,
-            say=lambda what: working.say(f"modes in {file.name}: {what}"),
+            exponential=exponential, say=lambda what: working.say(f"modes in {file.name}: {what}"),
         )  # fmt: skip
     document = {
         "modes": found.records(),

@@ -87,11 +87,20 @@ class FrfSet:
                 self.path, found=found, expected="x (lines,), responses (channels, lines), places (channels,)"
             )
         if not (np.isfinite(self.x).all() and np.isfinite(self.responses).all()):
-            raise InputError(self.path, found="nan or infinity", expected="finite numbers")
+            raise InputError(self.path, found=self._not_finite(), expected="finite numbers: leave such lines out")
         if np.any(np.diff(self.x) <= 0.0):
             index = int(np.argmax(np.diff(self.x) <= 0.0))
             found = f"{self.x[index + 1]:g} after {self.x[index]:g}"
             raise InputError(self.path, found=found, expected="an abscissa that ascends")
+
+    def _not_finite(self) -> str:
+        """Which numbers are none."""
+        spoilt = ~np.isfinite(self.responses)
+        if not spoilt.any():
+            return "nan or infinity in the abscissa"
+        lines = np.flatnonzero(spoilt.any(axis=0))
+        where = f"on {len(lines)} of {len(self.x)} lines, first at {self.x[lines[0]]:g}"
+        return f"nan or infinity in {int(spoilt.any(axis=1).sum())} of {len(spoilt)} channels, {where}"
 
     @classmethod
     def from_arrays(

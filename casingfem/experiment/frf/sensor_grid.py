@@ -15,6 +15,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from contact.io.brief import brief
 
 FORMS = {"receptance": 0, "mobility": 1, "accelerance": 2}
+NO_UNITS = ("", "1", "NONE")
 _ACCELERATION, _VELOCITY, _LENGTH = r"m/s(\^?2|\*\*2|²)|m/sec(\^?2|²)|g", r"m/s(ec)?", r"m|mm|um|µm"
 
 
@@ -92,8 +93,8 @@ def angles_of(places: Mapping[int, FloatArray]) -> dict[int, float]:
     return {point: float(np.degrees(np.arctan2(place[1], place[0]))) for point, place in places.items()}
 
 
-def form_of(frfs: FrfSet, form: str | None) -> int:
-    """Power of j omega by which responses exceed receptances: from the unit, or as said.
+def form_of(frfs: FrfSet, form: str | None) -> int | None:
+    """Power of j omega by which responses exceed receptances: from the unit, or as said; None without a unit.
 
     >>> form_of(FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="(m/s^2)/N"), None)
     2
@@ -103,7 +104,9 @@ def form_of(frfs: FrfSet, form: str | None) -> int:
             raise InputError(frfs.path, found=f"form {form!r}", expected=" or ".join(FORMS))
         return FORMS[form]
     above = frfs.unit.replace(" ", "").replace("(", "").replace(")", "")
-    above = re.sub(r"/(k|m)?(N|lbf|V)$", "", above)
+    if above.upper() in NO_UNITS:
+        return None
+    above = re.sub(r"/(k|m)?(N|lbf|V)$|^1/(k|m)?(N|lbf|V)\*", "", above)
     for power, pattern in ((2, _ACCELERATION), (1, _VELOCITY), (0, _LENGTH)):
         if re.fullmatch(pattern, above, flags=re.IGNORECASE):
             return power

@@ -6,14 +6,17 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, peak_widths
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
-PROMINENCE_DB = 3.0
+PROMINENCE_DB, SCATTERS = 3.0, 5.0  # of a peak: at least, and in standard deviations of a line's level about it
 ABOVE_NOISE = 6.0  # standard deviations
+NEAR = 201  # lines over which noise is taken for alike
 PEAKS = 3, 5  # in a band: at least, where there are more near by, and at most
 MARGIN = 0.025  # of a peak's frequency: what a window shows around its peaks
+ROUGH = np.sqrt(20.0 * 2.0 * np.log(2.0))  # median of third differences of complex noise of unit deviation
 LINES = 40, 1500  # around peaks at least; in a band without peaks at most
 ENOUGH = 200, 8.0  # lines around peaks that are enough, or half-power bandwidths
 
@@ -35,8 +38,23 @@ def line_noise(H: Array) -> FloatArray:
     >>> float(line_noise(0.3 * (rng.normal(size=(1, 4000)) + 1j * rng.normal(size=(1, 4000))))[0].round(1))
     0.3
     """
-    rough = np.abs(np.diff(H, 3, axis=1))
-    return np.asarray(np.median(rough, axis=1) / np.sqrt(20.0 * 2.0 * np.log(2.0)))
+    return np.asarray(np.median(np.abs(np.diff(H, 3, axis=1)), axis=1) / ROUGH)
+
+
+def noise_along(H: Array, noise: FloatArray) -> FloatArray:
+    """Rms over the channels of each line's noise over `noise`, (lines,): it rises at low frequencies, and with H.
+
+    As `line_noise`, by running medians.
+    """
+    rough = np.abs(np.diff(H, 3, axis=1)) / (ROUGH * noise[:, None])
+    each = median_filter(rough, (1, min(NEAR, rough.shape[1])), mode="nearest")
+    return np.asarray(np.pad(np.sqrt(np.mean(each**2, axis=0)), (1, 2), mode="edge"))
+
+
+def _level_scatter(level: FloatArray) -> FloatArray:
+    """Standard deviation of a line's level [dB] about it, (lines,): third differences, by running medians."""
+    rough = median_filter(np.abs(np.diff(level, 3)), min(NEAR, len(level) - 3), mode="nearest")
+    return np.asarray(np.pad(rough / (np.sqrt(20.0) * 0.6745), (1, 2), mode="edge"))
 
 
 def find_bands(freq: FloatArray, H: Array, noise: FloatArray, picked: FloatArray | None = None) -> list[Band]:
@@ -54,11 +72,15 @@ def find_bands(freq: FloatArray, H: Array, noise: FloatArray, picked: FloatArray
     146.2 153.7 1
     153.8 199.9 0
     """
-    power = np.sum(np.abs(H / noise[:, None]) ** 2, axis=0)
-    level = 2.0 * len(H) + ABOVE_NOISE * 2.0 * np.sqrt(len(H))
+    power = np.sum(np.abs(H / noise[:, None]) ** 2, axis=0) + 1e-300
     peaks = np.unique(np.searchsorted(freq, [] if picked is None else picked))
     if picked is None:
-        peaks, _ = find_peaks(10.0 * np.log10(power), prominence=PROMINENCE_DB, height=10.0 * np.log10(level))
+        level = 10.0 * np.log10(power)
+        least = 10.0 * np.log10(2.0 * len(H) + ABOVE_NOISE * 2.0 * np.sqrt(len(H)))
+        height = least + 20.0 * np.log10(np.maximum(noise_along(H, noise), 1e-9))
+        peaks, _ = find_peaks(
+            level, prominence=np.maximum(PROMINENCE_DB, SCATTERS * _level_scatter(level)), height=height
+        )
     cuts, widths = _cuts(power, peaks), peak_widths(power, peaks)[0] if picked is None else np.zeros(len(peaks))
     bands: list[Band] = []
     reached, end = 0, 0

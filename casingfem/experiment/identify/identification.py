@@ -18,17 +18,17 @@ from numpy.typing import ArrayLike
 from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
-from casingfem.experiment.frf.sensor_grid import SensorGrid, form_of, radial_signs, sensor_grid
+from casingfem.experiment.frf.sensor_grid import SensorGrid, radial_signs, sensor_grid
 from casingfem.experiment.identify.band_fits import BandFits, Responses, core_of, fit_bands
 from casingfem.experiment.identify.bands import find_bands, line_noise
+from casingfem.experiment.identify.exponential_window import window_note, window_time, without_window
 from casingfem.experiment.identify.found_modes import FoundMode, found_modes
 from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.identify.mode_pairs import notes_of, paired, settled
 from casingfem.experiment.identify.stabilisation import join
+from casingfem.experiment.identify.suspects import suspected
+from casingfem.experiment.identify.usable import usable
 from casingfem.io.arrays import Array, FloatArray
-
-LEAST_LINES = 30
-EVEN = 0.05  # of a step: what rounded lines may be off their even places
 
 
 def identify(
@@ -41,6 +41,7 @@ def identify(
     order: int | None = None,
     n_max: int | None = None,
     pick: ArrayLike | None = None,
+    exponential: float | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> Identified:
     """Frequencies, damping, shapes, nodal diameters and orientations of the modes in frequency responses.
@@ -56,7 +57,7 @@ def identify(
     band
         Frequencies [Hz] from, to; all lines if None.
     form
-        "receptance", "mobility" or "accelerance"; None reads it from the unit.
+        "receptance", "mobility" or "accelerance"; None reads it from the unit; without a unit, accelerance.
     order
         Largest number of modes in a window's LSCF sweep; None takes it from the number of peaks.
     n_max
@@ -64,14 +65,17 @@ def identify(
     pick
         Frequencies [Hz] of the modes, picked by hand from a stabilisation diagram: they are refined, none is added,
         none is left out.
+    exponential
+        Time constant tau [s] of an exponential window exp(-t/tau), whose damping is taken off; None reads it from a
+        line `exponential_window_s: ...` of the set's card, where there is one.
     say
         Is told from time to time what is being done.
 
     Raises
     ------
     InputError
-        No frequency responses, uneven or too few lines, dead channels, sensors without angle or reference, picks
-        outside the lines.
+        No frequency responses, uneven or too few lines, no channel with a signal, sensors without angle or reference,
+        picks outside the lines.
     MissingExtraError
         sdypy-EMA is not installed.
 
@@ -85,10 +89,11 @@ def identify(
     ([100.0], [0.004], [2])
     """
     started = time.perf_counter()
+    tau = window_time(frfs, exponential)
+    frfs, freq, H, power, said = usable(frfs, band, form)
     grid = sensor_grid(frfs, angles, places)
-    freq, H = _lines(frfs, band)
     noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
-    data = Responses(freq, H, noise, form_of(frfs, form))
+    data = Responses(freq, H, noise, power)
     picked = None if pick is None else _picked(frfs.path, pick, freq)
     found = fit_bands(data, find_bands(freq, H, noise, picked), order, picked, say)
     cores = [core_of(freq, band) for band in found.bands]
@@ -96,6 +101,9 @@ def identify(
     modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), circle, keep=picked is not None)
     doublets = paired(modes)
     modes = settled(modes, doublets)
+    notes = (*said, *test_notes(found), *channel_notes(modes, grid, circle), *notes_of(modes, doublets), *left_out)
+    if tau is not None:
+        modes, notes = without_window(modes, tau), (window_note(tau), *notes)
     return Identified(
         **_columns(modes, doublets, grid),
         sensors=grid,
@@ -105,10 +113,11 @@ def identify(
         doublets=doublets,
         unresolved=tuple(k for k, mode in enumerate(modes) if mode.unresolved),
         doubts=tuple(mode.doubt for mode in modes),
-        notes=(*test_notes(found), *notes_of(modes, doublets), *left_out),
+        notes=notes,
         diagram=join(found.diagrams, cores),
         card=frfs.card,
         seconds=time.perf_counter() - started,
+        shift=found.shift,
     )
 
 
@@ -126,32 +135,20 @@ def test_notes(found: BandFits) -> tuple[str, ...]:
     """What a test with shifted peaks or with leakage is said to be."""
     shifted = (
         "peaks lie at different frequencies in different channels (roving mass, moved hammer?): means over the set-ups"
-        f" are given, which differ by {100.0 * found.shift:.2g} % (standard deviation); the uncertainties are those of"
-        " the means"
+        f" are given, which differ by {100.0 * found.shift:.2g} % (standard deviation); the uncertainties shown are"
+        " what one more set-up would give, those of the means are smaller"
     )
     leaked = "peaks are widened as by a Hann window, which is taken account of"
     return (*([shifted] if found.shift else []), *([leaked] if found.leak else []))
 
 
-def _lines(frfs: FrfSet, band: tuple[float, float] | None) -> tuple[FloatArray, Array]:
-    """Lines of the band and the responses there, refused where they cannot be used."""
-    if frfs.kind != "frf":
-        raise InputError(frfs.path, found=f"kind {frfs.kind!r}", expected="frequency responses")
-    low, high = band or (0.0, np.inf)
-    if not 0.0 <= low < high:
-        raise InputError(frfs.path, found=f"band {low:g} to {high:g} Hz", expected="0 <= from < to")
-    kept = (frfs.x >= low) & (frfs.x <= high) & (frfs.x > 0.0)
-    freq, H = np.array(frfs.x[kept]), np.array(frfs.responses[:, kept])
-    if len(freq) < LEAST_LINES:
-        raise InputError(frfs.path, found=f"{len(freq)} lines in the band", expected=f"at least {LEAST_LINES}")
-    steps, even = np.diff(freq), np.linspace(freq[0], freq[-1], len(freq))
-    if np.abs(freq - even).max() > EVEN * (even[1] - even[0]):
-        raise InputError(frfs.path, found=f"steps from {steps.min():g} to {steps.max():g} Hz", expected="even steps")
-    dead = np.flatnonzero(np.abs(H).max(axis=1) == 0.0)
-    if dead.size:
-        place = f"channel {dead[0] + 1} (point {frfs.response_point[dead[0]]})"
-        raise InputError(frfs.path, found=f"{place} is zero on every line", expected="a signal, or leave it out")
-    return even, H
+def channel_notes(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
+    """Which sensors of a circle are suspected, by the modes that are sure."""
+    sure = [mode for mode in modes if not mode.doubt]
+    if circle is None or not sure:
+        return ()
+    shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
+    return suspected(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points)
 
 
 def _fitted(found: BandFits, H: Array) -> Array:

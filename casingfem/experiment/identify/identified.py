@@ -25,7 +25,9 @@ class Identified(Reported):
     Attributes
     ----------
     freq, sigma_freq
-        Frequencies and their standard uncertainties [Hz], (modes,).
+        Frequencies and their standard uncertainties [Hz], (modes,); of the mean over the set-ups where `shift` > 0.
+    shift
+        Standard deviation of a mode's ln frequency from set-up to set-up; 0 where the test is one.
     zeta, sigma_zeta
         Damping ratios and their uncertainties.
     n, purity
@@ -88,6 +90,7 @@ class Identified(Reported):
     notes: tuple[str, ...] = ()
     card: tuple[str, ...] = ()
     seconds: float = 0.0
+    shift: float = 0.0
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
@@ -109,6 +112,11 @@ class Identified(Reported):
         pairs = self.freq[np.array(self.doublets, dtype=int).reshape(-1, 2)]
         return np.asarray(np.diff(pairs, axis=1)[:, 0] / pairs.mean(axis=1))
 
+    @property
+    def sigma_setup(self) -> FloatArray:
+        """Standard uncertainty [Hz] of a frequency as one more set-up would show it, (modes,): the table's sigma."""
+        return np.asarray(np.hypot(self.sigma_freq, self.shift * self.freq))
+
     def doublet_of(self, mode: int) -> int:
         """Index into `doublets`, or -1 for a mode without partner."""
         return next((k for k, pair in enumerate(self.doublets) if mode in pair), -1)
@@ -121,13 +129,16 @@ class Identified(Reported):
         return float(np.linalg.norm(error) / np.linalg.norm(self.measured[:, there])) if there.any() else float("nan")
 
     def table(self, card: Sequence[str] = ()) -> FrequencyTable:
-        """The frequency table for the updater; says SYNTHETIC first if the responses did."""
+        """The frequency table for the updater; says SYNTHETIC first if the responses did.
+
+        Its sigma is `sigma_setup`: what a structure without the moved mass may differ by is part of it.
+        """
         if not len(self):
             raise ValueError("no mode was identified: there is no table")
         made = "identified from frequency responses: LSCF poles (sdypy-EMA), refined by least squares"
         return FrequencyTable.from_arrays(
             freq_hz=self.freq,
-            sigma_hz=self.sigma_freq,
+            sigma_hz=self.sigma_setup,
             n=self.n,
             angle_deg=self.angle_deg,
             zeta=self.zeta,
@@ -170,7 +181,8 @@ class Identified(Reported):
             {
                 "mode": k + 1,
                 "freq_hz": float(self.freq[k]),
-                "sigma_hz": float(self.sigma_freq[k]),
+                "sigma_hz": float(self.sigma_setup[k]),
+                "sigma_mean_hz": float(self.sigma_freq[k]),
                 "zeta": float(self.zeta[k]),
                 "sigma_zeta": float(self.sigma_zeta[k]),
                 "n": int(self.n[k]) if self.n[k] >= 0 else None,

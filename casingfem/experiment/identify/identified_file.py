@@ -19,6 +19,7 @@ from contact.io.npz import write_npz
 
 WANTED = "what Identified.save or `casingfem identify --out` wrote"
 PARTS: dict[str, Any] = {"sensors": SensorGrid, "diagram": Stabilisation}
+LATER: dict[str, Any] = {"doubts": [], "shift": 0.0}  # what files of before do not have
 TEXTS = ("doubts", "notes", "card")
 BY_MODE = ("freq", "sigma_freq", "zeta", "sigma_zeta", "n", "purity", "angle_deg", "sigma_angle", "residue_scale",
            "collinearity", "signal", "split_bound")  # fmt: skip
@@ -47,8 +48,9 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
     """
     inner = {f"{name}.{field.name}" for name, part in PARTS.items() for field in fields(part)}
     Path(path).stat()  # OSError without a file, as every other reader of shapes
-    stored = read_npz(path, (names - PARTS.keys() - {"doubts"}) | inner, WANTED)
-    stored.setdefault("doubts", np.zeros(0, np.str_))  # files of before have no verdicts
+    stored = read_npz(path, (names - PARTS.keys() - set(LATER)) | inner, WANTED)
+    for name, value in LATER.items():
+        stored.setdefault(name, np.array(value, np.float64 if name == "shift" else np.str_))
     check(stored, str(path))
     values: dict[str, Any] = {name: stored[name] for name in names - PARTS.keys()}
     for name, part in PARTS.items():
@@ -61,6 +63,7 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
         "notes": tuple(stored["notes"].tolist()),
         "card": tuple(stored["card"].tolist()),
         "seconds": float(stored["seconds"]),
+        "shift": float(stored["shift"]),
     }
 
 

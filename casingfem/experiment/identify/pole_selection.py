@@ -28,6 +28,7 @@ CHANNELS = 30, 60  # combinations of them that the search sees, where there are 
 MOST_LINES = 1000  # that the search sees
 TRIAL_STEPS = 15  # of a fit that tries a further pole
 MORE = 4  # poles that are added to half as many as the start has, at most
+MOSTLY = 0.5  # of the squares that polynomials leave: what one pole explains is a peak, whatever the noise
 TRIES = 3  # places tried before the search ends
 NEAR, SAME = 3.0, 0.9  # half-power bandwidths; MAC
 ENOUGH = 6  # channels below which shapes say nothing
@@ -42,15 +43,16 @@ def penalty(window: Window) -> float:
 def select_poles(window: Window, starts: FloatArray, *, search: bool = True) -> PoleFit:
     """Fit with as many poles as the data carry, from starts (poles, 2) of freq [Hz], zeta.
 
-    Real residues first; complex ones if real ones leave more than the noise and complex ones earn themselves. Where
-    there are many channels or lines, how many poles there are is decided on fewer: principal components, every few
-    lines. Without `search` the poles are those of the start, refined.
+    Real residues first; complex ones if real ones leave more than the noise, or take more poles than the start has, and
+    complex ones earn themselves. Where there are many channels or lines, how many poles there are is decided on fewer:
+    principal components, every few lines. Without `search` the poles are those of the start, refined.
     """
     few = principal(window) if search else window
     found = _searched if search else _refined
     fit = found(few, starts)
-    if fit.variance > MISFIT and fit.variance > few.floor**2 and few.residues == "real":
-        turned = found(replace(few, residues="complex"), np.column_stack([fit.freq, fit.zeta]))
+    misfit, grown = fit.variance > max(MISFIT, few.floor**2), len(fit.freq) > len(starts)
+    if few.residues == "real" and (misfit or grown):
+        turned = found(replace(few, residues="complex"), np.column_stack([fit.freq, fit.zeta]) if misfit else starts)
         more = turned.parameters - fit.parameters
         if (fit.squares - turned.squares) / turned.noise > more * np.log(few.Y.size):
             fit = turned
@@ -88,8 +90,21 @@ def _searched(window: Window, starts: FloatArray) -> PoleFit:
     for _ in range(len(starts) // 2 + MORE):
         more = _one_more(fit)
         if more is None:
-            return fit
+            break
         fit = more
+    return fit if len(fit.freq) else _only_one(fit)
+
+
+def _only_one(fit: PoleFit) -> PoleFit:
+    """One pole where it explains most of what is there, though noise that rises with the peak denies it; or none.
+
+    It is left to the verdict, which says why it is doubtful or left out: a peak is not passed over in silence.
+    """
+    for f, zeta in _places(fit)[:1]:
+        one = fit_poles(fit.window, np.array([f]), np.array([zeta]))
+        low, high = reach(fit.window)
+        if one.squares < (1.0 - MOSTLY) * fit.squares and low < one.freq[0] < high and one.zeta[0] < ZETA_MAX:
+            return one
     return fit
 
 

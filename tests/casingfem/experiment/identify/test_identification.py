@@ -138,7 +138,7 @@ def _frfs(**changes):
         (_frfs(), {"band": (100.0, 101.0)}, "lines in the band"),
         (_frfs(), {"band": (9.0, 1.0)}, "from < to"),
         (_frfs(x=np.geomspace(100, 200, 90)), {}, "even steps"),
-        (_frfs(responses=np.array([np.ones(90), np.zeros(90)])), {}, "channel 2"),
+        (_frfs(responses=np.zeros((2, 90))), {}, "zero on every line: channel 1, 2"),
         (_frfs(response_point=[1, 1]), {}, "channels 1 and 2"),
         (_frfs(reference_point=[5, 6]), {}, "no channel from point 1 to reference 6"),
         (_frfs(), {"angles": {1: 0.0}}, "no angle for point 2"),

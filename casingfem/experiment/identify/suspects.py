@@ -1,0 +1,80 @@
+"""Channels whose part in the shapes is not what all others on the circle say: turned over, exchanged, or neither.
+
+A mode of n nodal diameters is a cos(n theta) + b sin(n theta) along the circle. Where one channel is off in one mode
+its shape is impure; where it is off in the same way in all modes, it is the channel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+
+from casingfem.io.arrays import FloatArray, IntArray
+
+LEAST = 8, 5  # sensors, and modes, from which on something is said
+OPPOSES, SILENT = -0.6, 0.4  # correlation over the modes with what the others say, below which a sensor is named
+OTHERS, AS_OTHER, GAIN = 0.9, 0.6, 0.1  # of exchanged ones: at most with their own places; with the other's, how much
+USUAL = 1.2  # times the median misfit of a mode, beyond which it tells nothing
+STEPS, SMALL = 25, 1e-3  # of the fit by least absolute deviations; deviation, of the shape, that counts as none
+
+
+def suspected(shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray) -> tuple[str, ...]:
+    """What is said of sensors at angles theta [rad] whose shapes (sensors, modes) are off, in words.
+
+    >>> theta, n = np.arange(12) * np.pi / 6, np.array([2, 2, 3, 3, 4, 4, 1, 1])
+    >>> shapes = np.cos(n * theta[:, None] - 0.7 * np.arange(8))
+    >>> shapes[4] *= -1.0
+    >>> shapes[[7, 9]] = shapes[[9, 7]]
+    >>> for line in suspected(shapes, n, theta, np.arange(12) + 1):
+    ...     print(line)
+    points 8 and 10 look exchanged: in 6 modes each moves as the other should
+    point 5 looks turned over: in 6 modes it moves against what the others say
+    """
+    if len(theta) < LEAST[0] or shapes.shape[1] < LEAST[1]:
+        return ()
+    said, misfit = _said(shapes, int(n.max(initial=0)), theta)
+    clear = misfit <= USUAL * np.median(misfit)
+    shapes, said = shapes[:, clear], said[:, clear]
+    along = shapes @ said.T / (np.outer(np.linalg.norm(shapes, axis=1), np.linalg.norm(said, axis=1)) + 1e-300)
+    if np.median(np.diag(along)) < OTHERS:
+        return ()  # no majority that agrees: angles or labels are wrong as a whole
+    return tuple(_words(along, points, shapes.shape[1]))
+
+
+def _said(shapes: FloatArray, most: int, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """What most sensors say of each, (sensors, modes), and the misfit of each mode: least absolute deviations.
+
+    A mode has the n, 0 to `most`, of least misfit: its label may have suffered from what is looked for.
+    """
+    best, said = np.full(shapes.shape[1], np.inf), np.zeros_like(shapes)
+    for order in range(most + 1):
+        waves = np.column_stack([np.cos(order * theta), np.sin(order * theta)])[:, : 2 if order else 1]
+        weight = np.ones_like(shapes)
+        for _ in range(STEPS):
+            gram = np.einsum("si,sm,sj->mij", waves, weight, waves) + 1e-9 * np.eye(waves.shape[1])
+            right = np.einsum("si,sm,sm->mi", waves, weight, shapes)
+            fitted = waves @ np.linalg.solve(gram, right[:, :, None])[:, :, 0].T
+            weight = 1.0 / np.maximum(np.abs(shapes - fitted), SMALL)
+        misfit = np.abs(shapes - fitted).sum(axis=0) / np.abs(shapes).sum(axis=0)
+        said = np.where(misfit < best, fitted, said)
+        best = np.minimum(misfit, best)
+    return said, best
+
+
+def _words(along: FloatArray, points: IntArray, modes: int) -> Iterator[str]:
+    """What is said of sensors by their correlation (rows) with what is said of each place (columns)."""
+    own, named = np.diag(along), set[int]()
+    for a, b in combinations(range(len(own)), 2):
+        better = min(along[a, b] - own[a], along[b, a] - own[b])
+        as_other = min(along[a, b], along[b, a]) > AS_OTHER and max(own[a], own[b]) < OTHERS
+        if better > GAIN and as_other and not named & {a, b}:
+            named |= {a, b}
+            yield f"points {points[a]} and {points[b]} look exchanged: in {modes} modes each moves as the other should"
+    for sensor in (sensor for sensor in range(len(own)) if sensor not in named):
+        if own[sensor] < OPPOSES:
+            yield f"point {points[sensor]} looks turned over: in {modes} modes it moves against what the others say"
+        elif own[sensor] < SILENT:
+            what = f"does not move as the others say, in {modes} modes: dead, loose, or not at its angle?"
+            yield f"point {points[sensor]} {what}"

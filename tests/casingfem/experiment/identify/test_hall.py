@@ -1,0 +1,96 @@
+"""What tests in a hall have: a window that damps, dead, turned, exchanged channels, no unit, noise like the signal."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.experiment.identify.bands import find_bands, line_noise
+from casingfem.experiment.identify.suspects import suspected
+from casingfem.experiment.rig.unkind import Unkind, unkind_frfs
+
+X = np.arange(90.0, 130.0, 0.1)
+TAU = 1.5
+WHERE = 2 * np.pi * np.arange(13) / 13
+
+
+@pytest.fixture(scope="module")
+def windowed():
+    """Four sensors, one mode at 110 Hz of 0.3 % and what an exponential window adds, 0.1 %."""
+    rig = cf.rig.Rig.of(
+        omega=2 * np.pi * np.array([110.0]), zeta=3e-3, rows=np.array([[1.0], [0.7], [-0.6], [0.4], [1]])
+    )
+    what = Unkind(snr_db=50.0, exponential=TAU)
+    return unkind_frfs(rig, X, what, sensors=range(4), drives=[4], seed=41).frfs
+
+
+def test_damping_of_an_exponential_window_is_taken_off_where_it_is_known(windowed):
+    plain = cf.identify(windowed)
+    added = 1.0 / (TAU * 2 * np.pi * 110.0)
+    assert plain.zeta[0] == pytest.approx(3e-3 + added, rel=5e-3)
+    told = cf.identify(windowed, exponential=TAU)
+    read = cf.identify(replace(windowed, card=("exponential_window_s: 1.5",)))
+    for found in (told, read):
+        assert found.zeta[0] == pytest.approx(3e-3, abs=4 * found.sigma_zeta[0])
+        assert found.sigma_zeta[0] == plain.sigma_zeta[0]
+        assert found.freq[0] == pytest.approx(110.0, rel=5e-6)
+        assert found.sure.all()
+        assert any("exponential window" in note for note in found.notes)
+    wrong = cf.identify(windowed, exponential=0.3)  # would add more than there is
+    assert wrong.zeta[0] == 0.0
+    assert "no damping beyond the 0.48 % of the exponential window" in wrong.doubts[0]
+
+
+@pytest.mark.parametrize(("value", "card"), [(0.0, ()), (-1.0, ()), (None, ("exponential_window_s: two",))])
+def test_a_window_without_a_time_constant_is_refused(windowed, value, card):
+    with pytest.raises(cf.errors.InputError, match="exponential_window_s"):
+        cf.identify(replace(windowed, card=card), exponential=value)
+
+
+def test_a_dead_channel_is_left_out_and_a_missing_unit_is_said(windowed):
+    rng = np.random.default_rng(42)
+    H = np.array([[1.0], [0.0], [-0.6], [0.4]]) * X**2 / (110.0**2 - X**2 + 2j * 3e-3 * 110.0 * X)
+    H = H * (1.0 + 1e-3 * rng.standard_normal(H.shape))
+    found = cf.identify(replace(windowed, responses=H, unit=""))
+    assert found.freq[found.sure] == pytest.approx([110.0], rel=1e-5)
+    assert found.sensors.points.tolist() == [1, 3, 4]
+    assert found.notes[0].startswith("the responses have no unit: taken for accelerance")
+    assert found.notes[1] == "zero on every line: channel 2; left out: point 2"
+    known = cf.identify(replace(windowed, responses=H, unit="(1/N)*(m/s²)"))
+    assert known.notes == found.notes[1:]
+    np.testing.assert_array_equal(known.freq, found.freq)
+    H[2, 0] = np.nan
+    with pytest.raises(cf.errors.InputError, match="1 of 4 channels, on 1 of 400 lines, first at 90"):
+        replace(windowed, responses=H)
+
+
+def test_noise_that_rises_with_the_response_makes_no_peaks_of_its_own():
+    """Scatter of 20 % on every line: one peak stands out of it, by 40 dB; beside a constant noise there are 107."""
+    rng = np.random.default_rng(43)
+    H = X**2 / (110.0**2 - X**2 + 2j * 2e-3 * 110.0 * X)
+    H = H * (1.0 + 0.2 * (rng.standard_normal(X.size) + 1j * rng.standard_normal(X.size)))
+    bands = find_bands(X, H[None], line_noise(H[None]))
+    assert sum(band.peaks for band in bands) < 10
+    frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=X, responses=H, unit="(m/s^2)/N")
+    found = cf.identify(frfs)
+    assert found.freq == pytest.approx([110.0], abs=0.1)
+    assert next(band for band in bands if X[band.core[0]] < 110.0 < X[band.core[1] - 1]).peaks >= 1
+
+
+def test_turned_exchanged_and_dead_sensors_of_a_circle_are_named_and_clean_ones_are_not():
+    rng = np.random.default_rng(47)
+    n = rng.integers(0, 6, 14)
+    theta, points = WHERE[:12], np.arange(12) + 101
+    clean = np.cos(n * theta[:, None] - rng.uniform(0, 6, 14)) + 0.1 * rng.standard_normal((12, 14))
+    assert suspected(clean, n, theta, points) == ()
+    off = clean.copy()
+    off[2] *= -1.0
+    off[[5, 9]] = off[[9, 5]]
+    off[7] = 0.1 * rng.standard_normal(14)
+    said = suspected(off, n, theta, points)
+    assert [" ".join(line.split()[:4]) for line in said] == [
+        "points 106 and 110", "point 103 looks turned", "point 108 does not",
+    ]  # fmt: skip
+    assert suspected(rng.standard_normal((12, 14)), n, theta, points) == ()  # wrong angles: none of them is the one
+    assert suspected(off[:, :3], n[:3], theta, points) == ()  # too few modes
