@@ -89,7 +89,7 @@ def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: 
     double = shape.second > 1.0 and shape.balance > BALANCE
     return FoundMode(
         freq=freq,
-        sigma_freq=freq * float(np.hypot(sigma[pole], fit.labels[pole])),
+        sigma_freq=freq * float(np.hypot(sigma[pole], fit.matching[pole])),
         zeta=zeta,
         sigma_zeta=float(sigma[len(fit.freq) + pole] * zeta),
         n=label.n,

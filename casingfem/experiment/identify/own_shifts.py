@@ -108,11 +108,15 @@ class _Problem(NamedTuple):
 
 
 class _At(NamedTuple):
-    """Everything at one set of poles, set-ups first: squares left, residues, normal equations of (ln f, ln zeta)."""
+    """Everything at one set of poles, set-ups first: squares left, residues, normal equations of (ln f, ln zeta).
+
+    `information` is what the normal equations have without the noise, see `pole_fit.py`: its inverse is the covariance.
+    """
 
     squares: FloatArray
     residues: FloatArray
     normal: FloatArray
+    information: FloatArray
     gradient: FloatArray
 
     @classmethod
@@ -131,12 +135,14 @@ class _At(NamedTuple):
         rest = problem.data - own @ A
         across = turns - own @ (inverse @ (own.swapaxes(1, 2) @ turns))
         both, turned = np.concatenate([A, A], axis=1), turns.swapaxes(1, 2) @ rest
-        full = (across.swapaxes(1, 2) @ across) * (both @ both.swapaxes(1, 2))
-        full += np.tile(inverse, (1, 2, 2)) * (turned @ turned.swapaxes(1, 2))
+        told = (across.swapaxes(1, 2) @ across) * (both @ both.swapaxes(1, 2))
+        full = told + np.tile(inverse, (1, 2, 2)) * (turned @ turned.swapaxes(1, 2))
+        normal, information = (a.reshape(count, 2 * m, s, 2 * m, s).sum(axis=(2, 4)) for a in (full, told))
         return cls(
             squares=np.sum(rest * rest, axis=(1, 2)),
             residues=A,
-            normal=full.reshape(count, 2 * m, s, 2 * m, s).sum(axis=(2, 4)),
+            normal=normal,
+            information=information,
             gradient=-np.sum((turned * both).reshape(count, 2 * m, -1), axis=2),
         )
 
@@ -175,28 +181,30 @@ def _fit(
     return OwnPeaks(np.exp(p), np.exp(q), noise * variance, noise * zeta_variance, residues, float(at.squares.sum()))
 
 
-def _damped(at: _At, damping: FloatArray) -> FloatArray:
+def _damped(normal: FloatArray, damping: FloatArray) -> FloatArray:
     """Normal equations with their diagonals raised."""
-    size = np.einsum("gii->gi", at.normal)
+    size = np.einsum("gii->gi", normal)
     extra = damping[:, None] * size + 1e-12 * size.max(axis=1, keepdims=True) + 1e-300
-    return np.asarray(at.normal + extra[:, :, None] * np.eye(size.shape[1]))
+    return np.asarray(normal + extra[:, :, None] * np.eye(size.shape[1]))
 
 
 def _own_steps(at: _At, damping: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Steps of ln f and ln zeta (modes, setups), each set-up by itself."""
-    step = np.asarray(-np.linalg.solve(_damped(at, damping), at.gradient[:, :, None])[:, :, 0].T, np.float64)
+    step = np.asarray(-np.linalg.solve(_damped(at.normal, damping), at.gradient[:, :, None])[:, :, 0].T, np.float64)
     return step[: len(step) // 2], step[len(step) // 2 :]
 
 
 def _own_variance(at: _At) -> tuple[FloatArray, FloatArray]:
     """Variances of ln f and ln zeta over that of the noise."""
-    whole = np.asarray(np.einsum("gii->ig", np.linalg.inv(_damped(at, np.zeros(len(at.normal))))), np.float64)
+    whole = np.asarray(
+        np.einsum("gii->ig", np.linalg.inv(_damped(at.information, np.zeros(len(at.normal))))), np.float64
+    )
     return np.maximum(whole[: len(whole) // 2], 0.0), np.maximum(whole[len(whole) // 2 :], 0.0)
 
 
 def _common_step(at: _At, damping: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Steps where damping is common to the set-ups, whose frequencies are eliminated."""
-    inner, common = _eliminated(_damped(at, damping), at.gradient)
+    inner, common = _eliminated(_damped(at.normal, damping), at.gradient)
     m = len(common)
     cross = at.normal[:, :m, m:]
     pull = at.gradient[:, m:].sum(axis=0) - np.einsum("gij,gi->j", cross, inner[:, :, m])
@@ -206,7 +214,7 @@ def _common_step(at: _At, damping: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _common_variance(at: _At) -> tuple[FloatArray, FloatArray]:
     """Variances where damping is common."""
-    normal = _damped(at, np.zeros(len(at.normal)))
+    normal = _damped(at.information, np.zeros(len(at.normal)))
     inner, common = _eliminated(normal, at.gradient)
     m, inverse = len(common), np.linalg.pinv(common)
     own = np.einsum("gii->gi", np.linalg.inv(normal[:, :m, :m]))

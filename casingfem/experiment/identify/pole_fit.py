@@ -40,8 +40,8 @@ class PoleFit:
     `squares` is the sum of squared deviations, `variance` that per degree of freedom; `covariance` (2 poles, 2 poles)
     of (ln f, ln zeta), over `variance`; `gram` (poles, columns, poles, columns) of the inverse of Phi^T Phi; `tilt`
     (poles, columns, 2 poles, columns) = Phi^+ D, what residues follow when poles move; `spread` (lines, channels)
-    complex, the deviation; `labels` (poles,) the standard deviation of ln f from not knowing which peak of a set-up
-    belongs to which mode.
+    complex, the deviation; `matching` (poles,) the standard deviation of ln f from not knowing which peak of a set-up
+    belongs to which mode; `seen` (poles,) the share of the set-ups that have the mode's energy.
     """
 
     window: Window
@@ -54,11 +54,12 @@ class PoleFit:
     gram: FloatArray
     tilt: FloatArray
     spread: Array
-    labels: FloatArray
+    matching: FloatArray
+    seen: FloatArray
     converged: bool
 
     def __post_init__(self) -> None:
-        for name in ("freq", "zeta", "A", "covariance", "gram", "tilt", "spread", "labels"):
+        for name in ("freq", "zeta", "A", "covariance", "gram", "tilt", "spread", "matching", "seen"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
@@ -185,7 +186,8 @@ def _finished(window: Window, at: _State, converged: bool) -> PoleFit:
         gram=(inverse @ inverse.T).reshape(m, s, m, s),
         tilt=system.tilt.reshape(m, s, 2 * m, s),
         spread=at.R[:half] + 1j * at.R[half:],
-        labels=np.zeros(m),
+        matching=np.zeros(m),
+        seen=np.ones(m),
         converged=converged,
     )
 

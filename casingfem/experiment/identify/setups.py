@@ -82,21 +82,25 @@ def matched(own: OwnPeaks, setups: Setups, shift: float) -> OwnPeaks:
     return min(found, key=lambda each: each[0])[1]
 
 
-def label_doubt(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:
-    """Standard deviation of each mode's mean ln f, as two modes may be exchanged in a set-up, (modes,).
+def matching_sigma(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:
+    """Standard deviations of each mode's mean ln f and ln zeta, as two modes may be exchanged in a set-up, (2, modes).
 
     The odds of an exchange are exp(-rise of the mismatch/2); it moves both means by their distance over the set-ups.
     """
     m, count = own.freq.shape
     if m == 1 or count == 1:
-        return np.zeros(m)
-    cost, logs = _mismatch(own, setups, shift), np.log(own.freq)
+        return np.zeros((2, m))
+    cost, logs = _mismatch(own, setups, shift), np.log([own.freq, own.zeta])
     same = np.einsum("skk->sk", cost)
     rise = cost + cost.swapaxes(1, 2) - same[:, :, None] - same[:, None, :]
     odds = 1.0 / (1.0 + np.exp(np.clip(0.5 * rise, 0.0, 50.0)))
     odds[:, np.arange(m), np.arange(m)] = 0.0
-    moved = (logs[:, None] - logs[None]).transpose(2, 0, 1) / count
-    return np.asarray(np.sqrt(np.max(odds * moved**2, axis=2).sum(axis=0)))
+    noise = np.array([own.variance, own.zeta_variance])
+    apart = (
+        (logs[:, :, None] - logs[:, None]) ** 2 - noise[:, :, None] - noise[:, None]
+    )  # beyond what noise makes of it
+    moved = np.maximum(apart, 0.0).transpose(0, 3, 1, 2) / count**2
+    return np.asarray(np.sqrt(np.max(odds * moved, axis=3).sum(axis=1)))
 
 
 def _mismatch(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:

@@ -7,51 +7,33 @@ not, so the evidence of all clusters, those of one pole too, is summed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.bands import line_noise
+from casingfem.experiment.identify.clusters import Cluster, clusters
 from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks, Setups, apart, linked
 from casingfem.experiment.identify.places import places
 from casingfem.experiment.identify.pole_window import Window
-from casingfem.experiment.identify.setups import find_setups, label_doubt, matched
-from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.experiment.identify.setups import find_setups, matched, matching_sigma
+from casingfem.io.arrays import FloatArray, IntArray
 
-REACH = 2e-3, 0.5  # beyond the poles of a cluster, that peaks may lie: relative, and damping ratios
-AROUND, LEAST_LINES = 8.0, 40  # damping ratios beyond that, that lines are taken from, and so many at least
-TOGETHER, MOST = 14, 14  # poles in a cluster, and modes it is taken for, at most
-MOST_LINES, ON_PEAK = (300, 1000), 8  # that a cluster is read from, and fitted last; on its narrowest peak at least
-PASSES = 3
-LAGS = 2  # lines over which a window makes noise alike
-SMOOTH = 40.0  # times the noise that neighbouring lines tell: more is no noise
+MOST, FEWER = 14, 3  # modes that a cluster is taken for; from so many fewer on than were found before
+MOST_LINES = 1000  # that a cluster is fitted to last
+PASSES, POLISHES = 3, 3  # of finding modes, and of fitting them beside what their neighbours then are
 FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say whether peaks are shifted at all
 CLUSTERS = 12  # that tell which channels are one set-up, at most
 ALIVE = 2.0  # rms of a channel over its noise
-DAMPED = 5.0  # times the usual damping, beyond which a mode is no peak
-
-
-class Cluster(NamedTuple):
-    """Modes near each other, alone in their window: `span` [Hz] they may lie in, variance of an entry by the noise."""
-
-    modes: Modes
-    window: Window
-    span: tuple[float, float]
-    noise: float
-
-    def cost(self, squares: float, modes: int, poles: int) -> float:
-        """The criterion: squares over the noise, and a price for each number."""
-        numbers = modes * (self.window.columns * self.window.Y.shape[1] + poles)
-        return float(squares / self.noise + np.log(self.window.Y.size) * numbers)
+DAMPED, WIDER = 5.0, 2.0  # times the usual damping, and that of the highest peak, beyond which a mode is no peak
 
 
 class Shifted(NamedTuple):
     """Modes with own frequencies, the variance of ln f (modes, setups), the channels of each set-up.
 
-    `sigma_zeta` (modes,) is the standard deviation of ln zeta, `doubt` (modes,) that of the mean of ln f from not
-    knowing which mode is which in a set-up.
+    `sigma_zeta` (modes,) is the standard deviation of ln zeta, `sigma_matching` (modes,) that of the mean of ln f from
+    not knowing which mode is which in a set-up.
 
     `leak` is the distance of lines [Hz] over which a Hann window leaks, or 0; `shift` what set-ups differ by in ln f,
     usually; `evidence` twice the ln of the odds against common frequencies.
@@ -60,7 +42,7 @@ class Shifted(NamedTuple):
     modes: Modes
     variance: FloatArray
     sigma_zeta: FloatArray
-    doubt: FloatArray
+    sigma_matching: FloatArray
     setups: Setups
     leak: float
     shift: float
@@ -82,6 +64,12 @@ class Shifted(NamedTuple):
         each = centre + self.shift**2 * weight * (logs - centre)
         left = self.variance * self.shift**2 * weight
         return np.exp(each).mean(axis=1), np.sqrt(left.mean(axis=1) / logs.shape[1])
+
+    def seen(self) -> FloatArray:
+        """Share of the set-ups that have each mode's energy, (modes,): 1 where all have as much of it."""
+        energy = np.abs(self.modes.residues / np.linalg.norm(self.modes.residues, axis=1, keepdims=True)) ** 2
+        each = np.array([energy[:, channels].sum(axis=1) for channels in self.setups]).T
+        return np.asarray(each.sum(axis=1) ** 2 / np.sum(each**2, axis=1) / len(self.setups))
 
     def aligned(self, whole: Window) -> Window:
         """The data as they would be if every set-up had the mean frequencies."""
@@ -108,6 +96,8 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
         return _unshifted(common, modes, step, sum(alone.evidence))
     setups, shift, leak = find_setups(alone.peaks, alive), scatter(alone.peaks), alone.leak
     for again in range(PASSES):
+        if again:
+            leak = step if _leaks([_both(c, setups, step) for c in clusters(whole, modes, setups)]) else 0.0
         found = [_leaking(c, leak) for c in (clusters(replace(whole, leak=leak), modes, setups) if again else common)]
         own = _read_all(found, setups, damped, shift)
         merged = find_setups([each.own for each in own], np.ones(len(setups), bool))
@@ -117,12 +107,15 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
         if not own:
             return _unshifted(common, modes, step, 0.0)
         shift, modes = scatter([each.own for each in own]), _joined(own)
-    last = [_polished(c, setups) for c in clusters(replace(whole, leak=leak), modes, setups, MOST_LINES[1])]
+    for _ in range(POLISHES):
+        last = [_polished(c, setups, damped) for c in clusters(replace(whole, leak=leak), modes, setups, MOST_LINES)]
+        modes = _joined(last)
+    matching = np.concatenate([matching_sigma(each.free, setups, shift) for each in last], axis=1)
     return Shifted(
-        modes=_joined(last),
+        modes=modes,
         variance=np.concatenate([each.own.variance for each in last]),
-        sigma_zeta=np.sqrt(np.concatenate([each.own.zeta_variance[:, 0] for each in last])),
-        doubt=np.concatenate([label_doubt(each.free, setups, shift) for each in last]),
+        sigma_zeta=np.hypot(np.sqrt(np.concatenate([each.own.zeta_variance[:, 0] for each in last])), matching[1]),
+        sigma_matching=matching[0],
         setups=setups,
         leak=leak,
         shift=shift,
@@ -130,20 +123,17 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
     )
 
 
-def _polished(c: Cluster, setups: Setups) -> _Read:
+def _polished(c: Cluster, setups: Setups, damped: float) -> _Read:
     """The modes of a cluster on more of its lines."""
-    f, zeta = c.modes.freq, c.modes.zeta
-    return _Read(c, _again(c, setups, f, zeta), _fit(c, setups, f, zeta))
+    own = _only_peaks(c, setups, _again(c, setups, c.modes.freq, c.modes.zeta), damped)
+    return _Read(c, own, _fit(c, setups, own.freq, own.zeta[:, 0]))
 
 
 def _unshifted(common: Sequence[Cluster], modes: Modes, step: float, evidence: float) -> Shifted:
     """The common poles, and whether a window leaks over the step of the lines [Hz]."""
-    gain = 0.0
-    for c in common:
-        plain, leaked = (_fit_common(_leaking(c, by)).squares for by in (0.0, step))
-        gain += (plain - leaked) / c.noise
+    gains = [[_fit_common(_leaking(c, by)).squares for by in (0.0, step)] for c in common]
     nothing, all_of_them = np.zeros(len(modes.zeta)), np.arange(modes.residues.shape[1])
-    leak = step if gain > 0.0 else 0.0
+    leak = step if _leaks(gains) else 0.0
     return Shifted(modes, nothing[:, None], nothing, nothing, [all_of_them], leak, 0.0, evidence)
 
 
@@ -171,9 +161,18 @@ def _alone(common: Sequence[Cluster], channels: IntArray, damped: float, step: f
             freq, zeta = own.freq, np.median(own.zeta, axis=1)
             leaked, own = _again(_leaking(c, step), single, freq, zeta), _again(c, single, freq, zeta)
             found.append((c, own, leaked))
-    leak = step if sum((plain.squares - leaked.squares) / c.noise for c, plain, leaked in found) > 0.0 else 0.0
+    leak = step if _leaks([[plain.squares, leaked.squares] for _, plain, leaked in found]) else 0.0
     evidence = [_evidence(c, leaked if leak else plain, len(single)) for c, plain, leaked in found]
     return _Alone([leaked if leak else plain for _, plain, leaked in found], leak, evidence)
+
+
+def _leaks(squares: Sequence[Sequence[float]]) -> bool:
+    """Whether most clusters are fitted better with leakage; squares left (clusters, 2) without and with it.
+
+    One cluster that is not yet understood may leave more than all others together: it has one vote.
+    """
+    plain, leaked = np.array(squares).T if len(squares) else np.ones((2, 1))
+    return bool(np.median(np.log(plain + 1e-300) - np.log(leaked + 1e-300)) > 0.0)
 
 
 def _evidence(c: Cluster, own: OwnPeaks, setups: int) -> float:
@@ -216,6 +215,11 @@ def _in_common(c: Cluster, setups: Setups, own: OwnPeaks) -> OwnPeaks:
     return _again(c, setups, own.freq, zeta)
 
 
+def _both(c: Cluster, setups: Setups, step: float) -> list[float]:
+    """Squares that the modes of a cluster leave without and with leakage over a step [Hz]."""
+    return [_again(_leaking(c, by), setups, c.modes.freq, c.modes.zeta).squares for by in (0.0, step)]
+
+
 def _leaking(c: Cluster, leak: float) -> Cluster:
     return c._replace(window=replace(c.window, leak=leak))
 
@@ -230,68 +234,16 @@ def _joined(own: Sequence[_Read]) -> Modes:
     )
 
 
-def clusters(whole: Window, modes: Modes, setups: Setups, most_lines: int = MOST_LINES[0]) -> Iterator[Cluster]:
-    """Modes so near each other that one's shifted peaks may be several of them, without all others.
-
-    Of many lines every so many are taken, as long as the narrowest peak keeps enough.
-    """
-    modes = modes.some(np.argsort(modes.freq.min(axis=1)))
-    low, high = modes.freq.min(axis=1), np.maximum.accumulate(modes.freq.max(axis=1))
-    reach = (REACH[0] + REACH[1] * modes.zeta) * low
-    cuts = np.flatnonzero(low[1:] - high[:-1] > reach[1:] + reach[:-1]) + 1
-    rest = whole.as_complex - modes.response(whole, setups)
-    step = float(whole.freq[1] - whole.freq[0])
-    near = np.split(np.arange(len(low)), cuts)
-    for members in (part for each in near for part in _few_each(each, low)):
-        zeta = modes.zeta[members].max()
-        span = float((low - reach)[members].min()), float((modes.freq.max(axis=1) + reach)[members].max())
-        a, b = np.searchsorted(whole.freq, [span[0] * (1.0 - AROUND * zeta), span[1] * (1.0 + AROUND * zeta)]).tolist()
-        a = max(min(a, b - LEAST_LINES, len(whole.freq) - LEAST_LINES), 0)
-        b = min(max(b, a + LEAST_LINES), len(whole.freq))
-        narrowest = 2.0 * float((modes.zeta * low)[members].min()) / step
-        stride = max(1, int(min((b - a) / most_lines, narrowest / ON_PEAK)))
-        lines = slice(a, b, stride)
-        bare = replace(whole, freq=whole.freq[lines], Y=np.zeros((0, rest.shape[1])))
-        mine = rest[lines] + modes.some(members).response(bare, setups)
-        window = replace(bare, Y=np.concatenate([mine.real, mine.imag]))
-        left = np.concatenate([rest[lines].real, rest[lines].imag])
-        Q = np.linalg.qr(window.residuals())[0]
-        left -= Q @ (Q.T @ left)
-        noise = _noise((left[: len(mine)] + 1j * left[len(mine) :]).T)
-        yield Cluster(modes.some(members), window, span, max(noise, whole.floor**2, 1e-300))
-
-
-def _few_each(members: IntArray, freq: FloatArray) -> list[IntArray]:
-    """Modes near each other in parts of no more than so many, cut at the widest gap that leaves both sides some."""
-    if len(members) <= TOGETHER:
-        return [members]
-    edge = TOGETHER // 4
-    cut = edge + 1 + int(np.argmax(np.diff(freq[members])[edge:-edge]))
-    return _few_each(members[:cut], freq) + _few_each(members[cut:], freq)
-
-
-def _noise(rest: Array) -> float:
-    """Variance of an entry, from what is left (channels, lines), times the number of lines over which that is alike.
-
-    What modes not yet found leave counts as noise, too, up to a limit: it falls when they are.
-    """
-    whole = float(np.sum(np.abs(rest) ** 2))
-    if whole == 0.0:
-        return 0.0
-    alike = [float(np.sum((rest[:, k:] * rest[:, :-k].conj()).real)) / whole for k in range(1, LAGS + 1)]
-    many = 1.0 + 2.0 * sum((1.0 - k / (LAGS + 1.0)) * rho for k, rho in enumerate(alike, start=1))
-    rough = float(np.mean(line_noise(rest) ** 2))
-    return max(rough, min(0.5 * whole / rest.size * max(many, 1.0), SMOOTH * rough))
-
-
 def read(cluster: Cluster, setups: Setups, damped: float, shift: float) -> OwnPeaks | None:
     """As many modes with own frequencies as the data prefer, none more `damped` than that; None where none is.
 
     Damping is common to the set-ups or their own, as the data prefer.
     """
-    best, least, misses = None, np.inf, 0
+    best, least, misses, damped = None, np.inf, 0, _most_damped(cluster, damped)
     f, z = cluster.modes.freq.mean(axis=1), np.minimum(cluster.modes.zeta, damped)
-    for start in places(cluster.window, setups, f, z, min(MOST, len(f) + 1), cluster.span):
+    known = cluster.modes.freq.shape[1] > 1  # poles of one set-up are more than there are modes
+    starts = places(cluster.window, setups, f, z, min(MOST, len(f) + 1), cluster.span)
+    for start in starts[max(len(f) - FEWER, 0) if known else 0 :]:
         zeta = z[np.abs(start.mean(axis=1)[:, None] - f).argmin(axis=1)]
         tried = [_fit(cluster, setups, start, zeta)]
         if len(setups) > 1:
@@ -303,7 +255,7 @@ def read(cluster: Cluster, setups: Setups, damped: float, shift: float) -> OwnPe
         own, cost = tried[int(np.argmin(costs))], min(costs)
         if cost < least and _peaks_inside(own, cluster.span, damped):
             best, least, misses = own, cost, 0
-        elif misses:
+        elif misses and best is not None:
             break
         else:
             misses += 1
@@ -324,8 +276,21 @@ def _read_all(found: Sequence[Cluster], setups: Setups, damped: float, shift: fl
     for c in found:
         if (own := read(c, setups, damped, shift)) is not None:
             free = matched(_fit(c, setups, own.freq, np.median(own.zeta, axis=1)), setups, shift)
-            read_ones.append(_Read(c, _in_common(c, setups, free), free))
+            read_ones.append(_Read(c, _only_peaks(c, setups, _in_common(c, setups, free), damped), free))
     return read_ones
+
+
+def _most_damped(c: Cluster, damped: float) -> float:
+    """Damping ratio beyond which a mode of a cluster is no peak: where its highest is wide, others may be."""
+    peaks = np.linalg.norm(c.modes.residues, axis=1) / c.modes.zeta
+    return max(damped, WIDER * float(c.modes.zeta[peaks.argmax()]))
+
+
+def _only_peaks(c: Cluster, setups: Setups, own: OwnPeaks, damped: float) -> OwnPeaks:
+    """Modes fitted again without those that have run away: out of the span in most set-ups, or too damped."""
+    inside = (own.freq > c.span[0]) & (own.freq < c.span[1])
+    kept = (inside.mean(axis=1) > 0.5) & (own.zeta[:, 0] < _most_damped(c, damped))
+    return _again(c, setups, own.freq[kept], own.zeta[kept, 0]) if 0 < kept.sum() < len(kept) else own
 
 
 def _peaks_inside(own: OwnPeaks, span: tuple[float, float], most: float) -> bool:

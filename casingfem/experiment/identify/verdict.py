@@ -29,6 +29,7 @@ MISFIT = (
     0.7,
 )  # squares over the noise's, about the pole; then bandwidths to a neighbour whose peak is so much larger
 LEAST_LINES = 8  # about a pole, that tell its noise
+SEEN = 0.3  # share of the set-ups that have the energy: of a peak that lies elsewhere in the others
 FEW = 0.12, 8  # share of the channels that has the energy: of a local mode; from so many channels on
 
 
@@ -68,6 +69,8 @@ def _reasons(fit: PoleFit, pole: int, worth: float, phase: float) -> Iterator[tu
         yield f"bandwidth of {lines:.2g} lines", lines < LINES[1]
     if phase < IN_PHASE[0]:
         yield f"only {100.0 * phase:.0f} % of its shape in phase", False
+    if fit.seen[pole] < SEEN:
+        yield f"seen in {100.0 * fit.seen[pole]:.0f} % of the set-ups: a peak of another mode there?", False
     if len(size) >= FEW[1] and share < FEW[0]:
         yield f"seen by {max(1, round(share * len(size)))} of {len(size)} channels: local, of a fixture?", False
 

@@ -23,7 +23,7 @@ from casingfem.experiment.rig.rig import DERIVATIVES, Quantity, Rig
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
 AVERAGES = 5  # hits of an average, for the coherence
-HANN = np.arange(-1.75, 1.8, 0.25)  # lines over which a Hann window leaks
+HANN = np.arange(-3.75, 3.8, 0.25)  # lines over which a Hann window leaks
 FIXTURE_ZETA, FIXTURE_SIZE = 0.008, 0.3  # damping of local modes, their peaks over the median of the others'
 NOISY = 10.0  # times the noise of other channels
 HIT_DELAY = 0.023  # s, from the first to the second hit

@@ -1,11 +1,17 @@
 """Set-ups with peaks of their own, modes matched between them, and a window that leaks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.identify.own_shifts import OwnPeaks
-from casingfem.experiment.identify.setups import find_setups, label_doubt, matched
+from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks
+from casingfem.experiment.identify.pole_fit import fit_poles
+from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.setups import find_setups, matched, matching_sigma
+from casingfem.experiment.identify.shifted import Shifted
+from casingfem.experiment.identify.verdict import verdicts
 from casingfem.experiment.rig.unkind import Unkind, hann_power, unkind_frfs
 
 GROUPS = [np.array([0, 1, 4]), np.array([2, 5]), np.array([3, 6, 7])]
@@ -45,15 +51,33 @@ def test_modes_that_cross_are_matched_by_their_damping_and_doubted_without():
         own = own._replace(freq=350.0 * np.exp(logs))
         rows = [np.array([0, 1]), np.array([1, 0]), np.array([0, 1])]
         found = matched(own.ordered(rows, setups), setups, 5e-4)
-        doubt = label_doubt(found, setups, 5e-4)
+        by_freq, by_zeta = matching_sigma(found, setups, 5e-4)
         if sure:
             np.testing.assert_allclose(np.sort(np.log(found.freq / 350.0), axis=0), np.sort(logs, axis=0), atol=1e-9)
             assert np.log(found.freq[:, 1] / 350.0) @ [1, -1] == pytest.approx(
                 0.7e-3 * np.sign(found.zeta[1, 0] - found.zeta[0, 0]), abs=1e-9
             )
-            assert doubt.max() < 1e-6
+            assert by_freq.max() < 1e-6
+            assert by_zeta.max() < 1e-3
         else:
-            assert doubt.min() > 2e-5
+            assert by_freq.min() > 2e-5
+
+
+def test_a_mode_that_few_setups_show_is_not_sure():
+    residues = np.array([[1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 1.0, 0.0]], complex)
+    modes = Modes(np.full((2, 4), 100.0), np.full(2, 4e-3), residues)
+    nothing = np.zeros(2)
+    found = Shifted(modes, np.zeros((2, 4)), nothing, nothing, [np.array([k]) for k in range(4)], 0.0, 1e-3, 1.0)
+    np.testing.assert_allclose(found.seen(), [1.0, 0.25])
+    lines = np.arange(95.0, 105.0, 0.05)
+    H = 100.0**2 / (100.0**2 - lines**2 + 2j * 4e-3 * 100.0 * lines)
+    H = H[:, None] * np.ones(8) + 0.05 * np.random.default_rng(53).standard_normal((len(lines), 8))
+    stacked = np.concatenate([H.real, H.imag])
+    window = Window(freq=lines, Y=stacked, power=0, residues="real", weight=np.ones(8), floor=0.0)
+    fit = fit_poles(window, np.array([100.0]), np.array([4e-3]))
+    (sure,), (doubtful,) = (verdicts(replace(fit, seen=share), [1.0]) for share in (np.ones(1), found.seen()[1:]))
+    assert sure == ("", False)
+    assert doubtful[0].startswith("seen in 25 % of the set-ups")
 
 
 def test_a_window_that_leaks_does_not_damp():
@@ -108,3 +132,6 @@ def test_pairs_that_three_setups_show_at_other_frequencies_are_found_once_with_h
     np.testing.assert_allclose(found.freq, test.truth.freq.mean(axis=0), rtol=5e-5)
     np.testing.assert_allclose(found.zeta, zeta, rtol=0.02)
     assert np.all(np.abs(found.freq - test.truth.freq.mean(axis=0)) < 4.0 * found.sigma_freq)
+    assert np.all(np.abs(found.freq - test.truth.freq) < 4.0 * found.sigma_setup)  # what each set-up shows
+    np.testing.assert_array_equal(found.table().sigma_hz, found.sigma_setup)
+    assert [row["sigma_mean_hz"] for row in found.records()] == found.sigma_freq.tolist()

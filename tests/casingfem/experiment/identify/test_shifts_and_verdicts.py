@@ -47,6 +47,18 @@ def test_a_pair_with_shifts_is_a_pair_and_a_pair_without_knows_of_none():
         np.testing.assert_allclose(found.zeta, 1e-3, rtol=0.02)
 
 
+@pytest.mark.slow
+def test_a_well_damped_mode_beside_narrow_shifted_ones_is_kept():
+    shift = 8e-4 * np.random.default_rng(33).uniform(-1, 1, (3, 12))
+    H = sum(
+        mode(f, z, shape, by)
+        for f, z, shape, by in zip((650.0, 657.0, 675.0), (4e-4, 5e-4, 6e-3), (COS, SIN, COS), shift, strict=True)
+    )
+    found = cf.identify(measured(H, 45.0, 8))
+    assert found.freq[found.sure].round().tolist() == [650.0, 657.0, 675.0]
+    np.testing.assert_allclose(found.zeta[found.sure], [4e-4, 5e-4, 6e-3], rtol=0.05)
+
+
 def test_a_clear_mode_is_sure_and_a_faint_local_one_is_not(tmp_path):
     local = np.zeros(12)
     local[4] = 0.05
