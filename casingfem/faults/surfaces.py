@@ -147,6 +147,10 @@ SURFACES = {
         "the shear correction is none of 5/6, about 1, or the thin-shell limit",
         "leave it out; give 1e6 for a wall without shear",
     ),
+    "shell-plies": Fault(
+        "a wall of layers cannot be as given",
+        'give moduli and thicknesses above 0, wall = "linear", strips without a material of their own',
+    ),
     "shell-wall": Fault(
         "no such theory of the wall",
         "give curved (the metric through the wall), or linear (published shell theory)",

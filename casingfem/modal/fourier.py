@@ -20,6 +20,7 @@ from casingfem.structure.shell.axisymmetric import HOOP, Meridian, harmonic_matr
 from casingfem.structure.shell.parts import sampled_geometry
 from casingfem.structure.shell.ring_form import outward, ties
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.wall import section
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of `frequency_scale`
 
@@ -156,8 +157,9 @@ def harmonic_floor(shell: Shell, n: int) -> float:
         return 0.0
     at = sampled_geometry(shell, 1)
     radius = float(np.linalg.norm(at.surface.x[:2], axis=0).max())
-    bending = at.E * at.thickness**2 / (12.0 * at.rho * radius**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1)
-    shear = shell.shear_factor(at.nu) * at.E / (2.0 * (1.0 + at.nu)) * n**2 / (at.rho * radius**2)
+    wall = section(shell, at, way=1)
+    bending = wall.bending / (12.0 * wall.mass * radius**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1)
+    shear = wall.shear * n**2 / (wall.mass * radius**2)
     lowest = float(np.min(0.7 * bending * shear / (bending + shear)))
     rings = [(name, support) for name, support in shell.supports.items() if isinstance(support, Ring)]
     return min([lowest, *(ring_floor(shell, name, ring, n) for name, ring in rings)])

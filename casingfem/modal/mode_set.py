@@ -12,6 +12,7 @@ from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.parts import sampled_geometry
 from casingfem.structure.shell.rigid import rigid_modes
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.wall import section
 from contact.io.reported import Reported
 
 RIGID = 0.05  # below this part of `frequency_scale` nothing elastic moves
@@ -151,7 +152,8 @@ def frequency_scale(shell: Shell) -> float:
     """
     at = sampled_geometry(shell, 33)
     size = float(np.linalg.norm(np.ptp(np.real(at.surface.x).reshape(3, -1), axis=1)))
-    weakest, heaviest = np.real(at.E * at.thickness**3).min(), np.real(at.rho * at.thickness).max()
+    ways = [section(shell, at, way) for way in (0, 1)]
+    weakest, heaviest = min(way.bending.min() for way in ways), ways[0].mass.max()
     return float(np.sqrt(weakest / heaviest) / size**2)
 
 

@@ -23,6 +23,7 @@ from casingfem.structure.geometry.taper import Taper
 from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.structure.shell.shell import Shell
 from casingfem.study.problems import Problems
 from casingfem.study.rotation import build_rotation
@@ -35,6 +36,7 @@ from casingfem.study.tables.shapes import (
     MassTable,
     MeridianTable,
     MeshTable,
+    ShellTable,
     TwistedPlateTable,
 )
 from casingfem.study.tables.supports import BoltsTable, ElasticTable, FixedTable, RingTable, SupportTable, SymmetryTable
@@ -80,6 +82,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
             thickness=thickness,
             material=material,
             wall=tables.shell.wall,
+            plies=build_plies(tables.shell),
             supports=supports,
             strips=strips,
             taper=taper,
@@ -282,6 +285,19 @@ def series(waves: list[Harmonic], key: str, least: int = 0) -> FourierField:
         once = f"each p >= {least} once" if least else "each p once"
         raise ValueError(f"{key}: found harmonics {numbers}, expected {once}")
     return FourierField.of({h.p: (h.cos, h.sin) for h in waves})
+
+
+def build_plies(table: ShellTable) -> tuple[Ply, ...]:
+    """The layers of a wall."""
+    laminae = {name: Lamina(**lamina.model_dump()) for name, lamina in table.lamina.items()}
+    return tuple(
+        Ply(
+            thickness=ply.thickness,
+            angle_deg=ply.angle_deg,
+            lamina=None if ply.lamina is None else laminae[ply.lamina],
+        )
+        for ply in table.plies
+    )
 
 
 def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems: Problems) -> Field | None:

@@ -254,8 +254,8 @@ class Parser:
         """*SURFACE of TYPE=ELEMENT: element or set, face S1, S2, ..."""
         name = self.named(card.parameters.get("NAME", ""))
         if card.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
-            named = [(line, text.split(",")[0].strip()) for line, text in card.data]
-            self.on_nodes.setdefault(name.upper(), []).extend(self.nodes_of(cell, line) for line, cell in named)
+            named = [self.nodes_of(text.split(",")[0].strip(), line) for line, text in card.data]
+            self.on_nodes.setdefault(name.upper(), []).extend(named)
             return
         if card.parameters.get("TYPE", "ELEMENT").upper() != "ELEMENT":
             return

@@ -16,6 +16,7 @@ from casingfem.structure.geometry.strip import ON_LINE, check_strips
 from casingfem.structure.geometry.survey_check import check_survey, surveys
 from casingfem.structure.shell.extent import check_wall
 from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.plies import Ply, mirrored
 from casingfem.structure.shell.variation import field_samples, finest_harmonic, outer_supports
 from contact.io.names import hint
 
@@ -30,6 +31,7 @@ def check_parts(shell: ShellParts) -> None:
         require_positive("shell", shear_correction=shell.shear_correction)
     if shell.wall not in WALLS:
         raise ModelError("shell-wall", f"shell.wall: expected {' or '.join(WALLS)}, found {shell.wall!r}")
+    check_plies(shell)
     check_chart(shell.chart)
     known = shell.chart.edges
     for edge, support in shell.supports.items():
@@ -58,6 +60,20 @@ def check_parts(shell: ShellParts) -> None:
         if edge not in known or not all(isinstance(mass, EdgeMass) for mass in masses):
             raise ModelError("mass-edge", f"masses.{edge}: expected masses on one of {', '.join(known)}")
     check_strips(shell.strips, shell.chart.bounds[0], None)
+
+
+def check_plies(shell: ShellParts) -> None:
+    """Refuse layers beside what assumes one isotropic wall."""
+    if not shell.plies:
+        return
+    if not all(isinstance(ply, Ply) for ply in shell.plies):
+        raise ModelError("shell-plies", "shell.plies: expected plies (cf.shell.Ply)")
+    if shell.wall != "linear":
+        raise ModelError("shell-plies", f'shell.plies: found wall {shell.wall!r}, expected "linear"')
+    if any(strip.material is not None for strip in shell.strips):
+        raise ModelError("shell-plies", "shell.plies: found a strip with a material of its own")
+    if not mirrored(shell.plies) and any(isinstance(support, Symmetry) for support in shell.supports.values()):
+        raise ModelError("shell-plies", "shell.plies: found a plane of symmetry beside plies that are not in balance")
 
 
 def check_on_mesh(shell: ShellParts) -> None:

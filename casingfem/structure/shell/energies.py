@@ -18,7 +18,7 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.strains import point_jets, point_strains
 from casingfem.structure.shell.wall import constitutive
 
-WALL = ("chart", "thickness", "material", "shear_correction", "wall", "strips", "taper", "radius_defect",
+WALL = ("chart", "thickness", "material", "shear_correction", "wall", "plies", "strips", "taper", "radius_defect",
         "thickness_defect", "modulus_defect", "density_defect")  # fmt: skip
 
 

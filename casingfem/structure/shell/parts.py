@@ -18,6 +18,7 @@ from casingfem.structure.geometry.taper import Taper
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.edge_form import Sprung
 from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.plies import Ply, mirrored
 
 DEFECTS = ("radius", "thickness", "modulus", "density")  # quantity -> Shell.<quantity>_defect
 
@@ -46,6 +47,7 @@ class ShellParts:
     density_defect: Field | None = None
     shear_correction: float | None = None
     wall: str = "curved"
+    plies: tuple[Ply, ...] = ()
     strips: tuple[Strip, ...] = ()
     taper: Taper | None = None
     rotation: Rotation | None = None
@@ -60,10 +62,20 @@ class ShellParts:
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether nothing varies around: no fields, springs equal all along their edges, and at rest."""
+        """Whether nothing varies around: no fields, springs equal all along their edges, plies in balance, at rest."""
         even = all(support.uniform for support in self.supports.values() if isinstance(support, Sprung | Ring))
-        even = even and (self.taper is None or self.taper.even)
+        even = even and (self.taper is None or self.taper.even) and (not self.plies or mirrored(self.plies))
         return self.chart.periodic and even and not self.defects and not self.masses and self.rotation is None
+
+    @property
+    def layers(self) -> tuple[Ply, ...]:
+        """The plies in the order of the surface's normal, which points into cylinders and frusta."""
+        (a0, a1), (b0, b1) = np.real(self.chart.bounds)
+        places = np.linspace(a0, a1, 5), np.full(5, 0.5 * (b0 + b1))
+        surface = self.chart.surface(*places, None)
+        normal = np.cross(np.real(surface.x1), np.real(surface.x2), axis=0)
+        out = float(np.sum(normal * np.real(self.chart.directions(*places)[0])))
+        return self.plies if out >= 0.0 else self.plies[::-1]
 
     @property
     def thinnest(self) -> float:

@@ -36,6 +36,9 @@ class Shell(ShellParts):
     wall
         "curved": strains and inertia with the metric at every depth of the wall, and the stretch of its normals;
         "linear": strains linear through the wall, as published shell theory has them (`structure.shell.wall`).
+    plies
+        Layers from the inside out that fill the wall in proportion to their thicknesses; the wall must be linear. Of
+        the shell's material are those without a lamina.
     strips
         Bands along the first parameter with a thickness, or a material, of their own.
     taper

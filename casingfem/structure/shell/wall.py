@@ -16,10 +16,12 @@ up in bending waves: with it they are exact to second order in wave number times
 Vib. 202, 1997, 539). That u be the mean displacement of the wall, not that of its middle, is what t^2/12 is for: the
 inertia then has no term in s2. Metric: Chapelle & Bathe, The Finite Element Analysis of Shells, 2011, ch. 4.
 
-The linear wall has Naghdi's resultants, strains linear in z in volumes dz: published shell theory.
+The linear wall has Naghdi's resultants, strains linear in z in volumes dz: published shell theory. So has a wall of
+layers (`plies`).
 """
 
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,6 +31,7 @@ from casingfem.structure.material import plane_stress
 from casingfem.structure.mesh.element import gauss
 from casingfem.structure.mesh.kinematics import STRAINS, Rates, dot, frame
 from casingfem.structure.shell.parts import ShellGeometry, ShellParts
+from casingfem.structure.shell.plies import layered_inertia, layered_wall
 
 POINTS = 3  # through the wall: what they leave is of fourth order in thickness times curvature
 
@@ -49,6 +52,8 @@ def curvature(rates: Rates) -> Array:
 def constitutive(shell: ShellParts, geometry: ShellGeometry, b: Array) -> Array:
     """Section stiffness on the eight strains at points, (8, 8, ...), of a surface with curvature b (3, ...)."""
     E, nu, t = geometry.E, geometry.nu, geometry.thickness
+    if shell.plies:
+        return layered_wall(shell.layers, shell.material, E, nu, t, shell.shear_factor(nu))
     shear = shell.shear_factor(nu) * E / (2.0 * (1.0 + nu))
     if shell.wall == "linear":
         return linear_wall(plane_stress(E, nu), shear, t)
@@ -141,10 +146,32 @@ def inertia(shell: ShellParts, geometry: ShellGeometry) -> Array:
     the lowest frequencies by 2e-5 of themselves at h/R = .02, by 4e-4 at .1 (`reports.verification.cylinder_exact`).
     """
     t, rho = geometry.thickness, geometry.rho
+    if shell.plies:
+        return layered_inertia(shell.layers, shell.material, rho, t)
     if shell.wall == "linear":
         return np.stack([rho * t, rho * t**3 / 12.0])
     K = gauss_curvature(geometry.surface)
     return np.stack([rho * t * (1.0 + K * t**2 / 12.0), rho * t**3 * (1.0 / 12.0 + K * t**2 / 80.0)])
+
+
+class Section(NamedTuple):
+    """A wall seen as a beam per width: twelve times its bending stiffness, E t^3 [N m], shear [N/m], mass [kg/m^2]."""
+
+    bending: Array
+    shear: Array
+    mass: Array
+
+
+def section(shell: ShellParts, geometry: ShellGeometry, way: int) -> Section:
+    """The wall as a beam along its direction 0 or 1, free to deform otherwise: no stiffer than within the shell."""
+    at = ShellGeometry(geometry.surface, *(np.real(part) for part in geometry[1:]))
+    if not shell.plies:
+        shear = np.real(shell.shear_factor(at.nu)) * at.E / (2.0 * (1.0 + at.nu)) * at.thickness
+        return Section(at.E * at.thickness**3, shear, at.rho * at.thickness)
+    D = constitutive(shell, at, np.zeros((3, *at.thickness.shape)))
+    compliance = np.linalg.inv(np.moveaxis(D, (0, 1), (-2, -1)))
+    bending, shear = (1.0 / compliance[..., k + way, k + way] for k in (3, 6))
+    return Section(12.0 * bending, shear, inertia(shell, at)[0])
 
 
 def gauss_curvature(surface: Surface) -> Array:

@@ -136,6 +136,26 @@ class SolidTable(ImportTable):
     material: dict[str, MaterialTable] = Field(default={}, description="group of cells -> its own material")
 
 
+class LaminaTable(Table):
+    """[shell.lamina.<name>]: the fields of `Lamina`."""
+
+    E1: Positive = Field(description="modulus along the fibres [Pa]")
+    E2: Positive = Field(description="modulus across them [Pa]")
+    nu12: float = Field(description="contraction across by stretch along the fibres [-]")
+    G12: Positive = Field(description="shear modulus in the layer [Pa]")
+    G13: Positive = Field(description="shear modulus along the fibres, through the wall [Pa]")
+    G23: Positive = Field(description="shear modulus across the fibres, through the wall [Pa]")
+    rho: Positive = Field(description="density [kg/m^3]")
+
+
+class PlyTable(Table):
+    """[[shell.plies]]: a layer, from the inside out."""
+
+    thickness: Length = Field(description="its thickness [m]; all add up to that of the shell")
+    angle_deg: float = Field(default=0.0, description="of its fibres, from axis or span to around or chord [deg]")
+    lamina: str | None = Field(default=None, description="name of its [shell.lamina.<name>]; [material] if left out")
+
+
 class ShellTable(ImportTable):
     """[shell]: a wall on [chart], or on an imported mesh of quadrilaterals."""
 
@@ -143,8 +163,23 @@ class ShellTable(ImportTable):
     wall: Literal["curved", "linear"] = Field(
         default="curved", description="strains with the wall's metric, or linear through it as in published theory"
     )
+    plies: list[PlyTable] = Field(default=[], description="layers from the inside out; with wall = linear")
+    lamina: dict[str, LaminaTable] = Field(default={}, description="name -> orthotropic material of plies")
     thicknesses: dict[str, Length] = Field(default={}, description="group of cells of a mesh -> its thickness [m]")
     material: dict[str, MaterialTable] = Field(default={}, description="group of cells of a mesh -> its own material")
+
+    @model_validator(mode="after")
+    def _plies(self) -> "ShellTable":
+        if self.plies and self.mesh is not None:
+            raise ValueError("found plies with a mesh, expected them on a chart")
+        total = sum(ply.thickness for ply in self.plies)
+        if self.plies and abs(total - self.thickness) > 1e-6 * self.thickness:
+            raise ValueError(f"found plies of {total:g} m in a wall of {self.thickness:g} m, expected them to fill it")
+        for ply in self.plies:
+            if ply.lamina is not None and ply.lamina not in self.lamina:
+                known = ", ".join(self.lamina) or "none"
+                raise ValueError(f"found a ply of lamina {ply.lamina!r}, expected one of those given: {known}")
+        return self
 
     @model_validator(mode="after")
     def _mesh_keys(self) -> "ShellTable":

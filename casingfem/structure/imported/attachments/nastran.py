@@ -6,7 +6,7 @@ MPC; PARAM WTMASS. Variants that are not understood are refused by card and line
 
 import re
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -33,13 +33,13 @@ class CardLike(Protocol):
 class Numbers(Protocol):
     """How the reader of the file reads numbers and refuses cards."""
 
-    def fault(self, card: CardLike, message: str) -> ModelError:
+    def fault(self, card: Any, message: str) -> ModelError:
         """A malformed file."""
 
-    def integer(self, card: CardLike, text: str) -> int:
+    def integer(self, card: Any, text: str) -> int:
         """A whole number."""
 
-    def real(self, card: CardLike, text: str) -> float:
+    def real(self, card: Any, text: str) -> float:
         """A real number; empty is zero."""
 
 

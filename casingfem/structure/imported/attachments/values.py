@@ -174,22 +174,27 @@ class Attachments:
     @property
     def links(self) -> Iterator[IntArray]:
         """Nodes that each item holds together, two or more."""
-        groups: tuple[Spring | Equation, ...] = (*self.springs, *self.equations)
-        for group in groups:
-            if len(set(group.nodes)) > 1:
-                yield np.array(group.nodes, dtype=np.int64)
-        ties: tuple[Rigid | Mean, ...] = (*self.rigids, *self.means)
-        for tie in ties:
-            yield np.append(tie.nodes, tie.reference)
+        for ends in self.pairs:
+            if len(set(ends)) > 1:
+                yield np.array(ends, dtype=np.int64)
+        yield from self.bodies
+
+    @property
+    def pairs(self) -> list[tuple[int, ...]]:
+        """Nodes of each spring and equation."""
+        return [spring.nodes for spring in self.springs] + [equation.nodes for equation in self.equations]
+
+    @property
+    def bodies(self) -> list[IntArray]:
+        """Nodes of each rigid and mean connection, the reference last."""
+        rigid = [np.append(rigid.nodes, rigid.reference) for rigid in self.rigids]
+        return rigid + [np.append(mean.nodes, mean.reference) for mean in self.means]
 
     @property
     def nodes(self) -> IntArray:
         """Every node that is named, ascending."""
-        masses = np.array([mass.node for mass in self.masses], dtype=np.int64)
-        groups: tuple[Spring | Equation, ...] = (*self.springs, *self.equations)
-        ends = [np.array(group.nodes, dtype=np.int64) for group in groups]
-        ties: tuple[Rigid | Mean, ...] = (*self.rigids, *self.means)
-        return np.unique(np.concatenate([masses, *ends, *(np.append(tie.nodes, tie.reference) for tie in ties)]))
+        ends = [node for pair in self.pairs for node in pair] + [mass.node for mass in self.masses]
+        return np.unique(np.concatenate([np.array(ends, dtype=np.int64), *self.bodies]))
 
     def renumbered(self, new: Renumbering) -> "Attachments":
         """The same with other numbers of nodes: `new` takes an array of them."""

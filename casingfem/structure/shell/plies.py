@@ -1,0 +1,166 @@
+"""Walls of layers: plies of orthotropic laminae or of the shell's own material, and what they add up to.
+
+With z from -t/2 to t/2 along the normal, the resultants of first-order shear deformation theory are
+
+    A, B, D = int (1, z, z^2) C(z) dz,   H = k int G(z) dz
+
+C a ply's plane-stress stiffness and G its transverse shear moduli, turned by its angle (J. N. Reddy, Mechanics of
+Laminated Composite Plates and Shells, 2004, ch. 3). Plies fill the wall in proportion to their thicknesses.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.structure.material import Material, plane_stress
+
+MIRROR = 1e-12  # coupling of stretch and shear over stiffness below which a wall is its own mirror image
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lamina:
+    """Orthotropic layer: moduli along fibres, across them, in shear [Pa]; nu12; density [kg/m^3].
+
+    Raises
+    ------
+    ModelError
+        `shell-plies` for moduli that are not positive, or nu12^2 >= E1/E2.
+
+    Examples
+    --------
+    >>> carbon = Lamina(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, G13=5e9, G23=3.8e9, rho=1600.0)
+    >>> (carbon.stiffness / 1e9).round(2).tolist()
+    [[140.91, 3.02, 0.0], [3.02, 10.06, 0.0], [0.0, 0.0, 5.0]]
+    """
+
+    E1: float
+    E2: float
+    nu12: float
+    G12: float
+    G13: float
+    G23: float
+    rho: float
+
+    def __post_init__(self) -> None:
+        for name in ("E1", "E2", "G12", "G13", "G23", "rho"):
+            value = getattr(self, name)
+            if not 1e-25 <= value <= 1e25:
+                raise ModelError("shell-plies", f"lamina.{name} must lie between 1e-25 and 1e25, found {value!r}")
+        if not self.nu12**2 < self.E1 / self.E2:
+            raise ModelError("shell-plies", f"lamina.nu12: nu12^2 must be below E1/E2, found nu12 = {self.nu12!r}")
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """Plane-stress stiffness along the fibres [Pa], (3, 3)."""
+        nu21 = self.nu12 * self.E2 / self.E1
+        rows = [[self.E1, nu21 * self.E1, 0.0], [self.nu12 * self.E2, self.E2, 0.0], [0.0, 0.0, self.G12]]
+        return np.asarray(np.array(rows) / np.array([1.0 - self.nu12 * nu21] * 2 + [1.0]))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ply:
+    """A layer of a wall; plies follow each other from the inside of a casing out, on plates and blades along z or flap.
+
+    Parameters
+    ----------
+    thickness
+        Its share of the wall: plies fill the shell's thickness in proportion.
+    angle_deg
+        Of its fibres, from the chart's first direction (along axis or span) to the second (around, along the chord).
+    lamina
+        Its material; the shell's own, isotropic, if left out.
+
+    Raises
+    ------
+    ModelError
+        `shell-plies` for a thickness that is not positive, or an angle that is not finite.
+
+    >>> Ply(thickness=1e-3, angle_deg=90.0).lamina is None
+    True
+    """
+
+    thickness: float
+    angle_deg: float = 0.0
+    lamina: Lamina | None = None
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.thickness) and self.thickness > 0.0 and np.isfinite(self.angle_deg)):
+            found = f"{self.thickness!r} m at {self.angle_deg!r} degrees"
+            raise ModelError("shell-plies", f"ply: found {found}, expected a thickness above 0 and an angle")
+
+
+def turned(lamina: Lamina, angle_deg: float) -> tuple[FloatArray, FloatArray]:
+    """Stiffness on (eps_11, eps_22, 2 eps_12) (3, 3), and on (gamma_1, gamma_2) (2, 2), along the shell's directions.
+
+    >>> E1, E2 = 140e9, 10e9
+    >>> carbon = Lamina(E1=E1, E2=E2, nu12=0.3, G12=5e9, G13=5e9, G23=3.8e9, rho=1600.0)
+    >>> across, shear = turned(carbon, 90.0)
+    >>> (across / 1e9).round(2).tolist(), (shear / 1e9).round(2).tolist()
+    ([[10.06, 3.02, 0.0], [3.02, 140.91, 0.0], [0.0, 0.0, 5.0]], [[3.8, 0.0], [0.0, 5.0]])
+    """
+    c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    T = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2.0 * c * s, 2.0 * c * s, c * c - s * s]])
+    R = np.array([[c, s], [-s, c]])
+    C, G = T.T @ lamina.stiffness @ T, R.T @ np.diag([lamina.G13, lamina.G23]) @ R
+    return np.where(np.abs(C) > 1e-15 * C.max(), C, 0.0), np.where(np.abs(G) > 1e-15 * G.max(), G, 0.0)
+
+
+def faces(plies: tuple[Ply, ...]) -> FloatArray:
+    """Depths z/t between the plies, from -1/2 to 1/2, (plies + 1,)."""
+    thickness = np.array([ply.thickness for ply in plies])
+    return np.asarray(np.concatenate([[0.0], np.cumsum(thickness)]) / thickness.sum() - 0.5)
+
+
+def moments(z: FloatArray) -> FloatArray:
+    """Int (1, x, x^2) dx between depths, (plies, 3)."""
+    return np.stack([np.diff(z ** (k + 1)) / (k + 1) for k in range(3)], axis=1)
+
+
+def layered_wall(plies: tuple[Ply, ...], own: Material, E: Array, nu: Array, t: Array, factor: Array) -> Array:
+    """Resultants of a layered wall on the eight strains at points, (8, 8, ...).
+
+    Laminae are as stiff as E is over the modulus of the shell's own material.
+    """
+    share = moments(faces(plies))
+    field = E / own.E
+    D = np.zeros((8, 8, *t.shape), dtype=np.result_type(E, nu, t, factor))
+    for ply, (one, first, second) in zip(plies, share, strict=True):
+        if ply.lamina is None:
+            C, G = plane_stress(E, nu), np.eye(2).reshape(2, 2, *[1] * t.ndim) * (E / (2.0 * (1.0 + nu)))
+        else:
+            both = turned(ply.lamina, ply.angle_deg)
+            C, G = (part.reshape(*part.shape, *[1] * t.ndim) * field for part in both)
+        D[:3, :3] += one * t * C
+        D[:3, 3:6] += first * t**2 * C
+        D[3:6, 3:6] += second * t**3 * C
+        D[6:, 6:] += factor * one * t * G
+    D[3:6, :3] = D[:3, 3:6].swapaxes(0, 1)
+    return D
+
+
+def layered_inertia(plies: tuple[Ply, ...], own: Material, rho: Array, t: Array) -> Array:
+    """Mass and rotary inertia per area, (2, ...); their moment about the middle, as of a curved wall, is left out."""
+    share = moments(faces(plies))
+    field = rho / own.rho
+    density = [rho if ply.lamina is None else ply.lamina.rho * field for ply in plies]
+    return np.stack([
+        sum(one * t * part for (one, _, _), part in zip(share, density, strict=True)),
+        sum(second * t**3 * part for (_, _, second), part in zip(share, density, strict=True)),
+    ])  # fmt: skip
+
+
+def mirrored(plies: tuple[Ply, ...]) -> bool:
+    """Whether a wall looks the same in a mirror along its first direction: cosine and sine waves do not mix.
+
+    >>> carbon = Lamina(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, G13=5e9, G23=3.8e9, rho=1600.0)
+    >>> cross = tuple(Ply(thickness=1.0, angle_deg=angle, lamina=carbon) for angle in (0.0, 90.0))
+    >>> mirrored(cross), mirrored((*cross, Ply(thickness=1.0, angle_deg=45.0, lamina=carbon)))
+    (True, False)
+    """
+    one = np.ones(1)
+    D = layered_wall(plies, Material(E=1.0, nu=0.3, rho=1.0), one, 0.3 * one, one, one)[..., 0]
+    odd = [2, 5, 6 + 1]
+    even = [i for i in range(8) if i not in odd]
+    return bool(np.abs(D[np.ix_(even, odd)]).max() <= MIRROR * np.abs(D).max())

@@ -1,0 +1,67 @@
+"""[[shell.plies]] of a study: the same casing as in Python, and what does not fit."""
+
+import pytest
+
+import casingfem as cf
+from casingfem.study import StudyError, load_study
+
+STUDY = """
+[material]
+E = 70e9
+nu = 0.33
+rho = 2700.0
+[chart]
+kind = "cylinder"
+radius = 0.45
+height = 0.25
+[shell]
+thickness = 6e-3
+wall = "linear"
+[[shell.plies]]
+thickness = 2e-3
+[[shell.plies]]
+thickness = 4e-3
+angle_deg = 30.0
+lamina = "aramid"
+[shell.lamina.aramid]
+E1 = 76e9
+E2 = 5.5e9
+nu12 = 0.34
+G12 = 2.3e9
+G13 = 2.4e9
+G23 = 1.8e9
+rho = 1380.0
+[support.base]
+kind = "clamped"
+[mesh]
+order = 4
+rows = 1
+around = 7
+"""
+
+
+def test_plies_of_a_study_are_those_of_python(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY)
+    aramid = cf.shell.Lamina(E1=76e9, E2=5.5e9, nu12=0.34, G12=2.3e9, G13=2.4e9, G23=1.8e9, rho=1380.0)
+    assert load_study(path).shell.plies == (
+        cf.shell.Ply(thickness=2e-3), cf.shell.Ply(thickness=4e-3, angle_deg=30.0, lamina=aramid)
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("thickness = 4e-3", "thickness = 3e-3", r"plies of 0.005 m in a wall of 0.006 m"),
+        ('lamina = "aramid"', 'lamina = "carbon"', "lamina 'carbon', expected one of those given: aramid"),
+        ('wall = "linear"\n', "", "expected \"linear\""),
+        ("nu12 = 0.34", "nu12 = 4.0", "nu12"),
+        ("E1 = 76e9", "E1 = -76e9", "E1"),
+    ],
+)  # fmt: skip
+def test_plies_that_do_not_fit_are_named(old, new, told, tmp_path):
+    assert STUDY.count(old) == 1
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY.replace(old, new))
+    with pytest.raises(StudyError, match=told):
+        load_study(path)
