@@ -1,9 +1,9 @@
 """Factorisations of symmetric sparse matrices, and the inertia that their pivots show: statics, modes, reduction.
 
-"multifrontal" is the package's own: L D L^T by dense fronts (`multifrontal`) along a nested dissection; how much memory
+"multifrontal" is the package's own: L D L^H by dense fronts (`multifrontal`) along a nested dissection; how much memory
 it takes is known and checked before. "superlu" comes with scipy: minimum degree on A^T + A, symmetric mode and diagonal
 pivots are some 30 times faster here than its default. Because pivots stay on the diagonal, the signs of U's diagonal
-are the inertia of A (Sylvester). It takes complex matrices too. "pardiso" is MKL's LDL^T, if the extra `direct` is
+are the inertia of A (Sylvester). "pardiso" is MKL's LDL^T, if the extra `direct` is
 installed.
 """
 
@@ -59,15 +59,13 @@ class SuperLUFactor:
 
 
 def multifrontal(A: csc_array, keep: bool = True) -> Factor:
-    """Factorise by dense fronts, or count negative eigenvalues alone; complex matrices by SuperLU."""
-    if np.iscomplexobj(A.data):
-        return superlu(A)
+    """Factorise by dense fronts, or count negative eigenvalues alone."""
     if not A.has_canonical_format:  # as plans expect it
         A = A.copy()
         A.sum_duplicates()
     try:
         fronts = planned(A)
-        require_memory(fronts.bytes(keep), A.shape[0], free_memory())
+        require_memory(fronts.bytes(keep, A.data.itemsize), A.shape[0], free_memory())
         return factored(A, fronts, keep)
     except MemoryError as error:
         if isinstance(error, MemoryNeedError):
@@ -102,8 +100,6 @@ SOLVERS: Mapping[str, Callable[[csc_array, bool], Factor]] = MappingProxyType(
 
 def factorise(A: csc_array, direct: Direct = "multifrontal", *, keep: bool = True) -> Factor:
     """Factor a symmetric or Hermitian sparse matrix, indefinite ones included; without `keep` for its inertia alone.
-
-    A complex matrix goes to SuperLU.
 
     Raises
     ------

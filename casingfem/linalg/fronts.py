@@ -88,9 +88,9 @@ class Fronts:
             held += m * m - sum(len(self.fronts[child].rows) ** 2 for child in front.children)
         return most
 
-    def bytes(self, keep: bool) -> float:
-        """Memory that a factorisation takes at most, of its factor and without it."""
-        return 8.0 * (self.working() + keep * self.entries)
+    def bytes(self, keep: bool, number: int = 8) -> float:
+        """Memory that a factorisation takes at most, of its factor and without it, in numbers of so many bytes."""
+        return float(number) * (self.working() + keep * self.entries)
 
     def fits(self, A: csc_array) -> bool:
         """Whether a matrix has this pattern."""

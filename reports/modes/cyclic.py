@@ -11,8 +11,10 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import factorise
@@ -27,7 +29,7 @@ from casingfem.modal.modes import modes
 from casingfem.modal.whirl import whirl_modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.cyclic.sector import CyclicSector
+from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
 from casingfem.structure.imported.cyclic.wheel import wheel_nodes, wheel_structure
 from casingfem.structure.imported.grid import end_group, grid_mesh
 from casingfem.structure.imported.mesh_data import Group, MeshData
@@ -194,7 +196,7 @@ def mistuned(quick: bool) -> list[Row]:
 
 
 def times(quick: bool) -> list[Row]:
-    """Processor time and memory of 12 modes of every diameter."""
+    """Processor time and memory of 12 modes of every diameter, and of one factor."""
     rows: list[Row] = []
     for counts in [(2, 4, 6, 2)] if quick else [(2, 8, 12, 3), (3, 16, 24, 5)]:
         sector = bladed_disk(24, counts)
@@ -208,9 +210,24 @@ def times(quick: bool) -> list[Row]:
                 "modes": len(found.records()),
                 "processor s": round(time.process_time() - started, 1),
                 "peak memory [GB]": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6, 1),
+                **factors(sector),
             }
         )
     return rows
+
+
+def factors(sector: CyclicSector) -> Row:
+    """Processor time and memory of one factor of the complex pencil, by dense fronts and by SuperLU."""
+    K, M, _ = assemble_cyclic(sector).matrices(1)
+    A = csc_array(K + M * (abs(K.diagonal()).min() / abs(M.diagonal()).max()))
+    row: Row = {}
+    for name, direct in (("fronts", "multifrontal"), ("SuperLU", "superlu")):
+        started = time.process_time()
+        factor: Any = factorise(A, direct)  # type: ignore[arg-type]
+        row[f"{name} [s]"] = round(time.process_time() - started, 2)
+        numbers = factor.fronts.entries * 16 if direct == "multifrontal" else factor.lu.nnz * 20  # SuperLU's have rows
+        row[f"{name} [MB]"] = round(1e-6 * numbers)
+    return row
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:

@@ -41,6 +41,7 @@ def test_wheels_are_their_full_models(tmp_path):
     assert worst[0] > worst[1] > worst[2] >= worst[3]
     assert worst[4] < 2e-4
     assert rows[-2]["static compliance"] < 5e-4
+    assert rows[-1]["fronts [MB]"] < rows[-1]["SuperLU [MB]"]
 
 
 @pytest.mark.campaign

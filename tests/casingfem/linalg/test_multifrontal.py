@@ -19,11 +19,13 @@ from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble
 
 
-def random_matrix(size, density, shift, seed):
-    """Symmetric, with entries anywhere: about `density` of them, and a diagonal of some size."""
+def random_matrix(size, density, shift, seed, turned=False):
+    """Symmetric, or Hermitian by random phases: about `density` entries anywhere, and a diagonal of some size."""
     rng = np.random.default_rng(seed)
     A = np.where(rng.random((size, size)) < density, rng.standard_normal((size, size)), 0.0)
-    return A + A.T + np.diag(rng.standard_normal(size) + shift)
+    if turned:
+        A = A * np.exp(2j * np.pi * rng.random((size, size)))
+    return A + A.conj().T + np.diag(rng.standard_normal(size) + shift)
 
 
 def grid(*counts):
@@ -34,12 +36,13 @@ def grid(*counts):
     return csc_array(A)
 
 
+@pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(("size", "density", "shift"), [
     (1, 1.0, 0.0), (2, 1.0, 0.0), (7, 0.5, 0.0), (60, 0.1, 3.0), (500, 0.01, 0.0), (700, 0.003, 3.0),
     (700, 0.0003, 0.5),
 ])  # fmt: skip
-def test_solutions_and_inertia_are_the_dense_ones(size, density, shift):
-    dense = random_matrix(size, density, shift, seed=size + 11)
+def test_solutions_and_inertia_are_the_dense_ones(size, density, shift, turned):
+    dense = random_matrix(size, density, shift, size + 11, turned)
     A = csc_array(dense)
     factor = factorise(A)
     b = np.random.default_rng(5).standard_normal((size, 3))
