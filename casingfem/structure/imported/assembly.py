@@ -192,11 +192,14 @@ def assembled(
     K = csc_array(sum(springs, K))
     scale = sound * wall / mesh.size**2
     if mesh.attachments:
+        own, added = float(M[::dofs, ::dofs].sum()), sum(mass.mass for mass in mesh.attachments.masses)
+        scale *= float(np.sqrt(own / (own + added)))
         normals, frames = tangents or (None, None)
         hung = attached(motions_of(mesh, dofs, normals, frames), K, M, held, still_nodes(structure), motions, springs)
         return MeshSystem(
             structure=structure, K=symmetric(hung.K), M=symmetric(hung.M), free=hung.unknowns, dofs=dofs,
-            rigid=hung.rigid, wall=wall, frequency_scale=scale, lift=hung.lift,
+            rigid=hung.rigid, wall=wall, frequency_scale=scale,
+            lift=hung.lift if mesh.attachments.ties or hung.unknowns.max() >= size else None,
         )  # fmt: skip
     loose = np.zeros(size, dtype=bool)
     loose[cell_dofs(mesh.used[None], dofs)] = True

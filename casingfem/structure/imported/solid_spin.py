@@ -17,7 +17,7 @@ from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import CHUNK, Mapped, MeshSystem, cell_dofs, mapped, on_free, scatter
 from casingfem.structure.imported.cells.solid import VOIGT, SolidCells, consistent_mass, elasticity, strain_table
-from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin, tied_solution
+from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin, point_inertia, tied_solution
 
 STEPS, SETTLED = 30, 1e-9  # Newton's steps at most; relative size of the last one
 
@@ -120,8 +120,9 @@ def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, 
     on, constants = mapped(mesh.kind, mesh.points, mesh.cells), solid.constants()
     rows, size = cell_dofs(mesh.cells, 3), 3 * len(mesh.points)
     of = solid_inertia(solid, on, constants[2], rotation)
-    soft = omega**2 * scatter(of.softening, rows, size)
-    pull = omega**2 * (scatter(of.mass, rows, size) @ of.away.ravel())
+    hung = point_inertia(system, rotation)
+    soft = omega**2 * (scatter(of.softening, rows, size) + hung.softening)
+    pull = omega**2 * ((scatter(of.mass, rows, size) + hung.mass) @ of.away.ravel())
     at_rest = on_free(tangent(solid, on, constants, np.zeros_like(start))[0], system.free)
     springs = csc_array(system.K - at_rest)
     fields = start.copy()

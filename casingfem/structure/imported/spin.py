@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, diags_array, kron
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray
@@ -107,25 +107,54 @@ def mesh_spin(
     """
     rows = cell_dofs(system.structure.mesh.cells, system.dofs)
     size = system.dofs * len(system.points)
-    if mesh_attachments := system.structure.mesh.attachments:
-        found = f"{system.structure.mesh.source}: rotation of a part with {mesh_attachments}"
-        raise ModelError("mesh-attachment", found)
-    of = inertia(rotation)
-    force = scatter(of.mass, rows, size) @ of.away.ravel()
+    of, hung = inertia(rotation), point_inertia(system, rotation)
+    force = (scatter(of.mass, rows, size) + hung.mass) @ of.away.ravel()
     fields = system.expand(tied_solution(system, system.K, force[system.free], solve_held)[:, None])[:, :, 0]
     added = stiffening(fields)
 
     def placed(cells: FloatArray) -> csc_array:
         return on_free(scatter(cells, rows, size), system.free)
 
-    gyroscopic = scatter(of.gyroscopic, rows, size)
+    gyroscopic = csc_array(scatter(of.gyroscopic, rows, size) + hung.gyroscopic)
     return MeshSpin(
-        K1=placed(added.first - of.softening),
+        K1=csc_array(placed(added.first - of.softening) - on_free(hung.softening, system.free)),
         K2=placed(added.second),
         G=csc_array(gyroscopic[:, system.free][system.free]),
         fields=fields,
         nonlinear=added.ratio,
     )
+
+
+class PointInertia(NamedTuple):
+    """The same of the point masses on all dofs of the nodes, (dofs, dofs): mass, softening, gyroscopic."""
+
+    mass: csc_array
+    softening: csc_array
+    gyroscopic: csc_array
+
+
+def point_inertia(system: MeshSystem, rotation: Rotation) -> PointInertia:
+    """Inertia of the point masses about an axis.
+
+    Raises
+    ------
+    ModelError
+        `mesh-attachment` for connections, and masses that turn: their second-order motions are not computed.
+    """
+    mesh = system.structure.mesh
+    if system.lift is not None or any(mass.turns for mass in mesh.attachments.masses):
+        raise ModelError("mesh-attachment", f"{mesh.source}: rotation of a part with {mesh.attachments}")
+    masses = np.zeros(len(mesh.points))
+    for mass in mesh.attachments.masses:
+        masses[mass.node] += mass.mass
+
+    def placed(B: FloatArray) -> csc_array:
+        whole = np.zeros((system.dofs, system.dofs))
+        whole[:3, :3] = B
+        return csc_array(kron(diags_array(masses), whole))
+
+    turn = np.cross(rotation.direction, np.eye(3)).T
+    return PointInertia(placed(np.eye(3)), placed(rotation.plane), placed(2.0 * turn))
 
 
 def tied_solution(

@@ -436,6 +436,41 @@ def test_what_cannot_be_attached_is_refused_by_card_and_node(card, told, tmp_pat
         part.assembled()
 
 
+@pytest.mark.filterwarnings("ignore:.*material-units")
+@pytest.mark.parametrize("kind", ["solid", "shell"])
+def test_a_light_beam_with_a_tip_mass_stiffens_as_it_turns(kind):
+    """Under the force m Omega^2 L its cubic shape gains 6/5 Omega^2 square to the plane of rotation, 1 less in it."""
+    mesh, _ = beam(kind=kind)
+    tip = mesh.groups["tip"].nodes
+    light = cf.Material(E=210e9, nu=0.0, rho=1e-3)
+    masses = tuple(PointMass(node=int(node), mass=2.0 / len(tip)) for node in tip)
+    for axis in ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
+        part = replace(structure(hung(mesh, masses=masses)), material=light,
+                       rotation=cf.Rotation(omega=0.0, axis=axis))  # fmt: skip
+        found = cf.campbell(part, [0.0, 5.0], count=2)
+        np.testing.assert_allclose(sorted(found.southwell), [0.2, 1.2], atol=5e-3)
+
+
+@pytest.mark.filterwarnings("ignore:.*material-units")
+def test_a_tip_mass_at_speed_swings_on_a_tensioned_beam():
+    """Without mass of its own it is a spring T/(L - tanh(a L)/a), a = sqrt(T/EI), T = m Omega^2 L; less m Omega^2."""
+    mesh, _ = beam()
+    tip, omega = mesh.groups["tip"].nodes, 75.0
+    masses = tuple(PointMass(node=int(node), mass=2.0 / len(tip)) for node in tip)
+    part = structure(hung(mesh, masses=masses))
+    part = replace(part, material=cf.Material(E=210e9, nu=0.0, rho=1.0))
+    system = part.assembled()
+    added = part.spin(system, cf.Rotation(omega=omega, axis=(0.0, 0.0, 1.0)))
+    T = 2.0 * omega**2 * L
+    a = np.sqrt(T / EI)
+    k = T / (L - np.tanh(a * L) / a)
+    exact = np.sqrt([k / 2.0 - omega**2, k / 2.0])
+    for stiffness in (added.stiffness(omega), added.steady(omega)):
+        K = (system.K + stiffness).toarray()
+        found = eigh(K, system.M.toarray(), eigvals_only=True, subset_by_index=[0, 1])
+        np.testing.assert_allclose(np.sqrt(found), exact, rtol=5e-4)
+
+
 def test_analyses_that_do_not_take_attachments_say_so():
     mesh, node = beam()
     part = structure(hung(mesh, **joined_to(mesh, node, "rigid"), masses=(PointMass(node=node, mass=1.0),)))
