@@ -171,7 +171,7 @@ class NastranAttachments:
         start = named.index("K") + 1 if "K" in named else len(named)
         springs = []
         for component, text in enumerate(of.fields[start : start + 6]):
-            if text and not text[0].isalpha() and self.numbers.real(of, text):
+            if text and self.numbers.real(of, text):
                 k = self.positive(of, self.numbers.real(of, text))
                 terms = tuple(
                     Term(self.grid(card, str(grid), (component,)), component, sign)
@@ -183,7 +183,10 @@ class NastranAttachments:
     def rigid(self, card: CardLike) -> Rigid:
         """RBE2: number, reference, components, grids, and perhaps a thermal expansion."""
         components = self.components(card, self.field(card, 2))
-        grids = [text for text in card.fields[3:] if text and text.isdecimal()]
+        given = [text for text in card.fields[3:] if text]
+        grids = [text for text in given if text.isdecimal()]
+        if not set(given[:-1]) <= set(grids):  # the last may be a thermal expansion
+            raise self.numbers.fault(card, f"found {', '.join(set(given) - set(grids))}, expected grids one by one")
         if not grids:
             raise self.numbers.fault(card, "found no grid that follows")
         nodes = np.array([self.grid(card, text, components) for text in grids], dtype=np.int64)

@@ -22,6 +22,7 @@ from casingfem.structure.imported.attachments.values import (
     Term,
     cross_matrix,
 )
+from casingfem.structure.imported.draft import joined
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import NodeLoad
 from casingfem.structure.imported.read import read_mesh
@@ -346,6 +347,47 @@ INP = """*NODE
 """
 
 
+def test_masses_of_bulk_data_have_the_signs_and_factors_of_the_manual(tmp_path):
+    """Products of inertia stand with a minus in the matrix; PARAM, WTMASS multiplies masses, not offsets."""
+    path = tmp_path / "a.bdf"
+    card = "CONM2,9,5,,4.,.1,.2,.3,,+\n+,1.,.5,2.,.25,.125,3.\nPARAM,WTMASS,.5"
+    path.write_text(TETRA.format(cd="", card=card))
+    (mass,) = read_mesh(path).attachments.masses
+    assert (mass.mass, mass.offset) == (2.0, (0.1, 0.2, 0.3))
+    wanted = 0.5 * np.array([[1.0, -0.5, -0.25], [-0.5, 2.0, -0.125], [-0.25, -0.125, 3.0]])
+    np.testing.assert_array_equal(mass.inertia, wanted)
+
+
+def test_bushes_of_coincident_grids_are_springs_along_the_basic_axes(tmp_path):
+    path = tmp_path / "a.bdf"
+    path.write_text(TETRA.format(cd="", card="GRID,7,,0.,0.,1.\nCBUSH,9,3,4,7,,,,0\nPBUSH,3,K,1.,,3.\n,,B,.1"))
+    springs = read_mesh(path).attachments.springs
+    assert [(s.stiffness, s.terms) for s in springs] == [
+        (1.0, (Term(3, 0, 1.0), Term(6, 0, -1.0))), (3.0, (Term(3, 2, 1.0), Term(6, 2, -1.0)))
+    ]  # fmt: skip
+
+
+def test_joined_nodes_keep_what_hangs_on_them():
+    """Two blocks side by side with their own nodes: joined, masses and connections name the nodes that are left."""
+    block = grid_mesh("hexahedron", (1, 1, 1), lambda u: u)
+    points = np.vstack([block.points, block.points + np.eye(3)[0], [[3.0, 0.0, 0.0], [1.0, 0.0, 0.0]]])
+    near = np.flatnonzero(points[:, 0] == 1.0)[:-1]  # the face twice, without the node of no cell
+    mesh = replace(block, points=points, cells=np.vstack([block.cells, block.cells + 8]),
+                   cell_numbers=np.arange(1, 3), node_numbers=np.arange(1, 19))  # fmt: skip
+    mesh = hung(mesh, masses=(PointMass(node=15, mass=1.0), PointMass(node=17, mass=2.0)),
+                rigids=(Rigid(reference=16, nodes=near),),
+                means=(Mean(reference=17, nodes=near, weights=np.ones(8)),))  # fmt: skip
+    found = joined(mesh, 1e-6)
+    assert len(found.points) == 14
+    rigid, mean = found.attachments.rigids[0], found.attachments.means[0]
+    np.testing.assert_array_equal(found.points[rigid.reference], points[16])
+    assert len(rigid.nodes) == len(mean.nodes) == 4
+    assert set(found.points[rigid.nodes][:, 0]) == {1.0}
+    np.testing.assert_array_equal(mean.weights, 2.0)
+    for mass, node in zip(found.attachments.masses, (15, 17), strict=True):
+        np.testing.assert_array_equal(found.points[mass.node], points[node])
+
+
 @pytest.mark.parametrize(
     ("card", "told"),
     [
@@ -360,6 +402,7 @@ INP = """*NODE
         ("CBUSH,9,3,4,5,,,,0\nPBUSH,3,K,1.", "two places"),
         ("RBE2,9,5,1237,4", "components '1237'"),
         ("RBE2,9,5,123", "no grid that follows"),
+        ("RBE2,9,5,123,2,THRU,4", "found THRU, expected grids one by one"),
         ("RBE3,9,,5,123,1.,123456,1,2", "expected 123"),
         ("RBE3,9,,5,123,1.,123,1,2,3\n,UM,1,123", "found UM"),
         ("RBAR,9,4,5,123,456", "expected 123456 at one"),

@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import ModelError
-from casingfem.structure.shell.plies import Lamina, Ply, layered_wall, mirrored, turned
+from casingfem.structure.shell.plies import Lamina, Ply, layered_inertia, layered_wall, mirrored, turned
 from casingfem.structure.shell.wall import linear_wall
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -104,6 +104,16 @@ def test_resultants_of_one_isotropic_layer_are_those_of_the_linear_wall():
     D = layered_wall((Ply(thickness=1.0),), STEEL, E, nu, t, 5.0 / 6.0 * one)
     shear = 5.0 / 6.0 * STEEL.shear_modulus * one
     np.testing.assert_allclose(D, linear_wall(STEEL.plane_stress()[..., None] * one, shear, t), atol=1e-6)
+
+
+def test_mass_and_rotary_inertia_add_up_over_the_plies():
+    """A third of 1,500 kg/m^3 within the shell's own 7,800: rho t, and int rho z^2 dz."""
+    t = np.array([3e-3])
+    both = (Ply(thickness=1.0, lamina=GRAPHITE), Ply(thickness=2.0))
+    mass, rotary = layered_inertia(both, STEEL, 7800.0 * np.ones(1), t)
+    np.testing.assert_allclose(mass, 1500.0 * 1e-3 + 7800.0 * 2e-3)
+    inner = (0.5e-3**3 - 1.5e-3**3) / 3.0  # int z^2 dz from -1.5 to -0.5 mm, less its sign
+    np.testing.assert_allclose(rotary, -1500.0 * inner + 7800.0 * (1.5e-3**3 + 0.5e-3**3) / 3.0)
 
 
 @pytest.mark.parametrize(
