@@ -37,7 +37,7 @@ REFUSED = {"SYSTEM": "a local coordinate system"} | dict.fromkeys(
     ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"), "nodes or elements that are not written out"
 )
 MOST = 1e15  # of numbers that a mesh has: beyond, a float does not tell them apart
-LEFT_OUT = ("TIE", "SHELL TO SOLID COUPLING", "DISTRIBUTING", "DISTRIBUTING COUPLING", "EMBEDDED ELEMENT",
+LEFT_OUT = ("TIE", "SHELL TO SOLID COUPLING", "EMBEDDED ELEMENT",
             "NONSTRUCTURAL MASS", "CONNECTOR SECTION", "CYCLIC SYMMETRY MODEL", "MATRIX INPUT", "MATRIX ASSEMBLE",
             "SUBSTRUCTURE PATH", "TRANSFORM", "BEAM SECTION", "BEAM GENERAL SECTION")  # fmt: skip
 
@@ -202,10 +202,20 @@ class Parser:
         """Numbers of an element set named so far."""
         return self.numbers_of(self.element_sets, name, line)
 
+    def node_surface(self, name: str) -> IntArray | None:
+        """Numbers of the nodes of a surface of nodes; None for others."""
+        found = self.on_nodes.get(name.upper())
+        return None if found is None else np.unique(np.concatenate(found))
+
+    def leave_out(self, what: str, line: str) -> None:
+        """Warn in the end of what is not taken over."""
+        self.left_out[what] = line
+
     def surface_nodes(self, name: str, line: str) -> IntArray:
         """Numbers of the nodes of a surface, of elements with the middles of their faces."""
-        if name.upper() in self.on_nodes:
-            return np.unique(np.concatenate(self.on_nodes[name.upper()]))
+        of_nodes = self.node_surface(name)
+        if of_nodes is not None:
+            return of_nodes
         if name.upper() not in self.surfaces:
             raise self.fault(line, f"no surface {name!r}")
         found = []

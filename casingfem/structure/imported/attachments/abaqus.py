@@ -1,7 +1,8 @@
 """Point masses, springs and connections of an Abaqus or CalculiX input file.
 
 Elements MASS, ROTARYI, SPRING1, SPRING2, SPRINGA with *MASS, *ROTARY INERTIA, *SPRING; *COUPLING with *KINEMATIC,
-*KINEMATIC COUPLING, *RIGID BODY of nodes, *MPC of the kinds BEAM and PIN, *EQUATION. Variants that are not
+*KINEMATIC COUPLING, *RIGID BODY of nodes, *MPC of the kinds BEAM and PIN, *EQUATION; *DISTRIBUTING COUPLING with
+elements DCOUP3D, *COUPLING with *DISTRIBUTING on a surface of nodes. Variants that are not
 understood are refused by keyword and line.
 """
 
@@ -12,11 +13,12 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.attachments.values import Attachments, Equation, PointMass, Rigid, Spring, Term
+from casingfem.structure.imported.attachments.values import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
 
-ELEMENTS = {"MASS": 1, "ROTARYI": 1, "SPRING1": 1, "SPRING2": 2, "SPRINGA": 2}  # nodes of each
-PROPERTIES = {"MASS": ("MASS",), "ROTARY INERTIA": ("ROTARYI",), "SPRING": ("SPRING1", "SPRING2", "SPRINGA")}
-CONNECTIONS = ("COUPLING", "KINEMATIC", "KINEMATIC COUPLING", "RIGID BODY", "EQUATION", "MPC")
+ELEMENTS = {"MASS": 1, "ROTARYI": 1, "SPRING1": 1, "SPRING2": 2, "SPRINGA": 2, "DCOUP3D": 1}  # nodes of each
+PROPERTIES = {"MASS": ("MASS",), "ROTARY INERTIA": ("ROTARYI",), "SPRING": ("SPRING1", "SPRING2", "SPRINGA"),
+              "DISTRIBUTING COUPLING": ("DCOUP3D",)}  # fmt: skip
+CONNECTIONS = ("COUPLING", "DISTRIBUTING", "KINEMATIC", "KINEMATIC COUPLING", "RIGID BODY", "EQUATION", "MPC")
 MPCS = ("BEAM", "PIN")
 REFUSED = ("ORIENTATION", "NONLINEAR", "ROT NODE", "ELSET", "PIN NSET", "ANALYTICAL SURFACE")
 
@@ -42,6 +44,12 @@ class Names(Protocol):
     def elements_of(self, name: str, line: str) -> IntArray:
         """Numbers of an element set."""
 
+    def node_surface(self, name: str) -> IntArray | None:
+        """Numbers of the nodes of a surface of nodes; None for others."""
+
+    def leave_out(self, what: str, line: str) -> None:
+        """Warn in the end of what is not taken over."""
+
     def surface_nodes(self, name: str, line: str) -> IntArray:
         """Numbers of the nodes of a surface."""
 
@@ -55,6 +63,8 @@ class AbaqusAttachments:
         self.properties: list[tuple[CardLike, IntArray]] = []  # card, elements
         self.equations: list[Equation] = []
         self.rigids: list[Callable[[], Rigid]] = []  # surfaces are known at the end
+        self.means: list[Mean] = []
+        self.weights: dict[str, tuple[IntArray, FloatArray]] = {}  # line of *DISTRIBUTING COUPLING -> nodes, weights
         self.coupling: CardLike | None = None
 
     def take_elements(self, line: str, kind: str, numbers: IntArray, nodes: IntArray) -> None:
@@ -69,8 +79,12 @@ class AbaqusAttachments:
         if card.keyword in PROPERTIES:
             owner = card.parameters.get("ELSET", "")
             self.properties.append((card, self.names.elements_of(owner, card.line)))
+            if card.keyword == "DISTRIBUTING COUPLING":
+                self.weights[card.line] = self.weighted(card)
         elif card.keyword == "COUPLING":
             self.coupling = card
+        elif card.keyword == "DISTRIBUTING":
+            self.take_distributing(card)
         elif card.keyword == "KINEMATIC":
             self.take_kinematic(card)
         elif card.keyword == "KINEMATIC COUPLING":
@@ -148,6 +162,36 @@ class AbaqusAttachments:
 
         self.rigids.append(rigid)
 
+    def weighted(self, card: CardLike) -> tuple[IntArray, FloatArray]:
+        """Lines of a node or node set and its weight."""
+        nodes, weights = [], []
+        for line, cells in self.rows(card):
+            nodes.append(self.names.nodes_of(cells[0], line))
+            weight = self.number(line, cells[1]) if len(cells) > 1 else 1.0
+            if weight <= 0.0:
+                raise self.names.fault(line, f"*{card.keyword}: found the weight {weight:g}, expected one above 0")
+            weights.append(np.full(len(nodes[-1]), weight))
+        if not nodes:
+            raise self.names.fault(card.line, f"*{card.keyword}: found no nodes")
+        return np.concatenate(nodes), np.concatenate(weights)
+
+    def take_distributing(self, card: CardLike) -> None:
+        """*DISTRIBUTING of the *COUPLING before it, nodes of equal weight."""
+        coupling, self.coupling = self.coupling, None
+        if coupling is None:
+            raise self.names.fault(card.line, "*DISTRIBUTING without *COUPLING before it")
+        nodes = self.names.node_surface(coupling.parameters.get("SURFACE", ""))
+        if nodes is None:
+            self.names.leave_out("DISTRIBUTING on a surface of elements", card.line)
+            return
+        if card.parameters.get("WEIGHTING METHOD", "UNIFORM").upper() != "UNIFORM" or card.data:
+            found = "a weighting method or degrees of freedom"
+            raise self.names.fault(card.line, f"*DISTRIBUTING: found {found}, expected neither")
+        where = f"*COUPLING (line {coupling.line})"
+        self.means.append(
+            Mean(reference=self.reference(coupling), nodes=nodes, weights=np.ones(len(nodes)), where=where)
+        )
+
     def take_mpc(self, card: CardLike) -> None:
         """*MPC: kind, the node that follows, the node it follows."""
         for line, cells in self.rows(card):
@@ -193,7 +237,7 @@ class AbaqusAttachments:
         """All of them by indices of nodes."""
         masses: list[PointMass] = []
         springs: list[Spring] = []
-        owned: set[int] = set()
+        means, owned = list(self.means), set[int]()
         for card, numbers in self.properties:
             for number in numbers.tolist():
                 kind, nodes, _ = self.elements.get(number, ("", np.zeros(0, dtype=np.int64), 0))
@@ -202,7 +246,10 @@ class AbaqusAttachments:
                     raise self.names.fault(card.line, f"*{card.keyword} on element {number}, expected {expected}")
                 owned.add(number)
                 where = f"{kind} {number} (line {card.line})"
-                if kind in ("MASS", "ROTARYI"):
+                if kind == "DCOUP3D":
+                    followed, weights = self.weights[card.line]
+                    means.append(Mean(reference=int(nodes[0]), nodes=followed, weights=weights, where=where))
+                elif kind in ("MASS", "ROTARYI"):
                     masses.append(self.point_mass(card, int(nodes[0]), where))
                 else:
                     springs.append(self.spring(card, kind, nodes, points[index(nodes)], where))
@@ -214,6 +261,7 @@ class AbaqusAttachments:
             masses=tuple(masses),
             springs=tuple(springs),
             rigids=tuple(make() for make in self.rigids),
+            means=tuple(means),
             equations=tuple(self.equations),
         )
         return found.renumbered(index)

@@ -307,6 +307,34 @@ def test_couplings_to_surfaces_and_bodies_of_sets_are_rigid_connections(tmp_path
         assert found.components == by_nodes.components
 
 
+def test_a_mean_in_two_formats_and_three_ways_is_one(tmp_path):
+    """RBE3 of equal weights, *DISTRIBUTING COUPLING with an element DCOUP3D, *DISTRIBUTING on a surface of nodes."""
+    bdf, inp = both_files(tmp_path)
+    plain, bulk = inp.read_text(), bdf.read_text()
+    head, tail = plain.index("*KINEMATIC COUPLING"), plain.index("*ELEMENT, TYPE=MASS")
+    reference = re.search(r"REF NODE=(\d+)", plain)[1]
+    rigid = re.search(r"RBE2,901,(\d+),123456,(.*),\+\n\+,(.*)\n", bulk)
+    mean = f"RBE3,901,,{rigid[1]},123456,1.,123,,,+\n+,{rigid[2]},,,,+\n+,{rigid[3]}\n"
+    bdf.write_text(bulk.replace(rigid[0], mean))
+    ways = (
+        "*ELEMENT, TYPE=DCOUP3D, ELSET=d\n950, {}\n*DISTRIBUTING COUPLING, ELSET=d\ntip, 1.\n",
+        "*SURFACE, NAME=end, TYPE=NODE\ntip\n*COUPLING, REF NODE={}, SURFACE=end\n*DISTRIBUTING\n",
+    )
+    found = [read_mesh(bdf).attachments.means[0]]
+    for text in ways:
+        inp.write_text(plain[:head] + text.format(reference) + plain[tail:])
+        found.append(read_mesh(inp).attachments.means[0])
+    for mean in found[1:]:
+        assert (mean.reference, mean.components) == (found[0].reference, (0, 1, 2, 3, 4, 5))
+        np.testing.assert_array_equal(mean.nodes, found[0].nodes)
+        np.testing.assert_array_equal(mean.weights, found[0].weights)
+    inp.write_text(
+        plain[:head] + "*SURFACE, NAME=end\n4, S4\n*COUPLING, REF NODE=1, SURFACE=end\n*DISTRIBUTING\n" + plain[tail:]
+    )
+    with pytest.warns(ModelWarning, match=r"\*DISTRIBUTING on a surface of elements \(line \d+\).*mesh-left-out"):
+        read_mesh(inp)
+
+
 def test_masses_and_springs_need_the_units_of_the_file(tmp_path):
     """The same numbers in mm, t, s: a thousandth of the size, masses a thousand times larger, stiffness alike."""
     bdf, _ = both_files(tmp_path)
@@ -438,6 +466,8 @@ def test_single_directions_of_turned_grids_are_refused_and_all_three_are_not(tmp
         ("*MPC\nSLIDER,4,5,1\n", r"\*MPC: found SLIDER"),
         ("*KINEMATIC\n1,3\n", r"without \*COUPLING"),
         ("*COUPLING,REF NODE=5,SURFACE=S\n*KINEMATIC\n1,3\n", "no surface 'S'"),
+        ("*DISTRIBUTING\n", r"without \*COUPLING"),
+        ("*ELEMENT,TYPE=DCOUP3D,ELSET=S\n9,5\n*DISTRIBUTING COUPLING,ELSET=S\n4,-1.\n", "weight -1"),
         ("*NGEN\n1,4\n", "not written out"),
         ("*TRANSFORM,NSET=N\n1.,0.,0.,0.,1.,0.\n*EQUATION\n2\n4,1,1.,3,1,-1.\n", "along the global axes"),
     ],
