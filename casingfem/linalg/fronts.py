@@ -19,7 +19,7 @@ from casingfem.linalg.dissection import coordinates, dissect, quotient, spans
 Places: TypeAlias = slice | IntArray
 Runs: TypeAlias = tuple[tuple[slice, slice], ...]
 
-SMALL = 5_000_000  # entries of a pattern whose plan is kept, some 40 MB of it
+SMALL = 15_000_000  # entries of a pattern whose plan is kept, some 150 MB of it
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
 
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray, IntArray
@@ -23,6 +23,7 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.wall import section
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of `frequency_scale`
+DROWNED = 0.1  # round-off of more than this part of an eigenvalue that no rigid motion has
 
 
 class Found(NamedTuple):
@@ -69,8 +70,9 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
     values, noise = np.array([(mode.value, mode.noise) for mode in found]).T
     last = min(count, len(found) - 1)
     below, sigma = gap_after(values, last, noise=noise[last - 1 :].max())
-    if not clear_of_eigenvalues(sigma, values, noise):
-        warn_of_count(sigma, values, noise)
+    drowned = [mode.value for mode in found[:below] if mode.n > 1 and mode.noise > DROWNED * mode.value]
+    if drowned or not clear_of_eigenvalues(sigma, values, noise):
+        warn_of_count(drowned[-1] if drowned else sigma, values, noise)
         return revolved(shell, meridians, found[:below], count, None, started)
     counted = sum((1 + (m.n > 0)) * inertia_below(m, sigma) for m in meridians)
     if counted != below:
@@ -200,15 +202,27 @@ def inertia_below(meridian: Meridian, sigma: float) -> int:
 def lowest(meridian: Meridian, count: int, shift: float) -> tuple[FloatArray, FloatArray]:
     """Lowest eigenvalues and mass-normalised vectors of one harmonic, by the inverse of K + shift M.
 
-    Small eigenvalues (rigid motions, thin free rings) would drown in the round-off of K's large ones.
+    Small eigenvalues (rigid motions, thin free rings) would drown in the round-off of K's large ones; where a rigid
+    motion's exceeds the shift, on the thinnest walls, that is a hundred times as far.
+
+    Raises
+    ------
+    NumericsError
+        If K + shift M is indefinite then too.
     """
     root = 1.0 / np.sqrt(meridian.mass)
     size = len(root)
-    factor = cho_factor(root[:, None] * meridian.K * root + shift * np.eye(size))
-    flexibility = cho_solve(factor, np.eye(size))
-    start = max(0, size - count)
-    values, vectors = eigh(0.5 * (flexibility + flexibility.T), subset_by_index=[start, size - 1])
-    return 1.0 / values[::-1] - shift, root[:, None] * vectors[:, ::-1]
+    A = root[:, None] * meridian.K * root
+    for far in (shift, 1e2 * shift, 1e4 * shift):
+        try:
+            factor = cho_factor(A + far * np.eye(size))
+        except LinAlgError:
+            continue
+        flexibility = cho_solve(factor, np.eye(size))
+        start = max(0, size - count)
+        values, vectors = eigh(0.5 * (flexibility + flexibility.T), subset_by_index=[start, size - 1])
+        return 1.0 / values[::-1] - far, root[:, None] * vectors[:, ::-1]
+    raise NumericsError(f"n = {meridian.n}: round-off outweighs the stiffness: the wall is too thin for these numbers")
 
 
 def revolve_shape(grid: Grid, shape: FloatArray, n: int, *, sine: bool) -> FloatArray:

@@ -20,7 +20,7 @@ from casingfem.updating.following import LostModeError, followed, paired_rows
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes, shape_jacobian, shape_values
 from casingfem.updating.table_unit import require_hz
-from casingfem.updating.targets import jacobian, rates, values
+from casingfem.updating.targets import Rates, jacobian, rates, values
 from contact.io.brief import brief
 
 Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted residuals)
@@ -98,6 +98,7 @@ class Problem:
     _key: bytes = b""
     _state: State | None = None
     _jacobian: FloatArray | None = None
+    _rates: tuple[FloatArray, list[tuple[tuple[int, ...], tuple[int, ...]]], Rates] | None = None
 
     def __post_init__(self) -> None:
         self.start = np.array([p.to_internal(get_value(self.shell, p.name)) for p in self.vary], dtype=float)
@@ -173,13 +174,20 @@ class Problem:
         if self._jacobian is None:
             started = time.perf_counter()
             matches = state.pairing.matches
-            at = rates(state.modes, state.solution, self.vary, self.table, matches)
-            self._jacobian = jacobian(state.modes, self.table, matches, at)
+            self._jacobian = jacobian(state.modes, self.table, matches, self._rates_at(state))
             if self.shapes is not None and state.solution is not None and not self.shapes_wait:
                 shaped = shape_jacobian(state.solution, self.vary, self.shapes, matches)
                 self._jacobian = np.vstack([self._jacobian, shaped])
             self.seconds["sensitivities"] += time.perf_counter() - started
         return self._jacobian
+
+    def _rates_at(self, state: State) -> Rates:
+        """Rates at a point: those of the last one, if modes and pairs are the same."""
+        fields, pairs = state.modes.fields, [(match.rows, match.modes) for match in state.pairing.matches]
+        if self._rates is None or self._rates[0] is not fields or self._rates[1] != pairs:
+            at = rates(state.modes, state.solution, self.vary, self.table, state.pairing.matches)
+            self._rates = fields, pairs, at
+        return self._rates[2]
 
     def _evaluated(self, shell: Shell | MeshStructure) -> State:
         """A structure's modes, followed from the anchor: among half as many again if one is not found at first.

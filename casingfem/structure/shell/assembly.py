@@ -24,7 +24,7 @@ from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
 from casingfem.structure.mesh.jet_form import JET, jet_elements
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, dot, frame, strain_slots
-from casingfem.structure.mesh.scatter import scatter_elements
+from casingfem.structure.mesh.scatter import added, scatter_elements
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.prestress import Spin, spin_matrices
@@ -189,7 +189,7 @@ def assemble(shell: Shell) -> System:
     free = np.append(free, len(frames) * DOFS + np.arange(forms.own))
     K.resize(len(free), len(free))
     if forms.stiffness:
-        K = K + on_free(forms.stiffness, frames, free, forms.own)
+        K = added(K, on_free(forms.stiffness, frames, free, forms.own))
     change = None
     if forms.mass:
         lumped = diags_array(np.append(mass, np.zeros(forms.own)))

@@ -1,6 +1,7 @@
 """Modes: the table, doublets, splitting rules, orientation, rigid motions, refusals, determinism."""
 
 import json
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -184,6 +185,25 @@ def test_free_methods_agree(frustum, coarse):
     shell = frustum(supports={}, mesh=coarse)
     a, b = (modes(shell, 10, method=method).freq[6:] for method in ("shell", "fourier"))
     np.testing.assert_allclose(a, b, rtol=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore:.*shell-thin")
+@pytest.mark.parametrize(("ratio", "counted"), [(1e-4, True), (1e-5, False)])
+def test_a_thin_free_ring_by_harmonics_has_an_answer_and_a_word_on_round_off(steel, ratio, counted):
+    """Inextensional bending of a free cylinder: f grows with t, 669.6 Hz t/R for n = 2 (from t/R 1e-3)."""
+    shell = Shell(chart=Cylinder(radius=1.0, height=1.0), thickness=ratio, material=steel)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        found = modes(shell, 10, method="fourier")
+    assert (found.sturm_count is not None) is counted
+    assert any("modes-round-off" in str(one.message) for one in said) is not counted
+    np.testing.assert_allclose(found.freq[6:8], 669.6 * ratio, rtol=1e-3 if counted else 0.3)
+
+
+def test_a_wall_too_thin_for_double_precision_is_refused(steel):
+    shell = Shell(chart=Cylinder(radius=1.0, height=1.0), thickness=1e-6, material=steel)
+    with pytest.warns(ModelWarning, match="shell-thin"), pytest.raises(NumericsError, match="too thin"):
+        modes(shell, 10, method="fourier")
 
 
 def test_open_shell_has_no_diameters(steel):
