@@ -22,6 +22,8 @@ def other_unit(table: FrequencyTable, freq: FloatArray, n: FloatArray | None) ->
     freq, n
         Computed frequencies in Hz, ascending, and nodal diameters (modes,); None where modes have no label.
     """
+    if freq[0] <= 0.0:
+        return ""  # of a part that floats
     order = np.sort(table.freq_hz)
     ratios = order[: len(freq)] / freq[: len(order)]
     if n is not None and np.all(table.n >= 0):
