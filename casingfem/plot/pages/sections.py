@@ -18,6 +18,7 @@ from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material
+from casingfem.structure.shell.plies import Ply
 from casingfem.structure.shell.shell import Shell
 from casingfem.study import MeshStudy, Study
 
@@ -60,6 +61,7 @@ def structure_rows(shell: Shell) -> tuple[tuple[Cell, ...], ...]:
     rows = [("surface", f"{spaced(shell.chart)}: {values_of(shell.chart)}")]
     rows.append(("thickness", f"{1e3 * shell.thickness:.6g} mm"))
     rows.append(("material", material_words(shell.material)))
+    rows += [(f"ply {k}", ply_words(ply, shell)) for k, ply in enumerate(shell.plies, 1)]
     if shell.taper is not None:
         rows.append(("taper", f"factors along {shell.taper.along}, across {shell.taper.across}"))
     for k, strip in enumerate(shell.strips):
@@ -86,6 +88,8 @@ def mesh_rows(structure: Solid | MeshShell) -> tuple[tuple[Cell, ...], ...]:
         rows.append(("thickness", ", ".join(parts)))
     rows.append(("material", material_words(structure.material)))
     rows += [(f"material of {name}", material_words(one)) for name, one in structure.materials.items()]
+    if mesh.attachments:
+        rows.append(("attached", repr(mesh.attachments)))
     return tuple(rows + support_rows(structure.supports, "group"))
 
 
@@ -101,6 +105,15 @@ def material_words(material: Material) -> str:
     'E 210 GPa, nu 0.3, rho 7800 kg/m³'
     """
     return f"E {1e-9 * material.E:.5g} GPa, nu {material.nu:g}, rho {material.rho:.6g} kg/m³"
+
+
+def ply_words(ply: Ply, shell: Shell) -> str:
+    """Thickness, angle and material of a layer."""
+    thickness = shell.thickness * ply.thickness / sum(one.thickness for one in shell.plies)
+    if (own := ply.lamina) is None:
+        return f"{1e3 * thickness:.4g} mm of the material"
+    moduli = ", ".join(f"{name} {1e-9 * getattr(own, name):.5g}" for name in ("E1", "E2", "G12", "G13", "G23"))
+    return f"{1e3 * thickness:.4g} mm at {ply.angle_deg:g}°: {moduli} GPa, nu12 {own.nu12:g}, rho {own.rho:.6g} kg/m³"
 
 
 def spaced(owner: object) -> str:

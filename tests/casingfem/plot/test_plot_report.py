@@ -6,6 +6,7 @@ import io
 import json
 import re
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,7 +22,9 @@ from casingfem.cli import main
 from casingfem.plot.contact import figure_contact
 from casingfem.plot.hover import hover_values
 from casingfem.plot.page import Section, Table, render_page
+from casingfem.plot.pages.sections import mesh_rows, structure_rows
 from casingfem.plot.style import embed, know_in_notebook, new_figure, png
+from casingfem.structure.imported.grid import grid_mesh
 from contact.io.outfiles import json_text, write_atomic, write_files
 from tests.casingfem.study.study_texts import THICK
 
@@ -250,3 +253,17 @@ def test_a_notebook_is_told_how_a_figure_looks(monkeypatch):
         know_in_notebook()
     assert known == {Figure: first}
     assert first(new_figure(1.0, 1.0)).startswith(b"\x89PNG")
+
+
+def test_inputs_name_every_ply_and_what_is_attached():
+    carbon = cf.shell.Lamina(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, G13=5e9, G23=3.8e9, rho=1600.0)
+    layers = (cf.shell.Ply(thickness=1.0), cf.shell.Ply(thickness=2.0, angle_deg=45.0, lamina=carbon))
+    steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+    plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=3e-3, material=steel, wall="linear", plies=layers)
+    rows = dict(structure_rows(plate))
+    assert rows["ply 1"] == "1 mm of the material"
+    assert rows["ply 2"] == "2 mm at 45°: E1 140, E2 10, G12 5, G13 5, G23 3.8 GPa, nu12 0.3, rho 1600 kg/m³"
+    block = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u)
+    hung = cf.imported.Attachments(masses=(cf.imported.PointMass(node=3, mass=2.0),))
+    solid = cf.Solid(mesh=replace(block, attachments=hung), material=steel)
+    assert dict(mesh_rows(solid))["attached"] == "1 point mass"
