@@ -54,6 +54,7 @@ def test_equal_layers_of_the_shells_own_material_are_no_layers():
     np.testing.assert_allclose(cf.modes(casing(plies=plies((0, 0), None)), 2).freq, whole, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_casing_by_harmonics_is_the_casing_as_a_whole():
     layered = casing(
         plies=(Ply(thickness=1.0), *plies((0, 90))), thickness=0.03, mesh=cf.ShellMesh(order=6, rows=1, around=7)
@@ -76,6 +77,7 @@ def test_layers_are_counted_from_the_inside_out():
     assert flat.layers == flat.plies
 
 
+@pytest.mark.slow
 def test_plies_out_of_balance_twist_and_are_solved_as_a_whole():
     """+45/-45 couples stretch and twist; turned about, the wall is the mirror image and as stiff."""
     one, other = (casing(plies=plies(angles)) for angles in ((45, -45, 45), (-45, 45, -45)))
