@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +21,9 @@ from contact.model.bodies.modal_body import read_npz
 from contact.model.law import pressure
 from contact.record.divergence import Divergence
 from contact.record.energy import EnergyBudget, Stored
-from contact.record.record import MOST_SAMPLES, Record, Samples
+from contact.record.record import MOST_SAMPLES
 from contact.record.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear, joined
-from contact.scheme.protocol import Block, Motion, Notes, Stepper
+from contact.scheme.protocol import Block, Motion, Notes
 
 FORMAT = "contact-result-1"
 LONGEST = 8  # numbers in a line that lists tips
@@ -294,36 +292,6 @@ class Result(Reported):
         return Result(**rest, energy=EnergyBudget(**energy))
 
 
-def collect(
-    stepper: Stepper, parts: Sequence[Samples], energy: EnergyBudget, steps: int, seconds: float,
-    source: dict[str, str], record: Record,
-) -> Result:  # fmt: skip
-    """Join the samples of all chunks with the sums of the run."""
-    sums = stepper.sums
-
-    def joined(name: str) -> Array:
-        return readonly(np.concatenate([getattr(part, name) for part in parts]))
-
-    contact, kind, when = joined("event_contact"), joined("event_kind"), joined("event_time")
-    end = steps * stepper.dt
-    here = [contact == k for k in range(sums.closed.size)]
-    intervals = tuple(_intervals(kind[own], when[own], end) for own in here)
-    sticking = tuple(_intervals(kind[own] - 2.0, when[own], end) for own in here) if np.any(kind > 1.0) else ()
-    return Result(
-        time=joined("time"), force=joined("force"), gap=joined("gap"), impulse_history=joined("impulse"),
-        intervals=intervals, sticking=sticking, impulse=readonly(sums.impulse), peak_force=readonly(sums.peak),
-        max_penetration=readonly(np.maximum(sums.penetration, 0.0)), residual=readonly(sums.residual),
-        contact_steps=readonly(sums.contact_steps), reversals=readonly(sums.reversals),
-        state_time=joined("state_time"), state=joined("state"), energy=energy,
-        motions=tuple(sorted(stepper.motions(), key=lambda m: (m.kind == "rod", m.number))),
-        blocks=stepper.blocks, steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds,
-        scheme=stepper.label,
-        source={**versions(), **source}, every=record.every if record.at is None else 0,
-        channels=readonly(record.rows(stepper.size)), tracks=getattr(stepper, "wear", tuple)(),
-        notes=getattr(stepper, "notes", Notes)(),
-    )  # fmt: skip
-
-
 def _remedy(scheme: str) -> str:
     """What would help against energy from contact, other than what the run used."""
     if "Newmark (" in scheme or "HHT (" in scheme:
@@ -339,26 +307,3 @@ def _listed(tips: tuple[int, ...]) -> str:
     """Numbers from 1, the middle of a long row left out."""
     numbers = [str(j + 1) for j in tips]
     return ", ".join(numbers if len(numbers) <= LONGEST else [*numbers[: LONGEST - 2], "...", numbers[-1]])
-
-
-def versions() -> dict[str, str]:
-    """Versions of the packages a result depends on."""
-    return dict(_installed())
-
-
-@cache
-def _installed() -> dict[str, str]:
-    """Read once: the packages' metadata took a third of what a short run costs beside its steps."""
-    import importlib.metadata
-    import platform
-
-    found = {name: importlib.metadata.version(name) for name in ("casingfem", "numpy", "numba")}
-    return {"python": platform.python_version(), **found}
-
-
-def _intervals(kind: Array, time: Array, end: float) -> Intervals:
-    """Pair closings with openings; a contact still closed ends with the run."""
-    starts, ends = time[kind == 1].tolist(), time[kind == 0].tolist()
-    if len(ends) < len(starts):
-        ends.append(end)
-    return tuple((a, max(a, b)) for a, b in zip(starts, ends, strict=True))

@@ -13,6 +13,7 @@ import numpy as np
 
 from contact.base.arrays import require_positive
 from contact.base.errors import DivergedError, InputError, NumericsError
+from contact.collect import collect
 from contact.io.brief import brief
 from contact.io.notebook import told
 from contact.model.bodies.beam import BeamInCircle
@@ -22,7 +23,7 @@ from contact.model.gaps.limits import RIM, TIP, passed
 from contact.model.law import Law, Unilateral, kind
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import Record, Samples, samples, sparse
-from contact.result import Result, collect
+from contact.result import Result
 from contact.scheme.linear.central_difference import CentralDifference
 from contact.scheme.linear.penalty import PenaltyDifference
 from contact.scheme.modal.exact_modal import ExactModal

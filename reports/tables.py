@@ -3,7 +3,7 @@
 import argparse
 import csv
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 Row = dict[str, object]
@@ -102,6 +102,14 @@ def write(path: Path, rows: Sequence[Row]) -> None:
         writer = csv.DictWriter(stream, fieldnames=list(rows[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
+
+
+def show_all(out: Path, prefix: str, tables: Mapping[str, tuple[str, Sequence[Row]]]) -> list[Row]:
+    """Print and write tables (title, rows) by the names of their files; returns the rows of all."""
+    for name, (title, rows) in tables.items():
+        show(title, rows)
+        write(out / f"{prefix}{name}.csv", rows)
+    return [row for _, rows in tables.values() for row in rows]
 
 
 def command_line(description: str | None, main: Callable[..., object], **flags: str | tuple[int, str]) -> None:

@@ -119,7 +119,8 @@ def interaction_rows(found: "Confirmed") -> str:
 def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False) -> None:
     """Load, run, deliver; of a run that failed or diverged, what there is up to that step."""
     from contact import RotatingRim, Rub, load_scene
-    from contact.scene.load import SceneError, read_scene
+    from contact.scene.load import read_scene
+    from contact.scene.problems import SceneError
 
     scene = load_scene(file)
     if command == "rub" and not isinstance(scene.what, RotatingRim | Rub):

@@ -1,5 +1,6 @@
 """Commands on matrices: import those of another program as a basis, export ours."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -55,7 +56,6 @@ def import_matrices(
     from casingfem.structure.imported.matrix.read import read_matrices, read_nodes
     from contact.model.bodies.from_matrices import body_of
     from contact.model.bodies.matrices import DIRECTIONS, Matrices
-    from contact.model.bodies.matrices import as_json as facts_json
 
     if out is not None and out.suffix != ".npz":
         raise click.UsageError(f"--out: found {out.name!r}, expected a file name ending in .npz")
@@ -74,7 +74,7 @@ def import_matrices(
         "freq_hz": (body.omega / 6.283185307179586).tolist(),
         "zeta": body.zeta.tolist(),
         "channels": list(body.channels),
-        "matrices": facts_json(facts),
+        "matrices": asdict(facts),
         "words": facts.words,
         "seconds": working.seconds,
         "warnings": collected(),

@@ -118,8 +118,8 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
     from contact.film import rub_film
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
-    from contact.result import versions
     from contact.scene.stability import load_interactions
+    from contact.version import versions
 
     drawn, table = figures(scene, result), ""
     rubs = isinstance(scene.what, RotatingRim | Rub)

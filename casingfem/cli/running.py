@@ -113,7 +113,7 @@ def deliver(
 
 def source_of(file: Path) -> dict[str, str]:
     """Name and hash of an input file and the versions at work: what a page says of where it comes from."""
-    from contact.result import versions
+    from contact.version import versions
 
     return {"file": file.name, "sha256": hashlib.sha256(file.read_bytes()).hexdigest(), **versions()}
 

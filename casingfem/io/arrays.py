@@ -31,6 +31,12 @@ def frozen(values: Array) -> Array:
     return copy
 
 
+def freeze(value: object, *names: str) -> None:
+    """Make arrays of a frozen dataclass read-only copies, from its `__post_init__`."""
+    for name in names:
+        object.__setattr__(value, name, frozen(getattr(value, name)))
+
+
 def read_only(mapping: Mapping[K, V]) -> MappingProxyType[K, V]:
     """Return a read-only copy of a mapping, for the fields of frozen dataclasses; it pickles and copies.
 

@@ -14,7 +14,6 @@ from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
-from casingfem.structure.imported.spin import MeshSpin
 from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.prestress import Spin
 from casingfem.structure.shell.shell import Shell
@@ -165,7 +164,7 @@ def campbell(structure: Shell | MeshStructure, omega: Sequence[float] | FloatArr
     return Campbell(omega=frozen(speeds), freq=frozen(freq), southwell=frozen(southwell), overlap=frozen(overlap))
 
 
-def spin_from_rest(structure: Shell | MeshStructure, what: str) -> tuple[System | MeshSystem, Spin | MeshSpin]:
+def spin_from_rest(structure: Shell | MeshStructure, what: str) -> tuple[System | MeshSystem, Spin]:
     """The structure assembled at rest, and what rotation about its axis adds.
 
     Raises

@@ -70,9 +70,14 @@ class WhirlModes(Reported):
     @property
     def freq_fixed(self) -> FloatArray:
         """Frequencies [Hz] of the waves on a casing for an observer at rest: |f + sense n Omega/2 pi|, (modes,)."""
-        rotation: Rotation | None = getattr(self.shell, "rotation", None)
-        turns = 0.0 if rotation is None else abs(rotation.omega) / (2.0 * np.pi)
-        return np.abs(self.freq + self.sense * np.maximum(self.nodal_diameters, 0) * turns)
+        waves = self.sense * np.maximum(self.nodal_diameters, 0)
+        return freq_at_rest(self.freq, waves, getattr(self.shell, "rotation", None))
+
+
+def freq_at_rest(freq: FloatArray, waves: IntArray, rotation: Rotation | None) -> FloatArray:
+    """Frequencies [Hz] for an observer at rest: |f + s n Omega/2 pi|, of `waves` s n that run with the rotation."""
+    turns = 0.0 if rotation is None else abs(rotation.omega) / (2.0 * np.pi)
+    return np.abs(freq + waves * turns)
 
 
 def whirl_modes(shell: Shell | MeshStructure, count: int = 10) -> WhirlModes:
@@ -114,15 +119,7 @@ def whirl_modes(shell: Shell | MeshStructure, count: int = 10) -> WhirlModes:
     A, G = csc_array(root @ K @ root), csc_array(omega * (root @ added.G @ root))
     values, vectors, certified = gyroscopic_modes(A, G, count, scale=frequency_scale(shell))
     fields = expand_complex(from_rest, root @ vectors)[:, :, :count]
-    n, sense = wave_labels(shell, from_rest, fields)
-    return WhirlModes(
-        shell=shell,
-        freq=frozen(values[:count] / (2.0 * np.pi)),
-        fields=frozen(fields),
-        nodal_diameters=n,
-        sense=sense,
-        sturm_count=certified,
-    )
+    return whirl_of(shell, values[:count], fields, wave_labels(shell, from_rest, fields), certified)
 
 
 def mesh_whirl(structure: MeshStructure, count: int) -> WhirlModes:
@@ -141,14 +138,21 @@ def mesh_whirl(structure: MeshStructure, count: int) -> WhirlModes:
         n_max = max(2, elements_around(structure.mesh) * (1 + bool(structure.mesh.cell_kind.middles)) // 3)
         waves = [projected(structure, part, n_max) for part in (fields.conj(), fields)]
         n, sense = wave_sense(waves, float(np.sign(rotation.omega * rotation.direction[2])))
+    return whirl_of(structure, values[:count], fields, (n, sense), certified)
+
+
+def whirl_of(
+    structure: Shell | MeshStructure,
+    omega: FloatArray,
+    fields: Array,
+    labels: tuple[IntArray, IntArray],
+    certified: int,
+) -> WhirlModes:
+    """The modes by angular frequency [rad/s], shapes and labels (n, sense)."""
     return WhirlModes(
-        shell=structure,
-        freq=frozen(values[:count] / (2.0 * np.pi)),
-        fields=frozen(fields),
-        nodal_diameters=n,
-        sense=sense,
-        sturm_count=certified,
-    )
+        shell=structure, freq=frozen(omega / (2.0 * np.pi)), fields=frozen(fields), nodal_diameters=labels[0],
+        sense=labels[1], sturm_count=certified,
+    )  # fmt: skip
 
 
 def at_rest(shell: Shell) -> Shell:

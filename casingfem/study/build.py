@@ -5,12 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from casingfem.errors import warn
-from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
-from casingfem.structure.field.fourier import Field, FourierField
+from casingfem.structure.field.fourier import Field
 from casingfem.structure.field.random import RAYLEIGH, RandomField, Spectrum
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.blade import Blade
@@ -28,19 +23,17 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.study.problems import Problems
 from casingfem.study.rotation import build_rotation
 from casingfem.study.schema import StudyFile
-from casingfem.study.tables.fields import Harmonic, ImperfectionTable
+from casingfem.study.supports import build_masses, build_supports, series
+from casingfem.study.tables.fields import ImperfectionTable
 from casingfem.study.tables.shapes import (
     BladeTable,
     ChartTable,
     DomeTable,
-    MassTable,
     MeridianTable,
     MeshTable,
     ShellTable,
     TwistedPlateTable,
 )
-from casingfem.study.tables.supports import BoltsTable, ElasticTable, FixedTable, RingTable, SupportTable, SymmetryTable
-from contact.io.names import hint
 
 CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
 FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
@@ -175,116 +168,6 @@ def build_mesh(table: MeshTable, default: ShellMesh) -> ShellMesh:
         rows=default.rows if rows is None else rows,
         around=table.around or default.around,
     )
-
-
-def build_supports(tables: dict[str, SupportTable], chart: Chart | None, problems: Problems) -> dict[str, Support]:
-    """Supports by edge; edges the chart does not have are collected."""
-    supports: dict[str, Support] = {}
-    for edge, table in tables.items():
-        if chart is not None and edge not in chart.edges:
-            expected = f"one of the chart's edges {', '.join(chart.edges)}{hint(edge, chart.edges)}"
-            problems.add(f"support.{edge}", f"edge {edge!r}", expected, "support-edge")
-            continue
-        with problems.at(f"support.{edge}"):
-            supports[edge] = build_support(table, edge, chart)
-    return supports
-
-
-def build_support(table: SupportTable, edge: str, chart: Chart | None) -> Support:
-    """The support of a [support.EDGE] table."""
-    if isinstance(table, BoltsTable):
-        return build_bolts(table, edge, chart)
-    if isinstance(table, RingTable):
-        return build_ring(table, edge, chart)
-    if isinstance(table, ElasticTable):
-        return ElasticEdge(**table.model_dump(exclude={"kind", "around"}), around=build_around(table))
-    if isinstance(table, FixedTable):
-        raise ValueError("kind: found 'fixed', which is for imported meshes, expected a kind for a chart's edge")
-    if isinstance(table, SymmetryTable):
-        return Symmetry()
-    return Clamped() if table.kind == "clamped" else ShearDiaphragm()
-
-
-def build_bolts(table: BoltsTable, edge: str, chart: Chart | None) -> Bolts:
-    """Bolts of the file: degrees become radians, a width in metres an angle on the edge's mean radius."""
-    require_angle(chart, edge, "bolts")
-    width = None if table.width_deg is None else float(np.radians(table.width_deg))
-    if table.width_m is not None:
-        if chart is None or not chart.periodic:
-            raise ValueError("width_m: found an open edge, expected a closed casing; give width_deg")
-        width = table.width_m / edge_radius(chart, edge)
-    parts = tuple(k or 0.0 for k in (table.k_r, table.k_theta, table.k_z))
-    return Bolts(
-        count=table.count,
-        k=parts if table.k is None else table.k,  # type: ignore[arg-type]
-        k_rot=table.k_rot,
-        first_angle=float(np.radians(table.first_angle_deg)),
-        width=width,
-        spacing=None if table.spacing_deg is None else float(np.radians(table.spacing_deg)),
-        loose={entry.bolt: entry.factor for entry in table.loose},
-    )
-
-
-def build_ring(table: RingTable, edge: str, chart: Chart | None) -> Ring:
-    """A ring of the file, with its own support."""
-    if table.diameter is not None:
-        section = Section.circle(diameter=table.diameter)
-    else:
-        assert table.width is not None  # the table has seen to it
-        assert table.depth is not None
-        section = Section.rectangle(width=table.width, depth=table.depth)
-    held = None if table.support is None else build_support(table.support, edge, chart)
-    return Ring(
-        section=section,
-        material=None if table.material is None else Material(**table.material.model_dump()),
-        offset=None if table.offset is None else (table.offset[0], table.offset[1]),
-        foot=None if table.foot is None else (table.foot[0], table.foot[1]),
-        support=held,  # type: ignore[arg-type]  # an elastic edge or bolts, as the table says
-    )
-
-
-def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problems) -> dict[str, list[EdgeMass]]:
-    """Point masses by edge; edges the chart does not have are collected."""
-    masses: dict[str, list[EdgeMass]] = {}
-    for k, table in enumerate(tables):
-        if chart is not None and table.edge not in chart.edges:
-            problems.add(f"mass[{k + 1}].edge", repr(table.edge), f"one of the chart's edges {', '.join(chart.edges)}")
-            continue
-        with problems.at(f"mass[{k + 1}]"):
-            require_angle(chart, table.edge, "angle_deg")
-            place = EdgeMass(angle=float(np.radians(table.angle_deg)), mass=table.mass)
-            masses.setdefault(table.edge, []).append(place)
-    return masses
-
-
-def edge_radius(chart: Chart, edge: str) -> float:
-    """Radius of the base or top of a closed chart [m]."""
-    z = np.array([chart.bounds[0][chart.edges[edge][1]]])
-    return float(np.linalg.norm(chart.surface(z, np.zeros(1), None).x[:2]))
-
-
-def require_angle(chart: Chart | None, edge: str, key: str) -> None:
-    """Refuse an angle on an edge that is measured in metres: of a plate or blade, or one that runs along the axis."""
-    if chart is not None and (isinstance(chart, Plate | TwistedPlate | Blade) or chart.edges[edge][0] != 0):
-        raise ValueError(f"{key}: found an edge without angles, {edge!r}, expected one that runs around an axis")
-
-
-def build_around(table: ElasticTable) -> Field | dict[str, Field] | None:
-    """How the springs of an elastic edge vary: all alike, or each by its own harmonics; None where they are even."""
-    if isinstance(table.around, list):
-        return series(table.around, "around", least=1) if table.around else None
-    lists = {name: getattr(table.around, name) for name in ElasticEdge.stiffness_names}
-    patterns: dict[str, Field] = {k: series(waves, f"around.{k}", least=1) for k, waves in lists.items() if waves}
-    return patterns or None
-
-
-def series(waves: list[Harmonic], key: str, least: int = 0) -> FourierField:
-    """Harmonics of the file as a field."""
-    numbers = [h.p for h in waves]
-    if len(set(numbers)) < len(numbers) or min(numbers, default=least) < least:
-        once = f"each p >= {least} once" if least else "each p once"
-        raise ValueError(f"{key}: found harmonics {numbers}, expected {once}")
-    return FourierField.of({h.p: (h.cos, h.sin) for h in waves})
 
 
 def build_plies(table: ShellTable) -> tuple[Ply, ...]:

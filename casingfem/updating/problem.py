@@ -10,6 +10,7 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.experiment.correlation.pairing import Pairing, pair
 from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.experiment.table_unit import require_hz
 from casingfem.io.arrays import FloatArray, frozen
 from casingfem.modal.modes import MeshModes, Modes, modes
 from casingfem.modal.neighbour import Solution, counted, solved, solved_near
@@ -19,7 +20,6 @@ from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.following import LostModeError, followed, paired_rows
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes, shape_jacobian, shape_values
-from casingfem.updating.table_unit import require_hz
 from casingfem.updating.targets import Rates, jacobian, rates, values
 from contact.io.brief import brief
 

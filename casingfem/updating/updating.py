@@ -14,6 +14,7 @@ import numpy as np
 
 from casingfem.errors import InputError, ModelError, warn
 from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.experiment.table_unit import require_hz
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import count_below, modes
 from casingfem.structure.imported.assembly import MeshStructure, require_structure
@@ -26,7 +27,6 @@ from casingfem.updating.problem import Problem, Progress, State
 from casingfem.updating.regularisation import Regularisation, Regularised, chosen_weight, trade_off
 from casingfem.updating.result import POOR, UpdateResult, weak_priors
 from casingfem.updating.shapes import SensorShapes
-from casingfem.updating.table_unit import require_hz
 from casingfem.updating.targets import with_model_error
 from contact.io.notebook import told
 

@@ -23,6 +23,13 @@ def readonly(values: ArrayLike) -> Array:
     return array
 
 
+def keep_readonly(value: object, *names: str) -> None:
+    """Make fields of a frozen dataclass read-only float arrays, those that are None aside, from its `__post_init__`."""
+    for name in names:
+        if getattr(value, name) is not None:
+            object.__setattr__(value, name, readonly(getattr(value, name)))
+
+
 def aligned(*shape: int) -> Array:
     """Zeros that begin on a cache line, which is as wide as a vector of eight: loads across two cost double.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from functools import cache, singledispatch
 from html import escape
 from pathlib import Path
@@ -21,6 +21,7 @@ SHOWN = 40  # rows of a table that a notebook shows
 PICTURES = "contact.pictures"  # entry points: functions (result, ax, **options) that give a figure, or None
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Reported:
     """A frozen dataclass that is the result of a computation; it defines `records`, `columns` or both.
 
@@ -30,7 +31,7 @@ class Reported:
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        for field in fields(self):  # type: ignore[arg-type]
+        for field in fields(self):
             value = getattr(self, field.name)
             if isinstance(value, np.ndarray) and value.flags.writeable:
                 object.__setattr__(self, field.name, sealed(np.array(value)))
@@ -95,7 +96,7 @@ class Reported:
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        values = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
         return restored, (type(self), values)
 
 

@@ -1,5 +1,6 @@
 from .cycles import load_cycles
-from .load import SceneError, load_scene
+from .load import load_scene
+from .problems import SceneError
 from .schema import scene_schema
 from .stability import load_interactions, load_stability
 

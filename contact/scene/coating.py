@@ -1,13 +1,18 @@
-"""[coating] of scene files, and the contact law of a rim or a rub."""
+"""[coating] of scene files, the contact law of a rim or a rub, and what a rub with it is run by."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated
 
 from pydantic import Field
 
+from contact.model.gaps.rub import Rub
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
-from contact.scene.scheme import NotNegative, Positive, Table
+from contact.scene.problems import Problems
+from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, Table
+from contact.scheme.modal.exact_modal import ExactModal
+from contact.scheme.modal.rub_tracks import track_tips
 
 
 class CoatingTable(Table):
@@ -30,3 +35,18 @@ def contact_law(coating: CoatingTable | None, mu: float) -> Law:
     if coating is not None:
         return Abradable(mu=mu, **coating.model_dump())
     return Coulomb(mu=mu) if mu > 0.0 else Unilateral()
+
+
+def rub_built(
+    rub: Callable[[], Rub], coating: CoatingTable | None, mu: float, scheme: ModalScheme, problems: Problems
+) -> Built:
+    """A rub with its law, tracks of a coating checked; raises SceneError."""
+    with problems.at():
+        what = rub()
+    with problems.at("coating"):
+        law = contact_law(coating, mu)
+    problems.check()
+    if coating is not None:
+        with problems.at():
+            track_tips(what, coating.tip)
+    return what, law, ExactModal(law=scheme.law)

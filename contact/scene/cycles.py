@@ -19,8 +19,9 @@ from contact.growth.cycles.result import Cycles
 from contact.growth.cycles.rubbing import RimFamily
 from contact.io.toml import entries
 from contact.model.bodies.patch import Patch
-from contact.scene.load import SceneError, problem_text, scene_data, scene_of
+from contact.scene.load import scene_data, scene_of
 from contact.scene.patch import GroundTable, PatchBodyTable
+from contact.scene.problems import SceneError, problem_text
 from contact.scene.scheme import Positive, Table, Unit
 from contact.scene.turning import TURNING, BasinsTable, ContinuationTable, TurningFile
 

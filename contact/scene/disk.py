@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -14,10 +15,13 @@ from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
 from contact.model.gaps.permanent import ModalPair
 from contact.model.gaps.rub import Rub, Start
 from contact.model.gaps.rub_laws import RimProfile, Speed
-from contact.scene.coating import CoatingTable
+from contact.scene.basis import read_basis
+from contact.scene.coating import CoatingTable, rub_built
+from contact.scene.pair import CasingPairTable
+from contact.scene.problems import Problems
 from contact.scene.record import RecordTable
-from contact.scene.roundness import Roundness
-from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, ScanTable, Table
+from contact.scene.roundness import GapTable
+from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, RunHead, SceneFile, SpeedTable, Table
 
 Ratio = Annotated[FiniteFloat, Field(ge=0, lt=1)]
 
@@ -28,14 +32,10 @@ class DiskHead(RunHead):
     kind: Literal["disk"] = Field(description="which kind of scene this is")
 
 
-class DiskPairTable(Table):
+class DiskPairTable(CasingPairTable):
     """[casing.pair]: a casing by its pair of n diameters alone; `kick` modal velocity of its cosine at t = 0."""
 
-    n: Annotated[int, Field(ge=1)] = Field(description="number of nodal diameters")
-    freq_hz: Positive = Field(description="frequency [Hz]")
-    modal_mass: Positive = Field(description="for unit radial motion at an antinode [kg]")
     radius: Positive = Field(description="of the rim [m]")
-    zeta: Ratio = Field(default=0.0, description="damping ratio [-]")
     kick: FiniteFloat = Field(default=0.0, description="velocity of its cosine at t = 0, modal [m kg^(1/2)/s]")
 
 
@@ -54,10 +54,9 @@ class DiskCasingTable(Table):
     def modes(self, folder: Path) -> ModalBody:
         """The casing; a basis file is found in `folder`. Raises InputError."""
         if self.pair is None:
-            return ModalBody.load(folder / str(self.basis))
-        given = self.pair
-        pair = ModalPair(n=given.n, freq_hz=given.freq_hz, modal_mass=given.modal_mass, zeta=given.zeta)
-        return pair_rim(pair, radius=given.radius)
+            return read_basis(folder / str(self.basis))
+        pair = ModalPair(**self.pair.model_dump(exclude={"radius", "kick"}))
+        return pair_rim(pair, radius=self.pair.radius)
 
 
 class DiskTable(Table):
@@ -77,45 +76,26 @@ class DiskTable(Table):
     )
 
 
-class DiskContact(Roundness):
-    """[contact]: clearance [m], friction coefficient, out-of-roundness."""
-
-    clearance: FiniteFloat = Field(description="between tips and round rim at rest [m]")
-    friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")
-
-
-class DiskSpeed(Table):
-    """[speed]: turns per second; `scan` the speeds of interactions."""
-
-    hz: FiniteFloat = Field(description="speed of the casing [turns/s]")
-    scan: ScanTable | None = Field(default=None, description="speeds that interactions look at")
-
-
-class DiskScheme(Table):
-    """[scheme] of a disk: exact-modal."""
-
-    kind: Literal["exact-modal"] = Field(description="the method")
-    law: Literal["auto", "forward", "averaged"] = Field(
-        default="auto", description="how contact is enforced in a step; auto by the model's compliance"
-    )
-    dt: Positive = Field(description="time step [s]")
-
-
-class DiskFile(Table):
+class DiskFile(SceneFile):
     """A disk of blades before a turning casing."""
 
     scene: DiskHead = Field(description="what this scene is")
     casing: DiskCasingTable = Field(description="the rim")
     disk: DiskTable = Field(description="the blades")
-    contact: DiskContact = Field(description="the gap")
+    contact: GapTable = Field(description="the gap")
     coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
-    speed: DiskSpeed = Field(description="how fast the casing turns")
-    scheme: DiskScheme = Field(description="method and time step")
+    speed: SpeedTable = Field(description="how fast the casing turns")
+    scheme: ModalScheme = Field(description="method and time step")
     record: RecordTable | None = Field(default=None, description="what is stored")
 
-    def files(self, folder: Path) -> tuple[Path, ...]:
+    def files(self) -> list[str]:
         """The basis file, if the casing has one."""
-        return () if self.casing.basis is None else (folder / self.casing.basis,)
+        return [] if self.casing.basis is None else [self.casing.basis]
+
+    def built(self, folder: Path, problems: Problems) -> Built:
+        """What the file describes; raises SceneError."""
+        rub = partial(self.rub, folder)
+        return rub_built(rub, self.coating, self.contact.friction, self.scheme, problems)
 
     def rub(self, folder: Path) -> Rub:
         """The scene; a basis file is found in `folder`. Raises InputError."""

@@ -12,8 +12,12 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.patch import Patch
+from contact.scene.basis import read_basis
+from contact.scene.coating import contact_law
+from contact.scene.problems import Problems
 from contact.scene.record import RecordTable
-from contact.scene.scheme import NotNegative, Positive, RunHead, Table
+from contact.scene.scheme import Built, NotNegative, Positive, RunHead, SceneFile, Table
+from contact.scheme.modal.exact_modal import ExactModal
 
 
 class PatchHead(RunHead):
@@ -53,7 +57,7 @@ class PatchBodyTable(Table):
     def modes(self, folder: Path) -> ModalBody:
         """The basis file, or the modes given here, undamped and with S = 0 unless they say more."""
         if self.basis is not None:
-            return ModalBody.load(folder / self.basis)
+            return read_basis(folder / self.basis)
         omega, channels = np.array(self.omega), tuple(self.channels or ())
         zeta = np.zeros(omega.size) if self.zeta is None else np.array(self.zeta)
         S = np.zeros((len(channels), len(channels))) if self.S is None else _matrix("S", self.S)
@@ -99,7 +103,7 @@ class PatchScheme(Table):
     dt: Positive = Field(description="time step [s]")
 
 
-class PatchFile(Table):
+class PatchFile(SceneFile):
     """A modal body on points of rigid ground, with stick and slip."""
 
     scene: PatchHead = Field(description="what this scene is")
@@ -116,6 +120,17 @@ class PatchFile(Table):
         if self.ground.friction and not self.contact[0].tangent:
             raise ValueError("ground.friction found without tangents, expected one or two in each contact")
         return self
+
+    def files(self) -> list[str]:
+        """Files the scene is made of, beside its own."""
+        return [] if self.body.basis is None else [self.body.basis]
+
+    def built(self, folder: Path, problems: Problems) -> Built:
+        """What the file describes; raises SceneError."""
+        with problems.at("body"):
+            patch = self.patch(folder)
+        problems.check()
+        return patch, contact_law(None, self.ground.friction), ExactModal()
 
     def patch(self, folder: Path) -> Patch:
         """The scene; a basis file is found in `folder`. Raises InputError."""

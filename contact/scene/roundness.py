@@ -7,11 +7,11 @@ from statistics import NormalDist
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, FiniteFloat, Tag, model_validator
 
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
-from contact.scene.scheme import Positive, Table, Waviness
+from contact.scene.scheme import Friction, Positive, Table, Waviness
 
 NINETY = NormalDist().inv_cdf(0.9)  # standard deviations between the median and the 90th percentile
 RAYLEIGH = math.sqrt(math.log(10.0) / math.log(2.0))  # 90th percentile over median of two equal Gaussian coefficients
@@ -126,3 +126,10 @@ class Roundness(Table):
             if self.random_out_of_roundness is None
             else given + self.random_out_of_roundness.terms(self.draw or 0)
         )
+
+
+class GapTable(Roundness):
+    """[contact]: clearance [m], friction coefficient, out-of-roundness."""
+
+    clearance: FiniteFloat = Field(description="between tips and round rim at rest [m]")
+    friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -16,10 +17,12 @@ from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
 from contact.model.gaps.rub_forces import settled
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
-from contact.scene.coating import CoatingTable
+from contact.scene.basis import read_basis
+from contact.scene.coating import CoatingTable, rub_built
+from contact.scene.problems import Problems
 from contact.scene.record import RecordTable
-from contact.scene.roundness import Roundness
-from contact.scene.scheme import Friction, NotNegative, Positive, RunHead, ScanTable, Table
+from contact.scene.roundness import GapTable
+from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, RunHead, ScanTable, SceneFile, Table
 
 
 class RubHead(RunHead):
@@ -101,11 +104,9 @@ def turned(nodes: list[RubNode], j: int, sectors: int) -> list[RubNode]:
     ]  # fmt: skip
 
 
-class RubContact(Roundness):
+class RubContact(GapTable):
     """[contact]: clearance [m], friction, out-of-roundness as harmonics and as a CSV file theta_deg,depth_m."""
 
-    clearance: FiniteFloat = Field(description="between tips and round rim at rest [m]")
-    friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")
     profile: str | None = Field(
         default=None, description="CSV file theta_deg,depth_m of the rim's radius, relative to this file"
     )
@@ -188,17 +189,7 @@ class RubGravity(Table):
     settled: bool = Field(default=True, description="whether bodies start at rest under it")
 
 
-class RubScheme(Table):
-    """[scheme] of a rub: exact-modal."""
-
-    kind: Literal["exact-modal"] = Field(description="the method")
-    law: Literal["auto", "forward", "averaged"] = Field(
-        default="auto", description="how contact is enforced in a step; auto by the model's compliance"
-    )
-    dt: Positive = Field(description="time step [s]")
-
-
-class RubFile(Table):
+class RubFile(SceneFile):
     """Blades that rub on a turning casing, each tip in one or more places, with stick and slip."""
 
     scene: RubHead = Field(description="what this scene is")
@@ -210,13 +201,18 @@ class RubFile(Table):
     closing: RubClosing | None = Field(default=None, description="how the gap closes")
     whirl: list[RubWhirl] = Field(default_factory=list, description="tables [[whirl]]: circles that a centre runs on")
     gravity: RubGravity | None = Field(default=None, description="weight of all bodies")
-    scheme: RubScheme = Field(description="method and time step")
+    scheme: ModalScheme = Field(description="method and time step")
     record: RecordTable | None = Field(default=None, description="what is stored")
 
-    def files(self, folder: Path) -> list[Path]:
+    def files(self) -> list[str]:
         """Files the scene is made of, beside its own."""
-        names = [self.casing.basis, *(blade.basis for blade in self.blade)]
-        return [folder / name for name in (*names, *([self.contact.profile] if self.contact.profile else []))]
+        names = [self.casing.basis, *(blade.basis for blade in self.blade), self.contact.profile]
+        return [name for name in names if name]
+
+    def built(self, folder: Path, problems: Problems) -> Built:
+        """What the file describes; raises SceneError."""
+        rub = partial(self.rub, folder)
+        return rub_built(rub, self.coating, self.contact.friction, self.scheme, problems)
 
     def rub(self, folder: Path) -> Rub:
         """The rub; basis and profile files are found in `folder`. Raises InputError."""
@@ -224,7 +220,7 @@ class RubFile(Table):
         tips: list[ContactPoint] = []
         stiff: list[Stiffening] = []
         for table in self.blade:
-            body = ModalBody.load(folder / table.basis)
+            body = read_basis(folder / table.basis)
             if body.sectors and table.count > 1:
                 raise InputError(f"blade.count: found {table.count} of a wheel, whose basis has {body.sectors} blades")
             for k in range(table.count):
@@ -235,7 +231,7 @@ class RubFile(Table):
                     given = node.model_dump() | {"angle_deg": angle + node.angle_deg}
                     tips.append(ContactPoint(blade=len(blades), lean_deg=table.lean_deg, **given))
                 blades.append(body)
-        casing = ModalBody.load(folder / self.casing.basis)
+        casing = read_basis(folder / self.casing.basis)
         rub = Rub(
             casing, tuple(blades), tuple(tips), clearance=self.contact.clearance,
             speed=self.speed.law(), profile=self._profile(folder, casing), stiffening=tuple(stiff),

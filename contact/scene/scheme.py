@@ -7,6 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
+from contact.run import What
 from contact.scheme.linear.cd_lagrange import CDLagrange
 from contact.scheme.linear.central_difference import CentralDifference
 from contact.scheme.linear.hht import HHT
@@ -21,6 +22,7 @@ from contact.scheme.linear.stabilised_newmark import StabilisedNewmark
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
 
+Built = tuple[What, Law, Scheme]  # of a scene: what runs, the law and the method
 Positive = Annotated[FiniteFloat, Field(gt=0)]
 NotNegative = Annotated[FiniteFloat, Field(ge=0)]
 FRICTION = 2.0  # metals rub at .1 to .8, rubber at 1: above, a number was mistyped
@@ -70,6 +72,14 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
+class SceneFile(Table):
+    """A scene that runs: its tables."""
+
+    def files(self) -> list[str]:
+        """Files the scene is made of, beside its own."""
+        return []
+
+
 class RunHead(Table):
     """[scene] of what has limits: where a run ends, and whether one that passes a limit is an error or a flag."""
 
@@ -92,6 +102,23 @@ class ScanTable(Table):
         if not self.from_hz < self.to_hz:
             raise ValueError(f"from_hz = {self.from_hz!r} and to_hz = {self.to_hz!r}, expected from_hz < to_hz")
         return self
+
+
+class ModalScheme(Table):
+    """[scheme] of a turning rim: exact-modal."""
+
+    kind: Literal["exact-modal"] = Field(description="the method")
+    law: Literal["auto", "forward", "averaged"] = Field(
+        default="auto", description="how contact is enforced in a step; auto by the model's compliance"
+    )
+    dt: Positive = Field(description="time step [s]")
+
+
+class SpeedTable(Table):
+    """[speed]: turns per second; `scan` the speeds that are looked at."""
+
+    hz: FiniteFloat = Field(description="speed of the casing [turns/s]")
+    scan: ScanTable | None = Field(default=None, description="speeds that stability and interactions look at")
 
 
 class Waviness(Table):

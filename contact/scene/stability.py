@@ -17,11 +17,12 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub import Rub
 from contact.model.law import Unilateral
-from contact.scene.load import SceneError, load_scene, read_scene
+from contact.scene.load import load_scene, read_scene
+from contact.scene.problems import SceneError
 
 if TYPE_CHECKING:
+    from contact.scene.pair import PairFile
     from contact.scene.scheme import ScanTable
-    from contact.scene.tables import PairFile
 
 AROUND, STEPS = 2.0, 200  # times the scene's speed, in so many steps, where nothing else is said
 

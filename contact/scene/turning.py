@@ -7,10 +7,11 @@ from typing import Annotated, Literal
 from pydantic import Field, FiniteFloat, model_validator
 
 from contact.scene.coating import CoatingTable
-from contact.scene.disk import DiskCasingTable, DiskContact, DiskTable
+from contact.scene.disk import DiskCasingTable, DiskTable
+from contact.scene.rim import BladeTable, CasingTable, RimContact
+from contact.scene.roundness import GapTable
 from contact.scene.rub import RubBlade, RubCasing, RubContact, RubWhirl
 from contact.scene.scheme import NotNegative, Positive, Table
-from contact.scene.tables import BladeTable, CasingTable, RimContact
 
 TWO = Field(min_length=2, max_length=2)
 
@@ -128,7 +129,7 @@ class DiskCyclesFile(TurningFile):
 
     casing: DiskCasingTable = Field(description="the rim")
     disk: DiskTable = Field(description="the blades")
-    contact: DiskContact = Field(description="the gap")
+    contact: GapTable = Field(description="the gap")
 
 
 TURNING: dict[str, type[TurningFile]] = {"rim": RimCyclesFile, "rub": RubCyclesFile, "disk": DiskCyclesFile}

@@ -17,8 +17,9 @@ import numpy as np
 from contact.io.brief import brief
 from contact.io.checked_json import digest_of
 from contact.io.toml import entries
-from contact.result import versions
-from contact.scene.load import SceneError, problem_text, scene_data, scene_of
+from contact.scene.load import scene_data, scene_of
+from contact.scene.problems import SceneError, problem_text
+from contact.version import versions
 
 if TYPE_CHECKING:
     from contact.sweep.tables import SweepTable, VaryTable

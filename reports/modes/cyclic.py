@@ -36,7 +36,7 @@ from casingfem.structure.imported.mesh_data import Group, MeshData
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material
-from reports.tables import Row, command_line, show, write
+from reports.tables import Row, command_line, show_all
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 HUB, RIM, TIP, DEPTH = 0.10, 0.18, 0.30, 0.04  # radii of the disk and of the blade's tip, axial length [m]
@@ -237,10 +237,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         "mistuned": ("A mistuned wheel against its full model", mistuned(quick)),
         "times": ("12 modes of every nodal diameter", times(quick)),
     }
-    for name, (title, rows) in tables.items():
-        show(title, rows)
-        write(out / f"cyclic_{name}.csv", rows)
-    return [row for _, rows in tables.values() for row in rows]
+    return show_all(out, "cyclic_", tables)
 
 
 if __name__ == "__main__":

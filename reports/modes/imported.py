@@ -35,7 +35,7 @@ from casingfem.study import load_any
 from reports.modes.calculix import compared
 from reports.modes.frustum import exact_frequencies
 from reports.modes.mesh_files import WRITERS, group_name
-from reports.tables import DATA, Row, command_line, show, write
+from reports.tables import DATA, Row, command_line, show_all
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 NAFEMS = Material(E=200e9, nu=0.3, rho=8000.0)
@@ -305,10 +305,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         "calculix": ("A twisted blade on the same cells as in CalculiX 2.20: worst relative error", compared(quick)),
         "rubs": ("The first 5 ms of a rub, parts from outside against charts", rubs(quick)),
     }
-    for name, (title, rows) in tables.items():
-        show(title, rows)
-        write(out / f"imported_{name}.csv", rows)
-    return [row for _, rows in tables.values() for row in rows]
+    return show_all(out, "imported_", tables)
 
 
 if __name__ == "__main__":

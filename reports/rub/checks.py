@@ -17,7 +17,7 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.harmonic_basis import harmonic_basis
 from contact import recovery
 from reports.rub.bases import ADVANCE, ROUGH, SPEED, casing
-from reports.tables import Row, command_line, show, write
+from reports.tables import Row, command_line, show_all
 
 RIM = cf.Rim("top", n_max=40, axial=True)
 COARSE = cf.Rim("top", n_max=20, axial=True)
@@ -181,10 +181,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         "rub_bases": ("One rubbing episode by basis of the casing, three directions", basis_rows(quick)),
         "rub_energy": ("Energy identity of the moving contact, 5 nodes", energy_rows(quick)),
     }
-    for name, (title, rows) in tables.items():
-        show(title, rows)
-        write(out / f"{name}.csv", rows)
-    return [row for _, rows in tables.values() for row in rows]
+    return show_all(out, "", tables)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from scipy.stats import norm as normal
 from scipy.stats import t as student
 
 from casingfem.experiment.circle.other_orders import reading, spread_of_others
-from casingfem.io.arrays import FloatArray, frozen
+from casingfem.io.arrays import FloatArray, freeze
 
 ALIKE = 0.95  # cosine of the angle between the spaces of two n that cannot be told apart
 BEYOND = 8  # n above the largest label that still may add to a shape
@@ -45,7 +45,7 @@ class Circle:
     orders: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "theta", frozen(self.theta))
+        freeze(self, "theta")
 
     @classmethod
     def of(cls, theta: FloatArray, n_max: int | None = None) -> Circle:

@@ -23,7 +23,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.circle.fit import fit_lines
 from casingfem.experiment.circle.lines import require_clear
 from casingfem.experiment.circle.record import ScanRecord
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 from contact.io.reported import Reported
 
 SEEN = 4.0  # standard deviations above which a line is there
@@ -83,8 +83,7 @@ class CircleScan(Reported):
     card: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("tones", "n", "V", "sigma", "floor"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "tones", "n", "V", "sigma", "floor")
 
     @property
     def lines(self) -> FloatArray:

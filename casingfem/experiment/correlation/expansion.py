@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.io.arrays import FloatArray, IntArray, freeze
 
 WORST = 100.0  # condition number above which modes are left out when nobody chose them
 
@@ -47,8 +47,7 @@ class Expansion:
     left_out: FloatArray
 
     def __post_init__(self) -> None:
-        for name in ("modes", "coordinates", "smoothed", "outside", "left_out"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "modes", "coordinates", "smoothed", "outside", "left_out")
 
     def fields(self, nodal: FloatArray) -> FloatArray:
         """The expanded shapes: nodal fields of all modes (nodes, 5, modes) -> (nodes, 5, measured)."""

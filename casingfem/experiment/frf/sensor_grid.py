@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 from contact.io.brief import brief
 
 FORMS = {"receptance": 0, "mobility": 1, "accelerance": 2}
@@ -37,8 +37,7 @@ class SensorGrid:
     __repr__ = brief
 
     def __post_init__(self) -> None:
-        for name in ("points", "directions", "theta", "references", "channels", "places"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "points", "directions", "theta", "references", "channels", "places")
 
     def __len__(self) -> int:
         """Return the number of sensors."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from casingfem.experiment.uff.numbers import Columns, check_end, check_lines, integers, reals, series
 from casingfem.experiment.uff.split import RawSet
-from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.io.arrays import FloatArray, IntArray, freeze, frozen
 
 BEAMS = (11, 21, 22, 23, 24)  # descriptors of elements with a line about their orientation
 HEADER_LINES = 7
@@ -42,8 +42,7 @@ class Nodes:
     motions: IntArray
 
     def __post_init__(self) -> None:
-        for name in ("labels", "points", "systems", "motions"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "labels", "points", "systems", "motions")
 
     def __repr__(self) -> str:
         return f"Nodes({len(self.labels)}, {self.labels.min()} to {self.labels.max()})"
@@ -59,7 +58,7 @@ class TraceLine:
     nodes: IntArray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", frozen(self.nodes))
+        freeze(self, "nodes")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,8 +75,7 @@ class Elements:
     nodes: tuple[IntArray, ...]
 
     def __post_init__(self) -> None:
-        for name in ("labels", "kinds", "properties", "beams"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "labels", "kinds", "properties", "beams")
         object.__setattr__(self, "nodes", tuple(frozen(row) for row in self.nodes))
 
     def __repr__(self) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from casingfem.experiment.uff.numbers import Columns, check_lines, integers, reals, series
 from casingfem.experiment.uff.split import RawSet
-from casingfem.io.arrays import Array, IntArray, frozen
+from casingfem.io.arrays import Array, IntArray, freeze
 
 TEXTS = 5
 NORMAL_MODE, COMPLEX_MODE, RESPONSE, COMPLEX_MODE_2 = 2, 3, 5, 7
@@ -42,8 +42,7 @@ class Shape:
     values: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", frozen(self.nodes))
-        object.__setattr__(self, "values", frozen(self.values))
+        freeze(self, "nodes", "values")
 
     @property
     def freq_hz(self) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.experiment.uff.numbers import Columns, check_end, check_lines, integers, reals, series
 from casingfem.experiment.uff.split import RawSet
-from casingfem.io.arrays import Array, FloatArray, frozen
+from casingfem.io.arrays import Array, FloatArray, freeze
 
 KIND_WORDS = (
     "general", "time response", "auto spectrum", "cross spectrum", "frequency response", "transmissibility",
@@ -83,8 +83,7 @@ class Function:
     axes: Axes
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "x", frozen(self.x))
-        object.__setattr__(self, "values", frozen(self.values))
+        freeze(self, "x", "values")
 
     @property
     def word(self) -> str:

@@ -9,7 +9,7 @@ from scipy.sparse import csc_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.modal.cyclic.modes import checked_diameters
-from casingfem.modal.whirl import expand_complex, gyroscopic_modes
+from casingfem.modal.whirl import expand_complex, freq_at_rest, gyroscopic_modes
 from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
 
 SENSES = {1: "forward", -1: "backward", 0: "single"}
@@ -47,9 +47,7 @@ class CyclicWhirl:
     @property
     def freq_fixed(self) -> FloatArray:
         """Frequencies [Hz] of the n waves around for an observer at rest: |f + sense n Omega/2 pi|, (modes,)."""
-        rotation = self.sector.structure.rotation
-        turns = 0.0 if rotation is None else abs(rotation.omega) / (2.0 * np.pi)
-        return np.abs(self.freq + self.sense * self.nodal_diameters * turns)
+        return freq_at_rest(self.freq, self.sense * self.nodal_diameters, self.sector.structure.rotation)
 
     def records(self) -> list[dict[str, object]]:
         """One plain dictionary a mode: n, sense, freq_hz in the rotating frame, freq_fixed_hz."""

@@ -1,6 +1,7 @@
 """Outputs at nodes of an imported part: displacement; strain and stress of solids, the mean over the node's cells."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -37,37 +38,39 @@ class NodeDisplacement:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class NodeStrain:
+class NodeMean:
+    """Strain or stress of a solid at a node, the mean of what each of its cells has there."""
+
+    name: str
+    node: int
+    component: str
+    stress: ClassVar[bool]
+
+    def row(self, system: MeshSystem) -> FloatArray:
+        """Row over the nodal fields, (nodes, dofs)."""
+        return mean_row(system, self.name, self.node, self.component, stress=self.stress)
+
+
+class NodeStrain(NodeMean):
     """Strain [-] of a solid at a node: "xx", "yy", "zz", or the shear angle "yz", "xz", "xy" (2 eps_yz, ...).
 
-    >>> NodeStrain(name="root", node=3, component="xx").component
-    'xx'
+    >>> NodeStrain(name="root", node=3, component="xx")
+    NodeStrain(name='root', node=3, component='xx')
     """
 
-    name: str
-    node: int
-    component: str
-
-    def row(self, system: MeshSystem) -> FloatArray:
-        """Row over the nodal fields, (nodes, dofs)."""
-        return mean_row(system, self.name, self.node, self.component, stress=False)
+    __slots__ = ()
+    stress = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NodeStress:
+class NodeStress(NodeMean):
     """Stress [Pa] of a solid at a node: "xx", "yy", "zz", "yz", "xz", "xy".
 
-    >>> NodeStress(name="root", node=3, component="xx").component
-    'xx'
+    >>> NodeStress(name="root", node=3, component="xx")
+    NodeStress(name='root', node=3, component='xx')
     """
 
-    name: str
-    node: int
-    component: str
-
-    def row(self, system: MeshSystem) -> FloatArray:
-        """Row over the nodal fields, (nodes, dofs)."""
-        return mean_row(system, self.name, self.node, self.component, stress=True)
+    __slots__ = ()
+    stress = True
 
 
 def node_place(system: MeshSystem, name: str, node: int) -> int:

@@ -80,7 +80,7 @@ def sizes_of(name: str, scale: float, units: str | None) -> tuple[float, float, 
 
 
 def from_meshio(file: Path, module: str) -> Any:
-    """Call one of meshio's readers; whatever it trips over is a malformed file."""
+    """Call one of meshio's readers."""
     import meshio
 
     read = {"gmsh": meshio.gmsh.read, "vtu": meshio.vtu.read}[module]
@@ -88,7 +88,7 @@ def from_meshio(file: Path, module: str) -> Any:
         return read(file)
     except OSError:
         raise
-    except Exception as error:
+    except Exception as error:  # whatever it trips over is a malformed file
         what = str(error) or type(error).__name__
         raise ModelError("mesh-file", f"{file.name}: cannot be read ({what})") from None
 

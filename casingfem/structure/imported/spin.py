@@ -17,13 +17,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csc_array, diags_array, kron
 
-from casingfem.errors import ModelError, warn
+from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem, cell_dofs, on_free, scatter
+from casingfem.structure.shell.prestress import Spin
 
-LARGE, LINEAR = 0.01, 0.3  # quadratic strains over linear ones: from which the steady shape is iterated, is doubted
+LARGE = 0.01  # quadratic strains over linear ones: from which the steady shape is iterated
 
 
 class Inertia(NamedTuple):
@@ -47,42 +48,22 @@ class Stiffening(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class MeshSpin:
+class MeshSpin(Spin):
     """What rotation at 1 rad/s adds to the matrices of an imported part at rest, on its free dofs.
 
     Attributes
     ----------
-    K1, K2
-        What omega^2 and omega^4 multiply, (free, free), symmetric [kg, kg s^2].
-    G
-        Gyroscopic matrix, (free, free), skew [kg]: times omega and the velocities.
-    fields
-        Static displacements at 1 rad/s, (nodes, dofs): times omega^2.
-    nonlinear
-        Root of the energy of the static state's quadratic strains over that of its linear ones [s^2]: times omega^2.
     steady
         Speed [rad/s] -> stiffness that the steady state on the deformed shape adds; None for shells.
     """
 
-    K1: csc_array
-    K2: csc_array
-    G: csc_array
-    fields: FloatArray
-    nonlinear: float
     steady: Callable[[float], csc_array] | None = None
 
     def stiffness(self, omega: float) -> csc_array:
-        """What a speed [rad/s] adds to K at rest.
-
-        Warns (`rotation-large`) where linear statics no longer describe the steady state of a shell.
-        """
-        part = omega**2 * self.nonlinear
-        if self.steady is not None and part > LARGE:
+        """What a speed [rad/s] adds to K at rest: of a solid in fast rotation that of its steady state."""
+        if self.steady is not None and omega**2 * self.nonlinear > LARGE:
             return self.steady(omega)
-        if part > LINEAR:
-            found = f"rotation: found quadratic strains of {part:.2g} times the linear ones"
-            warn("rotation-large", found, stacklevel=4)
-        return csc_array(omega**2 * self.K1 + omega**4 * self.K2)
+        return super().stiffness(omega)
 
 
 def mesh_spin(

@@ -53,7 +53,7 @@ class Spin:
     G
         Gyroscopic matrix, (free, free), skew [kg]: times omega and the velocities.
     fields
-        Static displacements at 1 rad/s, (nodes, 5) [m s^2, s^2]: times omega^2.
+        Static displacements at 1 rad/s, (nodes, dofs) [m s^2, s^2]: times omega^2.
     nonlinear
         Root of the energy of the static state's quadratic strains over that of its linear ones [s^2]: times omega^2.
     """

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly, require_shape
+from contact.base.arrays import Array, keep_readonly, readonly, require_shape
 from contact.base.errors import InputError
 from contact.io.brief import brief
 
@@ -29,7 +29,7 @@ class Forcing:
     amplitude: Amplitude
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "shape", readonly(self.shape))
+        keep_readonly(self, "shape")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

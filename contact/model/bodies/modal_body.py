@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly, require_not_negative, require_positive, require_shape
+from contact.base.arrays import Array, keep_readonly, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
 from contact.io.names import hint, names_fault
 from contact.io.npz import compliance_fault, load_npz, require_kinds, whole, write_npz
@@ -85,9 +85,7 @@ class ModalBody:
     spin: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("omega", "zeta", "rows", "S", *OPTIONAL):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, readonly(getattr(self, name)))
+        keep_readonly(self, "omega", "zeta", "rows", "S", *OPTIONAL)
         for name in OPTIONAL:
             if getattr(self, name) is not None and getattr(self, name).size == 0:
                 object.__setattr__(self, name, None)
@@ -258,7 +256,8 @@ class ModalBody:
         >>> two.channels, f"{(two.rows**2 / two.omega**2 + two.S).item():.6g}"  # the static compliance 1/k + 1/k
         (('2.x',), '2e-06')
         """
-        from contact.model.bodies.matrices import Matrices, reduced
+        from contact.model.bodies.matrices import Matrices
+        from contact.model.bodies.matrix_modes import reduced
 
         matrices = Matrices.of(M, K, C, dofs=dofs, points=points, units=units)
         return ModalBody(**reduced(matrices, contact, modes=modes, zeta=zeta)[0])

@@ -9,6 +9,7 @@ import numpy as np
 
 from contact.base.arrays import (
     Array,
+    keep_readonly,
     readonly,
     require_count,
     require_finite,
@@ -61,7 +62,7 @@ class BladedDisk:
         require_finite(lean_deg=self.lean_deg)
         require_count(FEWEST, blades=self.blades)
         if self.mistuning is not None:
-            object.__setattr__(self, "mistuning", readonly(self.mistuning))
+            keep_readonly(self, "mistuning")
             require_shape("mistuning", self.mistuning, (self.blades,))
             if self.mistuning.min() <= -1.0:
                 raise InputError(f"mistuning: found {self.mistuning.min():g}, expected every one above -1")

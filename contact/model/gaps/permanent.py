@@ -10,7 +10,7 @@ import numpy as np
 from contact.base.arrays import (
     Array,
     Indices,
-    readonly,
+    keep_readonly,
     require_finite,
     require_not_negative,
     require_positive,
@@ -54,8 +54,7 @@ class ClosedContact:
     mu: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("omega", "zeta", "G", "Q", "T", "S_nn", "S_nt"):
-            object.__setattr__(self, name, readonly(getattr(self, name)))
+        keep_readonly(self, "omega", "zeta", "G", "Q", "T", "S_nn", "S_nt")
         m, r = self.omega.size, len(self.Q)
         shapes = {"zeta": (m,), "G": (m, m), "Q": (r, m), "T": (r, m), "S_nn": (r, r), "S_nt": (r, r)}
         for name, shape in shapes.items():

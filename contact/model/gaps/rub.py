@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly, require_count, require_finite, require_shape
+from contact.base.arrays import Array, keep_readonly, require_count, require_finite, require_shape
 from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
@@ -81,7 +81,7 @@ class Stiffening:
     at_hz: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "K_omega", readonly(self.K_omega))
+        keep_readonly(self, "K_omega")
         require_finite(at_hz=self.at_hz)
 
     @staticmethod

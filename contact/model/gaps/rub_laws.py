@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.base.arrays import Array, readonly, require_finite, require_not_negative
+from contact.base.arrays import Array, keep_readonly, readonly, require_finite, require_not_negative
 from contact.base.errors import InputError
 from contact.io.brief import brief
 
@@ -152,8 +152,7 @@ class RimProfile:
             raise InputError("profile: found one of theta and depth, expected both or none")
         if self.theta is None or self.depth is None:
             return
-        object.__setattr__(self, "theta", readonly(self.theta))
-        object.__setattr__(self, "depth", readonly(self.depth))
+        keep_readonly(self, "theta", "depth")
         _require_table("profile", self.theta, self.depth)
         span = float(self.theta[-1] - self.theta[0])
         if len(self.theta) < 3 or span >= 2.0 * math.pi:

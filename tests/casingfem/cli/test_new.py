@@ -13,26 +13,10 @@ from casingfem.cli import main
 from casingfem.cli.new import changes, stamps
 from casingfem.study import load_study
 from contact.scene.load import read_scene
+from tests.casingfem.study.study_texts import STEEL_PLATE
 
-PLATE = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
-[chart]
-kind = "plate"
-length = 0.2
-width = 0.04
-[shell]
-thickness = 3e-3
-[support.root]
-kind = "clamped"
-[modes]
+PLATE = f"""{STEEL_PLATE}[modes]
 count = 2
-[mesh]
-order = 5
-rows = 1
-around = 1
 [reduce]
 interface = "tip"
 out = "plate.npz"

@@ -9,31 +9,15 @@ from click.testing import CliRunner
 
 from casingfem.cli import main, tables
 from casingfem.cli.tables import csv_text, parquets
-from tests.casingfem.study.study_texts import STEEL
+from tests.casingfem.study.study_texts import STEEL_PLATE
 
-STUDY = (
-    STEEL
-    + """
-[chart]
-kind = "plate"
-length = 0.2
-width = 0.04
-[shell]
-thickness = 3e-3
-[support.root]
-kind = "clamped"
-[mesh]
-order = 5
-rows = 1
-around = 1
-[update]
+STUDY = f"""{STEEL_PLATE}[update]
 table = "plate.csv"
 [[update.parameter]]
 name = "material.E"
 lower = 150e9
 upper = 250e9
 """
-)
 
 
 def read(text):

@@ -46,6 +46,20 @@ support.root = {kind = "clamped"}
 modes = {count = 3}
 mesh = {order = 4, rows = 1, around = 1}
 """
+# a clamped steel plate on one element
+STEEL_PLATE = f"""{STEEL}[chart]
+kind = "plate"
+length = 0.2
+width = 0.04
+[shell]
+thickness = 3e-3
+[support.root]
+kind = "clamped"
+[mesh]
+order = 5
+rows = 1
+around = 1
+"""
 
 
 def written(folder: Path, text: str) -> Path:

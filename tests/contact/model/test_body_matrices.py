@@ -70,7 +70,7 @@ def test_massless_dofs_go_into_the_residual():
 def test_many_unknowns_by_lanczos_are_as_those_by_all_modes(monkeypatch):
     M, K, dofs, _ = rod(60, {61})
     dense = ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], modes=8)
-    monkeypatch.setattr("contact.model.bodies.matrices.DENSE", 10)
+    monkeypatch.setattr("contact.model.bodies.matrix_modes.DENSE", 10)
     sparse = ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], modes=8)
     np.testing.assert_allclose(sparse.omega, dense.omega, rtol=1e-9)
     np.testing.assert_allclose(sparse.S, dense.S, rtol=1e-6)

@@ -1,0 +1,57 @@
+"""Scene files of kind "pair": one pair of a casing against one mode of a blade, by hand, for `casingfem stability`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, FiniteFloat, model_validator
+
+from contact.scene.scheme import NotNegative, Positive, ScanTable, Table
+
+
+class PairHead(Table):
+    """[scene] of kind "pair"."""
+
+    kind: Literal["pair"] = Field(description="which kind of scene this is")
+
+
+class BladeModeTable(Table):
+    """[blade] of a pair: one mode, its mass [kg] for unit motion along the contact's normal."""
+
+    freq_hz: Positive = Field(description="frequency [Hz]")
+    modal_mass: Positive = Field(description="for unit motion along the contact's normal [kg]")
+    zeta: Annotated[NotNegative, Field(lt=1)] = Field(default=0.0, description="damping ratio [-]")
+
+
+class CasingPairTable(BladeModeTable):
+    """[casing] of a pair: n nodal diameters, and what a blade mode has."""
+
+    n: Annotated[int, Field(ge=1)] = Field(description="number of nodal diameters")
+
+
+class PairContact(Table):
+    """[contact] of a pair: stiffness [N/m] or compliance [m/N], friction, lean of the blade into the motion."""
+
+    stiffness: Positive | None = Field(default=None, description="of the contact [N/m]")
+    compliance: Positive | None = Field(default=None, description="of the contact [m/N], instead of its stiffness")
+    friction: NotNegative = Field(default=0.0, description="coefficient of Coulomb friction [-]")
+    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = Field(
+        default=0.0, description="lean of the blade into the motion [degrees]"
+    )
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> PairContact:
+        if (self.stiffness is None) == (self.compliance is None):
+            found = "neither stiffness nor compliance" if self.stiffness is None else "stiffness and compliance both"
+            raise ValueError(f"{found} given, expected one of them")
+        return self
+
+
+class PairFile(Table):
+    """One casing pair against one blade mode, contact closed: for `casingfem stability`."""
+
+    scene: PairHead = Field(description="what this scene is")
+    casing: CasingPairTable = Field(description="one pair of the casing")
+    blade: BladeModeTable = Field(description="one mode of the blade")
+    contact: PairContact = Field(description="what lies between")
+    speed: ScanTable = Field(description="speeds looked at")

@@ -1,0 +1,69 @@
+"""What is wrong with a scene file, all of it at once: file, key, what was found, what is expected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contact.base.errors import InputError
+from contact.io.toml import written
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+
+class SceneError(InputError):
+    """A scene file that cannot be run: `problems` lists them all, each with file and key."""
+
+    def __init__(self, problems: list[str]) -> None:
+        self.problems = problems
+        super().__init__("\n".join(problems))
+
+
+class Problems(list[str]):
+    """The problems found so far in one file.
+
+    >>> found = Problems(Path("scene.toml"))
+    >>> with found.at("speed"):
+    ...     raise InputError("hz: found nan")
+    >>> found
+    ['scene.toml: speed: hz: found nan']
+    """
+
+    def __init__(self, file: Path) -> None:
+        super().__init__()
+        self.file = file
+
+    @contextmanager
+    def at(self, key: str = "") -> Iterator[None]:
+        """Note bad input of this key, and go on."""
+        try:
+            yield
+        except InputError as error:
+            self.append(f"{self.file}: {key}: {error}" if key else f"{self.file}: {error}")
+
+    def check(self) -> None:
+        """Raise SceneError if there are any."""
+        if self:
+            raise SceneError(list(self))
+
+
+def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], table: str = "") -> str:
+    """Write one pydantic error of a table's `data`, by its model, as file: key: found, expected."""
+    from contact.io.tables import keys, models_at, resolved, unknown
+
+    path = resolved(detail["loc"], detail["type"], data)
+    models = models_at([model], path[:-1], data)
+    meaning = next((keys(m)[str(path[-1])].description for m in models if path and str(path[-1]) in keys(m)), None)
+    key = written((table, *path) if table else path)
+    if detail["type"] == "extra_forbidden":
+        return f"{file}: {key}: unknown key, {unknown(str(path[-1]), models)}"
+    if detail["type"] == "missing":
+        return f"{file}: {key}: missing{f', expected {meaning}' if meaning else ''}"
+    message = detail["msg"].removeprefix("Value error, ")
+    if isinstance(detail["input"], dict):
+        return f"{file}: {key}: {message}"
+    expected = message.removeprefix("Input should be ")
+    return f"{file}: {key}: found {detail['input']!r}, expected {expected}{f' ({meaning})' if meaning else ''}"
