@@ -134,6 +134,8 @@ def confirming_run(what: RotatingRim | Rub | HandPair, speed_hz: float, *, mu: f
 def exponent(values: Array, step: float, freq_hz: float) -> float:
     """Growth [1/s] of the motion near a frequency, which may be 0: c + e^(s t) (a cos w t + b sin w t), least squares.
 
+    Beside an oscillation c is a parabola: another motion may drift away from rest meanwhile.
+
     >>> t = 1e-3 * np.arange(2000)
     >>> noise = 0.1 * np.sin(1900.0 * t)
     >>> round(exponent(5.0 + np.exp(1.5 * t) * np.sin(700.0 * t) + noise, 1e-3, 700.0 / (2.0 * np.pi)), 2)
@@ -151,7 +153,7 @@ def exponent(values: Array, step: float, freq_hz: float) -> float:
         columns = [np.ones(t.size), grown]
         if found.size > 1:
             phase = (w + found[1] / span) * t
-            columns[1:] = [grown * np.cos(phase), grown * np.sin(phase)]
+            columns[1:] = [t / span, (t / span) ** 2, grown * np.cos(phase), grown * np.sin(phase)]
         basis = np.stack(columns, axis=1)
         return np.asarray((values - basis @ np.linalg.lstsq(basis, values, rcond=None)[0]) / scale)
 
