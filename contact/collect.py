@@ -22,7 +22,8 @@ def collect(
     sums = stepper.sums
 
     def joined(name: str) -> Array:
-        return readonly(np.concatenate([getattr(part, name) for part in parts]))
+        found = [getattr(part, name) for part in parts]
+        return readonly(found[0] if len(found) == 1 else np.concatenate(found))
 
     contact, kind, when = joined("event_contact"), joined("event_kind"), joined("event_time")
     end = steps * stepper.dt

@@ -163,7 +163,7 @@ class Result(Reported):
             f"damping {energy.damping:.4g}, numerical {energy.numerical:.3g}, "
             f"unaccounted {energy.unaccounted / scale:.1e} of the largest"
         )
-        if energy.lost_in_contact < -0.01 * max(energy.scale, self._impact_energy()) - energy.load_step:
+        if energy.lost_in_contact < -0.01 * max(energy.scale, self._impact_energy()) - energy.explained:
             lines.append(f"contact added energy, which it cannot: {_remedy(self.scheme)}")
         if self.notes.heat.size:
             heat, drive = float(self.notes.heat.sum()), float(self.notes.drive.sum())

@@ -152,6 +152,7 @@ class Prepared:
     record: Record
     source: dict[str, str]
     load_step: float
+    overlap: float  # deepest at t = 0 [m]
     start: Stored
 
 
@@ -177,7 +178,7 @@ def prepared(scene: Scene) -> Prepared:
     return Prepared(
         problem=problem, mu=law.mu, on_limit=scene.on_limit, stepper=stepper, count=count, record=record,
         source=scene.source, load_step=stepper.dt**2 * getattr(problem, "load_response", 0.0),
-        start=stepper.stored(),
+        overlap=getattr(stepper, "overlap", 0.0), start=stepper.stored(),
     )  # fmt: skip
 
 
@@ -221,6 +222,7 @@ def _budget(ready: Prepared) -> EnergyBudget:
             friction=float(np.sum(sums.friction)), damping=float(sums.damping[0]),
             external=float(sums.external[0]), body_force=float(sums.body_force[0]),
             algorithmic=float(sums.algorithmic[0]), load_step=ready.load_step,
+            overlap=ready.overlap * float(np.sum(sums.peak)),
         )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.record.record import Record, Samples
 from contact.result import Result
 from contact.run import Prepared, Scene, completed, finished, prepared
-from contact.scheme.modal.batch import WIDTH, Batch, Job, batch
+from contact.scheme.modal.batch import WIDTH, Job, batch
 from contact.scheme.modal.modal_run import ModalRun
 
 Outcome = Result | InputError | NumericsError
@@ -101,9 +101,9 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
                 lanes[k] = waiting.pop()
                 events[k] = []
                 shared.load(k, jobs[lanes[k]])
-        shared.advance()
+        happened = shared.advance()
         for k, number in list(lanes.items()):
-            events[k].append(_events(shared, k))
+            events[k].append(happened[k])
             failed, ended = int(shared.lanes.failed[k]), shared.lanes.step[k] == shared.lanes.end[k]
             if failed or ended:
                 job, (i, ready), taken = jobs[number], group[number], int(shared.lanes.step[k])
@@ -124,16 +124,6 @@ def _result(ready: Prepared, kept: Samples, taken: int, seconds: float, failed: 
         return error
     except NumericsError:
         return None
-
-
-def _events(shared: Batch, k: int) -> Samples:
-    """Events of lane k in the last call; its contact is number 0 of its own run."""
-    out, n = shared.events, int(shared.sums.filled[2])
-    own = np.flatnonzero(out.event_contact[:n] == k)
-    return out._replace(
-        event_contact=np.zeros(own.size, dtype=np.int64), event_kind=out.event_kind[own],
-        event_time=out.event_time[own],
-    )  # fmt: skip
 
 
 def _joined(parts: Sequence[Samples]) -> Samples:

@@ -38,7 +38,7 @@ def aligned(*shape: int) -> Array:
     """
     size = math.prod(shape)
     room = np.zeros(size + 7)
-    skip = -(room.ctypes.data // 8) % 8
+    skip = -(room.__array_interface__["data"][0] // 8) % 8
     return room[skip : skip + size].reshape(shape)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from contact.base.arrays import Array, aligned
 from contact.base.errors import InputError, LimitError
 from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import ModalSystem, rim_system
 from contact.scheme.modal.propagator import free_motion
 
@@ -58,7 +59,7 @@ def monodromy(system: ModalSystem, mu: float, phase: float = PHASE) -> Array:
                        for a, b in pairwise(edges)])  # fmt: skip
     q, v = np.hstack([np.eye(m), np.zeros((m, m))]), np.hstack([np.zeros((m, m)), scale * np.eye(m)])
     times = np.cumsum(KICKS) - 0.5 * KICKS
-    rows = rim_rows(system, mu, *system.sums())
+    rows = rim_rows(system, mu, *system.sums(), motion_limits(0.0, 0.0))
     Q, T = aligned(2, padded(m))
     revolve(q, v, rows, Q, T, np.zeros(2 * m), drifts, times, KICKS, h, steps)
     return np.vstack([q, v / scale])

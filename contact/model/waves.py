@@ -30,6 +30,10 @@ class Terms:
         """Which sum each term belongs to."""
         return np.repeat(np.arange(self.sums), np.diff(self.start))
 
+    def equals(self, other: Terms) -> bool:
+        """Whether these are the same sums, to the bit."""
+        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in ("value", "wave", "start"))
+
     def first(self, sums: int) -> Terms:
         """So many of the sums alone."""
         start = self.start[: sums + 1]

@@ -40,6 +40,7 @@ class EnergyBudget:
     `numerical` is that and the difference between the energies and their discrete form. `unaccounted` is
     round-off, or a mistake in a scheme. `load_step` = h^2 f^T M^-1 f is the work of the constant loads over one step
     from rest: by so much the half step at which the scheme reads its energy may misplace the work of contact.
+    `overlap` is a bound on what pushing bodies apart that overlap at t = 0 brings: the largest forces along that way.
 
     >>> a = Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
     >>> b = Stored(kinetic=1.5, strain=0.25, potential=0.0, residual=0.0, discrete=1.75)
@@ -58,6 +59,7 @@ class EnergyBudget:
     body_force: float = 0.0
     algorithmic: float = 0.0
     load_step: float = 0.0
+    overlap: float = 0.0
 
     __repr__ = brief
 
@@ -65,6 +67,11 @@ class EnergyBudget:
     def lost_in_contact(self) -> float:
         """Energy lost in impacts [J], positive; what S stores at the end is not lost."""
         return -self.contact - (self.end.residual - self.start.residual)
+
+    @property
+    def explained(self) -> float:
+        """What contact may seem to add without an error of the scheme [J]."""
+        return self.load_step + self.overlap
 
     @property
     def numerical(self) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,13 +29,14 @@ def load_scene(path: str | Path) -> Scene:
 def scene_of(data: dict[str, Any], file: Path) -> Scene:
     """Build a scene from the tables of a file, changed or not; `file` says where bases are and stands in messages.
 
+    Its source names the file without a hash, which would be of no file.
+
     Raises SceneError.
     """
-    text = json.dumps(data, sort_keys=True).encode("utf-8")
-    return _built(_validated(data, file), file, text)
+    return _built(_validated(data, file), file, None)
 
 
-def _built(table: File, file: Path, text: bytes) -> Scene:
+def _built(table: File, file: Path, text: bytes | None) -> Scene:
     if table.scene.kind == "pair":
         raise SceneError([f"{file}: scene.kind: found 'pair', which casingfem stability takes"])
     problems = Problems(file)
@@ -45,11 +45,14 @@ def _built(table: File, file: Path, text: bytes) -> Scene:
     with problems.at("record"):
         record = None if table.record is None else table.record.record(file.parent)
     problems.check()
-    contents = [text, *((file.parent / name).read_bytes() for name in table.files())]
+    source = {"scene": file.name}
+    if text is not None:
+        contents = [text, *((file.parent / name).read_bytes() for name in table.files())]
+        source["sha256"] = hashlib.sha256(b"\0".join(contents)).hexdigest()
     given = {name: getattr(part, name) for part in (table.scene, table.scheme) for name in GIVEN if hasattr(part, name)}
     return Scene(
         what=what, law=law, scheme=scheme, record=record, **given,
-        source={"scene": file.name, "sha256": hashlib.sha256(b"\0".join(contents)).hexdigest()},
+        source=source,
     )  # fmt: skip
 
 

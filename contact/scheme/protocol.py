@@ -74,8 +74,9 @@ Block = tuple[str, int, int]
 class Stepper(Protocol):
     """A run in progress; see the module's contract.
 
-    It may have three more: `wear()`, what each track of a coating has lost so far, `notes()` on the run so far, and
-    `limits`, those of `motion_limits`, at which `advance` stops after the step that passed one.
+    It may have four more: `wear()`, what each track of a coating has lost so far, `notes()` on the run so far,
+    `overlap`, how far bodies stand inside each other at t = 0 [m], and `limits`, those of `motion_limits`, at which
+    `advance` stops after the step that passed one.
     """
 
     @property

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 Value = float | str | int
 COUNTS = ("seed", "draw", "elements", "modes", "count", "blades", "line", "bars", "updates", "p", "n", "n_max")
 PART = re.compile(r"^(\w+)(?:\[(\d+)\])?$")
-MEASURES = 3  # number of the definition of what is measured on a run: a change of it changes every hash
+MEASURES = 4  # number of the definition of what is measured on a run: a change of it changes every hash
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,7 +154,8 @@ def changed(
     >>> changed({"speed": {"hz": 5.0}, "rod": [{"x": 0.0}]}, ["speed.hz", "rod[1].x"], [6.0, 0.5])
     {'speed': {'hz': 6.0}, 'rod': [{'x': 0.5}]}
     """
-    data = copy.deepcopy(base)
+    touched = {re.split(r"[.\[]", key)[0] for key in keys}
+    data = {name: copy.deepcopy(part) if name in touched else part for name, part in base.items()}
     for key, value in zip(keys, values, strict=True):
         at, last = _place(data, key, file)
         at[last] = value

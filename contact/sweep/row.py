@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import singledispatch
 from typing import Any, cast
 
@@ -53,7 +52,7 @@ def _ended(outcome: Outcome, scene: Scene | None) -> dict[str, Any]:
 
 @_ended.register
 def _(outcome: NumericsError, scene: Scene | None) -> dict[str, Any]:
-    return {"status": "failed", "flags": "", "why": str(outcome)} | _numbers(scene, outcome.result)
+    return {"status": "failed", "flags": "", "why": str(outcome)} | _reached(_rim(scene), outcome.result)
 
 
 @_ended.register
@@ -63,16 +62,28 @@ def _(outcome: DivergedError, scene: Scene | None) -> dict[str, Any]:
 
 @_ended.register
 def _(outcome: Result, scene: Scene | None) -> dict[str, Any]:
-    ended, flags = outcome.divergence, "; ".join(_flags(outcome, _rim(scene)))
+    rim, ended = _rim(scene), outcome.divergence
+    radial = _radial(rim, outcome)
+    flags = "; ".join(_flags(outcome, rim, radial))
     said: dict[str, Any] = {"status": "done", "flags": flags, "why": ""}
     if ended is not None:
         said = {"status": "diverged", "flags": flags, "diverged_at_s": ended.time, "why": ended.words}
-    return said | _numbers(scene, outcome)
+    return said | _numbers(rim, outcome, radial)
 
 
-def _numbers(scene: Scene | None, result: Result | None) -> dict[str, Any]:
-    if result is None:
-        return {}
+def _reached(rim: RotatingRim | Rub | None, result: Result | None) -> dict[str, Any]:
+    return {} if result is None else _numbers(rim, result, _radial(rim, result))
+
+
+def _radial(rim: RotatingRim | Rub | None, result: Result) -> Array:
+    """Amplitudes of the rim's radial motion, (states, 2 N + 1); none without a rim."""
+    if rim is None:
+        return np.zeros((0, 0))
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.asarray(result.state_of("casing") @ rim.casing.rows[: 2 * rim.casing.n_max + 1].T)
+
+
+def _numbers(rim: RotatingRim | Rub | None, result: Result, radial: Array) -> dict[str, Any]:
     energy = result.energy
     found: dict[str, Any] = {
         "steps": result.steps, "closings": sum(len(part) for part in result.intervals),
@@ -85,7 +96,7 @@ def _numbers(scene: Scene | None, result: Result | None) -> dict[str, Any]:
         "unaccounted_rel": energy.unaccounted / energy.scale if energy.scale > 0.0 else 0.0,
     }  # fmt: skip
     if len(result.state):
-        found |= _motion(scene, result)
+        found |= _motion(rim, result, radial)
     ended = result.divergence
     if ended is not None and not math.isfinite(found.get("growth_1_s") or math.nan):
         found["growth_1_s"] = ended.growth  # too few states, but enough samples
@@ -93,18 +104,15 @@ def _numbers(scene: Scene | None, result: Result | None) -> dict[str, Any]:
     return plain
 
 
-def _motion(scene: Scene | None, result: Result) -> dict[str, Any]:
+def _motion(rim: RotatingRim | Rub | None, result: Result, radial: Array) -> dict[str, Any]:
     """Amplitudes over the last quarter; growth over all windows of time."""
     late = slice(3 * len(result.state) // 4, None)
     with np.errstate(over="ignore", invalid="ignore"):
-        rim = _rim(scene)
         if rim is None:
             return {"amplitude_m": float(np.abs(result.state).max())}
-        N = rim.casing.n_max
-        radial = result.state_of("casing") @ rim.casing.rows[: 2 * N + 1].T
         name, normal = rim.blade_normal()
         blade = result.state_of(name) @ normal
-        levels = _levels(radial[late], N)
+        levels = _levels(radial[late], rim.casing.n_max)
         n = int(levels.argmax())
         return {
             "amplitude_m": float(np.sqrt(np.sum(levels**2))), "blade_rms_m": float(np.std(blade[late])),
@@ -116,13 +124,6 @@ def _motion(scene: Scene | None, result: Result) -> dict[str, Any]:
 def _rim(scene: Scene | None) -> RotatingRim | Rub | None:
     what = None if scene is None else scene.what
     return cast("RotatingRim | Rub", what) if hasattr(what, "blade_normal") else None
-
-
-def _largest(rim: RotatingRim | Rub, result: Result) -> float:
-    """Largest amplitude of a harmonic of the rim's radial motion [m]."""
-    N = rim.casing.n_max
-    with np.errstate(over="ignore", invalid="ignore"):
-        return float(np.abs(result.state_of("casing") @ rim.casing.rows[: 2 * N + 1].T).max(initial=0.0))
 
 
 def _levels(radial: Array, N: int) -> Array:
@@ -142,25 +143,28 @@ def growth_rate(time: Array, motion: Array) -> float:
     >>> round(growth_rate(t, (np.exp(2.0 * t) * np.sin(400.0 * t))[:, None]), 1)
     2.0
     """
-    parts: Sequence[Array] = np.array_split(np.arange(len(time)), WINDOWS)
-    if min(len(part) for part in parts) < 4:
+    if len(time) < 4 * WINDOWS:
         return math.nan
-    level = np.array([np.sqrt(np.sum(np.var(motion[part], axis=0))) for part in parts])
-    middle = np.array([float(time[part].mean()) for part in parts])
+    size = np.full(WINDOWS, len(time) // WINDOWS)
+    size[: len(time) % WINDOWS] += 1
+    start = np.cumsum(size) - size
+    mean = np.add.reduceat(motion, start, axis=0) / size[:, None]
+    power = np.add.reduceat((motion - np.repeat(mean, size, axis=0)) ** 2, start, axis=0) / size[:, None]
+    level, middle = np.sqrt(power.sum(axis=1)), np.add.reduceat(time, start) / size
     moving = level > 0.0  # before the first contact nothing moves
     if not np.all(np.isfinite(level)) or np.count_nonzero(moving) < 3:
         return math.nan
-    slope = np.polyfit(middle[moving], np.log(level[moving]), 1)[0]
-    return float(slope)
+    x = middle[moving] - middle[moving].mean()
+    return float(x @ np.log(level[moving]) / (x @ x))
 
 
-def _flags(result: Result, rim: RotatingRim | Rub | None) -> list[str]:
+def _flags(result: Result, rim: RotatingRim | Rub | None, radial: Array) -> list[str]:
     """What a reader of the row should know."""
     found = list(result.notes.flags)
     energy = result.energy
     if result.reversals.any():
         found.append(f"slip reversed in {int(result.reversals.sum())} steps")
-    if rim is not None and _largest(rim, result) > FAR * rim.casing.radius:
+    if rim is not None and float(np.abs(radial).max(initial=0.0)) > FAR * rim.casing.radius:
         found.append("motion beyond a tenth of the radius: the linear model has no meaning there")
     if abs(energy.unaccounted) > 1e-8 * energy.scale:
         found.append("energy ledger open")

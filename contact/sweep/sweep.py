@@ -93,7 +93,7 @@ def run_sweep(
     resumed = sum(run.digest in rows for run in plan.runs)
     for found in _workers(tasks(plan, rows, folder, jobs), jobs, scheduler):
         rows |= found
-        if store is not None:
+        if store is not None and scheduler is not None:  # processes here share the disk and have written them
             store.note(found)
         if progress is not None:
             progress(len(rows))

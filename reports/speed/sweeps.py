@@ -116,7 +116,7 @@ def _size(scene: ct.Scene) -> tuple[int, int, int]:
     assert isinstance(stepper, ModalRun)
     table = stepper.system.table
     assert table is not None
-    normal, tangent = table.normal, table.tangent
+    normal, tangent = table.terms()
     return stepper.size, normal.value.size, tangent.value.size
 
 
@@ -211,7 +211,8 @@ def rig_sweep(folder: Path, speeds: int, turns: int) -> list[Row]:
         seconds = time.perf_counter() - began
         rows.append({
             "cores": jobs, "speeds": speeds, "turns": turns, "steps": steps, "s": seconds,
-            "us/run-step": 1e6 * seconds / steps, "failed": found.failed, "load of the machine before": load,
+            "ms/run": 1e3 * seconds / speeds, "us/run-step": 1e6 * seconds / steps,
+            "failed": found.failed, "load of the machine before": load,
         })  # fmt: skip
     return rows
 
@@ -239,7 +240,7 @@ def main(out: Path, quick: bool = False) -> Sequence[Row]:
     skipped = skips(bodies(folder, 42), 2 if quick else 4, 1 if quick else 3, few)
     show("Skips over contact-free time", skipped)
     write(out / "sweep_leaps.csv", skipped)
-    swept = rig_sweep(folder, 8 if quick else 100, 1 if quick else 100)
+    swept = rig_sweep(folder, 8, 1) if quick else [*rig_sweep(folder, 100, 100), *rig_sweep(folder, 10_000, 1)]
     show("A sweep of the rig over its speed", swept)
     write(out / "sweep_rig.csv", swept)
     return [*rows, *several, *skipped, *swept]

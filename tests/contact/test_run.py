@@ -11,6 +11,7 @@ import pytest
 
 import contact as ct
 from contact.model.bodies.chain import assemble
+from contact.model.gaps.one_tip import rub_of
 from contact.run import steps
 from contact.scheme.modal.modal_run import ModalRun
 from tests.contact.synthetic_rim import blade, ring
@@ -144,6 +145,21 @@ def test_a_mass_at_rest_raises_no_alarm(scheme):
     assert result.impulse[0] == pytest.approx(9.81, rel=2e-3)
     assert result.energy.load_step == pytest.approx(9.81**2 * 1e-6)
     assert "contact added energy" not in repr(result)
+
+
+@pytest.mark.parametrize(("by", "mu"), [(1e-5, 0.0), (1e-4, 0.3)])
+def test_bodies_that_overlap_at_the_start_are_pushed_apart_without_an_alarm(by, mu):
+    """What the overlap stored comes out by contact: no more than the largest force along it, and most of it."""
+    rim = ct.RotatingRim(ring(S=4e-7, zeta=0.01), blade(S=1e-6, zeta=0.01), clearance=-by, speed_hz=5.0, lean_deg=25.0)
+    for what in (rim, rub_of(rim)):
+        law = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
+        result = ct.run(what, law=law, t_end=0.02, dt=2e-5, on_limit="flag")
+        energy = result.energy
+        assert energy.overlap == pytest.approx(by * result.peak_force[0], rel=1e-9)
+        assert 0.1 * energy.overlap < -energy.lost_in_contact < energy.overlap
+        assert "contact added energy" not in repr(result)
+        gained = replace(energy, contact=energy.contact + energy.overlap)
+        assert "contact added energy" in repr(replace(result, energy=gained))
 
 
 @pytest.mark.parametrize(

@@ -140,7 +140,7 @@ class ModalBody:
     @property
     def directions(self) -> int:
         """Directions of a rim's motion: radial, tangential and, when there are three, axial."""
-        return 3 if any("axial" in name for name in self.channels) else 2
+        return 3 if any("axial" in name for name in self.channels[-1:]) else 2  # they come last
 
     @property
     def rim_lines(self) -> int:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from contact.base.arrays import Array, Indices, readonly
+from contact.base.remembered import remembered
+from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import PointGap, RotatingRim
 from contact.model.trig import Trig, fourier, pruned, quadratic
 from contact.model.waves import Terms, terms
@@ -47,19 +49,14 @@ class RowTable:
         Q, T = (c @ self.by_harmonic(cos) + s @ self.by_harmonic(sin) for cos, sin in columns)
         return Q, T
 
-    @property
-    def normal(self) -> Terms:
-        """Q as sums of waves."""
-        return self._terms(self.q_cos, self.q_sin)
-
-    @property
-    def tangent(self) -> Terms:
-        """T as sums of waves."""
-        return self._terms(self.t_cos, self.t_sin)
-
-    def _terms(self, cos: Array, sin: Array) -> Terms:
+    @remembered
+    def terms(self) -> tuple[Terms, Terms]:
+        """Q and T as sums of waves."""
         modes = self.start.size - 1
-        return terms(np.repeat(np.arange(modes), np.diff(self.start)), self.harmonic, cos, sin, modes)
+        owner = np.repeat(np.arange(modes), np.diff(self.start))
+        columns = ((self.q_cos, self.q_sin), (self.t_cos, self.t_sin))
+        Q, T = (terms(owner, self.harmonic, cos, sin, modes) for cos, sin in columns)
+        return Q, T
 
     def by_harmonic(self, values: Array) -> Array:
         """One of the columns as a full table, (highest harmonic + 1, m)."""
@@ -72,7 +69,7 @@ class RowTable:
 class ModalSystem:
     """q'' + 2 zeta omega q' + omega^2 q = load + W^T lam, one contact.
 
-    Fixed point: g = clearance + Q q + S_nn lam. Rim (`table` is given): Q, T, the residual compliances along
+    Fixed point: g = clearance + Q q + S_nn lam. Rim (`table` is given, Q empty): Q, T, the residual compliances along
     the normal and the tangent and the clearance depend on phi. `radius` and `thickness` of a rim [m], 0 where not
     known. `first` are the bodies' offsets into q.
     """
@@ -96,17 +93,24 @@ class ModalSystem:
     radius: float = 0.0
     thickness: float = 0.0
 
+    @property
+    def compliance_turns(self) -> bool:
+        """Whether the residual compliance depends on the angle."""
+        return max(part.degree for part in (self.S_nn, self.S_nt, self.S_tt)) > 0
+
     def sums(self) -> tuple[Terms, Terms]:
         """Sums of waves of a rim: Q followed by clearance, S_nn, S_nt and S_tt; and T."""
         assert self.table is not None
-        return self.table.normal.followed_by(self._series()), self.table.tangent
+        return _sums(self.table, self.clearance, self.S_nn, self.S_nt, self.S_tt)
 
-    def _series(self) -> Terms:
-        parts = self.clearance, self.S_nn, self.S_nt, self.S_tt
-        owner = np.repeat(np.arange(len(parts)), [part.harmonic.size for part in parts])
-        harmonic = np.concatenate([part.harmonic for part in parts])
-        cos, sin = np.concatenate([part.cos for part in parts]), np.concatenate([part.sin for part in parts])
-        return terms(owner, harmonic, cos, sin, len(parts))
+
+@remembered
+def _sums(table: RowTable, *parts: Trig) -> tuple[Terms, Terms]:
+    owner = np.repeat(np.arange(len(parts)), [part.harmonic.size for part in parts])
+    harmonic = np.concatenate([part.harmonic for part in parts])
+    cos, sin = np.concatenate([part.cos for part in parts]), np.concatenate([part.sin for part in parts])
+    normal, tangent = table.terms()
+    return normal.followed_by(terms(owner, harmonic, cos, sin, len(parts))), tangent
 
 
 def point_system(gap: PointGap) -> ModalSystem:
@@ -129,33 +133,50 @@ def point_system(gap: PointGap) -> ModalSystem:
 
 def rim_system(rim: RotatingRim) -> ModalSystem:
     """Casing modes, then blade modes; the blade's rows enter with harmonic 0 and the sign of the gap."""
-    casing, blade, N = rim.casing, rim.blade, rim.casing.n_max
+    still = _still_rim(rim.casing, rim.blade, rim.lean_deg)
+    if rim.casing_velocity is not None or rim.blade_velocity is not None:
+        given = zip((rim.casing_velocity, rim.blade_velocity), (rim.casing, rim.blade), strict=True)
+        still = replace(still, velocity=readonly(np.concatenate([_given(v, body.omega.size) for v, body in given])))
+    clearance, angle = _clearance(rim.clearance, *rim.terms), math.radians(rim.angle_deg)
+    return replace(still, clearance=clearance, speed=rim.speed, angle=angle)
+
+
+@remembered
+def _still_rim(casing: ModalBody, blade: ModalBody, lean_deg: float) -> ModalSystem:
+    """What runs of the same bodies have in common: the rim at rest, round, without clearance."""
+    N = casing.n_max
     size = 2 * N + 1
-    a = math.radians(rim.lean_deg)
+    a = math.radians(lean_deg)
     span, flap = blade.channel("span"), blade.channel("flap")
     normal, tangent = np.zeros(len(blade.channels)), np.zeros(len(blade.channels))
     normal[[span, flap]] = math.cos(a), math.sin(a)
     tangent[[span, flap]] = -math.sin(a), math.cos(a)
     table = _table(casing.rows[:size], casing.rows[size:], -normal @ blade.rows, -tangent @ blade.rows, N)
-    S_nn = _raised(quadratic(casing.S[:size, :size], N), float(normal @ blade.S @ normal))
-    S_nt = _raised(quadratic(casing.S[:size, size:], N), float(normal @ blade.S @ tangent))
-    S_tt = _raised(quadratic(casing.S[size:, size:], N), float(tangent @ blade.S @ tangent))
-    noise = NOISE * max(S_nn.largest, S_tt.largest)
+    nn, nt, tt = _compliances(casing)
+    S_nn = _raised(nn, float(normal @ blade.S @ normal))
+    S_nt = _raised(nt, float(normal @ blade.S @ tangent))
+    S_tt = _raised(tt, float(tangent @ blade.S @ tangent))
+    noise, none = NOISE * max(S_nn.largest, S_tt.largest), readonly(np.zeros(casing.omega.size + blade.omega.size))
     return ModalSystem(
         omega=readonly(np.concatenate([casing.omega, blade.omega])),
-        zeta=readonly(np.concatenate([casing.zeta, blade.zeta])),
-        load=readonly(np.zeros(casing.omega.size + blade.omega.size)),
-        velocity=readonly(np.concatenate([
-            _given(rim.casing_velocity, casing.omega.size), _given(rim.blade_velocity, blade.omega.size),
-        ])),
-        first=np.array([0, casing.omega.size, casing.omega.size + blade.omega.size]),
-        names=("casing", "blade"), masses=(math.nan, math.nan),
-        Q=readonly(table.rows(math.radians(rim.angle_deg))[0]),
-        clearance=fourier([(0, rim.clearance, 0.0), *rim.terms]),
-        S_nn=pruned(S_nn, noise), S_nt=pruned(S_nt, noise), S_tt=pruned(S_tt, noise),
-        table=table, speed=rim.speed, angle=math.radians(rim.angle_deg), radius=casing.radius,
-        thickness=casing.thickness,
+        zeta=readonly(np.concatenate([casing.zeta, blade.zeta])), load=none, velocity=none,
+        first=np.array([0, casing.omega.size, none.size]), names=("casing", "blade"), masses=(math.nan, math.nan),
+        Q=none[:0], clearance=fourier([]), S_nn=pruned(S_nn, noise), S_nt=pruned(S_nt, noise),
+        S_tt=pruned(S_tt, noise), table=table, radius=casing.radius, thickness=casing.thickness,
     )  # fmt: skip
+
+
+@remembered
+def _clearance(least: float, *terms: tuple[int, float, float]) -> Trig:
+    return fourier([(0, least, 0.0), *terms])
+
+
+@remembered
+def _compliances(casing: ModalBody) -> tuple[Trig, Trig, Trig]:
+    """S of a casing along normal and normal, normal and tangent, tangent and tangent, by the angle."""
+    N = casing.n_max
+    r, t = slice(0, 2 * N + 1), slice(2 * N + 1, None)
+    return quadratic(casing.S[r, r], N), quadratic(casing.S[r, t], N), quadratic(casing.S[t, t], N)
 
 
 def _given(values: Array | None, size: int) -> Array:

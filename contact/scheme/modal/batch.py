@@ -7,7 +7,7 @@ harmonics; a run's own numbers fill a column when it enters a lane.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from contact.record.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 
 if TYPE_CHECKING:
-    from contact.loop.batch.batch import BatchFreeFlight, BatchSamples, BatchState, BatchTerms
+    from contact.loop.batch.state import BatchFreeFlight, BatchSamples, BatchState, BatchTerms
     from contact.loop.modal.modal import ModalState
 
 WIDTH = 8
@@ -70,10 +70,7 @@ class Layout:
     def of(parts: Sequence[Terms]) -> Layout:
         """That of the runs' sums."""
         top, one = max(int(part.wave.max(initial=0)) for part in parts) + 1, parts[0]
-        alike = all(
-            np.array_equal(part.start, one.start) and np.array_equal(part.wave, one.wave)
-            and np.array_equal(part.value, one.value) for part in parts
-        )  # fmt: skip
+        alike = all(part is one or part.equals(one) for part in parts)
         keys = np.unique(np.concatenate([part.owner * top + part.wave for part in ([one] if alike else parts)]))
         has = np.zeros((one.sums, top), dtype=bool)
         has[keys // top, keys % top] = True
@@ -92,7 +89,7 @@ class Layout:
 
     def empty(self, one: Terms) -> BatchTerms:
         """Terms with the values that all runs have in common, or without any as yet."""
-        from contact.loop.batch.batch import BatchTerms
+        from contact.loop.batch.state import BatchTerms
 
         if not self.alike:
             return BatchTerms(self.row, self.start, self.wave, aligned(self.wave.size, WIDTH), np.zeros(0))
@@ -132,30 +129,43 @@ class Batch:
     events: Samples
     kept: BatchSamples
     rubs: bool
+    given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once
 
-    def advance(self) -> None:
-        """Step until a lane is at its end, has failed, or the room for events is used up."""
+    def advance(self) -> list[Samples]:
+        """Step until a lane is at its end, has failed, or the room for events is used up; events of each lane."""
+        from contact.jit.bundle import bundled
         from contact.loop.batch.batch import advance_batch
 
+        if not self.given:
+            self.given.extend(map(bundled, (self.lanes, self.flights, self.sums, self.events, self.kept)))
         self.sums.filled[:] = 0
-        advance_batch(
-            self.lanes, self.flights, self.sums, self.events, self.kept, self.rubs, BUDGET
-        )  # fmt: skip
+        lanes, flights, sums, events, kept = self.given
+        advance_batch(lanes, flights, sums, events, kept, self.rubs, BUDGET)
+        return self._events()
+
+    def _events(self) -> list[Samples]:
+        """Events of each lane in the last call; its contact is number 0 of its own run."""
+        out, n = self.events, int(self.sums.filled[2])
+        order = np.argsort(out.event_contact[:n], kind="stable")
+        ends = np.cumsum(np.bincount(out.event_contact[:n], minlength=WIDTH))[:-1]
+        parts = zip(*(np.split(values[:n][order], ends) for values in (out.event_kind, out.event_time)), strict=True)
+        none = np.zeros(n, dtype=np.int64)
+        return [out._replace(event_contact=none[: kind.size], event_kind=kind, event_time=when) for kind, when in parts]
 
     def load(self, k: int, job: Job) -> None:
         """Put a run at its start into lane k."""
-        rim, lanes = job.rim, self.lanes
+        rim, system, lanes = job.rim, job.run.system, self.lanes
         for name in OF_MODES:
             getattr(lanes, name)[:, k] = getattr(rim.state, name)
         for name, layout in self.layouts.items():
             layout.load(getattr(lanes, name), getattr(rim, name), k)
-        own = {name: getattr(rim.rows, name) for name in ("angle", "speed", "surface", "mu")} | {"h": job.run.dt}
-        own |= {"averaged": rim.averaged, "turns": rim.rows.S_turns, "away": 0.0}
+        own = {"angle": system.angle, "speed": system.speed, "surface": system.radius * system.speed, "mu": rim.mu}
+        own |= {"h": job.run.dt, "averaged": rim.averaged, "turns": system.compliance_turns, "away": 0.0}
         own |= {"live": 1, "step": 0, "end": job.steps, "retry": 0, "failed": 0}
         for name, value in own.items():
             getattr(lanes, name)[k] = value
-        lanes.memory[:, k], lanes.limits[:, k] = rim.state.memory, rim.rows.limits
-        lanes.reach[:, k] = rim.rows.reach[: len(lanes.reach)]
+        lanes.memory[:, k], lanes.limits[:, k] = rim.state.memory, rim.limits
+        lanes.reach[:, k] = rim.reach[: len(lanes.reach)]
         self._load_free_flight(k, job)
         for name in SUMS:
             getattr(self.sums, name)[k] = 0
@@ -176,25 +186,25 @@ class Batch:
         self.flights.taken[k] = 0
 
     def unload(self, k: int, job: Job, events: Samples) -> Samples:
-        """Write lane k's state and sums back into its run; what it stored, with its `events`."""
+        """Write lane k's state and sums back into its run; what it stored, views until the next load, with `events`."""
         rim, lanes, kept = job.rim, self.lanes, self.kept
         rim.state.q[:], rim.state.d[:], rim.state.memory[:] = lanes.q[:, k], lanes.d[:, k], lanes.memory[:, k]
-        rim.flight.taken[:], rim.rows.limits[:] = self.flights.taken[k], lanes.limits[:, k]
+        rim.flight.taken[:], rim.limits[:] = self.flights.taken[k], lanes.limits[:, k]
         for name in SUMS:
             getattr(job.run.sums, name)[0] = getattr(self.sums, name)[k]
         job.run.steps[0] = int(lanes.step[k])
         n, states = (int(value) for value in kept.filled[:, k])
         lanes.live[k], lanes.away[k], lanes.limits[:, k] = 0, AWAY, NONE
         return events._replace(
-            time=kept.time[:n, k].copy(), force=kept.force[:n, k, None].copy(), gap=kept.gap[:n, k, None].copy(),
-            impulse=kept.impulse[:n, k, None].copy(), state_time=kept.state_time[:states, k].copy(),
-            state=kept.state[:states, : job.run.size, k].copy(),
+            time=kept.time[:n, k], force=kept.force[:n, k, None], gap=kept.gap[:n, k, None],
+            impulse=kept.impulse[:n, k, None], state_time=kept.state_time[:states, k],
+            state=kept.state[:states, : job.run.size, k],
         )  # fmt: skip
 
 
 def batch(jobs: Sequence[Job]) -> Batch:
     """Empty lanes for runs of one number of modes."""
-    from contact.loop.batch.batch import BatchState
+    from contact.loop.batch.state import BatchState
 
     m = jobs[0].run.system.omega.size
     layouts = {name: Layout.of([getattr(job.rim, name) for job in jobs]) for name in TERMS}
@@ -220,7 +230,7 @@ def batch(jobs: Sequence[Job]) -> Batch:
         lanes=lanes, layouts=layouts, flights=_free_flights(jobs, m),
         sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
         events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs),
-        rubs=any(job.rim.rows.mu > 0.0 for job in jobs),
+        rubs=any(job.rim.mu > 0.0 for job in jobs),
     )  # fmt: skip
 
 
@@ -233,7 +243,7 @@ def _alike(states: Sequence[ModalState]) -> Array:
 
 
 def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
-    from contact.loop.batch.batch import BatchFreeFlight
+    from contact.loop.batch.state import BatchFreeFlight
 
     kinds = [job.rim.flight for job in jobs]
     bits, size = max(flight.powers.shape[0] for flight in kinds), max(flight.row.size for flight in kinds)
@@ -247,7 +257,7 @@ def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
 
 
 def _kept(jobs: Sequence[Job]) -> BatchSamples:
-    from contact.loop.batch.batch import BatchSamples
+    from contact.loop.batch.state import BatchSamples
 
     rows, size = max(job.steps // job.record.every + 1 for job in jobs), max(job.run.size for job in jobs)
     states = max(job.steps // job.record.state_every + 1 if job.record.state_every else 0 for job in jobs)

@@ -24,11 +24,10 @@ def whole(size: int) -> int:
 
 
 def widened(state: State, size: int, names: Sequence[str] = OF_MODES) -> State:
-    """The same with its arrays over the modes of this size, zero beyond them."""
-    found = {}
-    for name in names:
-        found[name] = aligned(size)
-        found[name][: state.q.size] = getattr(state, name)
+    """The same with its arrays over the modes of this size, whole blocks, zero beyond them."""
+    found = dict(zip(names, aligned(len(names), size), strict=True))
+    for name, values in found.items():
+        values[: state.q.size] = getattr(state, name)
     return state._replace(**found)  # type: ignore[no-any-return]
 
 

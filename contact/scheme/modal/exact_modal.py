@@ -22,14 +22,16 @@ import numpy as np
 
 from contact.base.arrays import Array, require_positive
 from contact.base.errors import InputError, LimitError
+from contact.base.remembered import remembered
 from contact.model.bodies.chain import Chain
 from contact.model.bodies.patch import Patch
 from contact.model.gaps.gap import PointGap, RotatingRim
-from contact.model.gaps.modal_system import ModalSystem, point_system, rim_system
+from contact.model.gaps.modal_system import ModalSystem, RowTable, point_system, rim_system
 from contact.model.gaps.rod_modes import chain_gap
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import rub_system
 from contact.model.law import Law
+from contact.model.trig import Trig
 from contact.scheme.modal.energy_stepper import energy_stepper
 from contact.scheme.modal.modal_stepper import modal_stepper
 from contact.scheme.modal.patch_stepper import patch_stepper
@@ -174,11 +176,13 @@ def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, 
 
     Raises LimitError where sliding friction turns H_d + S negative: the blade digs in and no force opens it.
     """
-    angle: Array = np.linspace(0.0, 2.0 * math.pi, ANGLES if system.table is not None else 1, endpoint=False)
     sign = math.copysign(mu, system.speed) if system.speed else 0.0
-    Q, T = (system.Q[None], system.Q[None]) if system.table is None else system.table.rows_at(angle)
-    H = np.sum(parts.c * Q * (Q - sign * T), axis=1)
-    S = system.S_nn.at(angle) - sign * system.S_nt.at(angle)
+    if system.table is None:
+        angle = np.zeros(1)
+        H, S = np.array([parts.c @ system.Q**2]), system.S_nn.at(angle)
+    else:
+        angle, along, across = _around(system.table, parts, system.S_nn, system.S_nt)
+        H, S = along - sign * across
     jammed = np.flatnonzero(H + S <= 0.0)
     if jammed.size:
         k = int(jammed[0])
@@ -189,6 +193,16 @@ def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, 
     rho = np.divide(np.abs(H), S, out=np.full(H.shape, math.inf), where=S > 0.0)
     k = int(rho.argmax())
     return float(H[k]), float(S[k]), float(rho[k])
+
+
+@remembered
+def _around(table: RowTable, parts: Propagator, S_nn: Trig, S_nt: Trig) -> tuple[Array, Array, Array]:
+    """Angles, and H_d and S there: along the normal, and what sliding takes of each, (2, angles) both."""
+    angle = np.linspace(0.0, 2.0 * math.pi, ANGLES, endpoint=False)
+    Q, T = table.rows_at(angle)
+    pushed = Q * parts.c
+    along, across = (np.einsum("ij,ij->i", pushed, rows) for rows in (Q, T))
+    return angle, np.array([along, S_nn.at(angle)]), np.array([across, S_nt.at(angle)])
 
 
 @singledispatch

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact.base.arrays import Array, readonly
+from contact.base.remembered import remembered
 from contact.model.gaps.modal_system import ModalSystem
 from contact.model.trig import Trig
 from contact.model.waves import Terms
@@ -39,6 +40,7 @@ def rim_free_flight(system: ModalSystem, parts: Propagator, normal: Terms, *, sk
     )  # fmt: skip
 
 
+@remembered
 def powers(al: Array, be: Array) -> Array:
     """Maps over 1, 2, 4, ... 2^(BITS-1) steps, (BITS, 4, m): entries 11, 12, 21, 22.
 
@@ -54,6 +56,7 @@ def powers(al: Array, be: Array) -> Array:
     return readonly(found)
 
 
+@remembered
 def least_clearance(clearance: Trig) -> Array:
     """A lower bound of the clearance in each cell of the contact angle, (CELLS,).
 
@@ -64,10 +67,16 @@ def least_clearance(clearance: Trig) -> Array:
     >>> round(float(floor.min()), 6), round(float(floor.max()), 6)
     (0.75, 1.249962)
     """
-    points = CELLS * POINTS
-    angle = 2.0 * np.pi * np.arange(points + 1) / points
-    n = clearance.harmonic[:, None]
-    values = clearance.cos @ np.cos(n * angle) + clearance.sin @ np.sin(n * angle)
+    cos, sin = _waves(tuple(clearance.harmonic.tolist()))
+    values = clearance.cos @ cos + clearance.sin @ sin
     bend = float(np.sum(clearance.harmonic**2 * np.hypot(clearance.cos, clearance.sin)))
     low = np.minimum(values[:-1], values[1:]).reshape(CELLS, POINTS).min(axis=1)
-    return readonly(low - bend * (2.0 * np.pi / points) ** 2 / 8.0)
+    return readonly(low - bend * (2.0 * np.pi / (CELLS * POINTS)) ** 2 / 8.0)
+
+
+@remembered
+def _waves(harmonics: tuple[int, ...]) -> tuple[Array, Array]:
+    """Cosines and sines at all points of all cells, (harmonics, points) each."""
+    points = CELLS * POINTS
+    phases = np.multiply.outer(harmonics, 2.0 * np.pi * np.arange(points + 1) / points)
+    return np.cos(phases), np.sin(phases)

@@ -23,7 +23,6 @@ from contact.scheme.protocol import Block, Motion, Notes
 if TYPE_CHECKING:
     from contact.loop.modal.free_flight import FreeFlight
     from contact.loop.modal.modal import ModalState
-    from contact.loop.modal.rim import RimRows
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -32,7 +31,9 @@ class RimRun:
 
     state: ModalState  # views of `wide`
     wide: ModalState  # in whole blocks of eight
-    rows: RimRows
+    mu: float
+    reach: Array  # how far each of the casing's modes moves the rim at most
+    limits: Array  # of `motion_limits`
     normal: Terms  # what the rows are sums of: Q, clearance, S_nn, S_nt and S_tt
     tangent: Terms
     flight: FreeFlight
@@ -64,7 +65,7 @@ class ModalRun:
     @property
     def size(self) -> int:
         """Modes, then, on a rim, the forces."""
-        return self.system.omega.size if self.rim is None else self.rim.rows.seen.size
+        return self.system.omega.size + (0 if self.rim is None else 2 if self.rim.mu > 0.0 else 1)
 
     @property
     def blocks(self) -> tuple[Block, ...]:
@@ -82,14 +83,19 @@ class ModalRun:
     @property
     def limits(self) -> Array | None:
         """Those of `motion_limits`; a fixed point has none."""
-        return None if self.rim is None else self.rim.rows.limits
+        return None if self.rim is None else self.rim.limits
+
+    @property
+    def overlap(self) -> float:
+        """How far the tip stands inside the rim now [m]; a fixed point's bodies never overlap."""
+        return 0.0 if self.rim is None else max(0.0, -float(self.rim.state.memory[0]))
 
     def notes(self) -> Notes:
         """How far the rim went; heat and drive of friction."""
         if self.rim is None:
             return Notes()
-        flags = wall_flags(float(self.rim.rows.limits[REACHED + RIM]), self.system.thickness)
-        if not self.rim.rows.mu > 0.0:
+        flags = wall_flags(float(self.rim.limits[REACHED + RIM]), self.system.thickness)
+        if not self.rim.mu > 0.0:
             return Notes(flags=flags)
         heat, drive = self.rim.state.memory[8:10]
         return Notes(flags=flags, heat=readonly([heat]), drive=readonly([drive]))

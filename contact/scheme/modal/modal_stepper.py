@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact.base.arrays import Array, aligned
+from contact.base.arrays import Array, aligned, readonly
+from contact.base.remembered import remembered
 from contact.model.gaps.limits import motion_limits
-from contact.model.gaps.modal_system import ModalSystem
+from contact.model.gaps.modal_system import ModalSystem, RowTable
 from contact.model.law import Abradable
 from contact.model.waves import Terms
 from contact.record.energy import Stored
@@ -42,14 +44,16 @@ def modal_stepper(
         loop = _point_loop(system, parts, averaged, damped)
     else:
         normal, tangent = system.sums()
-        rows, flight = rim_rows(system, mu, normal, tangent), rim_free_flight(system, parts, normal, skip=skip)
+        flight, limits = (
+            rim_free_flight(system, parts, normal, skip=skip), motion_limits(system.radius, system.thickness)
+        )  # fmt: skip
         wide = widened(state, padded(q.size))
         state = narrowed(wide, q.size)
         rim = RimRun(
-            state=state, wide=wide, rows=rows, normal=normal, tangent=tangent, flight=flight, averaged=averaged,
-            damped=damped,
+            state=state, wide=wide, mu=mu, reach=rim_reach(system.table, int(system.first[1])), limits=limits,
+            normal=normal, tangent=tangent, flight=flight, averaged=averaged, damped=damped,
         )  # fmt: skip
-        loop = _rim_loop(rim, parts.h, tracks)
+        loop = _rim_loop(rim, system, parts.h, tracks)
 
     def advance(sums: Tally, out: Samples, first: int, steps: int) -> int:
         return loop(state, sums, out, first, steps)
@@ -65,10 +69,12 @@ def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: in
     """Energy at t_n; lam^2 S/2 and what bends the coating count as residual."""
     phi = system.angle - system.speed * steps * parts.h
     force, pull = float(state.memory[2]), float(state.memory[3])
+    at_rest = 0.0 if tracks is None else tracks.elastic
+    if force == 0.0:
+        return parts.stored(state.q, state.d, np.zeros(state.q.size), at_rest, system.potential)
     Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q * 0.0)
     residual = 0.5 * force**2 * (system.S_nn(phi) - 2.0 * pull * system.S_nt(phi) + pull**2 * system.S_tt(phi))
-    residual += 0.0 if tracks is None else tracks.elastic
-    return parts.stored(state.q, state.d, (Q - pull * T) * force, residual, system.potential)
+    return parts.stored(state.q, state.d, (Q - pull * T) * force, residual + at_rest, system.potential)
 
 
 def _failure(state: ModalState) -> str:
@@ -86,6 +92,8 @@ def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalS
 
     def gap(steps: int, q: Array) -> float:
         phi = system.angle - system.speed * parts.h * steps
+        if not q.any():
+            return system.clearance(phi)
         rows = system.table.rows(phi)[0] if system.table is not None else system.Q
         return system.clearance(phi) + float(rows @ q)
 
@@ -112,16 +120,22 @@ def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: 
     return loop
 
 
-def _rim_loop(rim: RimRun, h: float, tracks: Tracks | None) -> Loop:
+def _rim_loop(rim: RimRun, system: ModalSystem, h: float, tracks: Tracks | None) -> Loop:
+    from contact.jit.bundle import bundled
     from contact.loop.modal.rim import advance_rim
 
-    Q, Q_next, T = aligned(3, rim.wide.q.size)
-    coating = bare() if tracks is None else tracks.tracks[0].coating
+    @cache
+    def given() -> tuple[Any, ...]:
+        """What the loop takes, made when it first runs: in lanes it never does."""
+        rows = rim_rows(system, rim.mu, rim.normal, rim.tangent, rim.limits)
+        coating = bare() if tracks is None else tracks.tracks[0].coating
+        return (*map(bundled, (rim.wide, rows, rim.flight, coating)), *aligned(3, rim.wide.q.size))
 
     def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
+        wide, rows, flight, coating, Q, Q_next, T = given()
         return advance_rim(
-            rim.wide, rim.rows, rim.flight, coating, Q, Q_next, T, rim.averaged, rim.damped, sums, out, h, first, steps
-        )
+            wide, rows, flight, coating, Q, Q_next, T, rim.averaged, rim.damped, sums, out, h, first, steps
+        )  # fmt: skip
 
     def watched(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
         assert tracks is not None
@@ -130,14 +144,14 @@ def _rim_loop(rim: RimRun, h: float, tracks: Tracks | None) -> Loop:
     return loop if tracks is None else watched
 
 
-def _reach(system: ModalSystem) -> Array:
-    """How far unit motion of each of the first body's modes moves the rim at most, (whole blocks,); zero for others."""
-    table, modes = system.table, int(system.first[1])
-    assert table is not None
-    owner = np.repeat(np.arange(system.omega.size), np.diff(table.start))
-    reach = np.bincount(owner, np.hypot(table.q_cos, table.q_sin), minlength=padded(system.omega.size))
+@remembered
+def rim_reach(table: RowTable, modes: int) -> Array:
+    """How far unit motion of each of the first `modes` moves the rim at most, (whole blocks,); zero for others."""
+    size = table.start.size - 1
+    owner = np.repeat(np.arange(size), np.diff(table.start))
+    reach = np.bincount(owner, np.hypot(table.q_cos, table.q_sin), minlength=padded(size))
     reach[modes:] = 0.0
-    return np.asarray(reach, dtype=float)
+    return readonly(reach)
 
 
 def padded(modes: int) -> int:
@@ -145,11 +159,12 @@ def padded(modes: int) -> int:
     return whole(modes + 4)
 
 
-def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms) -> RimRows:
-    """What the compiled loops need of a rim: its `sums()` in blocks, its speeds, work space."""
+def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms, limits: Array) -> RimRows:
+    """What the compiled loops need of a rim: its `sums()` in blocks, its speeds, limits, work space."""
     from contact.loop.modal.rim import RimRows
     from contact.loop.modal.rows import RowBlocks
 
+    assert system.table is not None
     m = system.omega.size
     count = whole(max(int(part.wave.max(initial=0)) for part in (normal, tangent)) // 2 + 1)
     blocks = np.zeros((2, padded(m), 2 * count))
@@ -157,8 +172,7 @@ def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms) -> R
         block[: part.sums] = part.full(2 * count)
     return RimRows(
         normal=RowBlocks(*row_blocks(blocks[0])), tangent=RowBlocks(*row_blocks(blocks[1])), modes=m,
-        reach=_reach(system), limits=motion_limits(system.radius, system.thickness),
-        S_turns=max(part.degree for part in (system.S_nn, system.S_nt, system.S_tt)) > 0, angle=system.angle,
-        speed=system.speed, surface=system.radius * system.speed, mu=mu, seen=np.zeros(m + (2 if mu > 0.0 else 1)),
-        waves=aligned(2, count), waves_next=aligned(2, count),
+        reach=rim_reach(system.table, int(system.first[1])), limits=limits, S_turns=system.compliance_turns,
+        angle=system.angle, speed=system.speed, surface=system.radius * system.speed, mu=mu,
+        seen=np.zeros(m + (2 if mu > 0.0 else 1)), waves=aligned(2, count), waves_next=aligned(2, count),
     )  # fmt: skip

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.base.arrays import Array, readonly
+from contact.base.remembered import remembered
 from contact.record.energy import Stored
 
 
@@ -66,6 +67,7 @@ def window(omega: Array, dt: float) -> float:
     return max(2.0 * math.pi / top, dt) if top > 0.0 else dt
 
 
+@remembered
 def propagator(omega: Array, zeta: Array, load: Array, h: float) -> Propagator:
     """Coefficients of the modes (omega [rad/s], zeta) under a constant load, for a step h [s].
 

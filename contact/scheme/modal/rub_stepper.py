@@ -110,6 +110,18 @@ class RubStepper:
         """Those of `motion_limits`."""
         return self.state.limits
 
+    @property
+    def overlap(self) -> float:
+        """How far a tip stands inside the rim at t = 0 at most [m]."""
+        rub, system, q = self.rub, self.system, self.system.displacement
+        gap = system.clearance - rub.closing.at(0.0) + [rub.profile(float(phi)) for phi in system.angle]
+        for w in rub.whirl:
+            gap += w.amplitude * np.cos(system.angle - math.radians(w.phase_deg))
+        for j, (begin, end) in enumerate(system.own if q.any() else ()):
+            row = system.rim.rows(int(system.line[j]) * system.directions, float(system.angle[j]))
+            gap[j] += row @ q[: row.size] + system.blade_rows[j * self.dimensions, : end - begin] @ q[begin:end]
+        return max(0.0, -float(gap.min()))
+
     def why(self) -> str:
         """Explain a failed step."""
         if not (np.isfinite(self.state.q).all() and np.isfinite(self.state.d).all()):

@@ -1,0 +1,42 @@
+"""Results of pure functions that are kept for the last few arguments: what the runs of a sweep have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
+KEPT = 16  # results of a function
+
+
+def remembered(function: Callable[P, R]) -> Callable[P, R]:
+    """Keep the last results of a pure function of frozen values, numbers and arrays, given by place.
+
+    Arrays and values that hold some are told apart by identity, numbers by value. Where an array can be written,
+    nothing is kept.
+
+    >>> import numpy as np
+    >>> calls, array = [], np.arange(3.0)
+    >>> total = remembered(lambda values, power: calls.append(power) or float(values.sum()) ** power)
+    >>> total(array, 2), total(array, 2), calls
+    (9.0, 9.0, [2, 2])
+    >>> array.setflags(write=False)
+    >>> total(array, 2), total(array, 2), total(array, 1), calls
+    (9.0, 9.0, 3.0, [2, 2, 2, 1])
+    """
+    kept: dict[tuple[object, ...], tuple[tuple[object, ...], R]] = {}
+
+    @wraps(function)
+    def found(*args: P.args, **kwargs: P.kwargs) -> R:
+        if kwargs or any(flags.writeable for flags in (getattr(value, "flags", None) for value in args) if flags):
+            return function(*args, **kwargs)
+        key = tuple(id(value) if hasattr(value, "flags") else value for value in args)
+        if key not in kept:
+            while len(kept) >= KEPT:
+                kept.pop(next(iter(kept)), None)
+            kept[key] = args, function(*args, **kwargs)  # with the arguments: as long as they live no other is them
+        return kept[key][1]
+
+    return found
