@@ -6,9 +6,10 @@ import pytest
 import contact as ct
 from contact.jit.compiled import jit_entry
 from contact.jit.vector import load, put
-from contact.loop.batch.batch import fill_lanes
+from contact.loop.batch.waves import fill_lanes
 from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
 from contact.loop.modal.rows import fill, rotate
+from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import NOISE, rim_system
 from contact.model.waves import Terms
 from contact.scheme.modal.batch import WIDTH, Layout
@@ -64,7 +65,7 @@ def test_eight_cosines_and_sines_to_round_off(largest):
 @pytest.mark.parametrize("imperfect", [0.0, 0.05])
 def test_blocks_of_a_rim_are_its_rows_its_clearance_and_its_compliance(imperfect):
     one = system(imperfect)
-    rows, m = rim_rows(one, 0.2, *one.sums()), one.omega.size
+    rows, m = rim_rows(one, 0.2, *one.sums(), motion_limits(0.0, 0.0)), one.omega.size
     found = np.zeros(8 * (rows.normal.start.size - 1))
     for phi in (0.0, 1.234, -7.5):
         turn_and_fill(rows.normal, rows.waves, phi, found)
@@ -102,7 +103,7 @@ def test_lanes_of_unlike_runs_hold_the_rows_of_each():
 def test_like_runs_share_their_coefficients():
     """In blocks of four rows, the last filled up with none."""
     systems = [system(0.05), system(0.05, cos=1e-4)]
-    parts = [one.table.normal for one in systems]
+    parts = [one.table.terms()[0] for one in systems]
     layout = Layout.of(parts)
     lanes, m, phi = layout.empty(parts[0]), systems[0].omega.size, 0.77
     assert layout.alike
@@ -124,6 +125,6 @@ def test_rows_with_the_same_waves_stand_together():
 
 def test_cosines_and_sines_below_the_noise_are_left_out():
     one = system(0.0)
-    found = one.table.normal
+    found = one.table.terms()[0]
     assert np.abs(found.value).min() > NOISE * np.abs(found.value).max()
     assert found.value.size == one.omega.size  # a mode of a perfect ring has one wave, a blade's mode too

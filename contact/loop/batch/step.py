@@ -1,0 +1,182 @@
+"""One step of eight rims: free motion, forces where a gap would close, what they push, and the sums of the ledger."""
+
+from __future__ import annotations
+
+import math
+
+from contact.base.arrays import Array
+from contact.jit.compiled import jit_inside
+from contact.jit.vector import WIDTH, below_zero, entry, larger, load, put, same
+from contact.loop.batch.state import (
+    DAMPING,
+    DRAG,
+    DRIVE,
+    FORCE,
+    FREE,
+    GAP,
+    H_,
+    HEAT,
+    N_T,
+    NORMAL,
+    PULL,
+    SCALE,
+    SLIDE,
+    SLIP,
+    STRAIN,
+    T_N,
+    T_T,
+    TANGENT,
+    TEST,
+    BatchState,
+)
+from contact.loop.batch.waves import fill_lanes
+from contact.loop.modal.free_flight import PAUSE
+from contact.model.gaps.limits import REACHED, TIP
+from contact.record.record import Tally
+from contact.solver.friction.one_contact import drag_ratio
+
+
+@jit_inside
+def coefficient(s: BatchState, alike: bool, k: int, values: Array, i: int) -> float:
+    """One of al, be, c, weight (k = 0 .. 3) of mode i, in every lane."""
+    found: float = same(entry(s.alike, k * s.q.shape[0] + i)) if alike else load(values, i * WIDTH)
+    return found
+
+
+@jit_inside
+def fly(s: BatchState, Q_next: Array, ahead: Array, old: Array, new: Array) -> bool:
+    """Free motion over a step into `new`, the rows ahead, and the gaps; whether one would close."""
+    fill_lanes(s.normal, ahead, Q_next)
+    alike = s.alike.size > 0
+    free = load(Q_next, s.q.shape[0] * WIDTH)
+    for i in range(s.q.shape[0]):
+        at = i * WIDTH
+        row, q = load(Q_next, at), load(s.q, at)
+        step = coefficient(s, alike, 0, s.al, i) * load(old, at) - coefficient(s, alike, 1, s.be, i) * q
+        put(new, at, step)
+        free = free + row * (q + step)
+    now, last, share = load(s.memory, 0), load(s.memory, WIDTH), load(s.averaged, 0)
+    mean = same(0.25) * (free + now + now + last)
+    test = share * mean + (same(1.0) - share) * free  # one of the two, to the bit
+    put(s.work, FREE * WIDTH, free)
+    put(s.work, TEST * WIDTH, test)
+    closes: bool = below_zero(test + load(s.away, 0))
+    return closes
+
+
+@jit_inside
+def touch(s: BatchState, Q: Array, Q_next: Array, waves: Array, new: Array, rubs: bool) -> None:
+    """Slip, Delassus numbers and forces of the lanes whose gap would close."""
+    nn, nt, tn, tt, slip, m = same(0.0), same(0.0), same(0.0), same(0.0), same(0.0), s.q.shape[0]
+    alike = s.alike.size > 0
+    if rubs:
+        fill_lanes(s.tangent, waves, s.T)
+    for i in range(s.q.shape[0]):
+        at = i * WIDTH
+        row, c = load(Q, at), coefficient(s, alike, 2, s.c, i)
+        ahead = load(Q_next, at)
+        nn = nn + ahead * c * row
+        if rubs:
+            along = load(s.T, at)
+            pull = along * c
+            nt, tn, tt, slip = nt + ahead * pull, tn + pull * row, tt + pull * along, slip + along * load(new, at)
+    put(s.work, H_ * WIDTH, nn)
+    put(s.work, N_T * WIDTH, nt)
+    put(s.work, T_N * WIDTH, tn)
+    put(s.work, T_T * WIDTH, tt)
+    put(s.work, SLIP * WIDTH, slip)
+    for k in range(s.step.size):
+        force, scale, pull, H, test = 0.0, 1.0, 0.0, 0.0, s.work[TEST, k]
+        if s.live[k] == 1 and not test >= 0.0:
+            share = 0.25 if s.averaged[k] == 1.0 else 1.0
+            S_nn, S_nt, S_tt = Q[m + 1, k], Q[m + 2, k], Q[m + 3, k]
+            if s.mu[k] > 0.0:
+                slide = s.work[SLIP, k] + s.h[k] * s.surface[k] - s.memory[STRAIN, k]
+                n, across = share * s.work[H_, k] + S_nn, share * s.work[N_T, k] + S_nt
+                along, t = s.work[T_N, k] + S_nt, s.work[T_T, k] + S_tt
+                pull = drag_ratio(n, across, along, t, test, slide, s.mu[k])
+                s.work[SLIDE, k] = slide
+            H = s.work[H_, k] - pull * s.work[N_T, k]
+            scale = share * H + S_nn - pull * S_nt
+            force = -test / scale if scale > 0.0 else math.nan
+            if not force >= 0.0:
+                s.failed[k], force, pull, scale, H = 1, 0.0, 0.0, 1.0, 0.0
+            s.retry[k] = max(s.retry[k], s.step[k] + PAUSE)
+        s.work[FORCE, k], s.work[PULL, k], s.work[DRAG, k] = force, pull, pull * force
+        s.work[H_, k], s.work[SCALE, k] = H, scale
+
+
+@jit_inside
+def move_lanes(s: BatchState, Q: Array, old: Array, new: Array, touching: bool, rubs: bool) -> None:
+    """Add the forces to D and D to q; what forces and damping do along D_n + D_{n+1}."""
+    normal, tangent, damping = same(0.0), same(0.0), same(0.0)
+    alike = s.alike.size > 0
+    force, drag = load(s.work, FORCE * WIDTH), load(s.work, DRAG * WIDTH)
+    for i in range(s.q.shape[0]):
+        at = i * WIDTH
+        step, before = load(new, at), load(old, at)
+        if touching:
+            row, c = load(Q, at), coefficient(s, alike, 2, s.c, i)
+            step = step + c * row * force
+            if rubs:
+                along = load(s.T, at)
+                step = step - c * along * drag
+                tangent = tangent + along * (before + step)
+            normal = normal + row * (before + step)
+            put(new, at, step)
+        damping = damping + coefficient(s, alike, 3, s.weight, i) * before * (before + step)
+        put(s.q, at, load(s.q, at) + step)
+    put(s.work, NORMAL * WIDTH, normal)
+    put(s.work, TANGENT * WIDTH, tangent)
+    put(s.work, DAMPING * WIDTH, damping)
+
+
+@jit_inside
+def add_up(s: BatchState, sums: Tally, Q: Array, Q_next: Array) -> bool:
+    """Sums of one step of every lane, and the gaps the next one needs; where no force is, it does no work.
+
+    Returns whether some tip has moved further against its rim than it may.
+    """
+    force, H = load(s.work, FORCE * WIDTH), load(s.work, H_ * WIDTH)
+    scale, pull = load(s.work, SCALE * WIDTH), load(s.work, PULL * WIDTH)
+    free, now, last, h = load(s.work, FREE * WIDTH), load(s.memory, 0), load(s.memory, WIDTH), load(s.h, 0)
+    m = s.q.shape[0]
+    half, drag = same(0.5), same(0.0) - pull * force
+    S_nn, S_nt, S_tt = load(Q, (m + 1) * WIDTH), load(Q, (m + 2) * WIDTH), load(Q, (m + 3) * WIDTH)
+    after = free + H * force
+    d_nn, d_nt, d_tt = (
+        S_nn - load(s.memory, 4 * WIDTH), S_nt - load(s.memory, 5 * WIDTH), S_tt - load(s.memory, 6 * WIDTH)
+    )  # fmt: skip
+    turned = force * (d_nn * force + d_nt * drag) + drag * (d_nt * force + d_tt * drag)
+    work = half * (force * (after - last) + turned * load(s.turns, 0))
+    strain, before = S_nt * force + S_tt * drag, load(s.memory, STRAIN * WIDTH)
+    soft = drag * (strain - before)
+    put(sums.work, 0, load(sums.work, 0) + (work - soft))
+    put(sums.rotation, 0, load(sums.rotation, 0) + (half * force * load(s.work, NORMAL * WIDTH) - work))
+    put(sums.friction, 0, load(sums.friction, 0) + (half * drag * load(s.work, TANGENT * WIDTH) + soft))
+    slip = load(s.work, SLIDE * WIDTH) + (load(s.work, T_N * WIDTH) + S_nt) * force
+    slip = slip + (load(s.work, T_T * WIDTH) + S_tt) * drag
+    put(s.memory, HEAT * WIDTH, load(s.memory, HEAT * WIDTH) - drag * slip)
+    put(s.memory, DRIVE * WIDTH, load(s.memory, DRIVE * WIDTH) - drag * h * load(s.surface, 0))
+    put(s.memory, STRAIN * WIDTH, strain)
+    put(sums.damping, 0, load(sums.damping, 0) - load(s.work, DAMPING * WIDTH))
+    impulse, none = load(sums.impulse, 0) + force * h, same(0.0)
+    put(sums.impulse, 0, impulse)
+    put(sums.peak, 0, larger(load(sums.peak, 0), force))
+    gap = load(s.work, TEST * WIDTH) + scale * force
+    put(s.work, GAP * WIDTH, gap)
+    put(sums.penetration, 0, larger(load(sums.penetration, 0), none - gap))
+    slack = larger(none - force * scale, none - gap)  # minus the lesser
+    put(sums.residual, 0, larger(load(sums.residual, 0), larger(slack, none - slack)))
+    put(s.memory, 0, after)
+    put(s.memory, WIDTH, now)
+    put(s.memory, 2 * WIDTH, force)
+    put(s.memory, 3 * WIDTH, pull)
+    put(s.memory, 4 * WIDTH, S_nn)
+    put(s.memory, 5 * WIDTH, S_nt)
+    put(s.memory, 6 * WIDTH, S_tt)
+    moved = after - load(Q_next, m * WIDTH)
+    reached = larger(load(s.limits, (REACHED + TIP) * WIDTH), larger(moved, none - moved))
+    put(s.limits, (REACHED + TIP) * WIDTH, reached)
+    far: bool = below_zero(load(s.limits, TIP * WIDTH) - reached)
+    return far
