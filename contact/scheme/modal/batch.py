@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices, aligned
+from contact.base.remembered import remembered
 from contact.model.waves import Terms
 from contact.record.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal.modal_run import ModalRun, RimRun
@@ -69,23 +70,7 @@ class Layout:
     @staticmethod
     def of(parts: Sequence[Terms]) -> Layout:
         """That of the runs' sums."""
-        top, one = max(int(part.wave.max(initial=0)) for part in parts) + 1, parts[0]
-        alike = all(part is one or part.equals(one) for part in parts)
-        keys = np.unique(np.concatenate([part.owner * top + part.wave for part in ([one] if alike else parts)]))
-        has = np.zeros((one.sums, top), dtype=bool)
-        has[keys // top, keys % top] = True
-        many = FOUR if alike else 1
-        blocks = _blocks(has, many)
-        row = np.full((len(blocks), many), one.sums, dtype=np.int64)  # where there is none: the row past the last
-        place, waves = np.zeros(has.shape, dtype=np.int64), [np.flatnonzero(has[block].any(axis=0)) for block in blocks]
-        start = np.concatenate(([0], np.cumsum([part.size for part in waves]))).astype(np.int64)
-        for b, (block, part) in enumerate(zip(blocks, waves, strict=True)):
-            place[block[:, None], part] = (start[b] + np.arange(part.size)) * many + np.arange(block.size)[:, None]
-            row[b, : block.size] = block
-        return Layout(
-            top=top, keys=keys, place=place[keys // top, keys % top], row=row.ravel() * WIDTH, start=start,
-            wave=np.concatenate(waves).astype(np.int64) * WIDTH, alike=alike,
-        )  # fmt: skip
+        return _layout(*{id(part): part for part in parts}.values())
 
     def empty(self, one: Terms) -> BatchTerms:
         """Terms with the values that all runs have in common, or without any as yet."""
@@ -103,6 +88,28 @@ class Layout:
             return
         lanes.value[:, k] = 0.0
         lanes.value[self.place[np.searchsorted(self.keys, own.owner * self.top + own.wave)], k] = own.value
+
+
+@remembered
+def _layout(*parts: Terms) -> Layout:
+    """That of different sums."""
+    top, one = max(int(part.wave.max(initial=0)) for part in parts) + 1, parts[0]
+    alike = all(part.equals(one) for part in parts[1:])
+    keys = np.unique(np.concatenate([part.owner * top + part.wave for part in ([one] if alike else parts)]))
+    has = np.zeros((one.sums, top), dtype=bool)
+    has[keys // top, keys % top] = True
+    many = FOUR if alike else 1
+    blocks = _blocks(has, many)
+    row = np.full((len(blocks), many), one.sums, dtype=np.int64)  # where there is none: the row past the last
+    place, waves = np.zeros(has.shape, dtype=np.int64), [np.flatnonzero(has[block].any(axis=0)) for block in blocks]
+    start = np.concatenate(([0], np.cumsum([part.size for part in waves]))).astype(np.int64)
+    for b, (block, part) in enumerate(zip(blocks, waves, strict=True)):
+        place[block[:, None], part] = (start[b] + np.arange(part.size)) * many + np.arange(block.size)[:, None]
+        row[b, : block.size] = block
+    return Layout(
+        top=top, keys=keys, place=place[keys // top, keys % top], row=row.ravel() * WIDTH, start=start,
+        wave=np.concatenate(waves).astype(np.int64) * WIDTH, alike=alike,
+    )  # fmt: skip
 
 
 def _blocks(has: NDArray[np.bool_], many: int) -> list[Indices]:

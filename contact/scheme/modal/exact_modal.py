@@ -130,7 +130,7 @@ class ExactModal:
         self._require_slow(system.omega, h)
         n_max = max([system.rim.n_max, *(p for p, _, _ in rub.profile.terms)])
         _require_slow_turn(n_max, rub.speed.fastest, h)
-        H, S, rho = rub_delassus(rub, parts, mu)
+        H, S, rho = rub_delassus(rub, system, parts, mu)
         averaged = self._averaged(H, S, rho)
         top = h * float(system.omega.max(initial=0.0))
         label = (

@@ -14,7 +14,7 @@ from contact.model.gaps.limits import REACHED, RIM, motion_limits, wall_flags
 from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_forces import force_at_start, plane_participation
-from contact.model.gaps.rub_system import RubSystem, rub_system
+from contact.model.gaps.rub_system import RubSystem
 from contact.model.law import Abradable
 from contact.model.trig import fourier, harmonics
 from contact.record.energy import Stored
@@ -278,26 +278,28 @@ def blade_delassus(system: RubSystem, parts: Propagator) -> Array:
     return np.ascontiguousarray((full * parts.c) @ full.T)
 
 
-def rub_delassus(rub: Rub, parts: Propagator, mu: float) -> tuple[float, float, float]:
+def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> tuple[float, float, float]:
     """Return H_d, S and rho = |H_d|/S where rho is largest over tips and angles, for each tip alone, sliding.
 
     Raises LimitError where sliding friction turns H_d + S negative: that tip digs in and no force opens it.
     """
-    system, tips = rub_system(rub, 2), np.arange(len(rub.tips))
-    fixed, m = blade_delassus(system, parts), int(system.first[1])
     fastest = rub.speed.hz[int(np.abs(rub.speed.hz).argmax())]
     pull = math.copysign(mu, fastest) if fastest else 0.0
-    turned = np.arange(ANGLES) * (2.0 * math.pi / ANGLES)
-    H, soft = np.zeros((2, ANGLES, tips.size))
-    for j in tips:
-        N, T, phi = 2 * j, 2 * j + 1, system.angle[j] - turned
-        Q, tangent = system.rim.rows(int(system.line[j]) * system.directions + np.arange(2), phi)
-        H[:, j] = (Q * (Q - pull * tangent)) @ parts.c[:m] + fixed[N, N] - pull * fixed[N, T]
-        soft[:, j] = system.still[N, N] - pull * system.still[N, T]
+    d, m = len(system.blade_rows) // system.contacts, int(system.first[1])
+    T = min(1, d - 1)  # without friction there is no tangent, and no pull
+    turned, j = np.arange(ANGLES) * (2.0 * math.pi / ANGLES), d * np.arange(system.contacts)
+    phi = system.angle - turned[:, None]
+    H, soft = (
+        np.tile(A[j, j] - pull * A[j, j + T], (ANGLES, 1)) for A in (blade_delassus(system, parts), system.still)
+    )
+    for line in np.unique(system.line):
+        here, block = np.flatnonzero(system.line == line), int(line) * system.directions
+        Q, along = (np.concatenate([system.rim.cos[b], system.rim.sin[b, 1:]]) for b in (block, block + 1))
+        H[:, here] += _at(system.rim.n_max, phi[:, here], (Q * parts.c[:m]) @ (Q - pull * along).T)
         if system.turns:
-            E = harmonics(system.S.shape[1] // 2, phi)
-            line, own = system.line[j], system.S[2 * system.line[j]]
-            soft[:, j] += np.sum(E @ (own[:, 2 * line] - pull * own[:, 2 * line + 1]) * E, axis=1)
+            own = system.S[d * line]
+            across = own[:, d * line] - pull * own[:, d * line + T]
+            soft[:, here] += _at(system.S.shape[1] // 2, phi[:, here], across)
     jams = np.argwhere(H + soft <= 0.0)
     if jams.size:
         i, j = jams[0]
@@ -309,6 +311,12 @@ def rub_delassus(rub: Rub, parts: Propagator, mu: float) -> tuple[float, float, 
     rho = np.divide(np.abs(H), soft, out=np.full_like(H, math.inf), where=soft > 0.0)
     worst = int(rho.argmax())
     return float(H.flat[worst]), float(soft.flat[worst]), float(rho.flat[worst])
+
+
+def _at(n_max: int, phi: Array, form: Array) -> Array:
+    """Quadratic form in the waves 1, cos .. cos N, sin .. sin N at many angles."""
+    E = harmonics(n_max, phi)
+    return np.asarray(np.sum(E @ form * E, axis=-1))
 
 
 def _flags(rub: Rub, system: RubSystem, tangential: float) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ import pytest
 
 import contact as ct
 from contact import recovery
+from contact.model.gaps.rub_system import rub_system
 from contact.model.trig import harmonics
 from contact.scheme.modal import rub_stepper
 from contact.scheme.modal.propagator import propagator
@@ -424,3 +425,22 @@ def test_bad_rubs_are_refused():
         ct.run(rub(speed=ct.Speed.constant(1.0)), law=ct.Coulomb(mu=50.0), t_end=0.1, dt=1e-5)
     with pytest.raises(ct.LimitError, match=r"omega_max dt = 4\.5"):
         ct.run(rub(), t_end=0.1, dt=5e-4)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.1])
+def test_the_stiffest_tip_and_angle_are_those_of_rows_and_compliances(mu):
+    """H_d, S and rho of one tip alone, by its rows at many angles, on two lines of a rim whose compliance turns."""
+    rub = ct.Rub(rim3(), (nodes(3),), tips(3), clearance=1e-4, speed=ct.Speed.constant(4.0))
+    system, d = rub_system(rub, rub.dimensions if mu else 1), rub.dimensions if mu else 1
+    parts = propagator(system.omega, system.zeta, system.load, 1e-5)
+    blade, worst = rub_stepper.blade_delassus(system, parts), (0.0, 0.0, 0.0)
+    for turned in np.arange(60) * (2.0 * np.pi / 60):
+        S = system.compliance(turned)
+        for j in range(3):
+            at = [int(system.line[j]) * system.directions + i for i in range(min(d, 2))]
+            Q = np.array([system.rim.rows(block, float(system.angle[j] - turned)) for block in at])
+            yields = (Q * parts.c[: Q.shape[1]]) @ Q[0] + blade[j * d : j * d + min(d, 2), j * d]
+            along = [float(A[0] - mu * (A[1] if mu else 0.0)) for A in (yields, S[j * d : j * d + 2, j * d])]
+            worst = max(worst, (abs(along[0]) / along[1], *along))
+    found = rub_stepper.rub_delassus(rub, system, parts, mu)
+    assert found == pytest.approx((worst[1], worst[2], worst[0]), rel=1e-12)
