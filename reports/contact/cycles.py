@@ -147,7 +147,7 @@ def left(family: Family, at: Orbit, periods: int, until: float = 1e-3) -> tuple[
     while len(away) < periods and away[-1] < until:
         x = period(x, tangent=False).x
         away.append(float(np.linalg.norm(x - at.x)) / size)
-    small = np.flatnonzero(np.array(away) < 1e-2 * max(away))
+    small = np.flatnonzero(np.array(away) < 1e-6)
     growth = math.exp(np.polyfit(small, np.log(np.array(away)[small]), 1)[0]) if small.size > 3 else math.nan
     return max(away) / BESIDE, growth
 

@@ -3,9 +3,9 @@
 `python -m reports.contact.random_orbits [--count 300] [--first 0] [--quick] [--out DIR]` takes bodies of three to six
 modes before one to three contacts: springs, residual compliance, rigid ones without and with rebound. A run of 2,000
 periods from rest shows on which motion it settles, after one to eight periods of the force; the orbit found there must
-be called stable. Its branch is followed over 15 % of the frequency, and a run beside every orbit whose multiplier is
-beyond 1.02 must leave it: by a thousand times the 1e-10 of the state where it begins. Runs that are on no such motion,
-and branches that are refused, are counted and named.
+be called stable. Its branch is followed over 30 % of the frequency, to 60 orbits at most, and a run beside every orbit
+whose multiplier is beyond 1.02 must leave it: by a thousand times the 1e-10 of the state where it begins. Runs that are
+on no such motion, and branches that are refused, are counted and named.
 """
 
 import math
@@ -17,7 +17,9 @@ import numpy as np
 
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from contact.growth.cycles import DrivenBody, Orbit
+from contact.growth.cycles import Branch, DrivenBody, Orbit
+from contact.growth.cycles.branch import begun, followed
+from contact.growth.cycles.course import Course, Tangent
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.shooting import map_of, settled
 from reports.contact.cycles import left
@@ -61,6 +63,14 @@ def reached(family: Family, value: float) -> Orbit | None:
     return None
 
 
+def branch(family: Family, first: Orbit) -> Branch:
+    """The branch of an orbit up the frequency, where it ends, or 60 orbits."""
+    size = 1e-3 * float(np.linalg.norm(first.x))
+    course = Course(family=family, low=first.value, high=1.3 * first.value, size=size)
+    way = begun(course, first, Tangent(np.zeros_like(first.x), 1.0), 0.05)
+    return followed(course, way, longest=0.05, most=60)
+
+
 def agreed(seed: int) -> Row:
     """What runs and multipliers say of one body."""
     family = random_body(seed).over("freq_hz", freq_hz=0.3)
@@ -72,10 +82,9 @@ def agreed(seed: int) -> Row:
         if first is None:
             return row
         row |= {"periods": first.periods, "stable": first.stable, "failed": int(not first.stable)}
-        found = ct.growth.cycles.follow(family, (value, 1.15 * value), first=first, longest=0.05, most=60)
+        points = branch(family, first).points
     except ct.NumericsError as error:
         return row | {"refused": str(error)}
-    points = [point for branch in found.branches for point in branch.points]
     beyond = [point for point in points if point.multiplier > 1.02]
     kept = [point for point in beyond if left(family, point, 600, until=1e-6)[0] < 1e3]
     for point in [*([] if first.stable else [first]), *kept]:
@@ -90,9 +99,9 @@ def main(out: Path, quick: bool = False, count: int = 300, first: int = 0) -> li
     """Print how often they agree, kind by kind; write a row for each body."""
     rows: list[Row] = []
     for seed in range(first, first + (min(count, 12) if quick else count)):
-        begun = time.process_time()
+        started = time.process_time()
         rows.append(agreed(seed))
-        rows[-1]["seconds"] = time.process_time() - begun
+        rows[-1]["seconds"] = time.process_time() - started
     table: list[Row] = []
     for kind in KINDS:
         mine = [row for row in rows if row["kind"] == kind]

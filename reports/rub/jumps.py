@@ -130,7 +130,8 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     closed = replace(worn, clearance=worn.clearance - CLOSES)
     family = replace(family, rim=closed)
     found = ct.growth.cycles.follow(family, BETWEEN, longest=0.1 if quick else 0.05, most=300)
-    print(f"\n{found!r}")
+    force = max(float(point.force[0]) for part in found.branches for point in part.points)
+    print(f"\n{found!r}\nlargest force {force:.0f} N: what is beyond the yield force would wear the coating on")
     rate, dt = (0.25, 4e-6) if quick else (0.1, 2e-6)
     first, last = found.branches[0].points[0], found.branches[-1].points[-1]
     up, down = ramp(closed, first, BETWEEN[1], rate, dt), ramp(closed, last, BETWEEN[0], rate, dt)

@@ -16,7 +16,8 @@ from contact.growth.cycles.result import Branch
 from contact.growth.cycles.shooting import Orbit
 from contact.io.stored import StoredError, load_value, save_value
 
-EVERY = 2.0  # s between two writings, at least, and twenty times what one takes
+EVERY = 2.0  # s between two writings, at least
+SHARE = 20.0  # times what a writing takes, likewise
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -59,7 +60,7 @@ class Checkpoint:
             return
         begun = time.monotonic()
         save_value(self.path, Found(asked=self.found.asked, done=tuple(done), way=way))
-        self._due = time.monotonic() + max(EVERY, 20.0 * (time.monotonic() - begun))
+        self._due = time.monotonic() + max(EVERY, SHARE * (time.monotonic() - begun))
 
 
 def digest(family: Family, between: tuple[float, float], first: Orbit | None, *how: float) -> str:

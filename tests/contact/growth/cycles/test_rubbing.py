@@ -230,7 +230,9 @@ clearance = [1.8e-5, 1.2e-5]
 at = 1.5e-5
 starts = 2
 seed = 5
-settle = 60
+settle = 30
+[continuation]
+longest_step = 0.2
 """
 
 
@@ -255,5 +257,44 @@ def test_a_scene_of_a_disk_is_followed_over_its_clearance(tmp_path):
         ("compliance = 1e-5", "complance = 1e-5", "disk.complance: unknown key"),
     ):
         file.write_text(VARIED.replace(old, new))
+        with pytest.raises(ct.scene.SceneError, match=words):
+            ct.scene.load_cycles(file)
+
+
+BLADES = """
+[scene]
+kind = "rub"
+[casing]
+basis = "casing.npz"
+[[blade]]
+basis = "blade.npz"
+count = 3
+lean_deg = 10.0
+[contact]
+clearance = 5e-6
+friction = 0.1
+out_of_roundness = [{p = 3, cos = 2e-5}]
+[[whirl]]
+amplitude = 2e-6
+[speed]
+from_hz = 22.0
+to_hz = 24.0
+"""
+
+
+def test_a_scene_of_blades_is_read_and_what_is_not_taken_is_named(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(BLADES)
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    family = ct.scene.load_cycles(file).family
+    assert (len(family.rub.tips), family.mu, family.stiffness) == (3, 0.1, math.inf)
+    assert family.at(22.0)[1] == pytest.approx(1.0 / 22.0)  # whirl passes once a turn
+    for old, new, words in (
+        ("amplitude = 2e-6", "amplitude = 2e-6\nhz = 3.0", "whirl: found one, .* long runs"),
+        ("lean_deg = 10.0", "lean_deg = 10.0\nstiffening = true", "K_omega"),
+        ("[speed]", "[closing]\nby = 1e-5\n[speed]", "closing: unknown key"),
+    ):
+        file.write_text(BLADES.replace(old, new))
         with pytest.raises(ct.scene.SceneError, match=words):
             ct.scene.load_cycles(file)
