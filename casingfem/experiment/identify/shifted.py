@@ -13,20 +13,28 @@ from typing import NamedTuple
 
 import numpy as np
 
+from casingfem.experiment.identify.cluster_modes import (
+    ClusterModes,
+    fit_again,
+    fit_apart,
+    joined,
+    leaking,
+    only_peaks,
+    read,
+    read_all,
+)
 from casingfem.experiment.identify.clusters import Cluster, clusters
-from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks, Setups, apart, linked
-from casingfem.experiment.identify.places import places
+from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks, Setups, linked
 from casingfem.experiment.identify.pole_window import Window
-from casingfem.experiment.identify.setups import find_setups, matched, matching_sigma
+from casingfem.experiment.identify.setups import find_setups, matching_sigma
 from casingfem.io.arrays import FloatArray, IntArray
 
-MOST, FEWER = 14, 3  # modes that a cluster is taken for; from so many fewer on than were found before
 MOST_LINES = 1000  # that a cluster is fitted to last
 PASSES, POLISHES = 3, 3  # of finding modes, and of fitting them beside what their neighbours then are
 FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say whether peaks are shifted at all
 CLUSTERS = 12  # that tell which channels are one set-up, at most
 ALIVE = 2.0  # rms of a channel over its noise
-DAMPED, WIDER = 5.0, 2.0  # times the usual damping, and that of the highest peak, beyond which a mode is no peak
+DAMPED = 5.0  # times the usual damping, beyond which a mode is no peak
 
 
 class Shifted(NamedTuple):
@@ -98,19 +106,20 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
     for again in range(PASSES):
         if again:
             leak = step if _leaks([_both(c, setups, step) for c in clusters(whole, modes, setups)]) else 0.0
-        found = [_leaking(c, leak) for c in (clusters(replace(whole, leak=leak), modes, setups) if again else common)]
-        own = _read_all(found, setups, damped, shift)
+        found = [leaking(c, leak) for c in (clusters(replace(whole, leak=leak), modes, setups) if again else common)]
+        own = read_all(found, setups, damped, shift)
         merged = find_setups([each.own for each in own], np.ones(len(setups), bool))
         if len(merged) < len(setups):
             setups = [np.sort(np.concatenate([setups[k] for k in group])) for group in merged]
-            own = _read_all(found, setups, damped, shift)
+            own = read_all(found, setups, damped, shift)
         if not own:
             return _unshifted(common, modes, step, 0.0)
-        shift, modes = scatter([each.own for each in own]), _joined(own)
+        shift, modes = scatter([each.own for each in own]), joined(own)
     for _ in range(POLISHES):
         last = [_polished(c, setups, damped) for c in clusters(replace(whole, leak=leak), modes, setups, MOST_LINES)]
-        modes = _joined(last)
-    matching = np.concatenate([matching_sigma(each.free, setups, shift) for each in last], axis=1)
+        modes = joined(last)
+    free = [fit_apart(each.cluster, setups, each.own.freq, each.own.zeta[:, 0]) for each in last]
+    matching = np.concatenate([matching_sigma(own, setups, shift) for own in free], axis=1)
     return Shifted(
         modes=modes,
         variance=np.concatenate([each.own.variance for each in last]),
@@ -123,15 +132,14 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
     )
 
 
-def _polished(c: Cluster, setups: Setups, damped: float) -> _Read:
+def _polished(c: Cluster, setups: Setups, damped: float) -> ClusterModes:
     """The modes of a cluster on more of its lines."""
-    own = _only_peaks(c, setups, _again(c, setups, c.modes.freq, c.modes.zeta), damped)
-    return _Read(c, own, _fit(c, setups, own.freq, own.zeta[:, 0]))
+    return ClusterModes(c, only_peaks(c, setups, fit_again(c, setups, c.modes.freq, c.modes.zeta), damped))
 
 
 def _unshifted(common: Sequence[Cluster], modes: Modes, step: float, evidence: float) -> Shifted:
     """The common poles, and whether a window leaks over the step of the lines [Hz]."""
-    gains = [[_fit_common(_leaking(c, by)).squares for by in (0.0, step)] for c in common]
+    gains = [[_fit_common(leaking(c, by)).squares for by in (0.0, step)] for c in common]
     nothing, all_of_them = np.zeros(len(modes.zeta)), np.arange(modes.residues.shape[1])
     leak = step if _leaks(gains) else 0.0
     return Shifted(modes, nothing[:, None], nothing, nothing, [all_of_them], leak, 0.0, evidence)
@@ -159,7 +167,7 @@ def _alone(common: Sequence[Cluster], channels: IntArray, damped: float, step: f
         c = c._replace(window=window, modes=c.modes._replace(residues=c.modes.residues[:, channels]))
         if (own := read(c, single, damped, 0.0)) is not None:
             freq, zeta = own.freq, np.median(own.zeta, axis=1)
-            leaked, own = _again(_leaking(c, step), single, freq, zeta), _again(c, single, freq, zeta)
+            leaked, own = fit_again(leaking(c, step), single, freq, zeta), fit_again(c, single, freq, zeta)
             found.append((c, own, leaked))
     leak = step if _leaks([[plain.squares, leaked.squares] for _, plain, leaked in found]) else 0.0
     evidence = [_evidence(c, leaked if leak else plain, len(single)) for c, plain, leaked in found]
@@ -198,106 +206,6 @@ def scatter(own: Sequence[OwnPeaks]) -> float:
     return float(np.median(np.concatenate([np.log(o.freq).std(axis=1, ddof=min(1, o.freq.shape[1] - 1)) for o in own])))
 
 
-def _again(c: Cluster, setups: Setups, freq: FloatArray, zeta: FloatArray) -> OwnPeaks:
-    """Modes matched as they are, damping in common."""
-    return linked(c.window, setups, freq, zeta, c.noise, c.span)
-
-
-def _linked(c: Cluster, setups: Setups, own: OwnPeaks, shift: float) -> OwnPeaks:
-    """The modes of all set-ups put together, damping in common."""
-    return _in_common(c, setups, matched(own, setups, shift))
-
-
-def _in_common(c: Cluster, setups: Setups, own: OwnPeaks) -> OwnPeaks:
-    """Matched modes with the mean of their damping as a start."""
-    weight = 1.0 / (own.zeta_variance + 1e-4)
-    zeta = np.exp((weight * np.log(own.zeta)).sum(axis=1) / weight.sum(axis=1))
-    return _again(c, setups, own.freq, zeta)
-
-
 def _both(c: Cluster, setups: Setups, step: float) -> list[float]:
     """Squares that the modes of a cluster leave without and with leakage over a step [Hz]."""
-    return [_again(_leaking(c, by), setups, c.modes.freq, c.modes.zeta).squares for by in (0.0, step)]
-
-
-def _leaking(c: Cluster, leak: float) -> Cluster:
-    return c._replace(window=replace(c.window, leak=leak))
-
-
-def _joined(own: Sequence[_Read]) -> Modes:
-    """The modes of all clusters, residues in the units of the data."""
-    residues = [o.residues / c.window.weight / c.window.scale**c.window.power for c, o, _ in own]
-    return Modes(
-        np.concatenate([each.own.freq for each in own]),
-        np.concatenate([each.own.zeta[:, 0] for each in own]),
-        np.concatenate(residues),
-    )
-
-
-def read(cluster: Cluster, setups: Setups, damped: float, shift: float) -> OwnPeaks | None:
-    """As many modes with own frequencies as the data prefer, none more `damped` than that; None where none is.
-
-    Damping is common to the set-ups or their own, as the data prefer.
-    """
-    best, least, misses, damped = None, np.inf, 0, _most_damped(cluster, damped)
-    f, z = cluster.modes.freq.mean(axis=1), np.minimum(cluster.modes.zeta, damped)
-    known = cluster.modes.freq.shape[1] > 1  # poles of one set-up are more than there are modes
-    starts = places(cluster.window, setups, f, z, min(MOST, len(f) + 1), cluster.span)
-    for start in starts[max(len(f) - FEWER, 0) if known else 0 :]:
-        zeta = z[np.abs(start.mean(axis=1)[:, None] - f).argmin(axis=1)]
-        tried = [_fit(cluster, setups, start, zeta)]
-        if len(setups) > 1:
-            tried.append(_linked(cluster, setups, tried[0], shift))
-        if cluster.modes.freq.shape == start.shape:
-            tried.append(_again(cluster, setups, cluster.modes.freq, z))
-        poles = [2 * len(setups), *[len(setups) + 1] * 2]
-        costs = [cluster.cost(own.squares, len(start), each) for own, each in zip(tried, poles, strict=False)]
-        own, cost = tried[int(np.argmin(costs))], min(costs)
-        if cost < least and _peaks_inside(own, cluster.span, damped):
-            best, least, misses = own, cost, 0
-        elif misses and best is not None:
-            break
-        else:
-            misses += 1
-    return best
-
-
-class _Read(NamedTuple):
-    """A cluster, its modes with damping in common, and with damping of their own in each set-up."""
-
-    cluster: Cluster
-    own: OwnPeaks
-    free: OwnPeaks
-
-
-def _read_all(found: Sequence[Cluster], setups: Setups, damped: float, shift: float) -> list[_Read]:
-    """Clusters with the modes of all set-ups matched, damping in common; those that hold none are left out."""
-    read_ones = []
-    for c in found:
-        if (own := read(c, setups, damped, shift)) is not None:
-            free = matched(_fit(c, setups, own.freq, np.median(own.zeta, axis=1)), setups, shift)
-            read_ones.append(_Read(c, _only_peaks(c, setups, _in_common(c, setups, free), damped), free))
-    return read_ones
-
-
-def _most_damped(c: Cluster, damped: float) -> float:
-    """Damping ratio beyond which a mode of a cluster is no peak: where its highest is wide, others may be."""
-    peaks = np.linalg.norm(c.modes.residues, axis=1) / c.modes.zeta
-    return max(damped, WIDER * float(c.modes.zeta[peaks.argmax()]))
-
-
-def _only_peaks(c: Cluster, setups: Setups, own: OwnPeaks, damped: float) -> OwnPeaks:
-    """Modes fitted again without those that have run away: out of the span in most set-ups, or too damped."""
-    inside = (own.freq > c.span[0]) & (own.freq < c.span[1])
-    kept = (inside.mean(axis=1) > 0.5) & (own.zeta[:, 0] < _most_damped(c, damped))
-    return _again(c, setups, own.freq[kept], own.zeta[kept, 0]) if 0 < kept.sum() < len(kept) else own
-
-
-def _peaks_inside(own: OwnPeaks, span: tuple[float, float], most: float) -> bool:
-    """Whether every mode is a peak within the span in most set-ups, no more damped than that."""
-    inside = (own.freq > span[0]) & (own.freq < span[1])
-    return bool((inside.mean(axis=1) > 0.5).all() and (np.median(own.zeta, axis=1) < most).all())
-
-
-def _fit(cluster: Cluster, setups: Setups, freq: FloatArray, zeta: FloatArray) -> OwnPeaks:
-    return apart(cluster.window, setups, freq, zeta, cluster.noise, cluster.span)
+    return [fit_again(leaking(c, by), setups, c.modes.freq, c.modes.zeta).squares for by in (0.0, step)]

@@ -145,6 +145,12 @@ def test_bad_input_ends_with_2(frfs, tmp_path, name, text, words):
     assert words in result.stderr
 
 
+def test_a_window_without_a_time_constant_ends_with_2(frfs, tmp_path):
+    result = invoke(frfs.save(tmp_path / "frfs.npz"), "--exponential", "0")
+    assert result.exit_code == 2
+    assert "exponential_window_s 0.0" in result.stderr
+
+
 def test_a_missing_extra_is_named(frfs, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "sdypy.EMA", None)
     result = invoke(frfs.save(tmp_path / "frfs.npz"))

@@ -1,0 +1,119 @@
+"""Modes of one cluster: how many, each with a frequency of its own in every set-up, damping in common."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.experiment.identify.clusters import Cluster
+from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks, Setups, apart, linked
+from casingfem.experiment.identify.places import places
+from casingfem.experiment.identify.setups import matched
+from casingfem.io.arrays import FloatArray
+
+MOST, FEWER = 14, 3  # modes that a cluster is taken for; from so many fewer on than were found before
+WIDER = 2.0  # times the damping of the highest peak: others of the cluster may have that
+
+
+class ClusterModes(NamedTuple):
+    """A cluster and its modes, with damping in common."""
+
+    cluster: Cluster
+    own: OwnPeaks
+
+
+def read(cluster: Cluster, setups: Setups, damped: float, shift: float) -> OwnPeaks | None:
+    """As many modes with own frequencies as the data prefer, none more `damped` than that; None where none is.
+
+    Damping is common to the set-ups or their own, as the data prefer.
+    """
+    best, least, misses, damped = None, np.inf, 0, _most_damped(cluster, damped)
+    f, z = cluster.modes.freq.mean(axis=1), np.minimum(cluster.modes.zeta, damped)
+    known = cluster.modes.freq.shape[1] > 1  # poles of one set-up are more than there are modes
+    starts = places(cluster.window, setups, f, z, min(MOST, len(f) + 1), cluster.span)
+    for start in starts[max(len(f) - FEWER, 0) if known else 0 :]:
+        zeta = z[np.abs(start.mean(axis=1)[:, None] - f).argmin(axis=1)]
+        tried = [fit_apart(cluster, setups, start, zeta)]
+        if len(setups) > 1:
+            tried.append(_linked(cluster, setups, tried[0], shift))
+        if cluster.modes.freq.shape == start.shape:
+            tried.append(fit_again(cluster, setups, cluster.modes.freq, z))
+        poles = [2 * len(setups), *[len(setups) + 1] * 2]
+        costs = [cluster.cost(own.squares, len(start), each) for own, each in zip(tried, poles, strict=False)]
+        own, cost = tried[int(np.argmin(costs))], min(costs)
+        if cost < least and _peaks_inside(own, cluster.span, damped):
+            best, least, misses = own, cost, 0
+        elif misses and best is not None:
+            break
+        else:
+            misses += 1
+    return best
+
+
+def read_all(found: Sequence[Cluster], setups: Setups, damped: float, shift: float) -> list[ClusterModes]:
+    """Clusters with the modes of all set-ups matched, damping in common; those that hold none are left out."""
+    read_ones = []
+    for c in found:
+        if (own := read(c, setups, damped, shift)) is not None:
+            free = matched(fit_apart(c, setups, own.freq, np.median(own.zeta, axis=1)), setups, shift)
+            read_ones.append(ClusterModes(c, only_peaks(c, setups, _in_common(c, setups, free), damped)))
+    return read_ones
+
+
+def only_peaks(c: Cluster, setups: Setups, own: OwnPeaks, damped: float) -> OwnPeaks:
+    """Modes fitted again without those that have run away: out of the span in most set-ups, or too damped."""
+    inside = (own.freq > c.span[0]) & (own.freq < c.span[1])
+    kept = (inside.mean(axis=1) > 0.5) & (own.zeta[:, 0] < _most_damped(c, damped))
+    return fit_again(c, setups, own.freq[kept], own.zeta[kept, 0]) if 0 < kept.sum() < len(kept) else own
+
+
+def _most_damped(c: Cluster, damped: float) -> float:
+    """Damping ratio beyond which a mode of a cluster is no peak: where its highest is wide, others may be."""
+    peaks = np.linalg.norm(c.modes.residues, axis=1) / c.modes.zeta
+    return max(damped, WIDER * float(c.modes.zeta[peaks.argmax()]))
+
+
+def _peaks_inside(own: OwnPeaks, span: tuple[float, float], most: float) -> bool:
+    """Whether every mode is a peak within the span in most set-ups, no more damped than that."""
+    inside = (own.freq > span[0]) & (own.freq < span[1])
+    return bool((inside.mean(axis=1) > 0.5).all() and (np.median(own.zeta, axis=1) < most).all())
+
+
+def fit_apart(cluster: Cluster, setups: Setups, freq: FloatArray, zeta: FloatArray) -> OwnPeaks:
+    """Modes of each set-up by itself, from a start (modes, setups), (modes,)."""
+    return apart(cluster.window, setups, freq, zeta, cluster.noise, cluster.span)
+
+
+def fit_again(c: Cluster, setups: Setups, freq: FloatArray, zeta: FloatArray) -> OwnPeaks:
+    """Modes matched as they are, damping in common."""
+    return linked(c.window, setups, freq, zeta, c.noise, c.span)
+
+
+def _linked(c: Cluster, setups: Setups, own: OwnPeaks, shift: float) -> OwnPeaks:
+    """The modes of all set-ups put together, damping in common."""
+    return _in_common(c, setups, matched(own, setups, shift))
+
+
+def _in_common(c: Cluster, setups: Setups, own: OwnPeaks) -> OwnPeaks:
+    """Matched modes with the mean of their damping as a start."""
+    weight = 1.0 / (own.zeta_variance + 1e-4)
+    zeta = np.exp((weight * np.log(own.zeta)).sum(axis=1) / weight.sum(axis=1))
+    return fit_again(c, setups, own.freq, zeta)
+
+
+def leaking(c: Cluster, leak: float) -> Cluster:
+    """The cluster with leakage over lines so far [Hz] apart, 0 where nothing leaks."""
+    return c._replace(window=replace(c.window, leak=leak))
+
+
+def joined(own: Sequence[ClusterModes]) -> Modes:
+    """The modes of all clusters, residues in the units of the data."""
+    residues = [o.residues / c.window.weight / c.window.scale**c.window.power for c, o in own]
+    return Modes(
+        np.concatenate([each.own.freq for each in own]),
+        np.concatenate([each.own.zeta[:, 0] for each in own]),
+        np.concatenate(residues),
+    )
