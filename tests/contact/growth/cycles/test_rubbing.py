@@ -93,12 +93,24 @@ def test_a_fixed_offset_is_a_wave_of_one_lobe():
     offset = ct.gaps.Whirl(amplitude=5e-6, phase_deg=math.degrees(math.atan2(-4e-6, 3e-6)))
     none = ct.gaps.RimProfile()
     lobed, moved = two_blades(profile=ct.gaps.RimProfile.fourier(waves)), two_blades(profile=none, whirl=(offset,))
-    drives = [ct.growth.cycles.RimFamily(rim=rub).at(-7.0)[0].drive for rub in (lobed, moved)]
+    motions = [ct.growth.cycles.RimFamily(rim=rub).at(-7.0)[0] for rub in (lobed, moved)]
+    drives, time = [motion.drive for motion in motions], 0.013
+    passing = [lobed.profile(math.radians(angle) + 2.0 * math.pi * 7.0 * time) for angle in (20.0, 150.0)]
+    assert drives[0].c.at(motions[0].angle(time)) == pytest.approx(2e-6 + np.array(passing), rel=1e-12)
     assert drives[1].c.wave == pytest.approx(drives[0].c.wave, abs=1e-18)
     eccentric = two_blades(profile=none, whirl=(ct.gaps.Whirl(amplitude=5e-6, per_rev=-1.0),))
     still = ct.growth.cycles.RimFamily(rim=eccentric).at(5.0)[0].drive
     assert np.abs(still.c.wave).max() == 0.0
     assert still.c.rest == pytest.approx(2e-6 + 5e-6 * np.cos(np.radians([20.0, 150.0])), rel=1e-12)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_tip_gives_way_by_its_own_compliance_under_force_and_friction(sense):
+    S, mu, lean = np.array([[2e-8, 5e-9], [5e-9, 6e-8]]), 0.3, math.radians(10.0)
+    motion, _ = ct.growth.cycles.RimFamily(rim=two_blades(), mu=mu).at(5.0 * sense)
+    normal, tangent = np.array([math.cos(lean), math.sin(lean)]), np.array([-math.sin(lean), math.cos(lean)])
+    assert motion.plant.E[1:3, 0] == pytest.approx(-S @ (normal - mu * sense * tangent), rel=1e-12)
+    assert not motion.plant.E[4:6, 0].any()  # the other blade's
 
 
 def test_a_worn_coating_is_felt_by_the_mean_over_the_tips_land():
