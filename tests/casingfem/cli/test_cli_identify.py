@@ -71,6 +71,7 @@ def test_npz_with_angles_and_a_band(frfs, tmp_path):
     assert [mode["n"] for mode in json.loads(result.stdout)["modes"]] == [3, 3]
 
 
+@pytest.mark.slow
 def test_a_table_of_sensors_places_the_shapes(frfs, tmp_path):
     path, sensors = frfs.save(tmp_path / "frfs.npz"), tmp_path / "sensors.csv"
     rows = (f"{k + 1},{np.degrees(a)},0.5,0.2\n" for k, a in enumerate(THETA))
@@ -80,6 +81,7 @@ def test_a_table_of_sensors_places_the_shapes(frfs, tmp_path):
     np.testing.assert_allclose(places, np.column_stack([0.5 * np.cos(THETA), 0.5 * np.sin(THETA), np.full(12, 0.2)]))
 
 
+@pytest.mark.slow
 def test_picked_poles_are_refined_and_no_other_is_added(frfs, tmp_path):
     path, picks = frfs.save(tmp_path / "frfs.npz"), tmp_path / "picks.csv"
     picks.write_text("mode,freq_hz\n1,200.3\n2,229.8\n")
@@ -98,6 +100,7 @@ def test_picked_poles_are_refined_and_no_other_is_added(frfs, tmp_path):
     assert "freq_hz" in invoke(path, "--pick", picks).stderr
 
 
+@pytest.mark.slow
 def test_coherence_is_drawn_with_the_fit(frfs, tmp_path):
     path = frfs.save(tmp_path / "frfs.npz")
     replace(frfs, kind="spectrum", responses=np.full(frfs.responses.shape, 0.9), unit="").save(tmp_path / "c.npz")
@@ -112,6 +115,7 @@ def test_coherence_is_drawn_with_the_fit(frfs, tmp_path):
     assert np.median(lower.lines[0].get_ydata()) == 0.9
 
 
+@pytest.mark.slow
 def test_an_open_part_has_no_n(uff, tmp_path):
     result = invoke(uff, "--open", "--json", "--out", tmp_path)
     assert [mode["n"] for mode in json.loads(result.stdout)["modes"]] == [None, None, None]

@@ -71,6 +71,7 @@ def test_its_modal_form_runs_under_exact_modal():
     assert exact.impulse[0] == pytest.approx(ct.run(Lever(), **STEP).impulse[0], rel=1e-3)
 
 
+@pytest.mark.slow  # compiles the loops of both
 @pytest.mark.parametrize("scheme", [ct.PenaltyDifference(), ct.Newmark(), ct.scheme.HHT()])
 def test_a_law_of_ones_own_is_what_the_same_spring_is(scheme):
     own, same = (ct.run(Lever(), law=law, scheme=scheme, **STEP) for law in (Spring(4e6), ct.Penalty(stiffness=4e6)))

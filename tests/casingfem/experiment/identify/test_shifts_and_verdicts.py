@@ -23,7 +23,9 @@ def measured(H, snr_db, seed):
     return cf.frf.FrfSet.from_arrays(kind="frf", x=X, responses=H, unit="(m/s^2)/N", response_point=range(len(H)))
 
 
-@pytest.mark.parametrize("bandwidths", [0.1, 0.5, 2.0])
+@pytest.mark.parametrize(
+    "bandwidths", [pytest.param(0.1, marks=pytest.mark.slow), 0.5, pytest.param(2.0, marks=pytest.mark.slow)]
+)
 def test_one_mode_whose_peak_is_shifted_between_channels_is_one(bandwidths):
     rng = np.random.default_rng(31)
     shift = 0.002 * bandwidths * rng.uniform(-1, 1, 12)
@@ -37,6 +39,7 @@ def test_one_mode_whose_peak_is_shifted_between_channels_is_one(bandwidths):
     assert said == pytest.approx(100.0 * shift.std(ddof=1), rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_pair_with_shifts_is_a_pair_and_a_pair_without_knows_of_none():
     shift = 2e-4 * np.random.default_rng(31).uniform(-1, 1, 12)
     for by, noted in ((shift, True), (0.0, False)):
