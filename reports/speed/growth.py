@@ -5,10 +5,12 @@
 and 14 GB; the row of one that does not end says so. Seconds are the processor's, of one thread where
 OPENBLAS_NUM_THREADS=1 is set: assembly, plan and factor of K - sigma M, the whole of `modes` beside them. "GF/s" counts
 the factor's multiplications and additions, "of dgemm" sets them against a product of two dense matrices of 1,500 rows.
+"Leaf unknowns" and "leaf work" are the shares of the factor's first fronts: the interiors of elements, most of them.
 "Factor MB" is what the plan foresees, "peak MB" all that the child had.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from time import process_time
@@ -32,7 +34,8 @@ ORDER, DENSE = 7, 1500
 QUICK = ((1, 16),)
 FULL = ((2, 21), (4, 50), (7, 59), (10, 83))  # rows, elements around
 LARGE = ((16, 127),)
-COLUMNS = ("assemble s", "plan s", "factor s", "modes s", "GF/s", "of dgemm", "factor MB", "counted")
+COLUMNS = ("assemble s", "plan s", "factor s", "modes s", "GF/s", "of dgemm", "leaf unknowns", "leaf work",
+           "factor MB", "counted")  # fmt: skip
 
 
 def dense_rate() -> float:
@@ -58,8 +61,13 @@ def solution(rows: int, around: int) -> Iterator[Numbers]:
     plan, factor = np.diff(times)[2:]
     rate = fronts.operations / factor
     yield {"plan s": plan, "factor s": factor, "GF/s": 1e-9 * rate, "of dgemm": rate / dense_rate()}
-    yield {"factor MB": 1e-6 * fronts.bytes(keep=True)}
-    del fronts, A, pencil, system
+    first = replace(fronts, fronts=tuple(front for front in fronts.fronts if not front.children))
+    yield {
+        "leaf unknowns": sum(front.pivots for front in first.fronts) / system.size,
+        "leaf work": first.operations / fronts.operations,
+        "factor MB": 1e-6 * fronts.bytes(keep=True),
+    }
+    del first, fronts, A, pencil, system
     started = process_time()
     found = modes(shell, COUNT, method="shell")
     yield {"modes s": process_time() - started, "counted": found.sturm_count}

@@ -51,4 +51,5 @@ def test_growth_shows_a_counted_solution_with_its_memory(tmp_path):
     assert row["unknowns"] == 5 * 7 * 7 * 16
     assert row["counted"] == 40
     assert row["factor MB"] < row["peak MB"]
+    assert 0.7 < row["leaf unknowns"] < row["leaf work"] < 1.0  # the interiors of elements
     assert min(row[name] for name in ("assemble s", "plan s", "factor s", "modes s", "GF/s", "of dgemm")) > 0.0

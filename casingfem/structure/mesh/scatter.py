@@ -125,7 +125,8 @@ def scatter_elements(matrices: FloatArray, grid: Grid, frames: FloatArray, free:
     data = np.zeros(len(pattern.rows) + 1, dtype=matrices.dtype)
     for part, slots in pattern.chunks():
         np.add.at(data, slots, matrices[part].ravel())
-    return csc_array((data[:-1], pattern.rows.copy(), pattern.starts.copy()), shape=(len(free), len(free)))
+    rows = pattern.rows.copy() if pattern is Recent.pattern else pattern.rows
+    return csc_array((data[:-1], rows, pattern.starts.copy()), shape=(len(free), len(free)))
 
 
 def added(K: csc_array, edges: csc_array) -> csc_array:
