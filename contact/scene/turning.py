@@ -33,10 +33,12 @@ class ContinuationTable(Table):
 class BasinsTable(Table):
     """[basins]: runs from random starts at one value of the parameter, and the motions that they reach."""
 
-    at: FiniteFloat = Field(description="value of the parameter, within the range")
+    at: FiniteFloat = Field(description="value of the parameter, within the range [unit of the parameter]")
     starts: Annotated[int, Field(ge=1, le=100_000)] = Field(default=100, description="number of runs")
     seed: Annotated[int, Field(ge=0)] = Field(description="of the random starts")
-    spread: Positive = Field(default=1.0, description="deviation of a start's states, over those of the orbits there")
+    spread: Positive = Field(
+        default=1.0, description="deviation of a start's states, over those of the orbits there [-]"
+    )
     settle: Annotated[int, Field(ge=1)] = Field(default=300, description="periods of each run")
 
 

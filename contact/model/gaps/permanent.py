@@ -20,7 +20,7 @@ from contact.base.errors import InputError
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.rub import Rub
-from contact.model.gaps.rub_system import rub_system
+from contact.model.gaps.rub_system import RubSystem, rub_system
 
 PERFECT = 1e-8  # relative: modes closer than this are one group, and turn into each other on a perfect casing
 TURNS = 1e-3  # of the rows' derivative may be left by turns: a mesh adds harmonics of its own, such as 2e-4
@@ -213,7 +213,8 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     G = np.zeros((system.omega.size,) * 2)
     tables = [table[b] for b in seen for table in (rim.cos, rim.sin)]
     G[:m, :m], left = _generator(rub.casing.omega, rub.casing.zeta, tables)
-    if left > TURNS or system.turns:
+    S, varies = mean_compliance(system, rub.casing.n_max)
+    if left > TURNS or varies > TURNS:
         raise SplitError(
             f"casing: found pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on "
             "the angle, expected a perfect casing; a split one is a matter for Floquet's theory"
@@ -224,11 +225,20 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
             rows[i, j, :m] = rim.rows(int(system.line[j]) * system.directions + i, float(system.angle[j]))
             begin, end = system.own[j]
             rows[i, j, begin:end] = system.blade_rows[2 * j + i, : end - begin]
-    S = system.compliance(0.0)
     return ClosedContact(
         omega=system.omega, zeta=system.zeta, G=G, Q=rows[0], T=rows[1], S_nn=S[::2, ::2], S_nt=S[::2, 1::2], casing=m,
         mu=mu,
     )  # fmt: skip
+
+
+def mean_compliance(system: RubSystem, n_max: int) -> tuple[Array, float]:
+    """Residual compliance between the tips in the mean of a turn, (K d, K d), and how far it leaves that, relative."""
+    if not system.turns:
+        return system.compliance(0.0), 0.0
+    count = 4 * n_max + 1  # more than twice its highest wave: the mean is exact
+    around = np.array([system.compliance(turn) for turn in np.arange(count) * (2.0 * np.pi / count)])
+    mean = around.mean(axis=0)
+    return mean, float(np.abs(around - mean).max() / np.abs(mean).max())
 
 
 def equal_modes(omega: Array, zeta: Array) -> list[Indices]:
