@@ -24,13 +24,17 @@ class ClusterModes(NamedTuple):
     cluster: Cluster
     own: OwnPeaks
 
+    def cost(self, setups: int, noise: float) -> float:
+        """The criterion, with damping common to so many set-ups."""
+        return self.cluster.cost(self.own.squares, len(self.own.freq), setups + 1, noise)
+
 
 def read(cluster: Cluster, setups: Setups, damped: float, shift: float) -> OwnPeaks | None:
     """As many modes with own frequencies as the data prefer, none more `damped` than that; None where none is.
 
     Damping is common to the set-ups or their own, as the data prefer.
     """
-    best, least, misses, damped = None, np.inf, 0, _most_damped(cluster, damped)
+    best, misses, damped = None, 0, _most_damped(cluster, damped)
     f, z = cluster.modes.freq.mean(axis=1), np.minimum(cluster.modes.zeta, damped)
     known = cluster.modes.freq.shape[1] > 1  # poles of one set-up are more than there are modes
     starts = places(cluster.window, setups, f, z, min(MOST, len(f) + 1), cluster.span)
@@ -42,15 +46,27 @@ def read(cluster: Cluster, setups: Setups, damped: float, shift: float) -> OwnPe
         if cluster.modes.freq.shape == start.shape:
             tried.append(fit_again(cluster, setups, cluster.modes.freq, z))
         poles = [2 * len(setups), *[len(setups) + 1] * 2]
-        costs = [cluster.cost(own.squares, len(start), each) for own, each in zip(tried, poles, strict=False)]
-        own, cost = tried[int(np.argmin(costs))], min(costs)
-        if cost < least and _peaks_inside(own, cluster.span, damped):
-            best, least, misses = own, cost, 0
+        reads = [_Read(own, each) for own, each in zip(tried, poles, strict=False)]
+        read = min(reads, key=lambda each: each.cost(cluster, min(own.on_peaks for own in tried)))
+        noise = read.own.on_peaks
+        better = best is None or read.cost(cluster, noise) < best.cost(cluster, noise)
+        if better and _peaks_inside(read.own, cluster.span, damped):
+            best, misses = read, 0
         elif misses and best is not None:
             break
         else:
             misses += 1
-    return best
+    return None if best is None else best.own
+
+
+class _Read(NamedTuple):
+    """Peaks of a cluster, and how many numbers the poles of one mode are."""
+
+    own: OwnPeaks
+    poles: int
+
+    def cost(self, cluster: Cluster, noise: float) -> float:
+        return cluster.cost(self.own.squares, len(self.own.freq), self.poles, noise)
 
 
 def read_all(found: Sequence[Cluster], setups: Setups, damped: float, shift: float) -> list[ClusterModes]:

@@ -29,10 +29,13 @@ class Cluster(NamedTuple):
     span: tuple[float, float]
     noise: float
 
-    def cost(self, squares: float, modes: int, poles: int) -> float:
-        """The criterion: squares over the noise, and a price for each number."""
+    def cost(self, squares: float, modes: int, poles: int, noise: float) -> float:
+        """The criterion: squares over the noise of an entry, if that is above the cluster's; a price for each number.
+
+        What a richer model leaves on the peaks is no less than the noise there.
+        """
         numbers = modes * (self.window.columns * self.window.Y.shape[1] + poles)
-        return float(squares / self.noise + np.log(self.window.Y.size) * numbers)
+        return float(squares / max(noise, self.noise) + np.log(self.window.Y.size) * numbers)
 
 
 def clusters(whole: Window, modes: Modes, setups: Setups, most_lines: int = MOST_LINES) -> Iterator[Cluster]:

@@ -51,7 +51,8 @@ class Modes(NamedTuple):
 class OwnPeaks(NamedTuple):
     """Modes in each set-up: frequencies [Hz] and damping, (modes, setups), and the variances of their logarithms.
 
-    Residues (modes, channels) of the weighted data, and the sum of squares left.
+    Residues (modes, channels) of the weighted data, the sum of squares left, and `on_peaks` the variance of an entry
+    that is left where the peaks are: noise of estimated responses rises with them.
     """
 
     freq: FloatArray
@@ -60,6 +61,7 @@ class OwnPeaks(NamedTuple):
     zeta_variance: FloatArray
     residues: Array
     squares: float
+    on_peaks: float = 0.0
 
     def ordered(self, order: Sequence[IntArray], setups: Setups) -> OwnPeaks:
         """With the modes of each set-up in another order."""
@@ -69,7 +71,7 @@ class OwnPeaks(NamedTuple):
             residues[:, channels] = self.residues[np.ix_(own, channels)]
         columns = (self.freq, self.zeta, self.variance, self.zeta_variance)
         freq, zeta, variance, zeta_variance = (np.take_along_axis(a, turned, axis=0) for a in columns)
-        return OwnPeaks(freq, zeta, variance, zeta_variance, residues, self.squares)
+        return OwnPeaks(freq, zeta, variance, zeta_variance, residues, self.squares, self.on_peaks)
 
 
 def apart(
@@ -90,12 +92,16 @@ def linked(
 
 
 class _Problem(NamedTuple):
-    """Data (setups, 2 lines, most channels of one) across the polynomials' basis (2 lines, terms); 0 where none is."""
+    """Data (setups, 2 lines, most channels of one) across the polynomials' basis (2 lines, terms); 0 where none is.
+
+    `power` has each entry's share of the power, of its real and imaginary part together.
+    """
 
     window: Window
     setups: Setups
     basis: FloatArray
     data: FloatArray
+    power: FloatArray
 
     @classmethod
     def of(cls, window: Window, setups: Setups) -> _Problem:
@@ -104,7 +110,8 @@ class _Problem(NamedTuple):
         data = np.zeros((len(setups), len(rest), max(len(channels) for channels in setups)))
         for one, channels in zip(data, setups, strict=True):
             one[:, : len(channels)] = rest[:, channels]
-        return cls(window, setups, basis, data)
+        power = np.tile(data[:, : len(window.freq)] ** 2 + data[:, len(window.freq) :] ** 2, (1, 2, 1))
+        return cls(window, setups, basis, data, power / max(float(power.sum()), 1e-300))
 
 
 class _At(NamedTuple):
@@ -114,6 +121,7 @@ class _At(NamedTuple):
     """
 
     squares: FloatArray
+    on_peaks: FloatArray
     residues: FloatArray
     normal: FloatArray
     information: FloatArray
@@ -140,6 +148,7 @@ class _At(NamedTuple):
         normal, information = (a.reshape(count, 2 * m, s, 2 * m, s).sum(axis=(2, 4)) for a in (full, told))
         return cls(
             squares=np.sum(rest * rest, axis=(1, 2)),
+            on_peaks=np.einsum("gij,gij->g", rest * rest, problem.power),
             residues=A,
             normal=normal,
             information=information,
@@ -178,7 +187,8 @@ def _fit(
         part = A[:, :, : len(channels)]
         residues[:, channels] = part[:, 0] + (1j * part[:, 1] if problem.window.columns == 2 else 0.0)
     variance, zeta_variance = (_common_variance if common else _own_variance)(at)
-    return OwnPeaks(np.exp(p), np.exp(q), noise * variance, noise * zeta_variance, residues, float(at.squares.sum()))
+    left = float(at.squares.sum()), float(at.on_peaks.sum())
+    return OwnPeaks(np.exp(p), np.exp(q), noise * variance, noise * zeta_variance, residues, *left)
 
 
 def _damped(normal: FloatArray, damping: FloatArray) -> FloatArray:

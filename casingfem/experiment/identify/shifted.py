@@ -103,18 +103,29 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
     if sum(alone.evidence) <= 0.0:
         return _unshifted(common, modes, step, sum(alone.evidence))
     setups, shift, leak = find_setups(alone.peaks, alive), scatter(alone.peaks), alone.leak
+    single = [np.array([c]) for c in range(len(alive))]
+    if len(setups) < len(single):
+        grouped = read_all(alone.clusters, setups, damped, shift)
+        each = [ClusterModes(c, own) for c, own in zip(alone.clusters, alone.peaks, strict=True)]
+        setups = setups if _as_good(grouped, setups, each, single) else single
+    refused, counts = len(setups) == len(single), list[int]()
     for again in range(PASSES):
         if again:
             leak = step if _leaks([_both(c, setups, step) for c in clusters(whole, modes, setups)]) else 0.0
         found = [leaking(c, leak) for c in (clusters(replace(whole, leak=leak), modes, setups) if again else common)]
         own = read_all(found, setups, damped, shift)
-        merged = find_setups([each.own for each in own], np.ones(len(setups), bool))
-        if len(merged) < len(setups):
-            setups = [np.sort(np.concatenate([setups[k] for k in group])) for group in merged]
-            own = read_all(found, setups, damped, shift)
+        merged = [] if refused else find_setups([each.own for each in own], np.ones(len(setups), bool))
+        if 0 < len(merged) < len(setups):
+            fewer = [np.sort(np.concatenate([setups[k] for k in group])) for group in merged]
+            grouped = read_all(found, fewer, damped, shift)
+            refused = not _as_good(grouped, fewer, own, setups)
+            setups, own = (setups, own) if refused else (fewer, grouped)
         if not own:
             return _unshifted(common, modes, step, 0.0)
         shift, modes = scatter([each.own for each in own]), joined(own)
+        counts, before = [len(each.own.freq) for each in own], counts
+        if counts == before:
+            break
     for _ in range(POLISHES):
         last = [_polished(c, setups, damped) for c in clusters(replace(whole, leak=leak), modes, setups, MOST_LINES)]
         modes = joined(last)
@@ -130,6 +141,14 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
         shift=shift,
         evidence=sum(alone.evidence),
     )
+
+
+def _as_good(fewer: Sequence[ClusterModes], few: Setups, more: Sequence[ClusterModes], many: Setups) -> bool:
+    """Whether clusters are read as well with fewer set-ups, by the criterion and the noise that more of them leave."""
+    rich = {each.cluster.span: each for each in more}
+    both = [(each, rich[each.cluster.span]) for each in fewer if each.cluster.span in rich]
+    rise = [each.cost(len(few), best.own.on_peaks) - best.cost(len(many), best.own.on_peaks) for each, best in both]
+    return sum(rise) <= 0.0
 
 
 def _polished(c: Cluster, setups: Setups, damped: float) -> ClusterModes:
@@ -153,6 +172,7 @@ def _spread(count: int, most: int) -> IntArray:
 class _Alone(NamedTuple):
     """Clusters read with every channel for a set-up of its own."""
 
+    clusters: list[Cluster]
     peaks: list[OwnPeaks]
     leak: float
     evidence: list[float]
@@ -171,7 +191,8 @@ def _alone(common: Sequence[Cluster], channels: IntArray, damped: float, step: f
             found.append((c, own, leaked))
     leak = step if _leaks([[plain.squares, leaked.squares] for _, plain, leaked in found]) else 0.0
     evidence = [_evidence(c, leaked if leak else plain, len(single)) for c, plain, leaked in found]
-    return _Alone([leaked if leak else plain for _, plain, leaked in found], leak, evidence)
+    peaks = [leaked if leak else plain for _, plain, leaked in found]
+    return _Alone([leaking(c, leak) for c, _, _ in found], peaks, leak, evidence)
 
 
 def _leaks(squares: Sequence[Sequence[float]]) -> bool:

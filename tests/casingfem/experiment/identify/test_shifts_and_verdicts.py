@@ -90,3 +90,19 @@ def test_a_peak_narrower_than_the_lines_is_found_and_its_damping_doubted():
     found = cf.identify(measured(mode(665.0, 6e-5, COS), 60.0, 3))
     assert found.freq.round(2).tolist() == [665.0]
     assert "lines" in found.doubts[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "rising"), [(4, 0.0), (2, 0.007)])
+def test_a_roving_mass_makes_no_modes_though_channels_agree_and_noise_rises_on_the_peaks(seed, rising):
+    """Every channel is a set-up of its own; some agree in three modes of five, and are none."""
+    own, drift = -8e-4 * (COS / 0.8) ** 2, 5e-5 * np.random.default_rng(seed).standard_normal(12)
+    shapes = (COS, own), (SIN, -8e-4 - own), *[(np.ones(12), 0.0 * own)] * 3
+    at = 652.0, 653.2, 661.0, 669.0, 677.0
+    H = sum(mode(f, 1e-3, shape, by + drift) for f, (shape, by) in zip(at, shapes, strict=True))
+    rng = np.random.default_rng(seed + 1)
+    H = H * (1.0 + rising * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape)))
+    found = cf.identify(measured(H, 45.0, 9))
+    assert found.sure.tolist() == [True] * 5
+    mean = [f * (1.0 + np.mean(by + drift)) for f, (_, by) in zip(at, shapes, strict=True)]
+    np.testing.assert_allclose(found.freq, mean, rtol=1e-4)
