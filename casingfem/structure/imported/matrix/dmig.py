@@ -11,9 +11,10 @@ import numpy as np
 from casingfem.io.arrays import FloatArray
 from casingfem.io.included import read_lines
 from casingfem.structure.imported.bdf import Card, Parser, cards
-from casingfem.structure.imported.matrix.matrix_set import MatrixSet, from_triples, roles_of
+from casingfem.structure.imported.matrix.matrix_set import OF_A_SET, MatrixSet, from_triples, roles_of
 
 Entry = tuple[int, int, int, int, float]  # column's node and component, row's node and component, value
+SQUARE, RECTANGULAR, REAL, COMPLEX = ("1", "6"), ("2", "9"), ("1", "2"), ("3", "4")
 
 
 def read_dmig(path: Path) -> MatrixSet:
@@ -26,6 +27,7 @@ def read_dmig(path: Path) -> MatrixSet:
     """
     parser = Parser(path.name)
     entries: dict[str, list[Entry]] = {}
+    others: set[str] = set()
     points: dict[int, FloatArray] = {}
     for card in cards(read_lines(path)):
         if card.name == "GRID":
@@ -33,7 +35,7 @@ def read_dmig(path: Path) -> MatrixSet:
             number, *x = parser.grids[-1]
             points[number] = np.array(x)
         elif card.name == "DMIG":
-            take(parser, card, entries)
+            take(parser, card, entries, others)
     roles = roles_of(list(entries), path.name)
     known = {dof for name in roles.values() for entry in entries[name] for dof in (entry[:2], entry[2:4])}
     dofs = sorted(known, key=lambda dof: (dof[1] == 0, dof))  # scalars last, as in a Craig-Bampton set
@@ -49,18 +51,23 @@ def read_dmig(path: Path) -> MatrixSet:
     )
 
 
-def take(parser: Parser, card: Card, entries: dict[str, list[Entry]]) -> None:
-    """One DMIG card: its header, or a column."""
+def take(parser: Parser, card: Card, entries: dict[str, list[Entry]], others: set[str]) -> None:
+    """One DMIG card: its header, or a column; loads and recovery matrices are passed over by their names."""
     fields = card.fields
     if len(fields) < 3:
         raise parser.fault(card, f"found {len(fields)} fields, expected a name, a node and a component")
     name = fields[0].upper()
     if fields[1] == "0" and name not in entries:
         form, kind = fields[2], (fields[3:4] or [""])[0]
-        if form not in ("1", "6") or kind not in ("1", "2"):
+        if (form in RECTANGULAR or kind in COMPLEX) and not OF_A_SET.fullmatch(name):
+            others.add(name)
+            return
+        if form not in SQUARE or kind not in REAL:
             found = f"{name} of form {form} and type {kind}"
             raise parser.fault(card, f"found {found}, expected form 1 or 6 (square), type 1 or 2 (real)")
         entries[name] = []
+        return
+    if name in others:
         return
     if name not in entries:
         raise parser.fault(card, f"found a column of {name} before its header")

@@ -12,6 +12,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 from contact.io.brief import brief
 
 WORDS = {"K": re.compile("STIF"), "M": re.compile("MASS"), "C": re.compile("DAMP|DMPV")}
+OF_A_SET = re.compile(r"[KMB]([A-Z])\1X?")  # Nastran's names: KAA, MGGX
 LETTERS = {"K": re.compile("K(?!4)"), "M": re.compile("M"), "C": re.compile("[BC]")}  # K4 is structural damping
 
 
@@ -55,6 +56,8 @@ class MatrixSet:
 def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
     """Which of the names is K, which M, which C: KAAX, MAAX, BAAX; k.mtx, m.mtx; job_STIF1, job_MASS1.
 
+    Where several fit, those that Nastran gives to its sets: KAA, KGG, KXX, not KASMX.
+
     Raises
     ------
     ModelError
@@ -62,11 +65,15 @@ def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
 
     >>> roles_of(["KAAX", "MAAX", "K4AAX", "PAX"], "part.pch")
     {'K': 'KAAX', 'M': 'MAAX'}
+    >>> roles_of(["KAA", "KASMX", "MAA", "MASMX"], "part.op4")
+    {'K': 'KAA', 'M': 'MAA'}
     """
     found: dict[str, str] = {}
     roles = [role_of(name) for name in names]
     for role in LETTERS:
         fitting = [name for name, own in zip(names, roles, strict=True) if own == role]
+        if len(fitting) > 1:
+            fitting = [name for name in fitting if OF_A_SET.fullmatch(name.upper())] or fitting
         if len(fitting) > 1 or (not fitting and role != "C"):
             have = ", ".join(names) or "none"
             raise ModelError("matrix-names", f"{source}: found the matrices {have}, {len(fitting)} of them for {role}")

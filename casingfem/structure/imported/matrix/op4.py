@@ -1,4 +1,4 @@
-"""Nastran's OP4 files: real matrices by name, dense and sparse, as text or binary.
+"""Nastran's OP4 files: the real matrices by name, dense and sparse, as text or binary.
 
 A matrix begins with columns, rows (negative: long row numbers), form, type (1 single, 2 double), name; then, column by
 column, `column, row, words` and the values. Row 0 announces strings of values, each with its row and length: in one
@@ -17,10 +17,12 @@ from scipy.sparse import coo_array, csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
+from casingfem.structure.imported.matrix.matrix_set import OF_A_SET
 
 FORMAT = re.compile(r"E(\d+)\.", re.IGNORECASE)
 NUMBERS = re.compile(r"\s*[-+]?\d*\.\d")  # how a line of values begins, and no other
-WORDS = {1: 1, 2: 2}  # of a value, by type
+WORDS = {1: 1, 2: 2}  # of a number, by type of real matrices
+OF_COMPLEX = {3: 1, 4: 2}  # of complex ones, whose values are two numbers each
 ROW_BITS = 65536
 
 
@@ -34,6 +36,7 @@ class Entries:
     long: bool
     words: int
     parts: list[tuple[int, int, FloatArray]]  # column, first row, values
+    real: bool = True
 
     def matrix(self, source: str) -> csc_array:
         """The matrix; entries outside it are refused."""
@@ -70,11 +73,12 @@ def read_op4(path: Path) -> dict[str, csc_array]:
 
 
 def begun(source: str, name: str, columns: int, rows: int, kind: int) -> Entries:
-    """A matrix by its header."""
-    if kind not in WORDS or columns < 1 or rows == 0:
+    """A matrix by its header; complex ones are passed over, but KAA and its like."""
+    passed = kind in OF_COMPLEX and not OF_A_SET.fullmatch(name.upper())
+    if (kind not in WORDS and not passed) or columns < 1 or rows == 0:
         found = f"type {kind}, {rows} rows, {columns} columns"
         raise fault(source, f"{name}: found {found}, expected a real matrix (type 1 or 2)")
-    return Entries(name, abs(rows), columns, rows < 0, WORDS[kind], [])
+    return Entries(name, abs(rows), columns, rows < 0, (WORDS | OF_COMPLEX)[kind], [], not passed)
 
 
 def read_text(lines: list[str], source: str) -> dict[str, csc_array]:
@@ -91,7 +95,8 @@ def read_text(lines: list[str], source: str) -> dict[str, csc_array]:
         columns, rows, _, kind = integers(lines[at][:32], at, source)
         entries = begun(source, lines[at][32:40].strip(), columns, rows, kind)
         at = text_columns(lines, at + 1, int(width[1]), entries, source)
-        found[entries.name] = entries.matrix(source)
+        if entries.real:
+            found[entries.name] = entries.matrix(source)
     return found
 
 
@@ -186,7 +191,8 @@ def read_binary(content: bytes, source: str) -> dict[str, csc_array]:
             if len(body) != 12 + 4 * words:
                 raise fault(source, f"byte {at}: found {len(body) - 12} bytes, expected {4 * words}")
             entries.parts += binary_parts(body[12:], column, row, entries, order)
-        found[entries.name] = entries.matrix(source)
+        if entries.real:
+            found[entries.name] = entries.matrix(source)
     return found
 
 

@@ -23,7 +23,7 @@ DIRECTIONS = {"q": 0, "x": 1, "y": 2, "z": 3, "rx": 4, "ry": 5, "rz": 6} | {str(
 
 
 def read_matrices(
-    paths: Sequence[str | Path], *, nodes: str | Path | None = None, dofs: str | Path | None = None
+    paths: str | Path | Sequence[str | Path], *, nodes: str | Path | None = None, dofs: str | Path | None = None
 ) -> MatrixSet:
     """Read K, M and maybe C of a part, in the file's own units.
 
@@ -43,7 +43,7 @@ def read_matrices(
     ModelError
         `matrix-file`, `matrix-names`, `matrix-dofs`, `matrix-size`: what the files lack, with the line where it is one.
     """
-    files = [Path(path) for path in paths]
+    files = [Path(path) for path in ([paths] if isinstance(paths, str | Path) else paths)]
     endings = {file.suffix.lower() for file in files}
     rows = None if dofs is None else read_dofs(Path(dofs))
     first = files[0]
@@ -69,7 +69,7 @@ def read_matrices(
 def of_op4(path: Path, dofs: IntArray | None) -> MatrixSet:
     """K, M and C of an OP4 file, which does not say what its rows are."""
     matrices = read_op4(path)
-    roles = roles_of(list(matrices), path.name)
+    roles = roles_of([name for name, A in matrices.items() if A.shape[0] == A.shape[1]], path.name)
     if dofs is None:
         raise ModelError("matrix-dofs", f"{path.name}: an OP4 file has no dofs")
     found = {role: matrices[name] for role, name in roles.items()}

@@ -142,8 +142,8 @@ def binary_op4(name, A, kind="<f8", long=True, dense=False):
     def ints(*values):
         return np.array(values, f"{order}i4").tobytes()
 
-    n = A.shape[0]
-    out = record(ints(n, -n if long else n, 6, words) + name.ljust(8).encode())
+    m, n = A.shape
+    out = record(ints(n, -m if long else m, 6 if m == n else 2, words) + name.ljust(8).encode())
     for j in range(n):
         column = A[:, [j]].toarray().ravel().astype(kind)
         rows = np.flatnonzero(column)
@@ -185,6 +185,26 @@ def test_text_op4_with_short_rows_and_dense_columns(tmp_path):
     (tmp_path / "a.op4").write_text(text)
     for A in read_op4(tmp_path / "a.op4").values():
         np.testing.assert_array_equal(A.toarray().ravel(), [0.0, 1.0, 2.0, 3.0])
+
+
+def test_what_stands_beside_the_matrices_of_a_superelement_is_passed_over(tmp_path):
+    """Loads and recovery matrices of EXTSEOUT: rectangular, or complex, some with an M or a K at their beginning."""
+    plain, whole = tmp_path / "plain.pch", tmp_path / "whole.pch"
+    plain.write_text(PCH)
+    header = "DMIG    {}   0       {}       {}       0\nDMIG*   {}                          7               1\n"
+    beside = header.format("MUG1T", 9, 2, "MUG1T") + "*                      7               1 2.500000000D-01\n"
+    beside += (
+        header.format("KVIS ", 1, 3, "KVIS ") + "*                      7               1 2.5D-01         1.0D+00\n"
+    )
+    whole.write_text(beside + PCH + beside.replace("MUG1T", "VAX  ").replace("KVIS", "PAX "))
+    found, expected = read_matrices(whole), read_matrices([plain])
+    assert abs(found.K - expected.K).max() == abs(found.M - expected.M).max() == 0.0
+    dofs = tmp_path / "dofs.csv"
+    dofs.write_text("node,direction\n1,x\n2,x\n")
+    K, M, tall = (csc_array(A) for A in ([[2.0, -1.0], [-1.0, 1.0]], np.eye(2), np.ones((3, 2))))
+    parts = [binary_op4("KAA", K), binary_op4("KASMX", 7.0 * K), binary_op4("MUG1", tall), binary_op4("MAA", M)]
+    (tmp_path / "part.op4").write_bytes(b"".join(parts))
+    assert abs(read_matrices(tmp_path / "part.op4", dofs=dofs).K - K).max() == 0.0
 
 
 def test_dense_arrays_with_names_of_their_own(tmp_path):
