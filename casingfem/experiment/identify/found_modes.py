@@ -10,7 +10,7 @@ from casingfem.experiment.circle.orientation import Circle, Label
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.mode_shapes import mode_shape, residue_matrix
 from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.experiment.identify.pole_selection import hidden_split
+from casingfem.experiment.identify.pole_selection import cut_off, hidden_split
 from casingfem.experiment.identify.verdict import verdicts
 from casingfem.io.arrays import Array, FloatArray
 
@@ -82,6 +82,7 @@ def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: 
     shape = mode_shape(fit, pole, grid.channels)
     sigma = np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 0.0))
     freq, zeta = float(fit.freq[pole]), float(fit.zeta[pole])
+    cut = cut_off(fit, pole)
     label = Label(-1, *[float("nan")] * 3)
     if circle is not None:
         label = circle.label(shape.values * signs, shape.covariance * np.outer(signs, signs))
@@ -89,9 +90,9 @@ def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: 
     double = shape.second > 1.0 and shape.balance > BALANCE
     return FoundMode(
         freq=freq,
-        sigma_freq=freq * float(np.hypot(sigma[pole], fit.matching[pole])),
+        sigma_freq=freq * float(np.linalg.norm([sigma[pole], fit.matching[pole], cut[0]])),
         zeta=zeta,
-        sigma_zeta=float(sigma[len(fit.freq) + pole] * zeta),
+        sigma_zeta=float(np.hypot(sigma[len(fit.freq) + pole] * zeta, cut[1])),
         n=label.n,
         purity=label.purity,
         angle=label.angle,

@@ -3,8 +3,9 @@
 The yardstick is the Bayesian information criterion (Schwarz, Ann. Statist. 6, 1978, 461): a pole stays if leaving it
 out raises the sum of squares, in units of the noise, by more than (its parameters) ln(number of data). A second pole
 beside the first has to earn itself the same way, so that a single mode is not split in two; two close poles with the
-same shape are a misfit of one mode and are merged; a pole narrower than the lines, or whose damping nobody can tell, is
-none.
+same shape are a misfit of one mode and are merged; so is, where channels are too few to tell shapes, a low peak within
+the bandwidth of a high one. A pole whose damping nobody can tell is none, but for one narrower than the lines: that has
+to earn itself by its skirts, which a single wrong line has not.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from casingfem.io.arrays import Array, FloatArray
 GRID = 400  # frequencies tried for a further pole
 BEYOND = 0.03  # of the frequency
 LOCAL = 5.0, 12  # about a pole: half-power half-widths, lines at least
-NARROW = 0.3  # lines in a half-power bandwidth, below which there is no peak
+NARROW = 1.0  # lines in a half-power bandwidth, below which skirts tell a peak, nothing its damping
+SKIRT = 1.5, 3  # lines from a narrow pole, where its skirts begin; lines of a skirt on either side at least
 UNSURE = 0.3  # standard deviation of ln zeta beyond which a pole is no resonance
 LEAST_GAIN = 0.25  # of the penalty, that a place must be worth by the gradient before it is tried
 CHANNELS = 30, 60  # combinations of them that the search sees, where there are more than so many
@@ -32,6 +34,7 @@ MOSTLY = 0.5  # of the squares that polynomials leave: what one pole explains is
 TRIES = 3  # places tried before the search ends
 NEAR, SAME = 3.0, 0.9  # half-power bandwidths; MAC
 ENOUGH = 6  # channels below which shapes say nothing
+LOW = 0.25  # of a higher peak within whose bandwidth, where shapes say nothing, a pole is its misfit
 MISFIT = 1.3  # deviation over noise, squared, that asks for complex residues
 
 
@@ -115,6 +118,33 @@ def gains(fit: PoleFit) -> FloatArray:
     return np.array([rise[k] / noise_at(fit, k) / alike_lines(fit, k) for k in each], float)
 
 
+def lines_of(fit: PoleFit) -> FloatArray:
+    """Lines in the half-power bandwidth of each pole."""
+    return np.asarray(2.0 * fit.zeta * fit.freq / float(fit.window.freq[1] - fit.window.freq[0]))
+
+
+def has_skirts(fit: PoleFit, pole: int) -> bool:
+    """Whether a pole explains, beyond the lines next to it, more than its penalty: hum or a wrong line does not."""
+    window, step = fit.window, float(fit.window.freq[1] - fit.window.freq[0])
+    kept = np.abs(window.freq - fit.freq[pole]) > SKIRT[0] * step
+    above = int(np.sum(window.freq[kept] > fit.freq[pole]))
+    if min(above, int(kept.sum()) - above) < SKIRT[1]:
+        return False
+    rest = replace(window, freq=window.freq[kept], Y=window.Y[np.tile(kept, 2)])
+    return bool(gains(fit_poles(rest, fit.freq, fit.zeta, steps=0))[pole] > penalty(window))
+
+
+def cut_off(fit: PoleFit, pole: int) -> tuple[float, float]:
+    """Standard deviations of ln f and zeta as the record ends before the mode does.
+
+    Of a mode's ring exp(-pi B/step) is left at the end of a record 1/step long, B its half-power bandwidth; without it
+    one only knows that the peak lies between two lines, and that B is below their distance.
+    """
+    ratio, lines = float(fit.window.freq[1] - fit.window.freq[0]) / fit.freq[pole], lines_of(fit)[pole]
+    left = float(np.exp(-np.pi * lines))
+    return float(ratio * left / np.sqrt(12.0)), float(0.5 * ratio * left)
+
+
 def near(fit: PoleFit, pole: int) -> Array:
     """The deviation about a pole, (lines, channels)."""
     lines = fit.window.freq
@@ -149,9 +179,10 @@ def pruned(fit: PoleFit) -> PoleFit:
         ends = reach(fit.window)
         worth = gains(fit)
         outside = (fit.freq < ends[0]) | (fit.freq > ends[1]) | (fit.zeta >= ZETA_MAX)
-        outside |= 2.0 * fit.zeta * fit.freq < NARROW * (fit.window.freq[1] - fit.window.freq[0])
-        unsure = fit.noise * np.diag(fit.covariance)[len(fit.freq) :] > UNSURE**2
-        worth = np.where(outside | unsure, 0.0, worth)
+        narrow = lines_of(fit) < NARROW
+        unsure = ~narrow & (fit.noise * np.diag(fit.covariance)[len(fit.freq) :] > UNSURE**2)
+        spikes = [bool(thin) and not has_skirts(fit, k) for k, thin in enumerate(narrow)]
+        worth = np.where(outside | unsure | spikes, 0.0, worth)
         for low, high in _repeats(fit):
             worth[low if worth[low] < worth[high] else high] = 0.0
         least = int(worth.argmin())
@@ -163,17 +194,28 @@ def pruned(fit: PoleFit) -> PoleFit:
 
 
 def _repeats(fit: PoleFit) -> list[tuple[int, int]]:
-    """Neighbouring poles within three bandwidths and of the same shape."""
+    """Neighbouring poles within three bandwidths and of the same shape; where shapes say nothing, low within one.
+
+    Two within half a bandwidth, or the lines next to them, are not told apart there, whatever their peaks.
+    """
+    step = float(fit.window.freq[1] - fit.window.freq[0])
+    widths, gaps = np.maximum(2.0 * fit.zeta * fit.freq, step), np.diff(fit.freq)
     if fit.window.Y.shape[1] < ENOUGH:
-        return []
+        widths = np.maximum(widths, 2.0 * SKIRT[0] * step)
+        peaks = np.linalg.norm(fit.A.reshape(len(fit.A), -1), axis=1) * fit.freq / widths
+        pairs = [(k, k + 1, k + int(peaks[k + 1] > peaks[k])) for k in range(len(gaps))]
+        return [
+            (k, m)
+            for k, m, high in pairs
+            if gaps[k] < 0.5 * widths[high] or (gaps[k] < widths[high] and peaks[[k, m]].min() < LOW * peaks[high])
+        ]
     shapes = (fit.A[:, 0] + 1j * fit.A[:, 1] if fit.A.shape[1] == 2 else fit.A[:, 0]) / fit.window.weight
     found = []
     for low in range(len(fit.freq) - 1):
         high = low + 1
-        width = 2.0 * max(fit.zeta[low] * fit.freq[low], fit.zeta[high] * fit.freq[high])
         alike = abs(np.vdot(shapes[low], shapes[high])) ** 2
         norms = np.vdot(shapes[low], shapes[low]).real * np.vdot(shapes[high], shapes[high]).real
-        if fit.freq[high] - fit.freq[low] < NEAR * width and alike > SAME * norms:
+        if gaps[low] < NEAR * max(widths[low], widths[high]) and alike > SAME * norms:
             found.append((low, high))
     return found
 

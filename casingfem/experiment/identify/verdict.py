@@ -12,15 +12,23 @@ import numpy as np
 
 from casingfem.experiment.identify.bands import line_noise
 from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.experiment.identify.pole_selection import gains, near, noise_at, penalty
+from casingfem.experiment.identify.pole_selection import (
+    NARROW,
+    cut_off,
+    gains,
+    has_skirts,
+    lines_of,
+    near,
+    noise_at,
+    penalty,
+)
 
-FREQ = 0.1, 0.5  # standard deviation of the frequency over the half-power bandwidth: doubtful, left out
+FREQ = 0.1, 0.5  # standard deviation of the frequency over the half-power bandwidth, or a line: doubtful, left out
 ZETA = 0.2, 0.6  # of ln zeta
 DAMPED = 0.06, 0.3  # damping ratio
 GAIN = 3.0, 0.0  # fall of the sum of squares over what a pole must bring
 PEAK = 3.0, 0.5  # peak over the fit's deviation about it, both rms over the channels; more where these are few
 CONFIRM = 6  # channels that confirm each other: of fewer a peak must be higher
-LINES = 1.5, 0.5  # lines within the half-power bandwidth
 IN_PHASE = 0.6, 0.0  # share of the shape's energy that is in phase
 BESIDE = 3.0, 6, 0.8  # bandwidths to a stronger neighbour; channels below which shapes say nothing; MAC, else
 MISFIT = (
@@ -47,16 +55,25 @@ def _reasons(fit: PoleFit, pole: int, worth: float, phase: float) -> Iterator[tu
     """What speaks against a pole, and whether so much that it is left out."""
     f, zeta = float(fit.freq[pole]), float(fit.zeta[pole])
     variance = fit.noise * np.diag(fit.covariance)
-    freq = float(np.sqrt(variance[pole])) / (2.0 * zeta)
-    damping = float(np.sqrt(variance[len(fit.freq) + pole]))
-    lines = 2.0 * zeta * f / float(fit.window.freq[1] - fit.window.freq[0])
+    lines = float(lines_of(fit)[pole])
+    cut = cut_off(fit, pole)
+    freq = float(np.sqrt(variance[pole])) / (2.0 * zeta) * min(lines, 1.0)
+    damping = float(np.hypot(np.sqrt(variance[len(fit.freq) + pole]), cut[1] / zeta))
+    narrow = lines < NARROW
     size = np.linalg.norm(fit.A[pole], axis=0)
     peak = float(np.sqrt(np.mean(size**2))) * (f / fit.window.scale) ** fit.window.power / (2.0 * zeta)
     ratio = peak / np.sqrt(2.0 * noise_at(fit, pole))
     share = float(np.sum(size**2) ** 2 / np.sum(size**4)) / len(size)
     if freq > FREQ[0]:
-        yield f"frequency uncertain by {freq:.2g} of its bandwidth", freq > FREQ[1]
-    if damping > ZETA[0]:
+        yield f"frequency uncertain by {freq:.2g} of {'a line' if narrow else 'its bandwidth'}", freq > FREQ[1]
+    if narrow and not has_skirts(fit, pole):
+        yield f"bandwidth of {lines:.2g} lines, no skirts beyond the nearest: hum?", True
+    elif narrow:
+        yield (
+            f"damping: narrower than the lines ({lines:.2g}), below {100.0 * zeta * (1.0 + 2.0 * damping):.2g} %",
+            False,
+        )
+    elif damping > ZETA[0]:
         yield f"damping uncertain by {100.0 * damping:.0f} %", damping > ZETA[1]
     if zeta > DAMPED[0]:
         yield f"damping of {100.0 * zeta:.2g} %", zeta > DAMPED[1]
@@ -65,8 +82,6 @@ def _reasons(fit: PoleFit, pole: int, worth: float, phase: float) -> Iterator[tu
     if ratio < PEAK[0] * max(1.0, CONFIRM / len(size)):
         few = f", in {len(size)} channel{'s' * (len(size) > 1)}" if ratio >= PEAK[0] else ""
         yield f"peak {ratio:.2g} times what the fit leaves there{few}", ratio < PEAK[1]
-    if lines < LINES[0]:
-        yield f"bandwidth of {lines:.2g} lines", lines < LINES[1]
     if phase < IN_PHASE[0]:
         yield f"only {100.0 * phase:.0f} % of its shape in phase", False
     if fit.seen[pole] < SEEN:

@@ -106,3 +106,31 @@ def test_a_roving_mass_makes_no_modes_though_channels_agree_and_noise_rises_on_t
     assert found.sure.tolist() == [True] * 5
     mean = [f * (1.0 + np.mean(by + drift)) for f, (_, by) in zip(at, shapes, strict=True)]
     np.testing.assert_allclose(found.freq, mean, rtol=1e-4)
+
+
+def test_a_peak_between_two_lines_is_a_mode_known_to_a_line_and_a_wrong_line_is_none():
+    """Noise that rises with the peak leaves nothing that tells its damping; hum is one line, without skirts."""
+    H, rng = mode(660.03, 5e-6, np.ones(1)), np.random.default_rng(5)
+    H = H * (1.0 + 0.3 * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape)))
+    H[0, np.searchsorted(X, 675.0)] *= 12.0
+    found = cf.identify(cf.frf.FrfSet.from_arrays(kind="frf", x=X, responses=H, unit="(m/s^2)/N", response_point=[1]))
+    assert len(found) == 1
+    assert abs(found.freq[0] - 660.03) < 3.0 * found.sigma_freq[0] < 0.15
+    assert found.doubts[0].startswith("damping: narrower than the lines")
+    assert found.zeta[0] + 2.0 * found.sigma_zeta[0] == pytest.approx(0.1 / 660.0, rel=0.5)  # a line's width
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_peak_that_bends_with_its_amplitude_is_one_mode_in_one_channel(seed):
+    """The frequency falls by a tenth of the bandwidth where the response is largest: no pole fits that."""
+    H, zeta = np.zeros(len(X), complex), 1e-3
+    for _ in range(60):
+        own = 660.0 * (1.0 - 0.2 * zeta * np.abs(2.0 * zeta * H) ** 2)
+        H = -(X**2) / (own**2 - X**2 + 2j * zeta * own * X)
+    rng = np.random.default_rng(seed)
+    H = H + 0.3 * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
+    found = cf.identify(
+        cf.frf.FrfSet.from_arrays(kind="frf", x=X, responses=H[None], unit="(m/s^2)/N", response_point=[1])
+    )
+    assert len(found) == 1
+    assert abs(found.freq[0] - 660.0) < 0.2
