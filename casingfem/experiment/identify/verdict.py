@@ -12,7 +12,7 @@ import numpy as np
 
 from casingfem.experiment.identify.bands import line_noise
 from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.experiment.identify.pole_selection import (
+from casingfem.experiment.identify.pole_worth import (
     NARROW,
     cut_off,
     gains,
