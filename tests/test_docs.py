@@ -2,6 +2,7 @@
 
 import re
 import runpy
+from itertools import pairwise
 from pathlib import Path
 
 import matplotlib.figure
@@ -27,6 +28,15 @@ def test_every_page_is_in_one_toctree_and_every_toctree_s_page_is_there():
     held = [name for path in pages.values() for name in named(path)]
     assert len(pages) > 9
     assert sorted([*held, "index"]) == sorted([*pages, *MADE])
+
+
+def test_headings_go_down_one_level_at_a_time_and_math_stands_on_its_own():
+    """What `make docs` would stop at: a heading two levels down, and an exponent without what it belongs to."""
+    for page in DOCS.rglob("*.md"):
+        text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+        levels = [len(marks) for marks in re.findall(r"^(#+) ", text, re.MULTILINE)]
+        assert all(after <= before + 1 for before, after in pairwise(levels)), page
+        assert not re.search(r"\$[\^_]", text), page
 
 
 def test_every_example_stands_in_a_section_of_the_gallery():
