@@ -73,6 +73,21 @@ def test_one_tip_is_the_blade_before_a_rim(mu):
         rub_contact(replace(one, casing=ring(imperfect=0.05)))
 
 
+@pytest.mark.parametrize("part", [1e-4, 0.05])
+def test_residual_compliance_may_vary_around_the_rim_by_a_thousandth(part):
+    """As a mesh makes it: taken in the mean; beyond, the casing is not perfect."""
+    blade, casing = disk(2, coupling=0.0).body(), ring()
+    S = casing.S.copy()
+    S[1, 1] += part * np.abs(S).max()  # of cos theta alone, not of sin theta
+    rub = ct.Rub(casing, (blade,), (ct.ContactPoint(span="span0", flap="flap0", lean_deg=20.0),))
+    varied, speed = replace(rub, casing=replace(casing, S=S)), np.linspace(1.0, 60.0, 31)
+    if part > 1e-3:
+        with pytest.raises(SplitError, match="S that depends on the angle"):
+            rub_contact(varied)
+    else:
+        assert growth(rub_contact(varied), speed) == pytest.approx(growth(rub_contact(rub), speed), abs=1e-3)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("speed_hz", "grows"), [(86.65, True), (84.0, False)])
 def test_runs_grow_as_the_poles_say(speed_hz, grows):
