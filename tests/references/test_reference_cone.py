@@ -10,21 +10,23 @@ from reports.verification.cone import cone, elastic_factors, errors
 
 @pytest.fixture(scope="module")
 def found(reference):
-    """Errors of all 880 rows on the report's one fixed mesh."""
-    return errors(reference("cone_love_ritz_irie_set.csv"))
+    """Errors of half the rows on the report's one fixed mesh; `reports.verification` has all 880."""
+    table = reference("cone_love_ritz_irie_set.csv")
+    assert len(table) == 880
+    return errors(table[table.alpha_deg.isin((15, 60))])
 
 
 @pytest.mark.slow
-def test_without_shear_and_rotary_inertia_all_880_rows_are_met(found):
+def test_without_shear_and_rotary_inertia_all_rows_are_met(found):
     """Love's theory, of a linear wall; worst 0.06 %: metric, curvature, ends, order of modes are right for all."""
-    assert len(found) == 880
+    assert len(found) == 440
     assert found.thin.abs().max() < 7e-4
 
 
 @pytest.mark.slow
 def test_the_shell_lies_below_by_what_thin_theory_leaves_out(found):
-    """617 rows within 0.3 %; the rest are short waves on the short wide cones, to -2.2 % (C-C, 60 degrees, m = 2)."""
-    assert np.count_nonzero(found.error.abs() < 3e-3) >= 610
+    """314 rows within 0.3 %; the rest are short waves on the short wide cones, to -2.2 % (C-C, 60 degrees, m = 2)."""
+    assert np.count_nonzero(found.error.abs() < 3e-3) >= 310
     beyond = found[found.error.abs() >= 3e-3]
     assert np.all(beyond.error < 0.0)
     assert beyond.error.min() > -0.022

@@ -252,12 +252,18 @@ def test_bolts_under_a_ring_split_only_what_their_number_allows(frustum):
         (lambda: Ring(section=BAR, support=Clamped()), "ring-support"),
         (lambda: EdgeMass(angle=0.0, mass=-1.0), "mass-value"),
         (lambda: EdgeMass(angle=float("nan"), mass=1.0), "mass-value"),
+        (lambda: EdgeMass(angle=0.0, mass=float("inf")), "mass-value"),
     ],
 )
 def test_refuses_rings_and_masses_that_are_none(make, code):
     with pytest.raises(ModelError) as caught:
         make()
     assert caught.value.code == code
+
+
+def test_a_mass_of_nothing_is_a_mass():
+    """An update may start from it, and a sweep pass through it."""
+    assert EdgeMass(angle=0.0, mass=0.0).mass == 0.0
 
 
 def test_rings_and_masses_stand_on_edges_that_run_around(steel, frustum):
