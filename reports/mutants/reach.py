@@ -6,6 +6,7 @@ Nothing is run for it, so compiled loops and what other processes run are found 
 
 import ast
 import hashlib
+import string
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from pathlib import Path
 
 Unit = tuple[str, str]  # a file and a name at its top; "": its other statements
 SLOW = "mark.slow"
+PATH = frozenset(f"{string.ascii_letters}{string.digits}_.")
 FAR = 1000.0
 
 
@@ -75,10 +77,14 @@ def parse(root: Path, path: Path) -> Source:
     """Read one file."""
     file, text = path.relative_to(root).as_posix(), path.read_text("utf-8")
     tree = ast.parse(text)
+    # what a package passes on when it is asked stands in a stub beside it
+    stub = ast.parse(path.with_suffix(".pyi").read_text("utf-8")) if path.with_suffix(".pyi").exists() else None
     imports: dict[str, Unit] = {}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            imports |= {name.asname or name.name: (node.module, name.name) for name in node.names}
+    for node in [*ast.walk(tree), *(ast.walk(stub) if stub else ())]:
+        if isinstance(node, ast.ImportFrom):
+            above = [".".join(Path(file).parts[: -node.level])] if node.level else []
+            module = ".".join([*above, *([node.module] if node.module else [])])
+            imports |= {name.asname or name.name: (module, name.name) for name in node.names}
         elif isinstance(node, ast.Import):
             imports |= {name.asname: (name.name, "") for name in node.names if name.asname}
     units: dict[str, list[ast.stmt]] = {}
@@ -99,15 +105,15 @@ def defined(statement: ast.stmt) -> list[str]:
 
 
 def names(statements: Iterable[ast.stmt]) -> Iterator[str]:
-    """Names that statements use, with what they take from modules as "module.name"; arguments may be fixtures."""
+    """Names that statements use, with what they take from modules as "room.module.name"; arguments may be fixtures."""
     for statement in statements:
         for node in ast.walk(statement):
             if isinstance(node, ast.Name):
                 yield node.id
             elif isinstance(node, ast.arg):
                 yield node.arg
-            elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-                yield f"{node.value.id}.{node.attr}"
+            elif isinstance(node, ast.Attribute) and set(ast.unparse(node)) <= PATH:
+                yield ast.unparse(node)
 
 
 def read_reach(root: Path, folders: Iterable[str]) -> Reach:
@@ -142,7 +148,7 @@ def read_reach(root: Path, folders: Iterable[str]) -> Reach:
             for target in {meant(file, word) for word in used} | {(file, "")}:
                 if target not in (None, (file, name)):
                     users[target].add((file, name))
-            attributes[file, name] = frozenset(word.partition(".")[2] for word in used)
+            attributes[file, name] = frozenset(word.rpartition(".")[2] for word in used if "." in word)
     tests = {
         (file, name): source.slow or any(SLOW in ast.unparse(d) for s in body for d in getattr(s, "decorator_list", []))
         for file, source in sources.items()

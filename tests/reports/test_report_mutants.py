@@ -124,6 +124,21 @@ def test_tests_are_found_through_fixtures_and_nearest_first(campaign: Campaign) 
     assert reach.nearest("tiny/module.py", "unseen", 1)[0] == f"{file}::test_unseen"
 
 
+def test_tests_are_found_through_the_stub_of_a_package_and_its_rooms(campaign: Campaign) -> None:
+    for name, text in {
+        "tiny/__init__.py": "import lazy_loader\n",
+        "tiny/__init__.pyi": "from . import room\nfrom .module import seen\n",
+        "tiny/room/__init__.py": "import lazy_loader\n",
+        "tiny/room/__init__.pyi": "from ..module import unseen\n",
+        "tests/test_package.py": "import tiny as t\ndef test_1():\n    t.seen(1)\ndef test_2():\n    t.room.unseen\n",
+    }.items():
+        (campaign.root / name).parent.mkdir(exist_ok=True)
+        (campaign.root / name).write_text(text, encoding="utf-8")
+    reach, file = read_reach(campaign.root, ("tiny", "tests")), "tests/test_package.py"
+    assert reach.distances(("tiny/module.py", "seen"))[file, "test_1"] == 1
+    assert reach.distances(("tiny/module.py", "unseen"))[file, "test_2"] == 1
+
+
 @pytest.mark.campaign
 def test_seen_mutants_are_killed_others_survive_and_a_rerun_continues(
     campaign: Campaign, capsys: pytest.CaptureFixture[str]

@@ -28,6 +28,12 @@ def rim(casing=None, **more):
     return ct.RotatingRim(casing or ring(), blade(), **given)
 
 
+TWO_BLADES = ct.Rub(
+    ring(), (blade(), blade(psi=0.8)),
+    [ct.ContactPoint(blade=k, span="span", flap="flap", angle_deg=180.0 * k, lean_deg=10.0) for k in range(2)],
+)  # fmt: skip
+
+
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("hz", [0.3, 5.0, 60.0, -20.0])
 def test_the_characteristic_equation_has_the_eigenvalues(mu, hz):
@@ -97,7 +103,8 @@ def test_pulses_are_the_force_of_a_shape_that_passes_slowly_over_the_force_that_
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("what", "mu", "hz"), [(B6, 0.0, 52.844), (rim(), 0.3, 60.0), (rim(ring(imperfect=1e-3)), 0.3, 20.0)]
+    ("what", "mu", "hz"),
+    [(B6, 0.0, 52.844), (rim(), 0.3, 60.0), (rim(ring(imperfect=1e-3)), 0.3, 20.0), (TWO_BLADES, 0.3, 20.0)],
 )
 def test_a_run_at_one_speed_confirms_the_poles(what, mu, hz):
     run = confirming_run(what, hz, mu=mu)
