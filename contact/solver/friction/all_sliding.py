@@ -51,9 +51,13 @@ def all_sliding_start(W: Array, b: Array, mu: Array, dim: int, count: int, force
     size = count * dim
     trial, u, gap, closed, d = room.vectors[TRIAL], room.vectors[U], room.vectors[GAP], room.whole[CLOSED], room.pairs
     assign(trial, force, size)
+    pressed = 0
     for k in range(count):
         gap[k] = b[k * dim]
-        closed[k] = 1 if force[k * dim] > 0.0 or gap[k] < 0.0 else 0
+        closed[k] = 1 if force[k * dim] > 0.0 else 0
+        pressed += closed[k]
+    for k in range(count if pressed == 0 else 0):
+        closed[k] = 1 if gap[k] < 0.0 else 0
     for turn in range(ROUNDS):
         affine(W, trial, b, u, size)
         moved = follow(u, dim, count, d, turn == 0)
