@@ -19,8 +19,10 @@ from contact.jit.bundle import Bundle
 from contact.jit.compiled import MATRIX, VECTOR, ByAddress, jit
 from contact.solver.dense import affine, assign, solve_in_place
 from contact.solver.friction.room import (
+    ADDED,
     AT,
     CLOSED,
+    FALL,
     GAP,
     INNER,
     JACOBIAN,
@@ -29,6 +31,7 @@ from contact.solver.friction.room import (
     NORMAL,
     OWN,
     PHI,
+    RATE,
     SHORT,
     TRIAL,
     Room,
@@ -43,7 +46,8 @@ CONTINUED, NEAR = (
 )  # rounds of `continue_direction`; the angle [rad] to the slip's direction from where Newton's method goes on
 SHORT_STEP, LONG_STEP = 0.1, 2.0  # bounds of Aitken's factor
 STILL = 1e-13  # change of direction at which the rounds end
-MOST_CHANGES = 20  # of the set of closed contacts
+MOST_CHANGES = 10  # of the set of closed contacts, and four times their number
+GOLDEN = 0.6180339887498949
 
 
 def all_sliding_start(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> bool:
@@ -51,13 +55,9 @@ def all_sliding_start(W: Array, b: Array, mu: Array, dim: int, count: int, force
     size = count * dim
     trial, u, gap, closed, d = room.vectors[TRIAL], room.vectors[U], room.vectors[GAP], room.whole[CLOSED], room.pairs
     assign(trial, force, size)
-    pressed = 0
     for k in range(count):
         gap[k] = b[k * dim]
         closed[k] = 1 if force[k * dim] > 0.0 else 0
-        pressed += closed[k]
-    for k in range(count if pressed == 0 else 0):
-        closed[k] = 1 if gap[k] < 0.0 else 0
     for turn in range(ROUNDS):
         affine(W, trial, b, u, size)
         moved = follow(u, dim, count, d, turn == 0)
@@ -87,6 +87,7 @@ def slide(W: Array, mu: Array, dim: int, count: int, room: Room) -> bool:
     """Forces TRIAL of contacts that slide along d = `pairs`; False where no set of closed ones settles."""
     trial, x, A, d = room.vectors[TRIAL], room.vectors[NORMAL], room.matrices[JACOBIAN], room.pairs
     for i in range(count):
+        x[i] = trial[i * dim]
         for k in range(count):
             A[i, k] = W[i * dim, k * dim]
             for j in range(dim - 1):
@@ -182,28 +183,60 @@ def follow(u: Array, dim: int, count: int, d: Array, first: bool) -> float:
 
 @jit
 def press(A: Array, n: int, room: Room) -> bool:
-    """0 <= NORMAL, 0 <= A NORMAL + GAP, complementary, by exchanging whole sets; False where no set settles."""
-    x, gap, left, short = room.vectors[NORMAL], room.vectors[GAP], room.vectors[LEFT], room.vectors[SHORT]
-    closed, at, part = room.whole[CLOSED], room.whole[AT], room.matrices[INNER]
-    for _ in range(MOST_CHANGES):
-        size = 0
-        for i in range(n):
-            x[i] = 0.0
-            if closed[i] == 1:
-                at[size], short[size], size = i, -gap[i], size + 1
-        for i in range(size):
-            for k in range(size):
-                part[i, k] = A[at[i], at[k]]
-        if not solve_in_place(part, short, size):
+    """0 <= NORMAL, 0 <= A NORMAL + GAP, complementary, NORMAL and CLOSED to begin from; False where no path ends.
+
+    To GAP is added what makes the beginning right, tau times that: as tau goes from 1 to 0 one contact after the other
+    opens or closes (parametric pivoting: Cottle, Pang & Stone, The Linear Complementarity Problem, 4.5), none in most
+    steps. Where the path turns back, tau grows again.
+    """
+    x, gap, left, closed = room.vectors[NORMAL], room.vectors[GAP], room.vectors[LEFT], room.whole[CLOSED]
+    added, rate, pull = room.vectors[ADDED], room.vectors[RATE], room.vectors[FALL]
+    affine(A, x, gap, left, n)
+    for i in range(n):
+        spread = 1.0 + (GOLDEN * (i + 1)) % 1.0  # tips alike do not close at once
+        added[i] = -left[i] if closed[i] == 1 else -min(left[i], 0.0) * (1.0 + spread)
+    tau, sign, last = 1.0, 1.0, -1
+    for _ in range(4 * n + MOST_CHANGES):
+        if not with_closed(A, gap, n, x, left, room):
             return False
-        for i in range(size):
-            x[at[i]] = short[i]
-        affine(A, x, gap, left, n)
-        same = True
-        for k in range(n):
-            now = (1 if x[k] > 0.0 else 0) if closed[k] == 1 else (1 if left[k] < 0.0 else 0)
-            same = same and now == closed[k]
-            closed[k] = now
-        if same:
+        right = True
+        for i in range(n):
+            right = right and (x[i] > 0.0 if closed[i] == 1 else not left[i] < 0.0)
+        if right:
             return True
+        if not with_closed(A, added, n, rate, pull, room):
+            return False
+        if last >= 0:  # it grows from zero
+            sign = 1.0 if (rate[last] if closed[last] == 1 else pull[last]) < 0.0 else -1.0
+        nearest, first = math.inf, -1
+        for i in range(n):
+            slope = sign * (rate[i] if closed[i] == 1 else pull[i])
+            if slope > 0.0 and i != last:
+                value = (x[i] if closed[i] == 1 else left[i]) + tau * sign * slope
+                if max(value, 0.0) < nearest * slope:
+                    nearest, first = max(value, 0.0) / slope, i
+        if first < 0:
+            return False
+        tau, last = tau - sign * nearest, first
+        closed[first] = 1 - closed[first]
     return False
+
+
+@jit
+def with_closed(A: Array, gap: Array, n: int, x: Array, left: Array, room: Room) -> bool:
+    """Forces x that keep the closed contacts closed, and the gaps `left`; False where no force does."""
+    short, closed, at, part = room.vectors[SHORT], room.whole[CLOSED], room.whole[AT], room.matrices[INNER]
+    size = 0
+    for i in range(n):
+        x[i] = 0.0
+        if closed[i] == 1:
+            at[size], short[size], size = i, -gap[i], size + 1
+    for i in range(size):
+        for k in range(size):
+            part[i, k] = A[at[i], at[k]]
+    if not solve_in_place(part, short, size):
+        return False
+    for i in range(size):
+        x[at[i]] = short[i]
+    affine(A, x, gap, left, n)
+    return True

@@ -17,7 +17,8 @@ Pivoted = Callable[[Array, Array, Array, int, Array], tuple[Array, float]]  # W,
 
 # rows of `vectors`; methods that follow one another share them
 U, MISS, STEP, TRIAL, TRIAL_MISS, BASE, RIGHT = 0, 1, 2, 3, 4, 5, 6  # Newton's method
-OWN, NORMAL, GAP, PHI, LAST, LEFT, SHORT = 1, 2, 4, 5, 6, 7, 8  # contacts that slide; these use U and TRIAL too
+OWN, NORMAL, GAP, PHI, LAST, LEFT, SHORT = 1, 2, 4, 5, 6, 7, 8  # contacts that slide; these use U and TRIAL too,
+ADDED, RATE, FALL = 12, 13, 14  # and those which the path to them takes
 BEHIND, GUESS, MOTION = 9, 10, 11  # coatings, around both
 JACOBIAN, INNER, SOFT = 0, 1, 2  # matrices: Newton's and the part of it that presses; W behind a coating
 CLOSED, AT = 0, 1  # rows of `whole`
@@ -74,7 +75,7 @@ class Otherwise(protocol):  # type: ignore[misc]
 class Room(NamedTuple):
     """Arrays for problems of up to N unknowns in K contacts, and what to call where Newton's method fails."""
 
-    vectors: Array  # (12, N)
+    vectors: Array  # (15, N)
     matrices: Array  # (3, N, N)
     pairs: Array  # (K, 2)
     whole: Indices  # (2, N)
@@ -85,7 +86,7 @@ class Room(NamedTuple):
 def friction_room(contacts: int, dim: int, pivoted: Pivoted | None = None) -> Room:
     """Room for problems of up to this many contacts in `dim` directions; without pivoting where it is not given."""
     size = contacts * dim
-    vectors, matrices = np.zeros((12, size)), np.zeros((3, size, size))
+    vectors, matrices = np.zeros((15, size)), np.zeros((3, size, size))
     return Room(
         vectors=vectors, matrices=matrices, pairs=np.zeros((contacts, 2)), whole=np.zeros((2, size), dtype=np.int64),
         left=np.zeros(1),
