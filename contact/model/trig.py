@@ -67,6 +67,23 @@ def harmonics(n_max: int, phi: Array | float) -> Array:
     return np.concatenate([np.cos(phases), np.sin(phases[..., 1:])], axis=-1)
 
 
+def turned_back(waves: Array, by: Array) -> Array:
+    """h(phi - by) of h(phi) for every angle `by`, (by, ..., 2N + 1): by the addition theorem, quicker than `harmonics`.
+
+    >>> bool(np.allclose(turned_back(harmonics(2, 1.0), np.array([0.7])), harmonics(2, 0.3)))
+    True
+    """
+    n_max = waves.shape[-1] // 2
+    h = harmonics(n_max, by).reshape(by.shape + (1,) * (waves.ndim - 1) + (-1,))
+    c, s = h[..., 1 : n_max + 1], h[..., n_max + 1 :]
+    cos, sin = waves[..., 1 : n_max + 1], waves[..., n_max + 1 :]
+    found = np.empty((*by.shape, *waves.shape))
+    found[..., 0] = waves[..., 0]
+    found[..., 1 : n_max + 1] = cos * c + sin * s
+    found[..., n_max + 1 :] = sin * c - cos * s
+    return found
+
+
 def quadratic(block: Array, n_max: int) -> Trig:
     """h(phi)^T block h(phi) as a polynomial of degree 2N: sampled and transformed, exact to round-off.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,11 +91,12 @@ def rub_system(rub: Rub, dimensions: int) -> RubSystem:
     tips = rub.tips
     own = np.array([[first[t.blade + 1], first[t.blade + 2]] for t in tips], dtype=np.int64)
     rows = np.zeros((len(tips), dimensions, max(sizes[1:])))
+    along = [tip.directions(rub.blades[tip.blade])[:dimensions] for tip in tips]
     for j, tip in enumerate(tips):
         body = rub.blades[tip.blade]
-        rows[j, :, : body.omega.size] = -(tip.directions(body)[:dimensions] @ body.rows)
+        rows[j, :, : body.omega.size] = -(along[j] @ body.rows)
     angle = np.radians([t.angle_deg for t in tips])
-    S, still = _residual(rub, dimensions, angle)
+    S, still = _residual(rub, along, angle)
 
     def joined(name: str) -> Array:
         parts = [getattr(start, name) for start in rub.starts]
@@ -126,14 +128,14 @@ def _rim_table(rub: Rub) -> RimTable:
     return RimTable(cos=np.where(kept, cos, 0.0)[:, :top], sin=np.where(kept, sin, 0.0)[:, :top])
 
 
-def _residual(rub: Rub, d: int, angle: Array) -> tuple[Array, Array]:
-    """`S` and `still` of a rub's system."""
-    casing, size = rub.casing, 2 * rub.casing.n_max + 1
+def _residual(rub: Rub, along: Sequence[Array], angle: Array) -> tuple[Array, Array]:
+    """`S` and `still` of a rub's system; `along` the directions of each tip over the channels of its blade."""
+    casing, size, d = rub.casing, 2 * rub.casing.n_max + 1, len(along[0])
     blocks = [line * casing.directions + i for line in range(casing.rim_lines) for i in range(d)]
     full = casing.S.reshape(-1, size, casing.directions * casing.rim_lines, size)
     S = full[blocks][:, :, blocks]
     S = np.where(np.abs(S) > NOISE * np.abs(S).max(initial=0.0), S, 0.0)
-    still, line = _blade_residual(rub, d), np.array([t.line for t in rub.tips], dtype=np.int64)
+    still, line = _blade_residual(rub, along), np.array([t.line for t in rub.tips], dtype=np.int64)
     if _turned(S, TURN, d, line) or _turned(S, TURN * TURN, d, line):
         return S, still
     E = waves_of_tips(angle, line, d, S.shape[:2])
@@ -164,13 +166,15 @@ def _turned(S: Array, by: float, d: int, line: Indices) -> bool:
     )
 
 
-def _blade_residual(rub: Rub, d: int) -> Array:
+def _blade_residual(rub: Rub, along: Sequence[Array]) -> Array:
     """Residual compliance between tips of the same blade, (K d, K d)."""
-    total = np.zeros((len(rub.tips) * d,) * 2)
-    for b, blade in enumerate(rub.blades):
-        here = [j for j, tip in enumerate(rub.tips) if tip.blade == b]
-        if here:
-            weights = np.concatenate([rub.tips[j].directions(blade)[:d] for j in here])
-            place = np.concatenate([np.arange(j * d, (j + 1) * d) for j in here])
-            total[np.ix_(place, place)] = weights @ blade.S @ weights.T
+    d, K = len(along[0]), len(along)
+    total = np.zeros((K * d, K * d))
+    own: dict[int, list[int]] = {}
+    for j, tip in enumerate(rub.tips):
+        own.setdefault(tip.blade, []).append(j)
+    for blade, here in own.items():
+        weights = np.concatenate([along[j] for j in here])
+        place = (d * np.array(here)[:, None] + np.arange(d)).ravel()
+        total[np.ix_(place, place)] = weights @ rub.blades[blade].S @ weights.T
     return total

@@ -14,9 +14,9 @@ from contact.model.gaps.limits import REACHED, RIM, motion_limits, wall_flags
 from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_forces import force_at_start, plane_participation
-from contact.model.gaps.rub_system import RubSystem
+from contact.model.gaps.rub_system import RubSystem, waves_of_tips
 from contact.model.law import Abradable
-from contact.model.trig import fourier, harmonics
+from contact.model.trig import fourier, harmonics, turned_back
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.record.wear import Wear
@@ -257,15 +257,26 @@ def _between_waves(S: Array, harmonics: int) -> tuple[Indices, Array, Array]:
 
 def _between_tips(system: RubSystem) -> tuple[Indices, Array, Array]:
     """The same of the rows of S between tips, polynomials of the angle turned: sampled, exact to round-off."""
-    N = system.S.shape[1] // 2
-    points = 4 * N + 4
-    turned = [system.compliance(2.0 * math.pi * p / points) - system.still for p in range(points)]
-    spectrum = np.fft.rfft(turned, axis=0)[: 2 * N + 1] / points
-    cos, sin = 2.0 * spectrum.real, -2.0 * spectrum.imag
-    cos[0] /= 2.0
+    blocks, N = len(system.S), system.S.shape[1] // 2
+    K, points = len(system.still), 4 * N + 4
+    phi = np.arange(points) * (2.0 * math.pi / points)
+    tips = waves_of_tips(system.angle, system.line, K // system.contacts, system.S.shape[:2])
+    E = turned_back(tips.reshape(K, blocks, -1), phi).reshape(points, K, -1)
+    turned = E @ system.S.reshape(E.shape[2], -1) @ E.transpose(0, 2, 1)
+    some = _products(system.S)
+    waves = np.multiply.outer(some, phi)
+    cos, sin = (np.tensordot(part, turned, axes=1) * (2.0 / points) for part in (np.cos(waves), np.sin(waves)))
+    cos[some == 0] /= 2.0
     size = np.maximum(np.abs(cos), np.abs(sin)).max(axis=(1, 2))
-    kept = np.flatnonzero(size > NOISE * np.abs(turned).max())
-    return kept, cos[kept].transpose(1, 0, 2), sin[kept].transpose(1, 0, 2)
+    kept = size > NOISE * np.abs(turned).max()
+    return some[kept], cos[kept].transpose(1, 0, 2), sin[kept].transpose(1, 0, 2)
+
+
+def _products(S: Array) -> Indices:
+    """Waves of the angle turned that S can make: sums and differences of those that it couples."""
+    N = S.shape[1] // 2
+    first, second = (np.where(i > N, i - N, i) for i in np.nonzero(S.any(axis=(0, 2))))
+    return np.unique(np.concatenate([first + second, np.abs(first - second)]))
 
 
 def blade_delassus(system: RubSystem, parts: Propagator) -> Array:
@@ -288,18 +299,18 @@ def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> t
     d, m = len(system.blade_rows) // system.contacts, int(system.first[1])
     T = min(1, d - 1)  # without friction there is no tangent, and no pull
     turned, j = np.arange(ANGLES) * (2.0 * math.pi / ANGLES), d * np.arange(system.contacts)
-    phi = system.angle - turned[:, None]
     H, soft = (
         np.tile(A[j, j] - pull * A[j, j + T], (ANGLES, 1)) for A in (blade_delassus(system, parts), system.still)
     )
     for line in np.unique(system.line):
         here, block = np.flatnonzero(system.line == line), int(line) * system.directions
         Q, along = (np.concatenate([system.rim.cos[b], system.rim.sin[b, 1:]]) for b in (block, block + 1))
-        H[:, here] += _at(system.rim.n_max, phi[:, here], (Q * parts.c[:m]) @ (Q - pull * along).T)
+        form = (Q * parts.c[:m]) @ (Q - pull * along).T
+        H[:, here] += _around(system.rim.n_max, system.angle[here], turned, form)
         if system.turns:
             own = system.S[d * line]
             across = own[:, d * line] - pull * own[:, d * line + T]
-            soft[:, here] += _at(system.S.shape[1] // 2, phi[:, here], across)
+            soft[:, here] += _around(system.S.shape[1] // 2, system.angle[here], turned, across)
     jams = np.argwhere(H + soft <= 0.0)
     if jams.size:
         i, j = jams[0]
@@ -313,9 +324,9 @@ def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> t
     return float(H.flat[worst]), float(soft.flat[worst]), float(rho.flat[worst])
 
 
-def _at(n_max: int, phi: Array, form: Array) -> Array:
-    """Quadratic form in the waves 1, cos .. cos N, sin .. sin N at many angles."""
-    E = harmonics(n_max, phi)
+def _around(n_max: int, angle: Array, turned: Array, form: Array) -> Array:
+    """Quadratic form in the waves 1, cos .. cos N, sin .. sin N at tips, by the angles turned."""
+    E = turned_back(harmonics(n_max, angle), turned)
     return np.asarray(np.sum(E @ form * E, axis=-1))
 
 
