@@ -30,9 +30,10 @@ def remembered(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def found(*args: P.args, **kwargs: P.kwargs) -> R:
-        if kwargs or any(flags.writeable for flags in (getattr(value, "flags", None) for value in args) if flags):
+        flags = [getattr(value, "flags", None) for value in args]
+        if kwargs or any(flag is not None and flag.writeable for flag in flags):
             return function(*args, **kwargs)
-        key = tuple(id(value) if hasattr(value, "flags") else value for value in args)
+        key = tuple(value if flag is None else id(value) for value, flag in zip(args, flags, strict=True))
         if key not in kept:
             while len(kept) >= KEPT:
                 kept.pop(next(iter(kept)), None)

@@ -31,10 +31,10 @@ class Reported:
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for name in _names(type(self)):
+            value = getattr(self, name)
             if isinstance(value, np.ndarray) and value.flags.writeable:
-                object.__setattr__(self, field.name, sealed(np.array(value)))
+                object.__setattr__(self, name, sealed(np.array(value)))
 
     def records(self) -> Iterable[Mapping[str, Any]]:
         """One plain dictionary a row, its keys with their units: what `print` and a notebook show."""
@@ -96,8 +96,14 @@ class Reported:
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        values = {name: getattr(self, name) for name in _names(type(self))}
         return restored, (type(self), values)
+
+
+@cache
+def _names(kind: Any) -> tuple[str, ...]:
+    """Names of a dataclass's fields."""
+    return tuple(field.name for field in fields(kind))
 
 
 def restored(kind: type, values: Mapping[str, Any]) -> Any:

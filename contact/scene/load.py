@@ -49,7 +49,12 @@ def _built(table: File, file: Path, text: bytes | None) -> Scene:
     if text is not None:
         contents = [text, *((file.parent / name).read_bytes() for name in table.files())]
         source["sha256"] = hashlib.sha256(b"\0".join(contents)).hexdigest()
-    given = {name: getattr(part, name) for part in (table.scene, table.scheme) for name in GIVEN if hasattr(part, name)}
+    given = {
+        name: getattr(part, name)
+        for part in (table.scene, table.scheme)
+        for name in GIVEN
+        if name in type(part).model_fields
+    }
     return Scene(
         what=what, law=law, scheme=scheme, record=record, **given,
         source=source,

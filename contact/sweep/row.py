@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import singledispatch
+from functools import cache, singledispatch
 from typing import Any, cast
 
 import numpy as np
@@ -28,6 +28,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
+@cache
 def sweep_record(steps: int) -> Record:
     """Every p-th step, p the largest prime that gives STATES states: in step with no turn and no mode.
 

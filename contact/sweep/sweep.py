@@ -20,7 +20,7 @@ from contact.io.workers import worker_pool
 from contact.run import Scene
 from contact.run_many import Outcome, run_many
 from contact.scene.load import scene_of
-from contact.sweep.plan import SweepPlan
+from contact.sweep.plan import SweepPlan, Value, changed
 from contact.sweep.row import COLUMNS, row_of, sweep_record
 from contact.sweep.store import Row, Store, read_run, run_path, write_run
 
@@ -32,10 +32,15 @@ Rows = dict[str, Row]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """Some runs for a worker: hash and tables of each; `folder` of the store, where the worker writes them."""
+    """Some runs for a worker: the scene's own tables, the varied keys, hash and values of each run.
+
+    `folder` of the store, where the worker writes them.
+    """
 
     file: str
-    runs: tuple[tuple[str, dict[str, Any]], ...]
+    base: dict[str, Any]
+    keys: tuple[str, ...]
+    runs: tuple[tuple[str, tuple[Value, ...]], ...]
     folder: str | None
 
 
@@ -102,13 +107,13 @@ def run_sweep(
 
 def tasks(plan: SweepPlan, there: Rows, folder: Path | None, jobs: int) -> list[Task]:
     """The missing runs, each once, in tasks of whole lanes."""
-    missing = {run.digest: run for run in plan.runs if run.digest not in there}
+    missing = {run.digest: run.values for run in plan.runs if run.digest not in there}
     size = min(MOST, max(1, -(-len(missing) // (LANES * max(jobs, 1)))) * LANES)
     pending = list(missing.items())
     return [
         Task(
-            file=str(plan.file), folder=None if folder is None else str(folder),
-            runs=tuple((digest, plan.data(run)) for digest, run in pending[first : first + size]),
+            file=str(plan.file), base=plan.base, keys=plan.keys, folder=None if folder is None else str(folder),
+            runs=tuple(pending[first : first + size]),
         )
         for first in range(0, len(pending), size)
     ]  # fmt: skip
@@ -119,13 +124,13 @@ def run_task(task: Task) -> Rows:
     folder = None if task.folder is None else Path(task.folder)
     rows: Rows = {}
     scenes: list[tuple[str, Scene]] = []
-    for digest, data in task.runs:
+    for digest, values in task.runs:
         kept = None if folder is None else read_run(run_path(folder, digest))
         if kept is not None:
             rows[digest] = kept
             continue
         try:
-            scenes.append((digest, scene_of(data, Path(task.file))))
+            scenes.append((digest, scene_of(changed(task.base, task.keys, values), Path(task.file))))
         except InputError as error:
             rows[digest] = row_of(None, error)
             _keep(folder, digest, rows[digest])

@@ -154,10 +154,10 @@ class Batch:
         """Events of each lane in the last call; its contact is number 0 of its own run."""
         out, n = self.events, int(self.sums.filled[2])
         order = np.argsort(out.event_contact[:n], kind="stable")
-        ends = np.cumsum(np.bincount(out.event_contact[:n], minlength=WIDTH))[:-1]
-        parts = zip(*(np.split(values[:n][order], ends) for values in (out.event_kind, out.event_time)), strict=True)
-        none = np.zeros(n, dtype=np.int64)
-        return [out._replace(event_contact=none[: kind.size], event_kind=kind, event_time=when) for kind, when in parts]
+        ends = np.cumsum(np.bincount(out.event_contact[:n], minlength=WIDTH)).tolist()
+        kind, when, none = out.event_kind[:n][order], out.event_time[:n][order], np.zeros(n, dtype=np.int64)
+        own = [slice(first, end) for first, end in zip([0, *ends], ends, strict=False)]
+        return [out._replace(event_contact=none[one], event_kind=kind[one], event_time=when[one]) for one in own]
 
     def load(self, k: int, job: Job) -> None:
         """Put a run at its start into lane k."""

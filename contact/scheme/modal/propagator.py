@@ -19,7 +19,10 @@ from contact.record.energy import Stored
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Propagator:
-    """Coefficients (m,) each for a step h; `fade` = e^{-a h}, `turn` = w_d h."""
+    """Coefficients (m,) each for a step h; `fade` = e^{-a h}, `turn` = w_d h.
+
+    `stiff` is omega^2, 1 for rigid modes; `stay` = cos(w_d h) - a/w_d sin(w_d h), `drift` = sin(w_d h)/w_d.
+    """
 
     h: float
     omega: Array
@@ -29,25 +32,27 @@ class Propagator:
     c: Array
     fade: Array
     turn: Array
-    slope: Array  # a/w_d
+    stiff: Array
+    stay: Array
+    drift: Array
 
     def backward(self, q: Array, velocity: Array) -> Array:
         """D = q(0) - q(-h) of the motion through (q, velocity) under the load."""
-        rest = _rest(self.load, self.omega)
-        y = q - rest
-        drift = self.h * np.sinc(self.turn / np.pi) * velocity  # sin(w_d h)/w_d v
-        before = ((np.cos(self.turn) - self.slope * np.sin(self.turn)) * y - drift) / self.fade
+        rest = self._rest(self.load)
+        before = (self.stay * (q - rest) - self.drift * velocity) / self.fade
         elastic = q - (rest + before)
         rigid = self.h * velocity - 0.5 * self.h**2 * self.load
         return np.asarray(np.where(self.omega > 0.0, elastic, rigid))
 
     def velocity(self, q: Array, d: Array, force: Array) -> Array:
         """Velocity at t_n of the motion through q_{n-1}, q_n with constant `force` (load and contact)."""
-        rest = _rest(force, self.omega)
-        ratio = 1.0 / (self.h * np.sinc(self.turn / np.pi))  # w_d/sin(w_d h)
-        now = (np.cos(self.turn) - self.slope * np.sin(self.turn)) * (q - rest)
-        elastic = ratio * (now - self.fade * (q - d - rest))
+        rest = self._rest(force)
+        elastic = 1.0 / self.drift * (self.stay * (q - rest) - self.fade * (q - d - rest))
         return np.asarray(np.where(self.omega > 0.0, elastic, d / self.h + 0.5 * self.h * force))
+
+    def _rest(self, force: Array) -> Array:
+        """Static displacement of elastic modes, zero for rigid ones."""
+        return np.asarray(np.where(self.omega > 0.0, force / self.stiff, 0.0))
 
     def stored(self, q: Array, d: Array, contact: Array, residual: float, potential: float) -> Stored:
         """Energies at t_n; discrete form D^T D/(2 c) + omega^2 q_{n-1} q_n/2 - f (q_{n-1} + q_n)/2."""
@@ -80,18 +85,15 @@ def propagator(omega: Array, zeta: Array, load: Array, h: float) -> Propagator:
     fade = np.exp(-a * h)
     be = np.expm1(-a * h) ** 2 + 4.0 * fade * np.sin(turn / 2.0) ** 2
     elastic = omega > 0.0
-    c = np.where(elastic, be / np.where(elastic, omega, 1.0) ** 2, h * h)
+    stiff = np.where(elastic, omega, 1.0) ** 2
+    c = np.where(elastic, be / stiff, h * h)
+    slope = zeta / np.sqrt(1.0 - zeta**2)
     return Propagator(
         h=h, omega=omega, load=load, al=readonly(fade**2), be=readonly(be), c=readonly(c),
         fade=readonly(fade),
-        turn=readonly(turn), slope=readonly(zeta / np.sqrt(1.0 - zeta**2)),
+        turn=readonly(turn), stiff=readonly(stiff), stay=readonly(np.cos(turn) - slope * np.sin(turn)),
+        drift=readonly(h * np.sinc(turn / np.pi)),
     )  # fmt: skip
-
-
-def _rest(force: Array, omega: Array) -> Array:
-    """Static displacement of elastic modes, zero for rigid ones."""
-    elastic = omega > 0.0
-    return np.asarray(np.where(elastic, force / np.where(elastic, omega, 1.0) ** 2, 0.0))
 
 
 def free_motion(omega: Array, zeta: Array, h: float) -> Array:
