@@ -146,6 +146,7 @@ class Prepared:
 
     problem: Problem
     mu: float
+    coated: bool
     on_limit: OnLimit
     stepper: Stepper
     count: int
@@ -176,8 +177,9 @@ def prepared(scene: Scene) -> Prepared:
     record = scene.record or sparse(count)
     record.steps(dt=stepper.dt, count=count)  # raises before the first step, as the buffers do for channels
     return Prepared(
-        problem=problem, mu=law.mu, on_limit=scene.on_limit, stepper=stepper, count=count, record=record,
-        source=scene.source, load_step=stepper.dt**2 * getattr(problem, "load_response", 0.0),
+        problem=problem, mu=law.mu, coated=law.coating is not None, on_limit=scene.on_limit, stepper=stepper,
+        count=count, record=record, source=scene.source,
+        load_step=stepper.dt**2 * getattr(problem, "load_response", 0.0),
         overlap=getattr(stepper, "overlap", 0.0), start=stepper.stored(),
     )  # fmt: skip
 
@@ -206,7 +208,7 @@ def completed(ready: Prepared, progress: Progress | None = None) -> Result:
         taken += chunk.steps
         if chunk.failed < 0 and taken % LEDGER == 0:
             now = _budget(ready)
-            if _runs_away(now, calm or now):
+            if _runs_away(ready, now, calm or now):
                 break
             calm = calm or now
     return finished(ready, [c.samples for c in chunks], taken, time.perf_counter() - began, chunks[-1].failed, calm)
@@ -226,11 +228,15 @@ def _budget(ready: Prepared) -> EnergyBudget:
         )  # fmt: skip
 
 
-def _runs_away(now: EnergyBudget, calm: EnergyBudget) -> bool:
-    """Whether the energy is no number any more, or contact has added more than all else since `calm`."""
+def _runs_away(ready: Prepared, now: EnergyBudget, calm: EnergyBudget) -> bool:
+    """Whether the energy is no number any more, or contact has added more than all else since `calm`.
+
+    A coating may: a rim that turns presses other bars against the tip, and its drive's work is booked as the contact's.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
         since = now.since(calm)
-    return not math.isfinite(now.unaccounted) or -since.lost_in_contact > ADDED * since.others
+    added = -since.lost_in_contact > ADDED * since.others
+    return not math.isfinite(now.unaccounted) or (added and not ready.coated)
 
 
 def finished(
@@ -246,7 +252,7 @@ def finished(
     if not math.isfinite(energy.unaccounted):
         limit = limit or ("overflow", math.nan, math.nan)
         parts = [_finite(part) for part in parts]
-    elif failed < 0 and calm is not None and _runs_away(energy, calm):
+    elif failed < 0 and calm is not None and _runs_away(ready, energy, calm):
         since = energy.since(calm)
         limit = "energy", -since.lost_in_contact, ADDED * since.others
     with np.errstate(over="ignore", invalid="ignore"):

@@ -1,5 +1,7 @@
 """Abradable coatings: the bars' law, what they lose, and when the contact stays closed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -145,6 +147,18 @@ def test_wear_stops_at_the_bare_casing():
     assert result.wear.worn.max() == 2e-5
     assert result.wear.bare > 10
     assert result.force.max() > 2.0 * 2e4 * 0.02 * 6e-3
+
+
+def test_a_coating_may_bring_the_energy_of_the_drive():
+    """Lobes pass near the blade's frequency: contact adds four times what else there is, and yet nothing diverges."""
+    law = coating(E=2e7, hardening=1e5)
+    what = replace(rim(speed_hz=62.0), lean_deg=-10.0)
+    result = ct.run(what, law=law, t_end=3.2, dt=4e-5, record=ct.Record(every=10))
+    assert result.divergence is None
+    assert result.wear.dissipated > 10.0 * result.energy.others  # the drive pays, what else there is could not
+    stress = law.yield_stress + law.hardening * result.wear.worn.max() / law.thickness
+    assert result.peak_force[0] == pytest.approx(stress * law.width * law.tip, rel=1e-2)
+    assert result.force[result.time > 3.0].max() == 0.0  # worn free
 
 
 def test_a_saved_result_keeps_its_wear(tmp_path):
