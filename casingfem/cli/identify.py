@@ -42,8 +42,9 @@ if TYPE_CHECKING:
     " exponential_window_s if left out.",
 )  # fmt: skip
 @click.option(
-    "--coherence", "coherence_file", type=click.Path(path_type=Path), metavar="NPZ", default=None,
-    help="Coherence of the responses, as `casingfem rig` writes it, to be drawn with them.",
+    "--coherence", "coherence_file", type=click.Path(path_type=Path), metavar="FILE", default=None,
+    help="Coherence of the responses, .uff or as `casingfem rig` writes it (.npz): where it is low, lines weigh less."
+    " From the universal file itself if left out.",
 )  # fmt: skip
 @options
 def identify(
@@ -67,8 +68,14 @@ def identify(
     `casingfem update`, `correlate` and `locate`, the stabilisation diagram, the fitted responses, fit.png: mode
     indicator, fit, residual and coherence over all lines, and all of it on the page identified.html.
     """
-    from casingfem.experiment.frf.files import file_places, read_frfs, read_picks, read_places
-    from casingfem.experiment.frf.frf_set import FrfSet
+    from casingfem.experiment.frf.files import (
+        file_coherence,
+        file_places,
+        read_coherence,
+        read_frfs,
+        read_picks,
+        read_places,
+    )
     from casingfem.experiment.frf.sensor_grid import angles_of
     from casingfem.experiment.identify.identification import identify as find
 
@@ -81,11 +88,11 @@ def identify(
     else:
         angles, places = read_places(angles_file)
     pick = None if pick_file is None else read_picks(pick_file)
-    coherence = None if coherence_file is None else FrfSet.load(coherence_file)
+    coherence = file_coherence(file) if coherence_file is None else read_coherence(coherence_file)
     with ProgressMessage(f"modes in {file.name}") as working:
         found = find(
             frfs, angles=angles, places=places, band=band, form=form, order=order, n_max=n_max, pick=pick,
-            exponential=exponential, say=lambda what: working.say(f"modes in {file.name}: {what}"),
+            exponential=exponential, coherence=coherence, say=lambda what: working.say(f"modes in {file.name}: {what}"),
         )  # fmt: skip
     document = {
         "modes": found.records(),

@@ -16,6 +16,7 @@ from casingfem.io.strict_csv import read
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".ufb")
 HDF5 = (".h5", ".hdf5")
+COHERENCE = 6, 26  # of functions of universal files: ordinary, multiple
 KINDS = ", ".join((*UNIVERSAL, ".npz", *HDF5, ".csv"))
 
 
@@ -37,6 +38,28 @@ def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
     if ending == ".csv":
         return FrfSet.from_csv(path)
     raise InputError(str(path), found=f"ending {ending!r}", expected=f"one of {KINDS}")
+
+
+def read_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
+    """Coherence, ordinary or multiple, of a universal file or an npz of `FrfSet.save`; None where there is none.
+
+    Raises
+    ------
+    InputError
+        An unknown ending; what the readers refuse.
+    """
+    ending = Path(path).suffix.lower()
+    if ending == ".npz":
+        return FrfSet.load(path)
+    if ending not in UNIVERSAL:
+        raise InputError(str(path), found=f"ending {ending!r}", expected=f"one of {', '.join((*UNIVERSAL, '.npz'))}")
+    functions = [function for function in read_uff(path).functions if function.kind in COHERENCE]
+    return FrfSet.from_functions(functions, "spectrum", str(path)) if functions else None
+
+
+def file_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
+    """Coherence that stands beside the responses of a universal file; None in other files, or where there is none."""
+    return read_coherence(path) if Path(path).suffix.lower() in UNIVERSAL else None
 
 
 def file_places(path: str | os.PathLike[str]) -> dict[int, FloatArray] | None:

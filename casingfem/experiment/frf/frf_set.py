@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from casingfem.errors import InputError
 from casingfem.experiment.uff.read import read_uff
 from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
-from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.io.npz import read_npz
 from casingfem.io.strict_csv import StrictCsv, read
 from contact.io.npz import ArrayKind, write_npz
@@ -36,7 +36,7 @@ class FrfSet:
     ----------
     kind : "frf" or "spectrum" over frequencies [Hz], or "time" over seconds
     x : abscissa (lines,), ascending
-    responses : (channels, lines), complex; real for time records
+    responses : (channels, lines), complex; real for time records. Over frequencies nan stands for a missing number
     response_point, response_direction, reference_point, reference_direction
         Where each channel was measured, and what it refers to, (channels,): node, and 1, 2, 3 for x, y, z, 4, 5, 6
         for turns, 0 without direction, signed.
@@ -86,16 +86,16 @@ class FrfSet:
             raise InputError(
                 self.path, found=found, expected="x (lines,), responses (channels, lines), places (channels,)"
             )
-        if not (np.isfinite(self.x).all() and np.isfinite(self.responses).all()):
-            raise InputError(self.path, found=self._not_finite(), expected="finite numbers: leave such lines out")
+        spoilt = np.isinf(self.responses) if self.kind != "time" else ~np.isfinite(self.responses)
+        if not np.isfinite(self.x).all() or spoilt.any():
+            raise InputError(self.path, found=self._spoilt(spoilt), expected="finite numbers, or nan for a missing one")
         if np.any(np.diff(self.x) <= 0.0):
             index = int(np.argmax(np.diff(self.x) <= 0.0))
             found = f"{self.x[index + 1]:g} after {self.x[index]:g}"
             raise InputError(self.path, found=found, expected="an abscissa that ascends")
 
-    def _not_finite(self) -> str:
+    def _spoilt(self, spoilt: BoolArray) -> str:
         """Which numbers are none."""
-        spoilt = ~np.isfinite(self.responses)
         if not spoilt.any():
             return "nan or infinity in the abscissa"
         lines = np.flatnonzero(spoilt.any(axis=0))
@@ -165,6 +165,7 @@ class FrfSet:
     def from_csv(cls, path: str | os.PathLike[str]) -> FrfSet:
         """Read rows of freq_hz (or time_s), the four places, real, imag; a card line `unit: ...` is required.
 
+        Empty cells of real and imag are missing numbers of responses.
         Rows of a channel follow one another. A card line `kind: spectrum` makes them spectra.
 
         Raises
@@ -184,8 +185,9 @@ class FrfSet:
             if name not in csv.header or name not in columns:
                 found = "no such column" if name in columns else "an unknown column"
                 raise InputError(csv.path, line=csv.header_line, column=name, found=found, expected=",".join(columns))
-        x, values = csv.numbers(columns[0]), csv.numbers("real")
-        complete = values if timed else values + 1j * csv.numbers("imag")
+        missing = None if timed else np.nan
+        x, values = csv.numbers(columns[0]), csv.numbers("real", blank=missing)
+        complete = values if timed else values + 1j * csv.numbers("imag", blank=missing)
         places = np.column_stack([csv.integers(name) for name in PLACES])
         starts = np.flatnonzero(np.r_[True, np.any(np.diff(places, axis=0) != 0, axis=1)])
         lines = _common_lines(csv, x, starts)
@@ -207,7 +209,7 @@ class FrfSet:
         lines.append(",".join(("time_s" if timed else "freq_hz", *PLACES, "real", *(() if timed else ("imag",)))))
         for channel, values in enumerate(self.responses.tolist()):
             place = ",".join(str(getattr(self, name)[channel]) for name in PLACES)
-            parts = (f"{v!r}" if timed else f"{v.real!r},{v.imag!r}" for v in values)
+            parts = (f"{v!r}" if timed else "," if np.isnan(v) else f"{v.real!r},{v.imag!r}" for v in values)
             lines += [f"{at!r},{place},{part}" for at, part in zip(self.x.tolist(), parts, strict=True)]
         return write_atomic(Path(path), "\n".join(lines) + "\n")
 

@@ -18,12 +18,11 @@ from casingfem.experiment.identify.ema_poles import lscf_poles
 from casingfem.experiment.identify.own_shifts import Modes
 from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
 from casingfem.experiment.identify.pole_selection import select_poles
-from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.pole_window import Window, floor_of
 from casingfem.experiment.identify.shifted import Shifted, shifted
 from casingfem.experiment.identify.stabilisation import Stabilisation, stabilise
 from casingfem.io.arrays import Array, FloatArray
 
-FLOOR = 3e-4  # of a window's rms: a model is not better than that
 ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most
 PASSES = 2  # fits of every band after the first
 USUAL_ZETA = 2e-3  # of a picked pole that no stable one is near to
@@ -32,13 +31,14 @@ USUAL_ZETA = 2e-3  # of a picked pole that no stable one is near to
 class Responses(NamedTuple):
     """Lines [Hz], responses (channels, lines), standard deviation of each channel's noise, power of j omega.
 
-    `leak` as in `Window`.
+    `along` (lines,) and `leak` as in `Window`.
     """
 
     freq: FloatArray
     H: Array
     noise: FloatArray
     power: int
+    along: FloatArray
     leak: float = 0.0
 
 
@@ -97,7 +97,7 @@ def fit_bands(
 def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Window) -> list[PoleFit]:
     """Fits of what the channels would show if all set-ups had the same frequencies; sigma knows that they do not."""
     straight = found.aligned(whole)
-    data = data._replace(H=straight.as_complex.T * data.noise[:, None])
+    data = data._replace(H=straight.as_complex.T * data.noise[:, None] / np.where(data.along > 0.0, data.along, 1.0))
     freq, sigma = found.mean()
     modes = [_Mode(*each) for each in zip(freq.tolist(), found.modes.zeta.tolist(), found.modes.residues, strict=True)]
     aligned = []
@@ -153,14 +153,15 @@ def _sweep(data: Responses, band: Band, order: int | None) -> tuple[Stabilisatio
 def _window(data: Responses, band: Band, outside: list[_Mode]) -> Window:
     """What is to be fitted in a band, without the modes outside its window."""
     lines = slice(*band.window)
-    weighted = (data.H[:, lines] / data.noise[:, None]).T
+    weighted = (data.H[:, lines] / data.noise[:, None] * data.along[lines]).T
     window = Window(
         freq=data.freq[lines],
         Y=np.concatenate([weighted.real, weighted.imag]),
         power=data.power,
         residues="real",
         weight=1.0 / data.noise,
-        floor=FLOOR * float(np.sqrt(0.5 * np.mean(np.abs(weighted) ** 2))),
+        floor=floor_of(weighted),
+        along=data.along[lines],
         leak=data.leak,
     )
     if not outside:

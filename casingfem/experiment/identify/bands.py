@@ -15,7 +15,7 @@ PROMINENCE_DB, SCATTERS = 3.0, 5.0  # of a peak: at least, and in standard devia
 ABOVE_NOISE = 6.0  # standard deviations
 NEAR = 201  # lines over which noise is taken for alike
 PEAKS = 3, 5  # in a band: at least, where there are more near by, and at most
-MARGIN = 0.025  # of a peak's frequency: what a window shows around its peaks
+MARGIN = 0.025, 2.0  # of a peak's frequency, or half-power bandwidths: what a window shows around its peaks
 ROUGH = np.sqrt(20.0 * 2.0 * np.log(2.0))  # median of third differences of complex noise of unit deviation
 LINES = 40, 1500  # around peaks at least; in a band without peaks at most
 ENOUGH = 200, 8.0  # lines around peaks that are enough, or half-power bandwidths
@@ -82,11 +82,12 @@ def find_bands(freq: FloatArray, H: Array, noise: FloatArray, picked: FloatArray
             level, prominence=np.maximum(PROMINENCE_DB, SCATTERS * _level_scatter(level)), height=height
         )
     cuts, widths = _cuts(power, peaks), peak_widths(power, peaks)[0] if picked is None else np.zeros(len(peaks))
+    reach = np.maximum(MARGIN[0] * freq[peaks], MARGIN[1] * widths * (freq[1] - freq[0]))
     bands: list[Band] = []
     reached, end = 0, 0
     while end < len(peaks):
-        start, end = end, _end(power, cuts, freq[peaks], end)
-        low, high = _around(freq, int(peaks[start]), int(peaks[end - 1]), float(widths[start:end].max()))
+        start, end = end, _end(power, cuts, freq[peaks], reach, end)
+        low, high = _around(freq, peaks[start:end], reach[start:end], float(widths[start:end].max()))
         core = max(low, cuts[start]), min(high, cuts[end])
         bands += _empty(reached, core[0])
         bands.append(Band(core, (low, high), int(np.sum((peaks >= low) & (peaks < high)))))
@@ -94,9 +95,10 @@ def find_bands(freq: FloatArray, H: Array, noise: FloatArray, picked: FloatArray
     return bands + _empty(reached, len(freq))
 
 
-def _around(freq: FloatArray, first: int, last: int, width: float) -> tuple[int, int]:
-    """Lines about the peaks from first to last, of half-power bandwidths up to `width` lines."""
-    low, high = np.searchsorted(freq, [freq[first] * (1.0 - MARGIN), freq[last] * (1.0 + MARGIN)]).tolist()
+def _around(freq: FloatArray, peaks: IntArray, reach: FloatArray, width: float) -> tuple[int, int]:
+    """Lines about some peaks, that reach so far [Hz], of half-power bandwidths up to `width` lines."""
+    first, last = int(peaks[0]), int(peaks[-1])
+    low, high = np.searchsorted(freq, [(freq[peaks] - reach).min(), (freq[peaks] + reach).max()]).tolist()
     enough = max(ENOUGH[0], int(ENOUGH[1] * width))
     low, high = max(low, first - enough), min(high, last + enough)
     return max(min(low, first - LINES[0]), 0), min(max(high, last + LINES[0]), len(freq))
@@ -110,10 +112,11 @@ def _empty(low: int, high: int) -> list[Band]:
     return [Band((a, b), (a, b), 0) for a, b in pairwise(edges)]
 
 
-def _end(power: FloatArray, cuts: list[int], freq: FloatArray, start: int) -> int:
+def _end(power: FloatArray, cuts: list[int], freq: FloatArray, reach: FloatArray, start: int) -> int:
     """Peak before which the band from `start` ends: at a wide gap, or the deepest valley within reach."""
     most = min(len(freq), start + PEAKS[1])
-    gap = next((k for k in range(start + 1, most) if freq[k] - freq[k - 1] > 2.0 * MARGIN * freq[k]), most)
+    far = (k for k in range(start + 1, most) if freq[k] - freq[k - 1] > reach[k] + reach[k - 1])
+    gap = next(far, most)
     if gap < start + PEAKS[1] or gap == len(freq):
         return gap
     return min(range(start + PEAKS[0], gap + 1), key=lambda k: float(power[cuts[k]]))

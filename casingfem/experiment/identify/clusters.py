@@ -10,7 +10,7 @@ import numpy as np
 
 from casingfem.experiment.identify.bands import line_noise
 from casingfem.experiment.identify.own_shifts import Modes, Setups
-from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.pole_window import Window, floor_of
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 REACH = 2e-3, 0.5  # beyond the poles of a cluster, that peaks may lie: relative, and damping ratios
@@ -59,14 +59,14 @@ def clusters(whole: Window, modes: Modes, setups: Setups, most_lines: int = MOST
         narrowest = 2.0 * float((modes.zeta * low)[members].min()) / step
         stride = max(1, int(min((b - a) / most_lines, narrowest / ON_PEAK)))
         lines = slice(a, b, stride)
-        bare = replace(whole, freq=whole.freq[lines], Y=np.zeros((0, rest.shape[1])))
+        bare = whole.cut(lines)
         mine = rest[lines] + modes.some(members).response(bare, setups)
         window = replace(bare, Y=np.concatenate([mine.real, mine.imag]))
         left = np.concatenate([rest[lines].real, rest[lines].imag])
         Q = np.linalg.qr(window.residuals())[0]
         left -= Q @ (Q.T @ left)
         noise = _noise((left[: len(mine)] + 1j * left[len(mine) :]).T)
-        yield Cluster(modes.some(members), window, span, max(noise, whole.floor**2, 1e-300))
+        yield Cluster(modes.some(members), window, span, max(noise, floor_of(mine) ** 2, 1e-300))
 
 
 def _few_each(members: IntArray, freq: FloatArray) -> list[IntArray]:

@@ -42,6 +42,7 @@ def identify(
     n_max: int | None = None,
     pick: ArrayLike | None = None,
     exponential: float | None = None,
+    coherence: FrfSet | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> Identified:
     """Frequencies, damping, shapes, nodal diameters and orientations of the modes in frequency responses.
@@ -68,6 +69,8 @@ def identify(
     exponential
         Time constant tau [s] of an exponential window exp(-t/tau), whose damping is taken off; None reads it from a
         line `exponential_window_s: ...` of the set's card, where there is one.
+    coherence
+        Of the responses, over the same lines: a line weighs less where it is low.
     say
         Is told from time to time what is being done.
 
@@ -75,7 +78,7 @@ def identify(
     ------
     InputError
         No frequency responses, uneven or too few lines, no channel with a signal, sensors without angle or reference,
-        picks outside the lines.
+        picks outside the lines, a coherence over other lines.
     MissingExtraError
         sdypy-EMA is not installed.
 
@@ -90,10 +93,10 @@ def identify(
     """
     started = time.perf_counter()
     tau = window_time(frfs, exponential)
-    frfs, freq, H, power, said = usable(frfs, band, form)
+    frfs, freq, H, power, along, said = usable(frfs, band, form, coherence)
     grid = sensor_grid(frfs, angles, places)
     noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
-    data = Responses(freq, H, noise, power)
+    data = Responses(freq, H, noise, power, along)
     picked = None if pick is None else _picked(frfs.path, pick, freq)
     found = fit_bands(data, find_bands(freq, H, noise, picked), order, picked, say)
     cores = [core_of(freq, band) for band in found.bands]
@@ -157,7 +160,9 @@ def _fitted(found: BandFits, H: Array) -> Array:
     for fit, band in zip(found.fits, found.bands, strict=True):
         start = band.window[0]
         core = slice(band.core[0] - start, band.core[1] - start)
-        whole[:, slice(*band.core)] = H[:, slice(*band.core)] - (fit.spread[core] / fit.window.weight).T
+        weight = fit.window.along[core, None] * fit.window.weight
+        there = np.arange(*band.core)[weight[:, 0] > 0.0]
+        whole[:, there] = H[:, there] - (fit.spread[there - start] / weight[there - band.core[0]]).T
     return whole
 
 

@@ -105,7 +105,7 @@ def fit_poles(window: Window, freq: FloatArray, zeta: FloatArray, *, steps: int 
     >>> lines = np.arange(95.0, 105.0, 0.05)
     >>> H = 100.0**2 / (100.0**2 - lines**2 + 2j * 0.004 * 100.0 * lines)
     >>> Y = np.concatenate([H.real, H.imag])[:, None]
-    >>> window = Window(freq=lines, Y=Y, power=0, residues="real", weight=np.ones(1), floor=0.0)
+    >>> window = Window(freq=lines, Y=Y, power=0, residues="real", weight=np.ones(1), floor=0.0, along=np.ones(200))
     >>> fit = fit_poles(window, np.array([100.2]), np.array([0.003]))
     >>> fit.freq.round(6).tolist(), fit.zeta.round(8).tolist()
     ([100.0], [0.004])
@@ -174,7 +174,7 @@ def _finished(window: Window, at: _State, converged: bool) -> PoleFit:
     s, m, half = window.columns, len(at.f), len(window.freq)
     system = _system(window, at)
     inverse = np.linalg.inv(at.T)[: s * m]
-    free = window.Y.size - at.A.size - 2 * m
+    free = window.entries - at.A.size - 2 * m
     return PoleFit(
         window=window,
         freq=at.f,

@@ -71,8 +71,7 @@ def principal(window: Window) -> Window:
     """
     stride = -(-len(window.freq) // MOST_LINES)
     if stride > 1:
-        rows = np.concatenate([part[::stride] for part in np.split(window.Y, 2)])
-        window = replace(window, freq=window.freq[::stride], Y=rows)
+        window = window.cut(slice(None, None, stride))
     if window.Y.shape[1] <= CHANNELS[1]:
         return window
     mixed = np.linalg.eigh(window.Y.T @ window.Y)[1][:, -CHANNELS[0] :]

@@ -11,14 +11,20 @@ Piersol, Random Data, 4th ed., 2010, section 8.5), whose moments are those of 1/
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.io.arrays import Array, FloatArray, frozen
+from casingfem.io.arrays import Array, BoolArray, FloatArray, frozen
 
 TERMS = 4  # polynomials
+FLOOR = 3e-4  # of a window's rms: a model is not better than that
 HANN = (-1.0, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.0, 1.0 / 6.0)  # lines away, share of the power
+
+
+def floor_of(H: Array) -> float:
+    """Least deviation of an entry's real or imaginary part that counts in a window of responses."""
+    return FLOOR * float(np.sqrt(0.5 * np.mean(np.abs(H) ** 2)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,8 +32,9 @@ class Window:
     """Lines and channels of one fit: freq [Hz] (lines,), Y (2 lines, channels) real over imaginary, weighted.
 
     `power` is q above; `residues` "real" or "complex"; `weight` (channels,) what Y was multiplied by; `floor` the
-    least rms deviation per entry of Y that counts: models are never better than that; `leak` the distance of lines
-    [Hz] over which a Hann window leaks, 0 where nothing does.
+    least rms deviation per entry of Y that counts: models are never better than that; `along` (lines,) what each line
+    of Y was multiplied by, 0 where a line is missing; `leak` the distance of lines [Hz] over which a Hann window leaks,
+    0 where nothing does.
     """
 
     freq: FloatArray
@@ -36,10 +43,11 @@ class Window:
     residues: str
     weight: FloatArray
     floor: float
+    along: FloatArray
     leak: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("freq", "Y", "weight"):
+        for name in ("freq", "Y", "weight", "along"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
@@ -57,6 +65,16 @@ class Window:
         """The data as complex numbers, (lines, channels)."""
         half = len(self.freq)
         return np.asarray(self.Y[:half] + 1j * self.Y[half:])
+
+    @property
+    def entries(self) -> int:
+        """Numbers of Y that are not missing."""
+        return 2 * int(self.Y.shape[1]) * int(np.count_nonzero(self.along))
+
+    def cut(self, lines: slice | BoolArray) -> Window:
+        """Some of the lines."""
+        data = np.concatenate([part[lines] for part in np.split(self.Y, 2)])
+        return replace(self, freq=self.freq[lines], Y=data, along=self.along[lines])
 
     def resonances(self, f: FloatArray, zeta: FloatArray) -> FloatArray:
         """Columns (2 lines, poles x columns) of unit residue at poles f [Hz], zeta."""
@@ -81,7 +99,8 @@ class Window:
         """Columns (2 lines, TERMS x columns) of modes outside the window."""
         x = self.freq[:, None] / self.scale
         span = (2.0 * self.freq - self.freq[0] - self.freq[-1]) / (self.freq[-1] - self.freq[0])
-        return self.as_real((1j * x) ** self.power * np.polynomial.chebyshev.chebvander(span, TERMS - 1))
+        scaled = self.along[:, None] * (1j * x) ** self.power
+        return self.as_real(scaled * np.polynomial.chebyshev.chebvander(span, TERMS - 1))
 
     def as_real(self, columns: Array) -> FloatArray:
         """Complex columns (lines, n) as real ones; for complex residues with j times each beside it."""
@@ -93,6 +112,6 @@ class Window:
         """`peaks` at frequencies [Hz], without leakage."""
         x, w = at[:, None] / self.scale, f / self.scale
         below = w**2 - x**2 + 2j * zeta * w * x
-        g = (1j * x) ** self.power * w**2 / below
+        g = self.along[:, None] * (1j * x) ** self.power * w**2 / below
         by_zeta = -g * 2j * zeta * w * x / below
         return g, (2.0 * g * (1.0 - w**2 / below) + by_zeta, by_zeta)

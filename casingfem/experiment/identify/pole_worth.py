@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
@@ -39,8 +37,7 @@ def has_skirts(fit: PoleFit, pole: int) -> bool:
     above = int(np.sum(window.freq[kept] > fit.freq[pole]))
     if min(above, int(kept.sum()) - above) < SKIRT[1]:
         return False
-    rest = replace(window, freq=window.freq[kept], Y=window.Y[np.tile(kept, 2)])
-    return bool(gains(fit_poles(rest, fit.freq, fit.zeta, steps=0))[pole] > penalty(window))
+    return bool(gains(fit_poles(window.cut(kept), fit.freq, fit.zeta, steps=0))[pole] > penalty(window))
 
 
 def cut_off(fit: PoleFit, pole: int) -> tuple[float, float]:

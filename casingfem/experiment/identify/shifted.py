@@ -34,6 +34,7 @@ PASSES, POLISHES = 3, 3  # of finding modes, and of fitting them beside what the
 FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say whether peaks are shifted at all
 CLUSTERS = 12  # that tell which channels are one set-up, at most
 ALIVE = 2.0  # rms of a channel over its noise
+LEAKS = 30.0  # lines in a half-power bandwidth, beyond which leakage changes nothing
 DAMPED = 5.0  # times the usual damping, beyond which a mode is no peak
 
 
@@ -96,8 +97,10 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
     some = [c for c in common if len(c.modes.zeta) <= FIRST[1]] or common
     few = np.flatnonzero(alive)
     few = few[_spread(len(few), FIRST[2])]
+    if len(few) < 2:
+        return _unshifted(common, modes, step, 0.0)
     first = _alone([some[k] for k in _spread(len(some), FIRST[0])], few, damped, step)
-    if len(few) < 2 or max(first.evidence, default=0.0) <= 0.0:
+    if max(first.evidence, default=0.0) <= 0.0:
         return _unshifted(common, modes, step, sum(first.evidence))
     alone = _alone([common[k] for k in _spread(len(common), CLUSTERS)], np.arange(len(alive)), damped, step)
     if sum(alone.evidence) <= 0.0:
@@ -111,7 +114,8 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
     refused, counts = len(setups) == len(single), list[int]()
     for again in range(PASSES):
         if again:
-            leak = step if _leaks([_both(c, setups, step) for c in clusters(whole, modes, setups)]) else 0.0
+            told = [_both(c, setups, step) for c in clusters(whole, modes, setups) if _tells(c, step)]
+            leak = step if _leaks(told) else 0.0
         found = [leaking(c, leak) for c in (clusters(replace(whole, leak=leak), modes, setups) if again else common)]
         own = read_all(found, setups, damped, shift)
         merged = [] if refused else find_setups([each.own for each in own], np.ones(len(setups), bool))
@@ -158,7 +162,7 @@ def _polished(c: Cluster, setups: Setups, damped: float) -> ClusterModes:
 
 def _unshifted(common: Sequence[Cluster], modes: Modes, step: float, evidence: float) -> Shifted:
     """The common poles, and whether a window leaks over the step of the lines [Hz]."""
-    gains = [[_fit_common(leaking(c, by)).squares for by in (0.0, step)] for c in common]
+    gains = [[_fit_common(leaking(c, by)).squares for by in (0.0, step)] for c in common if _tells(c, step)]
     nothing, all_of_them = np.zeros(len(modes.zeta)), np.arange(modes.residues.shape[1])
     leak = step if _leaks(gains) else 0.0
     return Shifted(modes, nothing[:, None], nothing, nothing, [all_of_them], leak, 0.0, evidence)
@@ -189,10 +193,15 @@ def _alone(common: Sequence[Cluster], channels: IntArray, damped: float, step: f
             freq, zeta = own.freq, np.median(own.zeta, axis=1)
             leaked, own = fit_again(leaking(c, step), single, freq, zeta), fit_again(c, single, freq, zeta)
             found.append((c, own, leaked))
-    leak = step if _leaks([[plain.squares, leaked.squares] for _, plain, leaked in found]) else 0.0
+    leak = step if _leaks([[plain.squares, leaked.squares] for c, plain, leaked in found if _tells(c, step)]) else 0.0
     evidence = [_evidence(c, leaked if leak else plain, len(single)) for c, plain, leaked in found]
     peaks = [leaked if leak else plain for _, plain, leaked in found]
     return _Alone([leaking(c, leak) for c, _, _ in found], peaks, leak, evidence)
+
+
+def _tells(c: Cluster, step: float) -> bool:
+    """Whether a cluster has a peak so narrow that leakage over a step of the lines [Hz] widens it."""
+    return bool((2.0 * c.modes.zeta * c.modes.freq.min(axis=1) < LEAKS * step).any())
 
 
 def _leaks(squares: Sequence[Sequence[float]]) -> bool:

@@ -1,4 +1,4 @@
-"""What of a set of responses can be used: lines of the band, sensors with a signal, the form of the responses."""
+"""What of a set of responses can be used: lines of the band, sensors with a signal, the form, what each line weighs."""
 
 from __future__ import annotations
 
@@ -6,41 +6,51 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import PLACES, FrfSet
 from casingfem.experiment.frf.sensor_grid import FORMS, form_of
-from casingfem.io.arrays import Array, BoolArray, FloatArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 
 LEAST_LINES = 30
 EVEN = 0.05  # of a step: what rounded lines may be off their even places
 USUAL_FORM = "accelerance"  # of a hammer test whose file has no unit
+MISSING = 0.2  # of the lines: a channel that lacks more is left out, not the lines
+COHERENCE = 1e-3, 1.0 - 1e-6  # what an estimate is taken for, at least and at most
+LEAST_WEIGHT, ALIKE = 0.1, 21  # of an incoherent line; lines over which coherence is taken for alike
 
 
 class Usable(NamedTuple):
-    """Responses H (channels, lines) of `frfs` at `freq` [Hz], the power of j omega, and what was done, in words."""
+    """Responses H (channels, lines) of `frfs` at `freq` [Hz], the power of j omega, and what was done, in words.
+
+    `along` (lines,) is what each line weighs: 1, less where it is not coherent, 0 where a channel has no number, in
+    whose place H is interpolated.
+    """
 
     frfs: FrfSet
     freq: FloatArray
     H: Array
     power: int
+    along: FloatArray
     notes: tuple[str, ...]
 
 
-def usable(frfs: FrfSet, band: tuple[float, float] | None, form: str | None) -> Usable:
-    """Lines above 0 Hz in the band, without the sensors whose responses are zero there.
+def usable(frfs: FrfSet, band: tuple[float, float] | None, form: str | None, coherence: FrfSet | None) -> Usable:
+    """Lines above 0 Hz in the band, without the sensors whose responses are zero or missing there.
 
     Raises
     ------
     InputError
-        No frequency responses, uneven or too few lines, no channel with a signal, an unknown unit.
+        No frequency responses, uneven or too few lines, no channel with a signal, an unknown unit, a coherence over
+        other lines.
     """
     if frfs.kind != "frf":
         raise InputError(frfs.path, found=f"kind {frfs.kind!r}", expected="frequency responses")
     low, high = band or (0.0, np.inf)
     if not 0.0 <= low < high:
         raise InputError(frfs.path, found=f"band {low:g} to {high:g} Hz", expected="0 <= from < to")
-    kept = (frfs.x >= low) & (frfs.x <= high) & (frfs.x > 0.0)
+    kept = _ends_cut((frfs.x >= low) & (frfs.x <= high) & (frfs.x > 0.0), frfs.responses)
     freq = frfs.x[kept]
     if len(freq) < LEAST_LINES:
         raise InputError(frfs.path, found=f"{len(freq)} lines in the band", expected=f"at least {LEAST_LINES}")
@@ -51,22 +61,86 @@ def usable(frfs: FrfSet, band: tuple[float, float] | None, form: str | None) -> 
     if power is None:
         power = FORMS[USUAL_FORM]
         notes.append(f"the responses have no unit: taken for {USUAL_FORM}; `form` says otherwise")
-    dead = np.all(frfs.responses[:, kept] == 0.0, axis=1)
-    if dead.any():
-        frfs, words = _without(frfs, dead)
-        notes.append(words)
-    return Usable(frfs, even, frfs.responses[:, kept], power, tuple(notes))
+    H = frfs.responses[:, kept]
+    silent, lacking = ~np.any(np.abs(H) > 0.0, axis=1), np.isnan(H).mean(axis=1) > MISSING
+    whole, words = _without(frfs, silent & ~lacking, lacking)
+    notes += words
+    H, missing = whole.responses[:, kept], np.isnan(whole.responses[:, kept])
+    along = np.ones(len(even)) if coherence is None else _coherent(whole, coherence, kept)
+    if missing.any():
+        notes.append(_missing(missing, even))
+        H, along = _filled(H), np.where(missing.any(axis=0), 0.0, along)
+    return Usable(whole, even, H, power, along, tuple(notes))
 
 
-def _without(frfs: FrfSet, dead: BoolArray) -> tuple[FrfSet, str]:
-    """The set without sensors of which a channel is zero, and what is said of them."""
+def _ends_cut(kept: BoolArray, H: Array) -> BoolArray:
+    """The lines kept, without those at the ends on which no channel has a number."""
+    some = np.flatnonzero(kept & ~np.isnan(H).all(axis=0))
+    at = np.arange(len(kept))
+    return np.asarray(kept & (at >= some.min(initial=len(kept))) & (at <= some.max(initial=-1)))
+
+
+def _without(frfs: FrfSet, silent: BoolArray, lacking: BoolArray) -> tuple[FrfSet, list[str]]:
+    """The set without sensors of which a channel is zero or lacks many numbers, and what is said of them."""
     sensors = list(zip(frfs.response_point.tolist(), frfs.response_direction.tolist(), strict=True))
-    gone = {sensor for sensor, silent in zip(sensors, dead.tolist(), strict=True) if silent}
-    kept = np.array([sensor not in gone for sensor in sensors])
-    channels = ", ".join(str(k + 1) for k in np.flatnonzero(dead))
-    points = ", ".join(str(point) for point in sorted({point for point, _ in gone}))
-    what = f"zero on every line: channel {channels}; left out: point {points}"
+    notes, kept = list[str](), np.ones(len(frfs), bool)
+    for off, what in (
+        (silent, "zero on every line"),
+        (lacking, f"nan on more than {100.0 * MISSING:.0f} % of the lines"),
+    ):
+        gone = {sensor for sensor, is_off in zip(sensors, off.tolist(), strict=True) if is_off}
+        kept &= np.array([sensor not in gone for sensor in sensors])
+        points = ", ".join(str(point) for point in sorted({point for point, _ in gone}))
+        if gone:
+            notes.append(f"{what}: {_channels(off)}; left out: point {points}")
     if not kept.any():
-        raise InputError(frfs.path, found=what, expected="a signal")
-    parts = {name: getattr(frfs, name)[kept] for name in ("responses", *PLACES)}
-    return replace(frfs, **parts), what
+        raise InputError(frfs.path, found="; ".join(notes), expected="a signal")
+    return replace(frfs, **{name: getattr(frfs, name)[kept] for name in ("responses", *PLACES)}), notes
+
+
+def _channels(which: BoolArray) -> str:
+    """Channels by their number, in words."""
+    return "channel " + ", ".join(str(k + 1) for k in np.flatnonzero(which))
+
+
+def _missing(missing: BoolArray, freq: FloatArray) -> str:
+    """What is said of lines on which a channel has no number."""
+    lines = np.flatnonzero(missing.any(axis=0))
+    where = f"at {freq[lines[0]]:g} Hz" if len(lines) == 1 else f"from {freq[lines[0]]:g} to {freq[lines[-1]]:g} Hz"
+    return f"nan in {_channels(np.asarray(missing.any(axis=1)))}: {len(lines)} of {len(freq)} lines left out, {where}"
+
+
+def _filled(H: Array) -> Array:
+    """Responses with a straight line across what is missing: for searches, that weigh no line."""
+    at = np.arange(H.shape[1])
+    return np.array([np.interp(at, at[there], row[there]) for row, there in zip(H, ~np.isnan(H), strict=True)])
+
+
+def _coherent(frfs: FrfSet, coherence: FrfSet, kept: BoolArray) -> FloatArray:
+    """What each line weighs by the noise that the coherence g tells, a part of |H|^2 (1 - g)/g.
+
+    (Bendat and Piersol, Random Data, 4th ed., 2010, section 9.2.) Of each channel that is taken over its own median, so
+    that only the course along the lines counts; channels without coherence say nothing.
+    """
+    if not np.array_equal(coherence.x, frfs.x):
+        found = f"coherence over {len(coherence.x)} lines from {coherence.x[0]:g} to {coherence.x[-1]:g} Hz"
+        raise InputError(coherence.path, found=found, expected="the lines of the responses")
+    mine, theirs = _same_places(frfs, coherence)
+    if not len(mine):
+        raise InputError(coherence.path, found="coherence of other channels", expected="those of the responses")
+    told = np.nan_to_num(coherence.responses.real[theirs][:, kept])
+    share = np.clip(median_filter(told, (1, ALIKE), mode="nearest"), *COHERENCE)
+    variance = np.nan_to_num(np.abs(frfs.responses[mine][:, kept]) ** 2) * (1.0 - share) / share
+    variance = median_filter(variance, (1, ALIKE), mode="nearest")
+    usual = np.median(variance, axis=1, keepdims=True)
+    noise = np.sqrt(np.median(variance / (usual + 1e-300), axis=0))
+    return np.asarray(np.clip(1.0 / (noise + 1e-300), LEAST_WEIGHT, 1.0))
+
+
+def _same_places(frfs: FrfSet, coherence: FrfSet) -> tuple[IntArray, IntArray]:
+    """Channels of both from the same sensor to the same reference; a sensor's only coherence is that with all."""
+    mine, theirs = (np.column_stack([getattr(each, name) for name in PLACES]) for each in (frfs, coherence))
+    sensor = (mine[:, None, :2] == theirs[None, :, :2]).all(axis=2)
+    same = sensor & ((mine[:, None, 2:] == theirs[None, :, 2:]).all(axis=2) | (sensor.sum(axis=1, keepdims=True) == 1))
+    found = same.any(axis=1)
+    return np.flatnonzero(found), same.argmax(axis=1)[found]

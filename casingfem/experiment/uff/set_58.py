@@ -319,8 +319,11 @@ def _from_bytes(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
     table = np.frombuffer(raw.payload, fitting[0])
     parts = [table["y"]] if layout.even else [table["x"][:, None], table["y"]]
     whole = np.concatenate([part.astype(np.float64) for part in parts], axis=1)
-    if not np.isfinite(whole).all():
-        point = int(np.argwhere(~np.isfinite(whole))[0, 0]) + 1
+    spoilt = ~np.isfinite(whole)
+    if layout.is_complex:  # a response without a number: an analyser's 0/0, where nothing pushed
+        spoilt[:, -layout.ordinates :] = np.isinf(whole[:, -layout.ordinates :])
+    if spoilt.any():
+        point = int(np.argwhere(spoilt)[0, 0]) + 1
         raise raw.error(TEXTS + 6, f"nan or infinity at point {point}", "finite numbers")
     _check_order(raw, table["y"], fitting[0]["y"].base)
     return _parted(whole, layout)
@@ -328,7 +331,7 @@ def _from_bytes(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
 
 def _check_order(raw: RawSet, values: Array, form: np.dtype[Any]) -> None:
     """Refuse numbers over many decades that shrink to a few in the other byte order."""
-    decades = []
+    decades, values = [], values[~np.isnan(values)]
     for each in (values, np.ascontiguousarray(values).view(form.newbyteorder())):
         with np.errstate(invalid="ignore"):  # bytes in the other order may be signalling nans
             sizes = np.abs(each[each != 0.0].astype(np.float64))

@@ -7,6 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import InputError
+from casingfem.experiment.frf.files import file_coherence, read_coherence
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.uff.write import write_uff
 
@@ -40,6 +41,32 @@ def test_three_formats_hold_every_bit(three, tmp_path):
     assert same(cf.frf.FrfSet.from_uff(path), three)
     assert FrfSet.load(tmp_path / "f.npz").card == three.card
     assert not three.responses.flags.writeable
+
+
+def test_missing_numbers_go_through_every_format(three, tmp_path):
+    holes = three.responses.copy()
+    holes[1, [0, 7, 8]] = np.nan
+    given = replace(three, responses=holes)
+    path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
+    for read in (
+        FrfSet.from_csv(given.to_csv(tmp_path / "f.csv")),
+        FrfSet.load(given.save(tmp_path / "f.npz")),
+        FrfSet.from_uff(path),
+    ):
+        np.testing.assert_array_equal(read.responses, holes)
+
+
+def test_coherence_stands_beside_the_responses_of_a_universal_file(three, tmp_path):
+    gamma2 = replace(three, kind="spectrum", responses=np.full((3, 33), 0.9), unit="")
+    functions = [replace(each, kind=6, values=each.values.real) for each in gamma2.functions()]
+    path = write_uff(tmp_path / "f.uff", functions=[*three.functions(), *functions], binary=True)
+    assert same(FrfSet.from_uff(path), three)
+    assert same(file_coherence(path), gamma2)
+    assert same(read_coherence(gamma2.save(tmp_path / "c.npz")), gamma2)
+    assert read_coherence(write_uff(tmp_path / "g.uff", functions=three.functions())) is None
+    assert file_coherence(tmp_path / "c.npz") is None
+    with pytest.raises(InputError, match=r"ending '\.csv'"):
+        read_coherence(tmp_path / "f.csv")
 
 
 @pytest.mark.parametrize("kind", ["time", "spectrum"])
@@ -110,7 +137,7 @@ def test_arrays_that_do_not_fit_are_refused(three):
     for change, words in (
         ({"x": three.x[:-1]}, "x \\(32,\\)"),
         ({"reference_point": np.array([1])}, "reference_point \\(1,\\)"),
-        ({"responses": three.responses * np.nan}, "nan"),
+        ({"responses": three.responses * np.inf}, "nan"),
         ({"kind": "time"}, "complex time record"),
         ({"kind": "other"}, "kind 'other'"),
     ):

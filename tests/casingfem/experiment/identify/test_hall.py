@@ -60,9 +60,42 @@ def test_a_dead_channel_is_left_out_and_a_missing_unit_is_said(windowed):
     known = cf.identify(replace(windowed, responses=H, unit="(1/N)*(m/s²)"))
     assert known.notes == found.notes[1:]
     np.testing.assert_array_equal(known.freq, found.freq)
-    H[2, 0] = np.nan
-    with pytest.raises(cf.errors.InputError, match="1 of 4 channels, on 1 of 400 lines, first at 90"):
-        replace(windowed, responses=H)
+
+
+def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed):
+    whole = cf.identify(windowed)
+    H = windowed.responses.copy()
+    H[:, :3], H[1, [195, 196, 201, 202]], H[3, 100:200] = np.nan, np.nan, np.nan  # the peak is at line 200
+    found = cf.identify(replace(windowed, responses=H))
+    assert found.notes[:2] == (
+        "nan on more than 20 % of the lines: channel 4; left out: point 4",
+        "nan in channel 2: 4 of 397 lines left out, from 109.5 to 110.2 Hz",
+    )
+    assert found.lines[0] == pytest.approx(90.3)
+    assert found.sensors.points.tolist() == [1, 2, 3]
+    assert found.freq == pytest.approx(whole.freq, abs=3 * found.sigma_freq[0])
+    assert found.zeta == pytest.approx(whole.zeta, abs=3 * found.sigma_zeta[0])
+    assert np.isnan(found.fitted[0]).sum() == 4
+    H[:, 100:200] = np.nan
+    with pytest.raises(cf.errors.InputError, match=r"nan on more than 20 %.* expected a signal"):
+        cf.identify(replace(windowed, responses=H))
+
+
+def test_lines_that_are_not_coherent_weigh_less(windowed):
+    """Every other stretch of 21 lines is noise like the signal, and the coherence says so."""
+    rng = np.random.default_rng(59)
+    spoilt, clean = (np.arange(X.size) // 21) % 2 == 0, windowed.responses
+    noise = 0.05 * np.abs(clean).max() * rng.standard_normal((2, *clean.shape))
+    frfs = replace(windowed, responses=clean + spoilt * (noise[0] + 1j * noise[1]))
+    told = np.where(spoilt, 0.5, 0.9999) * np.ones((4, 1))
+    gamma2 = replace(frfs, kind="spectrum", responses=told, unit="")
+    truth = cf.identify(windowed)
+    errors = [abs(cf.identify(frfs, coherence=each).zeta[0] / truth.zeta[0] - 1.0) for each in (None, gamma2)]
+    assert errors[1] < 0.5 * errors[0]
+    with pytest.raises(cf.errors.InputError, match="the lines of the responses"):
+        cf.identify(frfs, coherence=replace(gamma2, x=X + 0.05))
+    with pytest.raises(cf.errors.InputError, match="coherence of other channels"):
+        cf.identify(frfs, coherence=replace(gamma2, response_point=np.arange(4) + 50))
 
 
 def test_noise_that_rises_with_the_response_makes_no_peaks_of_its_own():

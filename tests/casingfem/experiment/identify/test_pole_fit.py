@@ -22,7 +22,9 @@ def window(freq, zeta, shapes, *, sigma=0.0, residues="real", power=2, seed=SEED
     stacked = np.concatenate([H.real, H.imag])
     floor = 3e-4 * np.sqrt(np.mean(stacked**2))
     weight = np.ones(H.shape[1])
-    return Window(freq=LINES, Y=stacked, power=power, residues=residues, weight=weight, floor=floor)
+    return Window(
+        freq=LINES, Y=stacked, power=power, residues=residues, weight=weight, floor=floor, along=np.ones(len(LINES))
+    )
 
 
 SHAPES = np.random.default_rng(77).standard_normal((3, 8))

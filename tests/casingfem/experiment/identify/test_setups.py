@@ -73,7 +73,7 @@ def test_a_mode_that_few_setups_show_is_not_sure():
     H = 100.0**2 / (100.0**2 - lines**2 + 2j * 4e-3 * 100.0 * lines)
     H = H[:, None] * np.ones(8) + 0.05 * np.random.default_rng(53).standard_normal((len(lines), 8))
     stacked = np.concatenate([H.real, H.imag])
-    window = Window(freq=lines, Y=stacked, power=0, residues="real", weight=np.ones(8), floor=0.0)
+    window = Window(freq=lines, Y=stacked, power=0, residues="real", weight=np.ones(8), floor=0.0, along=np.ones(200))
     fit = fit_poles(window, np.array([100.0]), np.array([4e-3]))
     (sure,), (doubtful,) = (verdicts(replace(fit, seen=share), [1.0]) for share in (np.ones(1), found.seen()[1:]))
     assert sure == ("", False)
