@@ -35,6 +35,10 @@ EDGES = {
         "a static solution without loads is zero",
         "give at least one load",
     ),
+    "load-idle": Fault(
+        "a force pushes a node that nothing holds in that direction: neither stiffness nor mass",
+        "put a spring or a mass there, or leave the direction out",
+    ),
     "load-place": Fault(
         "a point load lies off the surface",
         "give the two parameters of the chart, as its `bounds` have them",

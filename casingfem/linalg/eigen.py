@@ -108,7 +108,8 @@ def solve_modes(
     Parameters
     ----------
     K, mass
-        Stiffness (free, free), symmetric or Hermitian; the diagonal of M (free,), or M itself, positive definite.
+        Stiffness (free, free), symmetric or Hermitian; the diagonal of M (free,), or M itself, positive definite
+        but for unknowns without mass, on which K is.
     count
         Modes wanted.
     shift
@@ -130,12 +131,12 @@ def solve_modes(
     ModelWarning
         `modes-round-off` where no count can tell.
     """
-    size = K.shape[0]
+    pencil = make_pencil(K, mass)
+    size = pencil.modes
     if count < 1 or count + extra >= size:
         asked = f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}"
         raise CountError(sentence("modes-count", asked))
     require_affordable(count, size)
-    pencil = make_pencil(K, mass)
     for step in (1.0, 1e2, 1e4):  # a shift too close to rigid motions drowns the elastic modes in their round-off
         try:
             return solve_from(pencil, count, step * shift, extra, direct)
@@ -151,11 +152,11 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
     tries = list(zip(BLOCKS, CLEARER, strict=True))
     while tries:
         block, clear = tries[0]
-        found = nearest(pencil, factor.solve, shift, min(wanted, pencil.size), block)
+        found = nearest(pencil, factor.solve, shift, min(wanted, pencil.modes), block)
         products += found.products
         order = np.argsort(found.values)
         values, vectors = found.values[order], found.vectors[:, order]
-        if not gaps(values, count, abs(shift), clear).size and wanted < pencil.size:
+        if not gaps(values, count, abs(shift), clear).size and wanted < pencil.modes:
             wanted += 2 * extra + 1  # a cluster goes on
             continue
         noise = most_round_off(pencil.A, vectors)

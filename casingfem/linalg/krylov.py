@@ -113,7 +113,7 @@ def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int 
     sigma
         The shift; not an eigenvalue.
     wanted
-        Pairs wanted, at most the size of the pencil.
+        Pairs wanted, at most the modes of the pencil.
     block
         Vectors multiplied together.
 
@@ -140,10 +140,14 @@ def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int 
             closed = not basis.fresh.shape[1]  # what the block can reach is found
             if closed and basis.count < wanted:
                 basis.begin(rng.standard_normal((size, min(block, size - basis.count))))
+                if not basis.fresh.shape[1]:
+                    raise NumericsError(f"the mass moves {basis.count} ways, {wanted} modes were asked for")
             elif closed or basis.count >= min(2 * wanted, room - 2 * block):
                 theta, S, done = basis.ritz()
                 if basis.count >= wanted and np.all(done[:wanted]):
                     vectors = basis.Q[:, : basis.count] @ S[:, :wanted]
+                    if pencil.massless:  # B does not see what round-off leaves on these unknowns
+                        vectors = solve(pencil.weigh(vectors)) / theta[:wanted]
                     return RitzPairs(values=sigma + 1.0 / theta[:wanted], vectors=vectors, products=basis.products)
         basis.restart(theta, S, min(wanted + block, basis.count - block))
     converged = int(np.count_nonzero(done[:wanted]))

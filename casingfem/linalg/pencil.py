@@ -1,4 +1,8 @@
-"""K - omega^2 M, scaled by the diagonal of M so that numbers of unlike dofs compare."""
+"""K - omega^2 M, scaled by the diagonal of M so that numbers of unlike dofs compare.
+
+Unknowns without mass, such as nodes between two springs, are scaled by the diagonal of K: they follow the others
+statically, A is definite on them, and neither counts nor modes see more of them.
+"""
 
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -16,21 +20,28 @@ Mass: TypeAlias = FloatArray | csc_array  # the diagonal of M, or M itself
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pencil:
-    """A x = lambda B x with A = R K R, B = R M R, R = diag(M)^-1/2; B has a unit diagonal.
+    """A x = lambda B x with A = R K R, B = R M R, R = diag(M)^-1/2; B has a unit diagonal, 0 where M has none.
 
     A and B are symmetric, or Hermitian. `B` is None where M is diagonal; `scale` is the diagonal of R, (free,).
-    phi = R x. A's pattern holds that of B, the entries of which stand at `places` in A's data.
+    phi = R x. A's pattern holds that of B, the entries of which stand at `places` in A's data. `massless` counts
+    unknowns without mass.
     """
 
     A: csc_array
     B: csc_array | None
     scale: FloatArray
     places: IntArray
+    massless: int = 0
 
     @property
     def size(self) -> int:
         """Number of unknowns."""
         return len(self.scale)
+
+    @property
+    def modes(self) -> int:
+        """Most modes that it can have: its unknowns with mass."""
+        return self.size - self.massless
 
     def shifted(self, sigma: float) -> csc_array:
         """A - sigma B, of A's pattern."""
@@ -72,9 +83,8 @@ def places_in(K: csc_array, M: csc_array | None) -> IntArray:
     if M is None:
         return np.flatnonzero(K.indices == np.repeat(np.arange(K.shape[0], dtype=K.indices.dtype), np.diff(K.indptr)))
     numbers = csc_array((np.arange(1, len(K.data) + 1), K.indices, K.indptr), shape=K.shape)
-    return np.asarray(
-        numbers.multiply(csc_array((np.ones(len(M.data), dtype=int), M.indices, M.indptr))).tocsc().data - 1
-    )
+    pattern = csc_array((np.ones(len(M.data), dtype=int), M.indices, M.indptr), shape=K.shape)
+    return np.asarray(numbers.multiply(pattern).tocsc().data - 1)
 
 
 def scaled(K: csc_array, root: FloatArray) -> csc_array:
@@ -89,7 +99,7 @@ def make_pencil(K: csc_array, mass: Mass) -> Pencil:
     Raises
     ------
     NumericsError
-        If the sizes do not fit, or the diagonal of M is not positive.
+        If the sizes do not fit, or the diagonal of M is not positive: of a sparse M it may be 0 where K's is not.
 
     >>> make_pencil(csc_array(np.diag([8.0, 2.0])), np.array([2.0, 1.0])).count_below(3.0)
     1
@@ -99,7 +109,10 @@ def make_pencil(K: csc_array, mass: Mass) -> Pencil:
     diagonal = mass if isinstance(mass, np.ndarray) else np.real(mass.diagonal())
     if diagonal.shape != (K.shape[0],):
         raise NumericsError(f"the mass is of {diagonal.shape[0]} unknowns, the stiffness of {K.shape[0]}")
-    if not np.all(diagonal > 0.0):
+    bare = np.zeros(len(diagonal), dtype=bool)
+    if not isinstance(mass, np.ndarray):
+        bare = (diagonal == 0.0) & (np.real(K.diagonal()) > 0.0)
+    if not np.all((diagonal > 0.0) | bare):
         raise NumericsError(
             "the mass has a diagonal that is not positive: a density, a thickness or an element is wrong"
         )
@@ -108,5 +121,9 @@ def make_pencil(K: csc_array, mass: Mass) -> Pencil:
     if len(places) != (K.shape[0] if M is None else len(M.data)):
         K = csc_array((K + 1j * (diags_array(diagonal) if M is None else M)).real)  # no entry of either cancels
         places = places_in(K, M)
-    scale = 1.0 / np.sqrt(diagonal)
-    return Pencil(A=scaled(K, scale), B=None if M is None else scaled(M, scale), scale=scale, places=places)
+    if bare.any():  # as stiff as the others, scaled
+        stiff = np.real(K.diagonal())
+        diagonal = np.where(bare, stiff / np.median(stiff[~bare] / diagonal[~bare]), diagonal)
+    scale, massless = 1.0 / np.sqrt(diagonal), int(np.count_nonzero(bare))
+    B = None if M is None else scaled(M, scale)
+    return Pencil(A=scaled(K, scale), B=B, scale=scale, places=places, massless=massless)

@@ -151,14 +151,14 @@ def around_middle(counter: Counter, start: End, end: End, block: int, clear: flo
         wanted, products = end.below - start.below + 4, 0
         while True:
             try:
-                found = nearest(pencil, factor.solve, sigma, min(wanted, pencil.size), block)
+                found = nearest(pencil, factor.solve, sigma, min(wanted, pencil.modes), block)
             except ConvergenceError:
                 break
             products += found.products
             reach = np.abs(found.values - sigma)
             if reach[0] < 1e-7 * radius:
                 break  # the shift stands on an eigenvalue: the others are lost in its round-off
-            if wanted >= pencil.size or reach[-1] > radius:
+            if wanted >= pencil.modes or reach[-1] > radius:
                 return RitzPairs(values=found.values, vectors=found.vectors, products=products)
             wanted += max(8, wanted // 2)
     raise NumericsError(f"no shift between {low:.6g} and {high:.6g} [rad^2/s^2] lies clear of the modes")

@@ -107,7 +107,8 @@ def large_and_thick(system: MeshSystem) -> bool:
 def thick(system: MeshSystem) -> bool:
     """Whether a solid's wall is `THICK` of its size and no attachment ties it, so that multigrid converges."""
     mesh = system.structure.mesh
-    return mesh.cell_kind.dim == 3 and system.lift is None and system.wall >= THICK * mesh.size
+    free = system.lift is None and bool(np.all(system.M.diagonal() > 0.0))
+    return mesh.cell_kind.dim == 3 and free and system.wall >= THICK * mesh.size
 
 
 def solved_by(system: MeshSystem, wanted: int | Band, direct: Direct, *, multigrid: bool) -> EigenResult:

@@ -21,6 +21,7 @@ from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.support import MeshSupport
 from contact.io.brief import brief
 
+IDLE = 1e-9  # of the size of a force: its part along an idle motion that is round-off
 CHUNK = 4_000_000  # entries of a strain table held at a time
 
 
@@ -84,6 +85,8 @@ class MeshSystem:
     lift
         Dofs of the nodes by the unknowns, (dofs * nodes, free), where attachments tie some; None where each unknown
         is one of them.
+    idle
+        Motions of the nodes that have neither stiffness nor mass, (dofs * nodes, motions); None without attachments.
     """
 
     structure: MeshStructure
@@ -96,6 +99,7 @@ class MeshSystem:
     frequency_scale: float
     tie: csc_array | None = None
     lift: csr_array | None = None
+    idle: csr_array | None = None
 
     __repr__ = brief
 
@@ -124,24 +128,47 @@ class MeshSystem:
         return full.reshape(len(self.points), self.dofs, -1)
 
     def restrict(self, forces: Array) -> Array:
-        """Nodal forces (nodes, dofs, columns) -> free dofs (free, columns)."""
+        """Nodal forces (nodes, dofs, columns) -> free dofs (free, columns).
+
+        Raises
+        ------
+        ModelError
+            `load-idle` for forces that neither stiffness nor mass resists, with node and direction.
+        """
         flat = forces.reshape(len(self.points) * self.dofs, -1)
+        self.refuse_idle(flat)
         return np.asarray(flat[self.free] if self.lift is None else self.lift.T @ flat)
+
+    def refuse_idle(self, forces: Array) -> None:
+        """Refuse forces (dofs, columns) that drive an idle motion."""
+        if self.idle is None or not self.idle.shape[1]:
+            return
+        work = self.idle.multiply(np.abs(forces).max(axis=1, initial=0.0)[:, None]).tocsc()
+        driven = np.flatnonzero(np.abs(self.idle.T @ forces).max(axis=1, initial=0.0) > IDLE * abs(work).max(axis=0))
+        if len(driven):
+            column = work[:, [int(driven[0])]].toarray()[:, 0]
+            node, axis = divmod(int(np.abs(column).argmax()), self.dofs)
+            mesh = self.structure.mesh
+            found = f"node {mesh.labels[node]} along {'xyz'[axis]}"
+            raise ModelError("load-idle", f"{mesh.source}: found a force on {found}")
 
     def collect(self, fields: Array) -> Array:
         """Nodal fields (nodes, dofs, columns) that `expand` gave -> free dofs (free, columns)."""
         if self.lift is None:
-            return self.restrict(fields)
+            return np.asarray(fields.reshape(len(self.points) * self.dofs, -1)[self.free])
         flat = fields.reshape(len(self.points) * self.dofs, -1)
         own = self.free < len(flat)
         found = np.zeros((self.size, flat.shape[1]), dtype=flat.dtype)
         found[own] = flat[self.free[own]]
         turns = self.lift[:, ~own].toarray()
-        if not turns.any(axis=0).all():
-            source = self.structure.mesh.source
-            raise ModelError("mesh-attachment", f"{source}: found a turn that moves no node, known to no field")
         seen = np.flatnonzero(turns.any(axis=1))
         found[~own] = np.linalg.lstsq(turns[seen], (flat - self.lift @ found)[seen], rcond=None)[0]
+        alone = np.flatnonzero(~own)[~turns.any(axis=0)]  # turns that move no node: known by statics
+        if self.M.diagonal()[alone].any():
+            source = self.structure.mesh.source
+            raise ModelError("mesh-attachment", f"{source}: found a turn with inertia that moves no node")
+        if len(alone):
+            found[alone] = -np.linalg.solve(self.K[:, alone][alone].toarray(), self.K[alone] @ found)
         return found
 
     def translations(self, axes: FloatArray) -> FloatArray:
@@ -199,7 +226,7 @@ def assembled(
         return MeshSystem(
             structure=structure, K=symmetric(hung.K), M=symmetric(hung.M), free=hung.unknowns, dofs=dofs,
             rigid=hung.rigid, wall=wall, frequency_scale=scale,
-            lift=hung.lift if mesh.attachments.ties or hung.unknowns.max() >= size else None,
+            lift=hung.lift if mesh.attachments.ties or hung.unknowns.max() >= size else None, idle=hung.idle,
         )  # fmt: skip
     loose = np.zeros(size, dtype=bool)
     loose[cell_dofs(mesh.used[None], dofs)] = True

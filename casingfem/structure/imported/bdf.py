@@ -1,25 +1,25 @@
 """Read the mesh of a Nastran bulk data file: GRID, solid and shell elements, constraints, what is attached.
 
 A parser of our own, for small, large and free fields: it keeps the file's numbers and the constraint sets, puts grids
-from their coordinate systems into the basic one (`coordinates.py`), and refuses what would move nodes behind the
-reader's back (systems by grids, CORD1R, CORD1C, CORD1S). Elements of property 7 are the group
-`PID 7`; the grids of SPC and SPC1 with set 3 on components 123 are `SPC 3 123`, and all of set 3 `SPC 3`.
+from their coordinate systems into the basic one (`coordinates.py`). Elements of property 7 are the group `PID 7`; the
+grids of SPC and SPC1 with set 3 on components 123 are `SPC 3 123`, and all of set 3 `SPC 3`; where single components
+are along axes of a system 9 of the grid's own (CD), `SPC 3 12 CD 9`.
 """
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from casingfem.errors import ModelError, warn
-from casingfem.io.arrays import IntArray
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.included import NumberedLine, read_lines
-from casingfem.structure.imported.attachments.nastran import CARDS, LEFT_OUT, CardLike, NastranAttachments
+from casingfem.structure.imported.attachments.nastran import CARDS, LEFT_OUT, WHOLE, CardLike, NastranAttachments
 from casingfem.structure.imported.cells.handed import right_handed
-from casingfem.structure.imported.coordinates import KINDS_OF_SYSTEMS, System, in_basic
+from casingfem.structure.imported.coordinates import BY_GRIDS, KINDS_OF_SYSTEMS, System, axes_at, in_basic
 from casingfem.structure.imported.draft import Block, Draft, Lookup
 
 SOLIDS = {
@@ -117,7 +117,8 @@ class Parser:
         self.left_out: dict[str, list[str]] = {}  # card -> its lines
         self.hung = NastranAttachments(self)
         self.defaults = BLANK  # fields of GRDSET: system of the place, of the motions, constraints
-        self.turned: set[int] = set()  # grids whose displacements have a coordinate system of their own
+        self.turned: dict[int, int] = {}  # grid -> coordinate system of its displacements
+        self.by_grids: dict[int, tuple[str, list[int], Card]] = {}  # system -> kind, grids A, B, C
 
     def fault(self, card: CardLike, message: str) -> ModelError:
         """A malformed file."""
@@ -136,8 +137,8 @@ class Parser:
                 self.take_constraint(card)
             elif card.name in KINDS_OF_SYSTEMS:
                 self.take_system(card)
-            elif card.name in ("CORD1R", "CORD1C", "CORD1S"):
-                raise self.fault(card, "a coordinate system by grids, expected one by points: CORD2R, CORD2C, CORD2S")
+            elif card.name in BY_GRIDS:
+                self.take_system_by_grids(card)
             elif card.name in CARDS:
                 self.hung.take(card)
             elif LEFT_OUT.match(card.name):
@@ -180,7 +181,7 @@ class Parser:
         number = self.integer(card, fields[0])
         self.grids.append((number, x, y, z))
         if fields[5] not in ("", "0"):
-            self.turned.add(number)
+            self.turned[number] = self.integer(card, fields[5])
         if fields[6]:
             self.constraints.setdefault(("PS", fields[6]), []).append(number)
 
@@ -188,19 +189,64 @@ class Parser:
         """CORD2R, CORD2C, CORD2S: number, system of the points, origin A, B on the z axis, C in the x-z plane."""
         number, *fields = [*card.fields, *[""] * 11]
         values = np.array([self.real(card, text) for text in fields[1:10]]).reshape(3, 3)
+        within = self.integer(card, fields[0] or "0")
+        self.systems[self.new_system(card, number)] = System(KINDS_OF_SYSTEMS[card.name], within, values)
+
+    def take_system_by_grids(self, card: Card) -> None:
+        """CORD1R, CORD1C, CORD1S: number, grids at A, B, C; perhaps another four."""
+        for k in range(0, len(card.fields), 4):
+            number, *grids = card.fields[k : k + 4]
+            if len(grids) != 3 or "" in grids:
+                raise self.fault(card, f"found the grids {', '.join(grids) or 'none'}, expected three")
+            new = self.new_system(card, number)
+            self.by_grids[new] = (BY_GRIDS[card.name], [self.integer(card, text) for text in grids], card)
+
+    def new_system(self, card: Card, number: str) -> int:
+        """The number of a system that is not given yet."""
         system = self.integer(card, number)
-        if system in self.systems:
+        if system in self.systems or system in self.by_grids:
             raise self.fault(card, f"coordinate system {system} is given twice")
-        self.systems[system] = System(KINDS_OF_SYSTEMS[card.name], self.integer(card, fields[0] or "0"), values)
+        return system
 
     def place_grids(self) -> None:
-        """Put grids from their coordinate systems into the basic one."""
-        for row, system, card in self.placed:
-            try:
-                x, y, z = in_basic(self.systems, system, np.array(self.grids[row][1:])).tolist()
-            except ValueError as error:
-                raise self.fault(card, f"grid {self.grids[row][0]} in coordinate system {system}: {error}") from None
-            self.grids[row] = (self.grids[row][0], x, y, z)
+        """Put grids from their coordinate systems into the basic one; systems by grids follow the grids' places."""
+        waiting, open_systems = self.placed, dict(self.by_grids)
+        while waiting or open_systems:
+            here = {grid[0]: grid[1:] for grid in self.grids}
+            apart = {self.grids[row][0] for row, _, _ in waiting}
+            ready = [n for n, (_, grids, _) in open_systems.items() if not set(grids) & apart]
+            for number in ready:
+                kind, grids, card = open_systems.pop(number)
+                if missing := [grid for grid in grids if grid not in here]:
+                    raise self.fault(card, f"found grid {missing[0]}, which is not given")
+                self.systems[number] = System(kind, 0, np.array([here[grid] for grid in grids]))
+            left = [item for item in waiting if not self.placed_now(*item, open_systems)]
+            if len(left) == len(waiting) and not ready:
+                raise self.fault(left[0][2], "found coordinate systems by grids in a ring")
+            waiting = left
+
+    def placed_now(self, row: int, system: int, card: Card, open_systems: Container[int]) -> bool:
+        """Put a grid into the basic system, unless its own waits for others."""
+        inner = system
+        while inner in self.systems and inner != self.systems[inner].within:
+            inner = self.systems[inner].within
+            if inner == system:
+                break
+        if inner in open_systems:
+            return False
+        try:
+            x, y, z = in_basic(self.systems, system, np.array(self.grids[row][1:])).tolist()
+        except ValueError as error:
+            raise self.fault(card, f"grid {self.grids[row][0]} in coordinate system {system}: {error}") from None
+        self.grids[row] = (self.grids[row][0], x, y, z)
+        return True
+
+    def axes(self, card: CardLike, system: int, place: FloatArray) -> FloatArray:
+        """Directions of a coordinate system at a place, rows (3, 3)."""
+        try:
+            return axes_at(self.systems, system, place)
+        except ValueError as error:
+            raise self.fault(card, f"coordinate system {system}: {error}") from None
 
     def take_element(self, card: Card) -> None:
         """An element: number, property, nodes."""
@@ -260,7 +306,10 @@ class Parser:
         Lookup(np.concatenate([b.numbers for b in blocks]), self.source, "element")
         node_sets: dict[str, list[int]] = {}
         for (load_set, components), members in self.constraints.items():
-            node_sets.setdefault(f"SPC {load_set} {components}", []).extend(members)
+            whole = {int(c) - 1 for c in components if c in "123456"} in WHOLE
+            for grid in members:
+                own = "" if whole or grid not in self.turned else f" CD {self.turned[grid]}"
+                node_sets.setdefault(f"SPC {load_set} {components}{own}", []).append(grid)
             node_sets.setdefault(f"SPC {load_set}", []).extend(members)
         return Draft(
             points=table[:, 1:],
@@ -268,5 +317,5 @@ class Parser:
             blocks=blocks,
             node_sets={name: nodes(np.array(members, dtype=np.int64)) for name, members in node_sets.items()},
             cell_sets=cell_sets,
-            attachments=self.hung.attachments(table[:, 1:], nodes, frozenset(self.turned)),
+            attachments=self.hung.attachments(table[:, 1:], nodes, self.turned),
         )

@@ -1,4 +1,4 @@
-"""Nastran's coordinate systems by three points, rectangular, cylindrical and spherical, one in another."""
+"""Nastran's coordinate systems by three points or grids, rectangular, cylindrical and spherical, one in another."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -8,6 +8,7 @@ import numpy as np
 from casingfem.io.arrays import FloatArray
 
 KINDS_OF_SYSTEMS = {"CORD2R": "rectangular", "CORD2C": "cylindrical", "CORD2S": "spherical"}
+BY_GRIDS = {"CORD1R": "rectangular", "CORD1C": "cylindrical", "CORD1S": "spherical"}
 SMALL = 1e-10  # of the distances: points in a line
 
 
@@ -53,19 +54,59 @@ def in_basic(systems: Mapping[int, System], number: int, x: FloatArray) -> Float
             raise ValueError(f"system {number} refers to itself")
         seen.append(number)
         system = systems[number]
-        kind = systems[system.within].kind if system.within in systems else "rectangular"
-        a, b, c = (cartesian(kind, point) for point in system.points)
-        z, out = b - a, c - a
-        y = np.cross(z, out)
-        if not np.linalg.norm(y) > SMALL * np.linalg.norm(z) * np.linalg.norm(out):
-            raise ValueError(f"the points of system {number} stand in a line")
-        axes = np.stack([np.cross(y, z), y, z])
-        axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-        x = a + cartesian(system.kind, x) @ axes
+        origin, axes = within(systems, number)
+        x = origin + cartesian(system.kind, x) @ axes
         number = system.within
         if number:
             x = coordinates(systems[number].kind, x) if number in systems else x
     return x
+
+
+def within(systems: Mapping[int, System], number: int) -> tuple[FloatArray, FloatArray]:
+    """Origin (3,) and axes (3, 3), rows, of a system in the rectangular frame of the one it is given in."""
+    system = systems[number]
+    kind = systems[system.within].kind if system.within in systems else "rectangular"
+    a, b, c = (cartesian(kind, point) for point in system.points)
+    z, out = b - a, c - a
+    y = np.cross(z, out)
+    if not np.linalg.norm(y) > SMALL * np.linalg.norm(z) * np.linalg.norm(out):
+        raise ValueError(f"the points of system {number} stand in a line")
+    axes = np.stack([np.cross(y, z), y, z])
+    return a, axes / np.linalg.norm(axes, axis=1, keepdims=True)
+
+
+def axes_at(systems: Mapping[int, System], number: int, x: FloatArray) -> FloatArray:
+    """Directions of a system's components at a point x of the basic one, rows (3, 3); radial ones turn with it.
+
+    Raises
+    ------
+    ValueError
+        As `in_basic`; a point on the axis of a cylindrical or spherical system.
+
+    >>> polar = {3: System("cylindrical", 0, np.array([[0.0, 0, 0], [0, 0, 1], [1, 0, 0]]))}
+    >>> axes_at(polar, 3, np.array([0.0, 2.0, 5.0])).round(12).tolist()
+    [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    if not number:
+        return np.eye(3)
+    origin = in_basic(systems, number, np.zeros(3))
+    kind = systems[number].kind
+    units = np.eye(3) if kind == "rectangular" else [[1.0, 0, 0], [1.0, 90, 0], [0, 0, 1.0]]
+    if kind == "spherical":
+        units = [[1.0, 90, 0], [1.0, 90, 90], [1.0, 0, 0]]
+    axes: FloatArray = np.array([in_basic(systems, number, np.asarray(unit)) - origin for unit in units])
+    if kind == "rectangular":
+        return axes
+    _, b, c = coordinates(kind, axes @ (x - origin))
+    if not np.hypot(*(axes[:2] @ (x - origin))) > SMALL * max(float(np.linalg.norm(x - origin)), SMALL):
+        raise ValueError(f"a point on the axis of system {number}, where its directions are not defined")
+    cos, sin = np.cos(np.radians([b, c])), np.sin(np.radians([b, c]))
+    if kind == "cylindrical":
+        local = [[cos[0], sin[0], 0.0], [-sin[0], cos[0], 0.0], [0.0, 0.0, 1.0]]
+    else:
+        out = [cos[1], sin[1]]
+        local = [[*(sin[0] * v for v in out), cos[0]], [*(cos[0] * v for v in out), -sin[0]], [-sin[1], cos[1], 0.0]]
+    return np.asarray(local) @ axes
 
 
 def coordinates(kind: str, x: FloatArray) -> FloatArray:

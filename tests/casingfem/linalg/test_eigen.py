@@ -9,7 +9,7 @@ from scipy.sparse import csc_array, diags_array
 
 from casingfem.errors import NumericsError
 from casingfem.linalg import eigen
-from casingfem.linalg.eigen import factorise, gap_after, solve_modes, sturm_count
+from casingfem.linalg.eigen import factorise, gap_after, solve, solve_modes, sturm_count
 from casingfem.linalg.krylov import RitzPairs, nearest
 from casingfem.linalg.pencil import make_pencil
 from casingfem.structure.shell.assembly import assemble
@@ -133,6 +133,27 @@ def test_a_mass_that_is_not_diagonal():
 def test_refuses_a_mass_that_is_not_positive(mass):
     with pytest.raises(NumericsError, match="the mass has a diagonal that is not positive"):
         solve_modes(chain(30), mass, 3, shift=-1e-6)
+
+
+def test_unknowns_without_mass_follow_statically():
+    """Every third point of a chain without mass: the modes of its static condensation, in a count and in a band."""
+    K, bare = chain(30), np.arange(1, 30, 3)
+    M = np.ones(30)
+    M[bare] = 0.0
+    A, kept = K.toarray(), np.flatnonzero(M)
+    inner = np.linalg.solve(A[np.ix_(bare, bare)], A[np.ix_(bare, kept)])
+    exact = eigh(A[np.ix_(kept, kept)] - A[np.ix_(kept, bare)] @ inner, eigvals_only=True)
+    low, high = np.sqrt(0.5 * (exact[2:10:6] + exact[3:11:6])) / 2 / np.pi
+    whole, band = (
+        solve_modes(K, csc_array(np.diag(M)), 12, shift=-1e-6),
+        solve(K, csc_array(np.diag(M)), (float(low), float(high)), shift=-1e-6),
+    )
+    np.testing.assert_allclose(whole.eigenvalues, exact[:12], rtol=1e-10)
+    np.testing.assert_allclose(band.eigenvalues, exact[3:9], rtol=1e-10)
+    assert (whole.sturm_count, band.sturm_count) == (12, 6)
+    np.testing.assert_allclose(whole.vectors[bare], -inner @ whole.vectors[kept], atol=1e-12)
+    with pytest.raises(NumericsError, match="count must lie between 1 and 15"):
+        solve_modes(K, csc_array(np.diag(M)), 16, shift=-1e-6)
 
 
 def test_refuses_a_mass_of_another_size():

@@ -1,21 +1,22 @@
 """Point masses, springs and connections of a Nastran bulk data file (MSC Nastran Quick Reference Guide).
 
-CONM2; CELAS1, CELAS2 with PELAS; CBUSH with PBUSH on coincident grids in the basic system; RBE2, RBE3, RBAR; one set of
-MPC; PARAM WTMASS. Variants that are not understood are refused by card and line.
+CONM2; CELAS1, CELAS2 with PELAS; CBUSH with PBUSH (`bush.py`); RBE2, RBE3, RBAR; one set of MPC; PARAM WTMASS.
+Variants that are not understood are refused by card and line.
 """
 
 import re
-from collections.abc import Callable
-from typing import Any, Protocol
+from collections.abc import Callable, Mapping
+from typing import Protocol
 
 import numpy as np
 
-from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.attachments.bush import Numbers, bush_springs
 from casingfem.structure.imported.attachments.values import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
 
 CARDS = ("CONM2", "CELAS1", "CELAS2", "PELAS", "CBUSH", "PBUSH", "RBE2", "RBE3", "RBAR", "MPC", "PARAM")
 WHOLE = ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})  # components that mean the same in every system of coordinates
+ROUND = 1e-12  # components of a unit vector that are round-off
 LEFT_OUT = re.compile(
     r"C(?!ORD|OORD|SET|REEP|LOAD|AERO|HBDY|ONV|SUPER|SCHD|SLOT|TABLE|YJOIN|YAX|YSYM|YSUP)"
     r"|RBE|RROD|RTRPLT|RSPLINE|RSSCON|RJOINT|MPC|NSM|DMIG|GENEL|SPOINT|EPOINT"
@@ -30,19 +31,6 @@ class CardLike(Protocol):
     fields: list[str]
 
 
-class Numbers(Protocol):
-    """How the reader of the file reads numbers and refuses cards."""
-
-    def fault(self, card: Any, message: str) -> ModelError:
-        """A malformed file."""
-
-    def integer(self, card: Any, text: str) -> int:
-        """A whole number."""
-
-    def real(self, card: Any, text: str) -> float:
-        """A real number; empty is zero."""
-
-
 class NastranAttachments:
     """Cards of a file, in its numbers of grids, until all of it is read."""
 
@@ -55,17 +43,17 @@ class NastranAttachments:
         self.cards[card.name].append(card)
 
     def attachments(
-        self, points: FloatArray, index: Callable[[IntArray], IntArray], turned: frozenset[int]
+        self, points: FloatArray, index: Callable[[IntArray], IntArray], turned: Mapping[int, int]
     ) -> Attachments:
         """All of them by indices of nodes.
 
-        `turned` are the grids whose displacements have a coordinate system of their own.
+        `turned` are the grids whose displacements have a coordinate system of their own, and its number.
         """
-        self.turned = turned
+        self.turned, self.points, self.index = turned, points, index
         scale = self.mass_factor()
         masses = tuple(self.point_mass(card, scale) for card in self.cards["CONM2"])
         springs = [self.spring(card, self.pelas()) for name in ("CELAS1", "CELAS2") for card in self.cards[name]]
-        bushes = [spring for card in self.cards["CBUSH"] for spring in self.bush(card, points, index)]
+        bushes = [spring for card in self.cards["CBUSH"] for spring in bush_springs(self, card)]
         rigids = [self.rigid(card) for card in self.cards["RBE2"]] + [self.bar(card) for card in self.cards["RBAR"]]
         given = Attachments(
             masses=masses,
@@ -111,12 +99,21 @@ class NastranAttachments:
         real = [self.numbers.real(card, self.field(card, place)) for place in (3, 4, 5, 6, *range(8, 14))]
         mass, x, y, z, i11, i21, i22, i31, i32, i33 = real
         inertia = scale * np.array([[i11, -i21, -i31], [-i21, i22, -i32], [-i31, -i32, i33]])
-        if self.field(card, 2) not in ("", "0") and (any((x, y, z)) or inertia.any()):
-            raise self.numbers.fault(card, f"found the system {self.field(card, 2)}, expected 0, the basic one")
+        node = self.numbers.integer(card, self.field(card, 1))
+        if (system := self.field(card, 2)) == "-1":  # the centre itself, in the basic system
+            x, y, z = np.array([x, y, z]) - self.place(node)
+        elif system not in ("", "0") and (any((x, y, z)) or inertia.any()):
+            axes = self.numbers.axes(card, self.numbers.integer(card, system), self.place(node))
+            inertia = axes.T @ inertia @ axes
+            x, y, z = np.array([x, y, z]) @ axes
         if mass < 0.0 or np.linalg.eigvalsh(inertia)[0] < -1e-9 * np.abs(inertia).max():
             raise self.numbers.fault(card, f"found the mass {mass:g} or an inertia below 0")
-        node = self.numbers.integer(card, self.field(card, 1))
-        return PointMass(node=node, mass=scale * mass, inertia=inertia, offset=(x, y, z), where=self.where(card))
+        offset = (float(x), float(y), float(z))
+        return PointMass(node=node, mass=scale * mass, inertia=inertia, offset=offset, where=self.where(card))
+
+    def place(self, grid: int) -> FloatArray:
+        """Where a grid stands, (3,)."""
+        return np.asarray(self.points[int(self.index(np.array([grid]))[0])])
 
     def pelas(self) -> dict[int, float]:
         """Stiffness of each PELAS, two on a card."""
@@ -137,7 +134,7 @@ class NastranAttachments:
                 raise self.numbers.fault(card, f"found the property {owner}, which no PELAS gives")
             k = stiffness[owner]
         ends = [place for place in (2, 4) if self.field(card, place) not in ("", "0")]
-        terms = tuple(self.term(card, place, 1.0 if k == 0 else -1.0) for k, place in enumerate(ends))
+        terms = tuple(term for j, place in enumerate(ends) for term in self.terms(card, place, 1.0 - 2.0 * j))
         if not terms:
             raise self.numbers.fault(card, "found no grid")
         if len({term.component > 2 for term in terms}) > 1:
@@ -150,35 +147,18 @@ class NastranAttachments:
             raise self.numbers.fault(card, f"found the stiffness {k:g}, expected one above 0")
         return k
 
-    def term(self, card: CardLike, place: int, coefficient: float) -> Term:
-        """A grid and one component behind it."""
+    def terms(self, card: CardLike, place: int, coefficient: float) -> tuple[Term, ...]:
+        """A grid and one component behind it, along the axes of the grid's own system; the largest term first."""
         components = self.components(card, self.field(card, place + 1))
         if len(components) > 1:
             raise self.numbers.fault(card, f"found the components {self.field(card, place + 1)}, expected one")
-        return Term(self.grid(card, self.field(card, place), components), components[0], coefficient)
-
-    def bush(self, card: CardLike, points: FloatArray, index: Callable[[IntArray], IntArray]) -> list[Spring]:
-        """CBUSH: number, property, grids A and B, orientation, system; springs along the basic axes."""
-        of = {self.field(p, 0): p for p in self.cards["PBUSH"]}.get(self.field(card, 1))
-        if of is None:
-            raise self.numbers.fault(card, f"found the property {self.field(card, 1)}, which no PBUSH gives")
-        grids = [self.numbers.integer(card, text) for text in card.fields[2:4] if text]
-        places = points[index(np.array(grids, dtype=np.int64))]
-        if self.field(card, 7) != "0" or np.any(places[0] != places[-1]):
-            found = "two places, or another system than the basic one"
-            raise self.numbers.fault(card, f"found {found}, expected coincident grids and CID = 0")
-        named = [text.upper() for text in of.fields]
-        start = named.index("K") + 1 if "K" in named else len(named)
-        springs = []
-        for component, text in enumerate(of.fields[start : start + 6]):
-            if text and self.numbers.real(of, text):
-                k = self.positive(of, self.numbers.real(of, text))
-                terms = tuple(
-                    Term(self.grid(card, str(grid), (component,)), component, sign)
-                    for grid, sign in zip(grids, (1.0, -1.0), strict=False)
-                )
-                springs.append(Spring(terms=terms, stiffness=k, where=self.where(card)))
-        return springs
+        grid, (component,) = self.numbers.integer(card, self.field(card, place)), components
+        if grid not in self.turned:
+            return (Term(grid, component, coefficient),)
+        along = self.numbers.axes(card, self.turned[grid], self.place(grid))[component % 3]
+        first = component - component % 3
+        order = np.argsort(-np.abs(along), kind="stable").tolist()
+        return tuple(Term(grid, first + k, coefficient * float(along[k])) for k in order if abs(along[k]) > ROUND)
 
     def rigid(self, card: CardLike) -> Rigid:
         """RBE2: number, reference, components, grids, and perhaps a thermal expansion."""
@@ -247,8 +227,9 @@ class NastranAttachments:
             if self.field(card, 0) != self.field(self.cards["MPC"][0], 0):
                 raise self.numbers.fault(card, "found a second set, expected one, as nothing here selects between them")
             places = [k + j for k in range(0, len(card.fields), 8) for j in (1, 4) if self.field(card, k + j)]
-            terms = tuple(self.term(card, k, self.numbers.real(card, self.field(card, k + 2))) for k in places)
-            if len(terms) < 2:
-                raise self.numbers.fault(card, f"found {len(terms)} terms, expected two or more")
+            parts = [self.terms(card, k, self.numbers.real(card, self.field(card, k + 2))) for k in places]
+            if len(parts) < 2:
+                raise self.numbers.fault(card, f"found {len(parts)} terms, expected two or more")
+            terms = tuple(term for part in parts for term in part)
             found.append(Equation(terms=terms, where=self.where(card)))
         return tuple(found)

@@ -4,11 +4,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array, csr_array
+from scipy.linalg import qr
+from scipy.sparse import coo_array, csc_array, csr_array, hstack
+from scipy.sparse.csgraph import connected_components
 
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rigid_body import unfelt
-from casingfem.structure.imported.attachments.ties import DIRECTIONS, Motions, Rows, eliminated, tied_rows
+from casingfem.structure.imported.attachments.ties import Motions, Rows, eliminated, tied_rows
 
 ROUND = 1e-9  # motions, of the size of one, below which a spring or an equation does not feel them
 LOOSE = 1e-12  # least stiffness and mass of a node's six motions, each scaled to one, below which one of them is free
@@ -18,7 +20,7 @@ class Attached(NamedTuple):
     """What a mesh with attachments becomes.
 
     K, M on the unknowns, not yet made symmetric; `lift` of the dofs of nodes by unknowns; `unknowns` among dofs of
-    nodes and the turns behind them; rigid motions left.
+    nodes and the turns behind them; rigid motions left; `idle` motions of the nodes without stiffness and mass.
     """
 
     K: csc_array
@@ -26,6 +28,7 @@ class Attached(NamedTuple):
     lift: csr_array
     unknowns: IntArray
     rigid: int
+    idle: csr_array
 
 
 def attached(
@@ -74,13 +77,42 @@ def attached(
     unknowns = np.flatnonzero(active)
     T = csr_array(R[:, unknowns])
     K, M = csc_array(T.T @ K @ T), csc_array(T.T @ M @ T)
-    kept = np.flatnonzero(M.diagonal() != 0.0)
-    refuse_massless(motions, unknowns[(K.diagonal() != 0.0) & (M.diagonal() == 0.0)])
+    lift = csr_array(T[: motions.dofs * len(mesh.points)])
+    kept, still = without_mass(K, np.flatnonzero(M.diagonal() == 0.0))
     K, M, unknowns = csc_array(K[:, kept][kept]), csc_array(M[:, kept][kept]), unknowns[kept]
     refuse_loose(motions, K, M, unknowns)
-    lift = csr_array(T[: motions.dofs * len(mesh.points), kept])
     reactions = [np.asarray(fields.T @ (support @ fields)) for support in supports]
-    return Attached(K, M, lift, unknowns, rigid_left(motions, rows, R, springs, held, fields, reactions))
+    rigid = rigid_left(motions, rows, R, springs, held, fields, reactions)
+    return Attached(K, M, csr_array(lift[:, kept]), unknowns, rigid, csr_array(lift @ still))
+
+
+def without_mass(K: csc_array, bare: IntArray) -> tuple[IntArray, csc_array]:
+    """Which unknowns to keep, and idle motions (unknowns, motions) of those without mass (`bare`).
+
+    Nodes between springs follow statically. Of springs that hold fewer directions than a node has, the motions that no
+    spring feels are idle: as many unknowns are held as there are such motions, which changes nothing else.
+    """
+    inner = csc_array(K[:, bare][bare])
+    idle = csc_array((K.shape[0], 0))
+    dropped = []
+    for part in np.split(*sorted_parts(inner)):
+        block = inner[:, part][part].toarray()
+        scale = 1.0 / np.sqrt(np.where(np.diagonal(block) > 0.0, np.diagonal(block), 1.0))
+        size, V = np.linalg.eigh(scale[:, None] * block * scale)
+        still = scale[:, None] * V[:, size < LOOSE]
+        if still.shape[1]:
+            dropped.append(bare[part[qr(still.T, mode="r", pivoting=True)[1][: still.shape[1]]]])
+            place = np.repeat(bare[part], still.shape[1]), np.tile(np.arange(still.shape[1]), len(part))
+            added = coo_array((still.ravel(), place), shape=(K.shape[0], still.shape[1]))
+            idle = csc_array(hstack([idle, added.tocsc()]))
+    gone = np.concatenate([np.zeros(0, dtype=np.int64), *dropped])
+    return np.setdiff1d(np.arange(K.shape[0]), gone), idle
+
+
+def sorted_parts(A: csc_array) -> tuple[IntArray, IntArray]:
+    """Rows in the order of the parts that hang together, and where each part but the first begins."""
+    count, part = connected_components(A, directed=False)
+    return np.argsort(part, kind="stable"), np.cumsum(np.bincount(part, minlength=max(count, 1)))[:-1]
 
 
 def enlarged(A: csc_array, size: int) -> csc_array:
@@ -121,14 +153,6 @@ def refuse_held(motions: Motions, rows: Rows, held: IntArray) -> None:
         if dof in rows.owner and dof not in rows.own:
             found = "a support on it, expected one on the node that it follows"
             raise motions.fault(rows.owner[dof], motions.place(dof)[0], found)
-
-
-def refuse_massless(motions: Motions, dofs: IntArray) -> None:
-    """Refuse motions with a stiffness and no mass, which are no modes."""
-    if len(dofs):
-        node, component = motions.place(int(dofs[0]))
-        found = f"a stiffness and no mass along {DIRECTIONS[component]}, expected a mass there"
-        raise motions.fault("springs", node, found)
 
 
 def refuse_loose(motions: Motions, K: csc_array, M: csc_array, unknowns: IntArray) -> None:

@@ -223,6 +223,11 @@ class Attachments:
         def terms(of: tuple[Term, ...]) -> tuple[Term, ...]:  # of displacements in m
             return tuple(t if t.component > 2 else t._replace(coefficient=t.coefficient / length) for t in of)
 
+        def arms(spring: Spring) -> tuple[Term, ...]:  # turns beside displacements have arms in the file's length
+            if all(term.component > 2 for term in spring.terms):
+                return spring.terms
+            return tuple(t._replace(coefficient=t.coefficient * length) if t.component > 2 else t for t in spring.terms)
+
         return replace(
             self,
             masses=tuple(
@@ -234,7 +239,7 @@ class Attachments:
                 )
                 for m in self.masses
             ),
-            springs=tuple(replace(spring, stiffness=stiff(spring)) for spring in self.springs),
+            springs=tuple(replace(s, stiffness=stiff(s), terms=arms(s)) for s in self.springs),
             equations=tuple(replace(equation, terms=terms(equation.terms)) for equation in self.equations),
         )
 

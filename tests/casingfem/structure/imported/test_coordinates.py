@@ -61,7 +61,7 @@ def test_grids_stand_where_their_system_puts_them(tmp_path):
         (lambda t: t.replace("CORD2C,5,0", "CORD2C,5,5"), "system 5 refers to itself"),
         (lambda t: t.replace(",1.,0.,0.\n", ",0.,0.,2.\n", 1), "the points of system 5 stand in a line"),
         (lambda t: t.replace("CORD2C,5,0,0.", "CORD2C,5,0,x"), "line 2: CORD2C: found 'x', expected a real number"),
-        (lambda t: t.replace("CORD2C", "CORD1C"), "line 2: CORD1C: a coordinate system by grids"),
+        (lambda t: t.replace("CORD2C", "CORD1C"), "line 2: CORD1C: found '0.', expected a whole"),
         (lambda t: t.replace("GRID,1,5", "CORD2R,5,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,1,5"), "5 is given twice"),
     ],
 )
