@@ -145,7 +145,7 @@ MESHES = {
     ),
     "mesh-open-seam": Fault(
         "coincident nodes are not joined: the body is slit there",
-        "merge duplicate nodes in the mesher, or read the mesh with join = a distance in metres",
+        "merge duplicate nodes in the mesher, read it with join = a distance in metres, or tie faces ([[solid.tie]])",
     ),
     "mesh-order": Fault(
         "the order of the elements is not a whole number within reach",
@@ -161,7 +161,15 @@ MESHES = {
     ),
     "mesh-parts": Fault(
         "the mesh falls into parts that do not touch",
-        "join them in the mesher, or compute each part alone",
+        "tie their faces ([[solid.tie]], *TIE), join them in the mesher, or compute each part alone",
+    ),
+    "mesh-tie": Fault(
+        "two faces cannot be tied",
+        "name two groups of facets that touch; tolerance is how far apart they may be, in metres",
+    ),
+    "mesh-tie-loose": Fault(
+        "nodes of a tied face stand off the other one and are not tied",
+        "let the smaller face follow the larger one, or give a larger tolerance in metres",
     ),
     "mesh-rows": Fault(
         "the rows do not divide the first parameter",

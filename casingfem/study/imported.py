@@ -8,6 +8,7 @@ from typing import Any
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.modal.interface import AtNodes, Interface, Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.read import read_mesh
@@ -152,7 +153,10 @@ def build_mesh(table: ImportTable, key: str, problems: Problems) -> MeshData | N
     """The mesh a table names, read relative to the study."""
     if table.mesh is not None:
         with problems.at(f"{key}.mesh"):
-            return read_mesh(problems.file.parent / table.mesh, scale=table.scale, join=table.join, units=table.units)
+            place = problems.file.parent / table.mesh
+            mesh = read_mesh(place, scale=table.scale, join=table.join, units=table.units)
+            faces = [Gluing(**tie.model_dump(), where=f"{key}.tie {k}") for k, tie in enumerate(table.tie, 1)]
+            return tied(mesh, faces)
     return None
 
 

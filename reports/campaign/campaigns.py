@@ -44,6 +44,7 @@ CAMPAIGNS = (
     Campaign("modes.sturm", "1,000 random structures: modes returned are modes counted", STRUCTURE),
     Campaign("modes.mistuning", "restarts from the mean casing's modes", STRUCTURE),
     Campaign("modes.cyclic", "wheels of equal and mistuned sectors against their full models, time", STRUCTURE),
+    Campaign("modes.ties", "blocks of meshes that do not match, tied, against one mesh", STRUCTURE),
     Campaign("modes.meridians", "meridians of several pieces against quadrilaterals and 3-D", STRUCTURE),
     Campaign("speed.modal", "error against time over meshes and solvers", STRUCTURE),
     Campaign("speed.growth", "modes of ever finer meshes: time, memory, share of dgemm", STRUCTURE, ("--large",)),

@@ -1,10 +1,10 @@
-"""Reports on loose bolts, on restarted modes of mistuned casings on wheels of sectors and on meridians run small."""
+"""Reports on loose bolts, restarted modes of mistuned casings, wheels of sectors, meridians, tied blocks run small."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from reports.modes import cyclic, loose_bolts, meridians, mistuning
+from reports.modes import cyclic, loose_bolts, meridians, mistuning, ties
 
 
 @pytest.mark.campaign
@@ -53,3 +53,11 @@ def test_a_cylinder_and_a_cone_are_their_imported_meshes(tmp_path):
     assert bent["3-D: worst %"] < 0.5
     assert bent["3-D: rms %"] < 0.3
     assert bent["half the fillet: worst %"] < 0.1
+
+
+def test_tied_blocks_come_near_one_mesh(tmp_path):
+    (row,) = ties.main(tmp_path, quick=True)
+    assert 1e-4 < row["freq_deviation"] < 1.2e-2
+    assert 1e-3 < row["stress_error"] < 0.05
+    assert row["end_error"] < 4e-4
+    assert (tmp_path / "ties.csv").exists()

@@ -1,10 +1,11 @@
 from .assembly import MeshStructure, MeshSystem
-from .attachments.values import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
+from .attachments.glue import Gluing, tied
+from .attachments.values import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term, Tie
 from .cyclic.sector import CyclicSector
 from .loads import FacetPressure, NodeLoad
 from .matrix.matrix_set import MatrixSet
 from .matrix.read import read_matrices
-from .mesh_data import Group, MeshData
+from .mesh_data import Group, MeshData, beside
 from .read import read_mesh
 from .shell import MeshShell
 from .solid import Solid
@@ -17,6 +18,7 @@ __all__ = [
     "Equation",
     "FacetPressure",
     "Fixed",
+    "Gluing",
     "Group",
     "MatrixSet",
     "Mean",
@@ -31,6 +33,9 @@ __all__ = [
     "Solid",
     "Spring",
     "Term",
+    "Tie",
+    "beside",
     "read_matrices",
     "read_mesh",
+    "tied",
 ]

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError, sentence, warn
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.structure.imported.assembly import mapped
 from casingfem.structure.imported.cell_kind import SHELLS, shape_functions
 from casingfem.structure.imported.cells.collapsed import LEAST, distinct
@@ -110,15 +110,25 @@ def coincident(mesh: MeshData) -> list[Finding]:
     """Nodes at the same place that no cell joins: a seam left open, parts not merged."""
     used = mesh.used
     reach = max(COINCIDENT * spacing(mesh), 1e-12 * mesh.size)
-    pairs = cKDTree(mesh.points[used]).query_pairs(reach, output_type="ndarray")
+    pairs = used[cKDTree(mesh.points[used]).query_pairs(reach, output_type="ndarray")]
+    pairs = pairs[~attached_pairs(mesh, pairs)]
     if not len(pairs):
         return []
-    first = nodes_named(mesh, used[np.unique(pairs)])
+    first = nodes_named(mesh, np.unique(pairs))
     return [Finding("mesh-open-seam", f"{first} coincide with another node but are not joined to it")]
 
 
+def attached_pairs(mesh: MeshData, pairs: IntArray) -> BoolArray:
+    """Pairs of nodes (m, 2) that one attachment joins: bolts of springs, tied faces."""
+    together = np.zeros(len(pairs), dtype=bool)
+    if len(pairs):
+        for link in mesh.attachments.links:
+            together |= np.isin(pairs, link).all(axis=1)
+    return together
+
+
 def parts(mesh: MeshData) -> list[Finding]:
-    """Cells that do not hang together by common nodes or attachments."""
+    """Cells that do not hang together by common nodes, connections or ties."""
     cells = mesh.cells
     count = len(cells)
     owner = np.repeat(np.arange(count), cells.shape[1])

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.attachments.values import NOTHING, Attachments
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.cells.collapsed import common_kind, written_as
@@ -39,7 +40,7 @@ class Draft:
     """What a reader found.
 
     `node_sets` are node indices; `cell_sets` pairs (block, rows); `facet_sets` corner node indices (m, corners);
-    `attachments` are in the file's units.
+    `attachments` are in the file's units; `gluings` name sets.
     """
 
     points: FloatArray
@@ -49,6 +50,7 @@ class Draft:
     cell_sets: Mapping[str, Sequence[tuple[int, IntArray]]] = field(default_factory=dict)
     facet_sets: Mapping[str, IntArray] = field(default_factory=dict)
     attachments: Attachments = NOTHING
+    gluings: Sequence[Gluing] = ()
 
 
 class Lookup:
@@ -108,7 +110,8 @@ def build(draft: Draft, source: str) -> MeshData:
     names = dict.fromkeys([*draft.cell_sets, *draft.facet_sets, *draft.node_sets])
     if fault := names_fault(names):
         raise ModelError("mesh-file", f"{source}: found the group {fault}")
-    return replace(mesh, groups={name: make_group(name, draft, mesh, start) for name in names})
+    mesh = replace(mesh, groups={name: make_group(name, draft, mesh, start) for name in names})
+    return tied(mesh, draft.gluings)
 
 
 def make_group(name: str, draft: Draft, mesh: MeshData, start: Mapping[int, int]) -> Group:

@@ -16,6 +16,7 @@ from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.included import NumberedLine, read_lines
 from casingfem.structure.imported.attachments.abaqus import CONNECTIONS, ELEMENTS, PROPERTIES, AbaqusAttachments
+from casingfem.structure.imported.attachments.glue import Gluing
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.draft import Block, Draft, Lookup
 from casingfem.structure.imported.instances import Frame, laid_out
@@ -37,7 +38,7 @@ REFUSED = {"SYSTEM": "a local coordinate system"} | dict.fromkeys(
     ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"), "nodes or elements that are not written out"
 )
 MOST = 1e15  # of numbers that a mesh has: beyond, a float does not tell them apart
-LEFT_OUT = ("TIE", "SHELL TO SOLID COUPLING", "EMBEDDED ELEMENT",
+LEFT_OUT = ("SHELL TO SOLID COUPLING", "EMBEDDED ELEMENT",
             "NONSTRUCTURAL MASS", "CONNECTOR SECTION", "CYCLIC SYMMETRY MODEL", "MATRIX INPUT", "MATRIX ASSEMBLE",
             "SUBSTRUCTURE PATH", "TRANSFORM", "BEAM SECTION", "BEAM GENERAL SECTION")  # fmt: skip
 
@@ -105,6 +106,7 @@ class Parser:
         self.left_out: dict[str, str] = {}  # keyword -> its line
         self.hung = AbaqusAttachments(self)
         self.on_nodes: dict[str, list[IntArray]] = {}  # surfaces of nodes
+        self.ties: list[tuple[Card, str, str, str]] = []  # card, line, surface that follows, surface followed
 
     def fault(self, line: str, message: str) -> ModelError:
         """A malformed file."""
@@ -114,7 +116,7 @@ class Parser:
         """Take every card in turn."""
         self.size = sum(len(line) + 1 for _, line in lines)
         takers = {"NODE": self.take_nodes, "ELEMENT": self.take_elements, "NSET": self.take_set,
-                  "ELSET": self.take_set, "SURFACE": self.take_surface}  # fmt: skip
+                  "ELSET": self.take_set, "SURFACE": self.take_surface, "TIE": self.take_tie}  # fmt: skip
         takers |= dict.fromkeys((*PROPERTIES, *CONNECTIONS), self.hung.take)
         left_out = self.left_out
         for card, frame in laid_out(cards(lines), self.fault):
@@ -266,6 +268,7 @@ class Parser:
         if card.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
             named = [self.nodes_of(text.split(",")[0].strip(), line) for line, text in card.data]
             self.on_nodes.setdefault(name.upper(), []).extend(named)
+            self.spelling.setdefault(name.upper(), name)
             return
         if card.parameters.get("TYPE", "ELEMENT").upper() != "ELEMENT":
             return
@@ -276,6 +279,35 @@ class Parser:
             if len(cells) < 2 or not cells[1]:
                 raise self.fault(line, f"found {text!r}, expected an element or set and a face such as S1")
             entries.append((self.numbers_of(self.element_sets, cells[0], line), cells[1].upper()))
+
+    def take_tie(self, card: Card) -> None:
+        """*TIE: surface that follows, surface that it follows; those of cyclic symmetry are left out."""
+        if "CYCLIC SYMMETRY" in card.parameters:
+            self.leave_out("TIE of cyclic symmetry", card.line)
+            return
+        for line, text in card.data:
+            cells = [cell.strip() for cell in text.rstrip(", ").split(",")]
+            if len(cells) < 2:
+                raise self.fault(line, f"*TIE: found {text!r}, expected two surfaces")
+            self.ties.append((card, line, f"{self.frame.prefix}{cells[0]}", f"{self.frame.prefix}{cells[1]}"))
+
+    def gluings(self) -> list[Gluing]:
+        """Ties by the names of groups; surfaces of nodes that follow are groups of their own."""
+        found = []
+        for card, line, *names in self.ties:
+            for name in names:
+                if name.upper() not in (*self.surfaces, *self.on_nodes):
+                    raise self.fault(line, f"*TIE: no surface {name!r}")
+            first, other = (name.upper() for name in names)
+            if first in self.on_nodes:
+                self.node_sets.setdefault(first, self.on_nodes[first])
+            if other not in self.surfaces:
+                raise self.fault(line, f"*TIE: found the surface {names[1]!r} of nodes, expected one of faces")
+            given = card.parameters.get("POSITION TOLERANCE")
+            tolerance = None if given is None else self.hung.number(card.line, given)
+            follower, master = self.spelling[first], self.spelling[other]
+            found.append(Gluing(follower=follower, master=master, tolerance=tolerance, where=f"*TIE (line {line})"))
+        return found
 
     def add(self, sets: dict[str, list[IntArray]], name: str, numbers: IntArray) -> None:
         """Add numbers to a set; names do not know case."""
@@ -298,6 +330,7 @@ class Parser:
         elements = Lookup(np.concatenate([b.numbers for b in blocks]), self.source, "element")
         owner = np.repeat(np.arange(len(blocks)), [len(b.cells) for b in blocks])
         first = np.cumsum([0, *(len(b.cells) for b in blocks)])
+        gluings = self.gluings()
 
         def rows(ids: IntArray) -> list[tuple[int, IntArray]]:
             place = elements(ids[~np.isin(ids, list(self.hung.elements))])
@@ -317,6 +350,7 @@ class Parser:
                 if entries
             },
             attachments=self.hung.attachments(np.concatenate(self.points), nodes),
+            gluings=gluings,
         )
 
     def corners(self, block: Block, rows: IntArray, face: str) -> IntArray:

@@ -173,6 +173,30 @@ class MeshData:
         return boundary[inside[self.facet_nodes(boundary)].all(axis=1)]
 
 
+def beside(meshes: Mapping[str, MeshData]) -> MeshData:
+    """Meshes of one kind as one, nothing joined: groups are called `name.group`, a mesh's cells are the group `name`.
+
+    Nodes and cells are numbered anew from 1.
+    """
+    parts = list(meshes.values())
+    nodes = np.cumsum([0, *(len(mesh.points) for mesh in parts)])
+    cells = np.cumsum([0, *(len(mesh.cells) for mesh in parts)])
+    groups = {}
+    for (name, mesh), first, start in zip(meshes.items(), nodes.tolist(), cells.tolist(), strict=False):
+        own = np.arange(len(mesh.cells))
+        groups[name] = Group(nodes=first + mesh.used, cells=start + own)
+        for inner, group in mesh.groups.items():
+            facets = None if group.facets is None else group.facets + np.array([start, 0])
+            groups[f"{name}.{inner}"] = Group(nodes=first + group.nodes, cells=start + group.cells, facets=facets)
+    return MeshData(
+        kind=parts[0].kind,
+        points=np.concatenate([mesh.points for mesh in parts]),
+        cells=np.concatenate([first + mesh.cells for mesh, first in zip(parts, nodes, strict=False)]),
+        groups=groups,
+        source=" and ".join(dict.fromkeys(mesh.source for mesh in parts)),
+    )
+
+
 def find_facets(mesh: MeshData, corners: IntArray) -> IntArray:
     """The (cell, local facet) of facets given by their corners (m, corners); -1 where no cell has them."""
     own = distinct(mesh.facets).reshape(-1, mesh.facets.shape[2])

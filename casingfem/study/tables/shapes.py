@@ -120,6 +120,14 @@ class TaperTable(Table):
     across: Stations = Field(default=1.0, description="factors from left to right [-]")
 
 
+class TieTable(Table):
+    """[[solid.tie]], [[shell.tie]]: faces of parts that do not share nodes."""
+
+    follower: str = Field(min_length=1, description="group whose nodes follow: the smaller face, or the finer mesh")
+    master: str = Field(min_length=1, description="group whose facets they follow")
+    tolerance: Positive | None = Field(default=None, description="largest gap [m]; a twentieth of a facet if left out")
+
+
 class ImportTable(Table):
     """A mesh file and how it is read: keys that [solid] and [shell] share."""
 
@@ -127,6 +135,7 @@ class ImportTable(Table):
     scale: Positive = Field(default=1.0, description="factor that makes the file's lengths metres [-]: 1e-3 for mm")
     join: NotNegative = Field(default=0.0, description="nodes closer than this become one [m]")
     units: str | None = Field(default=None, description="instead of scale: length-mass-time of the file, mm-t-s")
+    tie: list[TieTable] = Field(default=[], description="tables of faces that are tied: follower, master, tolerance")
 
 
 class SolidTable(ImportTable):

@@ -59,9 +59,9 @@ def attached(
         `mesh-attachment`, with card and node, for what cannot be attached.
     """
     mesh, size = motions.mesh, motions.size
-    rows = tied_rows(motions)
     turns = np.array([motions.turn(node) for node in still if motions.turn(node) >= 0], dtype=np.int64)
     held = np.concatenate([held, (turns[:, None] + np.arange(3)).ravel()])
+    rows = tied_rows(motions, held)
     refuse_held(motions, rows, held)
     R = eliminated(rows)
     springs = spring_rows(motions)

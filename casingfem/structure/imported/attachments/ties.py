@@ -18,11 +18,12 @@ from scipy.sparse import coo_array, csr_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.attachments.values import Equation, Mean, Rigid, Term, cross_matrix
+from casingfem.structure.imported.attachments.values import Equation, Mean, Rigid, Term, Tie, cross_matrix
 from casingfem.structure.imported.mesh_data import MeshData
 
 LEVELS = 6  # squarings: connections that hang on one another, 64 deep
 FLAT = 1e-10  # least over largest spread of nodes below which their mean turn is not defined
+ALIGNED = 0.9  # least cosine between the walls of tied shells
 DIRECTIONS = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
 
 
@@ -38,12 +39,16 @@ class Motions:
         Nodes with turns of their own, ascending, (turning,).
     tilts
         Of shells, (nodes, 2, 3): the turn theta that goes with w_1 = 1 and w_2 = 1, n x e_a. None of solids.
+    normals, frames
+        Of shells: directors n (nodes, 3) and their tangents e_a (nodes, 2, 3).
     """
 
     mesh: MeshData
     dofs: int
     turning: IntArray
     tilts: FloatArray | None
+    normals: FloatArray | None = None
+    frames: FloatArray | None = None
 
     @property
     def size(self) -> int:
@@ -91,7 +96,7 @@ def motions_of(mesh: MeshData, dofs: int, normals: FloatArray | None, frames: Fl
     alone = np.setdiff1d(hung.nodes, mesh.used)
     pivots = np.array([rigid.reference for rigid in hung.rigids], dtype=np.int64)
     tilts = None if normals is None or frames is None else np.cross(normals[:, None], frames)
-    return Motions(mesh, dofs, np.union1d(alone, pivots), tilts)
+    return Motions(mesh, dofs, np.union1d(alone, pivots), tilts, normals, frames)
 
 
 class Rows:
@@ -111,8 +116,8 @@ class Rows:
         self.entries += [(dof, other, value) for other, value in of.items() if value]
 
 
-def tied_rows(motions: Motions) -> Rows:
-    """Every dependent dof of the attachments of a mesh."""
+def tied_rows(motions: Motions, held: IntArray) -> Rows:
+    """Every dependent dof of the attachments of a mesh, dofs `held` by supports left out of its ties."""
     rows = Rows(motions)
     for rigid in motions.mesh.attachments.rigids:
         take_rigid(rows, rigid)
@@ -120,6 +125,8 @@ def tied_rows(motions: Motions) -> Rows:
         take_mean(rows, mean)
     for equation in motions.mesh.attachments.equations:
         take_equation(rows, equation)
+    for tie in motions.mesh.attachments.glued:
+        take_tie(rows, tie, held)
     return rows
 
 
@@ -191,6 +198,29 @@ def take_equation(rows: Rows, equation: Equation) -> None:
         raise motions.fault(equation.where, first.node, f"{found} in the first term, expected a motion to solve for")
     of = motions.combined([t._replace(coefficient=-t.coefficient / first.coefficient) for t in others], equation.where)
     rows.add(next(iter(own)), first.node, of, equation.where)
+
+
+def take_tie(rows: Rows, tie: Tie, held: IntArray) -> None:
+    """Rows of a tie: displacements, and directors as the others' shape functions carry them, n + w ~ sum (n_k + w_k).
+
+    A node's own director is n = sum n_k/|sum n_k| (`cells/shell.py`), so that rigid motions pass.
+    """
+    motions, dofs, normals, frames = rows.motions, rows.motions.dofs, rows.motions.normals, rows.motions.frames
+    fixed = set(held.tolist())
+    for node, others, weights in zip(tie.nodes.tolist(), tie.others, tie.weights, strict=True):
+        used = np.flatnonzero(weights)
+        at, share = others[used].tolist(), weights[used]
+        table = {c: [(dofs * k + c, w) for k, w in zip(at, share.tolist(), strict=True)] for c in range(3)}
+        if normals is not None and frames is not None:
+            along = share @ normals[at]
+            if not along @ normals[node] > ALIGNED:
+                raise motions.fault(tie.where, node, "walls that meet at an angle, expected faces that run on")
+            turns = np.einsum("ac,kbc,k->akb", frames[node], frames[at], share) / np.linalg.norm(along)
+            for a in (0, 1):
+                table[3 + a] = [(dofs * k + 3 + b, float(turns[a, j, b])) for j, k in enumerate(at) for b in (0, 1)]
+        for c, of in table.items():
+            if dofs * node + c not in fixed:
+                rows.add(dofs * node + c, node, dict(of), tie.where)
 
 
 def eliminated(rows: Rows) -> csr_array:

@@ -1,4 +1,4 @@
-"""Point masses, springs, rigid and mean connections and equations between nodes, as values.
+"""Point masses, springs, rigid and mean connections, equations between nodes and ties, as values.
 
 Nodes are indices into the points of a mesh, components 0 to 5: x, y, z and the turns about them. A node that no cell
 has is a point with all six; a node of a shell has three displacements and two turns (none about its normal), one of a
@@ -136,6 +136,28 @@ class Equation:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Tie:
+    """Nodes that follow weighted sums of others, all components of each: u_i = sum_k weights_ik u_others_ik.
+
+    `nodes` (n,), `others` and `weights` (n, k); of what a support holds the support is kept.
+
+    >>> Tie(nodes=np.array([9]), others=np.array([[1, 2]]), weights=np.array([[0.5, 0.5]])).where
+    'tie'
+    """
+
+    nodes: IntArray
+    others: IntArray
+    weights: FloatArray
+    where: str = "tie"
+
+    def renumbered(self, new: Renumbering) -> "Tie":
+        """The same with other numbers of nodes, without those that have become one of their others."""
+        nodes, others = new(self.nodes), new(self.others)
+        apart = ~((nodes[:, None] == others) & (self.weights != 0.0)).any(axis=1)
+        return replace(self, nodes=nodes[apart], others=others[apart], weights=self.weights[apart])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Attachments:
     """All that hangs on a mesh beside its cells.
 
@@ -149,6 +171,7 @@ class Attachments:
     rigids: tuple[Rigid, ...] = ()
     means: tuple[Mean, ...] = ()
     equations: tuple[Equation, ...] = ()
+    glued: tuple[Tie, ...] = ()
 
     def __bool__(self) -> bool:
         return bool(self.masses or self.springs or self.ties)
@@ -156,7 +179,7 @@ class Attachments:
     def __repr__(self) -> str:
         kinds = (
             ("point mass", "es", self.masses), ("spring", "s", self.springs), ("rigid connection", "s", self.rigids),
-            ("mean connection", "s", self.means), ("equation", "s", self.equations),
+            ("mean connection", "s", self.means), ("equation", "s", self.equations), ("tie", "s", self.glued),
         )  # fmt: skip
         parts = (f"{len(items)} {name}{plural * (len(items) > 1)}" for name, plural, items in kinds if items)
         return ", ".join(parts) or "nothing"
@@ -167,9 +190,9 @@ class Attachments:
         return bool(self.masses or self.springs)
 
     @property
-    def ties(self) -> tuple[Rigid | Mean | Equation, ...]:
+    def ties(self) -> tuple[Rigid | Mean | Equation | Tie, ...]:
         """What makes motions depend on others."""
-        return (*self.rigids, *self.means, *self.equations)
+        return (*self.rigids, *self.means, *self.equations, *self.glued)
 
     @property
     def links(self) -> Iterator[IntArray]:
@@ -186,9 +209,10 @@ class Attachments:
 
     @property
     def bodies(self) -> list[IntArray]:
-        """Nodes of each rigid and mean connection, the reference last."""
+        """Nodes of each rigid and mean connection, the reference last, and of each tie."""
         rigid = [np.append(rigid.nodes, rigid.reference) for rigid in self.rigids]
-        return rigid + [np.append(mean.nodes, mean.reference) for mean in self.means]
+        mean = [np.append(mean.nodes, mean.reference) for mean in self.means]
+        return [*rigid, *mean, *(np.append(tie.nodes, tie.others) for tie in self.glued)]
 
     @property
     def nodes(self) -> IntArray:
@@ -211,6 +235,7 @@ class Attachments:
             rigids=tuple(replace(r, reference=one(r.reference), nodes=np.unique(new(r.nodes))) for r in self.rigids),
             means=tuple(mean.renumbered(new) for mean in self.means),
             equations=tuple(replace(equation, terms=terms(equation.terms)) for equation in self.equations),
+            glued=tuple(tie.renumbered(new) for tie in self.glued),
         )
 
     def in_si(self, length: float, mass: float, time: float) -> "Attachments":

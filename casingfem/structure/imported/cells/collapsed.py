@@ -4,7 +4,7 @@ A brick or square with two corners at one node has, on the linear kinds, exactly
 collapses to (Hughes, The Finite Element Method, 1987, section 3.6); on quadratic kinds it has not.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -19,6 +19,30 @@ CORNERS: Mapping[str, Mapping[str, Sequence[int]]] = {
     "quad": {"quad": (0, 1, 2, 3), "triangle": (0, 1, 2, 2)},
 }  # of a kind, written as a brick or square  # fmt: skip
 LEAST = {"hexahedron": 4, "quad": 3}  # corners that a collapsed cell keeps
+
+
+TURNS = tuple((k, (k + 1) % 4, (k + 2) % 4, (k + 3) % 4) for k in range(4))  # of a square, by its first corner
+
+
+def native(kind: str, cells: IntArray) -> Iterator[tuple[str, IntArray, IntArray]]:
+    """Facets that collapse as what they are: kind, rows (m,) and nodes (m, k) of each kind there is.
+
+    >>> [(kind, nodes.tolist()) for kind, _, nodes in native("quad", np.array([[1, 2, 5, 4], [2, 3, 3, 5]]))]
+    [('quad', [[1, 2, 5, 4]]), ('triangle', [[3, 5, 2]])]
+    """
+    if kind not in ("quad", "quad8"):
+        yield kind, np.arange(len(cells)), cells
+        return
+    corners = cells[:, :4]
+    again = corners == np.roll(corners, -1, axis=1)
+    if len(whole := np.flatnonzero(~again.any(axis=1))):
+        yield kind, whole, cells[whole]
+    flat = np.flatnonzero(again.any(axis=1))
+    if len(flat):
+        first = again[flat].argmax(axis=1)  # corner that the next one repeats
+        order = np.array(TURNS)[(first + 1) % 4][:, :3]
+        slots = order if kind == "quad" else np.hstack([order, 4 + order])
+        yield ("triangle" if kind == "quad" else "triangle6"), flat, np.take_along_axis(cells[flat], slots, axis=1)
 
 
 def common_kind(kinds: Collection[str]) -> str:

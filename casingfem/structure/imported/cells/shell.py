@@ -11,6 +11,7 @@ from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.tying import tied_strains
 
 DOFS = 5
+NEAR = 0.7  # least cosine between tied walls of which one takes the other's director
 
 
 class ShellCells(Protocol):
@@ -44,13 +45,22 @@ def cell_normals(mesh: MeshData) -> FloatArray:
 
 
 def directors(mesh: MeshData) -> FloatArray:
-    """Unit normals at the nodes: the mesh's own, or the mean over their cells, (nodes, 3); z where no cell is."""
+    """Unit normals at the nodes: the mesh's own, or the mean over their cells, (nodes, 3); z where no cell is.
+
+    Nodes that are tied have that of the wall which they follow, as its shape functions give it.
+    """
     if mesh.directors is not None:
         return mesh.directors
     total = np.zeros_like(mesh.points)
     np.add.at(total, mesh.cells, cell_normals(mesh))
     size = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.where(size > 0.0, total / np.maximum(size, np.finfo(float).tiny), [0.0, 0.0, 1.0])
+    normals = np.where(size > 0.0, total / np.maximum(size, np.finfo(float).tiny), [0.0, 0.0, 1.0])
+    for tie in mesh.attachments.glued:
+        other = np.einsum("ik,ikc->ic", tie.weights, normals[tie.others])
+        other /= np.linalg.norm(other, axis=1, keepdims=True)
+        near = np.einsum("ic,ic->i", other, normals[tie.nodes]) > NEAR
+        normals[tie.nodes[near]] = other[near]
+    return normals
 
 
 def tangent_frames(normals: FloatArray) -> FloatArray:

@@ -333,7 +333,7 @@ def test_mixed_cells_and_loose_facets_are_named(tmp_path):
 @pytest.mark.parametrize(
     ("name", "text", "told"),
     [
-        ("a.inp", INP + "*TIE, NAME=t\n a, b\n", r"\*TIE \(line 24\)"),
+        ("a.inp", INP + "*TIE, NAME=t, CYCLIC SYMMETRY\n a, b\n", r"\*TIE of cyclic symmetry \(line 24\)"),
         ("a.bdf", "RBE1,9,1,123,2", r"1 RBE1 \(from line \d+\)"),
         (
             "b.bdf",

@@ -1,0 +1,121 @@
+"""Faces of parts that do not share nodes, tied: nodes of one follow the shape functions of the other's facets.
+
+    u_i = sum_k N_k(r_i) u_k
+
+with r_i the place on the facets that is nearest to node i, which is moved there: a tie that spans a gap would resist
+being turned. Linear motions pass, so rigid motions and uniform strains bring no force; a constant stress passes between
+faces whose meshes match, and nearly so between others (collocation at nodes, as in the programs that have *TIE; only an
+integral tie, mortar, passes it exactly).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from casingfem.errors import ModelError, warn
+from casingfem.io.arrays import IntArray
+from casingfem.structure.imported.attachments.projection import nearest_places
+from casingfem.structure.imported.attachments.values import Tie
+from casingfem.structure.imported.cells.collapsed import native
+from casingfem.structure.imported.findings import nodes_named
+from casingfem.structure.imported.mesh_data import MeshData
+from contact.io.names import hint
+
+TOLERANCE = 0.05  # of the facet's size: how far from it a node is still tied
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gluing:
+    """Two faces to be tied.
+
+    Attributes
+    ----------
+    follower, master
+        Groups: nodes of the first follow the facets of the second; of shells, edges or cells. The finer face follows.
+    tolerance
+        Distance [m] up to which nodes are tied; a twentieth of the facet's size if left out.
+    where
+        What ties them, for messages.
+    """
+
+    follower: str
+    master: str
+    tolerance: float | None = None
+    where: str = "tie"
+
+
+def tied(mesh: MeshData, gluings: Sequence[Gluing]) -> MeshData:
+    """A mesh with faces tied; nodes that follow stand on the facets that they follow.
+
+    Raises
+    ------
+    ModelError
+        `mesh-tie` for groups that are not there, have no facets, or are nowhere near each other.
+
+    Warns
+    -----
+    ModelWarning
+        `mesh-tie-loose` of nodes that stand too far off to be tied.
+
+    Examples
+    --------
+    >>> from casingfem.structure.imported.grid import grid_mesh
+    >>> from casingfem.structure.imported.mesh_data import beside
+    >>> ends = {"low": (0, 0.0), "high": (0, 1.0)}
+    >>> coarse = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u, groups=ends)
+    >>> fine = grid_mesh("hexahedron20", (2, 3, 3), lambda u: u + [1.0, 0.0, 0.0], groups=ends)
+    >>> both = tied(beside({"a": coarse, "b": fine}), [Gluing(follower="b.low", master="a.high")])
+    >>> both.attachments, len(both.attachments.glued[0].nodes)
+    (1 tie, 40)
+    """
+    for gluing in gluings:
+        mesh = glued(mesh, gluing)
+    return mesh
+
+
+def glued(mesh: MeshData, gluing: Gluing) -> MeshData:
+    """A mesh with one more pair of faces tied."""
+    where = f"{mesh.source}: {gluing.where}"
+    for name in (gluing.follower, gluing.master):
+        if name not in mesh.groups:
+            raise ModelError("mesh-tie", f"{where}: no group {name!r}{hint(name, list(mesh.groups), most=3)}")
+    kind, facets = faces_of(mesh, gluing.master)
+    if not len(facets):
+        raise ModelError("mesh-tie", f"{where}: group {gluing.master!r} has no facets")
+    earlier = [tie.nodes for tie in mesh.attachments.glued]
+    apart = np.setdiff1d(mesh.groups[gluing.follower].nodes, np.concatenate([facets.ravel(), *earlier]))
+    if not len(apart):
+        return mesh
+    parts = list(native(kind, facets))
+    found = [nearest_places(of, mesh.points[nodes], mesh.points[apart]) for of, _, nodes in parts]
+    best = np.array([places.distance for places in found]).argmin(axis=0)
+    width = facets.shape[1]
+    others, weights = np.zeros((len(apart), width), dtype=np.int64), np.zeros((len(apart), width))
+    x, far = mesh.points.copy(), np.zeros(len(apart), dtype=bool)
+    for k, ((_, _, nodes), places) in enumerate(zip(parts, found, strict=True)):
+        own = np.flatnonzero(best == k)
+        others[own, : nodes.shape[1]] = nodes[places.facet[own]]
+        weights[own, : nodes.shape[1]] = places.weights[own]
+        reach = TOLERANCE * places.size[own] if gluing.tolerance is None else gluing.tolerance
+        far[own] = places.distance[own] > reach
+        x[apart[own]] = np.where(far[own, None], x[apart[own]], places.x[own])
+    if far.all():
+        least = min(float(places.distance.min()) for places in found)
+        message = f"{where}: {gluing.follower!r} stands {least:.3g} m from {gluing.master!r} or farther"
+        raise ModelError("mesh-tie", message)
+    if far.any():
+        message = f"{nodes_named(mesh, apart[far])} of {gluing.follower!r} off {gluing.master!r}"
+        warn("mesh-tie-loose", f"{where}: {message}", stacklevel=4)
+    weights[np.abs(weights) < 1e-12] = 0.0
+    tie = Tie(nodes=apart[~far], others=others[~far], weights=weights[~far], where=gluing.where)
+    attachments = replace(mesh.attachments, glued=(*mesh.attachments.glued, tie))
+    return replace(mesh, points=x, attachments=attachments)
+
+
+def faces_of(mesh: MeshData, name: str) -> tuple[str, IntArray]:
+    """Kind and nodes of what a group can be followed on: its facets, or the cells of a shell."""
+    facets = mesh.group_facets(name)
+    if len(facets) or mesh.cell_kind.dim == 3:
+        return mesh.cell_kind.facet, mesh.facet_nodes(facets)
+    return mesh.kind, mesh.cells[mesh.groups[name].cells]
