@@ -87,6 +87,19 @@ def places_in(K: csc_array, M: csc_array | None) -> IntArray:
     return np.asarray(numbers.multiply(pattern).tocsc().data - 1)
 
 
+def widened(K: csc_array, M: csc_array) -> csc_array:
+    """K with zeros where M alone has entries.
+
+    >>> widened(csc_array(np.diag([1j, 2.0])), csc_array(np.eye(2)[::-1])).data.tolist()
+    [1j, 0j, 0j, (2+0j)]
+    """
+    one, other = (csc_array((np.ones(len(A.data)), A.indices, A.indptr), shape=K.shape) for A in (K, M))
+    both = csc_array(one + other)
+    data = np.zeros(len(both.data), dtype=K.dtype)
+    data[places_in(both, K)] = K.data
+    return csc_array((data, both.indices, both.indptr), shape=K.shape)
+
+
 def scaled(K: csc_array, root: FloatArray) -> csc_array:
     """R K R for a diagonal R given by its entries; the pattern stays."""
     data = root[K.indices] * K.data * np.repeat(root, np.diff(K.indptr))
@@ -119,7 +132,7 @@ def make_pencil(K: csc_array, mass: Mass) -> Pencil:
     M = None if isinstance(mass, np.ndarray) else mass
     places = places_in(K, M)
     if len(places) != (K.shape[0] if M is None else len(M.data)):
-        K = csc_array((K + 1j * (diags_array(diagonal) if M is None else M)).real)  # no entry of either cancels
+        K = widened(K, csc_array(diags_array(diagonal)) if M is None else M)
         places = places_in(K, M)
     if bare.any():  # as stiff as the others, scaled
         stiff = np.real(K.diagonal())

@@ -129,6 +129,17 @@ def test_a_mass_that_is_not_diagonal():
     assert sturm_count(K, M, 0.5 * (exact[6] + exact[7])) == 7
 
 
+def test_a_hermitian_stiffness_that_lacks_entries_of_the_mass():
+    """As in a wheel's sector, where an entry of K cancels and the one of M does not."""
+    turn = np.diag(np.exp(1j * np.arange(30)))
+    K, M = (csc_array(turn @ A.toarray() @ turn.conj().T) for A in (chain(30), consistent_mass(30)))
+    K[[9, 10], [10, 9]] = 0.0
+    K.eliminate_zeros()
+    exact = eigh(K.toarray(), M.toarray(), eigvals_only=True)
+    found = solve_modes(K, M, 6, shift=-1e-3)
+    np.testing.assert_allclose(found.eigenvalues, exact[:6], rtol=1e-10)
+
+
 @pytest.mark.parametrize("mass", [np.r_[1.0, 0.0, np.ones(28)], csc_array(np.diag(np.r_[np.ones(29), -1.0]))])
 def test_refuses_a_mass_that_is_not_positive(mass):
     with pytest.raises(NumericsError, match="the mass has a diagonal that is not positive"):
