@@ -97,7 +97,7 @@ MESHES = {
     ),
     "mesh-kink": Fault(
         "neighbouring cells of a shell meet at an angle",
-        "refine there; on a smooth surface the angle falls with the size of the cells",
+        "refine there if the surface is smooth: the angle falls with the cells; a corner that is meant is mitred",
     ),
     "mesh-left-out": Fault(
         "items of a mesh file with stiffness, mass or constraints are not taken over",

@@ -149,7 +149,7 @@ SURFACES = {
     ),
     "shell-plies": Fault(
         "a wall of layers cannot be as given",
-        'give moduli and thicknesses above 0, wall = "linear", strips without a material of their own',
+        'give moduli and thicknesses above 0, wall = "linear", strips or groups without a material of their own',
     ),
     "shell-wall": Fault(
         "no such theory of the wall",
@@ -174,6 +174,14 @@ SURFACES = {
     "shell-thin": Fault(
         "the wall is thinner than a hundred-thousandth of the size",
         "give the thickness in metres, 3 mm as 3e-3, not 3e-6",
+    ),
+    "stiffener-off-line": Fault(
+        "a stiffener stands inside an element",
+        "leave the mesh's rows to the program, or put a break of mesh.rows at the stiffener",
+    ),
+    "stiffener-place": Fault(
+        "a stiffener stands at no place of its own between the edges of a closed casing",
+        'give at in metres along the axis or meridian; on an edge a ring is a support, kind = "ring"',
     ),
     "strip-extent": Fault(
         "the ends of a strip are not finite numbers in order",

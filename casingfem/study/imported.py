@@ -16,6 +16,7 @@ from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.support import Fixed, MeshSupport
 from casingfem.structure.material import Material
+from casingfem.study.build import build_plies
 from casingfem.study.cyclic import Wheel
 from casingfem.study.problems import Problems, StudyError
 from casingfem.study.rotation import axis_vector, build_mesh_rotation, vector
@@ -120,6 +121,9 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
                 materials={name: Material(**part.model_dump()) for name, part in tables.shell.material.items()},
                 supports=supports,
                 rotation=rotation,
+                wall=tables.shell.wall,
+                plies=build_plies(tables.shell),
+                angle_from=axis_vector(tables.shell.angle_from),
             )
     return None
 

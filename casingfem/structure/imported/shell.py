@@ -21,7 +21,7 @@ from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rigid_body import rigid_motions
-from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.rotation import Rotation, Vector
 from casingfem.structure.imported.assembly import (
     MeshSystem,
     assembled,
@@ -46,9 +46,12 @@ from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.spin import MeshSpin, spun
 from casingfem.structure.imported.support import MeshSupport, check_support
 from casingfem.structure.material import Material
+from casingfem.structure.shell.checks import WALLS
+from casingfem.structure.shell.plies import Ply, layered_inertia
 from contact.io.brief import brief
 
-BENT, FOLDED = 10.0, 45.0  # degrees between neighbours: doubted, refused
+BENT, FOLDED = 10.0, 61.0  # degrees between neighbours: doubted, refused
+ACROSS = 1e-3  # of 1 less the cosine to the normal: below, a wall does not see a direction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,7 +72,14 @@ class MeshShell:
         Group -> `Clamped`, `Fixed` (displacements), or `ElasticEdge(k_face=...)` on the group's edges: t k_face per
         length on displacements, t^3/12 k_face on rotations.
     shear_correction
-        Factor of the transverse shear stiffness, 5/(6 - nu) if left out. The wall is linear (`Shell.wall`).
+        Factor of the transverse shear stiffness; 5/(6 - nu), or 5/6 on a linear wall, if left out.
+    wall
+        "curved" or "linear", as of a `Shell`; the inertia is the linear one's.
+    plies
+        Layers along the normals of the cells that fill the wall in proportion to their thicknesses; the wall must be
+        linear, and groups have no materials of their own. Of the shell's material are those without a lamina.
+    angle_from
+        Direction from which the angles of plies count, as the wall sees it, turning right-handed about the normals.
     rotation
         Steady rotation: speed and axis; at rest if left out.
 
@@ -95,6 +105,9 @@ class MeshShell:
     rotation: Rotation | None = None
     thicknesses: Mapping[str, float] = field(default_factory=dict)
     materials: Mapping[str, Material] = field(default_factory=dict)
+    wall: str = "curved"
+    plies: tuple[Ply, ...] = ()
+    angle_from: Vector = (0.0, 0.0, 1.0)
 
     __repr__ = brief
 
@@ -115,6 +128,7 @@ class MeshShell:
         object.__setattr__(self, "thicknesses", read_only(self.thicknesses))
         object.__setattr__(self, "materials", read_only(self.materials))
         check_folds(self.mesh)
+        check_layers(self)
         self.walls()
 
     def walls(self) -> FloatArray:
@@ -123,10 +137,21 @@ class MeshShell:
         own = {name: constants_of(material) for name, material in self.materials.items()}
         return np.concatenate([t, by_group(self.mesh, constants_of(self.material), own)])
 
+    @property
+    def fibres(self) -> FloatArray | None:
+        """Direction from which the plies' angles count, (3,); None without plies."""
+        return np.asarray(self.angle_from, dtype=float) if self.plies else None
+
+    def inertia(self) -> FloatArray:
+        """Mass per area of each cell [kg/m^2], and its rotary inertia [kg], (2, cells)."""
+        t, _, _, rho = self.walls()
+        if self.plies:
+            return np.asarray(layered_inertia(self.plies, self.material, rho, t))
+        return np.stack([rho * t, rho * t**3 / 12.0])
+
     def density(self) -> FloatArray:
         """Mass per area of each cell [kg/m^2], (cells,)."""
-        t, _, _, rho = self.walls()
-        return np.asarray(rho * t)
+        return np.asarray(self.inertia()[0])
 
     def assembled(self) -> MeshSystem:
         """Its matrices on the free dofs, at its speed if it rotates."""
@@ -138,6 +163,25 @@ class MeshShell:
         from casingfem.structure.imported.shell_spin import shell_spin
 
         return shell_spin(at_rest, self, rotation)
+
+
+def check_layers(shell: MeshShell) -> None:
+    """Refuse walls of no known kind, and layers beside what assumes one isotropic wall."""
+    if shell.wall not in WALLS:
+        raise ModelError("shell-wall", f"shell.wall: expected {' or '.join(WALLS)}, found {shell.wall!r}")
+    if not shell.plies:
+        return
+    if shell.wall != "linear" or shell.materials:
+        found = "materials of groups" if shell.materials else f"wall {shell.wall!r}"
+        raise ModelError("shell-plies", f'shell.plies: found {found}, expected wall "linear" and one material')
+    direction = np.asarray(shell.angle_from, dtype=float)
+    size = float(np.linalg.norm(direction))
+    if not (np.isfinite(size) and size > 0.0):
+        raise ModelError("shell-plies", f"shell.angle_from: found {shell.angle_from!r}, expected a direction")
+    seen = 1.0 - np.abs(cell_normals(shell.mesh) @ direction).max(axis=1) / size
+    if seen.min() < ACROSS:
+        found = f"{cells_named(shell.mesh, np.flatnonzero(seen < ACROSS))} lie across it"
+        raise ModelError("shell-plies", f"shell.angle_from: found {shell.angle_from!r}, {found}")
 
 
 def with_centres(mesh: MeshData) -> MeshData:

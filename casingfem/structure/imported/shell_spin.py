@@ -24,7 +24,7 @@ from casingfem.structure.imported.cells.shell import (
     wall_stiffness,
 )
 from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin
-from casingfem.structure.imported.tying import tied_covariant, to_local, tying
+from casingfem.structure.imported.tying import local_frame, tied_covariant, tied_strains, to_local, tying
 
 PAIRS = ((0, 0), (1, 1), (0, 1))  # directions r, s of e_rr, e_ss, 2 e_rs
 
@@ -45,7 +45,6 @@ def shell_spin(system: MeshSystem, shell: ShellCells, rotation: Rotation) -> Mes
 def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
     """Inertia of the cells about an axis, the rotary one of the directors included."""
     mesh = shell.mesh
-    t, _, _, rho = shell.walls()[:, :, None, None]
     normals = directors(mesh)
     frames = tangent_frames(normals)
     P, a = rotation.plane, rotation.direction
@@ -56,7 +55,7 @@ def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
     up, along = n @ a, e @ a
     lean = np.einsum("ei,ej,eiac,ejbc->eiajb", up, up, e, e, optimize=True) - np.einsum("eia,ejb->eiajb", along, along)
     around = np.einsum("eiac,cd,ejbd->eiajb", e, turn, e, optimize=True)
-    moved, turned = rho * t * scalar, rho * t**3 / 12.0 * scalar
+    moved, turned = shell.inertia()[:, :, None, None] * scalar
     away = np.concatenate(
         [(mesh.points - np.asarray(rotation.centre)) @ P, np.einsum("nac,cd,nd->na", frames, P, normals)], axis=1
     )
@@ -82,9 +81,8 @@ def shell_stiffening(shell: ShellCells, fields: FloatArray) -> Stiffening:
     mesh = shell.mesh
     normals = directors(mesh)
     frames = tangent_frames(normals)
-    D = wall_stiffness(shell)
     u, w = fields[:, :3], np.einsum("na,nac->nc", fields[:, 3:], frames)
-    _, weights, _, slopes = rule(mesh.kind)
+    slopes = rule(mesh.kind)[3]
     m = DOFS * mesh.cell_kind.nodes
     first, second = np.empty((2, len(mesh.cells), m, m))
     bowed = strained = 0.0
@@ -94,20 +92,20 @@ def shell_stiffening(shell: ShellCells, fields: FloatArray) -> Stiffening:
         cells = mesh.cells[part]
         x, n, e = mesh.points[cells], normals[cells], frames[cells]
         x_r, x_s = np.einsum("dkq,ekc->deqc", slopes, x, optimize=True)
-        local = to_local(x_r, x_s)
-        measure = np.linalg.norm(np.cross(x_r, x_s), axis=-1) * weights
-        L = local @ tied_covariant(mesh.kind, x, n, e)
+        local = to_local(local_frame(x_r, x_s, shell.fibres)[1])
+        L, measure, b = tied_strains(mesh.kind, x, n, e, shell.fibres)
+        D = wall_stiffness(shell, part, b)
         quadratic = local @ tied_covariant(mesh.kind, u[cells], w[cells], e)
         moved = fields[cells].reshape(len(cells), 1, m, 1)
         strain, bow = (L @ moved)[..., 0], 0.5 * (quadratic @ moved)[..., 0]
-        stress = (strain @ D[part]) * measure[:, :, None]
-        pulled = (D[part, None] @ quadratic) * measure[:, :, None, None]
+        stress = (strain[..., None, :] @ D)[..., 0, :] * measure[:, :, None]
+        pulled = (D @ quadratic) * measure[:, :, None, None]
         cross = flat(L).transpose(0, 2, 1) @ flat(pulled)
         pull = np.einsum("eqij,eqi->eqj", local, stress)  # on the covariant strains
         first[part] = cross + cross.transpose(0, 2, 1) + geometric(mesh.kind, pull, x, n, e)
         second[part] = flat(quadratic).transpose(0, 2, 1) @ flat(pulled)
         strained += float((stress * strain).sum())
-        bowed += float(((bow @ D[part]) * bow * measure[:, :, None]).sum())
+        bowed += float(((bow[..., None, :] @ D)[..., 0, :] * bow * measure[:, :, None]).sum())
     return Stiffening(first, second, float(np.sqrt(bowed / strained)) if strained > 0.0 else 0.0)
 
 

@@ -78,12 +78,22 @@ def covariant_strains(
     return table.reshape(*table.shape[:3], -1)
 
 
-def tied_strains(kind: str, x: FloatArray, n: FloatArray, e: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Strains in a local orthonormal frame at the quadrature points (cells, q, 8, 5 k), and the measure (cells, q)."""
+def tied_strains(
+    kind: str, x: FloatArray, n: FloatArray, e: FloatArray, along: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Strains in a local frame at the quadrature points (cells, q, 8, 5 k), the measure (cells, q), the curvature.
+
+    The frame's first direction is `along` as the surface sees it, or that of r. The curvature b_11, b_22, b_12 there,
+    b_ij = -sym(e_i . D_j n), (3, cells, q), is that of the directors.
+    """
     _, weights, _, slopes = rule(kind)
     covariant = tied_covariant(kind, x, n, e)
     x_r, x_s = np.einsum("dkq,ekc->deqc", slopes, x, optimize=True)
-    return to_local(x_r, x_s) @ covariant, np.linalg.norm(np.cross(x_r, x_s), axis=-1) * weights
+    frame, D = local_frame(x_r, x_s, along)
+    turn = D @ np.moveaxis(np.einsum("dkq,ekc->deqc", slopes, n, optimize=True), 0, -2)
+    b = -frame @ turn.swapaxes(-1, -2)
+    curvature = np.stack([b[..., 0, 0], b[..., 1, 1], 0.5 * (b[..., 0, 1] + b[..., 1, 0])])
+    return to_local(D) @ covariant, np.linalg.norm(np.cross(x_r, x_s), axis=-1) * weights, curvature
 
 
 def tied_covariant(kind: str, x: FloatArray, n: FloatArray, e: FloatArray) -> FloatArray:
@@ -95,13 +105,18 @@ def tied_covariant(kind: str, x: FloatArray, n: FloatArray, e: FloatArray) -> Fl
     return covariant
 
 
-def to_local(x_r: FloatArray, x_s: FloatArray) -> FloatArray:
-    """Covariant strains (eps, chi, gamma along r, s) -> strains along orthonormal tangents, (..., 8, 8)."""
-    e1 = x_r / np.linalg.norm(x_r, axis=-1, keepdims=True)
+def local_frame(x_r: FloatArray, x_s: FloatArray, along: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+    """Orthonormal tangents e1, e2 (..., 2, 3), and e_i = D_ia x,a (..., 2, 2); e1 as `along` as it can be."""
     normal = np.cross(x_r, x_s)
-    e2 = np.cross(normal / np.linalg.norm(normal, axis=-1, keepdims=True), e1)
-    A = np.stack([np.stack([(a * e).sum(-1) for e in (e1, e2)], axis=-1) for a in (x_r, x_s)], axis=-2)
-    D = np.linalg.inv(A)  # e_i = D_ia x,a
+    normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+    e1 = x_r if along is None else along - (normal @ along)[..., None] * normal
+    e1 = e1 / np.linalg.norm(e1, axis=-1, keepdims=True)
+    frame = np.stack([e1, np.cross(normal, e1)], axis=-2)
+    return frame, np.linalg.inv(np.stack([x_r, x_s], axis=-2) @ frame.swapaxes(-1, -2))
+
+
+def to_local(D: FloatArray) -> FloatArray:
+    """Covariant strains (eps, chi, gamma along r, s) -> strains along e_i = D_ia x,a (..., 2, 2), (..., 8, 8)."""
     (a, b), (c, d) = (D[..., 0, :].T, D[..., 1, :].T)
     T = np.zeros((*a.T.shape, 8, 8))
     plane = [[a * a, b * b, a * b], [c * c, d * d, c * d], [2 * a * c, 2 * b * d, a * d + b * c]]

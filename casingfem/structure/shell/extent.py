@@ -45,7 +45,7 @@ def check_wall(shell: ShellParts) -> None:
     """Refuse a wall as thick as its radius of curvature, or as the structure is long and wide."""
     size = extent(shell)
     bent = float((size.thickness * size.curvature).max())
-    if bent >= 1.0:
+    if bent > 1.0 + 1e-9:  # a fillet of the wall's thickness stands for a corner
         raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times its smallest radius of curvature")
     thickest = float(size.thickness.max())
     if thickest >= size.sides.max():

@@ -158,7 +158,7 @@ class LaminaTable(Table):
 
 
 class PlyTable(Table):
-    """[[shell.plies]]: a layer, from the inside out."""
+    """[[shell.plies]]: a layer, from the inside out; on a mesh along its cells' normals."""
 
     thickness: Length = Field(description="its thickness [m]; all add up to that of the shell")
     angle_deg: float = Field(default=0.0, description="of its fibres, from axis or span to around or chord [deg]")
@@ -174,13 +174,14 @@ class ShellTable(ImportTable):
     )
     plies: list[PlyTable] = Field(default=[], description="layers from the inside out; with wall = linear")
     lamina: dict[str, LaminaTable] = Field(default={}, description="name -> orthotropic material of plies")
+    angle_from: Axis | None = Field(
+        default=None, description="of a mesh: direction from which angles of plies count; z if left out"
+    )
     thicknesses: dict[str, Length] = Field(default={}, description="group of cells of a mesh -> its thickness [m]")
     material: dict[str, MaterialTable] = Field(default={}, description="group of cells of a mesh -> its own material")
 
     @model_validator(mode="after")
     def _plies(self) -> "ShellTable":
-        if self.plies and self.mesh is not None:
-            raise ValueError("found plies with a mesh, expected them on a chart")
         total = sum(ply.thickness for ply in self.plies)
         if self.plies and abs(total - self.thickness) > 1e-6 * self.thickness:
             raise ValueError(f"found plies of {total:g} m in a wall of {self.thickness:g} m, expected them to fill it")
@@ -192,10 +193,10 @@ class ShellTable(ImportTable):
 
     @model_validator(mode="after")
     def _mesh_keys(self) -> "ShellTable":
-        if self.mesh is None and {"scale", "join", "units", "thicknesses", "material"} & self.model_fields_set:
-            raise ValueError(
-                "found scale, join, units, thicknesses or material without mesh, expected them with a mesh only"
-            )
+        own = {"scale", "join", "units", "thicknesses", "material", "angle_from"}
+        if self.mesh is None and own & self.model_fields_set:
+            found = "scale, join, units, thicknesses, material or angle_from without mesh"
+            raise ValueError(f"found {found}, expected them with a mesh only")
         return self
 
 

@@ -1,14 +1,23 @@
-"""Cells of a shell: directors and frames at the nodes, stiffness with tied strains, mass."""
+"""Cells of a shell: directors and frames at the nodes, stiffness with tied strains, mass.
+
+The wall is that of `structure.shell.wall`, curved or linear, or of layers. Its curvature is that of the directors. At a
+kink of the mesh they turn within the cells beside it, and the wall x + z n is mitred there as a solid one is; so the
+metric through the wall is right at kinks too. Where cells are so short that it would be bent more sharply than it is
+thick, it is taken as bent with its thickness as the radius.
+"""
 
 from typing import Protocol
 
 import numpy as np
 
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.assembly import CHUNK, mapped
 from casingfem.structure.imported.cell_kind import shape_functions
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.tying import tied_strains
+from casingfem.structure.material import Material, plane_stress
+from casingfem.structure.shell.plies import Ply, layered_wall
+from casingfem.structure.shell.wall import curved_wall, linear_wall
 
 DOFS = 5
 NEAR = 0.7  # least cosine between tied walls of which one takes the other's director
@@ -27,8 +36,32 @@ class ShellCells(Protocol):
         """Factor of the transverse shear stiffness; None for 5/(6 - nu)."""
         ...
 
+    @property
+    def wall(self) -> str:
+        """Curved or linear."""
+        ...
+
+    @property
+    def plies(self) -> tuple[Ply, ...]:
+        """Layers along the normals of the cells; none of a wall of one material."""
+        ...
+
+    @property
+    def material(self) -> Material:
+        """Its material, that of plies without a lamina."""
+        ...
+
+    @property
+    def fibres(self) -> FloatArray | None:
+        """Direction from which the plies' angles count, (3,); None without plies."""
+        ...
+
     def walls(self) -> FloatArray:
         """Thickness, E, nu, rho of each cell, (4, cells)."""
+        ...
+
+    def inertia(self) -> FloatArray:
+        """Mass and rotary inertia per area of each cell, (2, cells)."""
         ...
 
 
@@ -71,47 +104,51 @@ def tangent_frames(normals: FloatArray) -> FloatArray:
     return np.stack([e1, np.cross(normals, e1)], axis=1)
 
 
-def stiffness(shell: ShellCells, normals: FloatArray, frames: FloatArray) -> FloatArray:
-    """Stiffness of each cell, (cells, 5 nodes, 5 nodes), dofs node by node."""
+def stiffness(shell: ShellCells, normals: FloatArray, frames: FloatArray, only: IntArray | None = None) -> FloatArray:
+    """Stiffness of each cell, or of some by their numbers, (cells, 5 nodes, 5 nodes), dofs node by node."""
     mesh = shell.mesh
-    root = np.linalg.cholesky(wall_stiffness(shell)).transpose(0, 2, 1)  # D = root^T root
+    numbers = np.arange(len(mesh.cells)) if only is None else only
     size = DOFS * mesh.cell_kind.nodes
-    matrices = np.empty((len(mesh.cells), size, size))
+    matrices = np.empty((len(numbers), size, size))
     step = max(1, CHUNK // (20 * 8 * size))
-    for start in range(0, len(mesh.cells), step):
-        cells = mesh.cells[start : start + step]
-        strains, measure = tied_strains(mesh.kind, mesh.points[cells], normals[cells], frames[cells])
-        weighted = (root[start : start + step, None] @ strains) * np.sqrt(measure)[:, :, None, None]
+    for start in range(0, len(numbers), step):
+        part = numbers[start : start + step]
+        cells = mesh.cells[part]
+        strains, measure, b = tied_strains(mesh.kind, mesh.points[cells], normals[cells], frames[cells], shell.fibres)
+        root = np.linalg.cholesky(wall_stiffness(shell, part, b)).swapaxes(-1, -2)  # D = root^T root
+        weighted = (root @ strains) * np.sqrt(measure)[:, :, None, None]
         flat = weighted.reshape(len(cells), -1, size)
         np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[start : start + step])
     return matrices
 
 
-def wall_stiffness(shell: ShellCells) -> FloatArray:
-    """Resultants of the strains (eps, chi, gamma) along orthonormal tangents of each cell, (cells, 8, 8).
+def wall_stiffness(shell: ShellCells, part: slice | IntArray, b: FloatArray) -> FloatArray:
+    """Resultants of the strains (eps, chi, gamma) in the frame of `tied_strains`, (cells, q or 1, 8, 8).
 
-    The linear wall of `structure.shell.wall`: directors follow kinks of a mesh, where a metric through the wall would
-    take their turn for curvature.
+    Of some cells with curvature b (3, cells, q); a linear wall is the same at all points of a cell.
     """
-    t, E, nu, _ = shell.walls()
-    shear = 5.0 / (6.0 - nu) if shell.shear_correction is None else shell.shear_correction
-    C = np.zeros((3, 3, len(t)))
-    C[0, 0] = C[1, 1] = E / (1.0 - nu**2)
-    C[0, 1] = C[1, 0] = nu * C[0, 0]
-    C[2, 2] = E / (2.0 * (1.0 + nu))
-    D = np.zeros((len(t), 8, 8))
-    D[:, :3, :3], D[:, 3:6, 3:6] = (t * C).transpose(2, 0, 1), (t**3 / 12.0 * C).transpose(2, 0, 1)
-    D[:, 6, 6] = D[:, 7, 7] = shear * C[2, 2] * t
-    return D
+    t, E, nu, _ = shell.walls()[:, part, None]
+    usual = 5.0 / (6.0 - nu) if shell.wall == "curved" else 5.0 / 6.0
+    factor = (usual if shell.shear_correction is None else shell.shear_correction) + 0.0 * nu
+    shear = factor * E / (2.0 * (1.0 + nu))
+    if shell.plies:
+        D = layered_wall(shell.plies, shell.material, E, nu, t, factor)
+    elif shell.wall == "linear":
+        D = linear_wall(plane_stress(E, nu), shear, t)
+    else:
+        E, nu, shear, t = (np.broadcast_to(value, b.shape[1:]) for value in (E, nu, shear, t))
+        sharpest = t * (0.5 * np.abs(b[0] + b[1]) + np.hypot(0.5 * (b[0] - b[1]), b[2]))
+        D = curved_wall(E, nu, shear, t, b / np.maximum(sharpest, 1.0))
+    return np.asarray(np.moveaxis(D, (0, 1), (-2, -1)))
 
 
 def consistent_mass(shell: ShellCells, frames: FloatArray) -> FloatArray:
-    """Mass of each cell, (cells, 5 nodes, 5 nodes): rho t u.v + rho t^3/12 w.w."""
+    """Mass of each cell, (cells, 5 nodes, 5 nodes): u.v and w.w by `ShellCells.inertia`."""
     mesh = shell.mesh
     on = mapped(mesh.kind, mesh.points, mesh.cells)
     products = np.einsum("iq,jq,eq->eij", on.values, on.values, on.measure, optimize=True)
-    t, _, _, rho = shell.walls()[:, :, None, None]
-    return five_dofs(rho * t * products, rho * t**3 / 12.0 * products, frames[mesh.cells])
+    moved, turned = shell.inertia()[:, :, None, None] * products
+    return five_dofs(moved, turned, frames[mesh.cells])
 
 
 def five_dofs(moved: FloatArray, turned: FloatArray, frames: FloatArray) -> FloatArray:

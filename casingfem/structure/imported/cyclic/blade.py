@@ -1,31 +1,16 @@
 """Stiffness of some cells of a sector: what the mistuning of its blade changes."""
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import IntArray
 from casingfem.structure.imported.assembly import MeshSystem, cell_dofs, mapped, on_free, scatter
 from casingfem.structure.imported.cells import shell as shell_cells
 from casingfem.structure.imported.cells import solid as solid_cells
 from casingfem.structure.imported.checks import check_groups
-from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
-
-
-class WallPart(NamedTuple):
-    """Some cells of a shell, as `shell_cells` takes them."""
-
-    mesh: MeshData
-    shear_correction: float | None
-    table: FloatArray
-
-    def walls(self) -> FloatArray:
-        """Thickness, E, nu, rho of each cell, (4, cells)."""
-        return self.table
 
 
 def blade_stiffness(structure: Solid | MeshShell, system: MeshSystem, group: str | None) -> csc_array:
@@ -49,8 +34,6 @@ def blade_stiffness(structure: Solid | MeshShell, system: MeshSystem, group: str
         matrices = solid_cells.stiffness(mapped(mesh.kind, mesh.points, nodes), structure.constants()[:, cells])
     else:
         normals = shell_cells.directors(mesh)
-        own = MeshData(kind=mesh.kind, points=mesh.points, cells=nodes, source=mesh.source)
-        part = WallPart(own, structure.shear_correction, structure.walls()[:, cells])
-        matrices = shell_cells.stiffness(part, normals, shell_cells.tangent_frames(normals))
+        matrices = shell_cells.stiffness(structure, normals, shell_cells.tangent_frames(normals), cells)
     size = system.dofs * len(mesh.points)
     return on_free(scatter(matrices, cell_dofs(nodes, system.dofs), size), system.free)
