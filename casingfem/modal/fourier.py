@@ -136,7 +136,7 @@ def revolved(
 ) -> Modes:
     """Spread meridian shapes around and label them."""
     shell = resolving(shell, max((mode.n for mode in found), default=0))
-    grid = make_grid(shell.chart, shell.mesh)
+    grid = make_grid(shell.chart, shell.mesh, shell.stations)
     freq = np.sqrt(np.maximum([mode.value for mode in found], 0.0)) / (2.0 * np.pi)
     fields = np.empty((grid.nodes.shape[1], DOFS, len(found)))
     own = np.empty((ring_nodes(shell, grid).size, len(found)))
@@ -163,8 +163,7 @@ def harmonic_floor(shell: Shell, n: int) -> float:
     bending = wall.bending / (12.0 * wall.mass * radius**4) * n**2 * (n**2 - 1) ** 2 / (n**2 + 1)
     shear = wall.shear * n**2 / (wall.mass * radius**2)
     lowest = float(np.min(0.7 * bending * shear / (bending + shear)))
-    rings = [(name, support) for name, support in shell.supports.items() if isinstance(support, Ring)]
-    return min([lowest, *(ring_floor(shell, name, ring, n) for name, ring in rings)])
+    return min([lowest, *(ring_floor(shell, name, ring, n) for name, ring in shell.rings.items())])
 
 
 def ring_floor(shell: Shell, name: str, ring: Ring, n: int) -> float:
@@ -173,7 +172,7 @@ def ring_floor(shell: Shell, name: str, ring: Ring, n: int) -> float:
     R is the radius of its own centre line, which an offset moves away from the edge.
     """
     material, section = ring.material or shell.material, ring.section
-    end = np.array([shell.chart.bounds[0][shell.chart.edges[name][1]]])
+    end = np.array([shell.line_at(name)])
     points = ties(shell, end, np.zeros(1), ring.centre(outward(shell, name)))[1]
     radius, G = float(np.linalg.norm(points[0, :2])), material.shear_modulus
     weak = material.E * min(section.I_r, section.I_z)
@@ -244,8 +243,8 @@ def hoop_only(shape: FloatArray) -> bool:
 
 
 def ring_nodes(shell: Shell, grid: Grid) -> IntArray:
-    """Nodes of the edges with rings, in the order of the rings' own dofs."""
-    ringed = [grid.edges[name].nodes for name, support in shell.supports.items() if isinstance(support, Ring)]
+    """Nodes of the lines with rings, in the order of the rings' own dofs."""
+    ringed = [grid.edges[name].nodes for name in shell.rings]
     return np.concatenate([np.zeros(0, dtype=np.int64), *ringed])
 
 

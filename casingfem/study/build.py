@@ -23,7 +23,7 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.study.problems import Problems
 from casingfem.study.rotation import build_rotation
 from casingfem.study.schema import StudyFile
-from casingfem.study.supports import build_masses, build_supports, series
+from casingfem.study.supports import build_masses, build_stiffeners, build_supports, series
 from casingfem.study.tables.fields import ImperfectionTable
 from casingfem.study.tables.shapes import (
     BladeTable,
@@ -50,6 +50,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
             material = Material(**tables.material.model_dump())
     supports = build_supports(tables.support, chart, problems)
     strips = build_strips(tables, chart, problems)
+    stiffeners = build_stiffeners(tables.stiffener, chart, problems)
     taper = None
     if tables.taper is not None:
         with problems.at("taper"):
@@ -78,6 +79,7 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
             plies=build_plies(tables.shell),
             supports=supports,
             strips=strips,
+            stiffeners=stiffeners,
             taper=taper,
             rotation=rotation,
             masses=masses,

@@ -22,7 +22,7 @@ from casingfem.study.tables.shapes import (
     StripTable,
     TaperTable,
 )
-from casingfem.study.tables.supports import SupportTable
+from casingfem.study.tables.supports import StiffenerTable, SupportTable
 from casingfem.study.tables.table import Edge, Table
 from casingfem.study.tables.tasks import ModesTable, ReduceTable, UpdateTable
 
@@ -43,6 +43,7 @@ class StudyFile(Table):
     solid: SolidTable | None = Field(default=None, description="mesh, instead of [chart] and [shell]")
     taper: TaperTable | None = Field(default=None, description="how the thickness varies by design")
     strip: list[StripTable] = Field(default=[], description="tables [[strip]]")
+    stiffener: list[StiffenerTable] = Field(default=[], description="tables [[stiffener]]: rings on the wall")
     rotation: RotationTable | None = Field(default=None, description="speed and axis")
     cyclic: CyclicTable | None = Field(default=None, description="the imported mesh is one sector of a wheel")
     imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")

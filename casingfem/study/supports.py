@@ -1,11 +1,14 @@
 """From the tables of a study file to what holds or loads an edge: supports, bolts, rings, point masses."""
 
+from typing import Any
+
 import numpy as np
 
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
+from casingfem.structure.edge.stiffener import Stiffener, check_stiffeners
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
 from casingfem.structure.field.fourier import Field, FourierField
 from casingfem.structure.geometry.blade import Blade
@@ -15,7 +18,16 @@ from casingfem.structure.material import Material
 from casingfem.study.problems import Problems
 from casingfem.study.tables.fields import Harmonic
 from casingfem.study.tables.shapes import MassTable
-from casingfem.study.tables.supports import BoltsTable, ElasticTable, FixedTable, RingTable, SupportTable, SymmetryTable
+from casingfem.study.tables.supports import (
+    BoltsTable,
+    ElasticTable,
+    FixedTable,
+    RingTable,
+    SectionTable,
+    StiffenerTable,
+    SupportTable,
+    SymmetryTable,
+)
 from contact.io.names import hint
 
 
@@ -69,20 +81,37 @@ def build_bolts(table: BoltsTable, edge: str, chart: Chart | None) -> Bolts:
 
 def build_ring(table: RingTable, edge: str, chart: Chart | None) -> Ring:
     """A ring of the file, with its own support."""
+    held = None if table.support is None else build_support(table.support, edge, chart)
+    return Ring(
+        **build_section(table),
+        offset=None if table.offset is None else (table.offset[0], table.offset[1]),
+        foot=None if table.foot is None else (table.foot[0], table.foot[1]),
+        support=held,  # type: ignore[arg-type]  # an elastic edge or bolts, as the table says
+    )
+
+
+def build_section(table: SectionTable) -> dict[str, Any]:
+    """Section and material of a ring."""
     if table.diameter is not None:
         section = Section.circle(diameter=table.diameter)
     else:
         assert table.width is not None  # the table has seen to it
         assert table.depth is not None
         section = Section.rectangle(width=table.width, depth=table.depth)
-    held = None if table.support is None else build_support(table.support, edge, chart)
-    return Ring(
-        section=section,
-        material=None if table.material is None else Material(**table.material.model_dump()),
-        offset=None if table.offset is None else (table.offset[0], table.offset[1]),
-        foot=None if table.foot is None else (table.foot[0], table.foot[1]),
-        support=held,  # type: ignore[arg-type]  # an elastic edge or bolts, as the table says
-    )
+    material = None if table.material is None else Material(**table.material.model_dump())
+    return {"section": section, "material": material}
+
+
+def build_stiffeners(tables: list[StiffenerTable], chart: Chart | None, problems: Problems) -> tuple[Stiffener, ...]:
+    """Rings on the wall; what is wrong with them is collected."""
+    rings: list[Stiffener] = []
+    for k, table in enumerate(tables):
+        with problems.at(f"stiffener[{k + 1}]"):
+            rings.append(Stiffener(at=table.at, offset=(table.offset[0], table.offset[1]), **build_section(table)))
+    if chart is not None and len(rings) == len(tables):
+        with problems.at("stiffener"):
+            check_stiffeners(rings, chart.bounds[0], chart.periodic)
+    return tuple(rings)
 
 
 def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problems) -> dict[str, list[EdgeMass]]:

@@ -46,6 +46,8 @@ CAMPAIGNS = (
     Campaign("modes.cyclic", "wheels of equal and mistuned sectors against their full models, time", STRUCTURE),
     Campaign("modes.ties", "blocks of meshes that do not match, tied, against one mesh", STRUCTURE),
     Campaign("modes.meridians", "meridians of several pieces against quadrilaterals and 3-D", STRUCTURE),
+    Campaign("modes.corner", "a cylinder and a cone: chart, imported shell and solid, CalculiX", STRUCTURE),
+    Campaign("modes.stiffeners", "ring stiffeners against bricks of wall and rings", STRUCTURE),
     Campaign("speed.modal", "error against time over meshes and solvers", STRUCTURE),
     Campaign("speed.growth", "modes of ever finer meshes: time, memory, share of dgemm", STRUCTURE, ("--large",)),
     Campaign("speed.solid_solvers", "large solids: memory and time of the solvers", STRUCTURE, ("--large",)),

@@ -21,6 +21,7 @@ from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material
 from reports.modes.mesh_files import write_inp
@@ -56,17 +57,19 @@ def tip_nodes(solid: Solid) -> tuple[int, int]:
     return first, last
 
 
-def deck(solid: Solid, folder: Path) -> str:
-    """Nodes, elements, material and support as CalculiX reads them: numbers of twenty characters at most."""
-    write_inp(solid.mesh, folder / "part.inp")
+def mesh_deck(mesh: MeshData, material: Material, folder: Path) -> str:
+    """Nodes, elements and material as CalculiX reads them: numbers of twenty characters at most."""
+    write_inp(mesh, folder / "part.inp")
     text = (folder / "part.inp").read_text().partition("*ELEMENT")[2]
-    nodes = "".join(f"{k},{x:.12e},{y:.12e},{z:.12e}\n" for k, (x, y, z) in enumerate(solid.mesh.points.tolist(), 1))
-    text = f"*NODE\n{nodes}*ELEMENT{text}"
-    m = solid.material
-    return text + (
-        f"*MATERIAL,NAME=M\n*ELASTIC\n{m.E!r},{m.nu!r}\n*DENSITY\n{m.rho!r}\n"
-        "*SOLID SECTION,ELSET=body,MATERIAL=M\n*BOUNDARY\nroot,1,3\n"
-    )
+    nodes = "".join(f"{k},{x:.12e},{y:.12e},{z:.12e}\n" for k, (x, y, z) in enumerate(mesh.points.tolist(), 1))
+    own = f"*MATERIAL,NAME=M\n*ELASTIC\n{material.E!r},{material.nu!r}\n*DENSITY\n{material.rho!r}\n"
+    return f"*NODE\n{nodes}*ELEMENT{text}{own}"
+
+
+def deck(solid: Solid, folder: Path) -> str:
+    """The blade, held at its root."""
+    text = mesh_deck(solid.mesh, solid.material, folder)
+    return text + "*SOLID SECTION,ELSET=body,MATERIAL=M\n*BOUNDARY\nroot,1,3\n"
 
 
 def run(text: str, folder: Path) -> str:
@@ -90,7 +93,12 @@ def frequencies(solid: Solid, rpm: float, folder: Path) -> list[float]:
         text += f"*STEP,PERTURBATION\n*FREQUENCY\n{COUNT}\n{load}*END STEP\n"
     else:
         text += f"*STEP\n*FREQUENCY\n{COUNT}\n*END STEP\n"
-    table = run(text, folder).split("E I G E N V A L U E   O U T P U T")[1].split("P A R T I C")[0]
+    return eigenfrequencies(run(text, folder))
+
+
+def eigenfrequencies(results: str) -> list[float]:
+    """Frequencies [Hz] in CalculiX's table of results."""
+    table = results.split("E I G E N V A L U E   O U T P U T")[1].split("P A R T I C")[0]
     rows = [line.split() for line in table.splitlines()]
     return [float(row[3]) for row in rows if len(row) == 5 and row[0].isdigit()]
 

@@ -68,6 +68,12 @@ def structure_rows(shell: Shell) -> tuple[tuple[Cell, ...], ...]:
         own = "" if strip.material is None else f"; {material_words(strip.material)}"
         text = f"from {strip.start:g} to {strip.end:g} m: {1e3 * strip.thickness:.6g} mm{own}"
         rows.append((f"strip {k + 1}", text))
+    for k, stiffener in enumerate(shell.stiffeners, 1):
+        own = "" if stiffener.material is None else f"; {material_words(stiffener.material)}"
+        section, (r, z) = stiffener.section, stiffener.offset
+        sides = f"{1e3 * section.width:.6g} x {1e3 * section.depth:.6g} mm"
+        place = f"its centre {1e3 * r:.6g}, {1e3 * z:.6g} mm from the wall's middle"
+        rows.append((f"stiffener {k}", f"at {stiffener.at:g} m: {sides}, {place}{own}"))
     rows += support_rows(shell.supports)
     rows += [(f"edge {edge}", "free") for edge in shell.chart.edges if edge not in shell.supports]
     rows += [(f"{name} imperfection", waves_of(field)) for name, field in shell.defects.items()]
@@ -88,6 +94,8 @@ def mesh_rows(structure: Solid | MeshShell) -> tuple[tuple[Cell, ...], ...]:
         rows.append(("thickness", ", ".join(parts)))
     rows.append(("material", material_words(structure.material)))
     rows += [(f"material of {name}", material_words(one)) for name, one in structure.materials.items()]
+    if isinstance(structure, MeshShell):
+        rows += [(f"ply {k}", ply_words(ply, structure)) for k, ply in enumerate(structure.plies, 1)]
     if mesh.attachments:
         rows.append(("attached", repr(mesh.attachments)))
     return tuple(rows + support_rows(structure.supports, "group"))
@@ -107,7 +115,7 @@ def material_words(material: Material) -> str:
     return f"E {1e-9 * material.E:.5g} GPa, nu {material.nu:g}, rho {material.rho:.6g} kg/m³"
 
 
-def ply_words(ply: Ply, shell: Shell) -> str:
+def ply_words(ply: Ply, shell: Shell | MeshShell) -> str:
     """Thickness, angle and material of a layer."""
     thickness = shell.thickness * ply.thickness / sum(one.thickness for one in shell.plies)
     if (own := ply.lamina) is None:

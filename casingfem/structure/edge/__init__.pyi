@@ -2,6 +2,7 @@ from .bolts import Bolts
 from .point_mass import EdgeMass
 from .ring import Ring
 from .section import Section
+from .stiffener import Stiffener
 from .support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
 
 __all__ = [
@@ -12,5 +13,6 @@ __all__ = [
     "Ring",
     "Section",
     "ShearDiaphragm",
+    "Stiffener",
     "Symmetry",
 ]

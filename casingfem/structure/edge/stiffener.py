@@ -23,7 +23,7 @@ class Stiffener:
     Parameters
     ----------
     at
-        Where it stands: the chart's first parameter [m], the axis of a casing or the arc of its meridian, 0 at the base.
+        Where it stands: the chart's first parameter [m], the axis of a casing or the arc of its meridian.
     section
         Section, width along the radius and depth along the axis.
     offset

@@ -1,5 +1,6 @@
 """Tensor meshes of spectral quadrilaterals over the parameter rectangle of a chart."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -169,8 +170,8 @@ def find_edge(places: FloatArray, held: int, value: float, spans: FloatArray, or
     return Edge(nodes=frozen(nodes), weights=frozen(weights), parts=frozen(parts), shares=frozen(shares), along=along)
 
 
-def make_grid(chart: Chart, mesh: ShellMesh) -> Grid:
-    """Lay a mesh over a chart."""
+def make_grid(chart: Chart, mesh: ShellMesh, stations: Mapping[str, float] | None = None) -> Grid:
+    """Lay a mesh over a chart; `stations` are lines between the edges by name, found among `Grid.edges` too."""
     (a0, a1), (b0, b1) = chart.bounds
     lines = (a0 + (a1 - a0) * mesh.breaks, np.linspace(b0, b1, mesh.around + 1))
     rows = len(lines[0]) - 1
@@ -188,6 +189,9 @@ def make_grid(chart: Chart, mesh: ShellMesh) -> Grid:
         )
         for name, (held, end) in chart.edges.items()
     }
+    for name, at in (stations or {}).items():
+        row = float(np.abs(np.real(lines[0]) - at).argmin())
+        edges[name] = find_edge(places, 0, row, np.diff(lines[1]), mesh.order, chart.periodic)
     return Grid(
         mesh=mesh,
         periodic=chart.periodic,

@@ -181,7 +181,7 @@ def assemble(shell: Shell) -> System:
     >>> bool(abs(system.K - system.K.T).max() < 1e-9 * abs(system.K).max())
     True
     """
-    grid = make_grid(shell.chart, shell.mesh)
+    grid = make_grid(shell.chart, shell.mesh, shell.stations)
     free, frames = held_dofs(shell, grid)
     K = scatter_elements(element_matrices(shell, grid), grid, frames, free)
     mass = np.repeat(nodal_mass(shell, grid), (3, 2), axis=1).ravel()[free]

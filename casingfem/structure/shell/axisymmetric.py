@@ -14,7 +14,6 @@ from scipy.sparse import csc_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.diagonal_mass import diagonalised
-from casingfem.structure.edge.ring import Ring
 from casingfem.structure.mesh.element import gauss, lagrange, lobatto
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, frame, strain_slots
 from casingfem.structure.shell.assembly import edge_rotation
@@ -34,7 +33,7 @@ class Meridian:
     K is (free, free), `mass` its diagonal mass (free,), both per unit angle; `free` numbers the dofs among
     5 * nodes and the rings' own after them; `z` holds the nodes; `turn` the (nodes, 3, 3) frames of edges held in
     their own frame; the free dofs are change @ those of K and mass, (free, free), where rings couple M; `own` counts
-    the rings' turns about the normal, one a ring in the order of the supports.
+    the rings' turns about the normal, one a ring in the order of `Shell.rings`.
     """
 
     n: int
@@ -119,17 +118,19 @@ def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, inertia: Float
     """Add springs, turn edges into their frames, and leave out what is held."""
     turn = np.tile(np.eye(3), (len(z), 1, 1))
     held = np.zeros((len(z), DOFS), dtype=bool)
-    own = sum(isinstance(support, Ring) for support in shell.supports.values())
-    last = len(K)
+    own, last = len(shell.rings), len(K)
     K, M = np.pad(K, (0, own)), np.diag(np.append(inertia.ravel(), np.zeros(own)))
-    for name, support in shell.supports.items():
-        node = 0 if shell.chart.edges[name][1] == 0 else len(z) - 1
+    for name in (*shell.supports, *shell.stations):
+        node = int(np.abs(z - np.real(shell.line_at(name))).argmin())
         stiffness, mass = harmonic_forms(shell, name, n, z[node : node + 1])
         dofs = np.arange(node * DOFS, node * DOFS + DOFS)
-        if isinstance(support, Ring):
+        if name in shell.rings:
             dofs, last = np.append(dofs, last), last + 1
         K[np.ix_(dofs, dofs)] += stiffness
         M[np.ix_(dofs, dofs)] += mass
+        if name in shell.stations:
+            continue
+        support = shell.supports[name]
         if support.frame == "edge":
             turn[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0, :3, :3]
         held[node, list(support.held)] = True

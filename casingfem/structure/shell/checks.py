@@ -7,6 +7,7 @@ from casingfem.structure.edge.bolt_mesh import SEEN, following, springs_per_wave
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.stiffener import check_stiffeners
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry, outer_support
 from casingfem.structure.field.fourier import Field
 from casingfem.structure.geometry.chart import require_positive
@@ -60,6 +61,7 @@ def check_parts(shell: ShellParts) -> None:
         if edge not in known or not all(isinstance(mass, EdgeMass) for mass in masses):
             raise ModelError("mass-edge", f"masses.{edge}: expected masses on one of {', '.join(known)}")
     check_strips(shell.strips, shell.chart.bounds[0], None)
+    check_stiffeners(shell.stiffeners, shell.chart.bounds[0], shell.chart.periodic)
 
 
 def check_plies(shell: ShellParts) -> None:
@@ -81,8 +83,12 @@ def check_on_mesh(shell: ShellParts) -> None:
     start, end = shell.chart.bounds[0]
     lines = start + (end - start) * shell.mesh.breaks
     check_strips(shell.strips, (start, end), lines)
+    slack = ON_LINE * float(np.real(end - start))
+    for name, at in shell.stations.items():
+        if np.abs(np.real(lines) - at).min() > slack:
+            raise ModelError("stiffener-off-line", f"mesh.rows: no element line at {at:g} m, {name}")
     for line in chart_lines(shell.chart):
-        if np.abs(np.real(lines) - line).min() > ON_LINE * float(np.real(end - start)):
+        if np.abs(np.real(lines) - line).min() > slack:
             raise ModelError("meridian-off-line", f"mesh.rows: no element line at s = {line:g} m of the meridian")
     for quantity, defect in shell.defects.items():
         check_field(shell, f"{quantity}_defect", defect)

@@ -27,10 +27,10 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     harmonics below 2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned;
     where springs vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian:
     the shear layer of an edge that nothing holds (free, on springs, bolts or a ring), about 2 t wide, takes a row of
-    its own; the rest is divided by the bending length sqrt(R t). Strips, and the pieces of a meridian, put an element
-    line at each of their ends, and each stretch between them is divided on its own; where there are many, the order
-    falls. Bolts are followed: a multiple of their number around, which by itself keeps whole what symmetry does, at 8
-    nodes a wave where nothing else varies.
+    its own; the rest is divided by the bending length sqrt(R t). Strips, the pieces of a meridian and stiffeners put an
+    element line at each of their ends or places, and each stretch between them is divided on its own; where there are
+    many, the order falls. Bolts are followed: a multiple of their number around, which by itself keeps whole what
+    symmetry does, at 8 nodes a wave where nothing else varies.
     """
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
     t, length, span = shell.thinnest, float(a1 - a0), float(b1 - b0)
@@ -40,7 +40,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
         around = int(np.clip(round(2.0 * size / length), 2, 8))
         rows = int(np.clip(round(2.0 * length / size), 2, 8))
         return ShellMesh(order=8, rows=divided(shell, 1.0 / rows) if shell.strips else rows, around=around)
-    stretches = len(breaks_between(shell.strips, shell.chart.bounds[0], chart_lines(shell.chart))) - 1
+    stretches = len(lines_of(shell)) - 1
     order = 7 if stretches <= MANY else max(2, 7 * MANY // stretches)
     middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
     radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
@@ -65,12 +65,17 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     return ShellMesh(order=order, rows=divided(shell, longest, (layers[0], layers[1])), around=around)
 
 
+def lines_of(shell: ShellParts) -> list[float]:
+    """Where element lines must be, from 0 to 1: ends of strips and of a meridian's stretches, stiffeners."""
+    return breaks_between(shell.strips, shell.chart.bounds[0], [*chart_lines(shell.chart), *shell.stations.values()])
+
+
 def divided(shell: ShellParts, longest: float, layers: tuple[float, float] = (0.0, 0.0)) -> tuple[float, ...]:
     """Breaks of the rows: a layer at either end, and stretches between strip ends in equal rows below `longest`.
 
     A layer wider than half of its stretch is left out.
     """
-    breaks = breaks_between(shell.strips, shell.chart.bounds[0], chart_lines(shell.chart))
+    breaks = lines_of(shell)
     rows: set[float] = set()
     for low, high in pairwise(breaks):
         first = layers[0] * (low == 0.0 and layers[0] < 0.5 * (high - low))

@@ -68,11 +68,7 @@ def line_frame(shell: Shell, along: int, a: Array, b: Array, inside: Array | Non
 def edge_forms(shell: Shell, grid: Grid) -> EdgeForms:
     """Stiffness and mass of all that stands on the edges, held dofs included."""
     own = own_dofs(shell, grid)
-    rings = [
-        ring_forms(shell, grid, name, support, own[name])
-        for name, support in shell.supports.items()
-        if isinstance(support, Ring)
-    ]
+    rings = [ring_forms(shell, grid, name, ring, own[name]) for name, ring in shell.rings.items()]
     return EdgeForms(
         stiffness=[beam for beam, _ in rings] + holding_forms(shell, grid),
         mass=[inertia for _, inertia in rings] + mass_forms(shell, grid),
@@ -115,23 +111,22 @@ def mass_forms(shell: Shell, grid: Grid) -> list[EdgeForm]:
 
 
 def own_dofs(shell: Shell, grid: Grid) -> dict[str, IntArray]:
-    """Numbers of the rings' own dofs, one for each node of their edges, after those of all nodes."""
+    """Numbers of the rings' own dofs, one for each node of their lines, after those of all nodes."""
     first, own = grid.nodes.shape[1] * DOFS, {}
-    for name, support in shell.supports.items():
-        if isinstance(support, Ring):
-            own[name] = first + np.arange(len(grid.edges[name].nodes))
-            first += len(own[name])
+    for name in shell.rings:
+        own[name] = first + np.arange(len(grid.edges[name].nodes))
+        first += len(own[name])
     return own
 
 
 def harmonic_forms(shell: Shell, name: str, n: int, z: Array) -> tuple[Array, Array]:
-    """Stiffness and mass of what stands on one edge of a perfect casing, n nodal diameters, per unit angle.
+    """Stiffness and mass of what stands on one edge or station of a perfect casing, n diameters, per unit angle.
 
-    On the dofs of the edge's node at z (1,): (5, 5), or (6, 6) with a ring, the turn about the normal last.
+    On the dofs of the line's node at z (1,): (5, 5), or (6, 6) with a ring, the turn about the normal last.
     """
-    support = shell.supports[name]
     line = single_place(line_frame(shell, 1, z, np.zeros(1)))
-    if isinstance(support, Ring):
-        return harmonic_ring(shell, name, support, n, z, line)
+    if name in shell.rings:
+        return harmonic_ring(shell, name, shell.rings[name], n, z, line)
+    support = shell.supports[name]
     springs = spring_form(support.springs(line)).D[0] if isinstance(support, Sprung) else np.zeros((DOFS, DOFS))
     return springs, np.zeros((DOFS, DOFS))

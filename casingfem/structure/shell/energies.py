@@ -114,7 +114,7 @@ def on_surface(shell: Shell, at: PointFields) -> PointFields:
     stretched = shell.chart.bounds != at.shell.chart.bounds  # the parameter stretches the mesh itself
     turned = any(support.frame == "edge" for support in shell.supports.values())
     if stretched or turned:
-        grid = make_grid(shell.chart, shell.mesh) if stretched else at.grid
+        grid = make_grid(shell.chart, shell.mesh, shell.stations) if stretched else at.grid
         return point_fields(shell, grid, admitted(shell, grid, at.fields) if turned else at.fields, at.own)
     strain, curvature, jacobian = point_strains(shell, at.grid, at.jets)
     return replace(at, shell=shell, strain=strain, curvature=curvature, jacobian=jacobian)

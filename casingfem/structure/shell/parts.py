@@ -9,6 +9,7 @@ import numpy as np
 from casingfem.io.arrays import Array
 from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Support
 from casingfem.structure.field.fourier import Field, relative
 from casingfem.structure.geometry.chart import Chart, Surface
@@ -49,6 +50,7 @@ class ShellParts:
     wall: str = "curved"
     plies: tuple[Ply, ...] = ()
     strips: tuple[Strip, ...] = ()
+    stiffeners: tuple[Stiffener, ...] = ()
     taper: Taper | None = None
     rotation: Rotation | None = None
     masses: Mapping[str, Sequence[EdgeMass]] = field(default_factory=dict)
@@ -59,6 +61,24 @@ class ShellParts:
         """The imperfection fields there are, by quantity: radius, thickness, modulus, density."""
         fields = {quantity: getattr(self, f"{quantity}_defect") for quantity in DEFECTS}
         return {quantity: field for quantity, field in fields.items() if field is not None}
+
+    @property
+    def stations(self) -> dict[str, float]:
+        """Lines between the edges that carry stiffeners, by name: their first parameters."""
+        return {f"stiffener {k}": stiffener.at for k, stiffener in enumerate(self.stiffeners, 1)}
+
+    @property
+    def rings(self) -> dict[str, Ring]:
+        """Rings by the line that carries them: those on edges, then stiffeners."""
+        on_edges = {edge: support for edge, support in self.supports.items() if isinstance(support, Ring)}
+        between = zip(self.stations, (stiffener.ring for stiffener in self.stiffeners), strict=True)
+        return on_edges | dict(between)
+
+    def line_at(self, name: str) -> float:
+        """The first parameter of a line that carries a ring: an edge or a station."""
+        if name in self.stations:
+            return self.stations[name]
+        return self.chart.bounds[0][self.chart.edges[name][1]]
 
     @property
     def axisymmetric(self) -> bool:

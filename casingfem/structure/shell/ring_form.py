@@ -23,8 +23,8 @@ PHASE = np.array([1.0, 1j, 1.0, 1.0, 1j, 1j])  # hoop motions and the turn about
 
 
 def outward(shell: Shell, name: str) -> int:
-    """Which way an edge looks along its shell: -1 at a base, 1 at a top."""
-    return 1 if shell.chart.edges[name][1] else -1
+    """Which way an edge looks along its shell: -1 at a base, 1 at a top, 0 between."""
+    return 0 if name in shell.stations else 1 if shell.chart.edges[name][1] else -1
 
 
 def ties(shell: Shell, a: Array, b: Array, place: Array) -> tuple[Array, Array, Array]:

@@ -41,6 +41,8 @@ class Shell(ShellParts):
         the shell's material are those without a lamina.
     strips
         Bands along the first parameter with a thickness, or a material, of their own.
+    stiffeners
+        Rings on a closed casing's wall, between its edges.
     taper
         How the thickness is meant to vary: factors of it from root to tip and across.
     rotation
@@ -56,7 +58,8 @@ class Shell(ShellParts):
         Not positive thickness, an unknown edge or wall, or a field as large as what it varies.
     ModelError
         Springs that a pattern makes negative (`springs-negative`); strips that overlap or leave the shell
-        (`strip-overlap`, `strip-outside`), or end where a given mesh has no element line (`strip-off-line`).
+        (`strip-overlap`, `strip-outside`), or end where a given mesh has no element line (`strip-off-line`);
+        stiffeners that stand at no place of their own (`stiffener-place`) or on no such line (`stiffener-off-line`).
 
     Examples
     --------
@@ -77,6 +80,7 @@ class Shell(ShellParts):
         object.__setattr__(self, "masses", read_only({e: tuple(m) for e, m in self.masses.items() if m}))
         object.__setattr__(self, "supports", read_only(self.supports))
         object.__setattr__(self, "strips", tuple(self.strips))
+        object.__setattr__(self, "stiffeners", tuple(self.stiffeners))
         if cast(ShellMesh | None, self.mesh) is None:
             object.__setattr__(self, "mesh", default_mesh(self))
         check_on_mesh(self)

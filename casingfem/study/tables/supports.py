@@ -106,24 +106,36 @@ Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 RingSupport = Annotated[ElasticTable | BoltsTable, Field(discriminator="kind")]
 
 
-class RingTable(Table):
-    """[support.EDGE] of kind "ring": a rectangle, or a circle by its diameter; [support.EDGE.support] holds it."""
+class SectionTable(Table):
+    """Section and material of a ring: a rectangle, or a circle by its diameter."""
 
-    kind: Literal["ring"] = Field(description="how the edge is held")
     width: Length | None = Field(default=None, description="radial size of the section [m]")
     depth: Length | None = Field(default=None, description="axial size of the section [m]")
     diameter: Length | None = Field(default=None, description="diameter of a round section [m]")
     material: MaterialTable | None = Field(default=None, description="E, nu, rho; the casing's if left out")
-    offset: Pair | None = Field(default=None, description="[radial, axial] from the edge to the centre [m]")
-    foot: Pair | None = Field(default=None, description="[radial, axial] from the centre to the springs [m]")
-    support: RingSupport | None = Field(default=None, description="what holds the ring: elastic or bolts")
 
     @model_validator(mode="after")
-    def _one_section(self) -> "RingTable":
+    def _one_section(self) -> "SectionTable":
         sides = [name for name in ("width", "depth", "diameter") if getattr(self, name) is not None]
         if sides not in (["width", "depth"], ["diameter"]):
             raise ValueError(f"found {', '.join(sides) or 'no section'}, expected width and depth, or diameter")
         return self
+
+
+class StiffenerTable(SectionTable):
+    """[[stiffener]]: a ring on the wall of a closed casing, between its edges."""
+
+    at: float = Field(ge=-1e3, le=1e3, description="where it stands along the axis or the meridian [m]")
+    offset: Pair = Field(description="[radial, axial] from the wall's middle to the section's centre [m]")
+
+
+class RingTable(SectionTable):
+    """[support.EDGE] of kind "ring": [support.EDGE.support] holds it."""
+
+    kind: Literal["ring"] = Field(description="how the edge is held")
+    offset: Pair | None = Field(default=None, description="[radial, axial] from the edge to the centre [m]")
+    foot: Pair | None = Field(default=None, description="[radial, axial] from the centre to the springs [m]")
+    support: RingSupport | None = Field(default=None, description="what holds the ring: elastic or bolts")
 
 
 SupportTable = Annotated[
