@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from scipy.sparse import csc_array
 
 from casingfem.errors import NumericsError, sentence
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.certificate import clear_of_eigenvalues, most_round_off, round_off, warn_of_count
 from casingfem.linalg.cost import require_affordable
+from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
 from casingfem.linalg.pencil import Mass, Pencil, make_pencil
@@ -59,7 +59,7 @@ class EigenResult:
         return np.asarray(np.sqrt(np.maximum(self.eigenvalues, 0.0)) / (2.0 * np.pi))
 
 
-def sturm_count(K: csc_array, mass: Mass, sigma: float) -> int:
+def sturm_count(K: Symmetric, mass: Mass, sigma: float) -> int:
     """Number of eigenvalues of K - omega^2 M below sigma [rad^2/s^2], by one factorisation and its inertia.
 
     >>> sturm_count(csc_array(np.diag([1.0, 2.0, 3.0])), np.ones(3), 2.5)
@@ -68,7 +68,7 @@ def sturm_count(K: csc_array, mass: Mass, sigma: float) -> int:
     return make_pencil(K, mass).count_below(sigma)
 
 
-def solve(K: csc_array, mass: Mass, wanted: int | Band, shift: float, direct: Direct = "multifrontal") -> EigenResult:
+def solve(K: Symmetric, mass: Mass, wanted: int | Band, shift: float, direct: Direct = "multifrontal") -> EigenResult:
     """So many modes (`solve_modes`), or those of a band [Hz] (`solve_band`)."""
     if isinstance(wanted, int):
         return solve_modes(K, mass, wanted, shift=shift, direct=direct)
@@ -101,7 +101,7 @@ def gap_after(
 
 
 def solve_modes(
-    K: csc_array, mass: Mass, count: int, shift: float, extra: int = 4, direct: Direct = "multifrontal"
+    K: Symmetric, mass: Mass, count: int, shift: float, extra: int = 4, direct: Direct = "multifrontal"
 ) -> EigenResult:
     """Lowest `count` modes of K - omega^2 M, complete by a Sturm count.
 
@@ -163,7 +163,8 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
         noise[count - 1 :] = round_off(pencil.A, vectors[:, count - 1 :])
         below, sigma = gap_after(values, count, abs(shift), clear, noise[count - 1 :].max())
         near = np.abs(values - sigma) <= noise
-        noise[near] = round_off(pencil.A, vectors[:, near])
+        if np.any(near):
+            noise[near] = round_off(pencil.A, vectors[:, near])
         certified = pencil.count_below(sigma, direct) if clear_of_eigenvalues(sigma, values, noise) else None
         if certified == below:
             return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
@@ -175,7 +176,7 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
     raise NumericsError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
 
 
-def solve_band(K: csc_array, mass: Mass, band: Band, shift: float, direct: Direct = "multifrontal") -> EigenResult:
+def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direct = "multifrontal") -> EigenResult:
     """Every mode with omega^2 in a band [rad^2/s^2], certified by Sturm counts at its ends.
 
     A mode on an end of the band, to a relative 1e-7, belongs to it, and so does its double. A band that holds many

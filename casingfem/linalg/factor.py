@@ -19,6 +19,8 @@ from scipy.sparse.linalg import SuperLU, splu
 from casingfem.errors import ModelError, NumericsError, sentence
 from casingfem.extras import remedy
 from casingfem.io.arrays import Array, FloatArray
+from casingfem.linalg.element_sum import ElementSum
+from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.fronts import planned
 from casingfem.linalg.memory import MemoryNeedError, free_memory, require_memory
 from casingfem.linalg.multifrontal import SINGULAR, factored
@@ -58,14 +60,14 @@ class SuperLUFactor:
         return int(np.count_nonzero(np.real(self.lu.U.diagonal()) < 0.0))
 
 
-def multifrontal(A: csc_array, keep: bool = True) -> Factor:
+def multifrontal(A: Symmetric, keep: bool = True) -> Factor:
     """Factorise by dense fronts, or count negative eigenvalues alone."""
-    if not A.has_canonical_format:  # as plans expect it
+    if not (isinstance(A, ElementSum) or A.has_canonical_format):  # as plans expect it
         A = A.copy()
         A.sum_duplicates()
     try:
         fronts = planned(A)
-        require_memory(fronts.bytes(keep, A.data.itemsize), A.shape[0], free_memory())
+        require_memory(fronts.bytes(keep, A.dtype.itemsize), A.shape[0], free_memory())
         return factored(A, fronts, keep)
     except MemoryError as error:
         if isinstance(error, MemoryNeedError):
@@ -98,8 +100,8 @@ SOLVERS: Mapping[str, Callable[[csc_array, bool], Factor]] = MappingProxyType(
 )
 
 
-def factorise(A: csc_array, direct: Direct = "multifrontal", *, keep: bool = True) -> Factor:
-    """Factor a symmetric or Hermitian sparse matrix, indefinite ones included; without `keep` for its inertia alone.
+def factorise(A: Symmetric, direct: Direct = "multifrontal", *, keep: bool = True) -> Factor:
+    """Factor a symmetric or Hermitian matrix, indefinite ones included; without `keep` for its inertia alone.
 
     Raises
     ------
@@ -114,10 +116,12 @@ def factorise(A: csc_array, direct: Direct = "multifrontal", *, keep: bool = Tru
     """
     if direct not in SOLVERS:
         raise NumericsError(f"direct must be one of {', '.join(SOLVERS)}, found {direct!r}")
-    return SOLVERS[direct](csc_array(A), keep)
+    if direct == "multifrontal":
+        return multifrontal(A if isinstance(A, ElementSum) else csc_array(A), keep)
+    return SOLVERS[direct](A.tocsc() if isinstance(A, ElementSum) else csc_array(A), keep)
 
 
-def solve_held(K: csc_array, f: FloatArray) -> FloatArray:
+def solve_held(K: Symmetric, f: FloatArray) -> FloatArray:
     """K u = f (free,) for a structure that must be held.
 
     Raises

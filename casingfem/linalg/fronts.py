@@ -5,18 +5,27 @@ ones that they are coupled with, directly or through what was eliminated before 
 1983, 302; Liu, SIAM Review 34, 1992, 82).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeAlias
 from weakref import ReferenceType, ref
 
 import numpy as np
-from scipy.sparse import csc_array
 
-from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.dissection import coordinates, dissect, quotient, spans
+from casingfem.linalg.element_sum import ElementSum
+from casingfem.linalg.entries import (
+    Entries,
+    Places,
+    Symmetric,
+    compact,
+    element_entries,
+    element_graph,
+    sparse_entries,
+)
 
-Places: TypeAlias = slice | IntArray
 Runs: TypeAlias = tuple[tuple[slice, slice], ...]
 
 SMALL = 15_000_000  # entries of a pattern whose plan is kept, some 150 MB of it
@@ -26,16 +35,14 @@ SMALL = 15_000_000  # entries of a pattern whose plan is kept, some 150 MB of it
 class Front:
     """One dense matrix on `pivots` unknowns from number `start` on, and on those at `rows`, later ones, ascending.
 
-    Its part of A: entries number `source` of A's data are entries number `place` of its columns, those of the pivots
-    (pivots, pivots) one after the other and then those of the rows (rows, pivots). Of its parent's front, its first
-    `split` rows are the pivots `head`, the others the rows `tail`.
+    `own` is its part of A. Of its parent's front, its first `split` rows are the pivots `head`, the others the rows
+    `tail`.
     """
 
     start: int
     pivots: int
     rows: IntArray
-    source: IntArray
-    place: IntArray
+    own: Entries
     children: tuple[int, ...]
     split: int
     head: Places
@@ -55,16 +62,15 @@ class Fronts:
 
     Attributes
     ----------
-    indptr, indices
-        The pattern, of a matrix in columns.
+    pattern
+        Pointers and row numbers of a matrix in columns, or the unknowns of elements.
     order
         Unknowns in the order of elimination, (n,).
     fronts
         Children before parents.
     """
 
-    indptr: IntArray
-    indices: IntArray
+    pattern: tuple[IntArray, ...]
     order: IntArray
     fronts: tuple[Front, ...]
 
@@ -92,10 +98,16 @@ class Fronts:
         """Memory that a factorisation takes at most, of its factor and without it, in numbers of so many bytes."""
         return float(number) * (self.working() + keep * self.entries)
 
-    def fits(self, A: csc_array) -> bool:
+    def fits(self, A: Symmetric) -> bool:
         """Whether a matrix has this pattern."""
-        same = len(A.indptr) == len(self.indptr) and len(A.indices) == len(self.indices)
-        return same and np.array_equal(A.indptr, self.indptr) and np.array_equal(A.indices, self.indices)
+        other = pattern_of(A)
+        same = len(self.order) == A.shape[0] and len(other) == len(self.pattern)
+        return same and all(np.array_equal(a, b) for a, b in zip(self.pattern, other, strict=True))
+
+
+def pattern_of(A: Symmetric) -> tuple[IntArray, ...]:
+    """What the plan of a matrix depends on."""
+    return A.pattern if isinstance(A, ElementSum) else (A.indptr, A.indices)
 
 
 def postorder(parent: IntArray) -> IntArray:
@@ -110,13 +122,6 @@ def postorder(parent: IntArray) -> IntArray:
     number = np.empty(len(parent), dtype=np.int64)
     number[order[::-1]] = np.arange(len(parent))
     return number
-
-
-def compact(places: IntArray) -> Places:
-    """Ascending places as a slice, if they follow each other."""
-    if len(places) and places[-1] - places[0] == len(places) - 1:
-        return slice(int(places[0]), int(places[-1]) + 1)
-    return places
 
 
 def runs(places: IntArray) -> Runs:
@@ -137,24 +142,24 @@ class Recent:
     small: Fronts | None = None
 
 
-def planned(A: csc_array) -> Fronts:
+def planned(A: Symmetric) -> Fronts:
     """The plan for a matrix: that of the last one, if the pattern is the same, or a new one."""
     last = Recent.last() if Recent.last is not None else None
     if last is not None and last.fits(A):
         return last
     fronts = plan(A)
-    Recent.last, Recent.small = ref(fronts), fronts if len(A.indices) <= SMALL else None
+    Recent.last, Recent.small = ref(fronts), fronts if sum(map(len, fronts.pattern)) <= SMALL else None
     return fronts
 
 
-def plan(A: csc_array) -> Fronts:
+def plan(A: Symmetric) -> Fronts:
     """Plan the factorisation of matrices with the pattern of A, symmetric, its indices sorted.
 
     >>> fronts = plan(csc_array(np.eye(3)))
     >>> len(fronts.fronts), fronts.entries
     (1, 9)
     """
-    vertex, graph = quotient(A)
+    vertex, graph = element_graph(A) if isinstance(A, ElementSum) else quotient(A)
     axes = coordinates(graph)
     node, parent = dissect(graph, axes)
     number = postorder(parent)
@@ -177,7 +182,7 @@ def plan(A: csc_array) -> Fronts:
         if p >= 0:
             children[p].append(f)
     rows = [spans(starts[s], weight[s]) for s in structures]
-    return Fronts(A.indptr, A.indices, order, make_fronts(A, order, weight, starts, ends, rows, above, children))
+    return Fronts(pattern_of(A), order, make_fronts(A, order, weight, starts, ends, rows, above, children))
 
 
 def longest(axes: FloatArray, of: IntArray, fronts: int) -> FloatArray:
@@ -199,7 +204,7 @@ def later_neighbours(tail: IntArray, head: IntArray, place: IntArray, ends: IntA
 
 
 def make_fronts(
-    A: csc_array,
+    A: Symmetric,
     order: IntArray,
     weight: IntArray,
     starts: IntArray,
@@ -211,26 +216,22 @@ def make_fronts(
     """Fronts with their places in A and in each other; vertices have `weight` unknowns from `starts`, fronts `ends`."""
     position = np.empty(len(order), dtype=np.int32)
     position[order] = np.arange(len(order), dtype=np.int32)
-    local = np.zeros(len(order), dtype=np.int32)  # places of unknowns in the front at hand
     firsts = starts[ends]
-    degree = np.diff(A.indptr)
+    if isinstance(A, ElementSum):
+        entries: Sequence[Entries] = element_entries(A, position, firsts, rows)
+    else:
+        entries = sparse_entries(A, order, position, weight, starts, ends, rows)
     fronts = []
     for f, p in enumerate(above.tolist()):
-        start, end = int(firsts[f]), int(firsts[f + 1])
-        local[start:end] = np.arange(end - start)
-        local[rows[f]] = end - start + np.arange(len(rows[f]))
-        own, size = slice(ends[f], ends[f + 1]), (end - start, len(rows[f]))
-        source, place = entries_of(A, order[start:end], position, local, degree, weight[own], starts[own], size)
         split = int(np.searchsorted(rows[f], firsts[p + 1])) if p >= 0 else 0
         head = rows[f][:split] - firsts[p]
         tail = np.searchsorted(rows[p], rows[f][split:]) if p >= 0 else rows[f]
         fronts.append(
             Front(
-                start=start,
-                pivots=end - start,
+                start=int(firsts[f]),
+                pivots=int(firsts[f + 1] - firsts[f]),
                 rows=rows[f],
-                source=source,
-                place=place,
+                own=entries[f],
                 children=tuple(children[f]),
                 split=split,
                 head=compact(head),
@@ -240,32 +241,3 @@ def make_fronts(
             )
         )
     return tuple(fronts)
-
-
-def entries_of(
-    A: csc_array,
-    unknowns: IntArray,
-    position: Array,
-    local: Array,
-    degree: IntArray,
-    weight: IntArray,
-    starts: IntArray,
-    size: tuple[int, int],
-) -> tuple[IntArray, IntArray]:
-    """`source` and `place` of a front: found for the first unknown of each of its vertices, the others follow."""
-    k, m = size
-    first = unknowns[starts - starts[0]] if k else unknowns
-    entries = degree[first]
-    inside = spans(np.zeros_like(entries), entries)
-    row = position[A.indices[inside + np.repeat(A.indptr[first], entries)]]
-    kept = row >= np.repeat(starts, entries)  # the lower triangle, and vertices' own blocks
-    inside, row = inside[kept], local[row[kept]]
-    ends = np.append(0, np.cumsum(kept))[np.cumsum(entries)]
-    here = row < k
-    place, step = np.where(here, row, k * k + row - k), np.where(here, k, m)
-    number = np.int32 if max(len(A.indices), k * (k + m)) < 2**31 else np.int64
-    each = np.repeat(np.diff(ends, prepend=0), weight)  # entries of each unknown
-    of = spans(np.repeat(np.append(0, ends)[:-1], weight), each)
-    column, begin = (np.repeat(x.astype(number), each) for x in (np.arange(k), A.indptr[unknowns]))
-    at, own, stride = (x.astype(number)[of] for x in (inside, place, step))
-    return at + begin, own + stride * column

@@ -11,11 +11,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import blas, lapack
-from scipy.sparse import csc_array
 
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.linalg.fronts import Front, Fronts, Places, Runs
+from casingfem.linalg.element_sum import ElementSum
+from casingfem.linalg.entries import Places, Symmetric
+from casingfem.linalg.fronts import Front, Fronts, Runs
 
 SINGULAR = "the matrix is singular: the structure is not supported, or the shift is an eigenvalue"
 
@@ -94,15 +95,21 @@ class MultifrontalFactor:
             if block.D is not None:
                 own[:] = own[block.D.order]
             trsm(1.0, block.L, own.T, side=1, lower=1, trans_a=1, diag=block.D is not None, overwrite_b=1)
-            x[front.rows] -= block.below @ own
+            if len(front.rows):
+                x[front.rows] -= block.below @ own
+        hermitian = np.iscomplexobj(x)
         for front, block in reversed(both):
             own = x[front.start : front.start + front.pivots]
             if block.D is not None:
                 own[:] = block.D.divided(own)
-            conjugate(own)  # L^-H y is the conjugate of L^-T conj(y)
-            own -= block.below.T @ x[front.rows].conj()
+            beside = x[front.rows]
+            if hermitian:  # L^-H y is the conjugate of L^-T conj(y)
+                np.conj(own, out=own)
+                np.conj(beside, out=beside)
+            own -= block.below.T @ beside
             trsm(1.0, block.L, own.T, side=1, lower=1, diag=block.D is not None, overwrite_b=1)
-            conjugate(own)
+            if hermitian:
+                np.conj(own, out=own)
             if block.D is not None:
                 own[block.D.order] = own.copy()
         solution = np.empty_like(x)
@@ -110,13 +117,7 @@ class MultifrontalFactor:
         return solution.reshape(rhs.shape)
 
 
-def conjugate(x: Array) -> None:
-    """Put the conjugate in the place of complex numbers."""
-    if np.iscomplexobj(x):
-        np.conj(x, out=x)
-
-
-def factored(A: csc_array, fronts: Fronts, keep: bool = True) -> MultifrontalFactor:
+def factored(A: Symmetric, fronts: Fronts, keep: bool = True) -> MultifrontalFactor:
     """Factor a symmetric or Hermitian matrix of the fronts' pattern; without `keep` count negative eigenvalues alone.
 
     Raises
@@ -124,7 +125,7 @@ def factored(A: csc_array, fronts: Fronts, keep: bool = True) -> MultifrontalFac
     NumericsError
         If the matrix is singular, or not finite.
     """
-    if not np.all(np.isfinite(A.data)):
+    if not (A.finite if isinstance(A, ElementSum) else np.all(np.isfinite(A.data))):
         raise NumericsError("the matrix holds values that are not finite")
     blocks: list[Block] = []
     passed: dict[int, Array] = {}
@@ -139,13 +140,10 @@ def factored(A: csc_array, fronts: Fronts, keep: bool = True) -> MultifrontalFac
     return MultifrontalFactor(fronts=fronts, blocks=tuple(blocks), negatives=negatives)
 
 
-def assembled(A: csc_array, front: Front, fronts: Fronts, passed: dict[int, Array]) -> tuple[Array, Array, Array]:
+def assembled(A: Symmetric, front: Front, fronts: Fronts, passed: dict[int, Array]) -> tuple[Array, Array, Array]:
     """The parts of a front in its lower triangle, from A and from its children, whose updates are used up."""
-    k, m = front.size
-    columns = np.zeros(k * (k + m), dtype=A.data.dtype)
-    columns[front.place] = A.data[front.source]
-    K_pp, K_rp = columns[: k * k].reshape((k, k), order="F"), columns[k * k :].reshape((m, k), order="F")
-    K_rr = np.zeros((m, m), dtype=A.data.dtype, order="F")
+    unknowns = fronts.order[front.start : front.start + front.pivots]
+    K_pp, K_rp, K_rr = front.own.parts(A, unknowns, fronts.order[front.rows])
     for number in front.children:
         child, update = fronts.fronts[number], passed.pop(number)
         s = child.split

@@ -12,6 +12,8 @@ from scipy.sparse import csc_array, diags_array
 
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.linalg.element_sum import ElementSum
+from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.memory import MemoryNeedError
 
@@ -22,12 +24,12 @@ Mass: TypeAlias = FloatArray | csc_array  # the diagonal of M, or M itself
 class Pencil:
     """A x = lambda B x with A = R K R, B = R M R, R = diag(M)^-1/2; B has a unit diagonal, 0 where M has none.
 
-    A and B are symmetric, or Hermitian. `B` is None where M is diagonal; `scale` is the diagonal of R, (free,).
-    phi = R x. A's pattern holds that of B, the entries of which stand at `places` in A's data. `massless` counts
-    unknowns without mass.
+    A and B are symmetric, or Hermitian; A may be a sum of elements. `B` is None where M is diagonal; `scale` is the
+    diagonal of R, (free,). phi = R x. A's pattern holds that of B, the entries of which stand at `places` in A's data.
+    `massless` counts unknowns without mass.
     """
 
-    A: csc_array
+    A: Symmetric
     B: csc_array | None
     scale: FloatArray
     places: IntArray
@@ -43,8 +45,10 @@ class Pencil:
         """Most modes that it can have: its unknowns with mass."""
         return self.size - self.massless
 
-    def shifted(self, sigma: float) -> csc_array:
+    def shifted(self, sigma: float) -> Symmetric:
         """A - sigma B, of A's pattern."""
+        if isinstance(self.A, ElementSum):
+            return self.A.plus(-sigma)
         data = self.A.data.copy()
         data[self.places] -= sigma if self.B is None else sigma * self.B.data
         return csc_array((data, self.A.indices, self.A.indptr), shape=self.A.shape)
@@ -106,8 +110,10 @@ def scaled(K: csc_array, root: FloatArray) -> csc_array:
     return csc_array((data, K.indices, K.indptr), shape=K.shape)
 
 
-def make_pencil(K: csc_array, mass: Mass) -> Pencil:
+def make_pencil(K: Symmetric, mass: Mass) -> Pencil:
     """The scaled pencil of K (free, free) and M, given by its diagonal (free,) or as a sparse matrix.
+
+    A sum of elements takes a diagonal.
 
     Raises
     ------
@@ -130,6 +136,10 @@ def make_pencil(K: csc_array, mass: Mass) -> Pencil:
             "the mass has a diagonal that is not positive: a density, a thickness or an element is wrong"
         )
     M = None if isinstance(mass, np.ndarray) else mass
+    if isinstance(K, ElementSum):
+        assert M is None
+        scale = 1.0 / np.sqrt(diagonal)
+        return Pencil(A=K.scaled(scale), B=None, scale=scale, places=np.zeros(0, dtype=np.int64))
     places = places_in(K, M)
     if len(places) != (K.shape[0] if M is None else len(M.data)):
         K = widened(K, csc_array(diags_array(diagonal)) if M is None else M)

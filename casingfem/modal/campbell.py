@@ -192,5 +192,5 @@ def modes_at(
     owner: Any = structure
     turning = replace(owner, rotation=owner.rotation.at(speed))
     if isinstance(system, System):
-        return modes(turning, count, system=replace(system, shell=turning, K=K))
+        return modes(turning, count, system=replace(system, shell=turning, stiffness=K))
     return modes(turning, count, system=replace(system, structure=turning, K=K))

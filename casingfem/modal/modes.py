@@ -119,7 +119,7 @@ def modes(
     started = time.perf_counter()
     system = system if isinstance(system, System) else assemble(shell)
     assembled = time.perf_counter()
-    found = solve(system.K, system.mass, wanted, shift=-((SHIFT * frequency_scale(shell)) ** 2), direct=direct)
+    found = solve(system.stiffness, system.mass, wanted, shift=-((SHIFT * frequency_scale(shell)) ** 2), direct=direct)
     if shell.rotation is not None and found.eigenvalues[0] < 0.0:
         raise ModelError("rotation-unstable", f"modes: found omega^2 = {found.eigenvalues[0]:.4g} rad^2/s^2")
     if shell.rotation is None:
@@ -176,5 +176,9 @@ def count_below(structure: Shell | MeshStructure, freq: float) -> int:
     """Number of modes below a frequency [Hz], by one factorisation and its inertia."""
     if not freq < HIGHEST:
         raise ModelError("modes-band", f"modes below {freq!r} Hz were to be counted")
-    system = assemble(structure) if isinstance(structure, Shell) else structure.assembled()
-    return sturm_count(system.K, system.M, (2.0 * np.pi * freq) ** 2)
+    place = (2.0 * np.pi * freq) ** 2
+    if isinstance(structure, Shell):
+        shell = assemble(structure)
+        return sturm_count(shell.stiffness, shell.mass, place)
+    system = structure.assembled()
+    return sturm_count(system.K, system.M, place)

@@ -97,7 +97,7 @@ def solved(shell: Shell, count: int) -> Solution:
     started = time.perf_counter()
     system = assemble(shell)
     assembled = time.perf_counter() - started
-    pencil = make_pencil(system.K, system.mass)
+    pencil = make_pencil(system.stiffness, system.mass)
     found = modes(shell, count + GUARD, method="shell", system=system)
     guard = RitzModes(found.freq, found.fields, found.own)
     old, seconds = factored(pencil, shift_of(shell))
@@ -119,7 +119,7 @@ def solved_near(shell: Shell, known: Solution, count: int) -> Solution:
     started = time.perf_counter()
     system = assemble(shell)
     assembled = time.perf_counter() - started
-    pencil = make_pencil(system.K, system.mass)
+    pencil = make_pencil(system.stiffness, system.mass)
     start = system.collect(known.guard.fields, known.guard.own) / pencil.scale[:, None]
     vectors, old, blocks, seconds = davidson(pencil, start, known.old, shift_of(shell), count)
     ritz = ritz_modes(system, pencil.scale[:, None] * vectors)

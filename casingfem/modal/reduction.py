@@ -99,7 +99,7 @@ def reduce(
     if not P.any():
         where = getattr(interface, "edge", "")  # nodes that are held are refused one by one
         raise ModelError("interface-held", f"interface: edge {where!r} is held, nothing can be pushed there")
-    factor = factorise(system.K)
+    factor = factorise(system.stiffness if isinstance(system, System) else system.K)
     attachment = factor.solve(P)
     if method == "free":
         vectors, omega = free_vectors(system, modes)

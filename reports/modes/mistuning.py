@@ -42,7 +42,7 @@ def casing(quick: bool) -> Shell:
 def subspace(shell: Shell, known: Modes, count: int, steps: int) -> FloatArray:
     """Frequencies [Hz] by plain subspace iteration: the last block alone."""
     system = assemble(shell)
-    pencil = make_pencil(system.K, system.mass)
+    pencil = make_pencil(system.stiffness, system.mass)
     factor = factorise(pencil.shifted(-((SHIFT * frequency_scale(shell)) ** 2)))
     V = qr(system.restrict(known.fields) / pencil.scale[:, None], mode="economic")[0]
     for _ in range(steps):

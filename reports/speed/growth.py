@@ -51,7 +51,7 @@ def solution(rows: int, around: int) -> Iterator[Numbers]:
     system = assemble(shell)
     times.append(process_time())
     yield {"unknowns": system.size, "assemble s": times[1] - times[0]}
-    pencil = make_pencil(system.K, system.mass)
+    pencil = make_pencil(system.stiffness, system.mass)
     A = pencil.shifted(-((SHIFT * frequency_scale(shell)) ** 2))
     times.append(process_time())
     fronts = planned(A)

@@ -80,7 +80,7 @@ def part_rows(quick: bool) -> list[Row]:
     shell, repeats = reference_frustum(MESHES["6, one row, 21"] if quick else None), 1 if quick else 3
     grid, system = make_grid(shell.chart, shell.mesh), assemble(shell)
     shift = -((SHIFT * frequency_scale(shell)) ** 2)
-    pencil = make_pencil(system.K, system.mass)
+    pencil = make_pencil(system.stiffness, system.mass)
     factor, wanted = factorise(pencil.shifted(shift)), COUNT + 4
     start = np.random.default_rng(START_SEED).standard_normal(system.size)
     inverse = LinearOperator(pencil.A.shape, matvec=factor.solve, dtype=float)

@@ -19,12 +19,13 @@ from scipy.sparse import block_diag, bsr_array, csc_array, diags_array, eye_arra
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.diagonal_mass import diagonalised
+from casingfem.linalg.entries import Symmetric
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
 from casingfem.structure.mesh.jet_form import JET, jet_elements
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, dot, frame, strain_slots
-from casingfem.structure.mesh.scatter import added, scatter_elements
+from casingfem.structure.mesh.scatter import element_sum
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.prestress import Spin, spin_matrices
@@ -183,22 +184,21 @@ def assemble(shell: Shell) -> System:
     """
     grid = make_grid(shell.chart, shell.mesh, shell.stations)
     free, frames = held_dofs(shell, grid)
-    K = scatter_elements(element_matrices(shell, grid), grid, frames, free)
     mass = np.repeat(nodal_mass(shell, grid), (3, 2), axis=1).ravel()[free]
     forms = edge_forms(shell, grid)
     free = np.append(free, len(frames) * DOFS + np.arange(forms.own))
-    K.resize(len(free), len(free))
-    if forms.stiffness:
-        K = added(K, on_free(forms.stiffness, frames, free, forms.own))
+    K: Symmetric = element_sum(element_matrices(shell, grid), grid, frames, free, forms.stiffness)
     change = None
     if forms.mass:
         lumped = diags_array(np.append(mass, np.zeros(forms.own)))
         mass, change = diagonalised(csc_array(lumped + on_free(forms.mass, frames, free, forms.own)))
-        K = csc_array(change.T @ K @ change)
-    system = System(shell=shell, grid=grid, K=K, mass=mass, free=free, frames=frames, change=change, own=forms.own)
+        K = csc_array(change.T @ K.tocsc() @ change)
+    system = System(
+        shell=shell, grid=grid, stiffness=K, mass=mass, free=free, frames=frames, change=change, own=forms.own
+    )
     if shell.rotation is None:
         return system
-    return replace(system, K=csc_array(system.K + spin(system, shell.rotation).stiffness(shell.rotation.omega)))
+    return replace(system, stiffness=csc_array(system.K + spin(system, shell.rotation).stiffness(shell.rotation.omega)))
 
 
 def spin(system: System, rotation: Rotation) -> Spin:

@@ -32,7 +32,7 @@ from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.jet_form import JET, jet_elements
 from casingfem.structure.mesh.kinematics import DOFS, Rates, dot, frame, strain_slots
-from casingfem.structure.mesh.scatter import scatter_blocks, scatter_elements
+from casingfem.structure.mesh.scatter import element_sum, scatter_blocks
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.strains import point_jets
@@ -99,11 +99,11 @@ def spin_matrices(system: System, rotation: Rotation, mass: FloatArray) -> Spin:
     basis = frame(surface)
     tangents = np.stack([basis.e1, basis.e2], axis=-1).transpose(1, 0, 2)  # (nodes, 3, 2)
     force = centrifugal(rotation, mass, surface.x.T, tangents, basis.normal.T)
-    u = solve_held(system.K, system.restrict(force[:, :, None])[:, 0])
+    u = solve_held(system.stiffness, system.restrict(force[:, :, None])[:, 0])
     fields = system.expand(u[:, None])
     blocks = softening(rotation, mass, tangents, basis.normal.T)
     at_points, nonlinear = point_stiffness(shell, grid, fields)
-    first, second = (scatter_elements(jet_elements(grid, H), grid, system.frames, system.free) for H in at_points)
+    first, second = (element_sum(jet_elements(grid, H), grid, system.frames, system.free).tocsc() for H in at_points)
     return Spin(
         K1=csc_array(first - scatter_blocks(blocks, system.frames, system.free)),
         K2=second,

@@ -96,6 +96,6 @@ def solve_static(shell: Shell, loads: Sequence[Load], *, system: System | None =
     system = system or assemble(shell)
     nodal = np.sum([load.nodal(shell, system.grid) for load in loads], axis=0)
     f = system.restrict(nodal[:, :, None])[:, 0]
-    u = solve_held(system.K, f)
-    energy = 0.5 * float(u @ (system.K @ u))
+    u = solve_held(system.stiffness, f)
+    energy = 0.5 * float(u @ (system.stiffness @ u))
     return Deflection(shell=shell, grid=system.grid, fields=frozen(system.expand(u[:, None])[:, :, 0]), energy=energy)

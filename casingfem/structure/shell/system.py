@@ -8,6 +8,8 @@ from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.linalg.element_sum import ElementSum
+from casingfem.linalg.entries import Symmetric
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.mesh.shell_mesh import QUAD, Grid, quads
 from casingfem.structure.shell.shell import Shell
@@ -22,8 +24,8 @@ class System:
     ----------
     shell, grid
         What was assembled, and on which mesh.
-    K
-        Stiffness, (free, free), symmetric [SI].
+    stiffness
+        Symmetric, (free, free) [SI]: element by element, or a sparse matrix; `K` is the sparse one in any case.
     mass
         The diagonal of M, (free,).
     free
@@ -31,15 +33,15 @@ class System:
     frames
         Rotation of the dofs at nodes held in an edge's frame, (nodes, 5, 5); identity elsewhere.
     change
-        What makes M diagonal where rings or masses couple it: the free dofs are change @ those of K and `mass`,
-        (free, free); None where nothing is coupled.
+        What makes M diagonal where rings or masses couple it: the free dofs are change @ those of the stiffness
+        and `mass`, (free, free); None where nothing is coupled.
     own
         Number of dofs that rings bring: turns about the normal at the nodes of their edges.
     """
 
     shell: Shell
     grid: Grid
-    K: csc_array
+    stiffness: Symmetric
     mass: FloatArray
     free: IntArray
     frames: FloatArray
@@ -62,6 +64,11 @@ class System:
     def size(self) -> int:
         """Number of free dofs."""
         return len(self.free)
+
+    @cached_property
+    def K(self) -> csc_array:
+        """The stiffness as a sparse matrix, (free, free)."""
+        return self.stiffness.tocsc() if isinstance(self.stiffness, ElementSum) else self.stiffness
 
     @cached_property
     def M(self) -> csc_array:

@@ -1,0 +1,191 @@
+"""What a front takes from the matrix itself: entries of a sparse one, or the dense matrices of elements.
+
+An element's matrix goes whole to the front that eliminates the first of its unknowns: the others, coupled with that
+one, are pivots or rows there. The matrix of an element that has a front to itself is that front.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+from scipy.sparse import coo_array, csc_array, csr_array
+
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.linalg.dissection import SEED, Graph, spans
+from casingfem.linalg.element_sum import ElementSum
+
+Symmetric: TypeAlias = csc_array | ElementSum
+Places: TypeAlias = slice | IntArray
+Parts: TypeAlias = tuple[Array, Array, Array]
+
+
+class Entries(Protocol):
+    """A front's share of matrices of one pattern."""
+
+    def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
+        """The front of a matrix on unknowns `pivots` (k,) and `rows` (m,): (k, k), (m, k), (m, m), by columns.
+
+        Of the first and the last at least the lower triangle.
+        """
+        ...
+
+
+class SparseEntries(NamedTuple):
+    """Entries number `source` of A's data are entries number `place` of the front's columns.
+
+    Those of the pivots (k, k) come first, one column after the other, then those of the rows (m, k).
+    """
+
+    source: IntArray
+    place: IntArray
+
+    def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
+        """The front of a matrix in columns."""
+        assert not isinstance(A, ElementSum)
+        k, m = len(pivots), len(rows)
+        columns = np.zeros(k * (k + m), dtype=A.data.dtype)
+        columns[self.place] = A.data[self.source]
+        K_rr = np.zeros((m, m), dtype=A.data.dtype, order="F")
+        return columns[: k * k].reshape((k, k), order="F"), columns[k * k :].reshape((m, k), order="F"), K_rr
+
+
+class Piece(NamedTuple):
+    """An element: its group and number, which of its unknowns are pivots and rows of the front, and where there."""
+
+    group: int
+    number: int
+    pivots: Places
+    rows: Places
+    to_pivots: Places
+    to_rows: Places
+
+
+class ElementEntries(NamedTuple):
+    """The elements that belong to a front."""
+
+    pieces: tuple[Piece, ...]
+
+    def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
+        """The front of a sum of elements."""
+        assert isinstance(A, ElementSum)
+        k, m = len(pivots), len(rows)
+        K_pp, K_pr, K_rr = np.zeros((k, k)), np.zeros((k, m)), np.zeros((m, m))
+        for piece in self.pieces:
+            B = A.groups[piece.group].matrices[piece.number]
+            on_pivots, on_rows = B[piece.pivots], B[piece.rows]
+            accumulate(K_pp, piece.to_pivots, piece.to_pivots, on_pivots[:, piece.pivots])
+            accumulate(K_pr, piece.to_pivots, piece.to_rows, on_pivots[:, piece.rows])
+            accumulate(K_rr, piece.to_rows, piece.to_rows, on_rows[:, piece.rows])
+        if self.pieces:
+            on, beside = A.scale[pivots], A.scale[rows]
+            for K, left, right in ((K_pp, on, on), (K_pr, on, beside), (K_rr, beside, beside)):
+                K *= left[:, None]
+                K *= right
+        K_pp[np.arange(k), np.arange(k)] += A.diagonal[pivots]
+        return K_pp.T, K_pr.T, K_rr.T
+
+
+def accumulate(K: FloatArray, rows: Places, columns: Places, part: FloatArray) -> None:
+    """K[rows, columns] += part."""
+    if isinstance(rows, slice) or isinstance(columns, slice):
+        K[rows, columns] += part
+    else:
+        K[np.ix_(rows, columns)] += part
+
+
+def element_graph(A: ElementSum) -> tuple[IntArray, Graph]:
+    """The vertex of each unknown, and the graph of a sum of elements; unknowns of one vertex share their elements."""
+    rng = np.random.default_rng(SEED)
+    sums = np.zeros(A.size + 1, dtype=np.int64)
+    for dofs in A.pattern:
+        np.add.at(sums, dofs, rng.integers(2**62, size=(len(dofs), 1)))
+    _, vertex = np.unique(sums[:-1], return_inverse=True)
+    weight = np.bincount(vertex)
+    size = len(weight)
+    edges = csr_array((size, size))
+    for dofs in A.pattern:
+        element, column = np.nonzero(dofs < A.size)
+        touched = vertex[dofs[element, column]]
+        within = csr_array(coo_array((np.ones(len(touched)), (element, touched)), shape=(len(dofs), size)))
+        edges = edges + within.T @ within
+    found = csr_array(edges).tocoo()
+    apart = found.row != found.col
+    order = np.lexsort((found.col[apart], found.row[apart]))
+    return vertex, Graph(weight, found.row[apart][order].astype(np.int64), found.col[apart][order].astype(np.int64))
+
+
+def element_entries(A: ElementSum, position: Array, firsts: IntArray, rows: Sequence[IntArray]) -> list[ElementEntries]:
+    """The elements of each front; unknowns have a `position` in the elimination, fronts start at `firsts`."""
+    found: list[list[Piece]] = [[] for _ in rows]
+    known = np.append(position, -1)
+    for g, dofs in enumerate(A.pattern):
+        places = known[dofs]
+        order = np.argsort(places, axis=1, kind="stable")
+        held = np.count_nonzero(places < 0, axis=1)
+        for e in np.flatnonzero(held < dofs.shape[1]).tolist():
+            inside = order[e, held[e] :]
+            at = places[e, inside]
+            f = int(np.searchsorted(firsts, at[0], side="right")) - 1
+            split = int(np.searchsorted(at, firsts[f + 1]))
+            own = (inside[:split], inside[split:], at[:split] - firsts[f], np.searchsorted(rows[f], at[split:]))
+            found[f].append(Piece(g, e, *(compact(part) for part in own)))
+    return [ElementEntries(tuple(pieces)) for pieces in found]
+
+
+def compact(places: IntArray) -> Places:
+    """Places as a slice, if they follow each other."""
+    if len(places) and places[-1] - places[0] == len(places) - 1 and np.all(np.diff(places) == 1):
+        return slice(int(places[0]), int(places[-1]) + 1)
+    return places
+
+
+def sparse_entries(
+    A: csc_array,
+    order: IntArray,
+    position: Array,
+    weight: IntArray,
+    starts: IntArray,
+    ends: IntArray,
+    rows: Sequence[IntArray],
+) -> list[SparseEntries]:
+    """The entries of each front; vertices have `weight` unknowns from `starts`, the fronts' vertices end at `ends`."""
+    local = np.zeros(len(order), dtype=np.int32)  # places of unknowns in the front at hand
+    degree = np.diff(A.indptr)
+    found = []
+    for f, below in enumerate(rows):
+        own = slice(ends[f], ends[f + 1])
+        start, end = int(starts[ends[f]]), int(starts[ends[f + 1]])
+        local[start:end] = np.arange(end - start)
+        local[below] = end - start + np.arange(len(below))
+        size = end - start, len(below)
+        found.append(entries_of(A, order[start:end], position, local, degree, weight[own], starts[own], size))
+    return found
+
+
+def entries_of(
+    A: csc_array,
+    unknowns: IntArray,
+    position: Array,
+    local: Array,
+    degree: IntArray,
+    weight: IntArray,
+    starts: IntArray,
+    size: tuple[int, int],
+) -> SparseEntries:
+    """Of one front: found for the first unknown of each of its vertices, the others follow."""
+    k, m = size
+    first = unknowns[starts - starts[0]] if k else unknowns
+    entries = degree[first]
+    inside = spans(np.zeros_like(entries), entries)
+    row = position[A.indices[inside + np.repeat(A.indptr[first], entries)]]
+    kept = row >= np.repeat(starts, entries)  # the lower triangle, and vertices' own blocks
+    inside, row = inside[kept], local[row[kept]]
+    ends = np.append(0, np.cumsum(kept))[np.cumsum(entries)]
+    here = row < k
+    place, step = np.where(here, row, k * k + row - k), np.where(here, k, m)
+    number = np.int32 if max(len(A.indices), k * (k + m)) < 2**31 else np.int64
+    each = np.repeat(np.diff(ends, prepend=0), weight)  # entries of each unknown
+    of = spans(np.repeat(np.append(0, ends)[:-1], weight), each)
+    column, begin = (np.repeat(x.astype(number), each) for x in (np.arange(k), A.indptr[unknowns]))
+    at, own, stride = (x.astype(number)[of] for x in (inside, place, step))
+    return SparseEntries(at + begin, own + stride * column)
