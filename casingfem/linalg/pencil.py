@@ -129,7 +129,7 @@ def make_pencil(K: Symmetric, mass: Mass) -> Pencil:
     if diagonal.shape != (K.shape[0],):
         raise NumericsError(f"the mass is of {diagonal.shape[0]} unknowns, the stiffness of {K.shape[0]}")
     bare = np.zeros(len(diagonal), dtype=bool)
-    if not isinstance(mass, np.ndarray):
+    if not isinstance(mass, np.ndarray) and not isinstance(K, ElementSum):
         bare = (diagonal == 0.0) & (np.real(K.diagonal()) > 0.0)
     if not np.all((diagonal > 0.0) | bare):
         raise NumericsError(

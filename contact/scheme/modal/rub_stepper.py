@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices, readonly
 from contact.base.errors import LimitError
@@ -324,7 +325,7 @@ def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> t
     return float(H.flat[worst]), float(soft.flat[worst]), float(rho.flat[worst])
 
 
-def _around(n_max: int, angle: Array, turned: Array, form: Array) -> Array:
+def _around(n_max: int, angle: Array, turned: Array, form: NDArray[np.floating[Any]]) -> Array:
     """Quadratic form in the waves 1, cos .. cos N, sin .. sin N at tips, by the angles turned."""
     E = turned_back(harmonics(n_max, angle), turned)
     return np.asarray(np.sum(E @ form * E, axis=-1))
