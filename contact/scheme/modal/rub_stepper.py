@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices, readonly
 from contact.base.errors import LimitError
@@ -299,7 +298,7 @@ def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> t
     pull = math.copysign(mu, fastest) if fastest else 0.0
     d, m = len(system.blade_rows) // system.contacts, int(system.first[1])
     T = min(1, d - 1)  # without friction there is no tangent, and no pull
-    turned, j = np.arange(ANGLES) * (2.0 * math.pi / ANGLES), d * np.arange(system.contacts)
+    turned, j = np.linspace(0.0, 2.0 * math.pi, ANGLES, endpoint=False), d * np.arange(system.contacts)
     H, soft = (
         np.tile(A[j, j] - pull * A[j, j + T], (ANGLES, 1)) for A in (blade_delassus(system, parts), system.still)
     )
@@ -325,7 +324,7 @@ def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> t
     return float(H.flat[worst]), float(soft.flat[worst]), float(rho.flat[worst])
 
 
-def _around(n_max: int, angle: Array, turned: Array, form: NDArray[np.floating[Any]]) -> Array:
+def _around(n_max: int, angle: Array, turned: Array, form: Array) -> Array:
     """Quadratic form in the waves 1, cos .. cos N, sin .. sin N at tips, by the angles turned."""
     E = turned_back(harmonics(n_max, angle), turned)
     return np.asarray(np.sum(E @ form * E, axis=-1))
