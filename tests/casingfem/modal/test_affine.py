@@ -77,6 +77,12 @@ def test_masses_are_as_in_full_solutions(casing):
     assert np.all(found.freq < model.modes(np.zeros(2), 10).freq)
 
 
+def test_motions_of_a_free_casing_as_a_whole_stay_without_diameters(frustum, coarse):
+    system = assemble(frustum(supports={}, mesh=coarse))
+    found = affine_model(system, mass_changes(system, "top", np.array([0.3])), 12).modes(np.array([0.05]), 8)
+    assert found.nodal_diameters.tolist() == [-1] * 6 + [2] * 2
+
+
 def test_derivatives_are_those_of_the_squares(model):
     x = np.linspace(-0.6, -0.1, 8)
     G = model.derivatives(model.modes(x, 8))

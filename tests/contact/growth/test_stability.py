@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 import contact as ct
 from casingfem.cli import main
 from contact.growth.closed_contact import growth
-from contact.growth.coincidence import coincidences, loaded
+from contact.growth.coincidence import Coincidence, coincidences, in_words, loaded
 from contact.growth.floquet import floquet_growth
 from contact.model.gaps.permanent import SplitError, disk_contact
 from tests.contact.synthetic_rim import blade, ring
@@ -136,6 +136,18 @@ def test_digging_blade_grows_in_time_as_its_pole():
     assert found.peak_growth > 1.5
     assert marched(pair, found.peak_speed_hz, found.peak_growth) == pytest.approx(found.peak_growth, rel=0.02)
     assert "f_b = f_c - n f (n = 8) is met at 22.751 Hz: flutter, mu > tan(lean)" in found.words
+
+
+def test_words_name_what_grows_fastest_in_the_range_or_what_is_nearest_to_it():
+    slow, fast = (
+        Coincidence(n=n, branch="sum", casing_hz=300.0, blade_hz=120.0, free_hz=hz, speed_hz=hz, half_hz=0.1,
+                    growth=growth, drives=True)
+        for n, hz, growth in ((8, 52.0, 1.0), (7, 60.0, 5.0))
+    )  # fmt: skip
+    found = ct.growth.stability(B6.contact(), np.linspace(50.0, 62.0, 13))
+    assert "(n = 7) is met at 60 Hz (60 Hz without contact): flutter" in in_words(None, (slow, fast), found)
+    below = ct.growth.stability(B6.contact(), np.linspace(45.0, 50.0, 6))
+    assert "(n = 8) is met at 52 Hz, outside this range" in in_words(None, (fast, slow), below)
 
 
 def test_words_name_the_sum_that_a_slow_rig_cannot_meet():
