@@ -64,6 +64,11 @@ class BundleType(Type):  # type: ignore[misc]
             at += _size(kind)
         super().__init__(name=f"{name}({', '.join(f'{field}: {kind}' for field, kind in fields)})")
 
+    @property
+    def literal_type(self) -> BundleType:
+        """What numba asks of an argument to leave out what stands under `is None`, which would be compiled too."""
+        return self
+
 
 def bundled(value: Any) -> Any:
     """Return a NamedTuple as a bundle, anything else as it is."""

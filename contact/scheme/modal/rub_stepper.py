@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from contact.loop.rub.state import RubState, Work
     from contact.solver.abradable.tips import Coats
 
-FEW = 64  # directions of all tips, up to which S between them is a table by the angle
+FEW = 32  # directions of all tips, up to which S between them is a table by the angle
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
 NAMES = (*OF_MODES, "contact")  # arrays over the modes that loops take in whole blocks
 
@@ -298,7 +298,8 @@ def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> t
     pull = math.copysign(mu, fastest) if fastest else 0.0
     d, m = len(system.blade_rows) // system.contacts, int(system.first[1])
     T = min(1, d - 1)  # without friction there is no tangent, and no pull
-    turned, j = np.linspace(0.0, 2.0 * math.pi, ANGLES, endpoint=False), d * np.arange(system.contacts)
+    turned: Array = np.arange(float(ANGLES)) * (2.0 * math.pi / ANGLES)
+    j = d * np.arange(system.contacts)
     H, soft = (
         np.tile(A[j, j] - pull * A[j, j + T], (ANGLES, 1)) for A in (blade_delassus(system, parts), system.still)
     )

@@ -6,13 +6,14 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 from conftest import PLACE, Groups
 
 import contact
-from contact.jit.compiled import OPTIONS, SOURCES, compiled, jit
+from contact.jit.compiled import OPTIONS, SOURCES, compiled, jit, jit_entry
 from contact.jit.progress import WORDS, Announcement, Uncollected
 from contact.solver.unilateral.scalar import scalar_force
 
@@ -152,6 +153,29 @@ def test_a_part_is_compiled_once_for_the_number_zero_and_for_others() -> None:
     assert compiled(counted, {**OPTIONS, "cache": False})(3) == 6  # from disk the caller would come without its parts
     part: Any = following
     assert len(part.overloads) == 1
+
+
+class Numbers(NamedTuple):
+    values: np.ndarray
+
+
+@jit_entry
+def first_or_none(numbers: Numbers | None) -> float:
+    return 0.0 if numbers is None else numbers.values[0]
+
+
+@jit_entry
+def sum_without(numbers: Numbers | None) -> float:
+    if numbers is None:
+        return numbers.nothing
+    return numbers.values[0] + numbers.values[1]
+
+
+def test_what_a_bundle_has_no_need_of_is_not_compiled() -> None:
+    """Under `is None` stands what a bundle could not even do."""
+    given = Numbers(np.array([2.0, 3.0]))
+    assert sum_without(given) == 5.0
+    assert (first_or_none(None), first_or_none(given)) == (0.0, 2.0)
 
 
 def test_the_files_that_go_first_are_there() -> None:

@@ -230,6 +230,20 @@ def test_sliding_contacts_are_solved_by_their_normals_alone(dim):
     assert np.array_equal(start, np.zeros(dim))
 
 
+@pytest.mark.parametrize("count", [3, 7, 15])
+def test_which_sliding_contacts_press_is_found_where_exchanging_all_that_is_wrong_goes_round(count):
+    """Each contact opens the one before it twice as far as itself (Murty's example): exactly a third presses on each.
+
+    From one that pressed alone, whole sets of wrong ones are exchanged in a circle.
+    """
+    W, b, mu = np.eye(2 * count), np.tile([-1.0, 1e3], count), np.full(count, 1e-3)
+    W[::2, ::2] += 2.0 * np.roll(np.eye(count), 1, axis=1)
+    force = np.zeros(2 * count)
+    force[0] = 1.0
+    assert all_sliding_start(W, b, mu, 2, count, force, solver_room(count, 2))
+    assert force == pytest.approx(np.tile([1.0, -1e-3], count) / 3.0, rel=1e-12)
+
+
 def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
     """Six tips that move together, from forces of another direction: Newton's method takes three steps, not nine."""
     rng = np.random.default_rng(3)
