@@ -99,6 +99,10 @@ MESHES = {
         "neighbouring cells of a shell meet at an angle",
         "refine there if the surface is smooth: the angle falls with the cells; a corner that is meant is mitred",
     ),
+    "mesh-last-line": Fault(
+        "the last line of a file has no end: its last number may be a part of one",
+        "see whether the file is whole, and end it with a line break",
+    ),
     "mesh-left-out": Fault(
         "items of a mesh file with stiffness, mass or constraints are not taken over",
         "the body is computed without them; join parts in the mesher, give supports in the study",
@@ -120,8 +124,8 @@ MESHES = {
         "join the parts over facets, or support each of them",
     ),
     "mesh-mixed-cells": Fault(
-        "a mesh has cells of several kinds, not all of them linear",
-        "mesh with one kind: all quadratic tetrahedra, or all bricks with the same middle nodes",
+        "a mesh has cells that do not go together: linear and quadratic ones, or six-noded triangles of shells",
+        "mesh with linear kinds, with quadratic solids, or with quadrilaterals alone",
     ),
     "mesh-no-cells": Fault(
         "a mesh file holds no volume or surface cells",

@@ -3,46 +3,49 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import TypeAlias
 
 from casingfem.errors import ModelError
+from casingfem.io.last_line import check_last_line
 
 NumberedLine: TypeAlias = tuple[str, str]  # its place, "3" or "3 of parts.inp", and the line
 
 ABAQUS = re.compile(r"\s*\*INCLUDE\s*,\s*INPUT\s*=\s*[\"']?([^\"']+?)[\"']?\s*", re.IGNORECASE)
 NASTRAN = re.compile(r"\s*INCLUDE\s+[\"']?([^\"']+?)[\"']?\s*", re.IGNORECASE)
 INCLUDES = {".inp": ABAQUS} | dict.fromkeys((".bdf", ".nas", ".dat", ".pch", ".dmig"), NASTRAN)
-ENDS = ("*END", "**", "ENDDATA", "$", "*INCLUDE", "INCLUDE")  # last lines that hold no number
 DEEPEST = 20
 
 
-def read_lines(path: Path) -> list[NumberedLine]:
+def read_lines(path: Path, read: Collection[str] | None = None) -> list[NumberedLine]:
     """Lines of a file, those of the files it includes in their places; names are relative to either of the two.
+
+    `read` names the keywords or cards of which more than the name is read, all if left out.
 
     Raises
     ------
     ModelError
-        Where an included file is not there or includes itself, or the last line of a file is not ended: its last number
-        may be a part of one.
+        Where an included file is not there or includes itself, or the last line of a file is not ended and may be a
+        part of one (`last_line.py`).
     """
-    return [line for _, lines in _files(path, path, ()) for line in lines]
+    return [line for _, lines in _files(path, path, (), read) for line in lines]
 
 
 def included_files(path: Path) -> list[Path]:
     """The files that a file includes, and that these include, in the order of their lines."""
     if path.suffix.lower() not in INCLUDES or not path.is_file():
         return []
-    return list(dict.fromkeys(file for file, _ in _files(path, path, ()) if file != path))
+    return list(dict.fromkeys(file for file, _ in _files(path, path, (), ()) if file != path))
 
 
-def _files(path: Path, main: Path, above: tuple[Path, ...]) -> Iterator[tuple[Path, list[NumberedLine]]]:
+def _files(
+    path: Path, main: Path, above: tuple[Path, ...], read: Collection[str] | None
+) -> Iterator[tuple[Path, list[NumberedLine]]]:
     """Stretches of lines with the files they are from."""
     text = path.read_text(encoding="utf-8", errors="replace")
-    if text and text[-1] not in "\r\n" and not (last := text.splitlines()[-1].strip()).upper().startswith(ENDS):
-        raise ModelError("mesh-file", f"{path.name}: the last line, {last[-40:]!r}, has no end: cut short?")
     pattern, lines = INCLUDES[main.suffix.lower()], list[NumberedLine]()
+    check_last_line(text, path.name, abaqus=pattern is ABAQUS, read=read)
     of = f" of {path.name}" if above else ""
     if "INCLUDE" not in text.upper():
         yield path, [(f"{number}{of}", line) for number, line in enumerate(text.splitlines(), 1)]
@@ -59,7 +62,7 @@ def _files(path: Path, main: Path, above: tuple[Path, ...]) -> Iterator[tuple[Pa
             raise ModelError("mesh-include", f"{main.name}: line {place}: found no file {match[1]}")
         if found in (*above, path) or len(above) == DEEPEST:
             raise ModelError("mesh-include", f"{main.name}: line {place}: {found.name} includes itself")
-        yield from _files(found, main, (*above, path))
+        yield from _files(found, main, (*above, path), read)
     yield path, lines
 
 

@@ -15,8 +15,10 @@ from casingfem.modal.interface import AtNodes, Rim, Tip, TipNodes
 from casingfem.structure.geometry.rotation import axis_frame
 from casingfem.structure.imported.assembly import MeshSystem, mapped
 from casingfem.structure.imported.cell_kind import rule
+from casingfem.structure.imported.cells.collapsed import native
 from casingfem.structure.imported.cells.shell import directors
 from casingfem.structure.imported.checks import check_groups
+from casingfem.structure.imported.mesh_data import MeshData
 
 DEGREE = 8  # of the quadrature on facets: pieces cut them, harmonics are no polynomials
 OPEN = np.pi / 12.0  # largest angle between neighbouring points of a rim [rad]
@@ -47,24 +49,35 @@ def facets_of(system: MeshSystem, name: str) -> Facets:
     if not len(facets):
         raise ModelError("mesh-group-no-facets", f"{mesh.source}: interface {name!r}")
     nodes = mesh.facet_nodes(facets)
-    kind = mesh.cell_kind.facet
-    on = mapped(kind, mesh.points, nodes, DEGREE)
+    parts = [
+        part_of(mesh, kind, nodes[rows], slots, facets[rows])
+        for kind, rows, slots in native(mesh.cell_kind.facet, nodes)
+    ]
+    return parts[0] if len(parts) == 1 else Facets(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def part_of(mesh: MeshData, kind: str, nodes: IntArray, slots: IntArray, facets: IntArray) -> Facets:
+    """Facets of one kind with `slots` of their nodes; the others have shape functions of 0."""
+    own = nodes[:, slots]
+    on = mapped(kind, mesh.points, own, DEGREE)
     values = rule(kind, DEGREE)[2].T  # (q, nodes)
     if mesh.cell_kind.dim == 3:
         outward = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])
     else:
-        normal = np.einsum("qk,ekc->eqc", values, directors(mesh)[nodes])
+        normal = np.einsum("qk,ekc->eqc", values, directors(mesh)[own])
         outward = np.cross(on.tangents[:, :, 0], normal)
         middle = mesh.points[mesh.cells[facets[:, 0]]].mean(axis=1)
         outward *= np.sign(np.einsum("eqc,eqc->eq", outward, on.x - middle[:, None]).sum(axis=1))[:, None, None]
     outward = outward / np.linalg.norm(outward, axis=2, keepdims=True)
     q = len(values)
+    whole = np.zeros((q, nodes.shape[1]))
+    whole[:, slots] = values
     return Facets(
         x=on.x.reshape(-1, 3),
         weight=np.abs(on.measure).ravel(),
         outward=outward.reshape(-1, 3),
         nodes=np.repeat(nodes, q, axis=0),
-        values=np.tile(values, (len(nodes), 1)),
+        values=np.tile(whole, (len(nodes), 1)),
     )
 
 

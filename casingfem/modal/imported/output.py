@@ -6,10 +6,11 @@ from typing import ClassVar
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.imported.interface import node_places
 from casingfem.structure.imported.assembly import MeshSystem
-from casingfem.structure.imported.cell_kind import shape_functions
+from casingfem.structure.imported.cell_kind import KINDS, shape_functions
+from casingfem.structure.imported.cells.collapsed import distinct, native
 from casingfem.structure.imported.cells.solid import COMPONENTS, elasticity, strain_table
 from casingfem.structure.imported.solid import Solid
 
@@ -94,17 +95,24 @@ def mean_row(system: MeshSystem, name: str, node: int, component: str, *, stress
         raise ModelError("output-direction", f"output {name!r}: found component {component!r}")
     mesh = solid.mesh
     cells, local = np.nonzero(mesh.cells == place)
-    places = mesh.cell_kind.places
-    if mesh.collapsed[cells].any():  # at a corner that two nodes share the map has no inverse, beside it it has
+    cells, first = np.unique(cells, return_index=True)
+    row = np.zeros((len(system.points), system.dofs))
+    for kind, rows, slots in native(mesh.kind, mesh.cells[cells]):
+        nodes = mesh.cells[cells[rows]][:, slots]
+        at = local[first[rows]] if kind == mesh.kind else (nodes == place).argmax(axis=1)
+        D = elasticity(solid.constants()[:, cells[rows]]) if stress else None
+        table = strains_at(mesh.points, kind, nodes, at, D)[:, COMPONENTS.index(component)]
+        np.add.at(row[:, :3], nodes, table.reshape(len(nodes), -1, 3) / len(cells))
+    return row
+
+
+def strains_at(points: FloatArray, kind: str, nodes: IntArray, local: IntArray, D: FloatArray | None) -> FloatArray:
+    """Strains, or stresses of elasticities D (cells, 6, 6), of cells each at one of its nodes, (cells, 6, 3 k)."""
+    places = KINDS[kind].places
+    if kind == "pyramid13" or (distinct(nodes) < 0).any():  # where the map has no inverse: beside that node it has one
         places = places + INWARD * (places.mean(axis=0) - places)
-    _, slopes = shape_functions(mesh.kind, np.ascontiguousarray(places.T))
-    tangents = np.einsum("dke,ekc->edc", slopes[:, :, local], mesh.points[mesh.cells[cells]])
+    _, slopes = shape_functions(kind, np.ascontiguousarray(places.T))
+    tangents = np.einsum("dke,ekc->edc", slopes[:, :, local], points[nodes])
     gradients = np.linalg.solve(tangents, slopes[:, :, local].transpose(2, 0, 1))  # dN/dx, (cells, 3, nodes)
     table = strain_table(gradients)
-    if stress:
-        table = elasticity(solid.constants()[:, cells]) @ table
-    at = COMPONENTS.index(component)
-    rows = table[:, at].reshape(len(cells), -1, 3) / len(cells)
-    row = np.zeros((len(system.points), system.dofs))
-    np.add.at(row[:, :3], mesh.cells[cells], rows)
-    return row
+    return table if D is None else np.asarray(D @ table)

@@ -17,6 +17,7 @@ from casingfem.structure.geometry.rigid_body import rigid_left
 from casingfem.structure.imported.attachments.system import attached
 from casingfem.structure.imported.attachments.ties import motions_of
 from casingfem.structure.imported.cell_kind import KINDS, VTK, rule
+from casingfem.structure.imported.cells.collapsed import native
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.imported.support import MeshSupport
 from contact.io.brief import brief
@@ -310,6 +311,11 @@ def symmetric(A: csc_array) -> csc_array:
 def facet_shape_products(mesh: MeshData, facets: IntArray) -> tuple[FloatArray, IntArray, FloatArray]:
     """Integrals of N_i N_j over facets (m, k, k), their nodes (m, k), and the area or length of each (m,)."""
     nodes = mesh.facet_nodes(facets)
-    on = mapped(mesh.cell_kind.facet, mesh.points, nodes)
-    products = np.einsum("iq,jq,mq->mij", on.values, on.values, on.measure, optimize=True)
-    return products, nodes, on.measure.sum(axis=1)
+    count = nodes.shape[1]
+    products, size = np.zeros((len(nodes), count, count)), np.zeros(len(nodes))
+    for kind, rows, slots in native(mesh.cell_kind.facet, nodes):
+        on = mapped(kind, mesh.points, nodes[rows][:, slots])
+        own = np.einsum("iq,jq,mq->mij", on.values, on.values, on.measure, optimize=True)
+        products[rows[:, None, None], slots[:, None], slots] = own
+        size[rows] = on.measure.sum(axis=1)
+    return products, nodes, size

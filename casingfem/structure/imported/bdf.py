@@ -29,8 +29,11 @@ SOLIDS = {
 SHELLS = {"CQUAD4": ("quad", 4), "CQUADR": ("quad", 4), "CQUAD8": ("quad8", 8), "CQUAD": ("quad9", 9),
           "CTRIA3": ("triangle", 3), "CTRIAR": ("triangle", 3), "CTRIA6": ("triangle6", 6)}  # fmt: skip
 PLACES = {"CTETRA": 10, "CHEXA": 20, "CPENTA": 15, "CPYRAM": 13}
+CORNERS = {"CTETRA": 4, "CHEXA": 8, "CPENTA": 6, "CPYRAM": 5, "CQUAD8": 4, "CTRIA6": 3}
+WEDGE15 = (*range(9), 12, 13, 14, 9, 10, 11)
 BRICK20 = (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)  # upright edges come before the upper ones here
 OFFSETS = {"CQUAD4": 7, "CQUADR": 7, "CTRIA3": 6, "CTRIAR": 6, "CQUAD8": 15}  # field of ZOFFS
+READ = {"GRID", "GRDSET", "SPC", "SPC1", *PLACES, *SHELLS, *KINDS_OF_SYSTEMS, *BY_GRIDS, *CARDS}
 MOST = 99_999_999  # of numbers, which have eight digits
 SHORT_EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 
@@ -56,7 +59,7 @@ def read_bdf(path: Path) -> Draft:
     ModelError
         With the line, if the file is malformed or has what cannot be read.
     """
-    return Parser(path.name).read(read_lines(path))
+    return Parser(path.name).read(read_lines(path, READ))
 
 
 def split_line(line: str) -> tuple[str, list[str]]:
@@ -254,13 +257,18 @@ class Parser:
         if len(card.fields) < 3:
             raise self.fault(card, f"found {len(card.fields)} fields, expected a number, a property and nodes")
         number = self.integer(card, card.fields[0])
-        given = [text for text in card.fields[2 : 2 + places] if text]
-        kind = SOLIDS.get((card.name, len(given))) if card.name in PLACES else SHELLS[card.name][0]
-        if kind is None or (card.name in SHELLS and len(given) != places):
-            raise self.fault(card, f"element {number} has {len(given)} nodes, expected all or none of the middle ones")
+        given = card.fields[2 : 2 + places]
+        corners = CORNERS.get(card.name, places)
+        beyond = sum(text not in ("", "0") for text in card.fields[2 + places :]) if card.name in PLACES else 0
+        if len(given) < corners or "" in given[:corners] or beyond:
+            count = sum(map(bool, given)) + beyond
+            raise self.fault(card, f"element {number} has {count} nodes, expected {corners} corners, middles between")
+        linear = card.name in PLACES and not any(text not in ("", "0") for text in given[corners:])
+        given = given[:corners] if linear else given + [""] * (places - len(given))
+        kind = SOLIDS[card.name, len(given)] if card.name in PLACES else SHELLS[card.name][0]
         if self.real(card, (card.fields[OFFSETS.get(card.name, 99) :] or [""])[0]):
             self.left_out.setdefault(f"offset (ZOFFS) of {card.name}", []).append(card.line)
-        nodes = [self.integer(card, text) for text in given]
+        nodes = [self.integer(card, text or "0") for text in given]
         owner = self.integer(card, card.fields[1] or str(number))
         self.elements.setdefault(kind, []).append((number, owner, nodes))
 
@@ -295,9 +303,11 @@ class Parser:
         blocks: list[Block] = []
         cell_sets: dict[str, list[tuple[int, IntArray]]] = {}
         for kind, rows in self.elements.items():
-            cells = nodes(np.array([row[2] for row in rows]))
-            if kind == "hexahedron20":
-                cells = cells[:, BRICK20]
+            table_of = np.array([row[2] for row in rows])
+            cells = np.full(table_of.shape, -1)  # middle nodes that are left out
+            cells[table_of != 0] = nodes(table_of[table_of != 0])
+            if kind in ("hexahedron20", "wedge15"):
+                cells = cells[:, BRICK20 if kind == "hexahedron20" else WEDGE15]
             cells = right_handed(kind, cells, table[:, 1:])  # Nastran asks for neither way
             owners = np.array([row[1] for row in rows])
             for owner in np.unique(owners):

@@ -19,14 +19,15 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
+from casingfem.structure.imported.cell_kind import KINDS
+from casingfem.structure.imported.cells.collapsed import native
 from casingfem.structure.imported.draft import Block, Draft, Lookup
 
 BRICKS = ("45", "95", "185", "186", "190")
 TETRAHEDRA = ("92", "187", "285")
 SHELLS = ("63", "93", "181", "281")
 WHOLE = {8: "hexahedron", 20: "hexahedron20", 4: "tetra", 10: "tetra10"}
-SHAPES = {5: "pyramid13", 6: "wedge15"}  # of a quadratic brick's distinct corners
-TETRA8, TETRA20 = (0, 1, 2, 4), (0, 1, 2, 4, 8, 9, 11, 16, 17, 18)  # what is left of a brick collapsed to a tetrahedron
+TETRA8 = (0, 1, 2, 4)  # what is left of a linear brick collapsed to a tetrahedron
 FACTS, COUNT, OWN = 11, 8, 10  # numbers before an element's nodes; among them how many nodes, and its own number
 NAME = re.compile(r"(\d+)$")
 COLUMNS = re.compile(r"\(((?:\d*i\d+,?)+)(?:(\d*)e(\d+)\.\d+(?:e\d+)?)?\)$", re.IGNORECASE)
@@ -195,9 +196,10 @@ def kind_of(element: str, nodes: IntArray) -> tuple[str, IntArray] | None:
     corners = len(set(nodes[:8].tolist()))
     if corners == 8 or len(nodes) < 8:
         return WHOLE.get(len(nodes), "polyhedron"), nodes
-    if corners == 4 and len(nodes) in (8, 20):
-        return ("tetra", nodes[list(TETRA8)]) if len(nodes) == 8 else ("tetra10", nodes[list(TETRA20)])
-    return ("hexahedron" if len(nodes) == 8 else SHAPES.get(corners, "polyhedron")), nodes
+    if len(nodes) == 20:
+        kind, _, slots = next(iter(native("hexahedron20", nodes[None])))
+        return ("polyhedron" if kind == "hexahedron20" else kind), nodes[slots]
+    return ("tetra", nodes[list(TETRA8)]) if corners == 4 and len(nodes) == 8 else ("hexahedron", nodes)
 
 
 def draft(archive: Archive) -> Draft:
@@ -220,9 +222,8 @@ def draft(archive: Archive) -> Draft:
             left_out[f"elements of type {kind}"] += 1
             continue
         name, own = found_kind
-        if (own <= 0).any():
-            message = f"element {element[OWN]} lacks middle nodes, expected all or none"
-            raise ModelError("mesh-file", f"{source}: {message}")
+        if name in KINDS and (own[: len(KINDS[name].corners)] <= 0).any():
+            raise ModelError("mesh-file", f"{source}: element {element[OWN]} lacks a corner")
         rows.setdefault(name, []).append((element[OWN], element[0], own))
     if left_out:
         found = ", ".join(f"{count} {kind}" for kind, count in left_out.items())
@@ -233,7 +234,10 @@ def draft(archive: Archive) -> Draft:
     sets: dict[str, list[tuple[int, IntArray]]] = {}
     for k, (kind, entries) in enumerate(rows.items()):
         own_numbers = np.array([entry[0] for entry in entries])
-        blocks.append(Block(kind, nodes(np.array([entry[2] for entry in entries])), own_numbers))
+        given = np.array([entry[2] for entry in entries])
+        cells = np.full(given.shape, -1)  # middle nodes that are left out
+        cells[given > 0] = nodes(given[given > 0])
+        blocks.append(Block(kind, cells, own_numbers))
         materials = np.array([entry[1] for entry in entries])
         for material in np.unique(materials):
             sets.setdefault(f"MAT {material}", []).append((k, np.flatnonzero(materials == material)))

@@ -1,7 +1,8 @@
 """Kinds of cells of imported meshes: node order, facets, shape functions.
 
 Node order is VTK's everywhere: corners, then the middles of edges, of facets, of the cell. The shape functions come
-from scikit-fem; their order is found from the places of the nodes, so no table of permutations can be wrong.
+from scikit-fem, those of wedges and pyramids from `serendipity.py`; their order is found from the places of the nodes,
+so no table of permutations can be wrong.
 """
 
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from skfem.element import (
 from skfem.quadrature import get_quadrature
 
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.structure.imported.serendipity import Pyramid13, Serendipity, Wedge15
 
 Corners = tuple[tuple[int, ...], ...]
 Pairs = tuple[tuple[int, int], ...]
@@ -130,6 +132,8 @@ def _kinds() -> dict[str, CellKind]:
         ("hexahedron", cube, ElementHex1, 0, "quad", 3),
         ("hexahedron20", cube, ElementHexS2, 1, "quad8", 5),
         ("hexahedron27", cube, ElementHex2, 2, "quad9", 5),
+        ("wedge15", Outline(Wedge15.corners, Wedge15.edges, ()), Wedge15, 1, "", 5),
+        ("pyramid13", Outline(Pyramid13.corners, Pyramid13.edges, ()), Pyramid13, 1, "", 5),
     ]
     return {
         name: CellKind(name=name, element=element, middles=middles, facet=facet, degree=degree, **shape._asdict())
@@ -138,7 +142,7 @@ def _kinds() -> dict[str, CellKind]:
 
 
 KINDS = MappingProxyType(_kinds())
-SOLIDS = tuple(name for name, kind in KINDS.items() if kind.dim == 3)
+SOLIDS = tuple(name for name, kind in KINDS.items() if kind.dim == 3 and kind.facets)  # others stand in bricks
 SHELLS = ("quad", "quad8", "quad9")
 
 
@@ -163,6 +167,9 @@ def shape_functions(name: str, points: Array) -> tuple[FloatArray, FloatArray]:
 def rule(name: str, degree: int | None = None) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Quadrature of a kind: points (dim, q), weights (q,), and the shape functions there, values and slopes."""
     kind = KINDS[name]
-    points, weights = get_quadrature(kind.element.refdom, kind.degree if degree is None else degree)
+    if issubclass(kind.element, Serendipity):
+        points, weights = kind.element.quadrature()
+    else:
+        points, weights = get_quadrature(kind.element.refdom, kind.degree if degree is None else degree)
     values, slopes = shape_functions(name, points)
     return frozen(points), frozen(weights), frozen(values), frozen(slopes)

@@ -13,8 +13,8 @@ from scipy.spatial import cKDTree
 from casingfem.errors import ModelError, sentence, warn
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.structure.imported.assembly import mapped
-from casingfem.structure.imported.cell_kind import SHELLS, shape_functions
-from casingfem.structure.imported.cells.collapsed import LEAST, distinct
+from casingfem.structure.imported.cell_kind import KINDS, SHELLS, shape_functions
+from casingfem.structure.imported.cells.collapsed import LEAST, distinct, native
 from casingfem.structure.imported.findings import SHOWN, Finding, cells_named, edge_lengths, nodes_named, where
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.material import Material
@@ -24,6 +24,7 @@ from contact.io.names import hint
 STRAY = 0.35  # a middle node this far from the middle, relative to its corners, belongs elsewhere
 COINCIDENT = 1e-3  # nodes closer than this part of the shortest edge are the same place
 ASPECT, DISTORTED = 100.0, 0.02
+SHORT_OF = 1e-3  # of the way from a node to the middle of its cell
 BOW = 0.15  # bow of a cell's edges over its thickness
 LARGE = 25.0  # m: beyond this a part is probably in millimetres
 
@@ -54,15 +55,40 @@ def repeated_nodes(mesh: MeshData) -> list[Finding]:
     """Cells that have a node twice, but for bricks and squares that collapse to a solid or a triangle."""
     kept = np.count_nonzero(distinct(mesh.cells) >= 0, axis=1)
     bad = kept < LEAST.get(mesh.kind, mesh.cell_kind.nodes)
+    if mesh.kind == "hexahedron20":  # only what is read as another kind has the middles of that
+        for kind, rows, slots in native(mesh.kind, mesh.cells):
+            own = np.count_nonzero(distinct(mesh.cells[rows][:, slots]) >= 0, axis=1)
+            bad[rows] |= (own < KINDS[kind].nodes) | (kept[rows] > own)
     return where("mesh-collapsed-cell", bad, lambda k: f"{cells_named(mesh, k)} with a node twice")
 
 
-def orientation(mesh: MeshData) -> FloatArray:
-    """Local volume or area at nodes and quadrature points over the cell's largest, signed, (cells, points)."""
-    kind = mesh.cell_kind
-    on = mapped(mesh.kind, mesh.points, mesh.cells)
-    _, slopes = shape_functions(mesh.kind, np.ascontiguousarray(kind.places.T))
-    at_nodes = np.einsum("dkq,ekc->eqdc", slopes, mesh.points[mesh.cells], optimize=True)
+def extremes(mesh: MeshData, *, nodes: bool) -> tuple[FloatArray, FloatArray]:
+    """Least and largest local volume or area of each cell at quadrature points, or nodes too, over that of a cube."""
+    least, most = np.empty((2, len(mesh.cells)))
+    for kind, rows, slots in natives(mesh):
+        inner, at_nodes = local_sizes(mesh, kind, mesh.cells[rows][:, slots])
+        local = np.concatenate([inner, at_nodes], axis=1) if nodes else inner
+        least[rows], most[rows] = local.min(axis=1), local.max(axis=1)
+    size = edge_lengths(mesh).max(axis=1) ** mesh.cell_kind.dim
+    return least / size, most / size
+
+
+def natives(mesh: MeshData) -> list[tuple[str, IntArray, IntArray]]:
+    """Solid cells as what they are; squares of shells as squares."""
+    if mesh.cell_kind.dim == 3:
+        return list(native(mesh.kind, mesh.cells))
+    return [(mesh.kind, np.arange(len(mesh.cells)), np.arange(mesh.cells.shape[1]))]
+
+
+def local_sizes(mesh: MeshData, name: str, cells: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Local volume or area of cells of one kind at quadrature points, and at nodes, (cells, points) each."""
+    kind = KINDS[name]
+    on = mapped(name, mesh.points, cells)
+    places = kind.places
+    if name == "pyramid13":  # without a size at its apex
+        places = places + SHORT_OF * (places.mean(axis=0) - places)
+    _, slopes = shape_functions(name, np.ascontiguousarray(places.T))
+    at_nodes = np.einsum("dkq,ekc->eqdc", slopes, mesh.points[cells], optimize=True)
     tangents = np.concatenate([on.tangents, at_nodes], axis=1)
     if kind.dim == 3:
         local = np.linalg.det(tangents)
@@ -72,15 +98,15 @@ def orientation(mesh: MeshData) -> FloatArray:
         centre = middle.sum(axis=1)
         centre /= np.maximum(np.linalg.norm(centre, axis=1, keepdims=True), np.finfo(float).tiny)
         local = np.einsum("eqc,ec->eq", normal, centre)
-    return np.asarray(local / edge_lengths(mesh).max(axis=1)[:, None] ** kind.dim)
+    return local[:, : on.measure.shape[1]], local[:, on.measure.shape[1] :]
 
 
 def bad_cells(mesh: MeshData) -> list[Finding]:
     """Cells without volume, inside out, or with nodes in another order than the format's."""
-    local = orientation(mesh)[:, : -mesh.cell_kind.nodes]
-    flat = np.abs(local).max(axis=1) < 1e-9
-    inverted = ~flat & (local < 0).all(axis=1)
-    mixed = ~flat & ~inverted & ((local <= 0).any(axis=1) | stray_middles(mesh))
+    least, most = extremes(mesh, nodes=False)
+    flat = np.maximum(most, -least) < 1e-9
+    inverted = ~flat & (most < 0.0)
+    mixed = ~flat & ~inverted & ((least <= 0.0) | stray_middles(mesh))
     return [
         *where("mesh-flat-cell", flat, lambda k: f"{cells_named(mesh, k)} without volume or area"),
         *where("mesh-inverted-cell", inverted, lambda k: f"{cells_named(mesh, k)} inside out"),
@@ -165,7 +191,9 @@ def hanging(mesh: MeshData) -> list[Finding]:
     if not mesh.cell_kind.middles:
         return []
     corners = len(mesh.cell_kind.corners)
-    both = np.isin(mesh.cells[:, corners:], mesh.cells[:, :corners]).any(axis=1)
+    first, middles = mesh.cells[:, :corners], mesh.cells[:, corners:]
+    own = (middles[:, :, None] == first[:, None, :]).any(axis=2)  # of cells that collapse
+    both = (np.isin(middles, first) & ~own).any(axis=1)
     what = "use a corner of another cell as a middle node"
     return [*where("mesh-hanging-node", both, lambda k: f"{cells_named(mesh, k)} {what}"), *split_facets(mesh)]
 
@@ -174,10 +202,10 @@ def split_facets(mesh: MeshData) -> list[Finding]:
     """Neighbours with the same corners on their common facet and other middle nodes."""
     count = len(mesh.cell_kind.facets)
     place = np.argwhere(np.ones((len(mesh.cells), count)))
-    full = np.sort(mesh.facet_nodes(place), axis=1)
+    full = distinct(mesh.facet_nodes(place))
     _, inverse, counts = np.unique(full, axis=0, return_inverse=True, return_counts=True)
     alike = counts[inverse.ravel()].reshape(len(mesh.cells), count)
-    bad = (alike != mesh.sharing).any(axis=1)
+    bad = ((alike != mesh.sharing) & (mesh.sharing > 0)).any(axis=1)
     return where("mesh-hanging-node", bad, lambda k: f"{cells_named(mesh, k)} share corners of a facet, not its middle")
 
 
@@ -203,8 +231,8 @@ def slender(mesh: MeshData) -> list[Finding]:
     """Cells much longer than wide, or nearly folded."""
     edges = edge_lengths(mesh)
     ratio = edges.max(axis=1) / edges.min(axis=1)
-    local = orientation(mesh)
-    lowest = np.where(mesh.collapsed, 1.0, local.min(axis=1) / local.max(axis=1))
+    least, most = extremes(mesh, nodes=True)
+    lowest = np.where(mesh.collapsed & (mesh.kind != "hexahedron20"), 1.0, least / most)
     long = f"longest to shortest edge up to {ratio.max():.3g}"
     return [
         *where("mesh-aspect", ratio > ASPECT, lambda k: f"{cells_named(mesh, k)}, {long}"),

@@ -16,6 +16,7 @@ from casingfem.structure.imported.attachments.values import NOTHING, Attachments
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.cells.collapsed import common_kind, written_as
 from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
+from casingfem.structure.imported.middles import filled
 from contact.io.names import names_fault
 
 DIMENSIONS = {"vertex": 0, "wedge": 3, "pyramid": 3, "polygon": 2} | {name: kind.dim for name, kind in KINDS.items()}
@@ -23,7 +24,10 @@ DIMENSIONS = {"vertex": 0, "wedge": 3, "pyramid": 3, "polygon": 2} | {name: kind
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
-    """Cells of one kind: node indices (cells, nodes) in VTK's order, and the numbers they have in the file."""
+    """Cells of one kind: node indices (cells, nodes) in VTK's order, and the numbers they have in the file.
+
+    Middle nodes that are left out are -1.
+    """
 
     kind: str
     cells: IntArray
@@ -80,6 +84,7 @@ def build(draft: Draft, source: str) -> MeshData:
     ModelError
         Without cells, with several kinds of the highest dimension, or with a kind that is not supported.
     """
+    draft = with_middles(draft)
     dims = [block.dim for block in draft.blocks]
     top = max(dims, default=0)
     kinds = Counter({b.kind: 0 for b in draft.blocks if b.dim == top})
@@ -112,6 +117,18 @@ def build(draft: Draft, source: str) -> MeshData:
         raise ModelError("mesh-file", f"{source}: found the group {fault}")
     mesh = replace(mesh, groups={name: make_group(name, draft, mesh, start) for name in names})
     return tied(mesh, draft.gluings)
+
+
+def with_middles(draft: Draft) -> Draft:
+    """A draft with the middle nodes that its cells leave out, without numbers of their own."""
+    kinds = [block.kind for block in draft.blocks]
+    points, cells, tie = filled(draft.points, kinds, [block.cells for block in draft.blocks])
+    if tie is None:
+        return draft
+    blocks = [replace(block, cells=own) for block, own in zip(draft.blocks, cells, strict=True)]
+    numbers = np.concatenate([draft.node_numbers, np.zeros(len(tie.nodes), dtype=np.int64)])
+    hung = replace(draft.attachments, glued=(tie, *draft.attachments.glued))
+    return replace(draft, points=points, node_numbers=numbers, blocks=blocks, attachments=hung)
 
 
 def make_group(name: str, draft: Draft, mesh: MeshData, start: Mapping[int, int]) -> Group:

@@ -37,6 +37,7 @@ CUBE_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 
 REFUSED = {"SYSTEM": "a local coordinate system"} | dict.fromkeys(
     ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"), "nodes or elements that are not written out"
 )
+READ = {"NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "TIE", "INSTANCE", "PART", *PROPERTIES, *CONNECTIONS}
 MOST = 1e15  # of numbers that a mesh has: beyond, a float does not tell them apart
 LEFT_OUT = ("SHELL TO SOLID COUPLING", "EMBEDDED ELEMENT",
             "NONSTRUCTURAL MASS", "CONNECTOR SECTION", "CYCLIC SYMMETRY MODEL", "MATRIX INPUT", "MATRIX ASSEMBLE",
@@ -61,7 +62,7 @@ def read_inp(path: Path) -> Draft:
     ModelError
         With the line, if the file is malformed or has what cannot be read.
     """
-    return Parser(path.name).read(read_lines(path))
+    return Parser(path.name).read(read_lines(path, READ))
 
 
 def cards(lines: Iterable[NumberedLine]) -> Iterator[Card]:
@@ -225,10 +226,9 @@ class Parser:
             for kind, numbers, cells in self.elements:
                 block = Block(kind, cells[np.isin(numbers, ids)], numbers)
                 if len(block.cells):
-                    corners = self.local_corners(kind, face)
-                    facets = KINDS[kind].facets
-                    place = next(k for k, facet in enumerate(facets) if set(facet) == set(corners))
-                    found.append(block.cells[:, KINDS[kind].facet_nodes[place]].ravel())
+                    corners = set(self.local_corners(kind, face))
+                    stands = KINDS[kind].supports_of_nodes if kind in KINDS else [(k,) for k in range(NODES[kind])]
+                    found.append(block.cells[:, [k for k, on in enumerate(stands) if corners >= set(on)]].ravel())
         return np.unique(np.concatenate(found))
 
     def take_set(self, card: Card) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.assembly import Mapped, MeshStructure, mapped
+from casingfem.structure.imported.cells.collapsed import native
 from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.mesh_data import MeshData
 from casingfem.structure.shell.loads import EdgeLoad, Gravity, Pressure, SurfaceLoad, Vector
@@ -69,9 +70,12 @@ class FacetPressure:
         mesh = structure.mesh
         if mesh.cell_kind.dim != 3:
             raise ModelError("load-edge", f"{mesh.source}: a FacetPressure on a shell, expected a Pressure on its wall")
-        on, nodes = group_facets(mesh, self.group)
-        normal = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])  # of the size of the area
-        return spread(mesh, on, nodes, -self.pressure * normal / np.linalg.norm(normal, axis=2, keepdims=True))
+        loads = np.zeros_like(mesh.points)
+        for on, nodes in group_facets(mesh, self.group):
+            normal = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])  # of the size of the area
+            unit = normal / np.linalg.norm(normal, axis=2, keepdims=True)
+            loads += spread(mesh, on, nodes, -self.pressure * unit)
+        return loads
 
 
 def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
@@ -87,9 +91,12 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
         case OnMesh():
             return load.on_mesh(structure)
         case Gravity():
-            on = mapped(mesh.kind, mesh.points, mesh.cells)
-            force = structure.density()[:, None, None] * np.asarray(load.acceleration)
-            loads = spread(mesh, on, mesh.cells, np.broadcast_to(force, on.x.shape))
+            loads, density = np.zeros_like(mesh.points), structure.density()
+            for kind, rows, slots in native(mesh.kind, mesh.cells):
+                nodes = mesh.cells[rows][:, slots]
+                on = mapped(kind, mesh.points, nodes)
+                force = density[rows, None, None] * np.asarray(load.acceleration)
+                loads += spread(mesh, on, nodes, np.broadcast_to(force, on.x.shape))
             for mass in mesh.attachments.masses:
                 if any(mass.offset):
                     found = f"{mesh.source}: Gravity on the {mass.where}, which stands off its node"
@@ -97,8 +104,12 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
                 loads[mass.node] += mass.mass * np.asarray(load.acceleration)
             return loads
         case EdgeLoad():
-            on, nodes = group_facets(mesh, load.edge)
-            return spread(mesh, on, nodes, np.broadcast_to(np.asarray(load.force), on.x.shape))
+            force = np.asarray(load.force)
+            parts = (
+                spread(mesh, on, nodes, np.broadcast_to(force, on.x.shape))
+                for on, nodes in group_facets(mesh, load.edge)
+            )
+            return np.asarray(sum(parts, np.zeros_like(mesh.points)))
         case Pressure() | SurfaceLoad() if mesh.cell_kind.dim == 2:
             on = mapped(mesh.kind, mesh.points, mesh.cells)
             if isinstance(load, SurfaceLoad):
@@ -109,14 +120,15 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
     raise ModelError("load-edge", f"{mesh.source}: a {type(load).__name__} on an imported mesh of {mesh.kind} cells")
 
 
-def group_facets(mesh: MeshData, name: str) -> tuple[Mapped, IntArray]:
-    """The facets of a group, mapped, and their nodes."""
+def group_facets(mesh: MeshData, name: str) -> list[tuple[Mapped, IntArray]]:
+    """The facets of a group, mapped, and their nodes, each kind by itself."""
     check_groups(mesh, [name])
     facets = mesh.group_facets(name)
     if not len(facets):
         raise ModelError("mesh-group-no-facets", f"{mesh.source}: load on {name!r}")
     nodes = mesh.facet_nodes(facets)
-    return mapped(mesh.cell_kind.facet, mesh.points, nodes), nodes
+    parts = [(kind, nodes[rows][:, slots]) for kind, rows, slots in native(mesh.cell_kind.facet, nodes)]
+    return [(mapped(kind, mesh.points, own), own) for kind, own in parts]
 
 
 def spread(mesh: MeshData, on: Mapped, nodes: IntArray, density: FloatArray) -> FloatArray:

@@ -13,11 +13,12 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray, read_only
+from casingfem.io.arrays import FloatArray, IntArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import (
+    Mapped,
     MeshSystem,
     assembled,
     cell_dofs,
@@ -26,7 +27,7 @@ from casingfem.structure.imported.assembly import (
     scatter,
 )
 from casingfem.structure.imported.cell_kind import SOLIDS
-from casingfem.structure.imported.cells.solid import consistent_mass, stiffness
+from casingfem.structure.imported.cells.solid import cell_matrices, cell_stiffness, consistent_mass
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.groups import by_group, constants_of
 from casingfem.structure.imported.mesh_data import MeshData
@@ -43,7 +44,8 @@ class Solid:
     Parameters
     ----------
     mesh
-        Cells of one kind: tetra, tetra10, hexahedron, hexahedron20 or hexahedron27 (`read_mesh`).
+        Cells of one kind: tetra, tetra10, hexahedron, hexahedron20 or hexahedron27, bricks with others that collapse
+        among them (`read_mesh`).
     material
         Of all cells that `materials` does not name.
     materials
@@ -112,13 +114,17 @@ def assemble_solid(solid: Solid) -> MeshSystem:
     mesh = solid.mesh
     size = 3 * len(mesh.points)
     dofs = cell_dofs(mesh.cells, 3)
-    on = mapped(mesh.kind, mesh.points, mesh.cells)
     constants = solid.constants()
-    K = scatter(stiffness(on, constants), dofs, size)
-    M = scatter(consistent_mass(on, constants[2]), dofs, size)
-    area = facet_shape_products(mesh, mesh.boundary)[2].sum()
     E, _, rho = constants
-    wall, sound = float(2.0 * on.measure.sum() / area), float(np.sqrt((E / rho).min()))
+
+    def mass(on: Mapped, rows: IntArray) -> FloatArray:
+        return consistent_mass(on, rho[rows])
+
+    K = scatter(cell_stiffness(mesh.kind, mesh.points, mesh.cells, constants), dofs, size)
+    M = scatter(cell_matrices(mesh.kind, mesh.points, mesh.cells, mass), dofs, size)
+    area = facet_shape_products(mesh, mesh.boundary)[2].sum()
+    volume = mapped(mesh.kind, mesh.points, mesh.cells).measure.sum()
+    wall, sound = float(2.0 * volume / area), float(np.sqrt((E / rho).min()))
     return assembled(solid, K, M, foundations(solid), rigid_motions(mesh.points), wall, sound)
 
 

@@ -7,16 +7,26 @@ tangent is material, stress and spin softening. (Bathe, Finite Element Procedure
 """
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import NumericsError
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.assembly import CHUNK, Mapped, MeshSystem, cell_dofs, mapped, on_free, scatter
-from casingfem.structure.imported.cells.solid import VOIGT, SolidCells, consistent_mass, elasticity, strain_table
+from casingfem.structure.imported.assembly import CHUNK, MeshSystem, cell_dofs, mapped, on_free, scatter
+from casingfem.structure.imported.cell_kind import rule
+from casingfem.structure.imported.cells.collapsed import native
+from casingfem.structure.imported.cells.solid import (
+    VOIGT,
+    SolidCells,
+    cell_matrices,
+    consistent_mass,
+    elasticity,
+    strain_table,
+)
 from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin, point_inertia, tied_solution
 
 STEPS, SETTLED = 30, 1e-9  # Newton's steps at most; relative size of the last one
@@ -30,12 +40,8 @@ def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> Mes
     ModelError
         `static-loose` if the centrifugal force drives a rigid motion that is not held.
     """
-    on, constants = mapped(solid.mesh.kind, solid.mesh.points, solid.mesh.cells), solid.constants()
     linear = mesh_spin(
-        system,
-        rotation,
-        lambda axis: solid_inertia(solid, on, constants[2], axis),
-        lambda fields: solid_stiffening(solid, on, constants, fields),
+        system, rotation, lambda axis: solid_inertia(solid, axis), lambda fields: solid_stiffening(solid, fields)
     )
 
     def steady(omega: float) -> csc_array:
@@ -44,27 +50,58 @@ def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> Mes
     return MeshSpin(linear.K1, linear.K2, linear.G, linear.fields, linear.nonlinear, steady)
 
 
-def solid_inertia(solid: SolidCells, on: Mapped, rho: FloatArray, rotation: Rotation) -> Inertia:
+def solid_inertia(solid: SolidCells, rotation: Rotation) -> Inertia:
     """Inertia of the cells about an axis."""
+    mesh, rho = solid.mesh, solid.constants()[2]
     P, a = rotation.plane, rotation.direction
     turn = np.cross(a, np.eye(3)).T  # turn v = a x v
+
+    def masses(block: FloatArray | None) -> FloatArray:
+        return cell_matrices(mesh.kind, mesh.points, mesh.cells, lambda on, rows: consistent_mass(on, rho[rows], block))
+
     return Inertia(
-        mass=consistent_mass(on, rho),
-        softening=consistent_mass(on, rho, P),
-        gyroscopic=2.0 * consistent_mass(on, rho, turn),
-        away=(solid.mesh.points - np.asarray(rotation.centre)) @ P,
+        mass=masses(None),
+        softening=masses(P),
+        gyroscopic=2.0 * masses(turn),
+        away=(mesh.points - np.asarray(rotation.centre)) @ P,
     )
 
 
-def batches(solid: SolidCells, on: Mapped, fields: FloatArray) -> Iterator[tuple[slice, FloatArray, FloatArray]]:
-    """Cells in batches: dN/dx (cells, q, 3, nodes) and du_k/dx_i (cells, q, 3 k, 3 i)."""
-    nodes, points = on.values.shape
-    step = max(1, CHUNK // (points * 6 * nodes * 3))
-    for start in range(0, len(solid.mesh.cells), step):
-        part = slice(start, start + step)
-        slopes = np.linalg.inv(on.tangents[part]) @ on.slopes.transpose(2, 0, 1)
-        moved = fields[solid.mesh.cells[part]].transpose(0, 2, 1)
-        yield part, slopes, moved[:, None] @ slopes.swapaxes(2, 3)
+class Batch(NamedTuple):
+    """Cells of one kind at their quadrature points: rows of the mesh, nodes (cells, k), their dofs in the cell.
+
+    dN/dx `slopes` (cells, q, 3, nodes), du_k/dx_i `gradient` (cells, q, 3 k, 3 i), weights (cells, q, 1), elasticity
+    (cells, 1, 6, 6).
+    """
+
+    rows: IntArray
+    nodes: IntArray
+    dofs: IntArray
+    slopes: FloatArray
+    gradient: FloatArray
+    weight: FloatArray
+    D: FloatArray
+
+    def add(self, total: FloatArray, matrices: FloatArray) -> None:
+        """Put matrices of the cells into those of all, (cells, m, m)."""
+        total[self.rows[:, None, None], self.dofs[:, None], self.dofs] = matrices
+
+
+def batches(solid: SolidCells, fields: FloatArray) -> Iterator[Batch]:
+    """The cells in batches, each of one kind."""
+    mesh, D = solid.mesh, elasticity(solid.constants())[:, None]
+    for kind, rows, slots in native(mesh.kind, mesh.cells):
+        step = max(1, CHUNK // (rule(kind)[0].shape[1] * 6 * len(slots) * 3))
+        dofs = cell_dofs(slots[None], 3)[0]
+        for start in range(0, len(rows), step):
+            part = rows[start : start + step]
+            nodes = mesh.cells[part][:, slots]
+            on = mapped(kind, mesh.points, nodes)
+            slopes = np.linalg.inv(on.tangents) @ on.slopes.transpose(2, 0, 1)
+            moved = fields[nodes].transpose(0, 2, 1)
+            yield Batch(
+                part, nodes, dofs, slopes, moved[:, None] @ slopes.swapaxes(2, 3), on.measure[:, :, None], D[part]
+            )
 
 
 def geometric(slopes: FloatArray, stress: FloatArray) -> FloatArray:
@@ -86,23 +123,22 @@ def products(left: FloatArray, right: FloatArray) -> FloatArray:
     return np.asarray(left.reshape(cells, -1, m).transpose(0, 2, 1) @ right.reshape(cells, -1, m))
 
 
-def solid_stiffening(solid: SolidCells, on: Mapped, constants: FloatArray, fields: FloatArray) -> Stiffening:
+def solid_stiffening(solid: SolidCells, fields: FloatArray) -> Stiffening:
     """What a static state adds to the stiffness of the cells."""
-    D, m = elasticity(constants)[:, None], 3 * solid.mesh.cells.shape[1]
-    first, second = np.empty((2, len(solid.mesh.cells), m, m))
+    m = 3 * solid.mesh.cells.shape[1]
+    first, second = np.zeros((2, len(solid.mesh.cells), m, m))
     bowed = strained = 0.0
-    for part, slopes, gradient in batches(solid, on, fields):
-        weight = on.measure[part][:, :, None]
-        moved = fields[solid.mesh.cells[part]].reshape(len(slopes), 1, m, 1)
-        B, quadratic = strain_table(slopes), strain_table(slopes, gradient)
+    for part in batches(solid, fields):
+        moved = fields[part.nodes].reshape(len(part.nodes), 1, -1, 1)
+        B, quadratic = strain_table(part.slopes), strain_table(part.slopes, part.gradient)
         strain, bow = (B @ moved)[..., 0], 0.5 * (quadratic @ moved)[..., 0]
-        stress = (D[part] @ strain[..., None])[..., 0] * weight
-        pulled = D[part] @ quadratic * weight[..., None]
+        stress = (part.D @ strain[..., None])[..., 0] * part.weight
+        pulled = part.D @ quadratic * part.weight[..., None]
         cross = products(B, pulled)
-        first[part] = geometric(slopes, stress) + cross + cross.transpose(0, 2, 1)
-        second[part] = products(quadratic, pulled)
+        part.add(first, geometric(part.slopes, stress) + cross + cross.transpose(0, 2, 1))
+        part.add(second, products(quadratic, pulled))
         strained += float((stress * strain).sum())
-        bowed += float(((D[part] @ bow[..., None])[..., 0] * bow * weight).sum())
+        bowed += float(((part.D @ bow[..., None])[..., 0] * bow * part.weight).sum())
     return Stiffening(first, second, float(np.sqrt(bowed / strained)) if strained > 0.0 else 0.0)
 
 
@@ -117,44 +153,41 @@ def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, 
         If Newton's method does not settle: the part leaves its shape at this speed.
     """
     mesh, omega = solid.mesh, rotation.omega
-    on, constants = mapped(mesh.kind, mesh.points, mesh.cells), solid.constants()
     rows, size = cell_dofs(mesh.cells, 3), 3 * len(mesh.points)
-    of = solid_inertia(solid, on, constants[2], rotation)
+    of = solid_inertia(solid, rotation)
     hung = point_inertia(system, rotation)
     soft = omega**2 * (scatter(of.softening, rows, size) + hung.softening)
     pull = omega**2 * ((scatter(of.mass, rows, size) + hung.mass) @ of.away.ravel())
-    at_rest = on_free(tangent(solid, on, constants, np.zeros_like(start))[0], system.free)
+    at_rest = on_free(tangent(solid, np.zeros_like(start))[0], system.free)
     springs = csc_array(system.K - at_rest)
     fields = start.copy()
     for _ in range(STEPS):
-        K, inner = tangent(solid, on, constants, fields)
+        K, inner = tangent(solid, fields)
         K = csc_array(on_free(csc_array(K - soft), system.free) + springs)
         free = fields.ravel()[system.free]
         residual = (pull + soft @ fields.ravel() - inner)[system.free] - springs @ free
         step = tied_solution(system, K, residual, lambda K, f: factorise(K).solve(f))
         fields = fields + system.expand(step[:, None])[:, :, 0]
         if np.linalg.norm(step) <= SETTLED * np.linalg.norm(fields):
-            K, _ = tangent(solid, on, constants, fields)
+            K, _ = tangent(solid, fields)
             return csc_array(on_free(csc_array(K - soft), system.free) - at_rest)
     raise NumericsError(
         f"rotation: found no steady state at {omega / (2.0 * np.pi):.4g} turns a second in {STEPS} steps"
     )
 
 
-def tangent(solid: SolidCells, on: Mapped, constants: FloatArray, fields: FloatArray) -> tuple[csc_array, FloatArray]:
+def tangent(solid: SolidCells, fields: FloatArray) -> tuple[csc_array, FloatArray]:
     """Tangent stiffness and inner forces of a deformed solid, on all dofs."""
-    D, m = elasticity(constants)[:, None], 3 * solid.mesh.cells.shape[1]
-    rows, size = cell_dofs(solid.mesh.cells, 3), 3 * len(solid.mesh.points)
-    matrices, forces = np.empty((len(solid.mesh.cells), m, m)), np.empty((len(solid.mesh.cells), m))
-    for part, slopes, gradient in batches(solid, on, fields):
-        weight = on.measure[part][:, :, None]
-        deformation = gradient + np.eye(3)
+    mesh = solid.mesh
+    m = 3 * mesh.cells.shape[1]
+    rows, size = cell_dofs(mesh.cells, 3), 3 * len(mesh.points)
+    matrices, inner = np.zeros((len(mesh.cells), m, m)), np.zeros(size)
+    for part in batches(solid, fields):
+        deformation = part.gradient + np.eye(3)
         stretch = deformation.swapaxes(2, 3) @ deformation - np.eye(3)
         strain = np.stack([stretch[..., i, j] * (0.5 if i == j else 1.0) for i, j in VOIGT], axis=-1)
-        stress = (D[part] @ strain[..., None])[..., 0] * weight
-        B = strain_table(slopes, deformation)
-        matrices[part] = products(B, D[part] @ B * weight[..., None]) + geometric(slopes, stress)
-        forces[part] = np.einsum("cqsm,cqs->cm", B, stress)
-    inner = np.zeros(size)
-    np.add.at(inner, rows, forces)
+        stress = (part.D @ strain[..., None])[..., 0] * part.weight
+        B = strain_table(part.slopes, deformation)
+        part.add(matrices, products(B, part.D @ B * part.weight[..., None]) + geometric(part.slopes, stress))
+        np.add.at(inner, cell_dofs(part.nodes, 3), np.einsum("cqsm,cqs->cm", B, stress))
     return scatter(matrices, rows, size), inner

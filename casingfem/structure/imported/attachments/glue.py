@@ -87,13 +87,13 @@ def glued(mesh: MeshData, gluing: Gluing) -> MeshData:
     apart = np.setdiff1d(mesh.groups[gluing.follower].nodes, np.concatenate([facets.ravel(), *earlier]))
     if not len(apart):
         return mesh
-    parts = list(native(kind, facets))
-    found = [nearest_places(of, mesh.points[nodes], mesh.points[apart]) for of, _, nodes in parts]
+    parts = [(of, facets[rows][:, slots]) for of, rows, slots in native(kind, facets)]
+    found = [nearest_places(of, mesh.points[nodes], mesh.points[apart]) for of, nodes in parts]
     best = np.array([places.distance for places in found]).argmin(axis=0)
     width = facets.shape[1]
     others, weights = np.zeros((len(apart), width), dtype=np.int64), np.zeros((len(apart), width))
     x, far = mesh.points.copy(), np.zeros(len(apart), dtype=bool)
-    for k, ((_, _, nodes), places) in enumerate(zip(parts, found, strict=True)):
+    for k, ((_, nodes), places) in enumerate(zip(parts, found, strict=True)):
         own = np.flatnonzero(best == k)
         others[own, : nodes.shape[1]] = nodes[places.facet[own]]
         weights[own, : nodes.shape[1]] = places.weights[own]

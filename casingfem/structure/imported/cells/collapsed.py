@@ -1,14 +1,17 @@
-"""Linear cells of several kinds as cells of one: wedges, pyramids and tetrahedra as bricks, triangles as squares.
+"""Cells of several kinds written as cells of one: wedges, pyramids and tetrahedra as bricks, triangles as squares.
 
 A brick or square with two corners at one node has, on the linear kinds, exactly the shape functions of what it
-collapses to (Hughes, The Finite Element Method, 1987, section 3.6); on quadratic kinds it has not.
+collapses to (Hughes, The Finite Element Method, 1987, section 3.6). On quadratic kinds it has not: these are written so
+for what meshes share, facets and groups, and integrated as what they are (`native`).
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import cache
 
 import numpy as np
 
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.cells.handed import right_handed
 
 CORNERS: Mapping[str, Mapping[str, Sequence[int]]] = {
@@ -17,32 +20,70 @@ CORNERS: Mapping[str, Mapping[str, Sequence[int]]] = {
         "tetra": (0, 1, 2, 2, 3, 3, 3, 3),
     },
     "quad": {"quad": (0, 1, 2, 3), "triangle": (0, 1, 2, 2)},
+    "hexahedron20": {
+        "hexahedron20": (0, 1, 2, 3, 4, 5, 6, 7), "wedge15": (0, 1, 2, 2, 3, 4, 5, 5),
+        "pyramid13": (0, 1, 2, 3, 4, 4, 4, 4), "tetra10": (0, 1, 2, 2, 3, 3, 3, 3),
+    },
 }  # of a kind, written as a brick or square  # fmt: skip
-LEAST = {"hexahedron": 4, "quad": 3}  # corners that a collapsed cell keeps
+LEAST = {"hexahedron": 4, "quad": 3, "hexahedron20": 10}  # nodes that a collapsed cell keeps
 
 
-TURNS = tuple((k, (k + 1) % 4, (k + 2) % 4, (k + 3) % 4) for k in range(4))  # of a square, by its first corner
+FLAT: Mapping[str, str] = {"quad": "triangle", "quad8": "triangle6"}  # what facets collapse to
+
+
+@cache
+def forms(kind: str) -> tuple[tuple[str, tuple[int, ...], IntArray], ...]:
+    """What cells of a kind can be: kind, first corner that each corner repeats, and the places of the kind's own nodes.
+
+    Linear solids stay bricks, whose shape functions are those of what they collapse to.
+    """
+    if kind in FLAT:
+        turns = [[(k + 1) % 4, (k + 2) % 4, (k + 3) % 4] for k in range(4)]  # corner k + 1 repeats corner k
+        again = [(0, 0, 2, 3), (0, 1, 1, 3), (0, 1, 2, 2), (0, 1, 2, 0)]
+        slots = [turn if kind == "quad" else turn + [4 + i for i in turn] for turn in turns]
+        return tuple((FLAT[kind], first, frozen(np.array(row))) for first, row in zip(again, slots, strict=True))
+    if kind != "hexahedron20":
+        return ()
+    found = []
+    for name, corners in CORNERS[kind].items():
+        if name != kind:
+            on = spread(kind, name)
+            first = tuple(corners.index(c) for c in corners)
+            found.append((name, first, frozen(np.array([on.index(k) for k in range(KINDS[name].nodes)]))))
+    return tuple(found)
+
+
+def spread(target: str, kind: str) -> list[int]:
+    """Which node of a kind stands at each node of the kind that it is written as."""
+    corners = CORNERS[target][kind]
+    if kind not in KINDS:
+        return list(corners)
+    number = {frozenset(nodes): k for k, nodes in enumerate(KINDS[kind].supports_of_nodes)}
+    return [number[frozenset(corners[i] for i in nodes)] for nodes in KINDS[target].supports_of_nodes]
 
 
 def native(kind: str, cells: IntArray) -> Iterator[tuple[str, IntArray, IntArray]]:
-    """Facets that collapse as what they are: kind, rows (m,) and nodes (m, k) of each kind there is.
+    """Cells or facets as what they are: kind, rows (m,), and which of their nodes are its own, in its order.
 
-    >>> [(kind, nodes.tolist()) for kind, _, nodes in native("quad", np.array([[1, 2, 5, 4], [2, 3, 3, 5]]))]
-    [('quad', [[1, 2, 5, 4]]), ('triangle', [[3, 5, 2]])]
+    >>> squares = np.array([[1, 2, 5, 4], [2, 3, 3, 5]])
+    >>> [(kind, squares[rows][:, slots].tolist()) for kind, rows, slots in native("quad", squares)]
+    [('triangle', [[3, 5, 2]]), ('quad', [[1, 2, 5, 4]])]
     """
-    if kind not in ("quad", "quad8"):
-        yield kind, np.arange(len(cells)), cells
+    known = forms(kind)
+    every = np.arange(cells.shape[1])
+    if not known:
+        yield kind, np.arange(len(cells)), every
         return
-    corners = cells[:, :4]
-    again = corners == np.roll(corners, -1, axis=1)
-    if len(whole := np.flatnonzero(~again.any(axis=1))):
-        yield kind, whole, cells[whole]
-    flat = np.flatnonzero(again.any(axis=1))
-    if len(flat):
-        first = again[flat].argmax(axis=1)  # corner that the next one repeats
-        order = np.array(TURNS)[(first + 1) % 4][:, :3]
-        slots = order if kind == "quad" else np.hstack([order, 4 + order])
-        yield ("triangle" if kind == "quad" else "triangle6"), flat, np.take_along_axis(cells[flat], slots, axis=1)
+    corners = cells[:, : len(known[0][1])]
+    first = (corners[:, :, None] == corners[:, None, :]).argmax(axis=2)
+    left = np.ones(len(cells), dtype=bool)
+    for name, again, slots in known:
+        here = (first == np.array(again)).all(axis=1)
+        left &= ~here
+        if here.any():
+            yield name, np.flatnonzero(here), slots
+    if left.any():
+        yield kind, np.flatnonzero(left), every
 
 
 def common_kind(kinds: Collection[str]) -> str:
@@ -51,7 +92,7 @@ def common_kind(kinds: Collection[str]) -> str:
     >>> common_kind(["tetra"]), common_kind(["tetra", "wedge"]), common_kind(["triangle"]), common_kind(["quad8", "x"])
     ('tetra', 'hexahedron', 'quad', '')
     """
-    if len(kinds) == 1 and not set(kinds) & {"wedge", "pyramid", "triangle"}:
+    if len(kinds) == 1 and not set(kinds) & {"wedge", "pyramid", "triangle", "wedge15", "pyramid13"}:
         return next(iter(kinds))
     return next((target for target, known in CORNERS.items() if set(kinds) <= set(known)), "")
 
@@ -60,8 +101,8 @@ def written_as(target: str, kind: str, cells: IntArray, points: FloatArray) -> I
     """Cells of a kind (m, nodes) as those of another; wedges, which VTK numbers from above, from below."""
     if kind == target:
         return cells
-    upright = right_handed(kind, cells, points) if kind == "wedge" else cells
-    return np.asarray(upright[:, list(CORNERS[target][kind])])
+    upright = right_handed(kind, cells, points) if kind.startswith(("wedge", "pyramid")) else cells
+    return np.asarray(upright[:, spread(target, kind)])
 
 
 def distinct(corners: IntArray) -> IntArray:

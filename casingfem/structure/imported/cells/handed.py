@@ -5,8 +5,9 @@ import numpy as np
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.cell_kind import KINDS
 
-MIRRORED = {"tetra": (0, 2, 1, 3), "wedge": (3, 4, 5, 0, 1, 2), "hexahedron": (4, 5, 6, 7, 0, 1, 2, 3)}  # corners
-UP = {"tetra": (1, 2, 3), "wedge": (1, 2, 3), "hexahedron": (1, 3, 4)}  # ends of three edges from the first corner
+MIRRORED = {"tetra": (0, 2, 1, 3), "wedge": (3, 4, 5, 0, 1, 2), "hexahedron": (4, 5, 6, 7, 0, 1, 2, 3),
+            "pyramid": (0, 3, 2, 1, 4)}  # corners  # fmt: skip
+UP = {"tetra": (1, 2, 3), "wedge": (1, 2, 3), "hexahedron": (1, 3, 4), "pyramid": (1, 3, 4)}  # ends of three edges
 
 
 def right_handed(kind: str, cells: IntArray, points: FloatArray) -> IntArray:
@@ -17,7 +18,7 @@ def right_handed(kind: str, cells: IntArray, points: FloatArray) -> IntArray:
     [[0, 1, 2, 3]]
     """
     shape = kind.rstrip("0123456789")
-    if shape not in UP or not (kind == "wedge" or kind in KINDS):
+    if shape not in UP or not (kind in ("wedge", "pyramid") or kind in KINDS):
         return cells
     x = points[cells[:, [0, *UP[shape]]]]
     edges = x[:, 1:] - x[:, :1]
@@ -28,7 +29,7 @@ def right_handed(kind: str, cells: IntArray, points: FloatArray) -> IntArray:
 def mirror(kind: str) -> list[int]:
     """Which node takes the place of each when the corners are those of `MIRRORED`."""
     corners = MIRRORED[kind.rstrip("0123456789")]
-    if kind == "wedge":
+    if kind not in KINDS:
         return list(corners)
     stands = KINDS[kind].supports_of_nodes
     number = {frozenset(nodes): k for k, nodes in enumerate(stands)}

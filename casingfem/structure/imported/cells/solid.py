@@ -1,11 +1,13 @@
 """Cells of a solid: strains over the dofs of the nodes, stiffness and consistent mass."""
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 
-from casingfem.io.arrays import FloatArray
-from casingfem.structure.imported.assembly import CHUNK, Mapped
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.assembly import CHUNK, Mapped, cell_dofs, mapped
+from casingfem.structure.imported.cells.collapsed import native
 from casingfem.structure.imported.mesh_data import MeshData
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
@@ -23,6 +25,27 @@ class SolidCells(Protocol):
     def constants(self) -> FloatArray:
         """E, nu, rho of each cell, (3, cells)."""
         ...
+
+
+def cell_matrices(
+    kind: str, points: FloatArray, cells: IntArray, of: Callable[[Mapped, IntArray], FloatArray]
+) -> FloatArray:
+    """Matrices of cells (cells, 3 nodes, 3 nodes): `of` mapped ones and their rows, each kind by itself."""
+    parts = list(native(kind, cells))
+    if len(parts) == 1 and parts[0][0] == kind:
+        return of(mapped(kind, points, cells), parts[0][1])
+    size = 3 * cells.shape[1]
+    total = np.zeros((len(cells), size, size))
+    for name, rows, slots in parts:
+        dofs = cell_dofs(slots[None], 3)[0]
+        own = of(mapped(name, points, cells[rows][:, slots]), rows)
+        total[rows[:, None, None], dofs[:, None], dofs] = own
+    return total
+
+
+def cell_stiffness(kind: str, points: FloatArray, cells: IntArray, constants: FloatArray) -> FloatArray:
+    """Stiffness of each cell, (cells, 3 nodes, 3 nodes), from E, nu, rho (3, cells)."""
+    return cell_matrices(kind, points, cells, lambda on, rows: stiffness(on, constants[:, rows]))
 
 
 def stiffness(on: Mapped, constants: FloatArray) -> FloatArray:

@@ -5,7 +5,7 @@ from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import IntArray
-from casingfem.structure.imported.assembly import MeshSystem, cell_dofs, mapped, on_free, scatter
+from casingfem.structure.imported.assembly import MeshSystem, cell_dofs, on_free, scatter
 from casingfem.structure.imported.cells import shell as shell_cells
 from casingfem.structure.imported.cells import solid as solid_cells
 from casingfem.structure.imported.checks import check_groups
@@ -31,7 +31,7 @@ def blade_stiffness(structure: Solid | MeshShell, system: MeshSystem, group: str
             raise ModelError("mesh-group-no-cells", f"{mesh.source}: blade {group!r}")
     nodes = mesh.cells[cells]
     if isinstance(structure, Solid):
-        matrices = solid_cells.stiffness(mapped(mesh.kind, mesh.points, nodes), structure.constants()[:, cells])
+        matrices = solid_cells.cell_stiffness(mesh.kind, mesh.points, nodes, structure.constants()[:, cells])
     else:
         normals = shell_cells.directors(mesh)
         matrices = shell_cells.stiffness(structure, normals, shell_cells.tangent_frames(normals), cells)

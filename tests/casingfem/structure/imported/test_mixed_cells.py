@@ -1,4 +1,4 @@
-"""Meshes of several linear kinds: wedges, pyramids and tetrahedra among bricks, triangles among squares."""
+"""Meshes of several kinds: wedges, pyramids, tetrahedra among bricks, linear or quadratic; triangles among squares."""
 
 from dataclasses import replace
 
@@ -8,18 +8,22 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.modal.imported.output import mean_row
-from casingfem.structure.imported.assembly import mapped
-from casingfem.structure.imported.cells.collapsed import written_as
+from casingfem.structure.imported.assembly import facet_shape_products, mapped
+from casingfem.structure.imported.cell_kind import KINDS
+from casingfem.structure.imported.cells.collapsed import native, written_as
 from casingfem.structure.imported.cells.handed import mirror, right_handed
 from casingfem.structure.imported.draft import Block, Draft, build
 from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.loads import FacetPressure, nodal_loads
+from casingfem.structure.imported.mesh_data import Group
 from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.solid import assemble_solid
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 WEDGES = ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))  # of a brick
 BASES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))  # of pyramids in it
-pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
+QUIET = ("mesh-linear-cells", "mesh-thin-curved")
+pytestmark = [pytest.mark.filterwarnings(f"ignore:.*{code}") for code in QUIET]
 
 
 def mixed(counts, *, bend=0.0):
@@ -135,17 +139,129 @@ def test_a_cantilevered_plate_of_squares_and_triangles_converges():
         assert np.abs(fine[3:]).max() < 0.4 * np.abs(coarse[3:]).max()
 
 
-def test_cells_that_collapse_to_nothing_and_quadratic_ones_are_refused():
+def test_cells_that_collapse_to_nothing_and_shells_with_quadratic_triangles_are_refused():
     mesh, _ = mixed((2, 1, 1))
     flat = mesh.cells.copy()
     flat[0] = flat[0][[0, 1, 2, 2, 0, 1, 2, 2]]
     with pytest.raises(ModelError, match="a node twice"):
         cf.Solid(mesh=replace(mesh, cells=flat), material=STEEL)
+    bricks = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u)
+    folded = bricks.cells.copy()
+    folded[0, 8:] = folded[0, 0]
+    with pytest.raises(ModelError, match=r"1 cell .* with a node twice"):
+        cf.Solid(mesh=replace(bricks, cells=folded), material=STEEL)
     points = np.random.default_rng(1).normal(size=(25, 3))
-    kinds = {"hexahedron20": 20, "wedge15": 15}
+    kinds = {"quad8": 8, "triangle6": 6}
     blocks = [Block(kind, np.arange(n)[None], np.array([n])) for kind, n in kinds.items()]
-    with pytest.raises(ModelError, match=r"1 hexahedron20, 1 wedge15: .*mesh-mixed-cells"):
+    with pytest.raises(ModelError, match=r"1 quad8, 1 triangle6: .*mesh-mixed-cells"):
         build(Draft(points=points, node_numbers=np.arange(25), blocks=blocks), "part")
+
+
+def quadratic(counts, *, bend=0.0, left_out=()):
+    """The bar of `mixed` with middle nodes, its edges bent; edges (by half their length along x) without middles."""
+    linear, _ = mixed(counts)
+    points, blocks, number = list(linear.points), [], 1
+    middles = {}
+    for name, rows, slots in native("hexahedron20", linear.cells[:, [*range(8), *[0] * 12]]):
+        cells = linear.cells[rows][:, slots[: len(KINDS[name].corners)]]
+        ends = np.sort(cells[:, np.array(KINDS[name].edges)], axis=2)
+        for edge in map(tuple, ends.reshape(-1, 2).tolist()):
+            if edge not in middles:
+                middle = linear.points[list(edge)].mean(axis=0)
+                out = any(low <= middle[0] < high for low, high in left_out)
+                middles[edge] = -1 if out else len(points)
+                points += [] if out else [middle]
+        places = np.array([[middles[tuple(edge)] for edge in cell] for cell in ends.tolist()])
+        blocks.append(Block(name, np.hstack([cells, places]), number + np.arange(len(cells))))
+        number += len(cells)
+    x = np.array(points)
+    u = x / [1.0, 0.2, 0.1]
+    x = x + bend * np.sin(7.0 * u[:, [1, 2, 0]]) * u * (1.0 - u) * [1.0, 0.2, 0.1]
+    root = {"root": np.flatnonzero(np.abs(x[:, 0]) < 1e-9)}
+    return build(Draft(points=x, node_numbers=np.arange(1, len(x) + 1), blocks=blocks, node_sets=root), "mixed")
+
+
+def test_constant_strains_are_exact_through_all_quadratic_kinds():
+    """As above, with bent edges; a node load and a stress know what the cells are."""
+    mesh = quadratic((4, 2, 2), bend=0.05)
+    assert repr(mesh).startswith("MeshData(mixed: 42 hexahedron20, 34 of them collapsed, 185 nodes")
+    solid = cf.Solid(mesh=mesh, material=STEEL)
+    system = assemble_solid(solid)
+    slope = np.random.default_rng(4).normal(size=(3, 3))
+    field = mesh.points @ slope.T
+    force = (system.K @ field.ravel()).reshape(-1, 3)
+    inner = np.setdiff1d(mesh.used, mesh.facet_nodes(mesh.boundary))
+    assert len(inner) == 57
+    assert np.abs(force[inner]).max() < 1e-12 * np.abs(force).max()
+    eps, mu, lam = 0.5 * (slope + slope.T), 210e9 / 2.6, 210e9 * 0.3 / (1.3 * 0.4)
+    volume = system.M.sum() / 3.0 / 7800.0
+    energy = volume * (2.0 * mu * np.sum(eps**2) + lam * np.trace(eps) ** 2)
+    assert np.sum(field * force) == pytest.approx(energy, rel=1e-12)
+    assert volume == pytest.approx(0.02, rel=1e-12)
+    stress = 2.0 * mu * eps + lam * np.trace(eps) * np.eye(3)
+    for node in range(0, len(mesh.points), 9):
+        row = mean_row(system, "stress", int(mesh.node_numbers[node]), "xy", stress=True)
+        assert np.sum(row * field) == pytest.approx(stress[0, 1], rel=1e-4)
+    weight = cf.loads.Gravity(acceleration=(0.0, 0.0, -9.81))
+    assert nodal_loads(solid, weight)[:, 2].sum() == pytest.approx(-9.81 * 7800.0 * volume, rel=1e-12)
+
+
+@pytest.mark.parametrize("omega", [0.0, 300.0])
+def test_all_quadratic_kinds_swing_like_bricks_alone(omega):
+    """Modes at rest and at speed against a mesh of bricks as fine: 0.5 % at the worst."""
+    spin = cf.Rotation(omega=omega, axis=(0.0, 0.0, 1.0), centre=(-0.5, 0.0, 0.0)) if omega else None
+    bricks = grid_mesh("hexahedron20", (4, 2, 2), lambda u: u * [1.0, 0.2, 0.1], groups={"root": (0, 0.0)})
+    found, exact = (
+        cf.modes(cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()}, rotation=spin), 5).freq
+        for mesh in (quadratic((4, 2, 2)), bricks)
+    )
+    np.testing.assert_allclose(found, exact, rtol=6e-3)
+    assert np.abs(found / exact - 1.0).max() > 1e-4
+
+
+def test_facets_of_quadratic_kinds_carry_pressures_and_foundations():
+    """The pressure on the whole skin adds up to nothing, and its moment of places to the volume."""
+    mesh = quadratic((3, 1, 2), bend=0.04)
+    skin = replace(mesh, groups={"skin": Group(nodes=mesh.facet_nodes(mesh.boundary).ravel(), facets=mesh.boundary)})
+    solid = cf.Solid(mesh=skin, material=STEEL)
+    force = nodal_loads(solid, FacetPressure(group="skin", pressure=3.0))
+    assert np.abs(force.sum(axis=0)).max() < 1e-14
+    volume = assemble_solid(solid).M.sum() / 3.0 / 7800.0
+    assert np.sum(force * mesh.points) == pytest.approx(-3.0 * 3.0 * volume, rel=1e-12)
+    on = cf.Solid(mesh=skin, material=STEEL, supports={"skin": cf.ElasticEdge(k_face=1e9)})
+    springs = assemble_solid(on).K - assemble_solid(solid).K
+    area = facet_shape_products(mesh, mesh.boundary)[2].sum()
+    assert springs.sum() == pytest.approx(3.0 * 1e9 * area, rel=1e-9)
+
+
+def test_middle_nodes_that_are_left_out_move_as_the_mean_of_their_ends():
+    """All of them out: the linear cells themselves, to round-off. Some of them out: constant strains stay exact."""
+    bricks = grid_mesh("hexahedron", (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1])
+    wedges = np.array([bricks.cells[0][list(wedge)] for wedge in WEDGES])
+    values = []
+    for kinds, middles in ((("wedge15", "hexahedron20"), (9, 12)), (("wedge", "hexahedron"), (0, 0))):
+        blocks = [
+            Block(kind, np.hstack([cells, np.full((len(cells), count), -1)]), number + np.arange(len(cells)))
+            for kind, cells, count, number in zip(kinds, (wedges, bricks.cells[1:]), middles, (1, 3), strict=True)
+        ]
+        mesh = build(Draft(points=bricks.points, node_numbers=np.arange(1, 13), blocks=blocks), "part")
+        K = cf.Solid(mesh=mesh, material=STEEL).assembled().K.toarray()
+        values.append(np.linalg.eigvalsh(K)[6:])
+    np.testing.assert_allclose(values[0], values[1], rtol=1e-9)
+    some = quadratic((4, 1, 2), left_out=((0.3, 0.6),))
+    (tie,) = some.attachments.glued
+    assert 5 < len(tie.nodes) < 40
+    assert not some.node_numbers[tie.nodes].any()
+    system = cf.Solid(mesh=some, material=STEEL).assembled()
+    assert system.rigid == 6
+    field = (some.points @ np.random.default_rng(5).normal(size=(3, 3)))[:, :, None]
+    free = system.collect(field)
+    np.testing.assert_allclose(system.expand(free), field, atol=1e-12)
+    inner = np.ones(len(some.points), dtype=bool)
+    inner[some.facet_nodes(some.boundary)] = False
+    forces = system.K @ free
+    driven = system.restrict(np.broadcast_to(~inner[:, None, None], field.shape).astype(float))
+    assert np.abs(forces[driven == 0.0]).max() < 1e-10 * np.abs(forces).max()
 
 
 INP = """*NODE
