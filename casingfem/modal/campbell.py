@@ -151,7 +151,8 @@ def campbell(structure: Shell | MeshStructure, omega: Sequence[float] | FloatArr
     before = southwell = np.zeros(0)
     for k, speed in enumerate(speeds):
         found = modes_at(structure, system, csc_array(system.K + added.stiffness(float(speed))), float(speed), wanted)
-        shapes = np.asarray(system.restrict(found.fields))
+        collect = system.collect if isinstance(system, MeshSystem) else system.restrict
+        shapes = np.asarray(collect(found.fields))
         if k == 0:
             columns = np.arange(count)
             southwell = np.einsum("fk,fk->k", shapes[:, :count], added.K1 @ shapes[:, :count])

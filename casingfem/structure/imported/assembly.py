@@ -14,7 +14,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.rigid_body import rigid_left
-from casingfem.structure.imported.attachments.system import attached
+from casingfem.structure.imported.attachments.system import Connected, attached
 from casingfem.structure.imported.attachments.ties import motions_of
 from casingfem.structure.imported.cell_kind import KINDS, VTK, rule
 from casingfem.structure.imported.cells.collapsed import native
@@ -88,6 +88,8 @@ class MeshSystem:
         is one of them.
     idle
         Motions of the nodes that have neither stiffness nor mass, (dofs * nodes, motions); None without attachments.
+    connected
+        All motions of a mesh with attachments; None without.
     """
 
     structure: MeshStructure
@@ -101,6 +103,7 @@ class MeshSystem:
     tie: csc_array | None = None
     lift: csr_array | None = None
     idle: csr_array | None = None
+    connected: Connected | None = None
 
     __repr__ = brief
 
@@ -228,6 +231,7 @@ def assembled(
             structure=structure, K=symmetric(hung.K), M=symmetric(hung.M), free=hung.unknowns, dofs=dofs,
             rigid=hung.rigid, wall=wall, frequency_scale=scale,
             lift=hung.lift if mesh.attachments.ties or hung.unknowns.max() >= size else None, idle=hung.idle,
+            connected=hung.connected,
         )  # fmt: skip
     loose = np.zeros(size, dtype=bool)
     loose[cell_dofs(mesh.used[None], dofs)] = True

@@ -17,6 +17,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import CHUNK, MeshSystem, cell_dofs, mapped, on_free, scatter
+from casingfem.structure.imported.attachments.turning import hung_spin
 from casingfem.structure.imported.cell_kind import rule
 from casingfem.structure.imported.cells.collapsed import native
 from casingfem.structure.imported.cells.solid import (
@@ -27,7 +28,7 @@ from casingfem.structure.imported.cells.solid import (
     elasticity,
     strain_table,
 )
-from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin, point_inertia, tied_solution
+from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin, tied_solution
 
 STEPS, SETTLED = 30, 1e-9  # Newton's steps at most; relative size of the last one
 
@@ -47,7 +48,8 @@ def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> Mes
     def steady(omega: float) -> csc_array:
         return steady_stiffness(system, solid, rotation.at(omega), omega**2 * linear.fields)
 
-    return MeshSpin(linear.K1, linear.K2, linear.G, linear.fields, linear.nonlinear, steady)
+    nonlinear = None if system.lift is not None else steady  # connections are taken in their shape at rest
+    return MeshSpin(linear.K1, linear.K2, linear.G, linear.fields, linear.nonlinear, nonlinear)
 
 
 def solid_inertia(solid: SolidCells, rotation: Rotation) -> Inertia:
@@ -155,9 +157,11 @@ def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, 
     mesh, omega = solid.mesh, rotation.omega
     rows, size = cell_dofs(mesh.cells, 3), 3 * len(mesh.points)
     of = solid_inertia(solid, rotation)
-    hung = point_inertia(system, rotation)
-    soft = omega**2 * (scatter(of.softening, rows, size) + hung.softening)
-    pull = omega**2 * ((scatter(of.mass, rows, size) + hung.mass) @ of.away.ravel())
+    soft, pull = scatter(of.softening, rows, size), scatter(of.mass, rows, size) @ of.away.ravel()
+    if system.connected is not None:
+        hung = hung_spin(system.connected.rows.motions, rotation)
+        soft, pull = soft + hung.softening, pull + hung.force
+    soft, pull = csc_array(omega**2 * soft), omega**2 * pull
     at_rest = on_free(tangent(solid, np.zeros_like(start))[0], system.free)
     springs = csc_array(system.K - at_rest)
     fields = start.copy()

@@ -7,7 +7,8 @@ In the rotating frame, with Green's strain E(u) = e(u) + e2(u, u)/2, e2(u, v) = 
 
 as for the shells on charts (`shell/prestress.py`); those of an imported shell are in `shell_spin.py`. Where the
 quadratic strains of Omega^2 u1 pass `LARGE` of the linear ones, the steady state of a solid is found on the deformed
-shape instead (`solid_spin.py`), and K(Omega) is its tangent.
+shape instead (`solid_spin.py`), and K(Omega) is its tangent. What hangs on a part turns with it
+(`attachments/turning.py`).
 """
 
 from collections.abc import Callable
@@ -15,13 +16,14 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csc_array, diags_array, kron
+from scipy.sparse import csc_array
 
-from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.assembly import MeshSystem, cell_dofs, on_free, scatter
+from casingfem.structure.imported.assembly import MeshSystem, cell_dofs, scatter, symmetric
+from casingfem.structure.imported.attachments.system import enlarged
+from casingfem.structure.imported.attachments.turning import carried, hung_spin
 from casingfem.structure.shell.prestress import Spin
 
 LARGE = 0.01  # quadratic strains over linear ones: from which the steady shape is iterated
@@ -88,54 +90,41 @@ def mesh_spin(
     """
     rows = cell_dofs(system.structure.mesh.cells, system.dofs)
     size = system.dofs * len(system.points)
-    of, hung = inertia(rotation), point_inertia(system, rotation)
-    force = (scatter(of.mass, rows, size) + hung.mass) @ of.away.ravel()
-    fields = system.expand(tied_solution(system, system.K, force[system.free], solve_held)[:, None])[:, :, 0]
+    of = inertia(rotation)
+    force = scatter(of.mass, rows, size) @ of.away.ravel()
+    hung = None if system.connected is None else hung_spin(system.connected.rows.motions, rotation)
+    if hung is not None:
+        force = hung.force + np.pad(force, (0, len(hung.force) - size))
+    moved = tied_solution(system, system.K, reduced_force(system, force), solve_held)
+    fields = system.expand(moved[:, None])[:, :, 0]
     added = stiffening(fields)
-
-    def placed(cells: FloatArray) -> csc_array:
-        return on_free(scatter(cells, rows, size), system.free)
-
-    gyroscopic = csc_array(scatter(of.gyroscopic, rows, size) + hung.gyroscopic)
+    parts = [scatter(cells, rows, size) for cells in (added.first - of.softening, added.second, of.gyroscopic)]
+    if hung is not None and system.connected is not None:
+        on = system.connected
+        parts = [enlarged(part, len(force)) for part in parts]
+        carries = carried(on.rows.motions, on.rows, force - on.K @ (on.whole @ moved))
+        parts[0], parts[2] = parts[0] + hung.stiffness + carries - hung.softening, parts[2] + hung.gyroscopic
+    first, second, gyroscopic = (reduced(system, csc_array(part)) for part in parts)
     return MeshSpin(
-        K1=csc_array(placed(added.first - of.softening) - on_free(hung.softening, system.free)),
-        K2=placed(added.second),
-        G=csc_array(gyroscopic[:, system.free][system.free]),
+        K1=symmetric(first),
+        K2=symmetric(second),
+        G=gyroscopic,
         fields=fields,
         nonlinear=added.ratio,
     )
 
 
-class PointInertia(NamedTuple):
-    """The same of the point masses on all dofs of the nodes, (dofs, dofs): mass, softening, gyroscopic."""
+def reduced(system: MeshSystem, A: csc_array) -> csc_array:
+    """A matrix on all motions on the unknowns."""
+    if system.connected is None:
+        return csc_array(A[:, system.free][system.free])
+    T = system.connected.whole
+    return csc_array(T.T @ A @ T)
 
-    mass: csc_array
-    softening: csc_array
-    gyroscopic: csc_array
 
-
-def point_inertia(system: MeshSystem, rotation: Rotation) -> PointInertia:
-    """Inertia of the point masses about an axis.
-
-    Raises
-    ------
-    ModelError
-        `mesh-attachment` for connections, and masses that turn: their second-order motions are not computed.
-    """
-    mesh = system.structure.mesh
-    if system.lift is not None or any(mass.turns for mass in mesh.attachments.masses):
-        raise ModelError("mesh-attachment", f"{mesh.source}: rotation of a part with {mesh.attachments}")
-    masses = np.zeros(len(mesh.points))
-    for mass in mesh.attachments.masses:
-        masses[mass.node] += mass.mass
-
-    def placed(B: FloatArray) -> csc_array:
-        whole = np.zeros((system.dofs, system.dofs))
-        whole[:3, :3] = B
-        return csc_array(kron(diags_array(masses), whole))
-
-    turn = np.cross(rotation.direction, np.eye(3)).T
-    return PointInertia(placed(np.eye(3)), placed(rotation.plane), placed(2.0 * turn))
+def reduced_force(system: MeshSystem, force: FloatArray) -> FloatArray:
+    """A force on all motions on the unknowns."""
+    return np.asarray(force[system.free] if system.connected is None else system.connected.whole.T @ force)
 
 
 def tied_solution(

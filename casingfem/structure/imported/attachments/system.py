@@ -20,7 +20,8 @@ class Attached(NamedTuple):
     """What a mesh with attachments becomes.
 
     K, M on the unknowns, not yet made symmetric; `lift` of the dofs of nodes by unknowns; `unknowns` among dofs of
-    nodes and the turns behind them; rigid motions left; `idle` motions of the nodes without stiffness and mass.
+    nodes and the turns behind them; rigid motions left; `idle` motions of the nodes without stiffness and mass;
+    `connected`, what is needed to follow forces into connections.
     """
 
     K: csc_array
@@ -29,6 +30,15 @@ class Attached(NamedTuple):
     unknowns: IntArray
     rigid: int
     idle: csr_array
+    connected: "Connected"
+
+
+class Connected(NamedTuple):
+    """All motions of a mesh with attachments: what depends on others, motions by unknowns, stiffness on all motions."""
+
+    rows: Rows
+    whole: csr_array
+    K: csc_array
 
 
 def attached(
@@ -76,14 +86,15 @@ def attached(
     active[list(rows.owner)] = False
     unknowns = np.flatnonzero(active)
     T = csr_array(R[:, unknowns])
-    K, M = csc_array(T.T @ K @ T), csc_array(T.T @ M @ T)
+    every, K, M = K, csc_array(T.T @ K @ T), csc_array(T.T @ M @ T)
     lift = csr_array(T[: motions.dofs * len(mesh.points)])
     kept, still = without_mass(K, np.flatnonzero(M.diagonal() == 0.0))
     K, M, unknowns = csc_array(K[:, kept][kept]), csc_array(M[:, kept][kept]), unknowns[kept]
     refuse_loose(motions, K, M, unknowns)
     reactions = [np.asarray(fields.T @ (support @ fields)) for support in supports]
     rigid = rigid_left(motions, rows, R, springs, held, fields, reactions)
-    return Attached(K, M, csr_array(lift[:, kept]), unknowns, rigid, csr_array(lift @ still))
+    connected = Connected(rows, csr_array(T[:, kept]), every)
+    return Attached(K, M, csr_array(lift[:, kept]), unknowns, rigid, csr_array(lift @ still), connected)
 
 
 def without_mass(K: csc_array, bare: IntArray) -> tuple[IntArray, csc_array]:

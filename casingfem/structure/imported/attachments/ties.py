@@ -168,8 +168,20 @@ def tie_director(rows: Rows, node: int, pivot: int, where: str) -> None:
 
 
 def take_mean(rows: Rows, mean: Mean) -> None:
-    """Rows of a mean connection: (A^T w A)^-1 A^T w u with A = [1, -[r]]."""
-    motions, mesh, dofs = rows.motions, rows.motions.mesh, rows.motions.dofs
+    """Rows of a mean connection."""
+    motions, dofs, fit = rows.motions, rows.motions.dofs, fitted(rows.motions, mean)
+    pivot = motions.turn(mean.reference)
+    for c in mean.components:
+        if c > 2 and pivot < 0:
+            raise motions.fault(mean.where, mean.reference, "turns of a node on cells, expected x, y, z alone")
+        dof = dofs * mean.reference + c if c < 3 else pivot + c - 3
+        of = {dofs * node + k: float(fit[c, j, k]) for j, node in enumerate(mean.nodes.tolist()) for k in range(3)}
+        rows.add(dof, mean.reference, of, mean.where)
+
+
+def fitted(motions: Motions, mean: Mean) -> FloatArray:
+    """The six motions that fit those of the nodes best, (6, nodes, 3): (A^T w A)^-1 A^T w with A = [1, -[r]]."""
+    mesh = motions.mesh
     arms = mesh.points[mean.nodes] - mesh.points[mean.reference]
     reach = max(float(np.abs(arms).max()), np.finfo(float).tiny)
     A = np.concatenate([np.broadcast_to(np.eye(3), (len(arms), 3, 3)), -cross_matrix(arms / reach)], axis=2)
@@ -180,13 +192,7 @@ def take_mean(rows: Rows, mean: Mean) -> None:
         raise motions.fault(mean.where, mean.reference, found)
     fit = np.linalg.solve(normal, np.einsum("j,jcs->sjc", mean.weights, A).reshape(6, -1)).reshape(6, -1, 3)
     fit[3:] /= reach
-    pivot = motions.turn(mean.reference)
-    for c in mean.components:
-        if c > 2 and pivot < 0:
-            raise motions.fault(mean.where, mean.reference, "turns of a node on cells, expected x, y, z alone")
-        dof = dofs * mean.reference + c if c < 3 else pivot + c - 3
-        of = {dofs * node + k: float(fit[c, j, k]) for j, node in enumerate(mean.nodes.tolist()) for k in range(3)}
-        rows.add(dof, mean.reference, of, mean.where)
+    return np.asarray(fit)
 
 
 def take_equation(rows: Rows, equation: Equation) -> None:

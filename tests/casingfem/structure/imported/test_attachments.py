@@ -540,10 +540,3 @@ def test_a_tip_mass_at_speed_swings_on_a_tensioned_beam():
         K = (system.K + stiffness).toarray()
         found = eigh(K, system.M.toarray(), eigvals_only=True, subset_by_index=[0, 1])
         np.testing.assert_allclose(np.sqrt(found), exact, rtol=5e-4)
-
-
-def test_analyses_that_do_not_take_attachments_say_so():
-    mesh, node = beam()
-    part = structure(hung(mesh, **joined_to(mesh, node, "rigid"), masses=(PointMass(node=node, mass=1.0),)))
-    with pytest.raises(ModelError, match=r"rotation of a part with 1 point mass, 1 rigid connection.*mesh-attachment"):
-        cf.campbell(replace(part, rotation=cf.Rotation(omega=0.0, axis=(0.0, 0.0, 1.0))), [10.0], count=1)
