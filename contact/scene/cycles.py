@@ -109,6 +109,7 @@ class CyclesFile(Table):
             slide=[[contact.slide] for contact in contacts], clearance=[contact.clearance for contact in contacts],
             displacement=self.body.displacement,
             velocity=self.body.velocity, load=self.body.modal_load(body),
+            pressed=self.body.pressed(body, [contact.normal for contact in contacts]),
         )  # fmt: skip
         return DrivenBody(
             patch=patch, channel=drive.channel, amplitude=drive.amplitude or drive.between[0],

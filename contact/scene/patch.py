@@ -70,6 +70,11 @@ class PatchBodyTable(Table):
             load += force * body.rows[body.channel(channel)]
         return load
 
+    def pressed(self, body: ModalBody, channels: list[str]) -> Array:
+        """What the load moves channels by through the residual compliance, (channels,) [m]."""
+        at = [body.channel(name) for name in channels]
+        return np.asarray(sum((f * body.S[at, body.channel(c)] for c, f in self.load.items()), np.zeros(len(at))))
+
 
 class PatchContact(Table):
     """[[contact]]: channels along normal and tangents, clearance [m], velocity of the ground along the tangents."""
@@ -142,6 +147,7 @@ class PatchFile(SceneFile):
             slide=[contact.slide or [0.0] * width for contact in contacts] if width else 0.0,
             displacement=self.body.displacement, velocity=self.body.velocity,
             load=self.body.modal_load(body),
+            pressed=self.body.pressed(body, [contact.normal for contact in contacts]),
         )  # fmt: skip
 
 

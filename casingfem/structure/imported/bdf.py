@@ -2,8 +2,8 @@
 
 A parser of our own, for small, large and free fields: it keeps the file's numbers and the constraint sets, puts grids
 from their coordinate systems into the basic one (`coordinates.py`). Elements of property 7 are the group `PID 7`; the
-grids of SPC and SPC1 with set 3 on components 123 are `SPC 3 123`, and all of set 3 `SPC 3`; where single components
-are along axes of a system 9 of the grid's own (CD), `SPC 3 12 CD 9`.
+grids of SPC and SPC1 with set 3 on components 123 are `SPC 3 123`, and all of set 3 `SPC 3`, as are those of sets that
+an SPCADD 3 names; where single components are along axes of a system 9 of the grid's own (CD), `SPC 3 12 CD 9`.
 """
 
 import math
@@ -33,7 +33,7 @@ CORNERS = {"CTETRA": 4, "CHEXA": 8, "CPENTA": 6, "CPYRAM": 5, "CQUAD8": 4, "CTRI
 WEDGE15 = (*range(9), 12, 13, 14, 9, 10, 11)
 BRICK20 = (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)  # upright edges come before the upper ones here
 OFFSETS = {"CQUAD4": 7, "CQUADR": 7, "CTRIA3": 6, "CTRIAR": 6, "CQUAD8": 15}  # field of ZOFFS
-READ = {"GRID", "GRDSET", "SPC", "SPC1", *PLACES, *SHELLS, *KINDS_OF_SYSTEMS, *BY_GRIDS, *CARDS}
+READ = {"GRID", "GRDSET", "SPC", "SPC1", "SPCADD", *PLACES, *SHELLS, *KINDS_OF_SYSTEMS, *BY_GRIDS, *CARDS}
 MOST = 99_999_999  # of numbers, which have eight digits
 SHORT_EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 
@@ -117,6 +117,7 @@ class Parser:
         self.systems: dict[int, System] = {}
         self.placed: list[tuple[int, int, Card]] = []  # grid by its row, its system, its card
         self.constraints: dict[tuple[str, str], list[int]] = {}  # set, components -> grids
+        self.sums: list[Card] = []  # SPCADD
         self.left_out: dict[str, list[str]] = {}  # card -> its lines
         self.hung = NastranAttachments(self)
         self.defaults = BLANK  # fields of GRDSET: system of the place, of the motions, constraints
@@ -138,6 +139,8 @@ class Parser:
                 self.take_element(card)
             elif card.name in ("SPC", "SPC1"):
                 self.take_constraint(card)
+            elif card.name == "SPCADD":
+                self.sums.append(card)
             elif card.name in KINDS_OF_SYSTEMS:
                 self.take_system(card)
             elif card.name in BY_GRIDS:
@@ -321,6 +324,11 @@ class Parser:
                 own = "" if whole or grid not in self.turned else f" CD {self.turned[grid]}"
                 node_sets.setdefault(f"SPC {load_set} {components}{own}", []).append(grid)
             node_sets.setdefault(f"SPC {load_set}", []).extend(members)
+        for card in self.sums:
+            for part in filter(None, card.fields[1:]):
+                for own, members in list(node_sets.items()):
+                    if own == f"SPC {part}" or own.startswith(f"SPC {part} "):
+                        node_sets.setdefault(own.replace(part, card.fields[0], 1), []).extend(members)
         return Draft(
             points=table[:, 1:],
             node_numbers=numbers,

@@ -281,10 +281,11 @@ class Parser:
             entries.append((self.numbers_of(self.element_sets, cells[0], line), cells[1].upper()))
 
     def take_tie(self, card: Card) -> None:
-        """*TIE: surface that follows, surface that it follows; those of cyclic symmetry are left out."""
-        if "CYCLIC SYMMETRY" in card.parameters:
-            self.leave_out("TIE of cyclic symmetry", card.line)
-            return
+        """*TIE: surface that follows, surface that it follows; those between sectors are left out."""
+        for key in ("CYCLIC SYMMETRY", "MULTISTAGE"):
+            if key in card.parameters:
+                self.leave_out(f"TIE of {key.lower()}", card.line)
+                return
         for line, text in card.data:
             cells = [cell.strip() for cell in text.rstrip(", ").split(",")]
             if len(cells) < 2:

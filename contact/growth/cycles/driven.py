@@ -226,6 +226,6 @@ def _drive(body: DrivenBody, scale: Array, freq_hz: float) -> Drive:
         b=periodic(
             np.concatenate([none, np.asarray(patch.load) / scale]), np.concatenate([none, modes.rows[at] / scale])
         ),
-        c=periodic(patch.clearance, modes.S[met, at]),
+        c=periodic(patch.opening, modes.S[met, at]),
         d=periodic(np.concatenate([np.zeros(len(shown)), slip]), np.concatenate([modes.S[shown, at], 0.0 * slip])),
     )  # fmt: skip

@@ -17,10 +17,11 @@ from contact.model.bodies.modal_body import ModalBody
 class Patch:
     """k contacts of one modal body with rigid ground.
 
-    Gap i: g_i = clearance_i + u of channel normal[i] (positive opens); its slip is the velocity of the channels
-    tangent[i] less that of the ground, `slide` (k, 1 or 2) [m/s]. Without `tangent` there is no friction; with one
-    channel each the contacts are two-dimensional, with two three-dimensional. Modal `displacement`,
-    `velocity` at t = 0 and constant `load` (m,) are zero when left out.
+    Gap i: g_i = clearance_i + pressed_i + u of channel normal[i] (positive opens); its slip is the velocity of the
+    channels tangent[i] less that of the ground, `slide` (k, 1 or 2) [m/s]. Without `tangent` there is no friction; with
+    one channel each the contacts are two-dimensional, with two three-dimensional. Modal `displacement`, `velocity` at
+    t = 0 and constant `load` (m,) are zero when left out; `pressed` (k,) [m] is what the load moves the normals by
+    beside the modes, through the residual compliance.
 
     Raises InputError for unknown channels, shapes that do not fit, gaps that are negative at t = 0.
 
@@ -38,6 +39,7 @@ class Patch:
     displacement: ArrayLike | None = None
     velocity: ArrayLike | None = None
     load: ArrayLike | None = None
+    pressed: ArrayLike = 0.0
 
     __repr__ = brief
 
@@ -50,7 +52,8 @@ class Patch:
             raise InputError(f"tangent: found {len(self.tangent)} entries, expected {k} of one or two channels each")
         for name in (*self.normal, *(channel for pair in self.tangent for channel in pair)):
             self.body.channel(name)
-        object.__setattr__(self, "clearance", readonly(np.broadcast_to(np.asarray(self.clearance, float), (k,))))
+        for name in ("clearance", "pressed"):
+            object.__setattr__(self, name, readonly(np.broadcast_to(np.asarray(getattr(self, name), float), (k,))))
         width = max(self.dimensions - 1, 1)
         object.__setattr__(self, "slide", readonly(np.broadcast_to(np.asarray(self.slide, float), (k, width))))
         for name in ("displacement", "velocity", "load"):
@@ -58,8 +61,9 @@ class Patch:
             values = readonly(np.zeros(m) if given is None else given)
             require_shape(name, values, (m,))
             object.__setattr__(self, name, values)
-        gaps = self.clearance + self.rows()[:: self.dimensions] @ np.asarray(self.displacement)
-        if gaps.min() < -1e-12 * max(1.0, float(np.abs(self.clearance).max())):
+        clearance = np.asarray(self.clearance)
+        gaps = clearance + self.rows()[:: self.dimensions] @ np.asarray(self.displacement)
+        if gaps.min() < -1e-12 * max(1.0, float(np.abs(clearance).max())):
             worst = int(gaps.argmin())
             raise InputError(f"clearance: contact {worst + 1} penetrates by {-gaps[worst]:g} m at t = 0, expected >= 0")
 
@@ -67,6 +71,12 @@ class Patch:
     def contacts(self) -> int:
         """Number of contacts k."""
         return len(self.normal)
+
+    @property
+    def opening(self) -> Array:
+        """Gaps of modes at rest under the load, (k,) [m]: below zero where the residual compliance is pressed."""
+        opening: Array = np.asarray(self.clearance) + np.asarray(self.pressed)
+        return opening
 
     @property
     def dimensions(self) -> int:

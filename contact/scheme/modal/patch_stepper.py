@@ -114,7 +114,7 @@ def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> P
     own = np.sum(rows**2 * parts.c, axis=1)[::dim] + np.diag(S)[::dim]
     if not S.any():
         S = np.zeros((0, 0))
-    clearance, slide = np.asarray(problem.clearance), np.zeros((k, dim))
+    clearance, slide = problem.opening, np.zeros((k, dim))
     if rough:
         slide[:, 1:] = np.asarray(problem.slide) * parts.h
     q = np.array(problem.displacement, dtype=float)
@@ -141,7 +141,7 @@ def _reach(problem: Patch, normal: Array, parts: Propagator) -> float:
     omega = np.where(elastic, parts.omega, 1.0)
     speed, load = (np.abs(np.asarray(part)) for part in (problem.velocity, problem.load))
     moved = np.where(elastic, speed / omega + 2.0 * load / omega**2, speed * time + 0.5 * load * time**2)
-    reach = np.abs(np.asarray(problem.clearance)) + np.abs(normal) @ (np.abs(np.asarray(problem.displacement)) + moved)
+    reach = np.abs(problem.opening) + np.abs(normal) @ (np.abs(np.asarray(problem.displacement)) + moved)
     return float(reach.max()) or math.inf
 
 

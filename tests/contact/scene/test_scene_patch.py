@@ -94,3 +94,31 @@ def test_broken_tables_name_their_key(tmp_path, old, new, words):
     with pytest.raises(ct.scene.SceneError) as caught:
         ct.load_scene(tmp_path / "scene.toml")
     assert words in str(caught.value)
+
+
+PRESSED = """[scene]
+kind = "patch"
+t_end = 60.0
+[body]
+omega = [2.0]
+zeta = [0.3]
+channels = ["n", "p"]
+rows = [[1.0], [0.5]]
+S = [[0.4, 0.1], [0.1, 0.6]]
+load = {p = -3.0}
+[[contact]]
+normal = "n"
+[scheme]
+kind = "exact-modal"
+dt = 2e-2
+"""
+
+
+@pytest.mark.slow
+def test_a_load_presses_by_the_residual_compliance_too(tmp_path):
+    """At rest on the ground the force is f (r_n r_p/omega^2 + S_np)/(r_n^2/omega^2 + S_nn), all of the compliance."""
+    (tmp_path / "scene.toml").write_text(PRESSED)
+    result = ct.run(ct.load_scene(tmp_path / "scene.toml"))
+    wanted = 3.0 * (0.5 / 4.0 + 0.1) / (1.0 / 4.0 + 0.4)
+    settled = result.force[result.time > 50.0]
+    np.testing.assert_allclose(settled, wanted, rtol=1e-6)

@@ -164,6 +164,15 @@ def test_springs_masses_and_equations_follow_the_systems_that_cards_name(tmp_pat
     assert "SPC 4 12" not in mesh.groups
 
 
+def test_sums_of_constraint_sets_are_groups(tmp_path):
+    """SPCADD 9 of sets 3 and 4, and of one that the file does not give."""
+    groups = read(tmp_path / "a.bdf", "SPCADD,9,3,4,77").groups
+    both = np.union1d(groups["SPC 3"].nodes, groups["SPC 4"].nodes)
+    np.testing.assert_array_equal(groups["SPC 9"].nodes, both)
+    np.testing.assert_array_equal(groups["SPC 9 123"].nodes, [0, 4])
+    np.testing.assert_array_equal(groups["SPC 9 12 CD 5"].nodes, groups["SPC 4 12 CD 5"].nodes)
+
+
 @pytest.mark.parametrize("kind", ["R", "C", "S"])
 def test_systems_by_grids_are_systems_by_their_places(kind, tmp_path):
     """Grids 8 stands in system 9 by grids, one of which stands in a system by points."""
