@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.modes import cyclic, loose_bolts, meridians, mistuning, ties
+from reports.modes import corner, cutouts, cyclic, loose_bolts, meridians, mistuning, stiffeners, ties
 
 
 @pytest.mark.campaign
@@ -46,13 +46,37 @@ def test_wheels_are_their_full_models(tmp_path):
 
 @pytest.mark.campaign
 @pytest.mark.filterwarnings("ignore:.*mesh-(kink|thin-curved|aspect)")
+def test_a_corner_is_the_same_on_a_chart_a_shell_and_a_solid(tmp_path):
+    worst = {row["model"]: row["worst %"] for row in corner.main(tmp_path, quick=True)}
+    assert worst["chart, fillet of the wall"] < 0.05
+    assert worst["imported shell, curved wall"] < 0.1 < worst["imported shell, linear wall"]
+
+
+@pytest.mark.campaign
+@pytest.mark.filterwarnings("ignore:.*mesh-(kink|thin-curved|aspect)")
+def test_stiffeners_are_their_bricks(tmp_path):
+    rows = stiffeners.main(tmp_path, quick=True)
+    assert max(abs(row["shell %"]) for row in rows) < 1.0
+    assert max(abs(row["no rings %"]) for row in rows) > 30.0
+
+
+@pytest.mark.campaign
+@pytest.mark.filterwarnings("ignore:.*mesh-(kink|thin-curved|aspect)")
+def test_a_pierced_shell_is_its_solid(tmp_path):
+    shell, solid = cutouts.main(tmp_path, quick=True)
+    assert shell["cells"] == solid["cells"] == 96 * 14 - 4 * 4 - 5 * 4
+    assert solid["worst %"] < 0.4
+
+
+@pytest.mark.campaign
+@pytest.mark.filterwarnings("ignore:.*mesh-(kink|thin-curved|aspect)")
 def test_a_cylinder_and_a_cone_are_their_imported_meshes(tmp_path):
     bent, stepped = meridians.main(tmp_path, quick=True)
     assert bent["modes"] == stepped["modes"] == 18
     assert max(row["quadrilaterals: worst %"] for row in (bent, stepped)) < 0.1
-    assert bent["3-D: worst %"] < 0.5
-    assert bent["3-D: rms %"] < 0.3
-    assert bent["half the fillet: worst %"] < 0.1
+    assert bent["3-D: worst %"] < 0.1
+    assert bent["3-D: rms %"] < 0.05
+    assert bent["half the fillet: worst %"] < 0.2
 
 
 def test_tied_blocks_come_near_one_mesh(tmp_path):

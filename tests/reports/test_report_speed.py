@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.speed import growth
+from reports.speed import growth, imports
 from reports.speed import steps as speed
 from reports.speed import sweeps as sweep_speed
 from reports.speed import tips as tip_speed
@@ -43,6 +43,14 @@ def test_a_tip_is_timed_both_ways_and_more_of_them_as_a_rub(tmp_path):
     for row in rows:
         assert (row["closed"] > 0.0) == (row["case"] != "free")
         assert (row["as RotatingRim us/step"] is not None) == (row["tips"] == 1)
+
+
+@pytest.mark.slow
+def test_a_mesh_file_becomes_a_basis(tmp_path):
+    for row in imports.main(tmp_path, quick=True):
+        assert row["ended"] == "done"
+        assert row["basis MB"] > 0.02
+        assert row["peak MB"] > 50.0
 
 
 def test_growth_shows_a_counted_solution_with_its_memory(tmp_path):

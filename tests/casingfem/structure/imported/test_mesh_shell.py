@@ -15,7 +15,9 @@ from casingfem.structure.geometry.revolved import Revolved
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.mesh_data import Group, MeshData
 from casingfem.structure.imported.shell import MeshShell, assemble_mesh_shell
+from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.support import Fixed
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.plies import Lamina, Ply
@@ -207,6 +209,38 @@ def test_a_kink_of_the_mesh_is_a_mitred_wall(wall, worst, steel):
     found = cyclic_modes(sector, 1, diameters=range(2, 8)).freq
     error = np.abs(found / exact - 1).max()
     assert 0.25 * worst < error < worst
+
+
+@pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")
+def test_a_wall_with_a_window_is_that_of_its_solid(steel):
+    """A panel of 30 mm with a hole of four cells; without it the first frequency is another."""
+    window = np.array([[2, 2], [2, 3], [3, 2], [3, 3]])
+    ends = {"root": (0, 0.0)}
+
+    def thick(u):
+        theta, r = 0.5 - u[:, 1], 0.5 + 0.03 * (u[:, 2] - 0.5)
+        return np.stack([r * np.cos(theta), r * np.sin(theta), 0.4 * u[:, 0]], axis=1)
+
+    def without(mesh):
+        cells = np.delete(mesh.cells, window @ [6, 1], axis=0)
+        used, numbers = np.unique(cells, return_inverse=True)
+        held = np.flatnonzero(np.isin(used, mesh.groups["root"].nodes))
+        return MeshData(
+            kind=mesh.kind,
+            points=mesh.points[used],
+            cells=numbers.reshape(cells.shape),
+            groups={"root": Group(nodes=held)},
+        )
+
+    parts = {"material": steel, "supports": {"root": Clamped()}}
+    wall, block = (
+        grid_mesh("quad9", (6, 6), panel, groups=ends),
+        grid_mesh("hexahedron27", (6, 6, 1), thick, groups=ends),
+    )
+    pierced = mesh_modes(MeshShell(mesh=without(wall), thickness=0.03, **parts), 4).freq
+    np.testing.assert_allclose(pierced, mesh_modes(Solid(mesh=without(block), **parts), 4).freq, rtol=1.6e-2)
+    whole = mesh_modes(MeshShell(mesh=wall, thickness=0.03, **parts), 4).freq
+    assert np.abs(pierced / whole - 1).max() > 0.05
 
 
 def panel(u):
