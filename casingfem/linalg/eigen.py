@@ -10,7 +10,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.certificate import clear_of_eigenvalues, most_round_off, round_off, warn_of_count
 from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.entries import Symmetric
-from casingfem.linalg.factor import Direct, factorise
+from casingfem.linalg.factor import Direct, Factor, factorise
 from casingfem.linalg.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
 from casingfem.linalg.pencil import Mass, Pencil, make_pencil
 from casingfem.linalg.slicing import CLEAR, CLEARER, slices
@@ -44,7 +44,7 @@ class EigenResult:
     `sturm_count` is the number of eigenvalues below the last one returned (its double included), for a band the
     number inside it, counted by the inertia of factorisations, None where that was too large or round-off outweighs
     what is counted; `residuals` are |A x - omega^2 x|/omega^2 of the mass-scaled problem; `products` counts the vectors
-    that the factors solved for.
+    that the factors solved for. `factor` is that of the scaled problem near 0, where a number of modes was asked for.
     """
 
     eigenvalues: FloatArray
@@ -52,6 +52,7 @@ class EigenResult:
     sturm_count: int | None
     residuals: FloatArray
     products: int = 0
+    factor: Factor | None = None
 
     @property
     def freq(self) -> FloatArray:
@@ -167,12 +168,12 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
             noise[near] = round_off(pencil.A, vectors[:, near])
         certified = pencil.count_below(sigma, direct) if clear_of_eigenvalues(sigma, values, noise) else None
         if certified == below:
-            return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
+            return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift), factor)
         wanted += 2 * max((certified or 0) - below, 1) + extra
         tries.pop(0)  # a missed mode shows in the count: look again, with more vectors at once, in a wider gap
     if certified is None:
         warn_of_count(sigma, values, noise)
-        return result(pencil, values[:below], vectors[:, :below], None, products, abs(shift))
+        return result(pencil, values[:below], vectors[:, :below], None, products, abs(shift), factor)
     raise NumericsError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
 
 
@@ -214,7 +215,13 @@ def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direc
 
 
 def result(
-    pencil: Pencil, values: FloatArray, vectors: Array, certified: int | None, products: int, floor: float
+    pencil: Pencil,
+    values: FloatArray,
+    vectors: Array,
+    certified: int | None,
+    products: int,
+    floor: float,
+    factor: Factor | None = None,
 ) -> EigenResult:
     """Certified pairs of the scaled pencil as modes of K and M."""
     return EigenResult(
@@ -223,4 +230,5 @@ def result(
         sturm_count=certified,
         residuals=pencil.residuals(values, vectors, floor),
         products=products,
+        factor=factor,
     )

@@ -19,7 +19,7 @@ from casingfem.linalg.pencil import Pencil
 
 NOISE = 1e-13  # of a block's size: what is left after orthogonalisation below this is round-off
 BLOCKS = (8, 32, 128)  # vectors multiplied together: clusters up to this size are met whole; larger on a miss
-TOLERANCE = 1e-10  # residual of the inverted problem, relative to each theta
+TOLERANCE = 1e-9  # residual of the inverted problem, relative to each theta; eigenvalues are right to its square
 ROUND_OFF = 1e-14  # the same, relative to the largest theta: what arithmetic can reach,
 LOOSEST = 1e-7  # but no looser than this, which leaves eigenvalues right to its square
 RESTARTS = 20
@@ -130,7 +130,7 @@ def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int 
     [10.0, 11.0, 9.0]
     """
     size, rng = pencil.size, np.random.default_rng(START_SEED)
-    room = min(size, 3 * wanted + 4 * block) + block
+    room = min(size, 4 * wanted + 4 * block) + block
     Q, T = np.empty((size, room), dtype=pencil.A.dtype, order="F"), np.zeros((room, room), dtype=pencil.A.dtype)
     basis = Basis(pencil=pencil, solve=solve, Q=Q, T=T)
     basis.begin(solve(pencil.weigh(rng.standard_normal((size, min(block, size))))))

@@ -7,30 +7,34 @@ and grow by what the old factor makes of their residuals (block Davidson),
 
 until r^T F r, the first order of what an eigenvalue has yet to fall, is below TOL of it; the block that shows it is
 taken in too, which leaves a hundredth or less. Near the end of an update one block is enough and nothing is factored.
-A long step needs a factor of its own; then the modes are counted too, for one could have come from far above. After
-short steps they are counted when asked (`counted`), at the end of an update.
+A long step needs a factor of its own. One more mode could come from far above: modes are counted when asked
+(`counted`), at the end of an update.
 """
 
 import time
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import eigh, qr
+from scipy.linalg import eigh
 
 from casingfem.io.arrays import FloatArray
-from casingfem.linalg.eigen import gap_after
+from casingfem.linalg.eigen import gap_after, solve_modes
 from casingfem.linalg.factor import Factor, factorise
+from casingfem.linalg.krylov import NOISE, orthonormal
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
-from casingfem.modal.modes import modes
+from casingfem.modal.modes import warn_of_surveys
+from casingfem.modal.resolution import checked_resolution
 from casingfem.modal.ritz import RitzModes, ritz_modes
 from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 
 TOL = 1e-7  # of an eigenvalue, still to fall before the last block is taken in
 FAR = 1e-5  # more than this to fall, an old factor takes more blocks than a new one is worth
+LEAST = 1e-2  # of TOL: modes that have less to fall stay as they are
 GUARD = 8  # modes carried along above those wanted
 MOST = 12
 
@@ -76,8 +80,7 @@ class Solution:
     @property
     def vectors(self) -> FloatArray:
         """These as orthonormal columns of the pencil, (free, count + GUARD)."""
-        start = self.system.collect(self.guard.fields, self.guard.own) / self.pencil.scale[:, None]
-        return np.asarray(qr(start, mode="economic")[0])
+        return np.asarray(self.system.collect(self.guard.fields, self.guard.own) / self.pencil.scale[:, None])
 
 
 def shift_of(shell: Shell) -> float:
@@ -94,20 +97,22 @@ def factored(pencil: Pencil, shift: float) -> tuple[OldFactor, dict[str, float]]
 
 def solved(shell: Shell, count: int) -> Solution:
     """The lowest modes of a shell from nothing, counted, and what a neighbour needs to start from them."""
+    warn_of(shell)
     started = time.perf_counter()
     system = assemble(shell)
     assembled = time.perf_counter() - started
     pencil = make_pencil(system.stiffness, system.mass)
-    found = modes(shell, count + GUARD, method="shell", system=system)
-    guard = RitzModes(found.freq, found.fields, found.own)
-    old, seconds = factored(pencil, shift_of(shell))
-    seconds |= {"assemble": assembled, "solve": found.seconds["solve"]}
-    found = replace(named(shell, system, guard, count, seconds), sturm_count=found.sturm_count)
-    return Solution(found, guard, system, pencil, old, 0)
+    found = solve_modes(system.stiffness, system.mass, count + GUARD, shift_of(shell))
+    assert found.factor is not None
+    guard = ritz_modes(system, found.vectors)
+    seconds = {"assemble": assembled, "solve": time.perf_counter() - started - assembled}
+    lowest = replace(named(shell, system, guard, count, seconds), sturm_count=found.sturm_count)
+    warn_of_surveys(lowest)
+    return Solution(checked_resolution(lowest), guard, system, pencil, OldFactor(found.factor, pencil.scale), 0)
 
 
 def solved_near(shell: Shell, known: Solution, count: int) -> Solution:
-    """The lowest modes of a shell on the same mesh as a solved one; after a short step they are not counted.
+    """The lowest modes of a shell on the same mesh as a solved one; they are not counted.
 
     Raises
     ------
@@ -124,10 +129,8 @@ def solved_near(shell: Shell, known: Solution, count: int) -> Solution:
     vectors, old, blocks, seconds = davidson(pencil, start, known.old, shift_of(shell), count)
     ritz = ritz_modes(system, pencil.scale[:, None] * vectors)
     spent = time.perf_counter() - started - assembled - seconds.get("factor", 0.0)
-    far = "factor" in seconds
     seconds |= {"assemble": assembled, "solve": spent}
-    solution = Solution(named(shell, system, ritz, count, seconds), ritz, system, pencil, old, blocks)
-    return (counted(solution) or solved(shell, count)) if far else solution
+    return Solution(named(shell, system, ritz, count, seconds), ritz, system, pencil, old, blocks)
 
 
 def davidson(
@@ -137,25 +140,61 @@ def davidson(
 
     With the factor last used, the blocks it took, and the seconds of a new factor.
     """
-    width = start.shape[1]
+    space = Space(pencil, MOST + 2, start)
     seconds: dict[str, float] = {}
-    V = qr(start, mode="economic")[0]
-    images = np.asarray(pencil.A @ V)
+    width = space.count
     for block in range(MOST + 1):
-        values, y = eigh(projected(V, images), subset_by_index=[0, width - 1])
-        X = V @ y
-        residual = images @ y - X * values
+        values, y = eigh(space.H, subset_by_index=[0, width - 1])
+        residual = space.images @ y - (space.V @ y) * values
         W = old.apply(pencil, residual)
-        left = float((np.abs(np.einsum("ij,ij->j", residual, W)[:count]) / values[:count]).max())
-        if left > TOL and not seconds and (left > FAR or block > 1):
+        left = np.abs(np.einsum("ij,ij->j", residual, W) / values)
+        most = float(left[:count].max())
+        if most > TOL and not seconds and (most > FAR or block > 1):
             old, seconds = factored(pencil, shift)
             W = old.apply(pencil, residual)
-        W = W - V @ (V.T @ W)
-        W = qr(W - V @ (V.T @ W), mode="economic")[0]
-        V, images = np.hstack([V, W]), np.hstack([images, pencil.A @ W])
-        if left <= TOL:
+        space.grow(W[:, left > LEAST * TOL])
+        if most <= TOL:
             break
-    return V @ eigh(projected(V, images), subset_by_index=[0, width - 1])[1], old, block + 1, seconds
+    return space.V @ eigh(space.H, subset_by_index=[0, width - 1])[1], old, block + 1, seconds
+
+
+class Space:
+    """Orthonormal columns V (free, count), their images A V, and H = V^T A V, which grow by blocks."""
+
+    def __init__(self, pencil: Pencil, blocks: int, start: FloatArray) -> None:
+        self.pencil, self.count = pencil, 0
+        room = blocks * start.shape[1]
+        self._both = np.empty((2, room, pencil.size))  # rows here are the columns of V and A V
+        self._H = np.empty((room, room))
+        self.grow(start)
+
+    @property
+    def V(self) -> FloatArray:
+        """The columns."""
+        return self._both[0, : self.count].T
+
+    @property
+    def images(self) -> FloatArray:
+        """A V."""
+        return self._both[1, : self.count].T
+
+    @property
+    def H(self) -> FloatArray:
+        """V^T A V."""
+        return self._H[: self.count, : self.count]
+
+    def grow(self, block: FloatArray) -> None:
+        """Take in what a block has beyond V."""
+        old = self.V
+        for _ in range(2):  # twice is enough
+            block = block - old @ (old.T @ block)
+            block, _ = orthonormal(self.pencil, block, NOISE * np.linalg.norm(block, axis=0).max(initial=0.0))
+        first, self.count = self.count, self.count + block.shape[1]
+        self._both[0, first : self.count] = block.T
+        self._both[1, first : self.count] = (self.pencil.A @ block).T
+        across = self.V.T @ self.images[:, first:]
+        self._H[: self.count, first : self.count] = across
+        self._H[first : self.count, : self.count] = across.T
 
 
 def counted(solution: Solution) -> Solution | None:
@@ -167,12 +206,6 @@ def counted(solution: Solution) -> Solution | None:
     if solution.pencil.count_below(sigma) != below:
         return None
     return replace(solution, modes=replace(found, sturm_count=below))
-
-
-def projected(V: FloatArray, images: FloatArray) -> FloatArray:
-    """V^T A V from A V, symmetric to the last bit."""
-    H = V.T @ images
-    return np.asarray(0.5 * (H + H.T))
 
 
 def named(shell: Shell, system: System, found: RitzModes, count: int, seconds: dict[str, float]) -> Modes:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from casingfem.experiment.correlation.matches import Match
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.modal.harmonics import DOUBLE, orientation, ring_transform
 from casingfem.modal.mode_set import Modes, ModeSet
 
@@ -29,11 +29,10 @@ def radial_amplitudes(modes: ModeSet, mode: int, n: int) -> Array:
     return np.asarray(modes.rings.amplitudes[n, :, 0, mode] * np.sqrt(modes.rings.weights))
 
 
-def phase_load(modes: Modes, low: int, n: int) -> FloatArray:
-    """The reading d(2 n psi) of a change of the lower member, as a nodal load (nodes, 5)."""
+def phase_load(modes: Modes, low: int, n: int, rings: IntArray, transform: Array) -> FloatArray:
+    """The reading d(2 n psi) of a change of the lower member, as a nodal load (nodes, 5); see `ring_transform`."""
     c = radial_amplitudes(modes, low, n)
     assert modes.rings is not None
-    rings, transform = ring_transform(modes.shell.chart, modes.grid, n)
     share = -2.0 * np.imag((c * np.sqrt(modes.rings.weights) / np.sum(c**2))[:, None] * transform[n])
     load = np.zeros(modes.fields.shape[:2])
     theta = modes.grid.nodes[1, rings]
@@ -43,7 +42,8 @@ def phase_load(modes: Modes, low: int, n: int) -> FloatArray:
 
 def phase_loads(modes: Modes, matches: Sequence[Match]) -> FloatArray:
     """The readings of several doublets, (nodes, 5, doublets)."""
-    return np.stack([phase_load(modes, match.modes[0], match.n) for match in matches], axis=2)
+    rings, transform = ring_transform(modes.shell.chart, modes.grid, max(match.n for match in matches))
+    return np.stack([phase_load(modes, match.modes[0], match.n, rings, transform) for match in matches], axis=2)
 
 
 def partner_turn(modes: ModeSet, low: int, high: int, n: int) -> float:

@@ -19,8 +19,10 @@ def point_jets(grid: Grid, fields: Array) -> Array:
     local = fields[grid.elements]
     elements, points = len(grid.elements), grid.table.shape[2]
     flat = local.reshape(elements, grid.table.shape[1], -1)
-    jets = np.stack([np.matmul(table.T, flat) for table in grid.table], axis=2)
-    jets = jets / np.concatenate([np.ones((1, elements)), grid.size]).T[:, None, :, None]
+    jets = np.empty((elements, points, 3, flat.shape[2]), dtype=np.result_type(fields, grid.size))
+    for slot, table in enumerate(grid.table):
+        np.matmul(table.T, flat, out=jets[:, :, slot])
+    jets[:, :, 1:] /= grid.size.T[:, None, :, None]
     return np.asarray(jets.reshape(elements, points, 3 * DOFS, fields.shape[2]))
 
 
