@@ -78,6 +78,8 @@ def test_a_restart_gives_the_frequencies_splits_and_angles_of_a_solution_from_no
         np.testing.assert_allclose(quick.splits, full.splits, atol=3e-6)
         np.testing.assert_allclose(quick.angle_deg, full.angle_deg, atol=0.05)
         assert quick.sturm_count == full.sturm_count == COUNT
+    spoilt = replace(full, freq=full.freq * (1.0 + 1e-3 * (np.arange(COUNT) == 5)))
+    assert mistuning.restart_error(spoilt) == pytest.approx(1e-3, rel=1e-6)
 
 
 def test_each_block_step_gains_digits(casing, mean):

@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 
 import contact as ct
 from contact.model.bodies.modal_body import rim_channels
+from contact.model.gaps.rub_forces import plane_participation
 from tests.contact.synthetic_rub import N_MAX, SIZE
 
 G = 9.80665
@@ -157,6 +158,11 @@ def test_forces_that_make_no_sense_are_refused():
         ct.run(
             ct.Rub(casing(), [blade()], apart, clearance=0.01, forces=[ct.gaps.BodyForce.gravity()]), t_end=0.1, dt=1e-4
         )
+    for tips in (apart, [ct.ContactPoint(angle_deg=0.0)]):  # a blade that no force pulls may have its tips anywhere
+        pulled = ct.Rub(
+            casing(), [blade()], tips, clearance=0.01, forces=[ct.gaps.BodyForce(on="casing", acceleration=1.0)]
+        )
+        assert not plane_participation(pulled)[:, 3:].any()
     with pytest.raises(ct.InputError, match=r"participation: found shape \(2, 2\), expected \(3, 2\)"):
         ct.ModalBody(
             omega=[1.0, 2.0], zeta=[0.0] * 2, channels=("span",), rows=[[0.1, 0.1]], S=[[0.0]],
