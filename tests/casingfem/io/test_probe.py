@@ -1,5 +1,8 @@
 """Readers that loop, fill the memory or crash are found by a child; those that raise are left to the parent."""
 
+import signal
+import subprocess
+import sys
 import time
 
 import pytest
@@ -30,6 +33,24 @@ def test_what_a_reader_does_is_found_out(tmp_path, monkeypatch, code, fault):
     assert time.perf_counter() - started < 10.0
     if fault:
         assert found == "its reader took more than 1 s or 1.5 GB, or crashed"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="bounds on processor time are those of POSIX")
+def test_a_loop_ends_by_its_processor_time_not_by_the_clock(tmp_path, monkeypatch):
+    (tmp_path / "reader_that_loops.py").write_text("def read(path):\n    while True: pass\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(probe, "SECONDS", 0.5)
+    codes, patient = [], subprocess.run
+
+    def run(*arguments, timeout, **more):
+        done = patient(*arguments, timeout=20.0 * timeout, **more)
+        codes.append(done.returncode)
+        return done
+
+    monkeypatch.setattr(subprocess, "run", run)
+    assert probe.fault_of(tmp_path / "reader_that_loops.py", "reader_that_loops", "read")
+    assert codes[0] in (-signal.SIGXCPU, -signal.SIGKILL)
 
 
 def test_an_hdf5_file_whose_reader_does_not_end_is_refused(tmp_path, monkeypatch):
