@@ -12,7 +12,7 @@ from casingfem.experiment.identify.clusters import Cluster
 from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks, Setups, apart, linked
 from casingfem.experiment.identify.places import places
 from casingfem.experiment.identify.setups import matched
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import BoolArray, FloatArray
 
 MOST, FEWER = 14, 3  # modes that a cluster is taken for; from so many fewer on than were found before
 WIDER = 2.0  # times the damping of the highest peak: others of the cluster may have that
@@ -48,9 +48,13 @@ def read(cluster: Cluster, setups: Setups, damped: float, shift: float) -> OwnPe
         poles = [2 * len(setups), *[len(setups) + 1] * 2]
         reads = [_Read(own, each) for own, each in zip(tried, poles, strict=False)]
         read = min(reads, key=lambda each: each.cost(cluster, min(own.on_peaks for own in tried)))
+        kept = _peaks_inside(read.own, cluster.span, damped)
+        if not kept.all():
+            own = only_peaks(cluster, setups, read.own, damped)
+            read = _Read(own, len(setups) + 1)
+            kept = _peaks_inside(own, cluster.span, damped)
         noise = read.own.on_peaks
-        better = best is None or read.cost(cluster, noise) < best.cost(cluster, noise)
-        if better and _peaks_inside(read.own, cluster.span, damped):
+        if kept.all() and (best is None or read.cost(cluster, noise) < best.cost(cluster, noise)):
             best, misses = read, 0
         elif misses and best is not None:
             break
@@ -81,9 +85,10 @@ def read_all(found: Sequence[Cluster], setups: Setups, damped: float, shift: flo
 
 def only_peaks(c: Cluster, setups: Setups, own: OwnPeaks, damped: float) -> OwnPeaks:
     """Modes fitted again without those that have run away: out of the span in most set-ups, or too damped."""
-    inside = (own.freq > c.span[0]) & (own.freq < c.span[1])
-    kept = (inside.mean(axis=1) > 0.5) & (own.zeta[:, 0] < _most_damped(c, damped))
-    return fit_again(c, setups, own.freq[kept], own.zeta[kept, 0]) if 0 < kept.sum() < len(kept) else own
+    kept = _peaks_inside(own, c.span, _most_damped(c, damped))
+    if kept.all() or not kept.any():
+        return own
+    return fit_again(c, setups, own.freq[kept], np.median(own.zeta[kept], axis=1))
 
 
 def _most_damped(c: Cluster, damped: float) -> float:
@@ -92,10 +97,10 @@ def _most_damped(c: Cluster, damped: float) -> float:
     return max(damped, WIDER * float(c.modes.zeta[peaks.argmax()]))
 
 
-def _peaks_inside(own: OwnPeaks, span: tuple[float, float], most: float) -> bool:
-    """Whether every mode is a peak within the span in most set-ups, no more damped than that."""
+def _peaks_inside(own: OwnPeaks, span: tuple[float, float], most: float) -> BoolArray:
+    """Which modes are peaks within the span in most set-ups, no more damped than that."""
     inside = (own.freq > span[0]) & (own.freq < span[1])
-    return bool((inside.mean(axis=1) > 0.5).all() and (np.median(own.zeta, axis=1) < most).all())
+    return np.asarray((inside.mean(axis=1) > 0.5) & (np.median(own.zeta, axis=1) < most))
 
 
 def fit_apart(cluster: Cluster, setups: Setups, freq: FloatArray, zeta: FloatArray) -> OwnPeaks:

@@ -40,7 +40,7 @@ class Modes(NamedTuple):
         """What they add to a window of weighted data, (lines, channels)."""
         added = np.zeros((len(window.freq), self.residues.shape[1]), complex)
         for own, channels in zip(self.freq.T, setups, strict=True):
-            added[:, channels] = window.peaks(own, self.zeta)[0] @ self.residues[:, channels]
+            added[:, channels] = window.values(own, self.zeta) @ self.residues[:, channels]
         return np.asarray(added * window.weight * window.scale**window.power)
 
     def some(self, which: IntArray) -> Modes:
@@ -92,26 +92,52 @@ def linked(
 
 
 class _Problem(NamedTuple):
-    """Data (setups, 2 lines, most channels of one) across the polynomials' basis (2 lines, terms); 0 where none is.
+    """Data (setups, lines, most channels of one) across the polynomials' basis (lines, terms); 0 where none is.
 
-    `power` has each entry's share of the power, of its real and imaginary part together.
+    Both are complex, orthogonal as real columns are, real parts over imaginary ones. `power` has each entry's share of
+    the power, `squares` (setups,) that of each set-up.
     """
 
     window: Window
     setups: Setups
-    basis: FloatArray
-    data: FloatArray
+    basis: Array
+    data: Array
     power: FloatArray
+    squares: FloatArray
 
     @classmethod
     def of(cls, window: Window, setups: Setups) -> _Problem:
-        basis = np.linalg.qr(window.residuals())[0]
+        half, basis = len(window.freq), np.linalg.qr(window.residuals())[0]
         rest = window.Y - basis @ (basis.T @ window.Y)
-        data = np.zeros((len(setups), len(rest), max(len(channels) for channels in setups)))
+        data = np.zeros((len(setups), half, max(len(channels) for channels in setups)), complex)
         for one, channels in zip(data, setups, strict=True):
-            one[:, : len(channels)] = rest[:, channels]
-        power = np.tile(data[:, : len(window.freq)] ** 2 + data[:, len(window.freq) :] ** 2, (1, 2, 1))
-        return cls(window, setups, basis, data, power / max(float(power.sum()), 1e-300))
+            one[:, : len(channels)] = rest[:half, channels] + 1j * rest[half:, channels]
+        power = np.abs(data) ** 2
+        squares = np.asarray(power.sum(axis=(1, 2)))
+        return cls(window, setups, basis[:half] + 1j * basis[half:], data, power / max(squares.sum(), 1e-300), squares)
+
+    def columns(self, p: FloatArray, q: FloatArray) -> Array:
+        """Resonances, then slopes by ln f, then by ln zeta, (setups, 3 modes, lines) complex; p, q (modes, setups)."""
+        m, count = p.shape
+        g, slopes = self.window.peaks(np.exp(p.T).ravel(), np.exp(q.T).ravel())
+        each = np.stack([g, *slopes]).reshape(3, -1, count, m)
+        return np.ascontiguousarray(each.transpose(2, 0, 3, 1)).reshape(count, 3 * m, -1)
+
+    def on_peaks(self, p: FloatArray, q: FloatArray, residues: FloatArray) -> float:
+        """Variance of an entry that is left where the data are high."""
+        m, s = len(p), self.window.columns
+        g = self.columns(p, q)[:, :m]
+        A = residues.reshape(len(g), m, s, -1)
+        factor = A[:, :, 0] + (1j * A[:, :, 1] if s == 2 else 0.0)
+        inside = _parts(self.basis.conj().T @ g.swapaxes(1, 2), s)
+        left = self.data - g.swapaxes(1, 2) @ factor + self.basis @ (inside @ residues)
+        return 0.5 * float(np.sum(np.abs(left) ** 2 * self.power))
+
+
+def _parts(product: Array, s: int) -> FloatArray:
+    """Real inner products, from complex ones: with the right vectors and, for s = 2, j times them beside each."""
+    both = np.stack([product.real, -product.imag][:s], axis=-1)
+    return both.reshape(*product.shape[:-1], -1)
 
 
 class _At(NamedTuple):
@@ -121,7 +147,6 @@ class _At(NamedTuple):
     """
 
     squares: FloatArray
-    on_peaks: FloatArray
     residues: FloatArray
     normal: FloatArray
     information: FloatArray
@@ -129,26 +154,24 @@ class _At(NamedTuple):
 
     @classmethod
     def of(cls, problem: _Problem, p: FloatArray, q: FloatArray) -> _At:
-        """As in `pole_fit.py`, for all set-ups at once; p, q (modes, setups)."""
-        window, (m, count), s = problem.window, p.shape, problem.window.columns
-        g, slopes = window.peaks(np.exp(p).ravel(), np.exp(q).ravel())
-        columns = window.as_real(np.concatenate([g, *slopes], axis=1))
-        columns -= problem.basis @ (problem.basis.T @ columns)
-        each = columns.reshape(-1, 3, m, count, s).transpose(3, 0, 1, 2, 4).reshape(count, -1, 3 * m * s)
-        own, turns = each[..., : m * s], each[..., m * s :]
-        gram = own.swapaxes(1, 2) @ own
+        """As in `pole_fit.py`, for all set-ups at once, by inner products alone; p, q (modes, setups)."""
+        (m, count), s = p.shape, problem.window.columns
+        columns = problem.columns(p, q)
+        left = columns.conj()
+        inside = _parts(problem.basis.conj().T @ columns.swapaxes(1, 2), s)
+        products = _parts(_turned(left @ columns.swapaxes(1, 2), s), s) - inside.swapaxes(1, 2) @ inside
+        by_data = _turned(left @ problem.data, s).real
+        own, turns = slice(0, m * s), slice(m * s, None)
+        gram, cross = products[:, own, own], products[:, own, turns]
         size = np.einsum("gii->g", gram)[:, None, None]
         inverse = np.linalg.inv(gram + (SINGULAR * size + 1e-300) * np.eye(m * s))
-        A = inverse @ (own.swapaxes(1, 2) @ problem.data)
-        rest = problem.data - own @ A
-        across = turns - own @ (inverse @ (own.swapaxes(1, 2) @ turns))
-        both, turned = np.concatenate([A, A], axis=1), turns.swapaxes(1, 2) @ rest
-        told = (across.swapaxes(1, 2) @ across) * (both @ both.swapaxes(1, 2))
+        A = inverse @ by_data[:, own]
+        both, turned = np.concatenate([A, A], axis=1), by_data[:, turns] - cross.swapaxes(1, 2) @ A
+        told = (products[:, turns, turns] - cross.swapaxes(1, 2) @ (inverse @ cross)) * (both @ both.swapaxes(1, 2))
         full = told + np.tile(inverse, (1, 2, 2)) * (turned @ turned.swapaxes(1, 2))
         normal, information = (a.reshape(count, 2 * m, s, 2 * m, s).sum(axis=(2, 4)) for a in (full, told))
         return cls(
-            squares=np.sum(rest * rest, axis=(1, 2)),
-            on_peaks=np.einsum("gij,gij->g", rest * rest, problem.power),
+            squares=problem.squares + np.sum(A * (gram @ A - 2.0 * by_data[:, own]), axis=(1, 2)),
             residues=A,
             normal=normal,
             information=information,
@@ -161,14 +184,21 @@ class _At(NamedTuple):
         return _At(*kept)
 
 
+def _turned(product: Array, s: int) -> Array:
+    """Complex inner products, those of j times each left vector below them for s = 2."""
+    both = np.stack([product, -1j * product][:s], axis=2)
+    return both.reshape(len(product), -1, product.shape[2])
+
+
 def _fit(
     problem: _Problem, freq: FloatArray, zeta: FloatArray, noise: float, span: tuple[float, float], *, common: bool
 ) -> OwnPeaks:
     """Levenberg-Marquardt; each set-up has its own damping of the steps, unless `common`."""
     m, count = freq.shape
     low, high = np.log(span)
+    entries = 2 * len(problem.window.freq) * np.array([len(channels) for channels in problem.setups])
     p, q = np.log(freq), np.repeat(np.log(zeta)[:, None], count, axis=1)
-    at, damping = _At.of(problem, p, q), np.full(count, 1e-3)
+    at, damping, settled = _At.of(problem, p, q), np.full(count, 1e-3), np.zeros(count, bool)
     for _ in range(STEPS):
         by_freq, by_zeta = (_common_step if common else _own_steps)(at, damping)
         limit = TRUST[0] * np.exp(q)
@@ -180,14 +210,16 @@ def _fit(
         better = gain >= 0.0
         p, q, at = np.where(better, p_new, p), np.where(better, q_new, q), new.where(better, at)
         damping = damping * np.where(better, 0.2, 8.0)
-        if np.all((better & (gain < SETTLED * noise)) | (damping > 1e6)):
+        left = at.squares.sum() / problem.window.Y.size if common else at.squares / entries
+        settled |= (better & (gain < SETTLED * np.minimum(noise, left))) | (damping > 1e6)
+        if settled.all():
             break
     residues = np.zeros((m, problem.window.Y.shape[1]), complex)
     for channels, A in zip(problem.setups, at.residues.reshape(count, m, problem.window.columns, -1), strict=True):
         part = A[:, :, : len(channels)]
         residues[:, channels] = part[:, 0] + (1j * part[:, 1] if problem.window.columns == 2 else 0.0)
     variance, zeta_variance = (_common_variance if common else _own_variance)(at)
-    left = float(at.squares.sum()), float(at.on_peaks.sum())
+    left = float(np.maximum(at.squares, 0.0).sum()), problem.on_peaks(p, q, at.residues)
     return OwnPeaks(np.exp(p), np.exp(q), noise * variance, noise * zeta_variance, residues, *left)
 
 

@@ -25,7 +25,7 @@ def places(
     grid = np.linspace(*span, int(np.clip((span[1] - span[0]) / step, 2 * most + 10, GRID[1])))
     nearest = np.abs(grid[:, None] - freq).argmin(axis=1)
     Q = np.linalg.qr(window.residuals())[0]
-    g = _across(Q, window.peaks(grid, zeta[nearest])[0])
+    g = _across(Q, window.values(grid, zeta[nearest]))
     R = _complex(window.Y - Q @ (Q.T @ window.Y))
     part = np.real if window.columns == 1 else np.asarray
     gram, b = part(g.conj().T @ g), part(g.conj().T @ R)

@@ -78,22 +78,30 @@ class Window:
 
     def resonances(self, f: FloatArray, zeta: FloatArray) -> FloatArray:
         """Columns (2 lines, poles x columns) of unit residue at poles f [Hz], zeta."""
-        return self.as_real(self.peaks(f, zeta)[0])
+        return self.as_real(self.values(f, zeta))
 
     def slopes(self, f: FloatArray, zeta: FloatArray) -> FloatArray:
         """Derivatives of `resonances` by ln f of all poles, then by ln zeta, (2 lines, 2 poles x columns)."""
         return self.as_real(np.concatenate(self.peaks(f, zeta)[1], axis=1))
 
+    def values(self, f: FloatArray, zeta: FloatArray) -> Array:
+        """Complex resonances (lines, poles) of unit residue."""
+        x, w = self._places(), f / self.scale
+        return self._seen((1j * x) ** self.power * (w**2 * _compliance(x, w, zeta)))
+
     def peaks(self, f: FloatArray, zeta: FloatArray) -> tuple[Array, tuple[Array, Array]]:
         """Complex resonances (lines, poles) of unit residue, and their derivatives by ln f and ln zeta."""
-        if not self.leak:
-            return self._peaks(self.freq, f, zeta)
-        near = [self._peaks(self.freq + by * self.leak, f, zeta) for by, _ in HANN]
-        g, by_freq, by_zeta = (
-            np.tensordot([share for _, share in HANN], each, axes=1)
-            for each in ([g for g, _ in near], [slopes[0] for _, slopes in near], [slopes[1] for _, slopes in near])
-        )
-        return g, (by_freq, by_zeta)
+        x, w = self._places(), f / self.scale
+        inverse = _compliance(x, w, zeta)
+        g = (1j * x) ** self.power * (w**2 * inverse)
+        inverse *= g
+        by_zeta = inverse * x
+        by_zeta *= -2j * zeta * w
+        inverse *= w**2
+        by_freq = g - inverse
+        by_freq *= 2.0
+        by_freq += by_zeta
+        return self._seen(g), (self._seen(by_freq), self._seen(by_zeta))
 
     def residuals(self) -> FloatArray:
         """Columns (2 lines, TERMS x columns) of modes outside the window."""
@@ -108,10 +116,35 @@ class Window:
             columns = np.stack([columns, 1j * columns], axis=2).reshape(len(columns), -1)
         return np.concatenate([columns.real, columns.imag])
 
-    def _peaks(self, at: FloatArray, f: FloatArray, zeta: FloatArray) -> tuple[Array, tuple[Array, Array]]:
-        """`peaks` at frequencies [Hz], without leakage."""
-        x, w = at[:, None] / self.scale, f / self.scale
-        below = w**2 - x**2 + 2j * zeta * w * x
-        g = self.along[:, None] * (1j * x) ** self.power * w**2 / below
-        by_zeta = -g * 2j * zeta * w * x / below
-        return g, (2.0 * g * (1.0 - w**2 / below) + by_zeta, by_zeta)
+    def _places(self) -> FloatArray:
+        """Where terms are computed, over the mean frequency, (places, 1): lines, and those from which they leak."""
+        if not self.leak:
+            at = self.freq
+        elif self._next_to_each_other():
+            at = np.concatenate([[self.freq[0] - self.leak], self.freq, [self.freq[-1] + self.leak]])
+        else:
+            at = np.concatenate([self.freq + by * self.leak for by, _ in HANN])
+        return np.asarray(at[:, None] / self.scale)
+
+    def _seen(self, terms: Array) -> Array:
+        """Terms at `_places` as the lines show them, (lines, poles): leaked and weighted."""
+        count = len(self.freq)
+        if self.leak:
+            apart = 1 if self._next_to_each_other() else count
+            shown = HANN[1][1] * terms[apart : apart + count]
+            shown += HANN[0][1] * (terms[:count] + terms[2 * apart :])
+            terms = shown
+        terms *= self.along[:, None]
+        return terms
+
+    def _next_to_each_other(self) -> bool:
+        """Whether lines leak to their neighbours alone, none being left out between them."""
+        return bool(np.abs(np.diff(self.freq) - self.leak).max() < 1e-6 * self.leak)
+
+
+def _compliance(x: FloatArray, w: FloatArray, zeta: FloatArray) -> Array:
+    """1/(w^2 - x^2 + 2 j zeta w x), (places, poles)."""
+    below = np.empty((len(x), len(w)), complex)
+    below.real = w**2 - x**2
+    below.imag = 2.0 * zeta * w * x
+    return np.asarray(np.reciprocal(below, out=below))

@@ -74,11 +74,15 @@ def matched(own: OwnPeaks, setups: Setups, shift: float) -> OwnPeaks:
     for column in (own.freq, own.zeta):
         now = own.ordered([np.argsort(each) for each in column.T], setups)
         for _ in range(SWEEPS):
+            before = now
             for s in range(len(setups)):
-                order = [np.arange(len(own.freq))] * len(setups)
-                order[s] = linear_sum_assignment(_mismatch(now, setups, shift)[s])[1]
-                now = now.ordered(order, setups)
-        found.append((float(np.einsum("skk->", _mismatch(now, setups, shift))), now))
+                best = linear_sum_assignment(_mismatch(now, setups, shift, [s])[0])[1]
+                if np.any(best != np.arange(len(best))):
+                    order = [np.arange(len(best))] * len(setups)
+                    now = now.ordered([*order[:s], best, *order[s + 1 :]], setups)
+            if now is before:
+                break
+        found.append((float(np.einsum("skk->", _mismatch(now, setups, shift, range(len(setups))))), now))
     return min(found, key=lambda each: each[0])[1]
 
 
@@ -90,7 +94,7 @@ def matching_sigma(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:
     m, count = own.freq.shape
     if m == 1 or count == 1:
         return np.zeros((2, m))
-    cost, logs = _mismatch(own, setups, shift), np.log([own.freq, own.zeta])
+    cost, logs = _mismatch(own, setups, shift, range(count)), np.log([own.freq, own.zeta])
     same = np.einsum("skk->sk", cost)
     rise = cost + cost.swapaxes(1, 2) - same[:, :, None] - same[:, None, :]
     odds = 1.0 / (1.0 + np.exp(np.clip(0.5 * rise, 0.0, 50.0)))
@@ -103,14 +107,14 @@ def matching_sigma(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:
     return np.asarray(np.sqrt(np.max(odds * moved, axis=3).sum(axis=1)))
 
 
-def _mismatch(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:
-    """Cost of each mode of a set-up (columns) as each mode of the others (rows), (setups, modes, modes)."""
+def _mismatch(own: OwnPeaks, setups: Setups, shift: float, which: Sequence[int]) -> FloatArray:
+    """Cost of each mode of some set-ups (columns) as each mode of the others (rows), (those, modes, modes)."""
     count = np.array([len(c) for c in setups])
     sizes = np.array([np.linalg.norm(own.residues[:, c], axis=1) for c in setups]).T / np.sqrt(count)
     x = np.array([np.log(own.freq), np.log(own.zeta), np.log(sizes + 1e-300)])
     spread = np.array([shift**2 + own.variance, DAMPING**2 + own.zeta_variance, SIZES**2 / count + 0.0 * sizes])
     costs = []
-    for s in range(len(setups)):
+    for s in which:
         others = np.arange(len(setups)) != s
         weight = 1.0 / spread[:, :, others]
         mean, variance = (weight * x[:, :, others]).sum(axis=2) / weight.sum(axis=2), 1.0 / weight.sum(axis=2)
