@@ -13,12 +13,11 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray, IntArray, read_only
+from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import (
-    Mapped,
     MeshSystem,
     assembled,
     cell_dofs,
@@ -27,7 +26,7 @@ from casingfem.structure.imported.assembly import (
     scatter,
 )
 from casingfem.structure.imported.cell_kind import SOLIDS
-from casingfem.structure.imported.cells.solid import cell_matrices, cell_stiffness, consistent_mass
+from casingfem.structure.imported.cells.solid import cell_matrices, consistent_mass, stiffness
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.groups import by_group, constants_of
 from casingfem.structure.imported.mesh_data import MeshData
@@ -117,11 +116,16 @@ def assemble_solid(solid: Solid) -> MeshSystem:
     constants = solid.constants()
     E, _, rho = constants
 
-    def mass(on: Mapped, rows: IntArray) -> FloatArray:
-        return consistent_mass(on, rho[rows])
-
-    K = scatter(cell_stiffness(mesh.kind, mesh.points, mesh.cells, constants), dofs, size)
-    M = scatter(cell_matrices(mesh.kind, mesh.points, mesh.cells, mass), dofs, size)
+    K, M = (
+        scatter(matrices, dofs, size)
+        for matrices in cell_matrices(
+            mesh.kind,
+            mesh.points,
+            mesh.cells,
+            lambda on, rows: stiffness(on, constants[:, rows]),
+            lambda on, rows: consistent_mass(on, rho[rows]),
+        )
+    )
     area = facet_shape_products(mesh, mesh.boundary)[2].sum()
     volume = mapped(mesh.kind, mesh.points, mesh.cells).measure.sum()
     wall, sound = float(2.0 * volume / area), float(np.sqrt((E / rho).min()))

@@ -6,7 +6,7 @@ with Green's strain E and the stiffness C of the material (St. Venant-Kirchhoff)
 tangent is material, stress and spin softening. (Bathe, Finite Element Procedures, 1996, ch. 6.)
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.assembly import CHUNK, MeshSystem, cell_dofs, mapped, on_free, scatter
+from casingfem.structure.imported.assembly import CHUNK, Mapped, MeshSystem, cell_dofs, mapped, on_free, scatter
 from casingfem.structure.imported.attachments.turning import hung_spin
 from casingfem.structure.imported.cell_kind import rule
 from casingfem.structure.imported.cells.collapsed import native
@@ -26,6 +26,7 @@ from casingfem.structure.imported.cells.solid import (
     cell_matrices,
     consistent_mass,
     elasticity,
+    put,
     strain_table,
 )
 from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin, tied_solution
@@ -58,19 +59,16 @@ def solid_inertia(solid: SolidCells, rotation: Rotation) -> Inertia:
     P, a = rotation.plane, rotation.direction
     turn = np.cross(a, np.eye(3)).T  # turn v = a x v
 
-    def masses(block: FloatArray | None) -> FloatArray:
-        return cell_matrices(mesh.kind, mesh.points, mesh.cells, lambda on, rows: consistent_mass(on, rho[rows], block))
+    def of(block: FloatArray | None) -> Callable[[Mapped, IntArray], FloatArray]:
+        return lambda on, rows: consistent_mass(on, rho[rows], block)
 
-    return Inertia(
-        mass=masses(None),
-        softening=masses(P),
-        gyroscopic=2.0 * masses(turn),
-        away=(mesh.points - np.asarray(rotation.centre)) @ P,
-    )
+    mass, softening, coriolis = cell_matrices(mesh.kind, mesh.points, mesh.cells, of(None), of(P), of(turn))
+    away = (mesh.points - np.asarray(rotation.centre)) @ P
+    return Inertia(mass=mass, softening=softening, gyroscopic=2.0 * coriolis, away=away)
 
 
 class Batch(NamedTuple):
-    """Cells of one kind at their quadrature points: rows of the mesh, nodes (cells, k), their dofs in the cell.
+    """Cells of one kind at their quadrature points: rows of the mesh, nodes (cells, k), which of the cell's they are.
 
     dN/dx `slopes` (cells, q, 3, nodes), du_k/dx_i `gradient` (cells, q, 3 k, 3 i), weights (cells, q, 1), elasticity
     (cells, 1, 6, 6).
@@ -78,7 +76,7 @@ class Batch(NamedTuple):
 
     rows: IntArray
     nodes: IntArray
-    dofs: IntArray
+    slots: IntArray
     slopes: FloatArray
     gradient: FloatArray
     weight: FloatArray
@@ -86,7 +84,7 @@ class Batch(NamedTuple):
 
     def add(self, total: FloatArray, matrices: FloatArray) -> None:
         """Put matrices of the cells into those of all, (cells, m, m)."""
-        total[self.rows[:, None, None], self.dofs[:, None], self.dofs] = matrices
+        put(total, self.rows, self.slots, matrices)
 
 
 def batches(solid: SolidCells, fields: FloatArray) -> Iterator[Batch]:
@@ -94,7 +92,6 @@ def batches(solid: SolidCells, fields: FloatArray) -> Iterator[Batch]:
     mesh, D = solid.mesh, elasticity(solid.constants())[:, None]
     for kind, rows, slots in native(mesh.kind, mesh.cells):
         step = max(1, CHUNK // (rule(kind)[0].shape[1] * 6 * len(slots) * 3))
-        dofs = cell_dofs(slots[None], 3)[0]
         for start in range(0, len(rows), step):
             part = rows[start : start + step]
             nodes = mesh.cells[part][:, slots]
@@ -102,7 +99,7 @@ def batches(solid: SolidCells, fields: FloatArray) -> Iterator[Batch]:
             slopes = np.linalg.inv(on.tangents) @ on.slopes.transpose(2, 0, 1)
             moved = fields[nodes].transpose(0, 2, 1)
             yield Batch(
-                part, nodes, dofs, slopes, moved[:, None] @ slopes.swapaxes(2, 3), on.measure[:, :, None], D[part]
+                part, nodes, slots, slopes, moved[:, None] @ slopes.swapaxes(2, 3), on.measure[:, :, None], D[part]
             )
 
 

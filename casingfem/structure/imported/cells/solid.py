@@ -28,24 +28,34 @@ class SolidCells(Protocol):
 
 
 def cell_matrices(
-    kind: str, points: FloatArray, cells: IntArray, of: Callable[[Mapped, IntArray], FloatArray]
-) -> FloatArray:
-    """Matrices of cells (cells, 3 nodes, 3 nodes): `of` mapped ones and their rows, each kind by itself."""
+    kind: str, points: FloatArray, cells: IntArray, *of: Callable[[Mapped, IntArray], FloatArray]
+) -> list[FloatArray]:
+    """Matrices of cells, (cells, 3 nodes, 3 nodes) each: `of` mapped ones and their rows, each kind by itself."""
     parts = list(native(kind, cells))
-    if len(parts) == 1 and parts[0][0] == kind:
-        return of(mapped(kind, points, cells), parts[0][1])
+    if parts[0][0] == kind:
+        on = mapped(kind, points, cells)
+        return [make(on, parts[0][1]) for make in of]
     size = 3 * cells.shape[1]
-    total = np.zeros((len(cells), size, size))
+    total = [np.zeros((len(cells), size, size)) for _ in of]
     for name, rows, slots in parts:
-        dofs = cell_dofs(slots[None], 3)[0]
-        own = of(mapped(name, points, cells[rows][:, slots]), rows)
-        total[rows[:, None, None], dofs[:, None], dofs] = own
+        on = mapped(name, points, cells[rows][:, slots])
+        for matrices, make in zip(total, of, strict=True):
+            put(matrices, rows, slots, make(on, rows))
     return total
+
+
+def put(total: FloatArray, rows: IntArray, slots: IntArray, matrices: FloatArray) -> None:
+    """Put matrices of cells that have some of the nodes, in their order, into those of all, (cells, m, m)."""
+    if 3 * len(slots) == total.shape[1]:
+        total[rows] = matrices
+        return
+    dofs = cell_dofs(slots[None], 3)[0]
+    total[rows[:, None, None], dofs[:, None], dofs] = matrices
 
 
 def cell_stiffness(kind: str, points: FloatArray, cells: IntArray, constants: FloatArray) -> FloatArray:
     """Stiffness of each cell, (cells, 3 nodes, 3 nodes), from E, nu, rho (3, cells)."""
-    return cell_matrices(kind, points, cells, lambda on, rows: stiffness(on, constants[:, rows]))
+    return cell_matrices(kind, points, cells, lambda on, rows: stiffness(on, constants[:, rows]))[0]
 
 
 def stiffness(on: Mapped, constants: FloatArray) -> FloatArray:
