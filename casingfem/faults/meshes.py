@@ -55,6 +55,10 @@ MESHES = {
         "a mesh file is malformed, cut short, or has what this program does not read",
         "export it again whole, in one file, without what the message names",
     ),
+    "mesh-floating-spring": Fault(
+        "a node without mass hangs on springs and on nothing else: they do nothing",
+        "give a support on it, such as the file's own SPC or set; leave it where a load or a contact pushes it",
+    ),
     "mesh-include": Fault(
         "a mesh file includes another one that is not there, or that includes itself",
         "put the included file beside the one that names it",

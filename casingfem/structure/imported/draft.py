@@ -15,8 +15,8 @@ from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.attachments.values import NOTHING, Attachments
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.cells.collapsed import common_kind, written_as
+from casingfem.structure.imported.cells.middles import filled
 from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
-from casingfem.structure.imported.middles import filled
 from contact.io.names import names_fault
 
 DIMENSIONS = {"vertex": 0, "wedge": 3, "pyramid": 3, "polygon": 2} | {name: kind.dim for name, kind in KINDS.items()}

@@ -8,9 +8,12 @@ from scipy.linalg import qr
 from scipy.sparse import coo_array, csc_array, csr_array, hstack
 from scipy.sparse.csgraph import connected_components
 
+from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rigid_body import unfelt
 from casingfem.structure.imported.attachments.ties import Motions, Rows, eliminated, tied_rows
+from casingfem.structure.imported.findings import nodes_named
+from casingfem.structure.imported.mesh_data import MeshData
 
 ROUND = 1e-9  # motions, of the size of one, below which a spring or an equation does not feel them
 LOOSE = 1e-12  # least stiffness and mass of a node's six motions, each scaled to one, below which one of them is free
@@ -74,6 +77,7 @@ def attached(
     rows = tied_rows(motions, held)
     refuse_held(motions, rows, held)
     R = eliminated(rows)
+    warn_floating(mesh, held[held < motions.dofs * len(mesh.points)] // motions.dofs)
     springs = spring_rows(motions)
     k = np.array([spring.stiffness for spring in mesh.attachments.springs])
     K = csc_array(enlarged(K, size) + springs.T @ (springs * k[:, None]))
@@ -124,6 +128,24 @@ def sorted_parts(A: csc_array) -> tuple[IntArray, IntArray]:
     """Rows in the order of the parts that hang together, and where each part but the first begins."""
     count, part = connected_components(A, directed=False)
     return np.argsort(part, kind="stable"), np.cumsum(np.bincount(part, minlength=max(count, 1)))[:-1]
+
+
+def warn_floating(mesh: MeshData, held: IntArray) -> None:
+    """Warn of nodes without mass, support or connection whose springs all lead to one other node: they do nothing."""
+    hung = mesh.attachments
+    masses = np.array([mass.node for mass in hung.masses], dtype=np.int64)
+    tied = [node for equation in hung.equations for node in equation.nodes]
+    others = [masses, held, mesh.used, np.array(tied, dtype=np.int64), *hung.bodies]
+    ends: dict[int, set[int]] = {}
+    for spring in hung.springs:
+        joined = set(spring.nodes)
+        for node in joined:
+            ends.setdefault(node, set()).update(joined - {node} or {-1})  # -1: the ground
+    alone = np.setdiff1d(list(ends), np.concatenate(others)).astype(np.int64)
+    floating = [node for node in alone.tolist() if len(ends[node]) == 1 and -1 not in ends[node]]
+    if floating:
+        found = nodes_named(mesh, np.array(floating))
+        warn("mesh-floating-spring", f"{mesh.source}: found {found} at the end of springs", stacklevel=6)
 
 
 def enlarged(A: csc_array, size: int) -> csc_array:

@@ -206,7 +206,7 @@ def test_constant_strains_are_exact_through_all_quadratic_kinds():
     assert nodal_loads(solid, weight)[:, 2].sum() == pytest.approx(-9.81 * 7800.0 * volume, rel=1e-12)
 
 
-@pytest.mark.parametrize("omega", [0.0, 300.0])
+@pytest.mark.parametrize("omega", [0.0, pytest.param(300.0, marks=pytest.mark.slow)])
 def test_all_quadratic_kinds_swing_like_bricks_alone(omega):
     """Modes at rest and at speed against a mesh of bricks as fine: 0.5 % at the worst."""
     spin = cf.Rotation(omega=omega, axis=(0.0, 0.0, 1.0), centre=(-0.5, 0.0, 0.0)) if omega else None

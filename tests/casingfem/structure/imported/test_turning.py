@@ -116,6 +116,7 @@ def test_a_pendulum_on_a_hub_stiffens_as_its_lengths_say(kind):
 L, B = 1.0, 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "how"), [("solid", "rigid"), ("solid", "mean"), ("shell", "rigid")])
 def test_a_mass_beyond_the_tip_of_a_light_beam_stiffens_it(kind, how):
     """Southwell's coefficient of a heavy end on a rigid arm, by the energy of the beam's static shape.
