@@ -8,7 +8,7 @@ an SPCADD 3 names; where single components are along axes of a system 9 of the g
 
 import math
 import re
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.included import NumberedLine, read_lines
 from casingfem.structure.imported.attachments.nastran import CARDS, LEFT_OUT, WHOLE, CardLike, NastranAttachments
 from casingfem.structure.imported.cells.handed import right_handed
-from casingfem.structure.imported.coordinates import BY_GRIDS, KINDS_OF_SYSTEMS, System, axes_at, in_basic
+from casingfem.structure.imported.coordinates import BY_GRIDS, KINDS_OF_SYSTEMS, CardSystems
 from casingfem.structure.imported.draft import Block, Draft, Lookup
 
 SOLIDS = {
@@ -114,7 +114,7 @@ class Parser:
         self.source = source
         self.grids: list[tuple[int, float, float, float]] = []
         self.elements: dict[str, list[tuple[int, int, list[int]]]] = {}  # kind -> number, property, nodes
-        self.systems: dict[int, System] = {}
+        self.systems = CardSystems(self)
         self.placed: list[tuple[int, int, Card]] = []  # grid by its row, its system, its card
         self.constraints: dict[tuple[str, str], list[int]] = {}  # set, components -> grids
         self.sums: list[Card] = []  # SPCADD
@@ -122,7 +122,6 @@ class Parser:
         self.hung = NastranAttachments(self)
         self.defaults = BLANK  # fields of GRDSET: system of the place, of the motions, constraints
         self.turned: dict[int, int] = {}  # grid -> coordinate system of its displacements
-        self.by_grids: dict[int, tuple[str, list[int], Card]] = {}  # system -> kind, grids A, B, C
 
     def fault(self, card: CardLike, message: str) -> ModelError:
         """A malformed file."""
@@ -142,9 +141,9 @@ class Parser:
             elif card.name == "SPCADD":
                 self.sums.append(card)
             elif card.name in KINDS_OF_SYSTEMS:
-                self.take_system(card)
+                self.systems.take(card)
             elif card.name in BY_GRIDS:
-                self.take_system_by_grids(card)
+                self.systems.take_by_grids(card)
             elif card.name in CARDS:
                 self.hung.take(card)
             elif LEFT_OUT.match(card.name):
@@ -191,68 +190,9 @@ class Parser:
         if fields[6]:
             self.constraints.setdefault(("PS", fields[6]), []).append(number)
 
-    def take_system(self, card: Card) -> None:
-        """CORD2R, CORD2C, CORD2S: number, system of the points, origin A, B on the z axis, C in the x-z plane."""
-        number, *fields = [*card.fields, *[""] * 11]
-        values = np.array([self.real(card, text) for text in fields[1:10]]).reshape(3, 3)
-        within = self.integer(card, fields[0] or "0")
-        self.systems[self.new_system(card, number)] = System(KINDS_OF_SYSTEMS[card.name], within, values)
-
-    def take_system_by_grids(self, card: Card) -> None:
-        """CORD1R, CORD1C, CORD1S: number, grids at A, B, C; perhaps another four."""
-        for k in range(0, len(card.fields), 4):
-            number, *grids = card.fields[k : k + 4]
-            if len(grids) != 3 or "" in grids:
-                raise self.fault(card, f"found the grids {', '.join(grids) or 'none'}, expected three")
-            new = self.new_system(card, number)
-            self.by_grids[new] = (BY_GRIDS[card.name], [self.integer(card, text) for text in grids], card)
-
-    def new_system(self, card: Card, number: str) -> int:
-        """The number of a system that is not given yet."""
-        system = self.integer(card, number)
-        if system in self.systems or system in self.by_grids:
-            raise self.fault(card, f"coordinate system {system} is given twice")
-        return system
-
-    def place_grids(self) -> None:
-        """Put grids from their coordinate systems into the basic one; systems by grids follow the grids' places."""
-        waiting, open_systems = self.placed, dict(self.by_grids)
-        while waiting or open_systems:
-            here = {grid[0]: grid[1:] for grid in self.grids}
-            apart = {self.grids[row][0] for row, _, _ in waiting}
-            ready = [n for n, (_, grids, _) in open_systems.items() if not set(grids) & apart]
-            for number in ready:
-                kind, grids, card = open_systems.pop(number)
-                if missing := [grid for grid in grids if grid not in here]:
-                    raise self.fault(card, f"found grid {missing[0]}, which is not given")
-                self.systems[number] = System(kind, 0, np.array([here[grid] for grid in grids]))
-            left = [item for item in waiting if not self.placed_now(*item, open_systems)]
-            if len(left) == len(waiting) and not ready:
-                raise self.fault(left[0][2], "found coordinate systems by grids in a ring")
-            waiting = left
-
-    def placed_now(self, row: int, system: int, card: Card, open_systems: Container[int]) -> bool:
-        """Put a grid into the basic system, unless its own waits for others."""
-        inner = system
-        while inner in self.systems and inner != self.systems[inner].within:
-            inner = self.systems[inner].within
-            if inner == system:
-                break
-        if inner in open_systems:
-            return False
-        try:
-            x, y, z = in_basic(self.systems, system, np.array(self.grids[row][1:])).tolist()
-        except ValueError as error:
-            raise self.fault(card, f"grid {self.grids[row][0]} in coordinate system {system}: {error}") from None
-        self.grids[row] = (self.grids[row][0], x, y, z)
-        return True
-
     def axes(self, card: CardLike, system: int, place: FloatArray) -> FloatArray:
         """Directions of a coordinate system at a place, rows (3, 3)."""
-        try:
-            return axes_at(self.systems, system, place)
-        except ValueError as error:
-            raise self.fault(card, f"coordinate system {system}: {error}") from None
+        return self.systems.axes(card, system, place)
 
     def take_element(self, card: Card) -> None:
         """An element: number, property, nodes."""
@@ -296,7 +236,7 @@ class Parser:
 
     def draft(self) -> Draft:
         """Numbers to indices."""
-        self.place_grids()
+        self.systems.place(self.grids, self.placed)
         if not self.grids or not self.elements:
             found = f"{len(self.grids)} grids and no elements"
             raise ModelError("mesh-no-cells", f"{self.source}: found {found}")

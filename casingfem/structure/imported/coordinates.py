@@ -1,10 +1,11 @@
 """Nastran's coordinate systems by three points or grids, rectangular, cylindrical and spherical, one in another."""
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Container, Mapping
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 
 KINDS_OF_SYSTEMS = {"CORD2R": "rectangular", "CORD2C": "cylindrical", "CORD2S": "spherical"}
@@ -117,3 +118,91 @@ def coordinates(kind: str, x: FloatArray) -> FloatArray:
     if kind == "cylindrical":
         return np.array([np.hypot(x[0], x[1]), angle, x[2]])
     return np.array([np.linalg.norm(x), np.degrees(np.arctan2(np.hypot(x[0], x[1]), x[2])), angle])
+
+
+class Numbers(Protocol):
+    """How the reader of a file reads numbers and refuses cards."""
+
+    def fault(self, card: Any, message: str) -> ModelError:
+        """A malformed file."""
+
+    def integer(self, card: Any, text: str) -> int:
+        """A whole number."""
+
+    def real(self, card: Any, text: str) -> float:
+        """A real number; empty is zero."""
+
+
+class CardSystems:
+    """The systems that the cards of a file give, by points or by grids."""
+
+    def __init__(self, numbers: Numbers) -> None:
+        self.numbers = numbers
+        self.systems: dict[int, System] = {}
+        self.by_grids: dict[int, tuple[str, list[int], Any]] = {}  # number -> kind, grids A, B, C, card
+
+    def take(self, card: Any) -> None:
+        """CORD2R, CORD2C, CORD2S: number, system of the points, origin A, B on the z axis, C in the x-z plane."""
+        given: list[str] = card.fields
+        number, *fields = [*given, *[""] * 11]
+        values = np.array([self.numbers.real(card, text) for text in fields[1:10]]).reshape(3, 3)
+        within = self.numbers.integer(card, fields[0] or "0")
+        self.systems[self.new(card, number)] = System(KINDS_OF_SYSTEMS[card.name], within, values)
+
+    def take_by_grids(self, card: Any) -> None:
+        """CORD1R, CORD1C, CORD1S: number, grids at A, B, C; perhaps another four."""
+        for k in range(0, len(card.fields), 4):
+            number, *grids = card.fields[k : k + 4]
+            if len(grids) != 3 or "" in grids:
+                raise self.numbers.fault(card, f"found the grids {', '.join(grids) or 'none'}, expected three")
+            given = [self.numbers.integer(card, text) for text in grids]
+            self.by_grids[self.new(card, number)] = (BY_GRIDS[card.name], given, card)
+
+    def new(self, card: Any, text: str) -> int:
+        """The number of a system that is not given yet."""
+        number = self.numbers.integer(card, text)
+        if number in self.systems or number in self.by_grids:
+            raise self.numbers.fault(card, f"coordinate system {number} is given twice")
+        return number
+
+    def place(self, grids: list[tuple[int, float, float, float]], placed: list[tuple[int, int, Any]]) -> None:
+        """Put grids (number, x, y, z) into the basic system, those `placed` (row, system, card) in one of their own.
+
+        Systems by grids follow the places of these.
+        """
+        waiting, pending = placed, dict(self.by_grids)
+        while waiting or pending:
+            here = {grid[0]: grid[1:] for grid in grids}
+            apart = {grids[row][0] for row, _, _ in waiting}
+            ready = [n for n, (_, named, _) in pending.items() if not set(named) & apart]
+            for number in ready:
+                kind, named, card = pending.pop(number)
+                if missing := [grid for grid in named if grid not in here]:
+                    raise self.numbers.fault(card, f"found grid {missing[0]}, which is not given")
+                self.systems[number] = System(kind, 0, np.array([here[grid] for grid in named]))
+            left = [item for item in waiting if self.waits(item[1], pending)]
+            for row, system, card in (item for item in waiting if not self.waits(item[1], pending)):
+                try:
+                    x, y, z = in_basic(self.systems, system, np.array(grids[row][1:])).tolist()
+                except ValueError as error:
+                    message = f"grid {grids[row][0]} in coordinate system {system}: {error}"
+                    raise self.numbers.fault(card, message) from None
+                grids[row] = (grids[row][0], x, y, z)
+            if len(left) == len(waiting) and not ready:
+                raise self.numbers.fault(left[0][2], "found coordinate systems by grids in a ring")
+            waiting = left
+
+    def waits(self, system: int, pending: Container[int]) -> bool:
+        """Whether a system stands in one whose grids are not placed yet."""
+        seen = set[int]()
+        while system in self.systems and system not in seen:
+            seen.add(system)
+            system = self.systems[system].within
+        return system in pending
+
+    def axes(self, card: Any, system: int, place: FloatArray) -> FloatArray:
+        """Directions of a system at a place, rows (3, 3)."""
+        try:
+            return axes_at(self.systems, system, place)
+        except ValueError as error:
+            raise self.numbers.fault(card, f"coordinate system {system}: {error}") from None

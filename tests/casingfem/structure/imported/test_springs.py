@@ -192,6 +192,11 @@ def test_systems_by_grids_are_systems_by_their_places(kind, tmp_path):
     ("cards", "told"),
     [
         ("CORD1R,9,8,11,12\nGRID,8,9,1.,0.,0.\nGRID,11,,1.,0.,1.\nGRID,12,,1.,1.,0.", "systems by grids in a ring"),
+        (
+            "CORD2R,8,7,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,0.\nCORD2R,7,8,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,0.\n"
+            "CORD2R,9,7,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,0.\nGRID,8,9,1.,0.,0.",
+            "system 7 refers to itself",
+        ),
         ("CORD1R,9,1,2,77", "CORD1R: found grid 77, which is not given"),
         ("CORD1R,9,1,2", "CORD1R: found the grids 1, 2, expected three"),
         ("CORD1R,5,1,2,3", "coordinate system 5 is given twice"),
