@@ -147,11 +147,16 @@ class Parser:
             elif card.name in CARDS:
                 self.hung.take(card)
             elif LEFT_OUT.match(card.name):
-                self.left_out.setdefault(card.name, []).append(card.line)
+                self.leave_out(card, card.name)
+        draft = self.draft()
         if self.left_out:
             found = ", ".join(f"{len(lines)} {name} (from line {lines[0]})" for name, lines in self.left_out.items())
             warn("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
-        return self.draft()
+        return draft
+
+    def leave_out(self, card: CardLike, what: str) -> None:
+        """Warn in the end of what is not taken over."""
+        self.left_out.setdefault(what, []).append(card.line)
 
     def integer(self, card: CardLike, text: str) -> int:
         """A whole number."""
@@ -210,7 +215,7 @@ class Parser:
         given = given[:corners] if linear else given + [""] * (places - len(given))
         kind = SOLIDS[card.name, len(given)] if card.name in PLACES else SHELLS[card.name][0]
         if self.real(card, (card.fields[OFFSETS.get(card.name, 99) :] or [""])[0]):
-            self.left_out.setdefault(f"offset (ZOFFS) of {card.name}", []).append(card.line)
+            self.leave_out(card, f"offset (ZOFFS) of {card.name}")
         nodes = [self.integer(card, text or "0") for text in given]
         owner = self.integer(card, card.fields[1] or str(number))
         self.elements.setdefault(kind, []).append((number, owner, nodes))

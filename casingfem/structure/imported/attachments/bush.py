@@ -35,6 +35,9 @@ class Numbers(Protocol):
     def axes(self, card: Any, system: int, place: FloatArray) -> FloatArray:
         """Directions of a coordinate system at a place, rows (3, 3)."""
 
+    def leave_out(self, card: Any, what: str) -> None:
+        """Warn in the end of what is not taken over."""
+
 
 class Given(Protocol):
     """What is asked of the cards of a file."""

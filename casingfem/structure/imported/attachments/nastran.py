@@ -52,7 +52,8 @@ class NastranAttachments:
         self.turned, self.points, self.index = turned, points, index
         scale = self.mass_factor()
         masses = tuple(self.point_mass(card, scale) for card in self.cards["CONM2"])
-        springs = [self.spring(card, self.pelas()) for name in ("CELAS1", "CELAS2") for card in self.cards[name]]
+        cards = [card for name in ("CELAS1", "CELAS2") for card in self.cards[name] if not self.is_scalar(card)]
+        springs = [self.spring(card, self.pelas()) for card in cards]
         bushes = [spring for card in self.cards["CBUSH"] for spring in bush_springs(self, card)]
         rigids = [self.rigid(card) for card in self.cards["RBE2"]] + [self.bar(card) for card in self.cards["RBAR"]]
         given = Attachments(
@@ -123,6 +124,13 @@ class NastranAttachments:
             for k in (0, 4)
             if self.field(card, k)
         }
+
+    def is_scalar(self, card: CardLike) -> bool:
+        """Whether a spring ends at a scalar point, component 0: it is left out."""
+        scalar = any(self.field(card, k) not in ("", "0") and self.field(card, k + 1) in ("", "0") for k in (2, 4))
+        if scalar:
+            self.numbers.leave_out(card, f"{card.name} at scalar points")
+        return scalar
 
     def spring(self, card: CardLike, stiffness: dict[int, float]) -> Spring:
         """CELAS1: number, property, grid, component, grid, component; CELAS2 with a stiffness for the property."""

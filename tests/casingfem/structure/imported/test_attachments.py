@@ -479,7 +479,8 @@ def test_keywords_that_are_not_understood_are_refused_by_line(text, told, tmp_pa
 
 
 @pytest.mark.parametrize("name", ["CONM1,9,4", "CMASS2,9,3.,4,1", "CGAP,9,3,4,5", "CSHEAR,9,3,1,2,3,4", "RROD,9,4,5",
-                                  "RSPLINE,9", "NSM,1", "DMIG,K2GG,0", "SPOINT,9"])  # fmt: skip
+                                  "RSPLINE,9", "NSM,1", "DMIG,K2GG,0", "SPOINT,9",
+                                  "CELAS2,9,1.,4,1,7,0"])  # fmt: skip
 def test_other_cards_with_stiffness_or_mass_are_not_passed_over_in_silence(name, tmp_path):
     path = tmp_path / "a.bdf"
     path.write_text(TETRA.format(cd="", card=name + "\nMAT1,1,2.+11\nPARAM,POST,-1\nCORD2R,2,,0.,0.,0.,0.,0.,1.\n,1."))
