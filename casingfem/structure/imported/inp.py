@@ -5,10 +5,10 @@ parts (`instances.py`), follows *INCLUDE, and refuses what would move or merge n
 (coordinate systems). What is not geometry (materials, steps) is passed over.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from casingfem.io.included import NumberedLine, read_lines
 from casingfem.structure.imported.attachments.abaqus import CONNECTIONS, ELEMENTS, PROPERTIES, AbaqusAttachments
 from casingfem.structure.imported.attachments.glue import Gluing
 from casingfem.structure.imported.cell_kind import KINDS
+from casingfem.structure.imported.cells.faces import face_corners
 from casingfem.structure.imported.draft import Block, Draft, Lookup
 from casingfem.structure.imported.instances import Frame, laid_out
 
@@ -31,13 +32,12 @@ FAMILIES = {
 }  # fmt: skip
 NODES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15, "quad": 4,
          "quad8": 8, "quad9": 9, "triangle": 3, "triangle6": 6, "line": 2, "line3": 3}  # fmt: skip
-TETRA_FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))  # S1 to S4
-WEDGE_FACES = ((0, 1, 2), (3, 5, 4), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))  # S1 to S5
-CUBE_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))  # S1 to S6
 REFUSED = {"SYSTEM": "a local coordinate system"} | dict.fromkeys(
     ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"), "nodes or elements that are not written out"
 )
 READ = {"NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "TIE", "INSTANCE", "PART", *PROPERTIES, *CONNECTIONS}
+Sides: TypeAlias = list[tuple[int, IntArray]]  # blocks and rows
+Rows: TypeAlias = Callable[[IntArray], Sides]
 MOST = 1e15  # of numbers that a mesh has: beyond, a float does not tell them apart
 LEFT_OUT = ("SHELL TO SOLID COUPLING", "EMBEDDED ELEMENT",
             "NONSTRUCTURAL MASS", "CONNECTOR SECTION", "CYCLIC SYMMETRY MODEL", "MATRIX INPUT", "MATRIX ASSEMBLE",
@@ -106,6 +106,7 @@ class Parser:
         self.frame = Frame()
         self.left_out: dict[str, str] = {}  # keyword -> its line
         self.hung = AbaqusAttachments(self)
+        self.plane: set[int] = set()  # elements in a plane, whose S1 is an edge
         self.on_nodes: dict[str, list[IntArray]] = {}  # surfaces of nodes
         self.ties: list[tuple[Card, str, str, str]] = []  # card, line, surface that follows, surface followed
 
@@ -183,6 +184,8 @@ class Parser:
             raise self.fault(card.line, f"*ELEMENT {name}: {len(flat)} numbers, expected {wanted} an element")
         table = np.array(flat, dtype=np.int64).reshape(-1, wanted) + self.frame.offset
         self.elements.append((kind, table[:, 0], table[:, 1:]))
+        if name.startswith(("CPS", "CPE")):
+            self.plane.update(table[:, 0].tolist())
         if "ELSET" in card.parameters:
             self.add(self.element_sets, card.parameters["ELSET"], table[:, 0])
 
@@ -226,7 +229,7 @@ class Parser:
             for kind, numbers, cells in self.elements:
                 block = Block(kind, cells[np.isin(numbers, ids)], numbers)
                 if len(block.cells):
-                    corners = set(self.local_corners(kind, face))
+                    corners = set(self.local_corners(kind, ids, face))
                     stands = KINDS[kind].supports_of_nodes if kind in KINDS else [(k,) for k in range(NODES[kind])]
                     found.append(block.cells[:, [k for k, on in enumerate(stands) if corners >= set(on)]].ravel())
         return np.unique(np.concatenate(found))
@@ -337,32 +340,42 @@ class Parser:
             place = elements(ids[~np.isin(ids, list(self.hung.elements))])
             return [(int(k), place[owner[place] == k] - first[k]) for k in np.unique(owner[place])]
 
+        on_faces = dict[str, IntArray]()
+        on_cells = {self.spelling[n]: rows(np.concatenate(parts)) for n, parts in self.element_sets.items()}
+        for name, entries in self.surfaces.items():
+            corners, cells = self.faces(blocks, entries, rows)
+            if corners:
+                on_faces[self.spelling[name]] = stacked(corners)
+            if cells:
+                on_cells[self.spelling[name]] = [*on_cells.get(self.spelling[name], []), *cells]
         return Draft(
             points=np.concatenate(self.points),
             node_numbers=numbers,
             blocks=blocks,
             node_sets={self.spelling[n]: nodes(np.concatenate(parts)) for n, parts in self.node_sets.items()},
-            cell_sets={self.spelling[n]: rows(np.concatenate(parts)) for n, parts in self.element_sets.items()},
-            facet_sets={
-                self.spelling[name]: stacked(
-                    [self.corners(blocks[k], part, face) for ids, face in entries for k, part in rows(ids)]
-                )
-                for name, entries in self.surfaces.items()
-                if entries
-            },
+            cell_sets=on_cells,
+            facet_sets=on_faces,
             attachments=self.hung.attachments(np.concatenate(self.points), nodes),
             gluings=gluings,
         )
 
-    def corners(self, block: Block, rows: IntArray, face: str) -> IntArray:
-        """Corners of one face of elements."""
-        return block.cells[rows][:, list(self.local_corners(block.kind, face))]
+    def local_corners(self, kind: str, ids: IntArray, face: str) -> tuple[int, ...]:
+        """Which nodes of elements of a kind are the corners of a face; of shells a side is all of them."""
+        plane = bool(len(ids)) and bool(np.isin(ids, list(self.plane)).all())
+        if corners := face_corners(kind, face, plane=plane):
+            return corners
+        raise ModelError("mesh-file", f"{self.source}: a surface on face {face!r} of {kind} elements")
 
-    def local_corners(self, kind: str, face: str) -> tuple[int, ...]:
-        """Which nodes of an element of a kind are the corners of a face."""
-        faces = {"tetra": TETRA_FACES, "wedge": WEDGE_FACES, "hexahedron": CUBE_FACES}.get(
-            kind.rstrip("0123456789"), ()
-        )
-        if not (face[:1] == "S" and face[1:].isdigit() and 1 <= int(face[1:]) <= len(faces)):
-            raise ModelError("mesh-file", f"{self.source}: a surface on face {face!r} of {kind} elements")
-        return faces[int(face[1:]) - 1]
+    def faces(
+        self, blocks: list[Block], entries: list[tuple[IntArray, str]], rows: Rows
+    ) -> tuple[list[IntArray], Sides]:
+        """Corners of the faces of a surface, and the cells of shells whose sides it has."""
+        corners, sides = list[IntArray](), list[tuple[int, IntArray]]()
+        for ids, face in entries:
+            for k, part in rows(ids):
+                local = self.local_corners(blocks[k].kind, blocks[k].numbers[part], face)
+                if blocks[k].dim == 2 and len(local) > 2:
+                    sides.append((k, part))
+                else:
+                    corners.append(blocks[k].cells[part][:, list(local)])
+        return corners, sides

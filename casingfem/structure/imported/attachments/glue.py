@@ -115,7 +115,7 @@ def glued(mesh: MeshData, gluing: Gluing) -> MeshData:
 
 def faces_of(mesh: MeshData, name: str) -> tuple[str, IntArray]:
     """Kind and nodes of what a group can be followed on: its facets, or the cells of a shell."""
-    facets = mesh.group_facets(name)
-    if len(facets) or mesh.cell_kind.dim == 3:
-        return mesh.cell_kind.facet, mesh.facet_nodes(facets)
-    return mesh.kind, mesh.cells[mesh.groups[name].cells]
+    group = mesh.groups[name]
+    if mesh.cell_kind.dim == 2 and group.facets is None and len(group.cells):
+        return mesh.kind, mesh.cells[group.cells]
+    return mesh.cell_kind.facet, mesh.facet_nodes(mesh.group_facets(name))

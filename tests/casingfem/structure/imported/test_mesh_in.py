@@ -103,6 +103,34 @@ INP = """*Heading
 """
 
 
+SIDES = """*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 2., 0., 0.
+6, 2., 1., 0.
+*ELEMENT, TYPE={kind}, ELSET=ALL
+1, 1, 2, 3, 4
+2, 2, 5, 6, 3
+*SURFACE, NAME=UP
+ALL, {side}
+*SURFACE, NAME=END
+2, {edge}
+"""
+
+
+@pytest.mark.parametrize(("kind", "side", "edge"), [("S4R", "SPOS", "E2"), ("S4", "S2", "S4"), ("CPS4", "SNEG", "S2")])
+def test_sides_and_edges_of_shells_are_groups_by_their_abaqus_and_calculix_names(kind, side, edge, tmp_path):
+    mesh = read_mesh(write(tmp_path / "a.inp", SIDES.format(kind=kind, side=side, edge=edge)))
+    assert mesh.groups["UP"].cells.tolist() == [0, 1]
+    assert mesh.groups["UP"].facets is None
+    (facet,) = mesh.groups["END"].facets
+    assert set(mesh.facets[tuple(facet)].tolist()) == {4, 5}
+    with pytest.raises(ModelError, match="a surface on face 'E5' of quad elements"):
+        read_mesh(write(tmp_path / "a.inp", SIDES.format(kind=kind, side=side, edge="E5")))
+
+
 def test_inp_keeps_numbers_blocks_nested_sets_and_surfaces(tmp_path):
     mesh = read_mesh(write(tmp_path / "a.inp", INP), scale=1e-3)
     assert mesh.node_numbers.tolist() == [10, 20, 30, 40]
