@@ -147,11 +147,12 @@ class MeshSystem:
         """Refuse forces (dofs, columns) that drive an idle motion."""
         if self.idle is None or not self.idle.shape[1]:
             return
-        work = self.idle.multiply(np.abs(forces).max(axis=1, initial=0.0)[:, None]).tocsc()
-        driven = np.flatnonzero(np.abs(self.idle.T @ forces).max(axis=1, initial=0.0) > IDLE * abs(work).max(axis=0))
+        size = np.abs(forces).max(axis=1, initial=0.0)
+        most = (abs(self.idle).T @ size) * IDLE
+        driven = np.flatnonzero(np.abs(self.idle.T @ forces).max(axis=1, initial=0.0) > most)
         if len(driven):
-            column = work[:, [int(driven[0])]].toarray()[:, 0]
-            node, axis = divmod(int(np.abs(column).argmax()), self.dofs)
+            column = np.abs(self.idle[:, [int(driven[0])]].toarray()[:, 0]) * size
+            node, axis = divmod(int(column.argmax()), self.dofs)
             mesh = self.structure.mesh
             found = f"node {mesh.labels[node]} along {'xyz'[axis]}"
             raise ModelError("load-idle", f"{mesh.source}: found a force on {found}")
