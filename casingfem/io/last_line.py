@@ -11,6 +11,7 @@ from collections.abc import Collection
 from casingfem.errors import ModelError, warn
 
 ENDS = ("*END", "**", "ENDDATA", "$", "*INCLUDE", "INCLUDE")  # last lines that hold no number
+LAST_COLUMN = 72  # of a line of Nastran's columns
 DECIMAL = re.compile(r"[+-]?\d*\.\d*")
 NUMBER = re.compile(r"[+-]?\d*\.?\d*([EDed]?[+-]\d+|[EDed]\d+)?")
 
@@ -51,6 +52,8 @@ def check_last_line(text: str, name: str, *, abaqus: bool, read: Collection[str]
         return
     found, above = fields(last, abaqus), fields(lines[-2], abaqus) if len(lines) > 1 else []
     number = found[-1].strip() if found else ""
+    if not abaqus and "," not in last and len(last.expandtabs(8)) >= LAST_COLUMN:
+        return
     alike = len(found) == len(above) and (abaqus or found[0] == above[0])
     if alike and number and NUMBER.fullmatch(number):
         if full(last, abaqus) or len(found[-1].rstrip()) == len(above[-1].rstrip()):

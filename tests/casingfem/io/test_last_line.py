@@ -19,6 +19,7 @@ WHOLE = {
     "its continuation": (False, GRIDS + "MAT1,1,2.+11\n,7800."),
     "beyond the end": (False, GRIDS + "ENDDATA\nD"),
     "a full field": (False, GRIDS + "GRID    2               0.5     1.0     -1.23456"),
+    "all columns": (False, f"$\nGRID    {1:8d}{'':8s}{0.5:8.3f}{1.0:8.3f}{2.0:8.3f}{'':24s}"),
     "as wide as above in columns": (False, GRIDS + "GRID    2               0.5     1.0     3.0"),
     "as wide as above, free": (False, "GRID,1,,0.5,1.,2.5\nGRID,2,,0.5,1.,2.7"),
 }
