@@ -128,8 +128,8 @@ MESHES = {
         "join the parts over facets, or support each of them",
     ),
     "mesh-mixed-cells": Fault(
-        "a mesh has cells that do not go together: linear and quadratic ones, or six-noded triangles of shells",
-        "mesh with linear kinds, with quadratic solids, or with quadrilaterals alone",
+        "a mesh has cells that do not go together: six-noded triangles of shells, bricks of 27 nodes beside others",
+        "mesh with linear kinds, with quadratic solids of one node on an edge, or with quadrilaterals",
     ),
     "mesh-no-cells": Fault(
         "a mesh file holds no volume or surface cells",

@@ -15,7 +15,7 @@ from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.attachments.values import NOTHING, Attachments
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.cells.collapsed import common_kind, written_as
-from casingfem.structure.imported.cells.middles import filled
+from casingfem.structure.imported.cells.middles import filled, raised
 from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
 from contact.io.names import names_fault
 
@@ -121,11 +121,17 @@ def build(draft: Draft, source: str) -> MeshData:
 
 def with_middles(draft: Draft) -> Draft:
     """A draft with the middle nodes that its cells leave out, without numbers of their own."""
-    kinds = [block.kind for block in draft.blocks]
-    points, cells, tie = filled(draft.points, kinds, [block.cells for block in draft.blocks])
+    top = max((block.dim for block in draft.blocks), default=0)
+    given = [block.kind for block in draft.blocks if block.dim == top]
+    found = [
+        raised(block.kind, block.cells, draft.points, given) if block.dim == top else (block.kind, block.cells)
+        for block in draft.blocks
+    ]
+    kinds = [kind for kind, _ in found]
+    points, cells, tie = filled(draft.points, kinds, [cells for _, cells in found])
+    blocks = [Block(k, own, b.numbers) for b, k, own in zip(draft.blocks, kinds, cells, strict=True)]
     if tie is None:
-        return draft
-    blocks = [replace(block, cells=own) for block, own in zip(draft.blocks, cells, strict=True)]
+        return replace(draft, blocks=blocks)
     numbers = np.concatenate([draft.node_numbers, np.zeros(len(tie.nodes), dtype=np.int64)])
     hung = replace(draft.attachments, glued=(tie, *draft.attachments.glued))
     return replace(draft, points=points, node_numbers=numbers, blocks=blocks, attachments=hung)

@@ -1,16 +1,37 @@
 """Middle nodes that a file leaves out: an edge of a quadratic cell without one stays straight and moves linearly.
 
 The shape function of such an edge's middle goes in halves to its ends (Nastran, Ansys), which is what a node in the
-middle does whose motion is the mean of theirs: it is put in, tied.
+middle does whose motion is the mean of theirs: it is put in, tied. An edge that another cell has with a middle node
+takes that one: neighbours stay joined. Linear cells among quadratic ones are quadratic without any middle nodes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.attachments.values import Tie
 from casingfem.structure.imported.cell_kind import KINDS
+from casingfem.structure.imported.cells.handed import right_handed
+
+QUADRATIC = {
+    "tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid13", "hexahedron": "hexahedron20", "quad": "quad8",
+}  # fmt: skip
+
+
+def raised(kind: str, cells: IntArray, points: FloatArray, beside: Collection[str]) -> tuple[str, IntArray]:
+    """Linear cells beside quadratic ones as quadratic ones without middle nodes; others as they are.
+
+    >>> kind, cells = raised("quad", np.array([[0, 1, 2, 3]]), np.zeros((4, 3)), ["quad", "quad8"])
+    >>> kind, cells.tolist()
+    ('quad8', [[0, 1, 2, 3, -1, -1, -1, -1]])
+    """
+    if kind not in QUADRATIC or not set(QUADRATIC.values()) & set(beside):
+        return kind, cells
+    name = QUADRATIC[kind]
+    upright = right_handed(kind, cells, points) if kind in ("wedge", "pyramid") else cells
+    missing = KINDS[name].nodes - cells.shape[1]
+    return name, np.pad(upright, ((0, 0), (0, missing)), constant_values=-1)
 
 
 def filled(
@@ -32,13 +53,33 @@ def filled(
     if not ends:
         return points, list(cells), None
     edges, place = np.unique(np.sort(np.concatenate(ends), axis=1), axis=0, return_inverse=True)
-    new = len(points) + place.ravel()
+    own = known_middles(kinds, cells, edges)
+    open_edges = np.flatnonzero(own < 0)
+    own[open_edges] = len(points) + np.arange(len(open_edges))
+    edges, new = edges[open_edges], own[place.ravel()]
     whole, start = [], 0
     for table, rows in zip(cells, gaps, strict=True):
-        own = table.copy()
-        own[rows[:, 0], rows[:, 1]] = new[start : start + len(rows)]
-        whole.append(own)
+        whole.append(table.copy())
+        whole[-1][rows[:, 0], rows[:, 1]] = new[start : start + len(rows)]
         start += len(rows)
+    if not len(edges):
+        return points, whole, None
     middles = len(points) + np.arange(len(edges))
     tie = Tie(nodes=middles, others=edges, weights=np.full(edges.shape, 0.5), where="a middle node that is left out")
     return np.vstack([points, points[edges].mean(axis=1)]), whole, tie
+
+
+def known_middles(kinds: Sequence[str], cells: Sequence[IntArray], edges: IntArray) -> IntArray:
+    """Middle nodes that some cell has on edges (m, 2), ascending pairs; -1 where none has one."""
+    pairs, middles = [edges], [np.full(len(edges), -1)]
+    for kind, table in zip(kinds, cells, strict=True):
+        if kind in QUADRATIC.values() or kind == "triangle6":
+            corners = len(KINDS[kind].corners)
+            ends = np.sort(table[:, np.array(KINDS[kind].edges)], axis=2)
+            pairs.append(ends.reshape(-1, 2))
+            middles.append(table[:, corners : corners + ends.shape[1]].ravel())
+    _, place = np.unique(np.concatenate(pairs), axis=0, return_inverse=True)
+    place, found = place.ravel(), np.concatenate(middles)
+    best = np.full(place.max() + 1, -1)
+    np.maximum.at(best, place, found)
+    return best[place[: len(edges)]]

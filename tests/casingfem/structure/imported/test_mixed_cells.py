@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
+from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.imported.output import mean_row
 from casingfem.structure.imported.assembly import facet_shape_products, mapped
 from casingfem.structure.imported.cell_kind import KINDS
@@ -232,6 +232,33 @@ def test_facets_of_quadratic_kinds_carry_pressures_and_foundations():
     springs = assemble_solid(on).K - assemble_solid(solid).K
     area = facet_shape_products(mesh, mesh.boundary)[2].sum()
     assert springs.sum() == pytest.approx(3.0 * 1e9 * area, rel=1e-9)
+
+
+def test_linear_cells_among_quadratic_ones_stay_joined_to_them():
+    """Half of a bar linear, half quadratic: neighbours share middle nodes, linear motions are exact."""
+    bricks = grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1], groups={"root": (0, 0.0)})
+    blocks = [Block("hexahedron20", bricks.cells[:1], np.array([1])),
+              Block("hexahedron", bricks.cells[1:, :8], np.array([2]))]  # fmt: skip
+    numbers = np.arange(1, len(bricks.points) + 1)
+    mesh = build(Draft(points=bricks.points, node_numbers=numbers, blocks=blocks), "part")
+    (tie,) = mesh.attachments.glued
+    assert len(tie.nodes) == 8  # of twelve edges four are the other brick's
+    with pytest.warns(ModelWarning, match="mesh-orphan-nodes"):
+        solid = cf.Solid(mesh=mesh, material=STEEL)
+    system = solid.assembled()
+    assert system.rigid == 6
+    field = (mesh.points @ np.random.default_rng(6).normal(size=(3, 3)))[:, :, None]
+    field[np.setdiff1d(np.arange(len(field)), mesh.present)] = 0.0
+    free = system.collect(field)
+    np.testing.assert_allclose(system.expand(free), field, atol=1e-12)
+    whole = cf.Solid(mesh=bricks, material=STEEL).assembled()
+    energy = [float(u @ (s.K @ u)) for u, s in ((free[:, 0], system), (whole.collect(linear(bricks))[:, 0], whole))]
+    assert energy[0] == pytest.approx(energy[1], rel=1e-10)
+
+
+def linear(mesh):
+    """The same linear motion on a mesh of nothing but bricks."""
+    return (mesh.points @ np.random.default_rng(6).normal(size=(3, 3)))[:, :, None]
 
 
 def test_middle_nodes_that_are_left_out_move_as_the_mean_of_their_ends():
