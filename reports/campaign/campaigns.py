@@ -52,6 +52,7 @@ CAMPAIGNS = (
     Campaign("speed.modal", "error against time over meshes and solvers", STRUCTURE),
     Campaign("speed.growth", "modes of ever finer meshes: time, memory, share of dgemm", STRUCTURE, ("--large",)),
     Campaign("speed.imports", "from a mesh file of 300,000 unknowns to a basis", STRUCTURE, ("--large",)),
+    Campaign("speed.beside_calculix", "40 modes beside CalculiX: time and error in one run", STRUCTURE),
     Campaign("speed.solid_solvers", "large solids: memory and time of the solvers", STRUCTURE, ("--large",)),
     Campaign("robustness.broken", "broken models are refused or doubted by name", (*STRUCTURE, "casingfem/faults")),
     Campaign("verification", "every published and exact value: structures, simple contacts", (*STRUCTURE, "contact")),

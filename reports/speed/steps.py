@@ -1,7 +1,7 @@
 """Speed: what each step of the chain costs, in one run, as ratios to the assembly of the reference frustum.
 
 `python -m reports.speed [--quick] [--out DIR]` prints the table and writes speed.csv. Every figure is the best of
-three on the same machine in the same run; seconds change with the machine and its load, ratios hardly. The last
+three on the same machine in the same run, in seconds of the processor; ratios change least with its load. The last
 rows are microseconds per step of contact runs: finite element rods and modal bodies. --quick takes one of each.
 """
 
@@ -9,7 +9,6 @@ import os
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 
@@ -42,9 +41,9 @@ def structure_tasks() -> Iterator[tuple[str, Callable[[], object]]]:
     found = modes(shell, COUNT, method="shell", system=system)
     yield "grid", lambda: make_grid(shell.chart, shell.mesh)
     yield f"assemble, {system.size} dofs", lambda: assemble(shell)
-    yield "factor K", lambda: factorise(system.K)
-    yield "Sturm count", lambda: sturm_count(system.K, system.mass, (2 * np.pi * 500.0) ** 2)
-    yield f"{COUNT} modes", lambda: solve_modes(system.K, system.mass, COUNT, shift=-1e5)
+    yield "factor K", lambda: factorise(system.stiffness)
+    yield "Sturm count", lambda: sturm_count(system.stiffness, system.mass, (2 * np.pi * 500.0) ** 2)
+    yield f"{COUNT} modes", lambda: solve_modes(system.stiffness, system.mass, COUNT, shift=-1e5)
     yield "label", lambda: ring_content(shell.chart, system.grid, found.fields, n_max=40)
     yield f"{COUNT} modes, perfect casing by harmonics", lambda: modes(shell, COUNT, method="fourier")
     for method in ("free", "craig-bampton"):
@@ -98,7 +97,7 @@ def rubbed_casing(folder: Path) -> ct.RotatingRim:
 def main(out: Path, quick: bool = False) -> list[Row]:
     """Print the table and write it."""
     repeats = 1 if quick else 3
-    seconds = {name: best(task, repeats, perf_counter) for name, task in structure_tasks()}
+    seconds = {name: best(task, repeats) for name, task in structure_tasks()}
     unit = next(value for name, value in seconds.items() if name.startswith("assemble"))
     rows: list[Row] = [{"step": name, "seconds": s, "over assembly": s / unit} for name, s in seconds.items()]
     show(f"Structures, {os.cpu_count()} processors, best of {repeats}", rows)

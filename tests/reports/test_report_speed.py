@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.speed import growth, imports
+from reports.speed import beside_calculix, growth, imports
 from reports.speed import steps as speed
 from reports.speed import sweeps as sweep_speed
 from reports.speed import tips as tip_speed
@@ -51,6 +51,14 @@ def test_a_mesh_file_becomes_a_basis(tmp_path):
         assert row["ended"] == "done"
         assert row["basis MB"] > 0.02
         assert row["peak MB"] > 50.0
+
+
+@pytest.mark.slow
+def test_calculix_stands_beside_us_where_it_is_installed(tmp_path):
+    other, coarse, default = beside_calculix.main(tmp_path, quick=True)
+    assert coarse["worst error"] < 1e-3 > 3.0 * default["worst error"]
+    if other["seconds"] is not None:  # a mesh far too coarse, but the same frustum
+        assert default["worst error"] < other["worst error"] < 0.2
 
 
 def test_growth_shows_a_counted_solution_with_its_memory(tmp_path):
