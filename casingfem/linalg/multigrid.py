@@ -25,6 +25,7 @@ from casingfem.linalg.pencil import Mass, Pencil, make_pencil
 
 ITERATIONS = 200
 TOLERANCE = 1e-4  # of the residual, relative to the negative shift: some 1e-6 of the first elastic eigenvalue
+BALANCED = 1e-10  # of a load: what static solutions may leave
 SEARCHED, SEARCH_STEPS = 6, 60  # vectors and iterations of the search for what was missed; the lowest must converge
 ACCEPTED = 1e-5  # residual over eigenvalue, of rigid motions over ten shifts; its square is the error
 
@@ -70,6 +71,38 @@ def multigrid_modes(
         warn("modes-lobpcg", f"LOBPCG with multigrid: {error}")
         return solve_modes(K, mass, count, shift, extra)
     return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift))
+
+
+def static_by_cycles(K: csc_array, near_null: FloatArray, loads: FloatArray) -> FloatArray:
+    """K^-1 loads (free, k) of a held thick solid: conjugate gradients, each column its own, preconditioned by cycles.
+
+    Raises
+    ------
+    ConvergenceError
+        If a residual stays above `BALANCED` of its load.
+    """
+    A = csr_array(K)
+    try:
+        levels = make_hierarchy(A, near_null)
+    except np.linalg.LinAlgError as error:
+        raise ConvergenceError(f"the coarsest matrix is not positive definite: {error}") from error
+    allowed = BALANCED * np.linalg.norm(loads, axis=0)
+    found, residual = np.zeros_like(loads), loads.copy()
+    way = levels.cycle(residual)
+    slope = np.einsum("ij,ij->j", residual, way)
+    for _ in range(ITERATIONS):
+        stress = A @ way
+        energy = np.einsum("ij,ij->j", way, stress)
+        length = np.divide(slope, energy, out=np.zeros_like(slope), where=energy > 0.0)
+        found += length * way
+        residual -= length * stress
+        if np.all(np.linalg.norm(residual, axis=0) <= allowed):
+            return found
+        down = levels.cycle(residual)
+        before, slope = slope, np.einsum("ij,ij->j", residual, down)
+        way = down + np.divide(slope, before, out=np.zeros_like(slope), where=before > 0.0) * way
+    left = float(BALANCED * (np.linalg.norm(residual, axis=0)[allowed > 0.0] / allowed[allowed > 0.0]).max())
+    raise ConvergenceError(f"{left:.1e} of a load is not balanced after {ITERATIONS} cycles")
 
 
 def count_that_fits(pencil: Pencil, sigma: float) -> int | None:

@@ -19,13 +19,18 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import START_SEED
+from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Factor, factorise
+from casingfem.linalg.memory import MemoryNeedError
+from casingfem.linalg.multigrid import static_by_cycles
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.campbell import spin_from_rest
+from casingfem.modal.imported.modes import thick
 from casingfem.modal.interface import Interface, Rim
 from casingfem.modal.interface_view import load_columns, view
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.modal.output import Output, output_rows
+from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
 from casingfem.structure.shell.assembly import assemble
@@ -99,11 +104,12 @@ def reduce(
     if not P.any():
         where = getattr(interface, "edge", "")  # nodes that are held are refused one by one
         raise ModelError("interface-held", f"interface: edge {where!r} is held, nothing can be pushed there")
-    factor = factorise(system.stiffness if isinstance(system, System) else system.K)
-    attachment = factor.solve(P)
     if method == "free":
+        attachment = static_shapes(system, P)
         vectors, omega = free_vectors(system, modes)
     else:
+        factor = factorise(stiffness(system))
+        attachment = factor.solve(P)
         vectors, omega = craig_bampton_vectors(system, factor, P, attachment, modes)
     at_interface = P.T @ vectors
     S = np.zeros((P.shape[1], P.shape[1]))
@@ -158,6 +164,22 @@ def participation(system: System | MeshSystem, axes: FloatArray, vectors: FloatA
     Its squares are effective masses: over all modes they add up to the mass that moves.
     """
     return np.asarray((system.M @ system.translations(axes)).T @ vectors)
+
+
+def stiffness(system: System | MeshSystem) -> Symmetric:
+    """K (free, free) as it is cheapest to factorise."""
+    return system.stiffness if isinstance(system, System) else system.K
+
+
+def static_shapes(system: System | MeshSystem, P: FloatArray) -> FloatArray:
+    """K^-1 P (free, channels); of thick solids whose factor does not fit into memory by multigrid."""
+    try:
+        return np.asarray(factorise(stiffness(system)).solve(P))
+    except MemoryNeedError:
+        if isinstance(system, System) or not thick(system):
+            raise
+        refuse_rigid(system.rigid)
+        return static_by_cycles(system.K, rigid_motions(system.points)[system.free], P)
 
 
 def free_vectors(system: System | MeshSystem, count: int) -> tuple[FloatArray, FloatArray]:

@@ -9,6 +9,8 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from casingfem.linalg.memory import MemoryNeedError
+
 Numbers = dict[str, object]
 GIGABYTE = 2**30
 
@@ -50,6 +52,8 @@ def tell(pipe: Connection, work: Callable[[], Iterator[Numbers]], limits: Limits
     try:
         for numbers in work():
             pipe.send((numbers, peak_memory(), "stopped"))
+    except MemoryNeedError as error:  # the package's own words
+        ended = str(error)
     except MemoryError:
         ended = f"more than {limits.memory / GIGABYTE:.3g} GB"
     except Exception as error:  # a failure is a row of the table

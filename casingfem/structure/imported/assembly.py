@@ -295,9 +295,25 @@ def cell_dofs(cells: IntArray, dofs: int) -> IntArray:
 
 
 def scatter(matrices: Array, rows: IntArray, size: int) -> csc_array:
-    """Sum cell matrices (cells, m, m) into a sparse one (size, size) at the dofs rows (cells, m)."""
-    i, j = np.broadcast_arrays(rows[:, :, None], rows[:, None, :])
-    return coo_array((matrices.ravel(), (i.ravel(), j.ravel())), shape=(size, size)).tocsc()
+    """Sum cell matrices (cells, m, m) into a sparse one (size, size) at the dofs rows (cells, m), without zeros.
+
+    So many cells at a time that their numbered entries fit into memory beside the sum; sums of like size are added.
+    """
+    small, m = rows.astype(np.int32), rows.shape[1]
+    step = max(1, 2 * CHUNK // m**2)
+    sums = [csc_array((size, size), dtype=matrices.dtype)]
+    for start in range(0, len(rows), step):
+        part = small[start : start + step]
+        i, j = np.broadcast_arrays(part[:, :, None], part[:, None, :])
+        entries = matrices[start : start + step].ravel()
+        one = coo_array((entries, (i.ravel(), j.ravel())), shape=(size, size)).tocsc()
+        one.eliminate_zeros()
+        sums.append(one)
+        while len(sums) > 1 and sums[-2].nnz < 2 * sums[-1].nnz:
+            sums[-2:] = [csc_array(sums[-2] + sums[-1])]
+    while len(sums) > 1:
+        sums[-2:] = [csc_array(sums[-2] + sums[-1])]
+    return sums[0]
 
 
 def on_free(A: csc_array, free: IntArray) -> csc_array:

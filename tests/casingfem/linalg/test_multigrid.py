@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelWarning
-from casingfem.linalg import multigrid, multigrid_cycle
+from casingfem.linalg import factor, multigrid, multigrid_cycle
 from casingfem.linalg.eigen import solve_modes
+from casingfem.linalg.factor import factorise
+from casingfem.linalg.krylov import ConvergenceError
+from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.linalg.pencil import make_pencil
+from casingfem.modal.interface import AtNodes
+from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.imported.grid import grid_mesh
@@ -29,6 +34,31 @@ def test_a_thick_block_equals_shift_invert(steel, free, monkeypatch):
     np.testing.assert_allclose(a.eigenvalues, b.eigenvalues, rtol=1e-8, atol=1e-8 * b.eigenvalues[-1])
     assert a.sturm_count == b.sturm_count
     np.testing.assert_allclose(a.vectors.T @ (system.M @ a.vectors), np.eye(len(a.eigenvalues)), atol=1e-8)
+
+
+def test_static_shapes_equal_those_of_a_factor(steel, monkeypatch):
+    monkeypatch.setattr(multigrid_cycle, "COARSEST", 20)
+    system, near_null, _ = block(steel, (4, 4, 3), (1.0, 0.8, 0.6))
+    loads = np.eye(system.size)[:, [10, 200, 301]] * [1.0, 1e6, 0.0]  # one of them none at all
+    exact = factorise(system.K).solve(loads)
+    found = multigrid.static_by_cycles(system.K, near_null, loads)
+    assert np.all(np.abs(found - exact).max(axis=0) <= 1e-8 * np.abs(exact).max(axis=0))
+    monkeypatch.setattr(multigrid, "ITERATIONS", 2)
+    with pytest.raises(ConvergenceError, match="of a load is not balanced after 2 cycles"):
+        multigrid.static_by_cycles(system.K, near_null, loads)
+
+
+def test_a_thick_solid_is_reduced_where_its_factor_does_not_fit(steel, monkeypatch):
+    """The same compliance as with a factor; a thin one is refused as before."""
+    part = block(steel, (4, 4, 3), (1.0, 0.8, 0.6))[0].structure
+    corner = AtNodes((int(part.mesh.node_numbers[-1]),))
+    exact = reduce(part, corner, modes=4)
+    monkeypatch.setattr(factor, "free_memory", lambda: 0.0)
+    found = reduce(part, corner, modes=4)
+    np.testing.assert_allclose(found.compliance, exact.compliance, rtol=1e-6)
+    thin = block(steel, (4, 4, 1), (1.0, 0.8, 0.004))[0].structure
+    with pytest.raises(MemoryNeedError, match="modes-memory"):
+        reduce(thin, AtNodes((int(thin.mesh.node_numbers[-1]),)), modes=4)
 
 
 def test_what_does_not_converge_is_said_and_solved_by_shift_invert(steel, monkeypatch):
