@@ -3,7 +3,7 @@
 import pytest
 
 import casingfem as cf
-from casingfem.study import StudyError, load_study
+from casingfem.study import StudyError, load_any, load_study
 
 STUDY = """
 [material]
@@ -65,3 +65,36 @@ def test_plies_that_do_not_fit_are_named(old, new, told, tmp_path):
     path.write_text(STUDY.replace(old, new))
     with pytest.raises(StudyError, match=told):
         load_study(path)
+
+
+MESH = """*NODE
+1, 0.0, 0.0, 0.0
+2, 1.0, 0.0, 0.0
+3, 1.0, 1.0, 0.0
+4, 0.0, 1.0, 0.0
+*ELEMENT, TYPE=S4, ELSET=wall
+1, 1, 2, 3, 4
+*NSET, NSET=root
+1, 4
+"""
+ON_MESH = STUDY.partition("[chart]")[0] + "[shell]" + STUDY.partition("[shell]")[2].partition("[support.base]")[0]
+
+
+def test_plies_on_a_mesh_count_from_a_direction(tmp_path):
+    (tmp_path / "wall.inp").write_text(MESH)
+    path = tmp_path / "study.toml"
+    held = '[support.root]\nkind = "clamped"\n'
+    path.write_text(ON_MESH.replace("[shell]", '[shell]\nmesh = "wall.inp"\nangle_from = [0.0, 2.0, 0.0]', 1) + held)
+    wall = load_any(path).structure
+    assert (wall.wall, wall.angle_from, [ply.angle_deg for ply in wall.plies]) == (
+        "linear",
+        (0.0, 2.0, 0.0),
+        [0.0, 30.0],
+    )
+    assert wall.density().tolist() == pytest.approx([2e-3 * 2700.0 + 4e-3 * 1380.0])
+    path.write_text(ON_MESH.replace("[shell]", '[shell]\nmesh = "wall.inp"', 1) + held)
+    with pytest.raises(StudyError, match=r"angle_from: found \(0.0, 0.0, 1.0\), 1 cell .*across it.*shell-plies"):
+        load_any(path)
+    path.write_text(STUDY.replace("[shell]", '[shell]\nangle_from = "x"', 1))
+    with pytest.raises(StudyError, match="or angle_from without mesh"):
+        load_any(path)
