@@ -96,7 +96,7 @@ class Window:
         g = (1j * x) ** self.power * (w**2 * inverse)
         inverse *= g
         by_zeta = inverse * x
-        by_zeta *= -2j * zeta * w
+        by_zeta = by_zeta * (-2j * zeta * w)
         inverse *= w**2
         by_freq = g - inverse
         by_freq *= 2.0
