@@ -128,7 +128,7 @@ MESHES = {
         "join the parts over facets, or support each of them",
     ),
     "mesh-mixed-cells": Fault(
-        "a mesh has cells that do not go together: six-noded triangles of shells, bricks of 27 nodes beside others",
+        "a mesh has cells that do not go together: linear and quadratic shells, six-noded triangles, 27-noded bricks",
         "mesh with linear kinds, with quadratic solids of one node on an edge, or with quadrilaterals",
     ),
     "mesh-no-cells": Fault(

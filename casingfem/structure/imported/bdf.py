@@ -211,9 +211,14 @@ class Parser:
         if len(given) < corners or "" in given[:corners] or beyond:
             count = sum(map(bool, given)) + beyond
             raise self.fault(card, f"element {number} has {count} nodes, expected {corners} corners, middles between")
-        linear = card.name in PLACES and not any(text not in ("", "0") for text in given[corners:])
-        given = given[:corners] if linear else given + [""] * (places - len(given))
+        middles = sum(text not in ("", "0") for text in given[corners:])
+        if card.name in SHELLS and middles not in (0, places - corners):  # an edge held straight locks a shell
+            found = f"{middles} of {places - corners} middle nodes"
+            raise self.fault(card, f"element {number} has {found}, expected all or none on a shell")
+        given = given + [""] * (places - len(given)) if middles else given[:corners]
         kind = SOLIDS[card.name, len(given)] if card.name in PLACES else SHELLS[card.name][0]
+        if card.name in SHELLS and not middles:
+            kind = kind.rstrip("68")
         if self.real(card, (card.fields[OFFSETS.get(card.name, 99) :] or [""])[0]):
             self.leave_out(card, f"offset (ZOFFS) of {card.name}")
         nodes = [self.integer(card, text or "0") for text in given]

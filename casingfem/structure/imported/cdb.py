@@ -224,6 +224,11 @@ def draft(archive: Archive) -> Draft:
         name, own = found_kind
         if name in KINDS and (own[: len(KINDS[name].corners)] <= 0).any():
             raise ModelError("mesh-file", f"{source}: element {element[OWN]} lacks a corner")
+        if name in KINDS and KINDS[name].dim == 2 and (own <= 0).any():  # an edge held straight locks a shell
+            message = f"element {element[OWN]} lacks middle nodes, expected all or none on a shell"
+            if (own[len(KINDS[name].corners) :] > 0).any():
+                raise ModelError("mesh-file", f"{source}: {message}")
+            name, own = name.rstrip("68"), own[: len(KINDS[name].corners)]
         rows.setdefault(name, []).append((element[OWN], element[0], own))
     if left_out:
         found = ", ".join(f"{count} {kind}" for kind, count in left_out.items())

@@ -2,7 +2,8 @@
 
 The shape function of such an edge's middle goes in halves to its ends (Nastran, Ansys), which is what a node in the
 middle does whose motion is the mean of theirs: it is put in, tied. An edge that another cell has with a middle node
-takes that one: neighbours stay joined. Linear cells among quadratic ones are quadratic without any middle nodes.
+takes that one: neighbours stay joined. Linear cells among quadratic ones are quadratic without any middle nodes. Solids
+alone: a thin shell whose edge is held straight cannot bend along it.
 """
 
 from collections.abc import Collection, Sequence
@@ -14,17 +15,15 @@ from casingfem.structure.imported.attachments.values import Tie
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.cells.handed import right_handed
 
-QUADRATIC = {
-    "tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid13", "hexahedron": "hexahedron20", "quad": "quad8",
-}  # fmt: skip
+QUADRATIC = {"tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid13", "hexahedron": "hexahedron20"}
 
 
 def raised(kind: str, cells: IntArray, points: FloatArray, beside: Collection[str]) -> tuple[str, IntArray]:
     """Linear cells beside quadratic ones as quadratic ones without middle nodes; others as they are.
 
-    >>> kind, cells = raised("quad", np.array([[0, 1, 2, 3]]), np.zeros((4, 3)), ["quad", "quad8"])
+    >>> kind, cells = raised("tetra", np.array([[0, 1, 2, 3]]), np.zeros((4, 3)), ["tetra", "tetra10"])
     >>> kind, cells.tolist()
-    ('quad8', [[0, 1, 2, 3, -1, -1, -1, -1]])
+    ('tetra10', [[0, 1, 2, 3, -1, -1, -1, -1, -1, -1]])
     """
     if kind not in QUADRATIC or not set(QUADRATIC.values()) & set(beside):
         return kind, cells
@@ -39,10 +38,10 @@ def filled(
 ) -> tuple[FloatArray, list[IntArray], Tie | None]:
     """Points with the middles that cells (m, nodes) of some kinds leave out as -1, the cells with them, and their tie.
 
-    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
-    >>> points, (cells,), tie = filled(points, ["triangle6"], [np.array([[0, 1, 2, -1, -1, -1]])])
-    >>> cells.tolist(), points[3].tolist(), tie.others.tolist()
-    ([[0, 1, 2, 3, 5, 4]], [0.5, 0.0, 0.0], [[0, 1], [0, 2], [1, 2]])
+    >>> points = np.vstack([np.zeros(3), np.eye(3), [[0.5, 0.0, 0.0]]])
+    >>> points, (cells,), tie = filled(points, ["tetra10"], [np.array([[0, 1, 2, 3, 4, -1, -1, -1, -1, -1]])])
+    >>> cells.tolist(), points[5].tolist(), tie.others[0].tolist()
+    ([[0, 1, 2, 3, 4, 7, 5, 6, 8, 9]], [0.0, 0.5, 0.0], [0, 2])
     """
     gaps = [np.argwhere(table < 0) for table in cells]
     ends = [
@@ -73,7 +72,7 @@ def known_middles(kinds: Sequence[str], cells: Sequence[IntArray], edges: IntArr
     """Middle nodes that some cell has on edges (m, 2), ascending pairs; -1 where none has one."""
     pairs, middles = [edges], [np.full(len(edges), -1)]
     for kind, table in zip(kinds, cells, strict=True):
-        if kind in QUADRATIC.values() or kind == "triangle6":
+        if kind in QUADRATIC.values():
             corners = len(KINDS[kind].corners)
             ends = np.sort(table[:, np.array(KINDS[kind].edges)], axis=2)
             pairs.append(ends.reshape(-1, 2))
