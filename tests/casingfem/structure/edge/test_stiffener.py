@@ -8,7 +8,6 @@ import pytest
 from casingfem.errors import ModelError
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.modes import modes
-from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Clamped
@@ -52,7 +51,7 @@ def test_the_shell_with_stiffeners_is_its_harmonics(casing):
 
 def test_a_stiffener_at_the_end_is_a_ring_on_the_edge(casing):
     near = casing(0.25 - 1e-5)
-    edge = casing(supports={"base": Clamped(), "top": Ring(section=BAR, offset=OUTSIDE)})
+    edge = casing(supports={"base": Clamped(), "top": near.rings["stiffener 1"]})
     bare = casing()
     for n in (0, 3, 6):
         assert first(near, n) == pytest.approx(first(edge, n), rel=1e-3)
@@ -62,13 +61,13 @@ def test_a_stiffener_at_the_end_is_a_ring_on_the_edge(casing):
 def test_eccentric_stiffeners_are_those_of_three_dimensional_bricks(casing):
     """Two rings of 12 x 4 mm outside or inside: the finer bricks of `reports.modes.stiffeners`, settled to 0.05 %.
 
-    The beam touches the wall in a line, the web along 4 mm: the beam's frequencies are low, by up to 0.9 %.
+    The beam touches the wall in a line, the web along 4 mm: the beam's frequencies are low, by up to 0.7 %.
     """
     bricks = {1.0: {2: 1152.0, 4: 645.3, 6: 680.4, 8: 863.0}, -1.0: {2: 1136.0, 4: 622.5, 6: 729.9, 8: 907.6}}
     for side, table in bricks.items():
         shell = casing(0.08, 0.16, offset=(0.0075 * side, 0.0))
         error = np.array([first(shell, n) / exact - 1 for n, exact in table.items()])
-        assert np.all((error < 0.0) & (error > -9e-3))
+        assert np.all((error < 0.0) & (error > -7e-3))
     centred = casing(0.08, 0.16, offset=(0.0, 0.0))
     assert first(centred, 6) < 0.8 * bricks[1.0][6]  # eccentricity matters
 
