@@ -255,8 +255,8 @@ def test_perfect_takes_all_variation_away(tmp_path):
 
 def test_the_schema_knows_every_table():
     assert set(schema()["properties"]) == {
-        "material", "chart", "shell", "solid", "taper", "strip", "rotation", "cyclic", "imperfection", "mass",
-        "support", "modes", "mesh", "update", "reduce", "rig",
+        "material", "chart", "shell", "solid", "taper", "strip", "stiffener", "rotation", "cyclic", "imperfection",
+        "mass", "support", "modes", "mesh", "update", "reduce", "rig",
     }  # fmt: skip
     assert schema()["required"] == ["material"]
     assert schema()["anyOf"] == [{"required": ["shell"]}, {"required": ["solid"]}]
