@@ -175,7 +175,7 @@ class ShellTable(ImportTable):
     plies: list[PlyTable] = Field(default=[], description="layers from the inside out; with wall = linear")
     lamina: dict[str, LaminaTable] = Field(default={}, description="name -> orthotropic material of plies")
     angle_from: Axis | None = Field(
-        default=None, description="of a mesh: direction from which angles of plies count; z if left out"
+        default=None, description="of a mesh: direction from which angles of plies count [-]; z if left out"
     )
     thicknesses: dict[str, Length] = Field(default={}, description="group of cells of a mesh -> its thickness [m]")
     material: dict[str, MaterialTable] = Field(default={}, description="group of cells of a mesh -> its own material")
