@@ -108,7 +108,8 @@ def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Win
         fit = fit_poles(window, *starts.T, steps=0)
         nearest = np.array([np.abs(freq - f).argmin() for f in fit.freq], int)
         known = np.r_[sigma[nearest], found.sigma_zeta[nearest]]
-        raised = np.maximum(known / np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 1e-300)), 1.0)
+        white = np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 1e-300)) / fit.raised
+        raised = np.maximum(known / white, 1.0)
         fit = replace(fit, matching=found.sigma_matching[nearest], seen=found.seen()[nearest])
         aligned.append(replace(fit, covariance=fit.covariance * np.outer(raised, raised)))
     return aligned

@@ -38,10 +38,11 @@ class PoleFit:
     """Fitted poles: freq [Hz], zeta (poles,), ascending; residues A (poles, columns, channels), weighted.
 
     `squares` is the sum of squared deviations, `variance` that per degree of freedom; `covariance` (2 poles, 2 poles)
-    of (ln f, ln zeta), over `variance`; `gram` (poles, columns, poles, columns) of the inverse of Phi^T Phi; `tilt`
-    (poles, columns, 2 poles, columns) = Phi^+ D, what residues follow when poles move; `spread` (lines, channels)
-    complex, the deviation; `matching` (poles,) the standard deviation of ln f from not knowing which peak of a set-up
-    belongs to which mode; `seen` (poles,) the share of the set-ups that have the mode's energy.
+    of (ln f, ln zeta), over `variance`, its standard deviations `raised` (2 poles,) times those of white noise; `gram`
+    (poles, columns, poles, columns) of the inverse of Phi^T Phi; `tilt` (poles, columns, 2 poles, columns) = Phi^+ D,
+    what residues follow when poles move; `spread` (lines, channels) complex, the deviation; `matching` (poles,) the
+    standard deviation of ln f from not knowing which peak of a set-up belongs to which mode; `seen` (poles,) the share
+    of the set-ups that have the mode's energy.
     """
 
     window: Window
@@ -51,6 +52,7 @@ class PoleFit:
     squares: float
     variance: float
     covariance: FloatArray
+    raised: FloatArray
     gram: FloatArray
     tilt: FloatArray
     spread: Array
@@ -59,7 +61,7 @@ class PoleFit:
     converged: bool
 
     def __post_init__(self) -> None:
-        for name in ("freq", "zeta", "A", "covariance", "gram", "tilt", "spread", "matching", "seen"):
+        for name in ("freq", "zeta", "A", "covariance", "raised", "gram", "tilt", "spread", "matching", "seen"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
@@ -175,6 +177,7 @@ def _finished(window: Window, at: _State, converged: bool) -> PoleFit:
     system = _system(window, at)
     inverse = np.linalg.inv(at.T)[: s * m]
     free = window.entries - at.A.size - 2 * m
+    covariance, raised = _covariance(window, at, system.information, at.squares / max(free, 1))
     return PoleFit(
         window=window,
         freq=at.f,
@@ -182,7 +185,8 @@ def _finished(window: Window, at: _State, converged: bool) -> PoleFit:
         A=at.A[: s * m].reshape(m, s, at.A.shape[1]),
         squares=at.squares,
         variance=at.squares / max(free, 1),
-        covariance=_covariance(window, at, system.information, at.squares / max(free, 1)),
+        covariance=covariance,
+        raised=raised,
         gram=(inverse @ inverse.T).reshape(m, s, m, s),
         tilt=system.tilt.reshape(m, s, 2 * m, s),
         spread=at.R[:half] + 1j * at.R[half:],
@@ -192,8 +196,8 @@ def _finished(window: Window, at: _State, converged: bool) -> PoleFit:
     )
 
 
-def _covariance(window: Window, at: _State, information: FloatArray, variance: float) -> FloatArray:
-    """Covariance of the poles over the variance: that of white noise, raised where the deviation is not white."""
+def _covariance(window: Window, at: _State, information: FloatArray, variance: float) -> tuple[FloatArray, FloatArray]:
+    """Covariance of the poles over the variance: that of white noise, raised where there is other; and how much."""
     white = np.asarray(np.linalg.pinv(information, hermitian=True), np.float64)
     scores = _scores(window, at)
     meat = scores.T @ scores
@@ -202,7 +206,7 @@ def _covariance(window: Window, at: _State, information: FloatArray, variance: f
         meat = meat + (1.0 - lag / (LAGS + 1.0)) * (near + near.T)
     diagonal = np.diag(white) + 1e-300
     raised = np.sqrt(np.maximum(np.diag(white @ meat @ white) / (max(variance, 1e-300) * diagonal), 1.0))
-    return np.asarray(white * np.outer(raised, raised))
+    return np.asarray(white * np.outer(raised, raised)), np.asarray(raised)
 
 
 def _scores(window: Window, at: _State) -> FloatArray:

@@ -95,8 +95,8 @@ class Window:
         inverse = _compliance(x, w, zeta)
         g = (1j * x) ** self.power * (w**2 * inverse)
         inverse *= g
-        by_zeta = inverse * x
-        by_zeta = by_zeta * (-2j * zeta * w)
+        by_zeta: Array = inverse * x
+        by_zeta *= -2j * zeta * w
         inverse *= w**2
         by_freq = g - inverse
         by_freq *= 2.0

@@ -34,6 +34,7 @@ PASSES, POLISHES = 3, 3  # of finding modes, and of fitting them beside what the
 FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say whether peaks are shifted at all
 CLUSTERS = 12  # that tell which channels are one set-up, at most
 ALIVE = 2.0  # rms of a channel over its noise
+VOTE = 30.0  # of the log-odds for leakage or against it, that one cluster may give
 LEAKS = 30.0  # lines in a half-power bandwidth, beyond which leakage changes nothing
 DAMPED = 5.0  # times the usual damping, beyond which a mode is no peak
 
@@ -114,7 +115,7 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
     refused, counts = len(setups) == len(single), list[int]()
     for again in range(PASSES):
         if again:
-            told = [_both(c, setups, step) for c in clusters(whole, modes, setups) if _tells(c, step)]
+            told = [_gain_again(c, setups, step) for c in clusters(whole, modes, setups) if _tells(c, step)]
             leak = step if _leaks(told) else 0.0
         found = [leaking(c, leak) for c in (clusters(replace(whole, leak=leak), modes, setups) if again else common)]
         own = read_all(found, setups, damped, shift)
@@ -162,7 +163,7 @@ def _polished(c: Cluster, setups: Setups, damped: float) -> ClusterModes:
 
 def _unshifted(common: Sequence[Cluster], modes: Modes, step: float, evidence: float) -> Shifted:
     """The common poles, and whether a window leaks over the step of the lines [Hz]."""
-    gains = [[_fit_common(leaking(c, by)).squares for by in (0.0, step)] for c in common if _tells(c, step)]
+    gains = [_gain(c, *(_fit_common(leaking(c, by)) for by in (0.0, step))) for c in common if _tells(c, step)]
     nothing, all_of_them = np.zeros(len(modes.zeta)), np.arange(modes.residues.shape[1])
     leak = step if _leaks(gains) else 0.0
     return Shifted(modes, nothing[:, None], nothing, nothing, [all_of_them], leak, 0.0, evidence)
@@ -193,7 +194,7 @@ def _alone(common: Sequence[Cluster], channels: IntArray, damped: float, step: f
             freq, zeta = own.freq, np.median(own.zeta, axis=1)
             leaked, own = fit_again(leaking(c, step), single, freq, zeta), fit_again(c, single, freq, zeta)
             found.append((c, own, leaked))
-    leak = step if _leaks([[plain.squares, leaked.squares] for c, plain, leaked in found if _tells(c, step)]) else 0.0
+    leak = step if _leaks([_gain(c, plain, leaked) for c, plain, leaked in found if _tells(c, step)]) else 0.0
     evidence = [_evidence(c, leaked if leak else plain, len(single)) for c, plain, leaked in found]
     peaks = [leaked if leak else plain for _, plain, leaked in found]
     return _Alone([leaking(c, leak) for c, _, _ in found], peaks, leak, evidence)
@@ -204,13 +205,17 @@ def _tells(c: Cluster, step: float) -> bool:
     return bool((2.0 * c.modes.zeta * c.modes.freq.min(axis=1) < LEAKS * step).any())
 
 
-def _leaks(squares: Sequence[Sequence[float]]) -> bool:
-    """Whether most clusters are fitted better with leakage; squares left (clusters, 2) without and with it.
+def _leaks(gains: Sequence[float]) -> bool:
+    """Whether clusters are fitted better with leakage.
 
-    One cluster that is not yet understood may leave more than all others together: it has one vote.
+    One cluster that is not yet understood may leave more than all others together: its vote is limited.
     """
-    plain, leaked = np.array(squares).T if len(squares) else np.ones((2, 1))
-    return bool(np.median(np.log(plain + 1e-300) - np.log(leaked + 1e-300)) > 0.0)
+    return bool(np.sum(np.clip(gains, -VOTE, VOTE)) > 0.0)
+
+
+def _gain(c: Cluster, plain: OwnPeaks, leaked: OwnPeaks) -> float:
+    """Twice the ln of the odds for leakage in a cluster, noise unknown."""
+    return float(c.window.entries * np.log((plain.squares + 1e-300) / (leaked.squares + 1e-300)))
 
 
 def _evidence(c: Cluster, own: OwnPeaks, setups: int) -> float:
@@ -236,6 +241,6 @@ def scatter(own: Sequence[OwnPeaks]) -> float:
     return float(np.median(np.concatenate([np.log(o.freq).std(axis=1, ddof=min(1, o.freq.shape[1] - 1)) for o in own])))
 
 
-def _both(c: Cluster, setups: Setups, step: float) -> list[float]:
-    """Squares that the modes of a cluster leave without and with leakage over a step [Hz]."""
-    return [fit_again(leaking(c, by), setups, c.modes.freq, c.modes.zeta).squares for by in (0.0, step)]
+def _gain_again(c: Cluster, setups: Setups, step: float) -> float:
+    """`_gain` of the modes of a cluster by leakage over a step [Hz]."""
+    return _gain(c, *(fit_again(leaking(c, by), setups, c.modes.freq, c.modes.zeta) for by in (0.0, step)))

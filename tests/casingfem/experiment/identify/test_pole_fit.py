@@ -1,9 +1,14 @@
 """The fit of poles: exact gradient, honest covariance, how many poles."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from casingfem.experiment.identify import pole_fit
+from casingfem.experiment.identify.cluster_modes import only_peaks
+from casingfem.experiment.identify.clusters import Cluster
+from casingfem.experiment.identify.own_shifts import Modes, apart, linked
 from casingfem.experiment.identify.pole_fit import fit_poles
 from casingfem.experiment.identify.pole_selection import hidden_split, select_poles
 from casingfem.experiment.identify.pole_window import Window
@@ -102,3 +107,44 @@ def test_a_split_above_that_bound_is_seen_and_one_far_below_is_not(part, told):
 def test_no_response_at_all_has_no_poles():
     silent = window([400.0], [0.002], np.zeros((1, 8)))
     assert len(select_poles(silent, np.zeros((0, 2))).freq) == 0
+
+
+@pytest.mark.parametrize("leak", [0.0, 0.5])
+def test_slopes_are_derivatives_and_lines_left_out_change_no_other(leak):
+    data = replace(window(*THREE, SHAPES), along=np.linspace(0.2, 1.0, len(LINES)))
+    data = replace(data, leak=leak * float(LINES[1] - LINES[0]) * 2.0)
+    f, zeta = np.array(THREE)
+    g, slopes = data.peaks(f, zeta)
+    for k, slope in enumerate(slopes):
+        high, low = (data.values(f * np.exp(by * (k == 0)), zeta * np.exp(by * (k == 1))) for by in (1e-6, -1e-6))
+        np.testing.assert_allclose(slope, (high - low) / 2e-6, atol=1e-6 * np.abs(slope).max())
+    np.testing.assert_allclose(g, data.values(f, zeta), rtol=1e-12)
+    kept = np.arange(len(LINES)) % 3 != 1
+    few = data.cut(kept)
+    np.testing.assert_allclose(few.values(f, zeta) * (few.scale / data.scale) ** 2, g[kept], rtol=1e-9)
+
+
+@pytest.mark.parametrize("residues", ["real", "complex"])
+def test_one_setup_is_fitted_as_common_poles_are(residues):
+    """By inner products alone, or with all lines: the same poles, squares and standard deviations."""
+    data = window(*THREE, SHAPES, sigma=0.5, residues=residues)
+    fit = fit_poles(data, *np.array(THREE))
+    start = 1.0002 * np.array(THREE[0])[:, None], 1.1 * np.array(THREE[1])
+    for fitted in (apart, linked):
+        own = fitted(data, [np.arange(8)], *start, 0.25, (390.0, 410.0))
+        np.testing.assert_allclose(own.freq[:, 0], fit.freq, rtol=1e-7)
+        np.testing.assert_allclose(own.zeta[:, 0], fit.zeta, rtol=1e-4)
+        assert own.squares == pytest.approx(fit.squares, rel=1e-6)
+        white = 0.25 * np.diag(fit.covariance) / fit.raised**2
+        np.testing.assert_allclose([*own.variance[:, 0], *own.zeta_variance[:, 0]], white, rtol=1e-2)
+
+
+def test_a_mode_that_runs_away_is_taken_out_of_its_cluster_alone():
+    """What peaks there are does not go with it: skirts that nothing explains would spoil the clusters beside."""
+    data = window([400.0], [0.002], SHAPES[:1], sigma=0.5)
+    modes = Modes(np.array([[400.0], [401.0]]), np.array([0.002, 0.002]), np.ones((2, 8), complex))
+    cluster = Cluster(modes, data, (399.0, 402.0), 0.25)
+    own = linked(data, [np.arange(8)], np.array([[400.0], [405.0]]), np.array([0.002, 0.1]), 0.25, (398.0, 406.0))
+    kept = only_peaks(cluster, [np.arange(8)], own._replace(zeta=np.array([[0.002], [0.1]])), 0.01)
+    assert kept.freq.ravel() == pytest.approx([400.0], rel=1e-5)
+    assert kept.squares / data.Y.size == pytest.approx(0.25, rel=0.1)

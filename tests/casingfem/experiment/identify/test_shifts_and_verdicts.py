@@ -134,3 +134,24 @@ def test_a_peak_that_bends_with_its_amplitude_is_one_mode_in_one_channel(seed):
     )
     assert len(found) == 1
     assert abs(found.freq[0] - 660.0) < 0.2
+
+
+@pytest.mark.slow
+def test_damped_peaks_are_seen_over_their_bandwidth_below_a_response_that_explodes_at_low_frequencies():
+    """Receptances integrated from accelerations, as of a machine tool: 3 % of damping, 1e5 times the peaks at 1 Hz."""
+    rng = np.random.default_rng(61)
+    x = np.arange(1.0, 2801.0, 4.0)
+    shapes, at = rng.standard_normal((4, 2)), ((1100.0, 0.03), (2000.0, 0.02))
+    H = sum(s[:, None] / (f**2 - x**2 + 2j * z * f * x) for s, (f, z) in zip(shapes.T, at, strict=True))
+    drift = rng.standard_normal((4, 1)) * 1e5 * np.abs(H).max() / x**4
+    noise = 1e-3 * np.abs(H).max() * rng.standard_normal((2, *H.shape))
+    frfs = cf.frf.FrfSet.from_arrays(
+        kind="frf", x=x, responses=H + drift + noise[0] + 1j * noise[1], unit="m/N", response_point=range(4)
+    )
+    found = cf.identify(frfs)
+    best = [int(np.abs(found.freq - f).argmin()) for f, _ in at]
+    assert found.sure[best].all()
+    np.testing.assert_allclose(found.freq[best], [f for f, _ in at], rtol=2e-3)
+    np.testing.assert_allclose(found.zeta[best], [z for _, z in at], rtol=0.05)
+    assert not any("Hann" in note for note in found.notes)
+    assert found.shift == 0.0
