@@ -36,7 +36,11 @@ def test_a_rim_stops_at_half_its_wall_and_keeps_all_up_to_there():
     assert np.isfinite(result.force).all()
     assert result.energy.unaccounted < 1e-9 * result.energy.scale
     assert str(error).startswith(f"step {found.step} (t = {found.time:.6g} s): diverged: the rim moved")
-    for words in ("By theory a contact that stays closed diverges at 60 Hz", "Energy came from", "[coating]"):
+    for words in (
+        "By theory a contact that stays closed diverges at 60 Hz",
+        "Energy came from",
+        "In reality a coating",
+    ):
         assert words in str(error)
     whole = ct.run(rim(), law=DIGS, t_end=result.steps * 2e-5 - 1e-6, dt=2e-5, on_limit="flag")
     assert np.array_equal(whole.force, result.force)  # the same run, to the bit
@@ -101,6 +105,7 @@ def test_a_patch_that_is_flung_far_beyond_its_start_and_load_stops():
     with pytest.raises(ct.NumericsError, match=r"a gap moved 0\.01") as caught:
         ct.run.__globals__["completed"](ready)
     assert caught.value.result.steps == caught.value.result.time.size == 142  # t^2/2 passes 0.01 after 0.1414 s
+    assert "In reality" not in str(caught.value)  # what ends such motions of a rim has no say here
 
 
 def test_growth_is_read_where_the_rise_is():

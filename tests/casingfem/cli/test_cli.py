@@ -225,6 +225,13 @@ def test_a_waiting_user_is_told_that_a_first_run_compiles(monkeypatch):
     assert said[-1] == "contact two_rods.toml: 100%"
 
 
+def test_a_message_says_the_seconds_of_the_clock(monkeypatch):
+    monkeypatch.setattr("time.perf_counter", lambda: 100.0)
+    message = ProgressMessage("modes")
+    monkeypatch.setattr("time.perf_counter", lambda: 107.0)
+    assert message.seconds == 7.0
+
+
 @pytest.mark.slow
 def test_contact_is_one_document_with_bodies_and_energy(tmp_path):
     result = invoke("contact", SCENES / "two_rods.toml", "--json", "--out", tmp_path)

@@ -9,6 +9,7 @@ import pytest
 import contact as ct
 from contact.growth.cycles import checkpoint
 from contact.growth.cycles.shooting import map_of
+from contact.growth.cycles.special import Signs, kinds
 from reports.contact.cycles import mass_on_stop, rod
 
 pytestmark = pytest.mark.slow
@@ -108,8 +109,29 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch)
         family, (0.13, 0.16), checkpoint=file, progress=lambda number, _value, orbits: again.append((number, orbits))
     )
     assert other.table() == found.table()
+    rows, points = found.table(), [point for branch in found.branches for point in branch.points]
+    assert [row["force"] for row in rows] == [max(point.force, default=0.0) for point in points]
+    assert [row["gap"] for row in rows] == [min(point.gap, default=np.inf) for point in points]
     assert again[0][0] == 2
     assert again[0][1] > 0
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "found"),
+    [
+        ((True, 0, 0, 0), (True, 0, 0, 0), []),
+        ((True, 0, 0, 0), (False, 1, 0, 0), ["fold"]),
+        ((True, 0, 0, 0), (True, 1, 0, 0), ["branch point"]),
+        ((True, 0, 0, 0), (True, 0, 1, 0), ["flip"]),
+        ((True, 0, 1, 0), (True, 0, 1, 2), ["Neimark-Sacker"]),
+        ((True, 2, 0, 0), (True, 0, 0, 2), []),  # two real ones met beyond 1 and went on as a pair
+        ((True, 0, 2, 0), (True, 0, 0, 2), []),
+        ((True, 1, 1, 0), (True, 1, 1, 2), ["Neimark-Sacker"]),
+    ],
+)
+def test_multipliers_that_cross_say_what_lies_between(left, right, found):
+    assert kinds(Signs(*left, (1,)), Signs(*right, (1,))) == found
+    assert kinds(Signs(*left, (1,)), Signs(*right, (2,))) == [*found, "grazing"]
 
 
 def test_a_range_of_nothing_is_refused():
