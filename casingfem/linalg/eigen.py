@@ -63,6 +63,7 @@ class EigenResult:
 def sturm_count(K: Symmetric, mass: Mass, sigma: float) -> int:
     """Number of eigenvalues of K - omega^2 M below sigma [rad^2/s^2], by one factorisation and its inertia.
 
+    >>> from scipy.sparse import csc_array
     >>> sturm_count(csc_array(np.diag([1.0, 2.0, 3.0])), np.ones(3), 2.5)
     2
     """

@@ -155,6 +155,7 @@ def planned(A: Symmetric) -> Fronts:
 def plan(A: Symmetric) -> Fronts:
     """Plan the factorisation of matrices with the pattern of A, symmetric, its indices sorted.
 
+    >>> from scipy.sparse import csc_array
     >>> fronts = plan(csc_array(np.eye(3)))
     >>> len(fronts.fronts), fronts.entries
     (1, 9)

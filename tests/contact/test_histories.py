@@ -72,6 +72,15 @@ def test_a_film_shows_the_rim_where_the_tips_are(monkeypatch):
     assert film.rub_film(rods, ct.run(rods, t_end=0.1, courant=0.9, record=ct.Record(state_every=1))) is None
 
 
+def test_a_film_keeps_the_harmonics_that_carry_the_motion():
+    def kept(power):
+        return film.largest(np.sqrt(power)[None], np.zeros((1, len(power)))).tolist()
+
+    assert kept(np.r_[0.0, 1.0, 0.0, 1e-6]) == [1]
+    assert kept(np.r_[1.0, 0.0, 0.0, 5.0, 3.0]) == [0, 3, 4]
+    assert kept(np.arange(40.0)) == list(range(20, 40))  # no more than twenty, the largest
+
+
 def test_energies_are_those_of_the_modes_and_what_has_none_has_no_history():
     rim, law, result = rubbed()
     found = strain_energy(rim, result)

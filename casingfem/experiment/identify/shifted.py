@@ -227,7 +227,7 @@ def _evidence(c: Cluster, own: OwnPeaks, setups: int) -> float:
     lines = min(c.window.Y.size, shared / c.noise)
     numbers = [k * (c.window.columns * c.window.Y.shape[1] + poles)
                for k, poles in ((m, setups + 1), (len(c.modes.zeta), 2))]  # fmt: skip
-    gain = lines * np.log(shared / max(own.squares, 1e-300)) - price * (numbers[0] - numbers[1])
+    gain = lines * np.log(max(shared, 1e-300) / max(own.squares, 1e-300)) - price * (numbers[0] - numbers[1])
     return float(max(gain, -price * m * (setups - 1)))
 
 

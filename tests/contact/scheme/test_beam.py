@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 import contact as ct
 from contact.model.trig import harmonics
@@ -56,6 +57,18 @@ def test_nothing_leaves_the_circle_and_only_closed_gaps_press(before_and_after):
     assert out.force.max() > 0.0
 
 
+def test_the_largest_frequency_of_an_element_is_that_of_its_matrices():
+    L = BEAM.length / BEAM.elements
+    EA, EI, rho_A = BEAM.E * 1e-4, BEAM.E * 0.02 * 0.005**3 / 12.0, BEAM.rho * 1e-4
+    K = np.zeros((6, 6))
+    K[np.ix_([0, 3], [0, 3])] = EA / L * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    bending = [[12, 6 * L, -12, 6 * L], [6 * L, 4 * L**2, -6 * L, 2 * L**2]]
+    bending += [[-12, -6 * L, 12, -6 * L], [6 * L, 2 * L**2, -6 * L, 4 * L**2]]
+    K[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = EI / L**3 * np.array(bending)
+    half = 0.5 * L * np.array([rho_A, rho_A, BEAM.rho * 0.02 * 0.005**3 / 12.0])
+    assert BEAM.omega_max() == pytest.approx(math.sqrt(eigh(K, np.diag(np.tile(half, 2)))[0][-1]), rel=1e-9)
+
+
 @pytest.mark.slow
 def test_energy_equals_the_work_of_the_torque_before_contact():
     stepper = prepare_beam(CIRCLE, None, 0.2)  # the torque hits the light hinge node at once: an error of h^2
@@ -94,6 +107,9 @@ def test_implicit_newmark_agrees_with_the_explicit_impulse(before_and_after):
     assert stepper.sums.impulse.sum() == pytest.approx(explicit, rel=0.02)
     assert abs(end.discrete - start.discrete - stepper.sums.work.sum()) <= 1e-8 * end.kinetic
     assert stepper.sums.penetration.max() <= 1e-12
+    momentum, impulse = stepper.angular_momentum()
+    assert momentum - impulse == pytest.approx(BEAM.torque * 1.4 * CIRCLE.first_contact_time, rel=1e-3)
+    assert impulse < 0.0
 
 
 @pytest.mark.slow

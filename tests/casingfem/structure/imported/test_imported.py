@@ -87,6 +87,8 @@ def test_materials_by_group_and_foundations(tmp_path):
     )
     structure = load_any(study(tmp_path, text)).structure
     assert structure.materials["body"].rho == 2700.0
+    with pytest.raises(TypeError):
+        structure.materials["body"] = None
     assert structure.supports["base"].k_face == 1e12
 
 
