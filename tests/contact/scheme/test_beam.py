@@ -59,13 +59,13 @@ def test_nothing_leaves_the_circle_and_only_closed_gaps_press(before_and_after):
 
 def test_the_largest_frequency_of_an_element_is_that_of_its_matrices():
     L = BEAM.length / BEAM.elements
-    EA, EI, rho_A = BEAM.E * 1e-4, BEAM.E * 0.02 * 0.005**3 / 12.0, BEAM.rho * 1e-4
+    EA, EI, mass = BEAM.E * 1e-4, BEAM.E * 0.02 * 0.005**3 / 12.0, BEAM.rho * 1e-4
     K = np.zeros((6, 6))
     K[np.ix_([0, 3], [0, 3])] = EA / L * np.array([[1.0, -1.0], [-1.0, 1.0]])
     bending = [[12, 6 * L, -12, 6 * L], [6 * L, 4 * L**2, -6 * L, 2 * L**2]]
     bending += [[-12, -6 * L, 12, -6 * L], [6 * L, 2 * L**2, -6 * L, 4 * L**2]]
     K[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = EI / L**3 * np.array(bending)
-    half = 0.5 * L * np.array([rho_A, rho_A, BEAM.rho * 0.02 * 0.005**3 / 12.0])
+    half = 0.5 * L * np.array([mass, mass, BEAM.rho * 0.02 * 0.005**3 / 12.0])
     assert BEAM.omega_max() == pytest.approx(math.sqrt(eigh(K, np.diag(np.tile(half, 2)))[0][-1]), rel=1e-9)
 
 
