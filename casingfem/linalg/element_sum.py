@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array, csr_array, diags_array
+from scipy.sparse import coo_array, csc_array, diags_array
 
 from casingfem.io.arrays import FloatArray, IntArray
 
@@ -84,7 +84,10 @@ class ElementSum:
         for group in self.groups:
             count = group.dofs.size
             local = (group.matrices @ padded[group.dofs]).reshape(count, columns.shape[1])
-            sums += csr_array((np.ones(count), (group.dofs.ravel(), np.arange(count))), (self.size + 1, count)) @ local
+            # one entry a column: these are its columns as they stand, nothing is sorted
+            sums += (
+                csc_array((np.ones(count), group.dofs.ravel(), np.arange(count + 1)), (self.size + 1, count)) @ local
+            )
         return np.asarray((self.scale[:, None] * sums[:-1] + self.diagonal[:, None] * columns).reshape(x.shape))
 
     def __abs__(self) -> "ElementSum":

@@ -9,6 +9,7 @@ are in VTK's order; the reference wedge stands on (0, 0), (1, 0), (0, 1) from z 
 with its apex above the first corner.
 """
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ GAUSS, HEIGHT = 3, 4  # Gauss points along edges, and from base to apex
 STEP = 1e-30  # of the complex step: derivatives to round-off
 
 
-class Serendipity:
+class Serendipity(ABC):
     """A kind whose shape functions are given as one function of place; its derivatives are taken by complex steps."""
 
     corners: tuple[tuple[int, int, int], ...]
@@ -33,14 +34,14 @@ class Serendipity:
         corners = np.array(self.corners, dtype=float)
         return np.vstack([corners, *(corners[list(edge)].mean(axis=0)[None] for edge in self.edges)])
 
+    @abstractmethod
     def values(self, x: Any, y: Any, z: Any) -> Any:
         """Shape functions (nodes, points)."""
-        raise NotImplementedError
 
     @staticmethod
+    @abstractmethod
     def quadrature() -> tuple[FloatArray, FloatArray]:
         """Points (3, q) and weights (q,)."""
-        raise NotImplementedError
 
     def lbasis(self, X: FloatArray, i: int) -> tuple[FloatArray, FloatArray]:
         """Value (points,) and slopes (3, points) of a shape function."""

@@ -17,6 +17,7 @@ from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.shell import Shell
 from casingfem.study import load_any
+from tests.casingfem.study.study_texts import STEEL
 
 BAR = Section.rectangle(width=0.012, depth=0.004)
 OUTSIDE = (0.0075, 0.0)
@@ -105,12 +106,7 @@ def test_a_stiffened_casing_does_not_turn(casing):
         modes(turning, 2)
 
 
-STUDY = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
-[chart]
+STUDY = f"""{STEEL}[chart]
 kind = "cylinder"
 radius = 0.3
 height = 0.25
@@ -127,7 +123,7 @@ offset = [0.0075, 0.0]
 at = AT
 diameter = 0.01
 offset = [-0.0065, 0.0]
-material = {E = 70e9, nu = 0.33, rho = 2700.0}
+material = {{E = 70e9, nu = 0.33, rho = 2700.0}}
 """
 
 
