@@ -84,10 +84,8 @@ class ElementSum:
         for group in self.groups:
             count = group.dofs.size
             local = (group.matrices @ padded[group.dofs]).reshape(count, columns.shape[1])
-            # one entry a column: these are its columns as they stand, nothing is sorted
-            sums += (
-                csc_array((np.ones(count), group.dofs.ravel(), np.arange(count + 1)), (self.size + 1, count)) @ local
-            )
+            ones = np.ones(count), group.dofs.ravel(), np.arange(count + 1)  # one in each column: nothing to sort
+            sums += csc_array(ones, (self.size + 1, count)) @ local
         return np.asarray((self.scale[:, None] * sums[:-1] + self.diagonal[:, None] * columns).reshape(x.shape))
 
     def __abs__(self) -> "ElementSum":

@@ -66,6 +66,9 @@ def test_no_hourglass_modes(kind, place, steel):
     counts = (3, 3) if kind == "quad" else (2, 2)
     mesh = grid_mesh(kind, counts, lambda u: place(0.5 * u), groups={})
     shell = MeshShell(mesh=mesh, thickness=0.02, material=steel)
+    for groups in (shell.materials, shell.thicknesses, shell.supports):
+        with pytest.raises(TypeError):
+            groups["all"] = steel
     system = assemble_mesh_shell(shell)
     values = np.linalg.eigvalsh(system.K.toarray())
     assert np.abs(values[:6]).max() < 1e-12 * values[-1]
