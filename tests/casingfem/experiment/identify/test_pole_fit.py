@@ -148,3 +148,17 @@ def test_a_mode_that_runs_away_is_taken_out_of_its_cluster_alone():
     kept = only_peaks(cluster, [np.arange(8)], own._replace(zeta=np.array([[0.002], [0.1]])), 0.01)
     assert kept.freq.ravel() == pytest.approx([400.0], rel=1e-5)
     assert kept.squares / data.Y.size == pytest.approx(0.25, rel=0.1)
+
+
+@pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
+def test_the_highest_peak_of_a_cluster_says_how_damped_a_mode_beside_it_may_be(order):
+    """Beside a wide high peak a wide one stays, beside a narrow high one it goes, in either order of the two."""
+    freq, channels, wide, narrow = [397.0, 403.0], [np.arange(8)], 0.02, 0.004
+    data = window(freq, [narrow, narrow], SHAPES[:2], sigma=0.5)
+    own = linked(data, channels, np.array(freq)[:, None], np.full(2, narrow), 0.25, (395.0, 405.0))
+    own = own._replace(freq=np.array(freq)[:, None], zeta=np.array([[narrow], [wide]]))
+    for high, low, count in ((wide, narrow, 2), (narrow, wide, 1)):
+        residues = np.ones((2, 8), complex) * [[9.0], [1.0]]
+        modes = Modes(np.array(freq)[order, None], np.array([high, low])[order], residues[order])
+        cluster = Cluster(modes, data, (395.0, 405.0), 0.25)
+        assert len(only_peaks(cluster, channels, own, 0.01).freq) == count
