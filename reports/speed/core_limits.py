@@ -13,8 +13,8 @@ from contact.jit.vector import WIDTH, load, put, same
 Made = TypeVar("Made")
 
 
-def best(task: Callable[[], object], repeats: int, clock: Callable[[], float] = time.process_time) -> float:
-    """Least seconds of some calls, of the processor unless another clock is given."""
+def best(task: Callable[[], object], repeats: int, clock: Callable[[], float] = time.thread_time) -> float:
+    """Least seconds of some calls, of this thread's processor time unless another clock is given."""
     return best_of(lambda: None, lambda _: task(), repeats, clock)
 
 
@@ -22,9 +22,13 @@ def best_of(
     prepare: Callable[[], Made],
     task: Callable[[Made], object],
     repeats: int,
-    clock: Callable[[], float] = time.process_time,
+    clock: Callable[[], float] = time.thread_time,
 ) -> float:
-    """Least seconds of some calls of `task` on what `prepare` makes anew for each; making it is not counted."""
+    """Least seconds of some calls of `task` on what `prepare` makes anew for each; making it is not counted.
+
+    By the thread's clock: under a limit of processor time the process's goes on in ticks, longer than a short loop.
+    What BLAS may share among threads is timed with `process_time`.
+    """
     times = []
     for _ in range(repeats):
         made = prepare()

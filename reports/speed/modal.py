@@ -55,7 +55,7 @@ def mesh_rows(quick: bool) -> list[Row]:
         for mesh_name, mesh in list(MESHES.items())[: 2 if quick else None]:
             meshed = replace(shell, mesh=mesh)
             found = modes(meshed, COUNT, method="shell")
-            seconds = best(lambda meshed=meshed: modes(meshed, COUNT, method="shell"), 1 if quick else 3)
+            seconds = best(lambda meshed=meshed: modes(meshed, COUNT, method="shell"), 1 if quick else 3, process_time)
             rows.append({"frustum": name, "order, rows, around": mesh_name, "dofs": found.dofs, "seconds": seconds,
                          "worst error": float(np.abs(found.freq / exact - 1.0).max()),
                          "sturm": found.sturm_count})  # fmt: skip
@@ -95,7 +95,7 @@ def part_rows(quick: bool) -> list[Row]:
         "instead: ARPACK": lambda: eigsh(pencil.A, wanted, sigma=shift, OPinv=inverse, v0=start),
         **{f"instead: blocks of {b}": lambda b=b: nearest(pencil, factor.solve, shift, wanted, b) for b in (2, 4, 16)},
     }
-    seconds = {name: best(task, repeats) for name, task in parts.items()}
+    seconds = {name: best(task, repeats, process_time) for name, task in parts.items()}
     return [{"part": name, "seconds": s, "of the whole": s / seconds["whole"]} for name, s in seconds.items()]
 
 

@@ -9,6 +9,7 @@ import os
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from time import process_time
 
 import numpy as np
 
@@ -97,7 +98,7 @@ def rubbed_casing(folder: Path) -> ct.RotatingRim:
 def main(out: Path, quick: bool = False) -> list[Row]:
     """Print the table and write it."""
     repeats = 1 if quick else 3
-    seconds = {name: best(task, repeats) for name, task in structure_tasks()}
+    seconds = {name: best(task, repeats, process_time) for name, task in structure_tasks()}
     unit = next(value for name, value in seconds.items() if name.startswith("assemble"))
     rows: list[Row] = [{"step": name, "seconds": s, "over assembly": s / unit} for name, s in seconds.items()]
     show(f"Structures, {os.cpu_count()} processors, best of {repeats}", rows)
