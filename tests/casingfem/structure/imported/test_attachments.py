@@ -508,6 +508,15 @@ def test_what_cannot_be_attached_is_refused_by_card_and_node(card, told, tmp_pat
         part.assembled()
 
 
+@pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
+def test_a_motion_that_only_a_small_inertia_feels_is_not_loose(tmp_path):
+    """A turn about the line of two nodes, which has no stiffness: mass is not measured by the scale of stiffness."""
+    path = tmp_path / "a.bdf"
+    path.write_text(TETRA.format(cd="", card="RBE2,9,5,123,4,2\nCONM2,10,5,,1.-6,,,,,+\n+,1.-9,,1.-9,,,1.-9"))
+    part = Solid(mesh=read_mesh(path), material=STEEL, supports={"SPC 3": cf.Clamped()})
+    assert part.assembled().K.shape == (6, 6)
+
+
 @pytest.mark.filterwarnings("ignore:.*material-units")
 @pytest.mark.parametrize("kind", ["solid", "shell"])
 def test_a_light_beam_with_a_tip_mass_stiffens_as_it_turns(kind):
