@@ -56,7 +56,7 @@ def test_rings_give_back_the_cone_and_the_defect():
         np.testing.assert_allclose(got, exact, atol=1e-9)
 
 
-@pytest.mark.filterwarnings("ignore:.*survey-eccentric")  # true of fields with a large p = 1
+@pytest.mark.filterwarnings("ignore:.*survey-eccentric")  # where p = 1 is more than all others together
 @settings(max_examples=15, deadline=None)
 @example(4626, 1)
 @given(st.integers(0, 10_000), st.sampled_from([0, 1, 2]))
