@@ -4,7 +4,7 @@
 frequencies of each model are from those of the finer solid, for corners of 30 and 60 degrees. The chart has a fillet of
 the wall's thickness, or half of it, at the corner. The others have a sharp one: imported shells are narrow sectors of
 nine-noded quadrilaterals, with the curved and with the linear wall; solids sectors of 27-noded bricks mitred at the
-corner; CalculiX, where it is installed, has 72 x 54 shells of eight nodes on the whole casing.
+corner; CalculiX, where it is installed, has 96 x 65 shells of eight nodes on the whole casing.
 All are clamped at the base. --quick takes the first casing, 12 modes, coarser meshes and no CalculiX.
 """
 
@@ -70,7 +70,7 @@ def solid_sector(top: tuple[float, float], rows: int) -> CyclicSector:
     return CyclicSector(structure=Solid(mesh=mesh, material=STEEL, supports={"base": Clamped()}), sectors=400)
 
 
-def whole_shell(top: tuple[float, float], rows: int = 25, around: int = 72) -> MeshData:
+def whole_shell(top: tuple[float, float], rows: int = 30, around: int = 96) -> MeshData:
     """The whole casing of eight-noded quadrilaterals."""
     place, cone = mitred(top, rows, 1, solid=False)
     return grid_mesh("quad8", (around, rows + cone), place, groups={"base": (1, 0.0)}, wrap=0)
