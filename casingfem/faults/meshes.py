@@ -45,7 +45,7 @@ MESHES = {
     ),
     "mesh-collapsed-cell": Fault(
         "a cell has the same node twice, and is no linear brick or square that collapses to a solid or a triangle",
-        "mesh without such cells, or linearly: wedges and pyramids with middle nodes are not supported",
+        "mesh without such cells, or with the wedges, pyramids and triangles that they collapse to",
     ),
     "mesh-distorted-cell": Fault(
         "a cell is nearly folded somewhere",
@@ -128,8 +128,8 @@ MESHES = {
         "join the parts over facets, or support each of them",
     ),
     "mesh-mixed-cells": Fault(
-        "a mesh has cells that do not go together: linear and quadratic shells, six-noded triangles, 27-noded bricks",
-        "mesh with linear kinds, with quadratic solids of one node on an edge, or with quadrilaterals",
+        "a mesh has cells that do not go together: bricks of 27 nodes, or squares of nine, beside others",
+        "mesh with linear kinds, or with quadratic ones of one node on an edge",
     ),
     "mesh-no-cells": Fault(
         "a mesh file holds no volume or surface cells",
@@ -203,14 +203,17 @@ MESHES = {
         "the mesh has more unknowns than a factorisation in memory can take",
         "take fewer elements; 1e5 unknowns are plenty for a shell",
     ),
+    "mesh-turned-shell": Fault(
+        "cells of a shell have their normals against a neighbour's, and were turned round",
+        "check which side a pressure acts on and from which plies count, or orient the normals alike in the mesher",
+    ),
     "mesh-units": Fault(
         "the part is very large for its material",
         "if the file is in millimetres, read it with scale = 1e-3",
     ),
     "mesh-unsupported-cell": Fault(
         "cells of a kind that is not supported",
-        "use tetrahedra or bricks for solids, linear wedges and pyramids among them; quadrilaterals for shells, "
-        "linear triangles among them",
+        "use tetrahedra, bricks, wedges and pyramids for solids; quadrilaterals and triangles for shells",
     ),
     "structure-unknown": Fault(
         "what was given is no structure, or not one of the kind that this needs",

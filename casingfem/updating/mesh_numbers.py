@@ -16,7 +16,7 @@ from casingfem.errors import InputError, ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.imported.modes import MeshModes
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.imported.assembly import MeshStructure, mapped
+from casingfem.structure.imported.assembly import MeshStructure, mapped_parts
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.updating.numbers import Plain
@@ -79,7 +79,8 @@ def mesh_product_derivatives(
 def nodal_inertia(modes: MeshModes) -> FloatArray:
     """Mass of the nodes, that of every cell in equal parts, for comparing shapes, (nodes,)."""
     mesh = modes.structure.mesh
-    cells = mapped(mesh.kind, mesh.points, mesh.cells).measure.sum(axis=1) * modes.structure.density()
+    density = modes.structure.density()
     total = np.zeros(len(mesh.points))
-    np.add.at(total, mesh.cells, (cells / mesh.cells.shape[1])[:, None])
+    for rows, nodes, on in mapped_parts(mesh):
+        np.add.at(total, nodes, (on.measure.sum(axis=1) * density[rows] / nodes.shape[1])[:, None])
     return total

@@ -75,7 +75,7 @@ def deck(solid: Solid, folder: Path) -> str:
 def run(text: str, folder: Path) -> str:
     """CalculiX's table of results."""
     (folder / "job.inp").write_text(text)
-    ran = subprocess.run(["ccx", "-i", "job"], cwd=folder, capture_output=True, text=True, timeout=900, check=False)
+    ran = subprocess.run(["ccx", "-i", "job"], cwd=folder, capture_output=True, text=True, timeout=3600, check=False)
     if "Job finished" not in ran.stdout:
         raise SystemExit(f"ccx: {ran.stdout[-500:]}")
     return (folder / "job.dat").read_text()

@@ -14,7 +14,7 @@ from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
 from casingfem.structure.geometry.rigid_body import rigid_motions
-from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, mapped
+from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, mapped_parts
 from casingfem.structure.imported.revolution import elements_around, round_about_z
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of the system's `frequency_scale`
@@ -144,12 +144,17 @@ def projected(structure: MeshStructure, fields: Array, n_max: int) -> Rings:
     partners and angles are found as on a shell.
     """
     mesh = structure.mesh
-    on = mapped(mesh.kind, mesh.points, mesh.cells, degree=2 if mesh.kind.startswith("tetra") else 3)
-    weight = (on.measure * structure.density()[:, None]).ravel()
-    x = on.x.reshape(-1, 3)
+    density, parts = structure.density(), list(mapped_parts(mesh, 2 if mesh.kind.startswith("tetra") else 3))
+    weight = np.concatenate([(on.measure * density[rows, None]).ravel() for rows, _, on in parts])
+    x = np.concatenate([on.x.reshape(-1, 3) for _, _, on in parts])
     c, s = (x[:, i] / np.maximum(np.linalg.norm(x[:, :2], axis=1), np.finfo(float).tiny) for i in (0, 1))
     shapes = meridional_shapes(np.linalg.norm(x[:, :2], axis=1), x[:, 2], weight) * weight[:, None]
-    moved = np.einsum("kq,ekcm->eqcm", on.values, fields[mesh.cells, :3], optimize=True).reshape(len(x), 3, -1)
+    moved = np.concatenate(
+        [
+            np.einsum("kq,ekcm->eqcm", on.values, fields[nodes, :3], optimize=True).reshape(-1, 3, fields.shape[2])
+            for _, nodes, on in parts
+        ]
+    )
     u, v = moved[:, 0], moved[:, 1]
     moved = np.stack([u * c[:, None] + v * s[:, None], v * c[:, None] - u * s[:, None], moved[:, 2]], axis=1)
     flat = moved.reshape(len(x), -1)

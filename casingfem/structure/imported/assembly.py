@@ -3,7 +3,7 @@
 Dofs are numbered node by node, `dofs` of them on each: u_x, u_y, u_z, and on shells two rotations.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -18,7 +18,7 @@ from casingfem.structure.imported.attachments.system import Connected, attached
 from casingfem.structure.imported.attachments.ties import motions_of
 from casingfem.structure.imported.cell_kind import KINDS, VTK, rule
 from casingfem.structure.imported.cells.collapsed import native
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh_data import MeshData, natives
 from casingfem.structure.imported.support import MeshSupport
 from contact.io.brief import brief
 
@@ -289,6 +289,13 @@ def mapped(kind: str, points: FloatArray, cells: IntArray, degree: int | None = 
     return Mapped(x, tangents, values, slopes, measure * weights)
 
 
+def mapped_parts(mesh: MeshData, degree: int | None = None) -> Iterator[tuple[IntArray, IntArray, Mapped]]:
+    """The cells of a mesh mapped as what they are integrated as: rows, their own nodes (m, k), and those mapped."""
+    for kind, rows, slots in natives(mesh):
+        nodes = mesh.cells[rows][:, slots]
+        yield rows, nodes, mapped(kind, mesh.points, nodes, degree)
+
+
 def cell_dofs(cells: IntArray, dofs: int) -> IntArray:
     """Dofs of each cell, node by node, (cells, dofs * nodes)."""
     return np.asarray((cells[:, :, None] * dofs + np.arange(dofs)).reshape(len(cells), -1))
@@ -332,11 +339,31 @@ def symmetric(A: csc_array) -> csc_array:
 def facet_shape_products(mesh: MeshData, facets: IntArray) -> tuple[FloatArray, IntArray, FloatArray]:
     """Integrals of N_i N_j over facets (m, k, k), their nodes (m, k), and the area or length of each (m,)."""
     nodes = mesh.facet_nodes(facets)
-    count = nodes.shape[1]
-    products, size = np.zeros((len(nodes), count, count)), np.zeros(len(nodes))
-    for kind, rows, slots in native(mesh.cell_kind.facet, nodes):
-        on = mapped(kind, mesh.points, nodes[rows][:, slots])
+    products, size = shape_products(mesh.points, nodes, native(mesh.cell_kind.facet, nodes))
+    return products, nodes, size
+
+
+def shape_products(
+    points: FloatArray, cells: IntArray, parts: Iterable[tuple[str, IntArray, IntArray]]
+) -> tuple[FloatArray, FloatArray]:
+    """Integrals of N_i N_j over cells or facets (m, k), (m, k, k), and the size of each (m,), part by part.
+
+    Parts are kinds, rows and the places of a kind's own nodes, as of `native`.
+    """
+    count = cells.shape[1]
+    products, size = np.zeros((len(cells), count, count)), np.zeros(len(cells))
+    for kind, rows, slots in parts:
+        on = mapped(kind, points, cells[rows][:, slots])
         own = np.einsum("iq,jq,mq->mij", on.values, on.values, on.measure, optimize=True)
         products[rows[:, None, None], slots[:, None], slots] = own
         size[rows] = on.measure.sum(axis=1)
-    return products, nodes, size
+    return products, size
+
+
+def put(total: FloatArray, rows: IntArray, slots: IntArray, matrices: FloatArray, dofs: int) -> None:
+    """Put matrices of cells that have some of the nodes, in their order, into those of all, (cells, m, m)."""
+    if dofs * len(slots) == total.shape[1]:
+        total[rows] = matrices
+        return
+    places = cell_dofs(slots[None], dofs)[0]
+    total[rows[:, None, None], places[:, None], places] = matrices

@@ -212,9 +212,6 @@ class Parser:
             count = sum(map(bool, given)) + beyond
             raise self.fault(card, f"element {number} has {count} nodes, expected {corners} corners, middles between")
         middles = sum(text not in ("", "0") for text in given[corners:])
-        if card.name in SHELLS and middles not in (0, places - corners):  # an edge held straight locks a shell
-            found = f"{middles} of {places - corners} middle nodes"
-            raise self.fault(card, f"element {number} has {found}, expected all or none on a shell")
         given = given + [""] * (places - len(given)) if middles else given[:corners]
         kind = SOLIDS[card.name, len(given)] if card.name in PLACES else SHELLS[card.name][0]
         if card.name in SHELLS and not middles:

@@ -26,6 +26,7 @@ from casingfem.structure.imported.draft import Block, Draft, Lookup
 BRICKS = ("45", "95", "185", "186", "190")
 TETRAHEDRA = ("92", "187", "285")
 SHELLS = ("63", "93", "181", "281")
+FULL = {"92": (4, 10), "187": (4, 10), "95": (8, 20), "186": (8, 20), "93": (4, 8), "281": (4, 8)}  # corners, nodes
 WHOLE = {8: "hexahedron", 20: "hexahedron20", 4: "tetra", 10: "tetra10"}
 TETRA8 = (0, 1, 2, 4)  # what is left of a linear brick collapsed to a tetrahedron
 FACTS, COUNT, OWN = 11, 8, 10  # numbers before an element's nodes; among them how many nodes, and its own number
@@ -186,11 +187,18 @@ def kind_of(element: str, nodes: IntArray) -> tuple[str, IntArray] | None:
     """Kind and nodes in VTK's order of one element; None for what is neither solid nor shell."""
     number = NAME.search(element)
     name = number[1] if number else element
+    corners, full = FULL.get(name, (0, 0))
+    if corners < len(nodes) < full:  # the last middle nodes may be left out of the count
+        nodes = np.pad(nodes, (0, full - len(nodes)))
     if name in TETRAHEDRA:
         return WHOLE.get(len(nodes), "tetra14"), nodes
     if name in SHELLS:
-        kind = {4: "quad", 8: "quad8", 3: "triangle", 6: "triangle6"}.get(len(nodes), "polygon")
-        return ("triangle6" if len(nodes) > 4 and len(set(nodes[:4].tolist())) == 3 else kind), nodes
+        if len(nodes) == 4 and nodes[2] == nodes[3]:
+            return "triangle", nodes[:3]
+        if len(nodes) == 8:
+            kind, _, slots = next(iter(native("quad8", nodes[None])))
+            return kind, nodes[slots]
+        return {4: "quad", 3: "triangle", 6: "triangle6"}.get(len(nodes), "polygon"), nodes
     if name not in BRICKS:
         return None
     corners = len(set(nodes[:8].tolist()))
@@ -224,10 +232,7 @@ def draft(archive: Archive) -> Draft:
         name, own = found_kind
         if name in KINDS and (own[: len(KINDS[name].corners)] <= 0).any():
             raise ModelError("mesh-file", f"{source}: element {element[OWN]} lacks a corner")
-        if name in KINDS and KINDS[name].dim == 2 and (own <= 0).any():  # an edge held straight locks a shell
-            message = f"element {element[OWN]} lacks middle nodes, expected all or none on a shell"
-            if (own[len(KINDS[name].corners) :] > 0).any():
-                raise ModelError("mesh-file", f"{source}: {message}")
+        if name in KINDS and KINDS[name].dim == 2 and not (own[len(KINDS[name].corners) :] > 0).any():
             name, own = name.rstrip("68"), own[: len(KINDS[name].corners)]
         rows.setdefault(name, []).append((element[OWN], element[0], own))
     if left_out:

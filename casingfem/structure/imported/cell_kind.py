@@ -143,7 +143,7 @@ def _kinds() -> dict[str, CellKind]:
 
 KINDS = MappingProxyType(_kinds())
 SOLIDS = tuple(name for name, kind in KINDS.items() if kind.dim == 3 and kind.facets)  # others stand in bricks
-SHELLS = ("quad", "quad8", "quad9")
+SHELLS = ("quad", "quad8", "quad9")  # triangles stand in squares
 
 
 def shape_functions(name: str, points: Array) -> tuple[FloatArray, FloatArray]:

@@ -14,9 +14,9 @@ from casingfem.errors import ModelError, sentence, warn
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.structure.imported.assembly import mapped
 from casingfem.structure.imported.cell_kind import KINDS, SHELLS, shape_functions
-from casingfem.structure.imported.cells.collapsed import LEAST, distinct, native
+from casingfem.structure.imported.cells.collapsed import LEAST, distinct
 from casingfem.structure.imported.findings import SHOWN, Finding, cells_named, edge_lengths, nodes_named, where
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh_data import NATIVE, MeshData, natives
 from casingfem.structure.material import Material
 from casingfem.structure.shell.plausible import SOUND
 from contact.io.names import hint
@@ -55,8 +55,8 @@ def repeated_nodes(mesh: MeshData) -> list[Finding]:
     """Cells that have a node twice, but for bricks and squares that collapse to a solid or a triangle."""
     kept = np.count_nonzero(distinct(mesh.cells) >= 0, axis=1)
     bad = kept < LEAST.get(mesh.kind, mesh.cell_kind.nodes)
-    if mesh.kind == "hexahedron20":  # only what is read as another kind has the middles of that
-        for kind, rows, slots in native(mesh.kind, mesh.cells):
+    if mesh.kind in NATIVE:  # only what is read as another kind has the middles of that
+        for kind, rows, slots in natives(mesh):
             own = np.count_nonzero(distinct(mesh.cells[rows][:, slots]) >= 0, axis=1)
             bad[rows] |= (own < KINDS[kind].nodes) | (kept[rows] > own)
     return where("mesh-collapsed-cell", bad, lambda k: f"{cells_named(mesh, k)} with a node twice")
@@ -71,13 +71,6 @@ def extremes(mesh: MeshData, *, nodes: bool) -> tuple[FloatArray, FloatArray]:
         least[rows], most[rows] = local.min(axis=1), local.max(axis=1)
     size = edge_lengths(mesh).max(axis=1) ** mesh.cell_kind.dim
     return least / size, most / size
-
-
-def natives(mesh: MeshData) -> list[tuple[str, IntArray, IntArray]]:
-    """Solid cells as what they are; squares of shells as squares."""
-    if mesh.cell_kind.dim == 3:
-        return list(native(mesh.kind, mesh.cells))
-    return [(mesh.kind, np.arange(len(mesh.cells)), np.arange(mesh.cells.shape[1]))]
 
 
 def local_sizes(mesh: MeshData, name: str, cells: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -116,14 +109,14 @@ def bad_cells(mesh: MeshData) -> list[Finding]:
 
 def stray_middles(mesh: MeshData) -> Array:
     """Cells of which a middle node stands far from the middle of its corners."""
-    kind = mesh.cell_kind
-    points = mesh.points[mesh.cells]
     stray = np.zeros(len(mesh.cells), dtype=bool)
-    for k, corners in enumerate(kind.supports_of_nodes):
-        if len(corners) > 1:
-            around = points[:, list(corners)]
-            reach = np.linalg.norm(around - around[:, :1], axis=2).max(axis=1)
-            stray |= np.linalg.norm(points[:, k] - around.mean(axis=1), axis=1) > STRAY * reach
+    for kind, rows, slots in natives(mesh):
+        points = mesh.points[mesh.cells[rows][:, slots]]
+        for k, corners in enumerate(KINDS[kind].supports_of_nodes):
+            if len(corners) > 1:
+                around = points[:, list(corners)]
+                reach = np.linalg.norm(around - around[:, :1], axis=2).max(axis=1)
+                stray[rows] |= np.linalg.norm(points[:, k] - around.mean(axis=1), axis=1) > STRAY * reach
     return stray
 
 
@@ -232,7 +225,7 @@ def slender(mesh: MeshData) -> list[Finding]:
     edges = edge_lengths(mesh)
     ratio = edges.max(axis=1) / edges.min(axis=1)
     least, most = extremes(mesh, nodes=True)
-    lowest = np.where(mesh.collapsed & (mesh.kind != "hexahedron20"), 1.0, least / most)
+    lowest = np.where(mesh.collapsed & (mesh.kind not in NATIVE), 1.0, least / most)
     long = f"longest to shortest edge up to {ratio.max():.3g}"
     return [
         *where("mesh-aspect", ratio > ASPECT, lambda k: f"{cells_named(mesh, k)}, {long}"),

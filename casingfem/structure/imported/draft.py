@@ -15,7 +15,10 @@ from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.attachments.values import NOTHING, Attachments
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.cells.collapsed import common_kind, written_as
+from casingfem.structure.imported.cells.handed import mirror
 from casingfem.structure.imported.cells.middles import filled, raised
+from casingfem.structure.imported.cells.oriented import against
+from casingfem.structure.imported.findings import named
 from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
 from contact.io.names import names_fault
 
@@ -101,12 +104,13 @@ def build(draft: Draft, source: str) -> MeshData:
         raise ModelError("mesh-unsupported-cell", f"{source}: found {found}")
     main = [k for k, dim in enumerate(dims) if dim == top]
     start = dict(zip(main, np.cumsum([0, *(len(draft.blocks[k].cells) for k in main)]).tolist(), strict=False))
+    blocks = [draft.blocks[k] for k in main]
+    if top == 2:
+        blocks = alike(blocks, kind, source)
     mesh = MeshData(
         kind=kind,
         points=draft.points,
-        cells=np.concatenate(
-            [written_as(kind, draft.blocks[k].kind, draft.blocks[k].cells, draft.points) for k in main]
-        ),
+        cells=np.concatenate([written_as(kind, block.kind, block.cells, draft.points) for block in blocks]),
         cell_numbers=np.concatenate([draft.blocks[k].numbers for k in main]),
         node_numbers=draft.node_numbers,
         attachments=draft.attachments,
@@ -117,6 +121,21 @@ def build(draft: Draft, source: str) -> MeshData:
         raise ModelError("mesh-file", f"{source}: found the group {fault}")
     mesh = replace(mesh, groups={name: make_group(name, draft, mesh, start) for name in names})
     return tied(mesh, draft.gluings)
+
+
+def alike(blocks: Sequence[Block], kind: str, source: str) -> list[Block]:
+    """Blocks of shell cells with those turned round whose normals point against their neighbours', and a warning."""
+    table = [written_as(kind, block.kind, block.cells, np.empty((0, 3))) for block in blocks]
+    turned = against(np.concatenate(table)[:, np.array(KINDS[kind].edges)])
+    if not turned.any():
+        return list(blocks)
+    parts = np.split(turned, np.cumsum([len(block.cells) for block in blocks])[:-1])
+    numbers = np.concatenate([block.numbers for block in blocks])
+    warn("mesh-turned-shell", f"{source}: {named('cell', numbers[turned])}", stacklevel=5)
+    return [
+        replace(block, cells=np.where(part[:, None], block.cells[:, mirror(block.kind)], block.cells))
+        for block, part in zip(blocks, parts, strict=True)
+    ]
 
 
 def with_middles(draft: Draft) -> Draft:
@@ -133,8 +152,14 @@ def with_middles(draft: Draft) -> Draft:
     if tie is None:
         return replace(draft, blocks=blocks)
     numbers = np.concatenate([draft.node_numbers, np.zeros(len(tie.nodes), dtype=np.int64)])
-    hung = replace(draft.attachments, glued=(tie, *draft.attachments.glued))
-    return replace(draft, points=points, node_numbers=numbers, blocks=blocks, attachments=hung)
+    whole = replace(draft, points=points, node_numbers=numbers, blocks=blocks)
+    if top < 3:  # shells bend along their edges; what holds both ends of one holds its middle
+        sets = {
+            name: np.concatenate([nodes, tie.nodes[np.isin(tie.others, nodes).all(axis=1)]])
+            for name, nodes in draft.node_sets.items()
+        }
+        return replace(whole, node_sets=sets)
+    return replace(whole, attachments=replace(draft.attachments, glued=(tie, *draft.attachments.glued)))
 
 
 def make_group(name: str, draft: Draft, mesh: MeshData, start: Mapping[int, int]) -> Group:

@@ -12,7 +12,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.assembly import Mapped, MeshStructure, mapped
+from casingfem.structure.imported.assembly import Mapped, MeshStructure, mapped, mapped_parts
 from casingfem.structure.imported.cells.collapsed import native
 from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.mesh_data import MeshData
@@ -92,9 +92,7 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
             return load.on_mesh(structure)
         case Gravity():
             loads, density = np.zeros_like(mesh.points), structure.density()
-            for kind, rows, slots in native(mesh.kind, mesh.cells):
-                nodes = mesh.cells[rows][:, slots]
-                on = mapped(kind, mesh.points, nodes)
+            for rows, nodes, on in mapped_parts(mesh):
                 force = density[rows, None, None] * np.asarray(load.acceleration)
                 loads += spread(mesh, on, nodes, np.broadcast_to(force, on.x.shape))
             for mass in mesh.attachments.masses:
@@ -111,12 +109,13 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
             )
             return np.asarray(sum(parts, np.zeros_like(mesh.points)))
         case Pressure() | SurfaceLoad() if mesh.cell_kind.dim == 2:
-            on = mapped(mesh.kind, mesh.points, mesh.cells)
-            if isinstance(load, SurfaceLoad):
-                return spread(mesh, on, mesh.cells, np.broadcast_to(np.asarray(load.force), on.x.shape))
-            normal = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])
-            unit = normal / np.linalg.norm(normal, axis=2, keepdims=True)
-            return spread(mesh, on, mesh.cells, load.pressure * unit)
+            loads = np.zeros_like(mesh.points)
+            for _, nodes, on in mapped_parts(mesh):
+                normal = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])
+                unit = normal / np.linalg.norm(normal, axis=2, keepdims=True)
+                force = np.asarray(load.force) if isinstance(load, SurfaceLoad) else load.pressure * unit
+                loads += spread(mesh, on, nodes, np.broadcast_to(force, on.x.shape))
+            return loads
     raise ModelError("load-edge", f"{mesh.source}: a {type(load).__name__} on an imported mesh of {mesh.kind} cells")
 
 

@@ -9,10 +9,11 @@ import numpy as np
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray, frozen
 from casingfem.structure.imported.attachments.values import NOTHING, Attachments
 from casingfem.structure.imported.cell_kind import KINDS, CellKind
-from casingfem.structure.imported.cells.collapsed import distinct
+from casingfem.structure.imported.cells.collapsed import distinct, native
 from contact.io.brief import brief
 
 NONE: IntArray = frozen(np.zeros(0, dtype=np.int64))
+NATIVE = ("hexahedron20", "quad8", "quad9")  # kinds of which collapsed cells are integrated as what they collapse to
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -171,6 +172,17 @@ class MeshData:
         inside[group.nodes] = True
         boundary = self.boundary
         return boundary[inside[self.facet_nodes(boundary)].all(axis=1)]
+
+
+def natives(mesh: MeshData, cells: IntArray | None = None) -> list[tuple[str, IntArray, IntArray]]:
+    """Cells of a mesh, or some (m, nodes), as what they are integrated as: kind, rows, and which nodes are its own.
+
+    A linear triangle among the squares of a shell is a collapsed square.
+    """
+    table = mesh.cells if cells is None else cells
+    if mesh.kind in NATIVE:
+        return list(native(mesh.kind, table))
+    return [(mesh.kind, np.arange(len(table)), np.arange(table.shape[1]))]
 
 
 def beside(meshes: Mapping[str, MeshData]) -> MeshData:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from casingfem.io.arrays import FloatArray
-from casingfem.structure.imported.assembly import mapped
+from casingfem.structure.imported.assembly import mapped, mapped_parts
 from casingfem.structure.imported.mesh_data import MeshData
 
 LEAN = 0.1  # rms hoop component of the normals of a round body: waves of the radius are small slopes
@@ -25,8 +25,9 @@ def facet_normals(mesh: MeshData) -> tuple[FloatArray, FloatArray, FloatArray]:
     x = np.einsum("eqc,eq->ec", on.x, on.measure) / size[:, None]
     if mesh.cell_kind.dim == 3:
         return x, np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1]).mean(axis=1), size
-    cells = mapped(mesh.kind, mesh.points, mesh.cells)
-    faces = np.cross(cells.tangents[:, :, 0], cells.tangents[:, :, 1]).mean(axis=1)
+    faces = np.zeros((len(mesh.cells), 3))
+    for rows, _, cells in mapped_parts(mesh):
+        faces[rows] = np.cross(cells.tangents[:, :, 0], cells.tangents[:, :, 1]).mean(axis=1)
     return x, np.cross(on.tangents[:, :, 0].mean(axis=1), faces[facets[:, 0]]), size
 
 
@@ -45,16 +46,18 @@ def round_about_z(mesh: MeshData) -> bool:
     """
     x, normals, size = facet_normals(mesh)
     hoop = np.abs(hoop_component(x, normals))
-    on = mapped(mesh.kind, mesh.points, mesh.cells)
+    parts = [on for _, _, on in mapped_parts(mesh)]
     if mesh.cell_kind.dim == 2:
-        faces = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1]).mean(axis=1)
-        lean = hoop_component(on.x.mean(axis=1), faces)
-        if np.average(lean**2, weights=on.measure.sum(axis=1)) > LEAN**2:
+        faces = np.concatenate([np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1]).mean(axis=1) for on in parts])
+        lean = hoop_component(np.concatenate([on.x.mean(axis=1) for on in parts]), faces)
+        if np.average(lean**2, weights=np.concatenate([on.measure.sum(axis=1) for on in parts])) > LEAN**2:
             return False
     elif np.average(hoop**2, weights=size) > LEAN**2:
         return False
-    path = 2.0 * np.pi * np.average(np.linalg.norm(on.x[..., :2], axis=-1), weights=on.measure)
-    section = on.measure.sum() / path if path > 0.0 else 0.0
+    measure = np.concatenate([on.measure.ravel() for on in parts])
+    radius = np.concatenate([np.linalg.norm(on.x[..., :2], axis=-1).ravel() for on in parts])
+    path = 2.0 * np.pi * np.average(radius, weights=measure)
+    section = measure.sum() / path if path > 0.0 else 0.0
     return bool(size[hoop > FLAT].sum() < 0.5 * section)
 
 

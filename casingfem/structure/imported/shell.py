@@ -1,4 +1,4 @@
-"""Shells on imported quadrilateral meshes: the degenerated shell (Ahmad) with tied strains (MITC).
+"""Shells on imported meshes: the degenerated shell (Ahmad) with tied strains (MITC).
 
 The geometry is x + z n, with shape functions for the mid-surface x and the director n alike; displacements u + z w with
 w in the tangent plane of each node: five dofs a node. With covariant components along r and s,
@@ -8,7 +8,8 @@ w in the tangent plane of each node: five dofs a node. With covariant components
 are those of the shell on a chart. Quadratic cells take them from tying points instead of the quadrature points (MITC9:
 Bucalem & Bathe, Int. J. Numer. Meth. Eng. 36, 1993, 3729), which frees thin shells from locking and, unlike reduced
 integration, leaves no hourglass modes. Cells of eight nodes get a ninth in their middle: same geometry, no locking.
-Linear cells tie the transverse shear alone (MITC4: Dvorkin & Bathe, Eng. Comput. 1, 1984, 77).
+Linear cells tie the transverse shear alone (MITC4: Dvorkin & Bathe, Eng. Comput. 1, 1984, 77). Triangles of six nodes
+stand among them as collapsed quadrilaterals and are integrated as what they are (MITC6).
 """
 
 from collections.abc import Mapping
@@ -56,12 +57,13 @@ ACROSS = 1e-3  # of 1 less the cosine to the normal: below, a wall does not see 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MeshShell:
-    """An elastic shell on an imported mesh of quadrilaterals.
+    """An elastic shell on an imported mesh of quadrilaterals and triangles.
 
     Parameters
     ----------
     mesh
-        Cells of kind quad, quad8 or quad9 (`read_mesh`); quad8 is kept as quad9, the new nodes behind the others.
+        Cells of kind quad, quad8 or quad9 (`read_mesh`), triangles collapsed ones; quad8 is kept as quad9, the new
+        nodes behind the others.
     thickness
         Wall thickness t [m], half of it on each side of the mesh.
     material
@@ -189,20 +191,23 @@ def with_centres(mesh: MeshData) -> MeshData:
     if mesh.kind != "quad8":
         return mesh
     weights, _ = shape_functions("quad8", np.array([[0.5], [0.5]]))
-    centres = np.einsum("k,ekc->ec", weights[:, 0], mesh.points[mesh.cells])
-    numbers = len(mesh.points) + np.arange(len(centres))
+    whole = np.flatnonzero(~mesh.collapsed)
+    centres = np.einsum("k,ekc->ec", weights[:, 0], mesh.points[mesh.cells[whole]])
+    ninth = mesh.cells[:, 3].copy()  # triangles have none of their own
+    ninth[whole] = len(mesh.points) + np.arange(len(centres))
     return replace(
         mesh,
         kind="quad9",
         points=np.vstack([mesh.points, centres]),
-        cells=np.column_stack([mesh.cells, numbers]),
+        cells=np.column_stack([mesh.cells, ninth]),
         node_numbers=np.concatenate([mesh.node_numbers, np.zeros(len(centres), dtype=np.int64)]),
     )
 
 
 def check_folds(mesh: MeshData) -> None:
     """Warn of kinks between cells, refuse folds: one director a node cannot follow them."""
-    cosine = np.einsum("ekc,ekc->ek", cell_normals(mesh), directors(mesh)[mesh.cells]).min(axis=1)
+    own = cell_normals(mesh)
+    cosine = np.where(own.any(axis=2), np.einsum("ekc,ekc->ek", own, directors(mesh)[mesh.cells]), 1.0).min(axis=1)
     angle = 2.0 * np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
     if angle.max() > FOLDED:
         found = f"{cells_named(mesh, np.flatnonzero(angle > FOLDED))} fold by up to {angle.max():.0f} degrees"

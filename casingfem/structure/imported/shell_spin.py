@@ -13,16 +13,18 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.assembly import CHUNK, MeshSystem, mapped
+from casingfem.structure.imported.assembly import MeshSystem, put, shape_products
 from casingfem.structure.imported.cell_kind import rule, shape_functions
 from casingfem.structure.imported.cells.shell import (
     DOFS,
     ShellCells,
+    chunks,
     consistent_mass,
     directors,
     tangent_frames,
     wall_stiffness,
 )
+from casingfem.structure.imported.mesh_data import natives
 from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin
 from casingfem.structure.imported.tying import local_frame, tied_covariant, tied_strains, to_local, tying
 
@@ -49,8 +51,7 @@ def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
     frames = tangent_frames(normals)
     P, a = rotation.plane, rotation.direction
     turn = np.cross(a, np.eye(3)).T
-    on = mapped(mesh.kind, mesh.points, mesh.cells)
-    scalar = np.einsum("iq,jq,eq->eij", on.values, on.values, on.measure, optimize=True)
+    scalar, _ = shape_products(mesh.points, mesh.cells, natives(mesh))
     n, e = normals[mesh.cells], frames[mesh.cells]
     up, along = n @ a, e @ a
     lean = np.einsum("ei,ej,eiac,ejbc->eiajb", up, up, e, e, optimize=True) - np.einsum("eia,ejb->eiajb", along, along)
@@ -82,28 +83,25 @@ def shell_stiffening(shell: ShellCells, fields: FloatArray) -> Stiffening:
     normals = directors(mesh)
     frames = tangent_frames(normals)
     u, w = fields[:, :3], np.einsum("na,nac->nc", fields[:, 3:], frames)
-    slopes = rule(mesh.kind)[3]
-    m = DOFS * mesh.cell_kind.nodes
-    first, second = np.empty((2, len(mesh.cells), m, m))
+    whole = DOFS * mesh.cell_kind.nodes
+    first, second = np.zeros((2, len(mesh.cells), whole, whole))
     bowed = strained = 0.0
-    step = max(1, CHUNK // (20 * 8 * m))
-    for start in range(0, len(mesh.cells), step):
-        part = slice(start, start + step)
-        cells = mesh.cells[part]
+    for kind, part, slots in chunks(mesh, np.arange(len(mesh.cells))):
+        cells, slopes = mesh.cells[part][:, slots], rule(kind)[3]
         x, n, e = mesh.points[cells], normals[cells], frames[cells]
         x_r, x_s = np.einsum("dkq,ekc->deqc", slopes, x, optimize=True)
         local = to_local(local_frame(x_r, x_s, shell.fibres)[1])
-        L, measure, b = tied_strains(mesh.kind, x, n, e, shell.fibres)
+        L, measure, b = tied_strains(kind, x, n, e, shell.fibres)
         D = wall_stiffness(shell, part, b)
-        quadratic = local @ tied_covariant(mesh.kind, u[cells], w[cells], e)
-        moved = fields[cells].reshape(len(cells), 1, m, 1)
+        quadratic = local @ tied_covariant(kind, u[cells], w[cells], e)
+        moved = fields[cells].reshape(len(cells), 1, -1, 1)
         strain, bow = (L @ moved)[..., 0], 0.5 * (quadratic @ moved)[..., 0]
         stress = (strain[..., None, :] @ D)[..., 0, :] * measure[:, :, None]
         pulled = (D @ quadratic) * measure[:, :, None, None]
         cross = flat(L).transpose(0, 2, 1) @ flat(pulled)
         pull = np.einsum("eqij,eqi->eqj", local, stress)  # on the covariant strains
-        first[part] = cross + cross.transpose(0, 2, 1) + geometric(mesh.kind, pull, x, n, e)
-        second[part] = flat(quadratic).transpose(0, 2, 1) @ flat(pulled)
+        put(first, part, slots, cross + cross.transpose(0, 2, 1) + geometric(kind, pull, x, n, e), DOFS)
+        put(second, part, slots, flat(quadratic).transpose(0, 2, 1) @ flat(pulled), DOFS)
         strained += float((stress * strain).sum())
         bowed += float(((bow[..., None, :] @ D)[..., 0, :] * bow * measure[:, :, None]).sum())
     return Stiffening(first, second, float(np.sqrt(bowed / strained)) if strained > 0.0 else 0.0)
@@ -119,13 +117,13 @@ def geometric(kind: str, pull: FloatArray, x: FloatArray, n: FloatArray, e: Floa
     cells, k = x.shape[:2]
     uu, uw = np.zeros((2, cells, k, k))
     ww = np.zeros((cells, k))
-    for rows, places, spread in tying(kind):
+    for made, of, places, weights in tying(kind):
         N, (r, s) = shape_functions(kind, places)
         rates = (r, s)
         tangents = np.einsum("dkt,ekc->detc", np.stack(rates), x, optimize=True)
         ends = np.einsum("detc,ejc->detj", tangents, n, optimize=True)  # x,a . n_j
-        for row in rows:
-            force = np.einsum("qt,eq->et", spread, pull[:, :, row], optimize=True)
+        for to, row in zip(made, of, strict=True):
+            force = np.einsum("qt,eq->et", weights, pull[:, :, to], optimize=True)
             if row < 6:
                 a, b = PAIRS[row % 3]
                 outer = sym(rates[a], rates[b], twice=a != b)

@@ -16,7 +16,7 @@ from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.assembly import CHUNK, Mapped, MeshSystem, cell_dofs, mapped, on_free, scatter
+from casingfem.structure.imported.assembly import CHUNK, Mapped, MeshSystem, cell_dofs, mapped, on_free, put, scatter
 from casingfem.structure.imported.attachments.turning import hung_spin
 from casingfem.structure.imported.cell_kind import rule
 from casingfem.structure.imported.cells.collapsed import native
@@ -26,7 +26,6 @@ from casingfem.structure.imported.cells.solid import (
     cell_matrices,
     consistent_mass,
     elasticity,
-    put,
     strain_table,
 )
 from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin, tied_solution
@@ -84,7 +83,7 @@ class Batch(NamedTuple):
 
     def add(self, total: FloatArray, matrices: FloatArray) -> None:
         """Put matrices of the cells into those of all, (cells, m, m)."""
-        put(total, self.rows, self.slots, matrices)
+        put(total, self.rows, self.slots, matrices, 3)
 
 
 def batches(solid: SolidCells, fields: FloatArray) -> Iterator[Batch]:

@@ -1,13 +1,19 @@
-"""Strains of the degenerated shell on quadrilaterals, taken from tying points where quadrature points would lock.
+"""Strains of the degenerated shell, taken from tying points where quadrature points would lock.
 
 MITC9: along r, eps_rr, chi_rr and gamma_r are sampled at two Gauss points in r times three in s, so that they are
 linear in r and quadratic in s; the components along s the other way round; eps_rs and chi_rs at two times two.
 Constant strains are then exact on parallelograms and nearly so on others.
 MITC4: gamma_r is sampled in the middle of the edges along r, gamma_s in those along s; the rest is not tied.
+MITC6 (triangles of six nodes) after Lee & Bathe, Comput. Struct. 82, 2004, 945: with q along the third edge, e_rr, e_ss
+and e_qq = (e_rr + e_ss)/2 - e_rs are linear; (gamma_r, gamma_s) = (p1 + s m, p2 - r m) with linear p1, p2, m. Each is
+sampled at the Gauss points of its edges. What is left of them, there taken from one place within the cell, is here the
+mean over the cell: what tying changes then has no resultant, and frequencies lose an error of second order (of a plate
+with h/L 0.1, 8 x 8 squares cut in two, 0.8 % becomes 0.1 %; of a frustum with R/h 30, 48 x 6, 0.54 % becomes 0.16 %).
 """
 
 from collections.abc import Sequence
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +22,18 @@ from casingfem.structure.imported.cell_kind import rule, shape_functions
 
 ROWS = {"rr": (0, 3, 6), "ss": (1, 4, 7), "rs": (2, 5)}  # of (eps 3, chi 3, gamma 2)
 TWO = 0.5 + 0.5 * np.array([-1.0, 1.0]) / np.sqrt(3.0)  # Gauss points on [0, 1]
+INSIDE = np.array([[1.0, 4.0, 1.0], [1.0, 1.0, 4.0]]) / 6.0  # the mean here is that of a quadratic over a triangle
 Terms = list[tuple[FloatArray, FloatArray]]
 THREE = 0.5 + 0.5 * np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.6)
+
+
+class Tied(NamedTuple):
+    """Strain rows `made` at the quadrature points: rows `of` at places (2, ties), times weights (q, ties), summed."""
+
+    made: tuple[int, ...]
+    of: tuple[int, ...]
+    places: FloatArray
+    weights: FloatArray
 
 
 def lagrange(nodes: FloatArray, x: FloatArray) -> FloatArray:
@@ -27,9 +43,11 @@ def lagrange(nodes: FloatArray, x: FloatArray) -> FloatArray:
 
 
 @cache
-def tying(kind: str) -> tuple[tuple[tuple[int, ...], FloatArray, FloatArray], ...]:
-    """Strain rows, their tying points (2, ties), and the interpolation to the quadrature points (q, ties)."""
+def tying(kind: str) -> tuple[Tied, ...]:
+    """Which strains at the quadrature points of a kind are taken from where."""
     points = rule(kind)[0]
+    if kind == "triangle6":
+        return (*in_plane(points), *across(points))
     half, ends = np.array([0.5]), np.array([0.0, 1.0])
     sets: Sequence[tuple[tuple[int, ...], FloatArray, FloatArray]]
     if kind == "quad9":
@@ -40,10 +58,60 @@ def tying(kind: str) -> tuple[tuple[tuple[int, ...], FloatArray, FloatArray], ..
     for rows, r, s in sets:
         places = np.stack([np.repeat(r, len(s)), np.tile(s, len(r))])
         weights = np.einsum("iq,jq->qij", lagrange(r, points[0]), lagrange(s, points[1])).reshape(len(points[0]), -1)
-        found.append((rows, frozen(places), frozen(weights)))
+        found.append(Tied(rows, rows, frozen(places), frozen(weights)))
     if kind == "quad":
-        found.append(((0, 1, 2, 3, 4, 5), points, np.eye(points.shape[1])))
+        plane = (0, 1, 2, 3, 4, 5)
+        found.append(Tied(plane, plane, points, np.eye(points.shape[1])))
     return tuple(found)
+
+
+def in_plane(points: FloatArray) -> list[Tied]:
+    """Membrane strains and changes of curvature of a triangle at points (2, q): 2 e_rs = e_rr + e_ss - 2 e_qq."""
+    along = {"rr": [TWO, [0.0, 0.0]], "ss": [[0.0, 0.0], TWO], "qq": [TWO[::-1], TWO]}
+    places = {name: frozen(np.hstack([np.array(edge), INSIDE])) for name, edge in along.items()}
+    linear = {name: linear_weights(at, points) for name, at in places.items()}
+    rr, ss, rs = (rows[:2] for rows in ROWS.values())
+    signs = {("rr", rr): 1.0, ("ss", ss): 1.0, ("qq", rr): -1.0, ("qq", ss): -1.0, ("qq", rs): 1.0}
+    sheared = [Tied(rs, of, places[at], frozen(sign * linear[at])) for (at, of), sign in signs.items()]
+    own = [Tied(of, of, places[at], frozen(linear[at])) for at, of in (("rr", rr), ("ss", ss))]
+    return own + sheared
+
+
+def linear_weights(places: FloatArray, points: FloatArray) -> FloatArray:
+    """Weights (q, 5) of values at places (2, 5) in the linear function at points (2, q).
+
+    It has the values at the first two places and the mean of those at the last three.
+    """
+    seen = np.zeros((3, 5))
+    seen[0, 0] = seen[1, 1] = 1.0
+    seen[2, 2:] = 1.0 / 3.0
+    here, there = (np.vstack([np.ones(x.shape[1]), x]) for x in (places, points))
+    return np.asarray(there.T @ np.linalg.solve(seen @ here.T, seen))
+
+
+def across(points: FloatArray) -> list[Tied]:
+    """Transverse shear of a triangle at points (2, q)."""
+    (near, far), no = TWO, (0.0, 0.0)
+    places = np.hstack([np.array([[near, far, *no, far, near], [*no, near, far, near, far]]), INSIDE])
+    seen = np.zeros((8, 2, 9))  # what is sampled of gamma_r and gamma_s at the places
+    seen[range(6), :, range(6)] = [[1, 0], [1, 0], [0, 1], [0, 1], [-1, 1], [-1, 1]]
+    seen[6, 0, 6:] = seen[7, 1, 6:] = 1.0 / 3.0
+    sampled = np.einsum("ict,cft->if", seen, shear_functions(places))
+    weights = np.einsum("mfq,fi,ict->mcqt", shear_functions(points), np.linalg.inv(sampled), seen)
+    return [
+        Tied((6 + made,), (6 + of,), frozen(places[:, used]), frozen(weights[made, of][:, used]))
+        for made in (0, 1)
+        for of in (0, 1)
+        for used in [np.flatnonzero(seen[:, of].any(axis=0))]
+    ]
+
+
+def shear_functions(x: FloatArray) -> FloatArray:
+    """The functions (p1 + s m, p2 - r m) with linear p1, p2, and m = r or s, at x (2, points), (2, 8, points)."""
+    (r, s), no = x, np.zeros((3, x.shape[1]))
+    linear = np.stack([np.ones_like(r), r, s])
+    first, other = np.stack([r * s, s * s]), np.stack([-r * r, -r * s])
+    return np.stack([np.concatenate([linear, no, first]), np.concatenate([no, linear, other])])
 
 
 def covariant_strains(
@@ -98,10 +166,10 @@ def tied_strains(
 
 def tied_covariant(kind: str, x: FloatArray, n: FloatArray, e: FloatArray) -> FloatArray:
     """Covariant strains at the quadrature points, taken from where they are tied, (cells, q, 8, 5 k)."""
-    covariant = np.empty((len(x), rule(kind)[0].shape[1], 8, 5 * x.shape[1]))
-    for rows, places, spread in tying(kind):
-        sampled = covariant_strains(kind, places, rows, x, n, e)
-        covariant[:, :, list(rows)] = np.einsum("qt,etrd->eqrd", spread, sampled, optimize=True)
+    covariant = np.zeros((len(x), rule(kind)[0].shape[1], 8, 5 * x.shape[1]))
+    for made, of, places, weights in tying(kind):
+        sampled = covariant_strains(kind, places, of, x, n, e)
+        covariant[:, :, list(made)] += np.einsum("qt,etrd->eqrd", weights, sampled, optimize=True)
     return covariant
 
 

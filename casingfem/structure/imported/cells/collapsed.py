@@ -24,11 +24,13 @@ CORNERS: Mapping[str, Mapping[str, Sequence[int]]] = {
         "hexahedron20": (0, 1, 2, 3, 4, 5, 6, 7), "wedge15": (0, 1, 2, 2, 3, 4, 5, 5),
         "pyramid13": (0, 1, 2, 3, 4, 4, 4, 4), "tetra10": (0, 1, 2, 2, 3, 3, 3, 3),
     },
+    "quad8": {"quad8": (0, 1, 2, 3), "triangle6": (0, 1, 2, 2)},
+    "quad9": {"quad9": (0, 1, 2, 3), "triangle6": (0, 1, 2, 2)},
 }  # of a kind, written as a brick or square  # fmt: skip
-LEAST = {"hexahedron": 4, "quad": 3, "hexahedron20": 10}  # nodes that a collapsed cell keeps
+LEAST = {"hexahedron": 4, "quad": 3, "hexahedron20": 10, "quad8": 6, "quad9": 6}  # nodes that a collapsed cell keeps
 
 
-FLAT: Mapping[str, str] = {"quad": "triangle", "quad8": "triangle6"}  # what facets collapse to
+FLAT: Mapping[str, str] = {"quad": "triangle", "quad8": "triangle6", "quad9": "triangle6"}  # what squares collapse to
 
 
 @cache
@@ -59,7 +61,8 @@ def spread(target: str, kind: str) -> list[int]:
     if kind not in KINDS:
         return list(corners)
     number = {frozenset(nodes): k for k, nodes in enumerate(KINDS[kind].supports_of_nodes)}
-    return [number[frozenset(corners[i] for i in nodes)] for nodes in KINDS[target].supports_of_nodes]
+    stand = [frozenset(corners[i] for i in nodes) for nodes in KINDS[target].supports_of_nodes]
+    return [number.get(nodes, corners[-1]) for nodes in stand]  # a triangle has no node in its middle
 
 
 def native(kind: str, cells: IntArray) -> Iterator[tuple[str, IntArray, IntArray]]:
@@ -92,7 +95,7 @@ def common_kind(kinds: Collection[str]) -> str:
     >>> common_kind(["tetra"]), common_kind(["tetra", "wedge"]), common_kind(["triangle"]), common_kind(["quad8", "x"])
     ('tetra', 'hexahedron', 'quad', '')
     """
-    if len(kinds) == 1 and not set(kinds) & {"wedge", "pyramid", "triangle", "wedge15", "pyramid13"}:
+    if len(kinds) == 1 and not set(kinds) & {"wedge", "pyramid", "triangle", "wedge15", "pyramid13", "triangle6"}:
         return next(iter(kinds))
     return next((target for target, known in CORNERS.items() if set(kinds) <= set(known)), "")
 

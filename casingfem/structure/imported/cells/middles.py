@@ -2,8 +2,8 @@
 
 The shape function of such an edge's middle goes in halves to its ends (Nastran, Ansys), which is what a node in the
 middle does whose motion is the mean of theirs: it is put in, tied. An edge that another cell has with a middle node
-takes that one: neighbours stay joined. Linear cells among quadratic ones are quadratic without any middle nodes. Solids
-alone: a thin shell whose edge is held straight cannot bend along it.
+takes that one: neighbours stay joined. Linear cells among quadratic ones are quadratic without any middle nodes. On
+shells the middles that are put in move freely: a thin shell whose edge is held straight cannot bend along it.
 """
 
 from collections.abc import Collection, Sequence
@@ -15,7 +15,10 @@ from casingfem.structure.imported.attachments.values import Tie
 from casingfem.structure.imported.cell_kind import KINDS
 from casingfem.structure.imported.cells.handed import right_handed
 
-QUADRATIC = {"tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid13", "hexahedron": "hexahedron20"}
+QUADRATIC = {
+    "tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid13", "hexahedron": "hexahedron20",
+    "triangle": "triangle6", "quad": "quad8",
+}  # fmt: skip
 
 
 def raised(kind: str, cells: IntArray, points: FloatArray, beside: Collection[str]) -> tuple[str, IntArray]:

@@ -6,14 +6,15 @@ metric through the wall is right at kinks too. Where cells are so short that it 
 thick, it is taken as bent with its thickness as the radius.
 """
 
+from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.assembly import CHUNK, mapped
-from casingfem.structure.imported.cell_kind import shape_functions
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.assembly import CHUNK, put, shape_products
+from casingfem.structure.imported.cell_kind import KINDS, shape_functions
+from casingfem.structure.imported.mesh_data import MeshData, natives
 from casingfem.structure.imported.tying import tied_strains
 from casingfem.structure.material import Material, plane_stress
 from casingfem.structure.shell.plies import Ply, layered_wall
@@ -66,15 +67,18 @@ class ShellCells(Protocol):
 
 
 def cell_normals(mesh: MeshData) -> FloatArray:
-    """Unit normals of each cell at its nodes, (cells, nodes, 3)."""
-    _, slopes = shape_functions(mesh.kind, np.ascontiguousarray(mesh.cell_kind.places.T))
-    tangents = np.einsum("dkq,ekc->deqc", slopes, mesh.points[mesh.cells])
-    normals = np.cross(tangents[0], tangents[1])
-    size = np.linalg.norm(normals, axis=2, keepdims=True)
-    if mesh.collapsed.any():  # to triangles, which have one normal
-        normals = np.where(size > 0.0, normals, normals.sum(axis=1, keepdims=True))
+    """Unit normals of each cell at its nodes, (cells, nodes, 3); 0 where a six-noded triangle has a node again."""
+    found = np.zeros((*mesh.cells.shape, 3))
+    for kind, rows, slots in natives(mesh):
+        _, slopes = shape_functions(kind, np.ascontiguousarray(KINDS[kind].places.T))
+        tangents = np.einsum("dkq,ekc->deqc", slopes, mesh.points[mesh.cells[rows][:, slots]])
+        normals = np.cross(tangents[0], tangents[1])
         size = np.linalg.norm(normals, axis=2, keepdims=True)
-    return np.asarray(normals / size)
+        if not size.all():  # squares collapsed to triangles, which have one normal
+            normals = np.where(size > 0.0, normals, normals.sum(axis=1, keepdims=True))
+            size = np.linalg.norm(normals, axis=2, keepdims=True)
+        found[rows[:, None], slots] = normals / size
+    return found
 
 
 def directors(mesh: MeshData) -> FloatArray:
@@ -108,21 +112,28 @@ def stiffness(shell: ShellCells, normals: FloatArray, frames: FloatArray, only: 
     """Stiffness of each cell, or of some by their numbers, (cells, 5 nodes, 5 nodes), dofs node by node."""
     mesh = shell.mesh
     numbers = np.arange(len(mesh.cells)) if only is None else only
-    size = DOFS * mesh.cell_kind.nodes
-    matrices = np.empty((len(numbers), size, size))
-    step = max(1, CHUNK // (20 * 8 * size))
-    for start in range(0, len(numbers), step):
-        part = numbers[start : start + step]
-        cells = mesh.cells[part]
-        strains, measure, b = tied_strains(mesh.kind, mesh.points[cells], normals[cells], frames[cells], shell.fibres)
-        root = np.linalg.cholesky(wall_stiffness(shell, part, b)).swapaxes(-1, -2)  # D = root^T root
+    whole = DOFS * mesh.cell_kind.nodes
+    matrices = np.zeros((len(numbers), whole, whole))
+    for kind, rows, slots in chunks(mesh, numbers):
+        cells = mesh.cells[numbers[rows]][:, slots]
+        strains, measure, b = tied_strains(kind, mesh.points[cells], normals[cells], frames[cells], shell.fibres)
+        D = wall_stiffness(shell, numbers[rows], b)
+        root = np.linalg.cholesky(D).swapaxes(-1, -2)  # D = root^T root
         weighted = (root @ strains) * np.sqrt(measure)[:, :, None, None]
-        flat = weighted.reshape(len(cells), -1, size)
-        np.matmul(flat.transpose(0, 2, 1), flat, out=matrices[start : start + step])
+        flat = weighted.reshape(len(cells), -1, DOFS * len(slots))
+        put(matrices, rows, slots, flat.transpose(0, 2, 1) @ flat, DOFS)
     return matrices
 
 
-def wall_stiffness(shell: ShellCells, part: slice | IntArray, b: FloatArray) -> FloatArray:
+def chunks(mesh: MeshData, numbers: IntArray) -> Iterator[tuple[str, IntArray, IntArray]]:
+    """Cells of some numbers, so many at a time that their strains fit into memory: kind, which of them, own nodes."""
+    for kind, rows, slots in natives(mesh, mesh.cells[numbers]):
+        step = max(1, CHUNK // (20 * 8 * DOFS * len(slots)))
+        for start in range(0, len(rows), step):
+            yield kind, rows[start : start + step], slots
+
+
+def wall_stiffness(shell: ShellCells, part: IntArray, b: FloatArray) -> FloatArray:
     """Resultants of the strains (eps, chi, gamma) in the frame of `tied_strains`, (cells, q or 1, 8, 8).
 
     Of some cells with curvature b (3, cells, q); a linear wall is the same at all points of a cell.
@@ -145,8 +156,7 @@ def wall_stiffness(shell: ShellCells, part: slice | IntArray, b: FloatArray) -> 
 def consistent_mass(shell: ShellCells, frames: FloatArray) -> FloatArray:
     """Mass of each cell, (cells, 5 nodes, 5 nodes): u.v and w.w by `ShellCells.inertia`."""
     mesh = shell.mesh
-    on = mapped(mesh.kind, mesh.points, mesh.cells)
-    products = np.einsum("iq,jq,eq->eij", on.values, on.values, on.measure, optimize=True)
+    products, _ = shape_products(mesh.points, mesh.cells, natives(mesh))
     moved, turned = shell.inertia()[:, :, None, None] * products
     return five_dofs(moved, turned, frames[mesh.cells])
 

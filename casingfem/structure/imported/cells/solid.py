@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.assembly import CHUNK, Mapped, cell_dofs, mapped
+from casingfem.structure.imported.assembly import CHUNK, Mapped, mapped, put
 from casingfem.structure.imported.cells.collapsed import native
 from casingfem.structure.imported.mesh_data import MeshData
 
@@ -40,17 +40,8 @@ def cell_matrices(
     for name, rows, slots in parts:
         on = mapped(name, points, cells[rows][:, slots])
         for matrices, make in zip(total, of, strict=True):
-            put(matrices, rows, slots, make(on, rows))
+            put(matrices, rows, slots, make(on, rows), 3)
     return total
-
-
-def put(total: FloatArray, rows: IntArray, slots: IntArray, matrices: FloatArray) -> None:
-    """Put matrices of cells that have some of the nodes, in their order, into those of all, (cells, m, m)."""
-    if 3 * len(slots) == total.shape[1]:
-        total[rows] = matrices
-        return
-    dofs = cell_dofs(slots[None], 3)[0]
-    total[rows[:, None, None], dofs[:, None], dofs] = matrices
 
 
 def cell_stiffness(kind: str, points: FloatArray, cells: IntArray, constants: FloatArray) -> FloatArray:

@@ -345,18 +345,19 @@ def test_truncated_binary_is_refused(tmp_path):
         read_mesh(tmp_path / "a.msh")
 
 
-def test_quadrilaterals_of_eight_nodes_have_all_their_middles_or_none(tmp_path):
-    """Without any they are those of four; some of them would lock."""
+def test_middles_of_shells_that_are_left_out_are_put_in_free(tmp_path):
+    """Without any they are cells of four; else the others stand in the middle of their edges, and nothing ties them."""
     grids = "".join(f"GRID,{k},,{x},{y},0.\n" for k, (x, y) in enumerate(((0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0)), 1))
     text = "BEGIN BULK\n" + grids.replace("1,0.\n", "1.,0.\n") + "CQUAD8,9,1,1,2,3,4{}\nENDDATA\n"
     assert read_mesh(write(tmp_path / "a.bdf", text.format(""))).kind == "quad"
-    with pytest.raises(ModelError, match="element 9 has 1 of 4 middle nodes, expected all or none on a shell"):
-        read_mesh(write(tmp_path / "a.bdf", text.format(",5")))
+    found = read_mesh(write(tmp_path / "a.bdf", text.format(",5")))
+    assert (found.kind, len(found.points), bool(found.attachments)) == ("quad8", 8, False)
+    np.testing.assert_array_equal(found.points[found.cells[0, 4:], :2], [[0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5]])
 
 
 def test_mixed_cells_and_loose_facets_are_named(tmp_path):
-    skins = SIDES.format(kind="S4", side="SPOS", edge="E1") + "*ELEMENT, TYPE=S6\n9, 1, 2, 3, 4, 5, 6\n"
-    with pytest.raises(ModelError, match=r"2 quad, 1 triangle6: .*mesh-mixed-cells"):
+    skins = SIDES.format(kind="S4", side="SPOS", edge="E1") + "*ELEMENT, TYPE=S9\n9, 1, 2, 3, 4, 5, 6, 1, 2, 3\n"
+    with pytest.raises(ModelError, match=r"2 quad, 1 quad9: .*mesh-mixed-cells"):
         read_mesh(write(tmp_path / "a.inp", skins))
     loose = "*NODE\n50, 5., 5., 5.\n*ELEMENT, TYPE=CPS3, ELSET=Skin\n9, 10, 20, 50\n"
     with pytest.warns(ModelWarning, match="'Skin' has 1 of 1 facets that belong to no cell"):
