@@ -6,7 +6,7 @@ Elements of high order have half of their unknowns inside: their dense matrices 
 indices, a dense front takes them as they are (`fronts`), and products with several vectors run at the speed of dgemm.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -14,6 +14,8 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array, diags_array
 
 from casingfem.io.arrays import FloatArray, IntArray
+
+CHUNK = 200_000  # entries of elements' matrices taken together: what stays in a core's cache
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +67,7 @@ class ElementSum:
     def finite(self) -> bool:
         """Whether all numbers are."""
         parts = (self.scale, self.diagonal, *(group.matrices for group in self.groups))
-        return all(bool(np.isfinite(part).all()) for part in parts)
+        return all(bool(np.isfinite(part.sum()) or np.isfinite(part).all()) for part in parts)  # a sum takes no memory
 
     def scaled(self, root: FloatArray) -> "ElementSum":
         """R A R for a diagonal R given by its entries; the elements' matrices are shared."""
@@ -77,21 +79,11 @@ class ElementSum:
 
     def __matmul__(self, x: FloatArray) -> FloatArray:
         """A x, for one vector (size,) or several columns (size, k)."""
-        columns = x.reshape(self.size, -1)
-        padded = np.zeros((self.size + 1, columns.shape[1]))
-        np.multiply(self.scale[:, None], columns, out=padded[:-1])
-        sums = np.zeros_like(padded)
-        for group in self.groups:
-            count = group.dofs.size
-            local = (group.matrices @ padded[group.dofs]).reshape(count, columns.shape[1])
-            ones = np.ones(count), group.dofs.ravel(), np.arange(count + 1)  # one in each column: nothing to sort
-            sums += csc_array(ones, (self.size + 1, count)) @ local
-        return np.asarray((self.scale[:, None] * sums[:-1] + self.diagonal[:, None] * columns).reshape(x.shape))
+        return summed(self, x, np.matmul)
 
-    def __abs__(self) -> "ElementSum":
+    def __abs__(self) -> "AbsoluteSum":
         """A bound on the absolute values of the entries: those of the elements' and the diagonal's, added up."""
-        groups = tuple(Elements(group.dofs, np.abs(group.matrices)) for group in self.groups)
-        return ElementSum(groups, self.size, np.abs(self.scale), np.abs(self.diagonal))
+        return AbsoluteSum(self)
 
     def tocsc(self) -> csc_array:
         """The matrix added up, in columns."""
@@ -104,3 +96,38 @@ class ElementSum:
             entries = group.matrices[kept] * self.scale[at[0]] * self.scale[at[1]]
             total = total + coo_array((entries, at), shape=self.shape).tocsc()
         return csc_array(total)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AbsoluteSum:
+    """The absolute values of a sum's parts, added up; they are never kept, only multiplied."""
+
+    of: ElementSum
+
+    def __matmul__(self, x: FloatArray) -> FloatArray:
+        """|A| x, for one vector (size,) or several columns (size, k)."""
+        return summed(replace(self.of, scale=np.abs(self.of.scale), diagonal=np.abs(self.of.diagonal)), x, absolute)
+
+
+def absolute(matrices: FloatArray, x: FloatArray) -> FloatArray:
+    """|A| x of stacked matrices (elements, m, m) and columns (elements, m, k), some elements at a time."""
+    found = np.empty((*matrices.shape[:2], x.shape[2]))
+    step = max(1, CHUNK // max(1, matrices[:1].size))
+    for low in range(0, len(matrices), step):
+        own = slice(low, low + step)
+        np.matmul(np.abs(matrices[own]), x[own], out=found[own])
+    return found
+
+
+def summed(A: ElementSum, x: FloatArray, product: Callable[[FloatArray, FloatArray], FloatArray]) -> FloatArray:
+    """A x, the elements' matrices multiplied by `product`."""
+    columns = x.reshape(A.size, -1)
+    padded = np.zeros((A.size + 1, columns.shape[1]))
+    np.multiply(A.scale[:, None], columns, out=padded[:-1])
+    sums = np.zeros_like(padded)
+    for group in A.groups:
+        count = group.dofs.size
+        local = product(group.matrices, padded[group.dofs]).reshape(count, columns.shape[1])
+        ones = np.ones(count), group.dofs.ravel(), np.arange(count + 1)  # one in each column: nothing to sort
+        sums += csc_array(ones, (A.size + 1, count)) @ local
+    return np.asarray((A.scale[:, None] * sums[:-1] + A.diagonal[:, None] * columns).reshape(x.shape))

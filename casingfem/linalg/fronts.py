@@ -7,8 +7,9 @@ ones that they are coupled with, directly or through what was eliminated before 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 from weakref import ReferenceType, ref
 
 import numpy as np
@@ -56,6 +57,14 @@ class Front:
         return self.pivots, len(self.rows)
 
 
+class Groups(NamedTuple):
+    """The group of each front, (fronts,); of each group the height above the leaves, and how many it has."""
+
+    of: IntArray
+    heights: IntArray
+    counts: IntArray
+
+
 @dataclass(frozen=True, eq=False)
 class Fronts:
     """Fronts in the order of elimination, for matrices of one pattern.
@@ -84,6 +93,16 @@ class Fronts:
     def entries(self) -> int:
         """Numbers that a factor keeps."""
         return sum(k * (k + m) for k, m in (front.size for front in self.fronts))
+
+    @cached_property
+    def groups(self) -> "Groups":
+        """Fronts by height and shape: those of one group do not touch each other."""
+        heights = np.zeros(len(self.fronts), dtype=np.int64)
+        for f, front in enumerate(self.fronts):
+            heights[f] = max((heights[child] + 1 for child in front.children), default=0)
+        keys = np.column_stack([heights, [front.size for front in self.fronts]])
+        shapes, of, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
+        return Groups(of.ravel(), shapes[:, 0], counts)
 
     def working(self) -> int:
         """Numbers held at most beside the factor: a front, and what its elder relatives have passed on so far."""

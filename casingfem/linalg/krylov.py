@@ -14,14 +14,16 @@ import numpy as np
 from scipy.linalg import eigh
 
 from casingfem.errors import NumericsError
-from casingfem.io.arrays import Array, BoolArray, FloatArray
+from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.pencil import Pencil
+from casingfem.linalg.substitution import kernels
 
 NOISE = 1e-13  # of a block's size: what is left after orthogonalisation below this is round-off
 BLOCKS = (8, 32, 128)  # vectors multiplied together: clusters up to this size are met whole; larger on a miss
 TOLERANCE = 1e-9  # residual of the inverted problem, relative to each theta; eigenvalues are right to its square
 ROUND_OFF = 1e-14  # the same, relative to the largest theta: what arithmetic can reach,
 LOOSEST = 1e-7  # but no looser than this, which leaves eigenvalues right to its square
+FALL = 30.0  # what residuals fall by at most from block to block: to look at them sooner shows nothing
 RESTARTS = 20
 START_SEED = 7391  # the first block is fixed: same input, same bits
 
@@ -63,14 +65,12 @@ class Basis:
         old, self.count = self.count, self.count + self.fresh.shape[1]
         self.Q[:, old : self.count] = self.fresh
         Q = self.Q[:, : self.count]
-        image = self.solve(self.pencil.weigh(self.fresh))
+        image = np.asfortranarray(self.solve(self.pencil.weigh(self.fresh)))
         self.products += self.fresh.shape[1]
         H = np.zeros((self.count, self.fresh.shape[1]), dtype=Q.dtype)
         size = self.pencil.norm(image)
         for first in (self.tied, 0):  # twice is enough for orthogonality to round-off
-            part = Q[:, first:].conj().T @ self.pencil.weigh(image)
-            image -= Q[:, first:] @ part
-            H[first:] += part
+            H[first:] += project_out(self.pencil, Q[:, first:], image)
         self.tied = old
         self.T[: self.count, old : self.count] = H
         self.T[old : self.count, : self.count] = H.conj().T
@@ -78,20 +78,20 @@ class Basis:
 
     def begin(self, block: Array) -> None:
         """Take a block of new directions as the next one."""
-        Q = self.Q[:, : self.count]
+        Q, block = self.Q[:, : self.count], np.array(block, dtype=self.Q.dtype, order="F")
         for _ in range(2):
-            block = block - Q @ (Q.conj().T @ self.pencil.weigh(block))
+            project_out(self.pencil, Q, block)
         self.fresh, _ = orthonormal(self.pencil, block, NOISE * self.pencil.norm(block))
         self.coupling = np.zeros((self.fresh.shape[1], self.coupling.shape[1]))
 
-    def ritz(self) -> tuple[FloatArray, Array, BoolArray]:
-        """Ritz values theta, largest first, their coefficients in Q, and which of them have converged."""
+    def ritz(self) -> tuple[FloatArray, Array, FloatArray]:
+        """Ritz values theta, largest first, their coefficients in Q, and their residuals over what is allowed."""
         theta, S = eigh(self.T[: self.count, : self.count])
         order = np.argsort(-np.abs(theta))
         theta, S = theta[order], S[:, order]
         residuals = np.linalg.norm(self.coupling @ S[self.count - self.coupling.shape[1] :], axis=0)
         size = np.abs(theta)
-        return theta, S, residuals <= np.clip(ROUND_OFF * size[0], TOLERANCE * size, LOOSEST * size)
+        return theta, S, residuals / np.clip(ROUND_OFF * size[0], TOLERANCE * size, LOOSEST * size)
 
     def restart(self, theta: FloatArray, S: Array, kept: int) -> None:
         """Keep the best Ritz vectors only; the next block stays."""
@@ -135,6 +135,7 @@ def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int 
     basis = Basis(pencil=pencil, solve=solve, Q=Q, T=T)
     basis.begin(solve(pencil.weigh(rng.standard_normal((size, min(block, size))))))
     for _ in range(RESTARTS):
+        look = 2 * wanted
         while basis.count + basis.fresh.shape[1] <= room:
             basis.grow()
             closed = not basis.fresh.shape[1]  # what the block can reach is found
@@ -142,16 +143,29 @@ def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int 
                 basis.begin(rng.standard_normal((size, min(block, size - basis.count))))
                 if not basis.fresh.shape[1]:
                     raise NumericsError(f"the mass moves {basis.count} ways, {wanted} modes were asked for")
-            elif closed or basis.count >= min(2 * wanted, room - 2 * block):
-                theta, S, done = basis.ritz()
-                if basis.count >= wanted and np.all(done[:wanted]):
+            elif closed or basis.count >= min(look, room - 2 * block):
+                theta, S, left = basis.ritz()
+                if basis.count >= wanted and np.all(left[:wanted] <= 1.0):
                     vectors = basis.Q[:, : basis.count] @ S[:, :wanted]
                     if pencil.massless:  # B does not see what round-off leaves on these unknowns
                         vectors = solve(pencil.weigh(vectors)) / theta[:wanted]
                     return RitzPairs(values=sigma + 1.0 / theta[:wanted], vectors=vectors, products=basis.products)
+                to_go = np.log(max(float(left[:wanted].max()), 1.0)) / np.log(FALL)
+                look = basis.count + block * max(1, int(to_go))
         basis.restart(theta, S, min(wanted + block, basis.count - block))
-    converged = int(np.count_nonzero(done[:wanted]))
+    converged = int(np.count_nonzero(left[:wanted] <= 1.0))
     raise ConvergenceError(f"{converged} of {wanted} modes near shift {sigma:.6g} converged in {RESTARTS} restarts")
+
+
+def project_out(pencil: Pencil, Q: Array, block: Array) -> Array:
+    """Take from a block (n, k), in place, what it has of a B-orthonormal basis Q (n, count): the shares (count, k).
+
+    Both stand by columns: BLAS then neither copies nor adds up apart.
+    """
+    gemm = kernels(Q).gemm
+    part = gemm(1.0, Q, pencil.weigh(block), trans_a=kernels(Q).adjoint)
+    gemm(-1.0, Q, part, beta=1.0, c=block, overwrite_c=1)
+    return np.asarray(part)
 
 
 def orthonormal(pencil: Pencil, block: Array, noise: float) -> tuple[Array, Array]:

@@ -5,78 +5,30 @@ are even where A is not, is factored by Cholesky; the others by Bunch-Kaufman, w
 front's own. The inertia of A is the sum of theirs (Haynsworth, Linear Algebra Appl. 1, 1968, 73).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from scipy.linalg import blas, lapack
 
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.element_sum import ElementSum
 from casingfem.linalg.entries import Places, Symmetric
 from casingfem.linalg.fronts import Front, Fronts, Runs
+from casingfem.linalg.substitution import Block, Indefinite, OneFront, Stack, Step, kernels
 
 SINGULAR = "the matrix is singular: the structure is not supported, or the shift is an eigenvalue"
-
-
-class Kernels(NamedTuple):
-    """BLAS and LAPACK for one kind of numbers; `adjoint` says how their triangular solvers call L^H."""
-
-    potrf: Callable[..., Any]
-    sytrf: Callable[..., Any]
-    sytrf_lwork: Callable[..., Any]
-    syconv: Callable[..., Any]
-    syrk: Callable[..., Any]
-    gemm: Callable[..., Any]
-    trsm: Callable[..., Any]
-    adjoint: int
-
-
-REAL = Kernels(lapack.dpotrf, lapack.dsytrf, lapack.dsytrf_lwork, lapack.dsyconv, blas.dsyrk, blas.dgemm, blas.dtrsm, 1)
-COMPLEX = Kernels(
-    lapack.zpotrf, lapack.zhetrf, lapack.zhetrf_lwork, lapack.zsyconv, blas.zherk, blas.zgemm, blas.ztrsm, 2
-)
-
-
-def kernels(A: Any) -> Kernels:
-    """Those for the numbers of an array."""
-    return COMPLEX if np.iscomplexobj(A) else REAL
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Indefinite:
-    """D^-1 of Bunch-Kaufman, tridiagonal, `beside` its lower entries; the order of its pivots; L is unit triangular."""
-
-    order: IntArray
-    diagonal: FloatArray
-    beside: Array
-
-    def divided(self, x: Array) -> Array:
-        """D^-1 x for columns x (k, columns)."""
-        y = self.diagonal[:, None] * x
-        y[:-1] += self.beside.conj()[:, None] * x[1:]
-        y[1:] += self.beside[:, None] * x[:-1]
-        return np.asarray(y)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Block:
-    """Columns of L of one front: on its pivots (k, k), lower, and on its rows (m, k)."""
-
-    L: Array
-    below: Array
-    D: Indefinite | None
+FEWEST = 2  # fronts of one shape that are worth stacking
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MultifrontalFactor:
-    """The blocks of L and D; none are kept where only the inertia was asked for."""
+    """The steps of L and D, children before parents; none are kept where only the inertia was asked for."""
 
     fronts: Fronts
-    blocks: tuple[Block, ...]
+    steps: tuple[Step, ...]
     negatives: int
+    dtype: np.dtype[Any]
 
     def negative(self) -> int:
         """Number of negative eigenvalues of A."""
@@ -84,34 +36,14 @@ class MultifrontalFactor:
 
     def solve(self, rhs: Array) -> Array:
         """A^-1 rhs, for one vector (n,) or several columns (n, k)."""
-        order, L = self.fronts.order, self.blocks[0].L
-        if np.iscomplexobj(rhs) and not np.iscomplexobj(L):
+        order = self.fronts.order
+        if np.iscomplexobj(rhs) and self.dtype.kind != "c":
             return np.asarray(self.solve(rhs.real) + 1j * self.solve(rhs.imag))
-        x = np.ascontiguousarray(rhs.reshape(len(rhs), -1)[order], dtype=L.dtype)
-        trsm = kernels(x).trsm
-        both = list(zip(self.fronts.fronts, self.blocks, strict=True))
-        for front, block in both:
-            own = x[front.start : front.start + front.pivots]
-            if block.D is not None:
-                own[:] = own[block.D.order]
-            trsm(1.0, block.L, own.T, side=1, lower=1, trans_a=1, diag=block.D is not None, overwrite_b=1)
-            if len(front.rows):
-                x[front.rows] -= block.below @ own
-        hermitian = np.iscomplexobj(x)
-        for front, block in reversed(both):
-            own = x[front.start : front.start + front.pivots]
-            if block.D is not None:
-                own[:] = block.D.divided(own)
-            beside = x[front.rows]
-            if hermitian:  # L^-H y is the conjugate of L^-T conj(y)
-                np.conj(own, out=own)
-                np.conj(beside, out=beside)
-            own -= block.below.T @ beside
-            trsm(1.0, block.L, own.T, side=1, lower=1, diag=block.D is not None, overwrite_b=1)
-            if hermitian:
-                np.conj(own, out=own)
-            if block.D is not None:
-                own[block.D.order] = own.copy()
+        x = np.ascontiguousarray(rhs.reshape(len(rhs), -1)[order], dtype=self.dtype)
+        for step in self.steps:
+            step.forward(x)
+        for step in reversed(self.steps):
+            step.back(x)
         solution = np.empty_like(x)
         solution[order] = x
         return solution.reshape(rhs.shape)
@@ -127,7 +59,7 @@ def factored(A: Symmetric, fronts: Fronts, keep: bool = True) -> MultifrontalFac
     """
     if not (A.finite if isinstance(A, ElementSum) else np.all(np.isfinite(A.data))):
         raise NumericsError("the matrix holds values that are not finite")
-    blocks: list[Block] = []
+    kept = Kept(fronts, A.dtype)
     passed: dict[int, Array] = {}
     negatives = 0
     for number, front in enumerate(fronts.fronts):
@@ -135,9 +67,36 @@ def factored(A: Symmetric, fronts: Fronts, keep: bool = True) -> MultifrontalFac
         block, count = eliminated(K_pp, K_rp, K_rr) if front.pivots else (Block(K_pp, K_rp, None), 0)
         negatives += count
         if keep:
-            blocks.append(block)
+            kept.take(number, front, block)
         passed[number] = K_rr
-    return MultifrontalFactor(fronts=fronts, blocks=tuple(blocks), negatives=negatives)
+    return MultifrontalFactor(fronts=fronts, steps=kept.steps(), negatives=negatives, dtype=A.dtype)
+
+
+class Kept:
+    """The steps of a factorisation as they come; fronts of one shape and height are stacked."""
+
+    def __init__(self, fronts: Fronts, dtype: np.dtype[Any]) -> None:
+        self.fronts, self.dtype = fronts, dtype
+        self.stacks: dict[int, Stack] = {}
+        self.single: dict[int, OneFront] = {}
+
+    def take(self, number: int, front: Front, block: Block) -> None:
+        """A front just eliminated."""
+        group = int(self.fronts.groups.of[number])
+        count = int(self.fronts.groups.counts[group])
+        if count < FEWEST or not front.pivots or block.D is not None:
+            self.single[number] = OneFront(slice(front.start, front.start + front.pivots), front.rows, block)
+            return
+        if group not in self.stacks:
+            self.stacks[group] = Stack(count, front.size, self.dtype)
+        self.stacks[group].add(front.start, front.rows, block)
+
+    def steps(self) -> tuple[Step, ...]:
+        """Steps, the lowest fronts first."""
+        groups = self.fronts.groups
+        found: list[tuple[int, Step]] = [(int(groups.heights[g]), stack.step()) for g, stack in self.stacks.items()]
+        found += [(int(groups.heights[groups.of[number]]), one) for number, one in self.single.items()]
+        return tuple(step for _, step in sorted(found, key=lambda item: item[0]))
 
 
 def assembled(A: Symmetric, front: Front, fronts: Fronts, passed: dict[int, Array]) -> tuple[Array, Array, Array]:

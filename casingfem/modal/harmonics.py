@@ -36,6 +36,10 @@ class Rings:
         energy[0] *= 2.0  # a cosine's mean square is one half, a constant's is one
         return np.asarray(energy / energy.sum(axis=0))
 
+    def first(self, modes: int) -> "Rings":
+        """Those of the first so many modes."""
+        return Rings(self.amplitudes[..., :modes], self.weights)
+
     def label(self) -> tuple[IntArray, FloatArray]:
         """Nodal diameters with the largest energy, and that energy's share, each (modes,)."""
         shares = self.shares()
@@ -73,7 +77,10 @@ def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int) -> Rings:
     c, s = np.cos(theta)[:, None], np.sin(theta)[:, None]
     x, y, axial = fields[:, 0], fields[:, 1], fields[:, 2]
     cylindrical = np.stack([x * c + y * s, y * c - x * s, axial], axis=1)
-    amplitudes = np.einsum("nk,rkcm->nrcm", transform, cylindrical[rings], optimize=True)
+    parts = np.concatenate([transform.real, transform.imag])  # products of real numbers: half of those of complex ones
+    on_rings = np.matmul(parts, cylindrical[rings].reshape(*rings.shape, -1))
+    waves = on_rings[:, : n_max + 1] + 1j * on_rings[:, n_max + 1 :]
+    amplitudes = waves.swapaxes(0, 1).reshape(n_max + 1, len(rings), 3, -1)
     breaks, (_, w) = grid.mesh.breaks, lobatto(grid.mesh.order)
     weights = np.zeros(len(rings))
     for row, width in enumerate(np.diff(breaks)):

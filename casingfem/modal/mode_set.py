@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.parts import sampled_geometry
@@ -158,13 +158,17 @@ def frequency_scale(shell: Shell) -> float:
 
 
 class Labels(NamedTuple):
-    """What the circumferential content says of modes: n, purity, partners, antinode angles [rad], aligned fields."""
+    """What the circumferential content says of modes: n, purity, partners, antinode angles [rad], aligned fields.
+
+    `rings` is the content of the aligned fields.
+    """
 
     n: IntArray
     purity: FloatArray
     pairs: list[tuple[int, int]]
     angle: FloatArray
     fields: FloatArray
+    rings: Rings | None
 
 
 def make_labels(rings: Rings | None, freq: FloatArray, fields: FloatArray, rigid: int) -> Labels:
@@ -172,13 +176,18 @@ def make_labels(rings: Rings | None, freq: FloatArray, fields: FloatArray, rigid
     total = len(freq)
     if rings is None:
         nothing = np.full(total, np.nan)
-        return Labels(np.full(total, -1), nothing, [], nothing, fields * peak_signs(fields))
+        return Labels(np.full(total, -1), nothing, [], nothing, fields * peak_signs(fields), None)
     n, purity = rings.label()
     n[:rigid], purity[:rigid] = -1, np.nan
     pairs = find_doublets(rings, n)
     angle = np.array([orientation(rings.profile(k, n[k]), n[k]) if n[k] > 0 else np.nan for k in range(total)])
-    fields = align_doubles(rings, n, freq, fields, angle, pairs)
-    return Labels(n, purity, pairs, angle, fields * peak_signs(fields))
+    turns = double_turns(rings, n, freq, pairs)
+    for low, high, _ in turns:  # perfect doubles have no angle of their own
+        angle[[low, high]] = np.nan
+    fields = turned(fields, turns)
+    signs = peak_signs(fields)
+    aligned = Rings(turned(rings.amplitudes, turns) * signs, rings.weights)
+    return Labels(n, purity, pairs, angle, fields * signs, aligned)
 
 
 def labelled(
@@ -206,8 +215,6 @@ def labelled(
     own = labels.fields[len(fields) :, 3]
     labels = labels._replace(fields=labels.fields[: len(fields)])
     kept = min(count, len(freq))
-    if shell.chart.periodic:
-        rings = ring_content(shell.chart, grid, labels.fields[:, :, :kept], n_max=max(2, nodes_around // 3))
     return Modes(
         shell=shell,
         grid=grid,
@@ -216,7 +223,7 @@ def labelled(
         rigid=min(rigid, kept),
         sturm_count=sturm,
         dofs=dofs,
-        rings=rings,
+        rings=None if labels.rings is None else labels.rings.first(kept),
         seconds=seconds | {"label": time.perf_counter() - started},
     )
 
@@ -234,22 +241,20 @@ def first_modes(freq: FloatArray, labels: Labels, kept: int) -> dict[str, Any]:
     }
 
 
-def align_doubles(
-    rings: Rings,
-    n: IntArray,
-    freq: FloatArray,
-    fields: FloatArray,
-    angle: FloatArray,
-    pairs: list[tuple[int, int]],
-) -> FloatArray:
-    """Turn perfect double modes into cosine and sine, and clear their angles: they have none of their own."""
-    fields = fields.copy()
-    for low, high in pairs:
-        if freq[high] - freq[low] <= DOUBLE * freq[high]:
-            turn = align_pair(rings.profile(low, n[low]), rings.profile(high, n[low]))
-            fields[:, :, [low, high]] = fields[:, :, [low, high]] @ turn
-            angle[[low, high]] = np.nan
-    return fields
+def double_turns(
+    rings: Rings, n: IntArray, freq: FloatArray, pairs: list[tuple[int, int]]
+) -> list[tuple[int, int, FloatArray]]:
+    """Perfect double modes, and the rotations (2, 2) that make them cosine and sine."""
+    doubles = [pair for pair in pairs if freq[pair[1]] - freq[pair[0]] <= DOUBLE * freq[pair[1]]]
+    return [(a, b, align_pair(rings.profile(a, n[a]), rings.profile(b, n[a]))) for a, b in doubles]
+
+
+def turned(columns: Array, turns: list[tuple[int, int, FloatArray]]) -> Array:
+    """Fields or amplitudes (..., modes) with some pairs of modes turned."""
+    columns = columns.copy()
+    for low, high, turn in turns:
+        columns[..., [low, high]] = columns[..., [low, high]] @ turn
+    return columns
 
 
 def peak_signs(fields: FloatArray) -> FloatArray:

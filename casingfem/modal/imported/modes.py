@@ -85,7 +85,7 @@ def mesh_modes(
         rigid=min(rigid, kept),
         sturm_count=found.sturm_count,
         dofs=system.size,
-        rings=projected(structure, labels.fields[:, :, :kept], n_max) if is_round else None,
+        rings=None if labels.rings is None else labels.rings.first(kept),
         seconds={
             "assemble": assembled - started,
             "solve": solved - assembled,

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.sparse import block_diag, csc_array, kron
+from scipy.sparse import block_diag, csc_array, diags_array, kron
 from test_eigen import consistent_mass
 
 from casingfem.errors import NumericsError
@@ -15,6 +15,7 @@ from casingfem.linalg.factor import factorise
 from casingfem.linalg.fronts import plan, planned
 from casingfem.linalg.memory import MemoryNeedError, free_memory
 from casingfem.linalg.multifrontal import factored
+from casingfem.linalg.substitution import AlikeFronts, OneFront
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble
 
@@ -102,6 +103,24 @@ def test_a_casing_is_cut_along_lines_of_elements(frustum):
     assert entries < 1.01 * factorise(system.K, "superlu").lu.L.nnz
 
 
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("shift", [0.0, 20.0])
+def test_fronts_of_one_shape_are_solved_together_or_where_indefinite_alone(shift, turned):
+    """A strip of equal elements has dozens of equal fronts; a shift at one of its ends makes some indefinite."""
+    A = kron(grid(60, 5), csc_array(random_matrix(5, 1.0, 9.0, seed=2, turned=turned))).tocsc()
+    A = csc_array(A - shift * diags_array(1.0 * (np.arange(A.shape[0]) < A.shape[0] // 3)))
+    factor = factored(A, plan(A))
+    kinds = {type(step) for step in factor.steps}
+    assert kinds == {AlikeFronts, OneFront}
+    assert any(len(step.cuts) > 1 for step in factor.steps if isinstance(step, AlikeFronts))
+    b = np.random.default_rng(5).standard_normal((A.shape[0], 3))
+    x = factor.solve(b)
+    np.testing.assert_allclose(A @ x, b, atol=1e-9 * np.abs(x).max())
+    np.testing.assert_allclose(factor.solve(b[:, 1]), x[:, 1], rtol=1e-7, atol=1e-9 * np.abs(x).max())
+    assert (factor.negative() > 0) == (shift > 0.0)
+    assert any(step.block.D is not None for step in factor.steps if isinstance(step, OneFront)) == (shift > 0.0)
+
+
 def test_a_plan_serves_all_matrices_of_its_pattern(monkeypatch):
     A = grid(20, 20)
     first = planned(A)
@@ -132,7 +151,7 @@ def test_the_estimate_is_what_is_kept():
     """The factor's arrays have as many numbers as the plan says."""
     A = grid(15, 15)
     factor = factorise(A)
-    assert sum(block.L.size + block.below.size for block in factor.blocks) == factor.fronts.entries
+    assert sum(step.entries for step in factor.steps) == factor.fronts.entries
 
 
 @pytest.mark.parametrize("direct", ["multifrontal", "superlu"])

@@ -9,6 +9,7 @@ import pytest
 
 from casingfem.errors import ModelWarning, NumericsError
 from casingfem.modal.fourier import harmonic_floor, lowest
+from casingfem.modal.harmonics import ring_content
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.modal.modes import count_below, modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
@@ -27,6 +28,15 @@ EIGHT = ShellMesh(order=6, rows=1, around=16)  # as symmetric as an imperfection
 def splits(found):
     """Nodal diameters and relative split of each doublet."""
     return found.nodal_diameters[[low for low, _ in found.doublets]], found.splits
+
+
+def test_amplitudes_around_are_those_of_the_shapes_returned(frustum):
+    """Perfect doubles are turned and signed after their content is known; a cut leaves half a pair away."""
+    found = modes(frustum(mesh=MEDIUM), 7, method="shell")
+    assert found.rings.amplitudes.shape[-1] == 7
+    again = ring_content(found.shell.chart, found.grid, found.fields, n_max=len(found.rings.amplitudes) - 1)
+    np.testing.assert_allclose(found.rings.amplitudes, again.amplitudes, atol=1e-12 * np.abs(again.amplitudes).max())
+    np.testing.assert_array_equal(found.rings.weights, again.weights)
 
 
 # --- what is split, what is not -------------------------------------------------------------------------------
