@@ -163,6 +163,8 @@ def project_out(pencil: Pencil, Q: Array, block: Array) -> Array:
     Both stand by columns: BLAS then neither copies nor adds up apart.
     """
     gemm = kernels(Q).gemm
+    if not (Q.size and block.size):
+        return np.zeros((Q.shape[1], block.shape[1]), dtype=Q.dtype)
     part = gemm(1.0, Q, pencil.weigh(block), trans_a=kernels(Q).adjoint)
     gemm(-1.0, Q, part, beta=1.0, c=block, overwrite_c=1)
     return np.asarray(part)
@@ -170,10 +172,13 @@ def project_out(pencil: Pencil, Q: Array, block: Array) -> Array:
 
 def orthonormal(pencil: Pencil, block: Array, noise: float) -> tuple[Array, Array]:
     """B-orthonormal basis X of a block (n, k) and C with block = X C; directions shorter than `noise` are left out."""
-    X = block
-    for least in (noise**2, 0.0):
-        gram = X.conj().T @ pencil.weigh(X)
-        squares, V = eigh(0.5 * (gram + gram.conj().T))
-        good = squares > max(least, 1e-15 * squares.max(initial=0.0))
-        X = X @ (V[:, good] / np.sqrt(squares[good]))
+    X = independent(pencil, independent(pencil, block, noise))
     return X, X.conj().T @ pencil.weigh(block)
+
+
+def independent(pencil: Pencil, X: Array, noise: float = 0.0) -> Array:
+    """Columns that span X (n, k) without directions shorter than `noise`, orthonormal but for its own round-off."""
+    gram = X.conj().T @ pencil.weigh(X)
+    squares, V = eigh(0.5 * (gram + gram.conj().T))
+    good = squares > max(noise**2, 1e-15 * squares.max(initial=0.0))
+    return np.asarray(X @ (V[:, good] / np.sqrt(squares[good])))

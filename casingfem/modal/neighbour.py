@@ -20,7 +20,7 @@ from scipy.linalg import eigh
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import gap_after, solve_modes
 from casingfem.linalg.factor import Factor, factorise
-from casingfem.linalg.krylov import NOISE, orthonormal
+from casingfem.linalg.krylov import NOISE, independent, project_out
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
@@ -185,10 +185,11 @@ class Space:
 
     def grow(self, block: FloatArray) -> None:
         """Take in what a block has beyond V."""
-        old = self.V
+        block = np.array(block, order="F")
         for _ in range(2):  # twice is enough
-            block = block - old @ (old.T @ block)
-            block, _ = orthonormal(self.pencil, block, NOISE * np.linalg.norm(block, axis=0).max(initial=0.0))
+            project_out(self.pencil, self.V, block)
+            longest = np.linalg.norm(block, axis=0).max(initial=0.0)
+            block = np.asfortranarray(independent(self.pencil, block, NOISE * longest))
         first, self.count = self.count, self.count + block.shape[1]
         self._both[0, first : self.count] = block.T
         self._both[1, first : self.count] = (self.pencil.A @ block).T

@@ -143,14 +143,16 @@ class FourierField:
 
     def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
         """Evaluate f and its exact derivatives; cost: one cosine and sine per harmonic and theta."""
-        z, theta = 1.0 * np.asarray(z), 1.0 * np.asarray(theta)
+        z, z_of = distinct(z)
+        theta, theta_of = distinct(theta)
         angle = theta[..., None] * self.p
         c, s = np.cos(angle), np.sin(angle)
         cos, sin, p = self.cos, self.sin, self.p[:, None]
-        around = c @ cos + s @ sin  # (theta.shape, D): the polynomial's coefficients at each theta
-        around_1 = c @ (p * sin) - s @ (p * cos)
-        around_2 = -(c @ (p**2 * cos) + s @ (p**2 * sin))
-        along, along_1, along_2 = self._powers(z) if self.spline is None else self.spline.evaluate(z)
+        parts = (c @ cos + s @ sin,  # (theta.shape, D): the polynomial's coefficients at each theta
+                 c @ (p * sin) - s @ (p * cos), -(c @ (p**2 * cos) + s @ (p**2 * sin)))  # fmt: skip
+        around, around_1, around_2 = (part[theta_of] for part in parts)
+        powers = self._powers(z) if self.spline is None else self.spline.evaluate(z)
+        along, along_1, along_2 = (power[z_of] for power in powers)
         return FieldValues(
             value=_contract(around, along),
             d_z=_contract(around, along_1),
@@ -331,6 +333,13 @@ class SeriesBehind:
     def max_harmonic(self) -> int:
         """The highest harmonic of the series."""
         return self.fit.max_harmonic
+
+
+def distinct(places: ArrayLike) -> tuple[Array, IntArray]:
+    """The different values among places, and which of them each place has: points of a mesh stand in rows."""
+    given = 1.0 * np.asarray(places)
+    values, of = np.unique(given, return_inverse=True)
+    return values, of.reshape(given.shape)
 
 
 def _contract(around: Array, along: Array) -> Array:

@@ -173,3 +173,13 @@ def test_thirty_harmonics_on_a_mesh_are_those_of_each_point():
         alone = field.derivatives(z[place], theta[place])
         for all_of, one in zip(together, alone, strict=True):
             np.testing.assert_allclose(all_of[place], one, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-30j])
+def test_points_that_share_their_places_are_as_those_alone(step):
+    """Points of a mesh stand in rows, and are evaluated once a row and once an angle."""
+    field = random_field(7, harmonics=3, degrees=2)
+    z, theta = np.array([[0.3, 0.3, -0.1], [0.1, 0.3, 0.1]]) + step, np.array([[2.0, -1.0, 2.0], [2.0, 0.5, -1.0]])
+    together = np.array(field.derivatives(z, theta))
+    alone = np.array([np.array(field.derivatives(*place)) for place in zip(z.ravel(), theta.ravel(), strict=True)])
+    np.testing.assert_allclose(together.reshape(6, -1), alone.T, rtol=1e-13)
