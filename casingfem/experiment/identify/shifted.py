@@ -34,7 +34,7 @@ PASSES, POLISHES = 3, 3  # of finding modes, and of fitting them beside what the
 FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say whether peaks are shifted at all
 CLUSTERS = 12  # that tell which channels are one set-up, at most
 ALIVE = 2.0  # rms of a channel over its noise
-VOTE = 30.0  # of the log-odds for leakage or against it, that one cluster may give
+VOTE = 30.0  # of the log-odds for leakage, or for more set-ups, or against, that one cluster may give
 LEAKS = 30.0  # lines in a half-power bandwidth, beyond which leakage changes nothing
 DAMPED = 5.0  # times the usual damping, beyond which a mode is no peak
 
@@ -149,11 +149,14 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
 
 
 def _as_good(fewer: Sequence[ClusterModes], few: Setups, more: Sequence[ClusterModes], many: Setups) -> bool:
-    """Whether clusters are read as well with fewer set-ups, by the criterion and the noise that more of them leave."""
+    """Whether clusters are read as well with fewer set-ups, by the criterion and the noise that more of them leave.
+
+    Votes are limited as in `_leaks`: where a neighbour's peaks are not yet understood, more set-ups follow them.
+    """
     rich = {each.cluster.span: each for each in more}
     both = [(each, rich[each.cluster.span]) for each in fewer if each.cluster.span in rich]
     rise = [each.cost(len(few), best.own.on_peaks) - best.cost(len(many), best.own.on_peaks) for each, best in both]
-    return sum(rise) <= 0.0
+    return bool(np.sum(np.clip(rise, -VOTE, VOTE)) <= 0.0)
 
 
 def _polished(c: Cluster, setups: Setups, damped: float) -> ClusterModes:
