@@ -35,10 +35,9 @@ def advance_batch(
 ) -> None:
     """Step all live lanes, until one is at its end or has failed, or `budget` steps are taken."""
     old, new, Q, Q_next, waves, ahead = s.old, s.d, s.Q, s.Q_next, s.waves, s.waves_next
+    skips, swapped, landed = flights.powers.shape[1] > 0, False, 0
     for k in range(s.step.size):
-        if s.live[k] == 1 and s.step[k] == 0:
-            land(s, waves, Q, k, 0, 0.0, new)
-    skips, swapped = flights.powers.shape[1] > 0, False
+        landed |= int(s.live[k] == 1 and s.step[k] == 0) << k
     for _ in range(budget):
         stop = False
         for k in range(s.step.size):
@@ -47,9 +46,13 @@ def advance_batch(
                     room = min(s.end[k], kept.due[0, k], kept.due[1, k]) - s.step[k]
                     skipped = -1 if room <= 0 or sums.closed[k] == 1 else 0
                     if skipped == 0:
-                        skipped = skip_in_batch(s, flights, sums, Q, waves, new, k, room)
+                        skipped = skip_in_batch(s, flights, sums, new, k, room)
+                        landed |= int(skipped > 0) << k
                     s.retry[k] = s.step[k] + max(1, -skipped)  # not twice at a step, should the loop be left here
                 stop = stop or s.step[k] == s.end[k]
+        if landed > 0:
+            land(s, Q, Q_next, waves, ahead, new, landed)
+            landed = 0
         if stop:
             break
         old, new, swapped = new, old, not swapped

@@ -29,8 +29,8 @@ def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, befo
         note_stick(sums, out, k, int(stuck), step * h)
     if step == kept.due[0, k]:
         row = kept.filled[0, k]
-        kept.time[row, k], kept.force[row, k], kept.gap[row, k] = step * h, force, s.work[GAP, k]
-        kept.impulse[row, k] = sums.impulse[k]
+        kept.time[k, row], kept.force[k, row], kept.gap[k, row] = step * h, force, s.work[GAP, k]
+        kept.impulse[k, row] = sums.impulse[k]
         kept.filled[0, k] += 1
         kept.due[0, k] += kept.every[0, k]
 
@@ -50,11 +50,11 @@ def keep_state(s: BatchState, kept: BatchSamples, k: int) -> None:
     """Store the displacements of lane k at the start of a step that is due, and the forces of that step."""
     if s.step[k] == kept.due[1, k]:
         row = kept.filled[1, k]
-        kept.state_time[row, k] = s.step[k] * s.h[k]
+        kept.state_time[k, row] = s.step[k] * s.h[k]
         for i in range(s.q.shape[0]):
-            kept.state[row, i, k] = s.q[i, k]
-        kept.state[row, s.q.shape[0], k] = s.work[FORCE, k]
-        if kept.state.shape[1] > s.q.shape[0] + 1:
-            kept.state[row, s.q.shape[0] + 1, k] = -s.work[DRAG, k]
+            kept.state[k, row, i] = s.q[i, k]
+        kept.state[k, row, s.q.shape[0]] = s.work[FORCE, k]
+        if kept.state.shape[2] > s.q.shape[0] + 1:
+            kept.state[k, row, s.q.shape[0] + 1] = -s.work[DRAG, k]
         kept.filled[1, k] += 1
         kept.due[1, k] += kept.every[1, k]

@@ -22,7 +22,7 @@ class BatchTerms(NamedTuple):
 
 
 class BatchFreeFlight(NamedTuple):
-    """The fields of `FreeFlight`, one row a lane."""
+    """The fields of `FreeFlight`, one row a lane; `powers` (1, bits, 4, m) where all lanes have the same."""
 
     powers: Array
     fade: Array
@@ -34,10 +34,11 @@ class BatchFreeFlight(NamedTuple):
     floor: Array
     reach: Array
     taken: Indices
+    open: Indices  # (8,): steps whose gap is surely open, up to this one
 
 
 class BatchSamples(NamedTuple):
-    """What lanes store: samples (rows, 8), states (states, m, 8); `due` (2, 8) the next steps that are stored."""
+    """What lanes store: samples (8, rows), states (8, states, m); `due` (2, 8) the next steps that are stored."""
 
     time: Array
     force: Array

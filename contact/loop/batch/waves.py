@@ -1,15 +1,13 @@
-"""Waves and rows of eight rims at their angles, and where a lane lands that skips over free flight."""
+"""Waves and rows of eight rims at their angles; skips over free flight, and where they land."""
 
 from __future__ import annotations
-
-import math
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
-from contact.loop.batch.state import ANGLE, STRAIN, BatchFreeFlight, BatchState, BatchTerms
+from contact.loop.batch.state import ANGLE, FREE, STRAIN, BatchFreeFlight, BatchState, BatchTerms
 from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
-from contact.loop.modal.free_flight import FreeFlight, discrete_energy, skip_free_flight
+from contact.loop.modal.free_flight import LEAST, FreeFlight, largest_share, open_steps
 from contact.record.record import Tally
 
 
@@ -79,42 +77,72 @@ def fill_fours(terms: BatchTerms, waves: Array, rows: Array) -> None:
 
 
 @jit
-def land(s: BatchState, waves: Array, Q: Array, k: int, step: int, back: float, d: Array) -> float:
-    """Gap of lane k at a step, its waves and rows there; q - back D is its displacement.
+def land(s: BatchState, Q: Array, Q_next: Array, waves: Array, ahead: Array, d: Array, landed: int) -> None:
+    """Waves, rows and gaps of the lanes that have `landed`, a bit each, where they are now, and the gap a step before.
 
-    The other lanes' rows are formed again from their waves: the same to the bit.
+    The rows ahead are work space: other lanes' rows are left as they are.
     """
-    phi = angle_after(s, k, step)
-    c, s1, a, b = math.cos(phi), math.sin(phi), 1.0, 0.0
-    for n in range(waves.shape[0]):
-        waves[n, 0, k], waves[n, 1, k] = a, b
-        a, b = c * a - s1 * b, s1 * a + c * b
-    fill_lanes(s.normal, waves, Q)
     m = s.q.shape[0]
-    gap = Q[m, k]
-    for i in range(m):
-        gap += Q[i, k] * (s.q[i, k] - back * d[i, k])
-    return float(gap)
+    for back in range(1, -1, -1):
+        rotate_lanes(s, ahead, -back)
+        fill_lanes(s.normal, ahead, Q_next)
+        gap, part = load(Q_next, m * WIDTH), same(float(back))
+        for i in range(m):
+            gap = gap + load(Q_next, i * WIDTH) * (load(s.q, i * WIDTH) - part * load(d, i * WIDTH))
+        put(s.work, FREE * WIDTH, gap)
+        for k in range(s.step.size):
+            if landed >> k & 1:
+                s.memory[back, k] = s.work[FREE, k]
+                for i in range(3 * back):
+                    s.memory[4 + i, k] = Q_next[m + 1 + i, k]
+    for k in range(s.step.size):
+        if landed >> k & 1:
+            s.memory[2, k], s.memory[3, k], s.memory[STRAIN, k] = 0.0, 0.0, 0.0
+            for i in range(m + 4):
+                Q[i, k] = Q_next[i, k]
+            for n in range(waves.shape[0]):
+                waves[n, 0, k], waves[n, 1, k] = ahead[n, 0, k], ahead[n, 1, k]
 
 
 @jit
-def skip_in_batch(
-    s: BatchState, flights: BatchFreeFlight, sums: Tally, Q: Array, waves: Array, d: Array, k: int, room: int
-) -> int:
-    """Skip in lane k over steps without contact, as `skip_on_rim`. Negative: wait."""
-    flight = FreeFlight(
-        flights.powers[k], flights.fade[k], flights.cos[k], flights.sin[k], flights.start[k], flights.wave[k],
-        flights.row[k], flights.floor[k], flights.reach, flights.taken[k],
-    )  # fmt: skip
-    q, own, be, c = s.q[:, k], d[:, k], s.be[:, k], s.c[:, k]
-    before = discrete_energy(q, own, be, c)
-    steps = skip_free_flight(flight, q, own, angle_after(s, k, s.step[k] + 1), -s.speed[k] * s.h[k], room)
-    if steps > 0:
-        sums.damping[k] += discrete_energy(q, own, be, c) - before
-        s.step[k] += steps
-        s.memory[1, k] = land(s, waves, Q, k, s.step[k] - 1, 1.0, d)
-        for i in range(3):
-            s.memory[4 + i, k] = Q[s.q.shape[0] + 1 + i, k]
-        s.memory[0, k] = land(s, waves, Q, k, s.step[k], 0.0, d)
-        s.memory[2, k], s.memory[3, k], s.memory[STRAIN, k] = 0.0, 0.0, 0.0
+def skip_in_batch(s: BatchState, flights: BatchFreeFlight, sums: Tally, d: Array, k: int, room: int) -> int:
+    """Skip in lane k over steps without contact, as `skip_free_flight`, at most `room`. Negative: wait.
+
+    How far the gap is surely open is kept until that is used up: no force comes between.
+    """
+    if flights.open[k] < s.step[k] + min(room, LEAST):
+        flight = FreeFlight(
+            flights.powers[0], flights.fade[k], flights.cos[k], flights.sin[k], flights.start[k], flights.wave[k],
+            flights.row[k], flights.floor[k], flights.reach, flights.taken[k],
+        )  # fmt: skip
+        bound = largest_share(flight, s.q[:, k], d[:, k])
+        clear: int = open_steps(flight.floor, bound, angle_after(s, k, s.step[k] + 1), -s.speed[k] * s.h[k])
+        if clear < 0:
+            return clear
+        flights.open[k] = s.step[k] + clear
+    powers = flights.powers[min(k, flights.powers.shape[0] - 1)]
+    steps = min(flights.open[k] - s.step[k], room, (1 << powers.shape[0]) - 1)
+    if steps < LEAST:
+        return -(steps + 1)
+    sums.damping[k] += propagate_lane(s, powers, d, k, steps)
+    flights.taken[k, 0] += 1
+    flights.taken[k, 1] += steps
+    s.step[k] += steps
     return steps
+
+
+@jit
+def propagate_lane(s: BatchState, powers: Array, d: Array, k: int, steps: int) -> float:
+    """Take (q, D) of lane k over `steps` steps of free motion, as `propagate`; the change of `discrete_energy`."""
+    gained = 0.0
+    for i in range(s.q.shape[0]):
+        x, y, be = s.q[i, k], d[i, k], s.be[i, k]
+        before, left, j = y * y + be * (x - y) * x, steps, 0
+        while left > 0:
+            if left & 1:
+                x, y = powers[j, 0, i] * x + powers[j, 1, i] * y, powers[j, 2, i] * x + powers[j, 3, i] * y
+            left >>= 1
+            j += 1
+        gained += 0.5 * (y * y + be * (x - y) * x - before) / s.c[i, k]
+        s.q[i, k], d[i, k] = x, y
+    return gained

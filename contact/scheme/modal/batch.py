@@ -184,13 +184,13 @@ class Batch:
         flight = job.rim.flight
         for name in ("fade", "cos", "sin", "floor"):
             getattr(self.flights, name)[k] = getattr(flight, name)
-        if flight.powers.size:
-            self.flights.powers[k] = flight.powers
-        else:
+        if not flight.powers.size:
             self.lanes.retry[k] = NEVER
+        elif len(self.flights.powers) == WIDTH:
+            self.flights.powers[k] = flight.powers
         self.flights.start[k] = flight.start
         self.flights.wave[k, : flight.wave.size], self.flights.row[k, : flight.row.size] = flight.wave, flight.row
-        self.flights.taken[k] = 0
+        self.flights.taken[k], self.flights.open[k] = 0, 0
 
     def unload(self, k: int, job: Job, events: Samples) -> Samples:
         """Write lane k's state and sums back into its run; what it stored, views until the next load, with `events`."""
@@ -203,9 +203,9 @@ class Batch:
         n, states = (int(value) for value in kept.filled[:, k])
         lanes.live[k], lanes.away[k], lanes.limits[:, k] = 0, AWAY, NONE
         return events._replace(
-            time=kept.time[:n, k], force=kept.force[:n, k, None], gap=kept.gap[:n, k, None],
-            impulse=kept.impulse[:n, k, None], state_time=kept.state_time[:states, k],
-            state=kept.state[:states, : job.run.size, k],
+            time=kept.time[k, :n], force=kept.force[k, :n, None], gap=kept.gap[k, :n, None],
+            impulse=kept.impulse[k, :n, None], state_time=kept.state_time[k, :states],
+            state=kept.state[k, :states, : job.run.size],
         )  # fmt: skip
 
 
@@ -253,13 +253,15 @@ def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
     from contact.loop.batch.state import BatchFreeFlight
 
     kinds = [job.rim.flight for job in jobs]
-    bits, size = max(flight.powers.shape[0] for flight in kinds), max(flight.row.size for flight in kinds)
+    size, powers = max(flight.row.size for flight in kinds), [flight.powers for flight in kinds if flight.powers.size]
+    alike = all(one is powers[0] for one in powers)
+    shared = np.array([powers[0]] * (1 if alike else WIDTH) if powers else np.zeros((1, 0, 4, m)))
     arrays: dict[str, Any] = {name: np.zeros((WIDTH, m)) for name in ("fade", "cos", "sin")}
     return BatchFreeFlight(
-        powers=np.zeros((WIDTH, bits, 4, m)), floor=np.zeros((WIDTH, kinds[0].floor.size)),
+        powers=shared, floor=np.zeros((WIDTH, kinds[0].floor.size)),
         start=np.zeros((WIDTH, m + 1), dtype=np.int64), wave=np.zeros((WIDTH, size), dtype=np.int64),
         row=np.zeros((WIDTH, size)), reach=np.zeros(max(flight.reach.size for flight in kinds)),
-        taken=np.zeros((WIDTH, 2), dtype=np.int64), **arrays,
+        taken=np.zeros((WIDTH, 2), dtype=np.int64), open=np.zeros(WIDTH, dtype=np.int64), **arrays,
     )  # fmt: skip
 
 
@@ -268,6 +270,6 @@ def _kept(jobs: Sequence[Job]) -> BatchSamples:
 
     rows, size = max(job.steps // job.record.every + 1 for job in jobs), max(job.run.size for job in jobs)
     states = max(job.steps // job.record.state_every + 1 if job.record.state_every else 0 for job in jobs)
-    arrays: dict[str, Any] = {name: np.zeros((rows, WIDTH)) for name in ("time", "force", "gap", "impulse")}
+    arrays: dict[str, Any] = {name: np.zeros((WIDTH, rows)) for name in ("time", "force", "gap", "impulse")}
     arrays |= {name: np.zeros((2, WIDTH), dtype=np.int64) for name in ("due", "every", "filled")}
-    return BatchSamples(state_time=np.zeros((states, WIDTH)), state=np.zeros((states, size, WIDTH)), **arrays)
+    return BatchSamples(state_time=np.zeros((WIDTH, states)), state=np.zeros((WIDTH, states, size)), **arrays)
