@@ -7,13 +7,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import cast
 
-import numpy as np
-
 from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.record.record import Record, Samples
 from contact.result import Result
 from contact.run import Prepared, Scene, completed, finished, prepared
-from contact.scheme.modal.batch import WIDTH, Job, batch
+from contact.scheme.modal.batch import WIDTH, Events, Job, batch
 from contact.scheme.modal.modal_run import ModalRun
 
 Outcome = Result | InputError | NumericsError
@@ -93,7 +91,7 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
     shared = batch(jobs)
     waiting = list(range(len(jobs)))[::-1]
     lanes: dict[int, int] = {}
-    events: dict[int, list[Samples]] = {}
+    events: dict[int, list[Events]] = {}
     began, steps = time.perf_counter(), sum(job.steps for job in jobs)
     while waiting or lanes:
         for k in range(WIDTH):
@@ -102,12 +100,13 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
                 events[k] = []
                 shared.load(k, jobs[lanes[k]])
         happened = shared.advance()
+        for k, own in happened.items():
+            events[k].append(own)
         for k, number in list(lanes.items()):
-            events[k].append(happened[k])
             failed, ended = int(shared.lanes.failed[k]), shared.lanes.step[k] == shared.lanes.end[k]
             if failed or ended:
                 job, (i, ready), taken = jobs[number], group[number], int(shared.lanes.step[k])
-                kept = shared.unload(k, job, _joined(events.pop(k)))
+                kept = shared.unload(k, job, events.pop(k))
                 del lanes[k]
                 seconds = (time.perf_counter() - began) * job.steps / steps
                 yield i, None if failed == 1 else _result(ready, kept, taken, seconds, taken if failed else -1)
@@ -124,11 +123,3 @@ def _result(ready: Prepared, kept: Samples, taken: int, seconds: float, failed: 
         return error
     except NumericsError:
         return None
-
-
-def _joined(parts: Sequence[Samples]) -> Samples:
-    return parts[0]._replace(
-        event_contact=np.concatenate([part.event_contact for part in parts]),
-        event_kind=np.concatenate([part.event_kind for part in parts]),
-        event_time=np.concatenate([part.event_time for part in parts]),
-    )

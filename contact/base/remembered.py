@@ -6,6 +6,8 @@ from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TypeVar
 
+import numpy as np
+
 P = ParamSpec("P")
 R = TypeVar("R")
 KEPT = 16  # results of a function
@@ -30,10 +32,10 @@ def remembered(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def found(*args: P.args, **kwargs: P.kwargs) -> R:
-        flags = [getattr(value, "flags", None) for value in args]
-        if kwargs or any(flag is not None and flag.writeable for flag in flags):
+        writable = [value.flags.writeable if isinstance(value, np.ndarray) else None for value in args]
+        if kwargs or any(writable):
             return function(*args, **kwargs)
-        key = tuple(value if flag is None else id(value) for value, flag in zip(args, flags, strict=True))
+        key = tuple(value if flag is None else id(value) for value, flag in zip(args, writable, strict=True))
         if key not in kept:
             while len(kept) >= KEPT:
                 kept.pop(next(iter(kept)), None)

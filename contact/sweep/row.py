@@ -129,7 +129,8 @@ def _rim(scene: Scene | None) -> RotatingRim | Rub | None:
 
 def _levels(radial: Array, N: int) -> Array:
     """RMS radial vibration about its mean around the rim, by nodal diameters [m], (N + 1,)."""
-    power = np.var(radial, axis=0)
+    centred = radial - radial.mean(axis=0)
+    power = np.mean(centred * centred, axis=0)
     levels = power[: N + 1].copy()
     levels[1:] = 0.5 * (levels[1:] + power[N + 1 :])
     return np.asarray(np.sqrt(levels))
@@ -165,7 +166,8 @@ def _flags(result: Result, rim: RotatingRim | Rub | None, radial: Array) -> list
     energy = result.energy
     if result.reversals.any():
         found.append(f"slip reversed in {int(result.reversals.sum())} steps")
-    if rim is not None and float(np.abs(radial).max(initial=0.0)) > FAR * rim.casing.radius:
+    largest = max(float(radial.max(initial=0.0)), -float(radial.min(initial=0.0)))
+    if rim is not None and largest > FAR * rim.casing.radius:
         found.append("motion beyond a tenth of the radius: the linear model has no meaning there")
     if abs(energy.unaccounted) > 1e-8 * energy.scale:
         found.append("energy ledger open")

@@ -17,7 +17,7 @@ def angle_after(s: BatchState, k: int, step: int) -> float:
     return float(s.angle[k] - s.speed[k] * step * s.h[k])
 
 
-@jit_inside
+@jit
 def rotate_lanes(s: BatchState, waves: Array, ahead: int) -> None:
     """Cos n phi, sin n phi of every lane, `ahead` steps from where it is."""
     for k in range(s.step.size):
@@ -46,7 +46,7 @@ def turn_on(waves: Array, begin: int, end: int, by: int, c: float, s1: float) ->
         put(waves, at + 2 * WIDTH * by + WIDTH, s1 * a + c * b)
 
 
-@jit_inside
+@jit
 def fill_lanes(terms: BatchTerms, waves: Array, rows: Array) -> None:
     """Rows in every lane. Terms of a row are added one by one: zeros, of other rows or lanes, change no bit."""
     if terms.alike.size > 0:
@@ -121,7 +121,7 @@ def skip_in_batch(s: BatchState, flights: BatchFreeFlight, sums: Tally, d: Array
             return clear
         flights.open[k] = s.step[k] + clear
     powers = flights.powers[min(k, flights.powers.shape[0] - 1)]
-    steps = min(flights.open[k] - s.step[k], room, (1 << powers.shape[0]) - 1)
+    steps: int = min(flights.open[k] - s.step[k], room, (1 << powers.shape[0]) - 1)
     if steps < LEAST:
         return -(steps + 1)
     sums.damping[k] += propagate_lane(s, powers, d, k, steps)

@@ -38,6 +38,8 @@ TERMS = ("normal", "tangent")
 FOUR = 4  # rows that are summed at once where lanes share their coefficients
 NONE = np.array([np.inf, np.inf, 0.0, 0.0])  # limits there
 AWAY = 1e300  # gap where there is no run
+Events = tuple[Indices, Array]  # kinds, times
+NO_EVENTS: Events = (np.zeros(0, dtype=np.int64), np.zeros(0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,8 +140,8 @@ class Batch:
     rubs: bool
     given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once
 
-    def advance(self) -> list[Samples]:
-        """Step until a lane is at its end, has failed, or the room for events is used up; events of each lane."""
+    def advance(self) -> dict[int, Events]:
+        """Step until a lane is at its end, has failed, or the room for events is used up; events of lanes with any."""
         from contact.jit.bundle import bundled
         from contact.loop.batch.batch import advance_batch
 
@@ -150,14 +152,11 @@ class Batch:
         advance_batch(lanes, flights, sums, events, kept, self.rubs, BUDGET)
         return self._events()
 
-    def _events(self) -> list[Samples]:
-        """Events of each lane in the last call; its contact is number 0 of its own run."""
+    def _events(self) -> dict[int, Events]:
+        """Kinds and times of the events of each lane that had some in the last call."""
         out, n = self.events, int(self.sums.filled[2])
-        order = np.argsort(out.event_contact[:n], kind="stable")
-        ends = np.cumsum(np.bincount(out.event_contact[:n], minlength=WIDTH)).tolist()
-        kind, when, none = out.event_kind[:n][order], out.event_time[:n][order], np.zeros(n, dtype=np.int64)
-        own = [slice(first, end) for first, end in zip([0, *ends], ends, strict=False)]
-        return [out._replace(event_contact=none[one], event_kind=kind[one], event_time=when[one]) for one in own]
+        lane, kind, when = out.event_contact[:n], out.event_kind[:n], out.event_time[:n]
+        return {k: (kind[lane == k], when[lane == k]) for k in set(lane.tolist())}
 
     def load(self, k: int, job: Job) -> None:
         """Put a run at its start into lane k."""
@@ -192,7 +191,7 @@ class Batch:
         self.flights.wave[k, : flight.wave.size], self.flights.row[k, : flight.row.size] = flight.wave, flight.row
         self.flights.taken[k], self.flights.open[k] = 0, 0
 
-    def unload(self, k: int, job: Job, events: Samples) -> Samples:
+    def unload(self, k: int, job: Job, events: Sequence[Events]) -> Samples:
         """Write lane k's state and sums back into its run; what it stored, views until the next load, with `events`."""
         rim, lanes, kept = job.rim, self.lanes, self.kept
         rim.state.q[:], rim.state.d[:], rim.state.memory[:] = lanes.q[:, k], lanes.d[:, k], lanes.memory[:, k]
@@ -202,7 +201,9 @@ class Batch:
         job.run.steps[0] = int(lanes.step[k])
         n, states = (int(value) for value in kept.filled[:, k])
         lanes.live[k], lanes.away[k], lanes.limits[:, k] = 0, AWAY, NONE
-        return events._replace(
+        kind, when = (np.concatenate(part) for part in zip(NO_EVENTS, *events, strict=True))
+        return self.events._replace(  # its contact is number 0 of its own run
+            event_contact=np.zeros(kind.size, dtype=np.int64), event_kind=kind, event_time=when,
             time=kept.time[k, :n], force=kept.force[k, :n, None], gap=kept.gap[k, :n, None],
             impulse=kept.impulse[k, :n, None], state_time=kept.state_time[k, :states],
             state=kept.state[k, :states, : job.run.size],

@@ -40,6 +40,7 @@ from contact.scheme.modal.rub_stepper import rub_delassus, rub_stepper
 from contact.scheme.protocol import Modal, Problem, Stepper
 
 ANGLES = 180  # where rho is sampled around a rim
+Numbers = tuple[float, float, float]
 LAWS = ("auto", "forward", "averaged", "energy")
 AUTO_RHO = 0.1  # "auto" takes the averaged law up to here: beyond, long series of impacts gain energy
 
@@ -171,7 +172,7 @@ def _require_slow_turn(n_max: int, speed: float, h: float) -> None:
         )
 
 
-def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, float, float]:
+def delassus(system: ModalSystem, parts: Propagator, mu: float) -> Numbers:
     """Return H_d, S and rho = |H_d|/S where rho is largest over the contact angle (rho = inf when S is 0).
 
     Raises LimitError where sliding friction turns H_d + S negative: the blade digs in and no force opens it.
@@ -179,10 +180,20 @@ def delassus(system: ModalSystem, parts: Propagator, mu: float) -> tuple[float, 
     sign = math.copysign(mu, system.speed) if system.speed else 0.0
     if system.table is None:
         angle = np.zeros(1)
-        H, S = np.array([parts.c @ system.Q**2]), system.S_nn.at(angle)
-    else:
-        angle, along, across = _around(system.table, parts, system.S_nn, system.S_nt)
-        H, S = along - sign * across
+        return _largest(angle, np.array([parts.c @ system.Q**2]), system.S_nn.at(angle), mu)
+    return _on_a_rim(system.table, parts, system.S_nn, system.S_nt, mu, sign)
+
+
+@remembered
+def _on_a_rim(table: RowTable, parts: Propagator, S_nn: Trig, S_nt: Trig, mu: float, sign: float) -> Numbers:
+    """What `delassus` returns where the contact goes around a rim."""
+    angle, along, across = _around(table, parts, S_nn, S_nt)
+    H, S = along - sign * across
+    return _largest(angle, H, S, mu)
+
+
+def _largest(angle: Array, H: Array, S: Array, mu: float) -> Numbers:
+    """H_d, S and rho where rho is largest; raises LimitError where the sum is not positive."""
     jammed = np.flatnonzero(H + S <= 0.0)
     if jammed.size:
         k = int(jammed[0])

@@ -114,12 +114,12 @@ class ModalRun:
 
     def motions(self) -> tuple[Motion, ...]:
         """Mean velocity and momentum of each body from its mode of frequency zero, NaN unless it has one."""
-        found, system, velocity = [], self.system, self.velocity()
+        found, system = [], self.system
         for b, (name, mass) in enumerate(zip(system.names, system.masses, strict=True)):
             modes = slice(int(system.first[b]), int(system.first[b + 1]))
             rigid = system.omega[modes] == 0.0
             speed = math.nan
-            if np.count_nonzero(rigid) == 1 and mass > 0.0:
-                speed = float(np.sum(velocity[modes][rigid])) / math.sqrt(mass)
+            if mass > 0.0 and np.count_nonzero(rigid) == 1:
+                speed = float(np.sum(self.velocity()[modes][rigid])) / math.sqrt(mass)
             found.append(Motion(kind=name, number=b, mean_velocity=speed, momentum=speed * mass))
         return tuple(found)

@@ -70,6 +70,8 @@ def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: in
     phi = system.angle - system.speed * steps * parts.h
     force, pull = float(state.memory[2]), float(state.memory[3])
     at_rest = 0.0 if tracks is None else tracks.elastic
+    if force == 0.0 and not (state.q.any() or state.d.any() or parts.load.any()):  # as most runs start
+        return Stored(kinetic=0.0, strain=0.0, potential=system.potential, residual=at_rest, discrete=system.potential)
     if force == 0.0:
         return parts.stored(state.q, state.d, np.zeros(state.q.size), at_rest, system.potential)
     Q, T = system.table.rows(phi) if system.table is not None else (system.Q, system.Q * 0.0)

@@ -22,6 +22,7 @@ class Propagator:
     """Coefficients (m,) each for a step h; `fade` = e^{-a h}, `turn` = w_d h.
 
     `stiff` is omega^2, 1 for rigid modes; `stay` = cos(w_d h) - a/w_d sin(w_d h), `drift` = sin(w_d h)/w_d.
+    `rigid`: there are rigid modes.
     """
 
     h: float
@@ -35,6 +36,7 @@ class Propagator:
     stiff: Array
     stay: Array
     drift: Array
+    rigid: bool
 
     def backward(self, q: Array, velocity: Array) -> Array:
         """D = q(0) - q(-h) of the motion through (q, velocity) under the load."""
@@ -48,11 +50,13 @@ class Propagator:
         """Velocity at t_n of the motion through q_{n-1}, q_n with constant `force` (load and contact)."""
         rest = self._rest(force)
         elastic = 1.0 / self.drift * (self.stay * (q - rest) - self.fade * (q - d - rest))
+        if not self.rigid:
+            return np.asarray(elastic)
         return np.asarray(np.where(self.omega > 0.0, elastic, d / self.h + 0.5 * self.h * force))
 
     def _rest(self, force: Array) -> Array:
         """Static displacement of elastic modes, zero for rigid ones."""
-        return np.asarray(np.where(self.omega > 0.0, force / self.stiff, 0.0))
+        return np.asarray(np.where(self.omega > 0.0, force / self.stiff, 0.0) if self.rigid else force / self.stiff)
 
     def stored(self, q: Array, d: Array, contact: Array, residual: float, potential: float) -> Stored:
         """Energies at t_n; discrete form D^T D/(2 c) + omega^2 q_{n-1} q_n/2 - f (q_{n-1} + q_n)/2."""
@@ -92,7 +96,7 @@ def propagator(omega: Array, zeta: Array, load: Array, h: float) -> Propagator:
         h=h, omega=omega, load=load, al=readonly(fade**2), be=readonly(be), c=readonly(c),
         fade=readonly(fade),
         turn=readonly(turn), stiff=readonly(stiff), stay=readonly(np.cos(turn) - slope * np.sin(turn)),
-        drift=readonly(h * np.sinc(turn / np.pi)),
+        drift=readonly(h * np.sinc(turn / np.pi)), rigid=not elastic.all(),
     )  # fmt: skip
 
 
