@@ -12,6 +12,9 @@ from contact.base.arrays import Array
 from contact.jit.compiled import jit
 from contact.jit.vector import WIDTH, load, put, same, total
 
+PANEL = 4  # columns that `solve_in_place` takes at a time
+LARGE = 40  # unknowns from which on it does: fewer stay in the nearest cache
+
 
 @jit
 def assign(out: Array, x: Array, n: int) -> None:
@@ -54,6 +57,22 @@ def affine(A: Array, x: Array, b: Array, out: Array, n: int) -> None:
 @jit
 def solve_in_place(A: Array, x: Array, n: int) -> bool:
     """Replace x by A^-1 x and A by its factors, rows exchanged for the largest pivot; False where a pivot is zero."""
+    if n >= LARGE:
+        if not eliminate_panels(A, x, n):
+            return False
+    elif not eliminate(A, x, n):
+        return False
+    for i in range(n - 1, -1, -1):
+        left = x[i]
+        for k in range(i + 1, n):
+            left -= A[i, k] * x[k]
+        x[i] = left / A[i, i]
+    return True
+
+
+@jit
+def eliminate(A: Array, x: Array, n: int) -> bool:
+    """Make A upper triangular; False where a pivot is zero."""
     for p in range(n):
         top, largest = p, abs(A[p, p])
         for i in range(p + 1, n):
@@ -62,20 +81,72 @@ def solve_in_place(A: Array, x: Array, n: int) -> bool:
         if not largest > 0.0:
             return False
         if top != p:
-            x[p], x[top] = x[top], x[p]
-            for k in range(p, n):
-                A[p, k], A[top, k] = A[top, k], A[p, k]
+            exchange(A, x, p, top, p, n)
         for i in range(p + 1, n):
             ratio = A[i, p] / A[p, p]
             if ratio != 0.0:
                 subtract(A[i], ratio, A[p], p + 1, n)
                 x[i] -= ratio * x[p]
-    for i in range(n - 1, -1, -1):
-        left = x[i]
-        for k in range(i + 1, n):
-            left -= A[i, k] * x[k]
-        x[i] = left / A[i, i]
     return True
+
+
+@jit
+def eliminate_panels(A: Array, x: Array, n: int) -> bool:
+    """Make A upper triangular, `PANEL` columns at a time: the rest is read and written once for all of them.
+
+    Every entry sees the operations of `eliminate`, in the same order.
+    """
+    for first in range(0, n, PANEL):
+        end, top, largest = min(first + PANEL, n), first, abs(A[first, first])
+        for i in range(first + 1, n):
+            if abs(A[i, first]) > largest:
+                top, largest = i, abs(A[i, first])
+        for p in range(first, end):
+            if not largest > 0.0:
+                return False
+            if top != p:
+                exchange(A, x, p, top, first, n)
+            for i in range(p + 1, n):
+                ratio = A[i, p] / A[p, p]
+                A[i, p] = ratio
+                for k in range(p + 1, end):
+                    A[i, k] -= ratio * A[p, k]
+                x[i] -= ratio * x[p]
+                if p + 1 < end and (i == p + 1 or abs(A[i, p + 1]) > largest):
+                    top, largest = i, abs(A[i, p + 1])
+        for i in range(first + 1, end):
+            for p in range(first, i):
+                subtract(A[i], A[i, p], A[p], end, n)
+        if end < n:
+            subtract_panel(A, first, n)
+    return True
+
+
+@jit
+def exchange(A: Array, x: Array, p: int, top: int, first: int, n: int) -> None:
+    """Rows p and `top` change places, from column `first` on."""
+    x[p], x[top] = x[top], x[p]
+    for k in range(first, n):
+        A[p, k], A[top, k] = A[top, k], A[p, k]
+
+
+@jit
+def subtract_panel(A: Array, first: int, n: int) -> None:
+    """Take rows `first` .. `first` + PANEL - 1, times the factors in these columns, from all rows below."""
+    wide, begin = A.shape[1], first + PANEL
+    p, whole = first * wide, n - (n - begin) % WIDTH
+    for i in range(begin, n):
+        row = i * wide
+        a, b, c, d = same(A[i, first]), same(A[i, first + 1]), same(A[i, first + 2]), same(A[i, first + 3])
+        for k in range(begin, whole, WIDTH):
+            left = load(A, row + k) - a * load(A, p + k)
+            left = left - b * load(A, p + wide + k)
+            left = left - c * load(A, p + 2 * wide + k)
+            put(A, row + k, left - d * load(A, p + 3 * wide + k))
+        for other in range(first, begin):
+            ratio = A[i, other]
+            for k in range(whole, n):
+                A[i, k] -= ratio * A[other, k]
 
 
 @jit

@@ -144,10 +144,10 @@ def casing_yields(rows: RubRows, w: Work, dim: int) -> None:
     """Fill `casing`: tests rows^T, and what turns of the residual compliance; four rows by eight slots at a time."""
     width, slots, columns, waves = rows.width, w.row_columns.shape[1], w.casing.shape[1], w.strained.size
     n = w.turn.size
-    for a in range(0, w.slots[0] * dim, TOGETHER):
-        test, soft, out = a * width, a * waves, a * columns
-        for i in range(dim):
-            for q in range(0, w.slots[0], WIDTH):
+    for i in range(dim):
+        for q in range(0, w.slots[0], WIDTH):
+            for a in range(0, w.slots[0] * dim, TOGETHER):
+                test, soft = a * width, a * waves
                 first, second, third, fourth = same(0.0), same(0.0), same(0.0), same(0.0)
                 for k in range(width):
                     row = load(w.row_columns, (i * width + k) * slots + q)
@@ -163,7 +163,7 @@ def casing_yields(rows: RubRows, w: Work, dim: int) -> None:
                         second = second + same(entry(w.soft, begin + waves + k)) * row
                         third = third + same(entry(w.soft, begin + 2 * waves + k)) * row
                         fourth = fourth + same(entry(w.soft, begin + 3 * waves + k)) * row
-                place = out + i * slots + q
+                place = a * columns + i * slots + q
                 put(w.casing, place, first)
                 put(w.casing, place + columns, second)
                 put(w.casing, place + 2 * columns, third)

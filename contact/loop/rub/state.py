@@ -11,7 +11,7 @@ from contact.jit.vector import WIDTH
 from contact.loop.rub.rows import RubRows
 from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import solver_room
-from contact.solver.friction.room import Room
+from contact.solver.friction.room import Room, staggered
 
 TOGETHER = 4  # rows that `solve.casing` takes at a time
 
@@ -112,7 +112,7 @@ def work_space(s: RubState, rows: RubRows) -> Work:
     """Buffers."""
     K, R, width, n = s.mu.size, s.lam.size, rows.width, rows.harmonics
     P, d = int(rows.place.max()) + 1, R // K
-    D, slots, lines = -(-P * d // TOGETHER) * TOGETHER, -(-P // WIDTH) * WIDTH, len(rows.reach)
+    D, slots, lines = -(-P * d // TOGETHER) * TOGETHER, staggered(-(-P // WIDTH) * WIDTH), len(rows.reach)
     few, spread = (R if rows.turns and rows.few else 0), (d * lines if rows.turns and not rows.few else 0)
     waves, wide = 2 * n * spread, -(-few // WIDTH) * WIDTH
 

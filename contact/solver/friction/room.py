@@ -11,6 +11,7 @@ import numba
 import numpy as np
 
 from contact.base.arrays import Array, Indices
+from contact.solver.dense import LARGE
 
 protocol: Any = numba.types.WrapperAddressProtocol
 Pivoted = Callable[[Array, Array, Array, int, Array], tuple[Array, float]]  # W, b, mu, dim, force: force, residual
@@ -76,17 +77,26 @@ class Room(NamedTuple):
     """Arrays for problems of up to N unknowns in K contacts, and what to call where Newton's method fails."""
 
     vectors: Array  # (15, N)
-    matrices: Array  # (3, N, N)
+    matrices: Array  # (3, N, N and some columns)
     pairs: Array  # (K, 2)
     whole: Indices  # (2, N)
     left: Array  # (1,) largest error of a solution as motion, over the free motion of its contact
     otherwise: Otherwise
 
 
+def staggered(size: int) -> int:
+    """So many columns, or some more, that entries of a column lie in different parts of the cache.
+
+    >>> staggered(5), staggered(128), staggered(130)
+    (5, 136, 136)
+    """
+    return size if size < LARGE else 8 * (-(-size // 8) // 2 * 2 + 1)
+
+
 def friction_room(contacts: int, dim: int, pivoted: Pivoted | None = None) -> Room:
     """Room for problems of up to this many contacts in `dim` directions; without pivoting where it is not given."""
     size = contacts * dim
-    vectors, matrices = np.zeros((15, size)), np.zeros((3, size, size))
+    vectors, matrices = np.zeros((15, size)), np.zeros((3, size, staggered(size)))
     return Room(
         vectors=vectors, matrices=matrices, pairs=np.zeros((contacts, 2)), whole=np.zeros((2, size), dtype=np.int64),
         left=np.zeros(1),
