@@ -122,9 +122,11 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
         w.mu[n] = s.mu[j]
         for i in range(dim):
             a, row, part = n * dim + i, j * dim + i, share if i == 0 else 1.0
+            casing, own = w.column[a] * w.casing.shape[1], row * rows.fixed.shape[1]
             for k in range(size):
-                other = w.row[k]
-                w.W[a, k] = w.casing[w.column[a], w.across[k]] + part * rows.fixed[row, other] + rows.still[row, other]
+                other = own + entry(w.row, k)
+                yields = entry(w.casing, casing + entry(w.across, k))
+                w.W[a, k] = yields + part * entry(rows.fixed, other) + entry(rows.still, other)
             w.lam[a] = s.lam[row]
             if i == 0:
                 w.b[a], s.scale[j] = s.test[j] - s.skin[j], w.W[a, a]

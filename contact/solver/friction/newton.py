@@ -20,6 +20,7 @@ import math
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit
+from contact.jit.vector import entry
 from contact.solver.dense import affine, assign, dot, solve_in_place
 from contact.solver.friction.room import BASE, CLOSED, INNER, JACOBIAN, MISS, RIGHT, STEP, TRIAL, TRIAL_MISS, Room, U
 
@@ -254,8 +255,9 @@ def newton_step(J: Array, closed: Indices, n: int, miss: Array, inside: Array, r
         step[closed[a]] = 0.0
     for a in range(n):
         right[a] = miss[closed[a]] - dot(J[a], step, size)
+        row = a * J.shape[1]
         for b in range(n):
-            inside[a, b] = J[a, closed[b]]
+            inside[a, b] = entry(J, row + entry(closed, b))
         inside[a, a] += hair
     solved = solve_in_place(inside, right, n)
     for a in range(n):
