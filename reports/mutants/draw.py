@@ -1,8 +1,9 @@
 """Mutants of the packages: which are drawn, and what a source becomes."""
 
-import ast
 import fnmatch
 import random
+import types
+import warnings
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -35,15 +36,27 @@ class Mutant:
 
 
 def mutant(file: str, text: str, site: Site, new: str) -> Mutant | None:
-    """The source with a site changed; None where that is no Python, or the same."""
+    """The source with a site changed; None where that is no Python, or compiled the same."""
     row = text.splitlines()[site.line - 1]
     after = row[: site.start] + new + row[site.end :]
     made = Mutant(file, site.line, site.start, site.end, new, site.function, row.strip(), after.strip())
     try:
-        same = ast.dump(ast.parse(made.source(text))) == ast.dump(ast.parse(text))
+        same = does(made.source(text)) == does(text)
     except SyntaxError:
         return None
     return None if same else made
+
+
+def does(source: str) -> object:
+    """What a source compiles to, wherever it stands."""
+
+    def whole(code: types.CodeType) -> tuple[object, ...]:
+        constants = [whole(c) if isinstance(c, types.CodeType) else (type(c), repr(c)) for c in code.co_consts]
+        return code.co_code, constants, code.co_names, code.co_varnames, code.co_exceptiontable
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # such as of `1 is not 2`
+        return whole(compile(source, "", "exec", dont_inherit=True))
 
 
 def draw(sources: dict[str, str], seed: int, count: int, only: str = "*") -> list[Mutant]:

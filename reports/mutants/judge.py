@@ -73,6 +73,7 @@ class Tree:
         }  # fmt: skip
         options = [
             "-p", "reports.mutants.inside_pytest", "-p", "no:cacheprovider", "-q", "--tb=short", "--hypothesis-seed=0",
+            "--doctest-modules", "-m", "not campaign",  # what the gate runs
         ]  # fmt: skip
         options += [f"--basetemp={self.beside('temporary')}", *(["-x"] if first_failure else [])]
         command = [sys.executable, "-m", "pytest", *options, *files]

@@ -1,11 +1,14 @@
 """Which tests are near a function: how many references lie between them, read from the sources.
 
 References are names: what a function, class or constant at the top of a file uses, and the fixtures that a test takes.
-Nothing is run for it, so compiled loops and what other processes run are found like the rest.
+The examples of a docstring are a test. Nothing is run for it, so compiled loops and what other processes run are found
+like the rest.
 """
 
 import ast
+import doctest
 import hashlib
+import itertools
 import string
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
@@ -79,21 +82,40 @@ def parse(root: Path, path: Path) -> Source:
     tree = ast.parse(text)
     # what a package passes on when it is asked stands in a stub beside it
     stub = ast.parse(path.with_suffix(".pyi").read_text("utf-8")) if path.with_suffix(".pyi").exists() else None
-    imports: dict[str, Unit] = {}
-    for node in [*ast.walk(tree), *(ast.walk(stub) if stub else ())]:
-        if isinstance(node, ast.ImportFrom):
-            above = [".".join(Path(file).parts[: -node.level])] if node.level else []
-            module = ".".join([*above, *([node.module] if node.module else [])])
-            imports |= {name.asname or name.name: (module, name.name) for name in node.names}
-        elif isinstance(node, ast.Import):
-            imports |= {name.asname: (name.name, "") for name in node.names if name.asname}
+    imports = imported(file, [tree, *([stub] if stub else [])])
     units: dict[str, list[ast.stmt]] = {}
     for statement in tree.body:
         if not isinstance(statement, ast.Import | ast.ImportFrom):
             for name in defined(statement):
                 units.setdefault(name, []).append(statement)
+    for name, text in documented(tree, file.removesuffix(".py").removesuffix("/__init__").replace("/", ".")):
+        examples = doctest.DocTestParser().get_examples(text)
+        if examples:
+            units[name] = ast.parse("".join(example.source for example in examples)).body
+            imports = imported(file, units[name]) | imports
     slow = any(SLOW in ast.unparse(there) for there in units.get("pytestmark", []))
     return Source(file, imports, units, slow)
+
+
+def imported(file: str, trees: Iterable[ast.AST]) -> dict[str, Unit]:
+    """What imports call by which name."""
+    found: dict[str, Unit] = {}
+    for node in itertools.chain.from_iterable(map(ast.walk, trees)):
+        if isinstance(node, ast.ImportFrom):
+            above = [".".join(Path(file).parts[: -node.level])] if node.level else []
+            module = ".".join([*above, *([node.module] if node.module else [])])
+            found |= {name.asname or name.name: (module, name.name) for name in node.names}
+        elif isinstance(node, ast.Import):
+            found |= {name.asname or name.name: (name.name, "") for name in node.names}
+    return found
+
+
+def documented(node: ast.Module | ast.ClassDef | ast.FunctionDef, name: str) -> Iterator[tuple[str, str]]:
+    """The docstrings of a module and of what it defines, by their dotted names."""
+    yield name, ast.get_docstring(node) or ""
+    for inner in node.body:
+        if isinstance(inner, ast.ClassDef | ast.FunctionDef):
+            yield from documented(inner, f"{name}.{inner.name}")
 
 
 def defined(statement: ast.stmt) -> list[str]:
@@ -116,9 +138,13 @@ def names(statements: Iterable[ast.stmt]) -> Iterator[str]:
                 yield ast.unparse(node)
 
 
-def read_reach(root: Path, folders: Iterable[str]) -> Reach:
-    """The references of all files in folders below a root; tests are those of the folder `tests`."""
-    paths = sorted(path for folder in folders for path in (root / folder).rglob("*.py"))
+def read_reach(root: Path, packages: Iterable[str], beside: Iterable[str]) -> Reach:
+    """The references of all files of packages and of folders beside them, below a root.
+
+    Tests are those in files named so, and the examples of the packages.
+    """
+    examples = tuple(f"{name}/" for name in packages)
+    paths = sorted(path for folder in (*packages, *beside) for path in (root / folder).rglob("*.py"))
     paths = [path for path in paths if "out" not in path.relative_to(root).parts]  # results hold copies
     sources = {source.file: source for source in (parse(root, path) for path in paths)}
     modules = {file.removesuffix(".py").removesuffix("/__init__").replace("/", "."): file for file in sources}
@@ -153,6 +179,7 @@ def read_reach(root: Path, folders: Iterable[str]) -> Reach:
         (file, name): source.slow or any(SLOW in ast.unparse(d) for s in body for d in getattr(s, "decorator_list", []))
         for file, source in sources.items()
         for name, body in source.units.items()
-        if name.startswith(("test_", "Test")) and Path(file).name.startswith("test_")
+        if ("." in name and file.startswith(examples))
+        or (name.startswith(("test_", "Test")) and Path(file).name.startswith("test_"))
     }
     return Reach({unit: frozenset(found) for unit, found in users.items()}, attributes, tests)

@@ -58,7 +58,7 @@ class Campaign:
 
     def tests(self, mutants: Iterable[Mutant]) -> dict[Mutant, list[str]]:
         """Tests for each mutant, nearest first, those of so many files as the limits allow."""
-        reach = read_reach(self.root, (*self.packages, "reports", "tests"))
+        reach = read_reach(self.root, self.packages, ("reports", "tests"))
         chosen = {}
         for mutant in mutants:
             nearest = reach.nearest(mutant.file, mutant.function, self.seed)

@@ -1,7 +1,7 @@
 """Where small faults can be put into a Python source.
 
 A site is a piece of one line with texts that may stand there instead. Left alone: docstrings, messages, annotations,
-decorators, imports and what prints.
+decorators, imports, what prints, `__repr__`, and what is never run: overloads and methods that a protocol asks for.
 """
 
 import ast
@@ -25,7 +25,9 @@ FUNCTIONS = {
     "argmax": "argmin", "argmin": "argmax", "sin": "cos", "cos": "sin", "floor": "ceil", "ceil": "floor",
 }  # fmt: skip
 TOLD = {"echo", "print", "warn", "say", "progress"}
-SETTINGS = {"strict", "stacklevel", "indent", "encoding", "err", "nl"}
+SETTINGS = {
+    "strict", "stacklevel", "indent", "encoding", "err", "nl", "check_finite", "overwrite_a", "overwrite_b", "optimize",
+}  # fmt: skip
 RETURNED = {"float": "2.0 * ({})", "int": "({}) + 1", "bool": "not ({})", "Array": "-({})", "FloatArray": "-({})"}
 
 
@@ -81,6 +83,8 @@ class Finder(ast.NodeVisitor):
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
         """Defaults and body."""
+        if node.name == "__repr__" or is_empty(node.body[-1]):
+            return
         before, self.scope, self.returns = (self.scope, self.returns), (*self.scope, node.name), ""
         if isinstance(node.returns, ast.Name):
             self.returns = RETURNED.get(node.returns.id, "")
@@ -200,6 +204,11 @@ class Finder(ast.NodeVisitor):
 def name_of(node: ast.expr) -> str:
     """The last part of a dotted name."""
     return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
+
+
+def is_empty(node: ast.stmt) -> bool:
+    """Whether a body ends with `...` or its docstring, as that of an overload or of a protocol does."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
 def is_text(node: ast.expr) -> bool:

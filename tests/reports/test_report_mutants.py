@@ -92,6 +92,7 @@ def changes(line: str) -> set[str]:
         ("x: Literal[1] = 'text' + a", set()),
         ("x = f'{a + b}'", set()),
         ("print(a + b)", set()),
+        ("return solve(a, b, check_finite=False)", set()),
     ],
 )
 def test_what_becomes_of_a_statement(line: str, expected: set[str]) -> None:
@@ -102,6 +103,19 @@ def test_returned_numbers_change_by_their_promised_type() -> None:
     text = "def f(a=1) -> float:\n    return a\n"
     made = [mutant("f.py", text, site, new) for site in sites(text) for new in site.choices]
     assert [one.after for one in made if one] == ["def f(a=2) -> float:", "return 2.0 * (a)"]
+
+
+@pytest.mark.parametrize(
+    "kind", ["def __repr__(a=1):\n    return f(a + 1)", "def f(a=1): ...", 'def f(a=1):\n    "Text."']
+)
+def test_what_is_only_printed_or_never_run_is_left_alone(kind: str) -> None:
+    assert sites(kind) == []
+
+
+def test_a_change_that_compiles_to_the_same_is_no_mutant() -> None:
+    assert changes("return 2.0 * 1.0") == {
+        f"return {a} * {b}" for a, b in [(4.0, 1.0), (6.0, 1.0), (2.0, 2.0), (2.0, 3.0)]
+    }
 
 
 def test_a_smaller_draw_is_the_beginning_of_a_larger_one() -> None:
@@ -117,11 +131,28 @@ def test_no_function_is_drawn_more_than_twice() -> None:
 
 
 def test_tests_are_found_through_fixtures_and_nearest_first(campaign: Campaign) -> None:
-    reach = read_reach(campaign.root, ("tiny", "tests"))
+    reach = read_reach(campaign.root, ("tiny",), ("tests",))
     file = "tests/test_module.py"
     near = reach.distances(("tiny/module.py", "seen"))
     assert near == {(file, "test_seen"): 1, (file, "test_by_a_fixture"): 2}
     assert reach.nearest("tiny/module.py", "unseen", 1)[0] == f"{file}::test_unseen"
+
+
+def test_examples_of_a_docstring_are_tests(campaign: Campaign) -> None:
+    """Those of a package; of other folders nothing runs them."""
+    text = SOURCE.replace(
+        '"""Tests look at this."""',
+        '"""Text.\n\n    >>> from tiny.module import unseen\n    >>> unseen(1)\n    2\n    """',
+    )
+    for name in ("tiny/module.py", "tests/other.py"):
+        (campaign.root / name).write_text(text, encoding="utf-8")
+    reach = read_reach(campaign.root, ("tiny",), ("tests",))
+    assert reach.distances(("tiny/module.py", "unseen"))["tiny/module.py", "tiny.module.seen"] == 1
+    assert not any(file == "tests/other.py" for file, _ in reach.tests)
+    seed = next(k for k in range(9) if "x - 1" in replace(campaign, seed=k, count=1).mutants()[0].after)
+    assert [row["killed by"] for row in main(replace(campaign, seed=seed, count=1))] == [
+        "tiny/module.py::tiny.module.seen"
+    ]
 
 
 def test_tests_are_found_through_the_stub_of_a_package_and_its_rooms(campaign: Campaign) -> None:
@@ -134,7 +165,7 @@ def test_tests_are_found_through_the_stub_of_a_package_and_its_rooms(campaign: C
     }.items():
         (campaign.root / name).parent.mkdir(exist_ok=True)
         (campaign.root / name).write_text(text, encoding="utf-8")
-    reach, file = read_reach(campaign.root, ("tiny", "tests")), "tests/test_package.py"
+    reach, file = read_reach(campaign.root, ("tiny",), ("tests",)), "tests/test_package.py"
     assert reach.distances(("tiny/module.py", "seen"))[file, "test_1"] == 1
     assert reach.distances(("tiny/module.py", "unseen"))[file, "test_2"] == 1
 
