@@ -1,0 +1,183 @@
+"""Bounds of what is taken: the value just inside is, the one just outside is refused in words."""
+
+import math
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.growth.cycles.driven import DrivenBody
+from contact.growth.floquet import fastest
+from contact.model.gaps.gap import require_term
+from contact.model.gaps.modal_system import rim_system
+from contact.model.gaps.permanent import HandPair, ModalPair
+from contact.model.gaps.rub_laws import Closing, Whirl
+from contact.recovery import at_outputs
+from contact.reference.impacts import stopped_period
+from contact.reference.waves import impact_by_characteristics
+from contact.solver.friction.coulomb import coulomb
+from tests.contact.synthetic_rim import blade, ring
+
+BODY = {"omega": [2.0], "zeta": [0.0], "channels": ("x",), "rows": [[1.0]], "S": [[1e-3]]}
+ROD = {"length": 1.0, "area": 1.0, "E": 1.0, "rho": 1.0, "elements": 4}
+BEAM = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=4)
+THIN = {"width": 0.02, "height": 0.005, "E": 210e9, "rho": 7800.0, "k_r": 1e6, "k_t": 1e5}
+
+
+def body(**changes):
+    return ct.ModalBody(**BODY | changes)
+
+
+def side(**changes):
+    return ct.gaps.Side(body=body(**changes), channel="x", sign=1)
+
+
+def rod(**changes):
+    return ct.Rod(**ROD | changes)
+
+
+def mass(**changes):
+    return ct.PointMass(**{"mass": 1.0, "x": -0.1, "velocity": 1.0} | changes)
+
+
+def beam(**changes):
+    return ct.BeamInCircle(BEAM, **{"radius": 0.51} | changes)
+
+
+def rim(radius):
+    return ct.bodies.ring_modes(ct.bodies.ThinRing(radius=radius, **THIN), 2)
+
+
+def modal(*bodies, scheme=ct.ExactModal, law=None, t_end=0.2, **changes):
+    return ct.run(bodies, scheme=scheme(modes=3), t_end=t_end, law=law, **changes)
+
+
+def linear(*bodies, scheme=ct.CentralDifference, **changes):
+    return ct.run(bodies, scheme=scheme(), t_end=0.2, **changes)
+
+
+def gap(scheme=ct.ExactModal, dt=None, t_end=0.2, **changes):
+    return ct.run(ct.PointGap(sides=(side(**changes),), clearance=1.0), scheme=scheme(), t_end=t_end, dt=dt)
+
+
+def driven(S, stiffness=math.inf, **changes):
+    two = body(channels=("x", "y"), rows=[[1.0], [0.5]], S=S)
+    patch = ct.Patch(body=two, normal=("x", "y"), clearance=0.1)
+    return DrivenBody(patch=patch, channel="x", amplitude=0.1, **{"stiffness": stiffness} | changes)
+
+
+def pair(n=2, of_blade=0, lean_deg=0.0):
+    casing = ModalPair(n=n, freq_hz=300.0, modal_mass=1.5)
+    return HandPair(
+        casing=casing, blade=ModalPair(n=of_blade, freq_hz=120.0, modal_mass=0.4), compliance=1e-4, lean_deg=lean_deg
+    )
+
+
+def turning(S):
+    return fastest(rim_system(ct.RotatingRim(ring(S=S), blade(S=0.0), clearance=0.0, speed_hz=5.0)), 0.0)
+
+
+def characteristics(**changes):
+    return impact_by_characteristics(mass(x=0.0, **changes), rod(), dt=0.25, t_end=1.0)
+
+
+def ends(**changes):
+    return impact_by_characteristics(rod(x=-1.0, velocity=1.0), rod(**changes), dt=0.25, t_end=1.0)
+
+
+def friction(W=1.0, b=1.0, mu=0.5):
+    return coulomb([[W, 0.0], [0.0, 1.0]], [[b, 0.0]], mu)
+
+
+TAKEN, REFUSED = 0, 1
+BOUNDS = {
+    "beam.offset": (lambda k: beam(radius=0.51, offset=(0.01, 0.51)[k]), r"offset: found 0\.51 m, expected less than"),
+    "beam.start": (lambda k: beam(radius=(0.5, 0.499)[k]), r"beam: node \d starts 0\.001 m outside the circle"),
+    "ring.above": (lambda k: beam(ring=rim((0.56, 0.562)[k])), r"ring: found radius 0\.562 m, expected about 0\.51"),
+    "ring.below": (lambda k: beam(ring=rim((0.46, 0.458)[k])), r"ring: found radius 0\.458 m, expected about 0\.51"),
+    "beam.implicit": (
+        lambda k: ct.Newmark().prepare(beam(), ct.Unilateral(), dt=(1e-4, None)[k], courant=None),
+        "dt: found none, expected a time step in seconds",
+    ),
+    "rod.fixed": (lambda k: rod(fixed=("left", "middle")[k]), "fixed: found 'middle', expected 'none', 'left' or"),
+    "rod.end_mass": (
+        lambda k: linear(*[ct.Wall(x=-1.0)] * k, rod(end_mass=1.0), ct.Wall(x=2.0), courant=0.5),
+        "end_mass: found on a free rod between two bodies",
+    ),
+    "retuned": (lambda k: body(omega=[(2.0, 0.0)[k]]).retuned(1.0), "freq_hz: found a body of rigid modes only"),
+    "term.key": (lambda k: require_term({"p": 2, ("cos", "cosine")[k]: 0.1}), "found keys .'cosine', 'p'., expected p"),
+    "term.p": (lambda k: require_term({"p": (0, -1)[k], "cos": 0.1}), "out_of_roundness"),
+    "term.none": (lambda k: require_term([{"p": 1}, {"cos": 1.0}][k]), "expected p and cos and/or sin"),
+    "term.whole": (lambda k: require_term({"p": (2.0, 2.5)[k]}), "out_of_roundness"),
+    "sides.none": (lambda k: ct.PointGap(sides=(side(),) * (1, 0)[k]), "sides: found 0, expected one"),
+    "sides.many": (lambda k: ct.PointGap(sides=(side(),) * (2, 3)[k]), "sides: found 3, expected one"),
+    "modal.damping": (lambda k: modal(mass(damping=(0.0, 0.1)[k]), rod()), "damping: found viscous damping of a body"),
+    "modal.rod": (lambda k: modal(mass(), rod(damping=(0.0, 0.1)[k])), "damping: found viscous damping of a body"),
+    "modal.force": (lambda k: modal(mass(force=(0.0, 0.1)[k]), rod()), "force: found a varying force, expected none"),
+    "modal.fixed": (
+        lambda k: modal(mass(), rod(fixed=("right", "left")[k])), "fixed: found 'left' on the rod's contact end",
+    ),
+    "closing": (lambda k: Closing.exponential(1e-4, (1e-3, 0.0)[k]), r"time_constant: found 0\.0, expected seconds"),
+    "closing.inf": (lambda k: Closing.exponential(1e-4, (1e3, math.inf)[k]), "time_constant: found inf"),
+    "closing.sizes": (lambda k: Closing([0.0, 1.0], ([0.0, 1.0], [0.0])[k]), "closing: found .2,. places and .1,."),
+    "closing.order": (lambda k: Closing([0.0, (0.1, 0.0)[k]], [0.0, 1.0]), "closing: found 0 after 0, expected asc"),
+    "closing.nan": (lambda k: Closing([0.0, 1.0], [0.0, (1.0, math.nan)[k]]), "closing: found values that are NaN"),
+    "whirl": (lambda k: Whirl(amplitude=(0.0, -1e-9)[k]), "amplitude: found -1e-09, expected a finite number >= 0"),
+    "profile": (lambda k: ct.RimProfile((), [0.0, 1.0, 2.0], ([0.0] * 3, None)[k]), "found one of theta and depth"),
+    "profile.few": (
+        lambda k: ct.RimProfile((), [0.0, 1.0, 2.0][: 3 - k], [0.0] * (3 - k)), "found 2 angles over 1 rad, expected th"
+    ),
+    "profile.turn": (lambda k: ct.RimProfile((), [0.0, 1.0, (6.28, 6.29)[k]], [0.0] * 3), "found 3 angles over 6.29"),
+    "outputs": (
+        lambda k: at_outputs(
+            body(**[{"outputs": ("a",), "output_rows": [[1.0]], "output_S": [[0.0]]}, {}][k]), np.ones((2, 1)),
+            np.ones((2, 1)),
+        ),
+        "outputs: found none in this basis",
+    ),
+    "stop": (lambda k: stopped_period(1.0, (-1.0, -1.01)[k], 1.0), "gap: found -1.01 m with amplitude 1 m"),
+    "waves.spring": (lambda k: characteristics(stiffness=(0.0, 1.0)[k]), "mass: found a spring, dashpot or force"),
+    "waves.dashpot": (lambda k: characteristics(damping=(0.0, 1.0)[k]), "mass: found a spring, dashpot or force"),
+    "waves.force": (lambda k: characteristics(force=(0.0, 1.0)[k]), "mass: found a spring, dashpot or force"),
+    "waves.end": (lambda k: ends(end_mass=(0.0, 1.0)[k]), "rod: found an end mass or damping"),
+    "waves.damping": (lambda k: ends(damping=(0.0, 1.0)[k]), "rod: found an end mass or damping"),
+    "waves.whole": (lambda k: ends(length=(2.0, 2.1)[k]), "whole"),
+    "courant.rods": (lambda k: linear(mass(), (rod(), ct.Wall())[k], courant=0.5), "courant: found a scene without"),
+    "courant.rigid": (lambda k: modal(mass(), (rod(), ct.Wall())[k]), "dt: found none with rigid bodies only"),
+    "energy.zeta": (
+        lambda k: gap(lambda: ct.ExactModal(law="energy"), 0.1, zeta=[(0.0, 1e-9)[k]]), "'energy' with damped modes"
+    ),
+    "slow": (lambda k: gap(lambda: ct.ExactModal(law="forward"), (1.25, 1.2501)[k], t_end=3.0), "take dt <= 1.25 s"),
+    "linear": (
+        lambda k: gap((ct.ExactModal, ct.MoreauJean)[k], 0.01), "scheme: found MoreauJean for PointGap, expected Exact"
+    ),
+    "cycles.coupled": (
+        lambda k: driven([[1e-3, (0.0, 1e-12)[k]], [(0.0, 1e-12)[k], 0.0]]), "S: found a contact without compliance"
+    ),
+    "cycles.depend": (
+        lambda k: driven([[1e-3, 1e-3], [1e-3, 1e-3 * (1.01, 1.0)[k]]]), "S: found contacts whose compliances depend"
+    ),
+    "cycles.stiffness": (lambda k: driven(np.eye(2), (1e-9, 0.0)[k]), "stiffness: found 0 N/m, expected > 0"),
+    "cycles.above": (lambda k: driven(np.eye(2), restitution=(1.0, 1.01)[k]), "restitution: found .* expected 0 to 1"),
+    "cycles.below": (lambda k: driven(np.eye(2), restitution=(0.0, -0.01)[k]), "restitution: found .* expected 0 to 1"),
+    "cycles.looks": (
+        lambda k: driven(np.eye(2)).over("freq_hz", freq_hz=1.0, looks=(8, 7)[k]), "looks: found 7, expected a whole"
+    ),
+    "pair.n": (lambda k: pair(n=(1, 0)[k]), "casing.n: found 0, expected at least 1"),
+    "pair.blade": (lambda k: pair(of_blade=(0, 1)[k]), "blade.n: found 1, expected 0"),
+    "pair.lean": (lambda k: pair(lean_deg=(89.9, 90.0)[k]), "lean_deg: found 90.0, expected an angle between"),
+    "pair.back": (lambda k: pair(lean_deg=(-89.9, -90.0)[k]), "lean_deg: found -90.0, expected an angle between"),
+    "floquet": (lambda k: turning((1e-8, 0.0)[k]), "S: found compliance 0 m/N at the contact, expected > 0"),
+    "coulomb.W": (lambda k: friction(W=(1e-9, 0.0)[k]), "W: found a diagonal entry 0, expected compliances > 0"),
+    "coulomb.mu": (lambda k: friction(mu=(0.0, -0.1)[k]), "mu: found -0.1, expected coefficients >= 0"),
+    "coulomb.b": (lambda k: friction(b=(1.0, math.nan)[k]), "W, b, mu: found values that are not finite"),
+    "coulomb.inf": (lambda k: friction(W=(1.0, math.inf)[k]), "W, b, mu: found values that are not finite"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_just_inside_is_taken_and_just_outside_refused(name):
+    made, words = BOUNDS[name]
+    made(TAKEN)
+    with pytest.raises(ct.InputError, match=words):
+        made(REFUSED)
