@@ -102,10 +102,8 @@ def product_rates(shell: Shell, at: PointFields) -> ModalProducts:
         cross = moved.strain.imag.reshape(-1, modes).T @ np.matmul(D.real, strain).reshape(-1, modes)
         K = K + cross + cross.T
     inertia = np.repeat(nodal_mass(shell, moved.grid), (3, 2), axis=1).ravel()[:, None]
+    # held directions that turn move the modes along themselves, where these have no motion: M does not see it
     M = M + np.real(flat).T @ (inertia.imag * np.real(flat))
-    if np.iscomplexobj(flat):
-        cross = flat.imag.T @ (inertia.real * flat.real)
-        M = M + cross + cross.T
     return ModalProducts(K=K, M=M)
 
 

@@ -32,6 +32,38 @@ def test_free_motion_is_the_exponential_of_its_matrix(zeta):
         np.testing.assert_allclose(found.ravel(), exact.ravel(), rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.parametrize("zeta", [0.0, 0.05, 0.6])
+def test_a_step_is_the_exponential_of_its_matrix(zeta):
+    """Under a load, from (q, v): where it goes, how it came, its speed on arrival and its energies."""
+    h, omega, load, start = 0.2, 3.0, 0.7, np.array([0.4, -0.9])
+    rest = np.array([load / omega**2, 0.0])
+    A = np.array([[0.0, 1.0], [-(omega**2), -2.0 * zeta * omega]])
+    before, after = (rest + expm(t * A) @ (start - rest) for t in (-h, h))
+    p = propagator(np.array([omega]), np.array([zeta]), np.array([load]), h)
+    d = p.backward(start[:1], start[1:])
+    assert d[0] == pytest.approx(start[0] - before[0], rel=1e-12)
+    q = start[0] + p.al * d - p.be * start[0] + p.c * load
+    assert q[0] == pytest.approx(after[0], rel=1e-12)
+    assert p.velocity(q, q - start[0], p.load)[0] == pytest.approx(after[1], rel=1e-12)
+    stored = p.stored(q, q - start[0], np.zeros(1), 0.25, 0.125)
+    assert stored.kinetic == pytest.approx(0.5 * after[1] ** 2, rel=1e-12)
+    assert stored.strain == pytest.approx(0.5 * (omega * after[0]) ** 2, rel=1e-12)
+    assert stored.potential == pytest.approx(0.125 - load * after[0], rel=1e-12)
+    assert stored.residual == 0.25
+    energy = 0.5 * (q[0] - start[0]) ** 2 / p.c[0] + 0.5 * omega**2 * start[0] * q[0] - 0.5 * load * (start[0] + q[0])
+    assert stored.discrete == pytest.approx(0.125 + energy, rel=1e-12)
+
+
+def test_a_rigid_mode_falls():
+    h, load, q, v = 0.3, -2.0, 0.5, 0.7
+    p = propagator(np.zeros(1), np.zeros(1), np.array([load]), h)
+    d = p.backward(np.array([q]), np.array([v]))
+    assert d[0] == pytest.approx(v * h - 0.5 * load * h**2, rel=1e-14)
+    d = p.al * d - p.be * q + p.c * load
+    assert d[0] == pytest.approx(v * h + 0.5 * load * h**2, rel=1e-14)
+    assert p.velocity(q + d, d, p.load)[0] == pytest.approx(v + load * h, rel=1e-14)
+
+
 def pair(scene, t_end=0.2, **settings):
     return [
         ct.run(scene, t_end=t_end, dt=DT, scheme=ct.ExactModal(skip=skip), record=SPARSE, **settings)
