@@ -113,14 +113,17 @@ class MeasuredShapes:
             raise InputError(path, found="a direction of no length", expected="directions that point somewhere")
         if shapes.ndim != 2 or shapes.shape[1] != len(freq):
             raise InputError(path, found=f"values {shapes.shape}", expected=f"(channels, {len(freq)} modes)")
+        each = {"sigma": np.asarray(sigma, float), "n": np.asarray(n, np.int64)}
+        for name, numbers in each.items():
+            if numbers.shape not in ((), freq.shape):
+                raise InputError(path, found=f"{name} {numbers.shape}", expected=f"one for each of {len(freq)} modes")
         return cls(
             freq_hz=freq[order],
             values=shapes[:, order],
             points=np.asarray(points, float),
             directions=towards / lengths,
             labels=np.arange(1, len(shapes) + 1) if labels is None else np.asarray(labels),
-            sigma=np.broadcast_to(np.asarray(sigma, float), freq.shape)[order],
-            n=np.broadcast_to(np.asarray(n, np.int64), freq.shape)[order],
+            **{name: np.broadcast_to(numbers, freq.shape)[order] for name, numbers in each.items()},
             path=path,
         )
 

@@ -1,0 +1,159 @@
+"""Bounds of what a test may say: the value just inside is taken, the one just outside refused in words."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.experiment.circle.record import ScanRecord, from_tacho
+from casingfem.experiment.correlation.comac import paired
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.frf.sensor_grid import form_of
+from casingfem.experiment.identify.exponential_window import window_time
+from casingfem.experiment.identify.identification import _picked
+from casingfem.experiment.identify.usable import LEAST_LINES, usable
+from casingfem.experiment.rig.estimate import estimate
+from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
+from casingfem.experiment.rig.noise import Converter, noise
+from casingfem.experiment.rig.record import record
+from casingfem.experiment.rig.rig import Rig
+from casingfem.experiment.rig.unkind import Unkind
+
+NAN, INF = float("nan"), float("inf")
+BAND = (20.0, 180.0)
+OUT = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+
+
+def scan(**changes):
+    return ScanRecord(**{"fs": 10.0, "velocity": [1.0, 2.0], "angle": [0.0, 1.0], "tones": (3.0, 4.0)} | changes)
+
+
+def shapes(**changes):
+    """Two modes on two channels."""
+    given = {"freq_hz": [1.0, 2.0], "values": [[1.0, 2.0], [3.0, 4.0]], "points": OUT, "directions": OUT}
+    return MeasuredShapes.from_arrays(**given | changes)
+
+
+def stored(**changes):
+    """Two modes on two channels, as they are kept."""
+    given = {"freq_hz": [1.0, 2.0], "values": np.eye(2), "points": OUT, "directions": OUT, "labels": [1, 2]}
+    return MeasuredShapes(**{name: np.array(value) for name, value in (given | changes).items()})
+
+
+def frfs(lines=3, **changes):
+    given = {"kind": "frf", "x": 10.0 * np.arange(lines), "responses": np.ones((1, lines)), "unit": "m/N"}
+    return FrfSet.from_arrays(**given | changes)
+
+
+def spoilt(value, kind="frf"):
+    return frfs(kind=kind, responses=[[1.0, value, 1.0]])
+
+
+def estimated(drives=1, overlap=0.0, **options):
+    rig = Rig.of(omega=[600.0], zeta=[0.02], rows=[[1.0], [0.5]])
+    force = [BurstRandom(rms=1.0, band=BAND)] * drives
+    test = record(rig, force, drives=list(range(drives)), sensors=[0], fs=512.0, block=256, blocks=4, seed=11)
+    return estimate(test, overlap=overlap, **options)
+
+
+def of_a_band(x=10.0, lines=LEAST_LINES + 1, **options):
+    return read(frfs(lines, x=x * np.arange(lines), kind=options.pop("kind", "frf")), **options)
+
+
+def read(what, band=None):
+    return usable(what, band, None, None)
+
+
+TAKEN, REFUSED = 0, 1
+BOUNDS = {
+    "tones.zero": (lambda k: scan(tones=((1e-9, 4.0), (0.0, 4.0))[k]), r"tones: found \(0\.0, 4\.0\), expected freq"),
+    "tones.order": (lambda k: scan(tones=(3.0, (3.1, 3.0)[k])), r"tones: found \(3\.0, 3\.0\), expected freq.* ascend"),
+    "tones.none": (lambda k: scan(tones=((3.0,), ())[k]), r"tones: found \(\), expected frequencies above 0 Hz"),
+    "fs": (lambda k: scan(fs=(1e-9, 0.0)[k]), "fs: found 0.0, expected samples a second"),
+    "velocity": (lambda k: scan(velocity=[1.0, (2.0, INF)[k]]), "velocity: found shape .* expected finite numbers"),
+    "angle": (lambda k: scan(angle=([0.0, 1.0], [0.0])[k]), "angle: found shape .1,., expected finite numbers, one"),
+    "force": (lambda k: scan(force=[1.0, (2.0, NAN)[k]]), "force: found shape .2,., expected finite numbers"),
+    "tacho.few": (lambda k: from_tacho([0.0, 1.0][: 2 - k], 1.0, 1), "tacho: expected the instants of two pulses"),
+    "tacho.order": (lambda k: from_tacho([0.0, (1e-9, 0.0)[k]], 1.0, 1), "tacho: expected the instants of two pulses"),
+    "tacho.first": (lambda k: from_tacho([(0.0, 1e-9)[k], 9.0], 1.0, 2), "pulses from 1e-09 to 9 s, expected them to"),
+    "tacho.last": (lambda k: from_tacho([0.0, (1.0, 0.999)[k]], 1.0, 2), "from 0 to 0.999 s, expected .* 0 to 1 s"),
+    "paired.zero": (lambda k: paired([[1.0, (1e-9, 0.0)[k]]], [[1.0, 1.0]]), "one is zero at every channel"),
+    "paired.computed": (lambda k: paired([[1.0]], [[(1e-9, 0.0)[k]]]), "one is zero at every channel"),
+    "paired.size": (lambda k: paired([[1.0, 1.0]], [[1.0] * (2 - k)]), r"not \(1, 2\) and \(1, 1\)"),
+    "paired.flat": (lambda k: paired(*[([[1.0]], [1.0])[k]] * 2), r"not \(1,\) and \(1,\)"),
+    "shapes.direction": (lambda k: shapes(directions=[OUT[0], [0.0, (1e-9, 0.0)[k], 0.0]]), "a direction of no length"),
+    "shapes.modes": (lambda k: shapes(values=[[1.0, 2.0][: 2 - k]] * 2), r"values \(2, 1\); expected \(channels, 2 m"),
+    "shapes.flat": (lambda k: shapes(values=(np.eye(2), [1.0, 2.0])[k]), r"values \(2,\); expected \(channels, 2 m"),
+    "shapes.freq": (lambda k: shapes(freq_hz=[(1e-9, 0.0)[k], 2.0]), "above 0 in ascending order"),
+    "shapes.order": (lambda k: stored(freq_hz=[2.0, (2.0, 1.99)[k]]), "above 0 in ascending order"),
+    "shapes.zero": (lambda k: shapes(values=[[1.0, (1e-9, 0.0)[k]], [1.0, 0.0]]), "mode 2 zero everywhere"),
+    "shapes.nan": (lambda k: shapes(values=[[1.0, (1.0, NAN)[k]], [1.0, 1.0]]), "numbers that are not finite"),
+    "shapes.sigma": (lambda k: shapes(sigma=[NAN, (1e-9, 0.0)[k]]), r"sigma \[nan, 0\.0\] and n .*; expected a sigma"),
+    "shapes.sigmas": (lambda k: shapes(sigma=[0.1] * (2 + k)), r"sigma \(3,\); expected one for each of 2 modes"),
+    "shapes.n": (lambda k: stored(n=[4] * (2 + k)), r"n \[4, 4, 4\]; expected .* for each of 2 modes"),
+    "shapes.channels": (lambda k: stored(values=np.ones((2 + k, 2))), r"values \(3, 2\) of 2 modes and 2 channels"),
+    "shapes.points": (lambda k: stored(points=OUT[: 2 - k]), r"points \(1, 3\) and directions \(2, 3\); expected thr"),
+    "frf.kind": (lambda k: frfs(kind=("spectrum", "spectra")[k]), "kind 'spectra'; expected frf or time or spectrum"),
+    "frf.nan": (lambda k: spoilt((NAN, INF)[k]), r"1 of 1 channels, on 1 of 3 lines, first at 10; expected finite num"),
+    "frf.time": (lambda k: spoilt((1.0, NAN)[k], "time"), "1 of 1 channels, on 1 of 3 lines, first at 10; expected f"),
+    "frf.complex": (lambda k: spoilt((1.0, 1j)[k], "time"), "a complex time record; expected real values"),
+    "frf.x": (lambda k: frfs(x=[0.0, 10.0, (20.0, INF)[k]]), "nan or infinity in the abscissa; expected finite num"),
+    "frf.ascends": (lambda k: frfs(x=[0.0, 10.0, (10.1, 10.0)[k]]), "10 after 10; expected an abscissa that ascends"),
+    "frf.lines": (lambda k: frfs(x=[0.0, 1.0, 2.0][: 3 - k]), r"x \(2,\), responses \(1, 3\).*expected x \(lines,\)"),
+    "frf.places": (lambda k: frfs(response_point=[1] * (1 + k)), r"response_point \(2,\).*; expected x \(lines,\)"),
+    "form": (lambda k: form_of(frfs(), ("receptance", "compliance")[k]), "form 'compliance'; expected .*receptance"),
+    "window": (lambda k: window_time(frfs(), (1e-9, 0.0)[k]), "expected the window's time constant .s., above 0"),
+    "window.inf": (lambda k: window_time(frfs(), (1e9, INF)[k]), "expected the window's time constant .s., above 0"),
+    "window.card": (
+        lambda k: window_time(frfs(card=[f"exponential_window_s: {('2', 'two')[k]}"]), None), "window_s two; expected"
+    ),
+    "pick.low": (lambda k: _picked("f", [(1.1, 1.0)[k]], np.array([1.0, 3.0])), "1 Hz picked; expected .* 1 and 3 Hz"),
+    "pick.high": (lambda k: _picked("f", [2.0, (2.9, 3.0)[k]], np.array([1.0, 3.0])), "3 Hz picked; expected .* 1 and"),
+    "pick.none": (lambda k: _picked("f", [2.0][k:], np.array([1.0, 3.0])), "no frequency picked; expected frequencies"),
+    "usable.kind": (lambda k: of_a_band(kind=("frf", "spectrum")[k]), "kind 'spectrum'; expected frequency responses"),
+    "usable.band": (lambda k: of_a_band(band=(0.0, (1e4, 0.0)[k])), "band 0 to 0 Hz; expected 0 <= from < to"),
+    "usable.below": (lambda k: of_a_band(band=((0.0, -1.0)[k], 1e4)), "band -1 to 10000 Hz; expected 0 <= from < to"),
+    "usable.few": (lambda k: of_a_band(lines=LEAST_LINES + 1 - k), "lines in the band; expected at least"),
+    "usable.silent": (lambda k: read(frfs(40, responses=np.full((1, 40), (1e-9, 0.0)[k]))), "expected a signal"),
+    "usable.even": (
+        lambda k: read(frfs(40, x=np.r_[0.0:39.0, (39.0, 39.1)[k]])), "steps from 1 to 1.1 Hz; expected even steps"
+    ),
+    "band": (lambda k: Random(rms=1.0, band=(0.0, (1e-9, 0.0)[k])), "band: found 0.0 to 0.0 Hz, expected from lower"),
+    "band.below": (lambda k: Random(rms=1.0, band=((0.0, -1.0)[k], 9.0)), "band: found -1.0 to 9.0 Hz, expected from"),
+    "band.inf": (lambda k: BurstRandom(rms=1.0, band=(1.0, (9.0, INF)[k])), "band: found 1.0 to inf Hz, expected fro"),
+    "rms": (lambda k: Random(rms=(1e-9, 0.0)[k], band=BAND), "rms: found 0.0, expected a number above 0"),
+    "part.none": (lambda k: BurstRandom(rms=1.0, band=BAND, part=(1e-9, 0.0)[k]), "part: found 0.0, expected a part"),
+    "part.all": (lambda k: BurstRandom(rms=1.0, band=BAND, part=(0.99, 1.0)[k]), "part: found 1.0, expected a part of"),
+    "peak": (lambda k: Impact(peak=(1.0, -1.0)[k], width=1e-3), "peak: found -1.0, expected a number above 0"),
+    "width": (lambda k: Impact(peak=1.0, width=(1e-9, 0.0)[k]), "width: found 0.0, expected a number above 0"),
+    "delay": (lambda k: Impact(peak=1.0, width=1e-3, delay=(0.0, -1e-9)[k]), "delay: found -1e-09, expected a number"),
+    "sine": (lambda k: StepSine(amplitude=1.0, freq=(3.0, (1e-9, 0.0)[k])), r"freq: found \(3\.0, 0\.0\), expected fr"),
+    "sine.none": (lambda k: StepSine(amplitude=1.0, freq=((3.0,), ())[k]), r"freq: found \(\), expected frequencies"),
+    "snr": (lambda k: noise(np.ones((1, 4)), (1e3, INF)[k], np.random.default_rng(7)), "snr_db: found inf, expected"),
+    "bits.low": (lambda k: Converter(bits=(4, 3)[k], full_scale=1.0), "bits: found 3, expected 4 to 32"),
+    "bits.high": (lambda k: Converter(bits=(32, 33)[k], full_scale=1.0), "bits: found 33, expected 4 to 32"),
+    "full_scale": (lambda k: Converter(bits=8, full_scale=(1e-9, 0.0)[k]), "full_scale: found 0.0, expected the large"),
+    "full_scale.inf": (lambda k: Converter(bits=8, full_scale=(1e9, INF)[k]), "full_scale: found inf, expected the"),
+    "overlap": (lambda k: estimated(overlap=(0.9, 0.91)[k]), "overlap: found 0.91, expected 0 to 0.9"),
+    "overlap.below": (lambda k: estimated(overlap=(0.0, -0.01)[k]), "overlap: found -0.01, expected 0 to 0.9"),
+    "H2": (lambda k: estimated(1 + k, estimator="H2"), "estimator: found H2 with 2 drives, expected H1, or one drive"),
+    "estimator": (lambda k: estimated(estimator=("H1", "H3")[k]), "estimator: found 'H3', expected H1 or H2"),
+    "window.name": (lambda k: estimated(window=("hann", "han")[k]), "window: found 'han', expected "),
+    "estimate.lines": (lambda k: estimated(band=((90.0, 94.0), (90.1, 90.2))[k]), "4 averages, 0 lines, expected 1"),
+    "unkind.coherent": (lambda k: Unkind(coherent=(1.0, 1.01)[k]), "coherent: found 1.01, expected 0 to 1"),
+    "unkind.shift": (lambda k: Unkind(shift=(0.05, 0.051)[k]), "shift: found 0.051, expected 0 to 0.05"),
+    "unkind.double": (lambda k: Unkind(double_hit=(0.99, 1.0)[k]), "double_hit: found 1.0, expected 0 to 0.99"),
+    "unkind.phase": (lambda k: Unkind(phase_deg=(0.0, -1.0)[k]), "phase_deg: found -1.0, expected 0 to 90"),
+    "unkind.setups": (lambda k: Unkind(setups=(1, 0)[k]), "setups: found 0, expected none, or how much"),
+    "unkind.dead": (lambda k: Unkind(dead=(0, -1)[k]), "dead: found -1, expected none, or how much"),
+    "unkind.fixture": (lambda k: Unkind(fixture=(0, -1)[k]), "fixture: found -1, expected none, or how much"),
+    "unkind.window": (lambda k: Unkind(exponential=(0.0, -0.1)[k]), "exponential: found -0.1, expected none, or how"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_just_inside_is_taken_and_just_outside_refused(name):
+    made, words = BOUNDS[name]
+    made(TAKEN)
+    with pytest.raises((cf.errors.InputError, ValueError), match=words):
+        made(REFUSED)
