@@ -375,6 +375,9 @@ INP = """*NODE
 """
 
 
+SURFACE = "*SURFACE,NAME=S,TYPE=NODE\n1\n2\n*COUPLING,REF NODE=5,SURFACE=S\n"
+
+
 def test_masses_of_bulk_data_have_the_signs_and_factors_of_the_manual(tmp_path):
     """Products of inertia stand with a minus in the matrix; PARAM, WTMASS multiplies masses, not offsets."""
     path = tmp_path / "a.bdf"
@@ -421,6 +424,8 @@ def test_joined_nodes_keep_what_hangs_on_them():
     [
         ("CELAS1,9,3,4,1", "line 10: CELAS1: found the property 3, which no PELAS"),
         ("CELAS2,9,-1.,4,1", "CELAS2: found the stiffness -1"),
+        ("CELAS2,9,0.,4,1", "CELAS2: found the stiffness 0, expected one above 0"),
+        ("CELAS2,9,1.", "CELAS2: found no grid"),
         ("CELAS2,9,1.,4,12", "components 12, expected one"),
         ("CELAS2,9,1.,4,8", "components '8'"),
         ("CELAS2,9,1.,4,1,5,4", "displacement against a turn"),
@@ -432,6 +437,10 @@ def test_joined_nodes_keep_what_hangs_on_them():
         ("RBE2,9,5,123,2,THRU,4", "found THRU, expected grids one by one"),
         ("RBE3,9,,5,123,1.,123456,1,2", "expected 123"),
         ("RBE3,9,,5,123,1.,123,1,2,3\n,UM,1,123", "found UM"),
+        ("RBE3,9,,5,123,1.,123", "RBE3: found no grid to follow"),
+        ("RBE3,9,,5,123,1,123,1", "RBE3: found 1, expected a weight such as 1.0"),
+        ("RBE3,9,,5,123,0.,123,1", "RBE3: found the stiffness 0"),
+        ("RBAR,9,4,5,123456,1", "expected 123456 at one"),
         ("RBAR,9,4,5,123,456", "expected 123456 at one"),
         ("MPC,1,4,1,1.,3,1,-1.\nMPC,2,4,2,1.,3,2,-1.", "found a second set"),
         ("MPC,1,4,1,1.", "1 terms"),
@@ -442,6 +451,78 @@ def test_cards_that_are_not_understood_are_refused_by_line(card, told, tmp_path)
     path.write_text(TETRA.format(cd="", card=card))
     with pytest.raises(ModelError, match=told):
         read_mesh(path)
+
+
+@pytest.mark.parametrize(
+    ("card", "kind", "wanted"),
+    [
+        ("CELAS2,9,1e-9,4,1", "springs", {"stiffness": 1e-9, "terms": (Term(3, 0, 1.0),)}),
+        ("CELAS2,9,2.,4,5,5,6", "springs", {"stiffness": 2.0, "terms": (Term(3, 4, 1.0), Term(4, 5, -1.0))}),
+        ("CELAS2,9,2.,,,4,3", "springs", {"stiffness": 2.0, "terms": (Term(3, 2, 1.0),)}),
+        ("CELAS1,9,3,4,1\nPELAS,3,7.,,,4,8.", "springs", {"stiffness": 7.0}),
+        ("CELAS1,9,4,4,1\nPELAS,3,7.,,,4,8.", "springs", {"stiffness": 8.0}),
+        ("CELAS1,3,,4,1\nPELAS,3,7.", "springs", {"stiffness": 7.0}),
+        ("CONM2,9,5,,0.,,,,,+\n+,1.,,1.,,,1.", "masses", {"mass": 0.0, "node": 4}),
+        ("RBE2,9,5,123456,4,6", "rigids", {"reference": 4, "nodes": [3, 5], "components": (0, 1, 2, 3, 4, 5)}),
+        ("RBE2,9,5,36,4,1.2-5", "rigids", {"reference": 4, "nodes": [3], "components": (2, 5)}),
+        ("RBE3,9,,5,123,1e-9,123,1,2\n+,3,ALPHA,6.5-6", "means", {"weights": [1e-9] * 3, "nodes": [0, 1, 2]}),
+        ("RBE3,9,,5,123,1.,123,1,2\n+,4.,123,3", "means", {"weights": [1.0, 1.0, 4.0], "reference": 4}),
+        ("RBAR,9,4,5,123456,,,123", "rigids", {"reference": 3, "nodes": [4], "components": (0, 1, 2)}),
+        ("RBAR,9,4,5,,123456,12", "rigids", {"reference": 4, "nodes": [3], "components": (0, 1)}),
+    ],
+)
+def test_cards_are_what_the_manual_says(card, kind, wanted, tmp_path):
+    path = tmp_path / "a.bdf"
+    path.write_text(TETRA.format(cd="", card=card))
+    (found,) = getattr(read_mesh(path).attachments, kind)
+    for name, value in wanted.items():
+        of_it = getattr(found, name)
+        assert (np.asarray(of_it).tolist() if isinstance(value, list) else of_it) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "wanted"),
+    [
+        ("*ELEMENT,TYPE=SPRING1,ELSET=S\n9,4\n*SPRING,ELSET=S\n3\n1e-9\n", "springs", {"terms": (Term(3, 2, 1.0),)}),
+        (
+            "*ELEMENT,TYPE=SPRING2,ELSET=S\n9,4,5\n*SPRING,ELSET=S\n1,2\n5.\n",
+            "springs",
+            {"terms": (Term(3, 0, 1.0), Term(4, 1, -1.0)), "stiffness": 5.0},
+        ),
+        (
+            "*ELEMENT,TYPE=SPRINGA,ELSET=S\n9,4,6\n*SPRING,ELSET=S\n5.\n*NODE\n6,3.,0.,5.\n",
+            "springs",
+            {"terms": (Term(3, 0, 0.6), Term(3, 2, 0.8), Term(5, 0, -0.6), Term(5, 2, -0.8))},
+        ),
+        (
+            "*EQUATION\n3\n4,1,1.,3,1,-1.,\n1,2,.5\n",
+            "equations",
+            {"terms": (Term(3, 0, 1.0), Term(2, 0, -1.0), Term(0, 1, 0.5))},
+        ),
+        ("*ELEMENT,TYPE=MASS,ELSET=M\n9,4\n*MASS,ELSET=M\n0.\n", "masses", {"mass": 0.0, "node": 3}),
+        (
+            "*ELEMENT,TYPE=ROTARYI,ELSET=M\n9,4\n*ROTARY INERTIA,ELSET=M\n1.,2.,3.,0.\n",
+            "masses",
+            {"inertia": [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]]},
+        ),
+        (
+            "*ELEMENT,TYPE=DCOUP3D,ELSET=S\n9,5\n*DISTRIBUTING COUPLING,ELSET=S\n4,1e-9\n3\n",
+            "means",
+            {"nodes": [2, 3], "weights": [1.0, 1e-9], "reference": 4},
+        ),
+        (f"{SURFACE}*DISTRIBUTING\n", "means", {"nodes": [0, 1], "weights": [1.0, 1.0], "reference": 4}),
+        (f"{SURFACE}*KINEMATIC\n2,3\n6\n", "rigids", {"nodes": [0, 1], "components": (1, 2, 5)}),
+        (f"{SURFACE}*KINEMATIC\n", "rigids", {"components": (0, 1, 2, 3, 4, 5), "reference": 4}),
+        ("*MPC\nBEAM,4,5\n", "rigids", {"nodes": [3], "reference": 4}),
+    ],
+)
+def test_keywords_are_what_the_manual_says(text, kind, wanted, tmp_path):
+    path = tmp_path / "a.inp"
+    path.write_text(INP + text)
+    (found,) = getattr(read_mesh(path).attachments, kind)
+    for name, value in wanted.items():
+        of_it = getattr(found, name)
+        assert (np.asarray(of_it).tolist() if isinstance(value, list) else of_it) == value
 
 
 def test_single_directions_of_turned_grids_are_refused_and_all_three_are_not(tmp_path):
@@ -462,11 +543,28 @@ def test_single_directions_of_turned_grids_are_refused_and_all_three_are_not(tmp
         ("*ELEMENT,TYPE=SPRING2,ELSET=S\n9,4,5\n*SPRING,ELSET=S\n1,4\n1e6\n", "expected 2 of one kind"),
         ("*ELEMENT,TYPE=SPRING1,ELSET=S\n9,4\n*SPRING,ELSET=S,NONLINEAR\n1\n1.\n", "found NONLINEAR"),
         ("*EQUATION\n2\n4,1,1.\n", "found 3 cells"),
+        ("*EQUATION\n1\n4,1,1.\n", "found 3 cells, expected 3 for each of 1 terms"),
+        ("*NSET,NSET=N\n1,2\n*EQUATION\n2\n4,1,1.,N,1,-1.\n", "found 2 nodes in 'N', expected one"),
+        ("*NSET,NSET=N\n1,2\n*KINEMATIC COUPLING,REF NODE=N\n3\n", "found 2 nodes as REF NODE, expected one"),
+        ("*MPC\nBEAM,4\n", r"\*MPC: found BEAM, 4, expected a kind"),
+        ("*ELEMENT,TYPE=SPRING1,ELSET=S\n9,4\n*SPRING,ELSET=S\n1\n0.\n", "found the stiffness 0, expected one above"),
+        ("*ELEMENT,TYPE=SPRINGA,ELSET=S\n9,4,5\n*SPRING,ELSET=S\n1\n1e6\n", "found 2 data lines, expected the stiff"),
+        ("*ELEMENT,TYPE=MASS,ELSET=M\n9,4\n*MASS,ELSET=M\n-1e-9\n", r"\*MASS: found -1e-9, expected numbers of 0"),
+        ("*ELEMENT,TYPE=ROTARYI,ELSET=M\n9,4\n*ROTARY INERTIA,ELSET=M\n1.,1.\n", "expected I11, I22, I33 without"),
+        ("*ELEMENT,TYPE=ROTARYI,ELSET=M\n9,4\n*ROTARY INERTIA,ELSET=M\n1.,1.,1.,.1\n", "I33 without products"),
+        ("*SURFACE,NAME=S\nE\n", "found 'E', expected an element or set and a face such as S1"),
+        (f"{SURFACE}*DISTRIBUTING,WEIGHTING METHOD=LINEAR\n", "found a weighting method or degrees of freedom"),
+        (f"{SURFACE}*DISTRIBUTING\n1,3\n", "found a weighting method or degrees of freedom, expected neither"),
         ("*MPC\nSLIDER,4,5,1\n", r"\*MPC: found SLIDER"),
         ("*KINEMATIC\n1,3\n", r"without \*COUPLING"),
         ("*COUPLING,REF NODE=5,SURFACE=S\n*KINEMATIC\n1,3\n", "no surface 'S'"),
         ("*DISTRIBUTING\n", r"without \*COUPLING"),
         ("*ELEMENT,TYPE=DCOUP3D,ELSET=S\n9,5\n*DISTRIBUTING COUPLING,ELSET=S\n4,-1.\n", "weight -1"),
+        (
+            "*ELEMENT,TYPE=DCOUP3D,ELSET=S\n9,5\n*DISTRIBUTING COUPLING,ELSET=S\n4,0.\n",
+            "the weight 0, expected one ab",
+        ),
+        ("*ELEMENT,TYPE=DCOUP3D,ELSET=S\n9,5\n*DISTRIBUTING COUPLING,ELSET=S\n", "COUPLING: found no nodes"),
         ("*NGEN\n1,4\n", "not written out"),
         ("*TRANSFORM,NSET=N\n1.,0.,0.,0.,1.,0.\n*EQUATION\n2\n4,1,1.,3,1,-1.\n", "along the global axes"),
     ],
