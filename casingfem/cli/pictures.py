@@ -109,6 +109,20 @@ def coatings(tracks: "tuple[Wear, ...]") -> dict[str, Content]:
     return {name: png(figure_wear(track)) for name, track in zip(names, tracks, strict=True)}
 
 
+def page_numbers(result: "Result") -> dict[str, float]:
+    """The figures at the head of a page, all contacts together."""
+    energy = result.energy
+    return {
+        "steps": result.steps, "time step [s]": result.dt, "time simulated [s]": result.steps * result.dt,
+        "contacts": int(result.impulse.size), "impulse [N s]": float(result.impulse.sum()),
+        "largest windowed force [N]": float(result.windowed_force().max(initial=0.0)),
+        "largest raw force [N]": float(result.peak_force.max(initial=0.0)),
+        "time in contact [s]": float(result.contact_steps.max(initial=0)) * result.dt,
+        "law violated by [m]": float(result.residual.max(initial=0.0)),
+        "energy not accounted for": abs(energy.unaccounted) / energy.scale if energy.scale else 0.0,
+    }  # fmt: skip
+
+
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
     """The HTML page on a scene that was run; of rims, rubs and disks with the table of interactions and a film."""
     from casingfem.plot.film import rub_film as film_of
@@ -133,16 +147,7 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
             drawn["interactions"], table = figure_interactions(found.found, found.run), repr(found)
     say("drawing")
     film = rub_film(scene.what, result)
-    energy = result.energy
-    numbers: dict[str, float] = {
-        "steps": result.steps, "time step [s]": result.dt, "time simulated [s]": result.steps * result.dt,
-        "contacts": int(result.impulse.size), "impulse [N s]": float(result.impulse.sum()),
-        "largest windowed force [N]": float(result.windowed_force().max(initial=0.0)),
-        "largest raw force [N]": float(result.peak_force.max(initial=0.0)),
-        "time in contact [s]": float(result.contact_steps.max(initial=0)) * result.dt,
-        "law violated by [m]": float(result.residual.max(initial=0.0)),
-        "energy not accounted for": abs(energy.unaccounted) / energy.scale if energy.scale else 0.0,
-    }  # fmt: skip
+    numbers = page_numbers(result)
     verdict = scene_verdict(numbers, result.flags, diverged=result.divergence is not None, rubs=rubs)
     text = file.read_text(encoding="utf-8")
     return scene_page(

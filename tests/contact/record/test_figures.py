@@ -1,0 +1,159 @@
+"""Each figure of a result, once: what is printed, tabled and written against sums by hand, all values different."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casingfem.cli.pictures import page_numbers
+from contact.record.energy import EnergyBudget, Stored
+from contact.result import Result
+from contact.scheme.protocol import Motion, Notes
+from contact.sweep.row import row_of
+
+START = Stored(kinetic=2.0, strain=3.0, potential=5.0, residual=7.0, discrete=11.0)
+END = Stored(kinetic=13.0, strain=17.0, potential=19.0, residual=23.0, discrete=29.0)
+BUDGET = EnergyBudget(
+    start=START, end=END, contact=-31.0, rotation=37.0, friction=-41.0, damping=-43.0, external=47.0, body_force=53.0,
+    algorithmic=59.0, load_step=61.0, overlap=67.0,
+)  # fmt: skip
+FORCE = np.array([[0.0, 1.0], [2.0, 0.0], [4.0, 0.0], [0.0, 0.0], [3.0, 7.0]])
+MADE = Result(
+    time=0.1 * np.arange(5), force=FORCE,
+    gap=np.array([[0.3, -0.1], [-0.2, 0.4], [-0.7, 0.6], [0.5, 0.8], [-0.05, -0.9]]),
+    impulse_history=0.1 * np.cumsum(FORCE, axis=0), impulse=0.1 * FORCE.sum(axis=0), peak_force=np.array([6.0, 9.0]),
+    max_penetration=np.array([0.75, 0.95]), residual=np.array([0.011, 0.007]), contact_steps=np.array([3, 2]),
+    reversals=np.array([4, 5]), state_time=np.array([0.1, 0.3]), state=np.array([[1.0, -8.0], [2.0, 3.0]]),
+    intervals=(((0.05, 0.25), (0.35, 0.45)), ((0.0, 0.05),)), energy=BUDGET,
+    motions=(Motion(kind="rod", number=1, mean_velocity=1.5, momentum=2.5),), blocks=(("body 1", 0, 2),),
+    steps=5, dt=0.1, window=0.2, seconds=0.3, scheme="some scheme", source={}, channels=np.zeros((0, 2)),
+    notes=Notes(heat=np.array([1.25, 2.25]), drive=np.array([-3.0, 8.0])),
+)  # fmt: skip
+WINDOWED = np.array([[0.5, 0.5], [2.0, 0.25], [2.5, 0.0], [1.75, 1.75], [1.5, 3.5]])
+
+
+def test_the_budget_is_summed_by_hand():
+    assert (START.total, END.total) == (17.0, 72.0)
+    assert BUDGET.lost_in_contact == 31.0 - (23.0 - 7.0)
+    assert BUDGET.explained == 61.0 + 67.0
+    assert BUDGET.numerical == 59.0 + (49.0 - 10.0) - (29.0 - 11.0)
+    assert BUDGET.unaccounted == (29.0 - 11.0) - (-31.0 + 37.0 - 41.0 - 43.0 + 47.0 + 53.0 + 59.0)
+    assert BUDGET.others == 2.0 + 3.0 + 7.0 + 14.0 + 37.0 + 41.0 + 47.0 + 53.0 + 61.0
+    for name, size in {
+        "contact": -71.0,
+        "rotation": -73.0,
+        "friction": 79.0,
+        "external": -83.0,
+        "body_force": 89.0,
+    }.items():
+        assert replace(BUDGET, **{name: size}).scale == abs(size)
+    for name in ("kinetic", "strain", "potential"):
+        assert replace(BUDGET, start=replace(START, **{name: -97.0})).scale == 97.0
+        assert replace(BUDGET, end=replace(END, **{name: 101.0})).scale == 101.0
+    assert replace(BUDGET, damping=-1e3, algorithmic=1e3, load_step=1e3, overlap=1e3).scale == 53.0
+    since = BUDGET.since(EnergyBudget(
+        start=END, end=START, contact=1.0, rotation=2.0, friction=3.0, damping=4.0, external=5.0, body_force=6.0,
+        algorithmic=7.0,
+    ))  # fmt: skip
+    works = since.contact, since.rotation, since.friction, since.damping, since.external, since.body_force
+    assert (since.start, since.end) == (START, END)
+    assert (*works, since.algorithmic) == (-32.0, 35.0, -44.0, -47.0, 42.0, 47.0, 52.0)
+
+
+def test_force_is_averaged_over_a_window_about_each_sample():
+    np.testing.assert_allclose(MADE.windowed_force(), WINDOWED, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(MADE.windowed_force(0.001), FORCE, rtol=1e-9, atol=1e-15)  # never narrower than a step
+
+
+def test_records_columns_and_document_say_the_same():
+    first, other = MADE.records()
+    assert first == pytest.approx({
+        "contact": 1, "closings": 2, "closed_s": 0.3, "impulse_N_s": 0.9, "peak_force_N": 6.0,
+        "windowed_force_N": 2.5, "max_penetration_m": 0.75, "residual_m": 0.011,
+    }, rel=1e-12)  # fmt: skip
+    assert (other["contact"], other["closings"], other["peak_force_N"]) == (2, 1, 9.0)
+    assert other["windowed_force_N"] == pytest.approx(3.5, rel=1e-12)
+    columns = MADE.columns()
+    assert list(columns)[:5] == ["time_s", "force1_N", "windowed_force1_N", "gap1_m", "impulse1_N_s"]
+    document = MADE.to_dict()
+    for k, contact in enumerate(document["contacts"], 1):
+        assert contact["time"] == columns["time_s"].tolist() == MADE.time.tolist()
+        for name, column in {
+            "force": f"force{k}_N", "windowed_force": f"windowed_force{k}_N", "gap": f"gap{k}_m",
+        }.items():  # fmt: skip
+            assert contact[name] == columns[column].tolist()
+        row = MADE.records()[k - 1]
+        assert contact["impulse"] == row["impulse_N_s"] == columns[f"impulse{k}_N_s"][-1]
+        assert (contact["peak_force"], contact["max_penetration"]) == (row["peak_force_N"], row["max_penetration_m"])
+        assert (contact["residual"], contact["reversals"]) == (row["residual_m"], 3 + k)
+        assert contact["intervals"] == [list(pair) for pair in MADE.intervals[k - 1]]
+    assert document["bodies"] == [{"kind": "rod", "number": 1, "mean_velocity": 1.5, "momentum": 2.5}]
+    energy = dict(document["energy"])
+    assert (energy.pop("start"), energy.pop("end")) == (17.0, 72.0)
+    parts = energy.pop("parts")
+    assert (parts["start"]["potential"], parts["end"]["strain"]) == (5.0, 17.0)
+    assert energy == {name: getattr(BUDGET, name) for name in energy}
+    assert [document[name] for name in ("steps", "dt", "window", "every", "seconds")] == [5, 0.1, 0.2, 1, 0.3]
+
+
+def test_what_is_printed_is_the_table():
+    text = repr(MADE)
+    lines = [[float(word) for word in line.split()] for line in text.splitlines()[2:4]]
+    for line, row in zip(lines, MADE.records(), strict=True):
+        names = (
+            "contact",
+            "closings",
+            "closed_s",
+            "impulse_N_s",
+            "peak_force_N",
+            "windowed_force_N",
+            "max_penetration_m",
+        )
+        np.testing.assert_allclose(line, [*(row[name] for name in names), row["residual_m"]], rtol=1e-3)
+    said = {name: float(value) for name, value in re.findall(r"(\w[\w ]*) (-?[\d.]+(?:e[+-]\d+)?)(?=,| of)", text)}
+    assert {name: said[name] for name in ("end", "lost in contact", "rotation", "friction", "gravity and whirl")} == {
+        "end": 72.0, "lost in contact": 15.0, "rotation": 37.0, "friction": -41.0, "gravity and whirl": 53.0,
+    }  # fmt: skip
+    assert (said["damping"], said["numerical"]) == (-43.0, 80.0)
+    assert said["unaccounted"] == pytest.approx(-63.0 / 53.0, rel=0.05)
+    assert "friction [J]: 3.5 turned to heat, 5 drawn from what turns the rim" in text
+    assert "slipped against the rim's motion in 9 steps" in text
+    assert "contact added energy" not in text
+
+
+@pytest.mark.parametrize(("work", "told"), [(0.0, False), (19.0 - 12.8, False), (19.0 - 12.8 + 2.0, True)])
+def test_contact_that_adds_energy_is_told(work, told):
+    """Beyond what load step and overlap explain, and a hundredth of the scale."""
+    quiet = replace(
+        BUDGET, load_step=3.0, overlap=3.2, end=replace(END, residual=7.0), contact=work, external=0.0, body_force=1e-9,
+        rotation=0.0, friction=0.0, algorithmic=0.0, damping=0.0,
+    )  # fmt: skip
+    assert quiet.scale == 19.0
+    assert ("contact added energy" in repr(replace(MADE, energy=quiet))) is told
+
+
+def test_the_page_of_a_run_and_the_row_of_a_sweep():
+    assert page_numbers(MADE) == pytest.approx({
+        "steps": 5, "time step [s]": 0.1, "time simulated [s]": 0.5, "contacts": 2, "impulse [N s]": 1.7,
+        "largest windowed force [N]": 3.5, "largest raw force [N]": 9.0, "time in contact [s]": 0.3,
+        "law violated by [m]": 0.011, "energy not accounted for": 63.0 / 53.0,
+    }, rel=1e-12)  # fmt: skip
+    row = row_of(None, MADE)
+    wanted = {
+        "steps": 5, "closings": 3, "contact_fraction": 0.6, "impulse_N_s": 1.7, "peak_force_N": 9.0,
+        "max_penetration_m": 0.95, "residual_m": 0.011, "lost_in_contact_J": 15.0, "friction_J": -41.0,
+        "damping_J": -43.0, "rotation_J": 37.0, "unaccounted_rel": -63.0 / 53.0, "amplitude_m": 8.0,
+    }  # fmt: skip
+    assert {name: row[name] for name in wanted} == pytest.approx(wanted, rel=1e-12)
+    assert row["flags"] == "slip reversed in 9 steps; energy ledger open"
+
+
+def test_intervals_are_joined_across_pauses_shorter_than_the_window():
+    assert MADE.merged_intervals(0.1 + 1e-9) == (((0.05, 0.45),), ((0.0, 0.05),))
+    assert MADE.merged_intervals(0.1 - 1e-9) == MADE.intervals
+    assert MADE.merged_intervals() == MADE.merged_intervals(0.2)
+
+
+def test_the_force_at_states_is_that_of_their_samples():
+    np.testing.assert_array_equal(MADE.state_force(), FORCE[[1, 3]])
