@@ -192,7 +192,7 @@ def _waves(rub: Rub, sense: float) -> dict[int, Complex]:
     for p, z in terms:
         order = int(p * sense)
         found[abs(order)] = found.get(abs(order), 0j) + (z if order >= 0 else z.conj())
-    return {order: z for order, z in found.items() if order == 0 or np.any(z)}
+    return {order: z for order, z in found.items() if np.any(z)}
 
 
 def _drive(rub: Rub, contact: ClosedContact, speed: float, waves: dict[int, Complex], base: int) -> Drive:

@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.growth.cycles.rubbing import _waves
 from contact.growth.cycles.shooting import map_of
+from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import SplitError, rim_contact
+from contact.model.gaps.rub_laws import Whirl
 from contact.record.wear import Wear
 from tests.contact.synthetic_rim import blade, ring
 
@@ -47,6 +50,21 @@ def test_a_rub_is_what_a_run_settles_on(mu, angle, speed):
     assert found.force[0] == pytest.approx(run.force[last].max(), rel=1e-4)
     closed = np.concatenate([[False], run.force[last][:, 0] > 0.0])
     assert found.closings[0] == np.count_nonzero(closed[1:] & ~closed[:-1])
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_waves_are_what_passes_each_tip(sense):
+    """d(theta) and the whirls at theta = angle of the tip - sense Omega t; opposite waves of one order cancel."""
+    whirls = (Whirl(amplitude=3e-6, per_rev=-3.0, phase_deg=40.0), Whirl(amplitude=2e-6, per_rev=-1.0, phase_deg=25.0))
+    profile = ct.RimProfile.fourier([*WAVES, {"p": 0, "cos": 7e-6}, {"p": 5, "cos": 4e-6}, {"p": 5, "cos": -4e-6}])
+    rub = replace(rub_of(rim(angle_deg=17.0)), profile=profile, whirl=whirls)
+    found = _waves(rub, sense)
+    assert sorted(found) == [0, 2, 3]
+    for turned in np.linspace(0.0, 6.0, 7):
+        theta = math.radians(17.0) - sense * turned
+        beta = [math.radians(whirl.phase_deg) + whirl.per_rev * sense * turned for whirl in whirls]
+        exact = profile(theta) + sum(w.amplitude * math.cos(theta - b) for w, b in zip(whirls, beta, strict=True))
+        assert sum((z[0] * np.exp(1j * p * turned)).real for p, z in found.items()) == pytest.approx(exact, abs=1e-18)
 
 
 def test_out_of_roundness_of_two_waves_repeats_twice_a_turn():

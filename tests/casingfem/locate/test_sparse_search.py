@@ -1,0 +1,88 @@
+"""Matching pursuit on small linear problems, against all subsets tried one by one."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from casingfem.locate.misfit import Point
+from casingfem.locate.sparse_fit import Bounds, fitted, gains
+from casingfem.locate.sparse_search import best_addition, exchanged, pruned, scale2, significant, threshold, unexplained
+
+COUNT = 7
+BOUNDS = Bounds(lower=-np.ones(COUNT), upper=np.zeros(COUNT))
+
+
+def problem(seed, truth):
+    """Residuals J (x - truth) of alike columns, and a start at zero."""
+    rng = np.random.default_rng(seed)
+    J = rng.standard_normal((15, COUNT)) + 0.9 * rng.standard_normal((15, 1))
+
+    def evaluate(x):
+        left = 20.0 * J @ (x - truth)
+        return Point(x, None, left, 20.0 * J, float(left @ left))
+
+    return evaluate, evaluate(np.zeros(COUNT))
+
+
+def best_subset(evaluate, start, size):
+    fits = {subset: fitted(evaluate, start, subset, BOUNDS).chi2 for subset in combinations(range(COUNT), size)}
+    return list(min(fits, key=fits.get))
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("begun", [[4, 5, 6], [0, 5, 6], [1, 4, 5], [0, 3, 6]])
+def test_exchanging_one_change_at_a_time_ends_at_the_best_subset(seed, begun):
+    truth = np.array([-0.8, 0.0, -0.5, -0.6, 0.0, 0.0, 0.0])
+    evaluate, start = problem(seed, truth)
+    found, at = exchanged(evaluate, fitted(evaluate, start, begun, BOUNDS), begun, BOUNDS, rounds=4, tried=COUNT)
+    assert found == best_subset(evaluate, start, 3) == [0, 2, 3]
+    np.testing.assert_allclose(at.x, truth, atol=1e-6)
+
+
+def test_one_change_is_not_exchanged_and_needless_ones_are_dropped():
+    truth = np.array([-0.8, 0.0, -0.5, 0.0, 0.0, 0.0, 0.0])
+    evaluate, start = problem(3, truth)
+    alone = fitted(evaluate, start, [5], BOUNDS)
+    assert exchanged(evaluate, alone, [5], BOUNDS) == ([5], alone)
+    whole = [0, 1, 2, 6]
+    left, at = pruned(evaluate, fitted(evaluate, start, whole, BOUNDS), whole, BOUNDS, 0.01)
+    assert left == [0, 2]
+    np.testing.assert_allclose(at.x, truth, atol=1e-9)
+
+
+@pytest.mark.parametrize("active", [[], [2], [0, 4]])
+def test_what_a_change_promises_is_what_its_fit_gains(active):
+    """The problem is linear: within bounds, and those active refitted."""
+    evaluate, start = problem(5, np.full(COUNT, -0.02))
+    at = fitted(evaluate, start, active, Bounds(lower=-9.0 * np.ones(COUNT), upper=9.0 * np.ones(COUNT)))
+    wide = Bounds(lower=-9.0 * np.ones(COUNT), upper=9.0 * np.ones(COUNT))
+    promised = gains(at, active, wide)
+    for c in range(COUNT):
+        if c in active:
+            assert promised[c] == -np.inf
+        else:
+            assert promised[c] == pytest.approx(at.chi2 - fitted(evaluate, at, [*active, c], wide).chi2, rel=1e-6)
+    taken, there = best_addition(evaluate, at, active, wide, tried=COUNT)
+    assert taken == int(np.argmax(promised))
+    assert there.chi2 == pytest.approx(at.chi2 - promised.max(), rel=1e-6)
+
+
+def test_a_bounded_change_promises_less_and_an_unseen_one_nothing():
+    J = np.array([[2.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
+    at = Point(np.zeros(3), None, np.array([4.0, 1.0]), J, 17.0)
+    found = gains(at, [], Bounds(lower=-np.ones(3), upper=np.ones(3)))
+    assert found.tolist() == [17.0 - 5.0, -np.inf, 17.0 - 9.0]  # both would go further than 1
+    assert best_addition(lambda x: at, at, [0, 2], Bounds(lower=-np.ones(3), upper=np.ones(3))) == (None, at)
+
+
+def test_significance_is_that_of_the_f_test():
+    """s^2 = max(1, chi^2/dof); quantile of F(1, 10) at 0.05/5: 10.04."""
+    before, after = (Point(np.zeros(1), None, np.zeros(12), np.zeros((12, 1)), chi2) for chi2 in (25.0, 5.0))
+    assert threshold(0.05, 5, 12, 2) == pytest.approx(10.044, abs=1e-3)
+    assert scale2(after, 2) == 1.0
+    assert scale2(before, 2) == 2.5
+    assert significant(before, after, 2, 0.05, 5)
+    assert not significant(before, Point(np.zeros(1), None, np.zeros(12), np.zeros((12, 1)), 14.97), 2, 0.05, 5)
+    assert unexplained(Point(np.zeros(1), None, np.zeros(12), np.zeros((12, 1)), 18.31), 2, 0.05)  # 95 % of 10 dof
+    assert not unexplained(Point(np.zeros(1), None, np.zeros(12), np.zeros((12, 1)), 18.30), 2, 0.05)
