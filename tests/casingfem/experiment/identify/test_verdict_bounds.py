@@ -60,7 +60,7 @@ def test_both_sides_of_each_limit(monkeypatch, name, doubtful, sure, out, words)
     """`out`: whether the limit is that of being left out, beyond that of being doubtful."""
     ((text, left_out),) = reasons(monkeypatch, **{name: doubtful})
     assert text.startswith(words)
-    assert left_out is bool(out)
+    assert left_out == bool(out)
     inside = reasons(monkeypatch, **{name: sure})
     assert [flag for _, flag in inside] == ([False] if out else [])
 
@@ -115,7 +115,7 @@ def test_a_peak_beside_a_stronger_one_of_its_shape(monkeypatch, complex_residues
     ((text, out),) = beside(monkeypatch, away=2.99, mac=0.81, **given)
     assert text.startswith("3.0 bandwidths from the stronger mode at 106.")
     assert text.endswith("of the same shape: one mode?")
-    assert out is False
+    assert not out
     assert beside(monkeypatch, away=3.01, mac=0.81, **given) == []
     assert beside(monkeypatch, away=2.99, mac=0.79, **given) == []
     assert beside(monkeypatch, away=2.99, mac=0.81, size=1.01, **given) == []
@@ -130,7 +130,7 @@ def test_a_peak_where_the_fit_leaves_more_than_noise(monkeypatch):
     ((text, out),) = beside(monkeypatch, misfit=3.24, **given)
     assert text.startswith("beside the stronger mode at 112.")
     assert text.endswith("where the fit leaves 1.8 times the noise")
-    assert out is False
+    assert not out
     for changes in ({"misfit": 2.99}, {"away": 6.1}, {"size": 0.71}):
         assert beside(monkeypatch, **{"misfit": 3.24} | given | changes) == []
 

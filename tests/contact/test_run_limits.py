@@ -1,0 +1,136 @@
+"""When a run is called diverged, and what it says then: both sides of each limit, on made-up budgets."""
+
+import importlib
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.diverged import _fed_words, _limit_words, _rise, recent_growth
+from contact.record.energy import EnergyBudget, Stored
+from contact.run import ADDED, MOST_STEPS, prepared
+
+RUN = importlib.import_module("contact.run")
+STILL = Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
+CALM = EnergyBudget(start=STILL, end=STILL, contact=0.5, rotation=0.25, friction=0.0, damping=0.0)
+
+
+def later(added, **changes):
+    """Contact has added so much since `CALM`, beside 2 J that were there and 1 J of rotation."""
+    return replace(CALM, **{"contact": 0.5 + added, "rotation": 1.25} | changes)
+
+
+def test_contact_that_adds_more_than_thrice_all_else_runs_away():
+    bare, coated = (SimpleNamespace(coated=coated) for coated in (False, True))
+    assert ADDED * later(0.0).since(CALM).others == 9.0
+    assert not RUN._runs_away(bare, later(8.99), CALM)
+    assert RUN._runs_away(bare, later(9.01), CALM)
+    assert not RUN._runs_away(coated, later(9.01), CALM)
+    assert not RUN._runs_away(bare, later(-9.01), CALM)
+    for ready in (bare, coated):
+        assert RUN._runs_away(ready, later(math.inf), CALM)
+        assert RUN._runs_away(ready, later(0.0, end=replace(STILL, discrete=math.nan)), CALM)
+
+
+def block(**changes):
+    return ct.Scene(
+        **{"what": [ct.PointMass(mass=1.0, x=-0.1, velocity=1.0), ct.Wall()], "t_end": 0.3, "dt": 0.01} | changes
+    )
+
+
+def ended(ready, budget, *, steps=30, failed=-1, calm=None, monkeypatch):
+    monkeypatch.setattr(RUN, "_budget", lambda _: budget)
+    whole = RUN.completed(prepared(block()))
+    parts = [chunk.samples for chunk in RUN.steps(ready.stepper, 30, record=ready.record)]
+    assert whole.steps == 30
+    return RUN.finished(ready, parts, steps, 0.1, failed, calm)
+
+
+def test_how_a_run_ends(monkeypatch):
+    """Done, run away by its energy, failed at a step, out of numbers: the step that is told, and what "flag" spares."""
+    give = {"monkeypatch": monkeypatch}
+    for on_limit in ("stop", "flag"):
+        scene = block(on_limit=on_limit)
+        assert ended(prepared(scene), later(8.9), calm=CALM, **give).divergence is None
+        assert ended(prepared(scene), later(99.0), **give).divergence is None  # nothing calm to compare with
+        with pytest.raises(ct.NumericsError, match=r"^step 7 \(t = 0\.07 s\): ") as caught:
+            ended(prepared(scene), later(99.0), failed=7, calm=CALM, **give)
+        assert caught.value.result.divergence is None
+        with pytest.raises(
+            ct.NumericsError, match=r"^step 29 \(t = 0\.29 s\): diverged: the energy is not a fin"
+        ) as caught:
+            ended(prepared(scene), later(math.nan), calm=CALM, **give)
+        assert caught.value.result.divergence.limit == "overflow"
+    told = ended(prepared(block(on_limit="flag")), later(9.5), calm=CALM, **give).divergence
+    assert (told.limit, told.reached, told.allowed, told.step) == ("energy", 9.5, 9.0, 30)
+    assert told.words.startswith("diverged: contact has added 9.5 J to what had at most 9 J")
+    with pytest.raises(ct.NumericsError, match=r"^step 29 \(t = 0\.29 s\): diverged: contact has added 9\.5 J"):
+        ended(prepared(block()), later(9.5), calm=CALM, **give)
+
+
+def test_samples_end_at_the_first_that_is_no_number():
+    ready = prepared(block(record=ct.Record(state_every=2)))
+    (part,) = (chunk.samples for chunk in RUN.steps(ready.stepper, 30, record=ready.record))
+    assert RUN._finite(part) is part
+    spoilt = part._replace(gap=part.gap.copy())
+    spoilt.gap[11, 0] = math.inf
+    kept = RUN._finite(spoilt)
+    assert len(kept.time) == len(kept.force) == len(kept.gap) == len(kept.impulse) == 11
+    assert kept.time[-1] == part.time[10]
+    assert kept.state_time.tolist() == [time for time in part.state_time if time < part.time[11]]
+    assert len(kept.state) == len(kept.state_time) == 6
+
+
+def test_steps_to_the_end():
+    assert RUN._count(1.0, 0.1) == 10
+    assert RUN._count(1.0 + 1e-9, 0.1) == 11
+    assert RUN._count(1.0 + 1e-13, 0.1) == 10
+    assert RUN._count(1e-9, 0.1) == 1
+    assert RUN._count(float(MOST_STEPS), 1.0) == MOST_STEPS
+    with pytest.raises(
+        ct.InputError, match=r"which is 1.001e\+10 steps, expected at most 1e\+10: shorten t_end to 2e\+10"
+    ):
+        RUN._count(1.001 * 2.0 * MOST_STEPS, 2.0)
+
+
+def test_who_fed_a_motion_the_largest_first():
+    budget = replace(CALM, friction=5.0, rotation=-9.0, body_force=0.06, external=0.04, contact=3.0)
+    assert _fed_words(budget).startswith(
+        "Energy came from friction (5 J), the contact law (3 J), gravity and whirl (0.06"
+    )
+    assert "varying loads" not in _fed_words(budget)
+    assert "overlapping" not in _fed_words(budget)
+    assert "pushes overlapping bodies apart" in _fed_words(replace(budget, contact=6.0))
+    assert _fed_words(replace(CALM, contact=-1.0, rotation=0.0)) == ""
+    assert _fed_words(replace(CALM, contact=0.0, rotation=0.0, external=2.0)) == "Energy came from varying loads (2 J)."
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("wall", "the rim moved 0.003 m, 0.5 of its wall is 0.002 m"),
+        ("radius", "rim and tip moved 0.003 m, a tenth of the radius is 0.002 m"),
+        ("gap", "a gap moved 0.003 m"),
+        ("overflow", "the energy is not a finite number"),
+    ],
+)
+def test_limits_in_words(name, words):
+    assert _limit_words(name, 0.003, 0.002).startswith(f"diverged: {words}")
+
+
+def test_a_rise_begins_where_it_is_a_twentieth_of_the_last_and_may_ripple():
+    assert _rise(np.array([0.049, 0.051, 0.2, 1.0])) == 1
+    assert _rise(np.array([0.2, 0.4, 0.27, 1.0])) == 0  # 0.4 < 1.5 * 0.27
+    assert _rise(np.array([0.2, 0.41, 0.27, 1.0])) == 2
+    assert _rise(np.array([1.0])) == 0
+
+
+def test_growth_is_fitted_over_the_windows_of_the_rise():
+    t = np.arange(24 * 12) * 0.01
+    rate, span = recent_growth(t, np.exp(1.0 * t) * np.where(np.arange(t.size) % 2, 1.0, -1.0))
+    assert rate == pytest.approx(1.0, rel=1e-3)
+    assert span == pytest.approx(t[-1], rel=1e-9)
+    assert recent_growth(t[:-1], np.ones(t.size - 1)) == (None, 0.0)
