@@ -134,3 +134,25 @@ def test_growth_is_fitted_over_the_windows_of_the_rise():
     assert rate == pytest.approx(1.0, rel=1e-3)
     assert span == pytest.approx(t[-1], rel=1e-9)
     assert recent_growth(t[:-1], np.ones(t.size - 1)) == (None, 0.0)
+
+
+def test_a_failed_step_says_why():
+    body = ct.ModalBody(omega=[1.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]])
+    stepper = prepared(block(what=ct.Patch(body=body, normal=("x",), clearance=0.1))).stepper
+    assert stepper.why() == "the motion is not a number"
+    stepper.state.counts[3] = 1.0
+    assert stepper.why().startswith("no motion opens all gaps at once")
+    stepper.state.counts[3] = 2.0
+    assert stepper.why().startswith("no forces found that obey Coulomb's law in every contact")
+    stepper = prepared(
+        block(dt=0.01, what=[ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=4, x=0.1), ct.Wall()])
+    )
+    stepper = stepper.stepper
+    assert stepper.why().startswith("the contacts have no common answer")
+    for name in ("u", "v"):
+        kept = getattr(stepper.state, name)[0]
+        getattr(stepper.state, name)[0] = math.inf
+        assert stepper.why() == "the motion is not a finite number"
+        getattr(stepper.state, name)[0] = kept
+    stepper.fault.extend(["the first", "the last"])
+    assert stepper.why() == "the last"
