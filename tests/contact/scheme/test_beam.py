@@ -201,6 +201,28 @@ def test_residual_compliance_of_the_ring_yields_with_its_modes():
     assert pressed > 10
 
 
+@pytest.mark.parametrize("pressing", [1, 3])
+def test_nodes_that_press_together_all_end_on_the_rim(pressing):
+    """Flung outward at once: each is moved by its own force alone, the rim under each by all of them."""
+    modes = ct.bodies.ring_modes(RING, 4)
+    mixing = np.random.default_rng(3).standard_normal((18, 18))
+    ring = replace(modes, S=1e-9 * mixing @ mixing.T)
+    beam = replace(BEAM, elements=10, angle_deg=108.0)
+    stepper = prepare_beam(ct.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
+    s = stepper.state
+    out = s.x[1:, :2] - [CIRCLE.offset, 0.0]
+    far = 0.502 - np.linalg.norm(out, axis=1)
+    s.d[-pressing:, :2] = (out * (1.0 + 1e-3 / far[:, None]) * (far / np.linalg.norm(out, axis=1))[:, None])[-pressing:]
+    found = samples(Record(), 1, stepper.sums.closed.size, stepper.size)
+    assert stepper.advance(found, 0, 1) == -1
+    force = found.force[0]
+    assert np.flatnonzero(force > 0.0).tolist() == list(range(10 - pressing, 10))
+    away = s.x[1:, :2] - [CIRCLE.offset, 0.0]
+    waves = np.array([harmonics(4, angle) for angle in np.arctan2(away[:, 1], away[:, 0])])
+    rim = waves @ (ring.rows[:9] @ s.q + ring.S[:9, :9] @ (waves.T @ force))
+    assert np.abs((0.502 + rim - np.linalg.norm(away, axis=1))[-pressing:]).max() <= 1e-9
+
+
 @pytest.mark.slow
 def test_a_stiffening_ring_becomes_the_rigid_circle():
     t_end = 1.15 * CIRCLE.first_contact_time
