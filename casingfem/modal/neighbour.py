@@ -165,7 +165,7 @@ class Space:
         self.pencil, self.count = pencil, 0
         room = blocks * start.shape[1]
         self._both = np.empty((2, room, pencil.size))  # rows here are the columns of V and A V
-        self._H = np.empty((room, room))
+        self._H = np.zeros((room, room))
         self.grow(start)
 
     @property
@@ -180,7 +180,7 @@ class Space:
 
     @property
     def H(self) -> FloatArray:
-        """V^T A V."""
+        """V^T A V, its lower triangle, which is all that `eigh` reads."""
         return self._H[: self.count, : self.count]
 
     def grow(self, block: FloatArray) -> None:
@@ -194,7 +194,6 @@ class Space:
         self._both[0, first : self.count] = block.T
         self._both[1, first : self.count] = (self.pencil.A @ block).T
         across = self.V.T @ self.images[:, first:]
-        self._H[: self.count, first : self.count] = across
         self._H[first : self.count, : self.count] = across.T
 
 
