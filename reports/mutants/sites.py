@@ -185,7 +185,9 @@ class Finder(ast.NodeVisitor):
         elif other and node.func.end_lineno is not None and node.func.end_col_offset is not None:
             end = self.column(node.func.end_lineno, node.func.end_col_offset)
             self.add(node.func.end_lineno, end - len(name), end, other)
-        self.visit_all([node.func, *node.args, *(k.value for k in node.keywords if k.arg not in SETTINGS)])
+        # numpy's reshape takes -2 for -1
+        arguments = [a for a in node.args if name != "reshape" or not isinstance(a, ast.UnaryOp)]
+        self.visit_all([node.func, *arguments, *(k.value for k in node.keywords if k.arg not in SETTINGS)])
 
     def visit_Constant(self, node: ast.Constant) -> None:
         """Another number."""

@@ -93,6 +93,7 @@ def changes(line: str) -> set[str]:
         ("x = f'{a + b}'", set()),
         ("print(a + b)", set()),
         ("return solve(a, b, check_finite=False)", set()),
+        ("x = a.reshape(3, -1)", {"x = a.reshape(4, -1)"}),
     ],
 )
 def test_what_becomes_of_a_statement(line: str, expected: set[str]) -> None:
