@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from casingfem.cli.pictures import page_numbers
+from contact.base.errors import InputError
 from contact.record.energy import EnergyBudget, Stored
+from contact.record.record import BUFFER, MOST_SAMPLES, Record, sparse
 from contact.result import Result
 from contact.scheme.protocol import Motion, Notes
 from contact.sweep.row import row_of
@@ -157,3 +159,32 @@ def test_intervals_are_joined_across_pauses_shorter_than_the_window():
 
 def test_the_force_at_states_is_that_of_their_samples():
     np.testing.assert_array_equal(MADE.state_force(), FORCE[[1, 3]])
+
+
+def test_a_chunk_is_as_long_as_its_buffers_allow():
+    """Numbers a step: 6 for events of each contact; 1 + 3 a contact every 5 steps, 1 + coordinates every 20."""
+    for record, width in (
+        (Record(every=5, state_every=20), 18.0 + 10.0 / 5.0 + 41.0 / 20.0),
+        (Record(every=5), 18.0 + 10.0 / 5.0),
+        (Record(at=[0.1]), 18.0 + 10.0 + 41.0),
+        (Record(every=1, state_every=1, channels=np.ones((7, 40))), 18.0 + 10.0 + 8.0),
+    ):
+        assert record.chunk(3, 40) == int(BUFFER / width)
+    assert Record(state_every=1).chunk(3, 10 * BUFFER) == 1
+    assert (sparse(MOST_SAMPLES).every, sparse(MOST_SAMPLES + 1).every, sparse(0).every) == (1, 2, 1)
+
+
+def test_instants_are_the_nearest_steps_of_the_run():
+    record = Record(at=[0.0, 0.149, 0.151, 0.5])
+    assert record.steps(dt=0.1, count=5).tolist() == [0, 1, 2, 4]  # the end of the run is its last step
+    with pytest.raises(InputError, match=r"at: found 0\.5 s, expected at most 0\.499 s"):
+        record.steps(dt=0.0998, count=5)
+    for inside, outside in (
+        ({"every": 1}, {"every": 0}), ({"state_every": 0}, {"state_every": -2}),
+        ({"every": 2, "state_every": 4}, {"every": 2, "state_every": 3}),
+        ({"at": [0.0]}, {"at": [-1e-9]}), ({"at": [0.1]}, {"at": [0.1], "state_every": 1}),
+        ({"state_every": 1, "channels": [[0.0]]}, {"state_every": 1, "channels": np.zeros((0, 2))}),
+    ):  # fmt: skip
+        Record(**inside)
+        with pytest.raises(InputError, match="found"):
+            Record(**outside)
