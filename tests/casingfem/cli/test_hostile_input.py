@@ -147,6 +147,19 @@ def test_ctrl_c_says_what_is_safe(tmp_path, monkeypatch, command, out, words):
     assert (result.exit_code, result.stderr) == (130, words.format(out=tmp_path / "out"))
 
 
+@pytest.mark.parametrize("command", ["modes", "contact", "rig", "sweep", "report"])
+def test_results_are_not_written_over_a_file(tmp_path, command):
+    """Said before anything is computed: the study is not there."""
+    (tmp_path / "out").write_text("mine")
+    result = CliRunner().invoke(main, [command, str(tmp_path / "none.toml"), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 2
+    (tmp_path / "file.toml").write_text("")
+    result = CliRunner().invoke(main, [command, str(tmp_path / "file.toml"), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 2
+    assert f"'{tmp_path / 'out'}' is a file" in result.stderr
+    assert (tmp_path / "out").read_text() == "mine"
+
+
 @pytest.mark.slow
 def test_ctrl_c_in_a_sweep_ends_its_workers_and_it_goes_on(tmp_path):
     """SIGINT to the whole group, as a terminal sends it, while two workers are busy."""

@@ -187,6 +187,15 @@ def test_facets_close_to_the_slip_converge_with_the_square_of_their_distance():
     assert np.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.2)
 
 
+def test_covering_vectors_are_ones_and_then_all_different_between_one_and_two():
+    assert covering(5, 0).tolist() == [1.0] * 5
+    draws = np.array([covering(5, draw) for draw in (1, 2, 3)])
+    assert draws.min() > 1.0
+    assert draws.max() < 2.0
+    assert all(len(np.unique(draw.round(6))) == 5 for draw in draws)
+    np.testing.assert_allclose((draws[0, 1:] - draws[0, :-1]) % 1.0, draws[0, 0] % 1.0, rtol=1e-12)
+
+
 @pytest.mark.parametrize("draw", [0, 3])
 def test_pivoting_from_any_covering_vector_is_the_reference(draw):
     rng = np.random.default_rng(29)
