@@ -1,5 +1,6 @@
 """Universal files: what is written comes back, damage is refused with set and line, another reader agrees."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from casingfem.errors import InputError, ModelWarning
 from casingfem.experiment.uff.nodes import Nodes, Units
 from casingfem.experiment.uff.read import parse_uff, read_headers, read_uff
+from casingfem.experiment.uff.set_55 import Shape
 from casingfem.experiment.uff.set_58 import Axes, Axis
 from casingfem.experiment.uff.write import write_uff
 from reports.robustness import uff_mutations
@@ -305,3 +307,18 @@ def test_headers_are_read_where_the_numbers_are_cut_short(tmp_path):
     (tmp_path / "bad.uff").write_text(text.replace(f"{len(given.x):10d}", f"{'x':>10}", 1))
     with pytest.raises(InputError, match="set 58"):
         read_headers(tmp_path / "bad.uff")
+
+
+@pytest.mark.parametrize(
+    ("analysis", "reals", "freq"),
+    [
+        (2, (367.9, 1.0), 367.9), (5, (41.0,), 41.0), (3, (-3.0, 4.0, 9.0), 2.5 / math.pi), (7, (6.0, 8.0), 5.0 / math.pi),
+        (2, (), math.nan), (3, (4.0,), math.nan), (1, (3.0, 4.0), math.nan), (4, (3.0, 4.0), math.nan),
+    ],
+)  # fmt: skip
+def test_a_shape_has_a_frequency_where_its_analysis_says_one(analysis, reals, freq):
+    shape = Shape(
+        text=("",) * 5, model=1, analysis=analysis, characteristic=3, quantity=8, integers=(), reals=reals,
+        nodes=np.array([1]), values=np.zeros((1, 3)),
+    )  # fmt: skip
+    assert shape.freq_hz == pytest.approx(freq, rel=1e-14, nan_ok=True)
