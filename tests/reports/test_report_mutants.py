@@ -139,6 +139,20 @@ def test_tests_are_found_through_fixtures_and_nearest_first(campaign: Campaign) 
     assert reach.nearest("tiny/module.py", "unseen", 1)[0] == f"{file}::test_unseen"
 
 
+def test_of_tests_equally_near_those_of_its_folder_and_its_name_come_first(campaign: Campaign) -> None:
+    text = "from tiny.module import unseen\ndef test_1():\n    unseen(1)\n"
+    for name, body in {"a": text, "tiny/z": text, "b": text.replace("test_1", "test_what_is_unseen")}.items():
+        path = campaign.root / "tests" / name
+        path = path.with_name(f"test_{path.name}.py")
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(body, encoding="utf-8")
+    (campaign.root / "tests/test_module.py").unlink()
+    reach = read_reach(campaign.root, ("tiny",), ("tests",))
+    for seed in range(5):
+        last = reach.nearest("tiny/module.py", "unseen", seed)[-1]
+        assert last == "tests/test_a.py::test_1"
+
+
 def test_examples_of_a_docstring_are_tests(campaign: Campaign) -> None:
     """Those of a package; of other folders nothing runs them."""
     text = SOURCE.replace(
