@@ -313,7 +313,8 @@ def test_headers_are_read_where_the_numbers_are_cut_short(tmp_path):
     ("analysis", "reals", "freq"),
     [
         (2, (367.9, 1.0), 367.9), (5, (41.0,), 41.0), (3, (-3.0, 4.0, 9.0), 2.5 / math.pi),
-        (7, (6.0, 8.0), 5.0 / math.pi), (2, (), math.nan), (3, (4.0,), math.nan), (1, (3.0, 4.0), math.nan), (4, (3.0, 4.0), math.nan),
+        (7, (6.0, 8.0), 5.0 / math.pi), (2, (), math.nan), (3, (4.0,), math.nan), (1, (3.0, 4.0), math.nan),
+        (4, (3.0, 4.0), math.nan),
     ],
 )  # fmt: skip
 def test_a_shape_has_a_frequency_where_its_analysis_says_one(analysis, reals, freq):
