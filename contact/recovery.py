@@ -34,16 +34,6 @@ def at_points(body: ModalBody, q: Array, forces: Array) -> Array:
     return kept if body.recovery_S is None else kept + forces @ body.recovery_S.T
 
 
-def at_outputs(body: ModalBody, q: Array, forces: Array) -> Array:
-    """What the body's `outputs` name, (ns, O): displacements [m] and strains [-], modes and residual together.
-
-    Raises InputError when the basis has none.
-    """
-    if body.output_rows is None or body.output_S is None:
-        raise InputError("outputs: found none in this basis, expected reduce(..., outputs=...)")
-    return np.asarray(q @ body.output_rows.T + forces @ body.output_S.T)
-
-
 def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Array, Array]:
     """Instants (ns,) and forces on the channels of one body (ns, K), from the forces stored in `result.state`.
 

@@ -109,10 +109,6 @@ class Result(Reported):
             raise InputError(f"name: found {name!r}, expected one of {', '.join(known)}{hint(name, known)}")
         return self.state[:, found[0]]
 
-    def state_force(self) -> Array:
-        """Force of the samples at which `state` was stored, (ns, K)."""
-        return self.force[np.searchsorted(self.time, self.state_time - 0.25 * self.dt)]
-
     def windowed_force(self, window: float | None = None) -> Array:
         """Force averaged over `window` [s] centred on each sample, (n, K); default 1/f_max of the model."""
         width = max(self.window if window is None else window, self.dt)

@@ -37,7 +37,7 @@ def test_tip_and_rim_meet_where_they_touch(make):
     """While contact is closed, clearance + rim - tip along the normal is zero, residual compliance included."""
     if make == "rim":
         what, law, result = rubbed()
-        closed = result.state_force()[:, 0] > 0.05 * result.peak_force[0]
+        closed = result.force[:, 0] > 0.05 * result.peak_force[0]
     else:
         tip = tips(1)
         what = ct.Rub(rim3(), [nodes(1)], tip, clearance=-2e-5, speed=ct.Speed.constant(5.0))

@@ -71,9 +71,3 @@ class Converter:
         """The values as the converter gives them."""
         half = 2.0 ** (self.bits - 1)
         return np.asarray(np.clip(np.rint(values / self.lsb), -half, half - 1.0) * self.lsb)
-
-    def clipped(self, values: FloatArray) -> int:
-        """How many values lie beyond the range."""
-        half = 2.0 ** (self.bits - 1)
-        steps = np.rint(values / self.lsb)
-        return int(np.count_nonzero((steps < -half) | (steps > half - 1.0)))

@@ -250,7 +250,7 @@ def test_recovered_surfaces_touch_where_the_contact_is_closed(mu):
         phi = -scene.speed * t
         radial = harmonics(N_MAX, phi) @ u[:SIZE]
         gap.append(system.clearance(phi) + radial - np.cos(a) * span - np.sin(a) * flap)
-    closed = result.state_force()[:, 0] > 0.2 * result.force.max()
+    closed = result.state_of("tips")[:, 0] > 0.2 * result.force.max()
     assert closed.sum() > 100
     assert np.abs(np.array(gap)[closed]).max() <= 1e-3 * np.abs(tip).max()
     with pytest.raises(ct.InputError, match="recovery: found none"):
