@@ -14,7 +14,7 @@ import numpy as np
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.modal.imported.modes import MeshModes
 from casingfem.modal.mode_set import Modes
-from casingfem.structure.imported.cell_kind import VTK
+from casingfem.structure.imported.mesh.cell_kind import VTK
 from casingfem.structure.mesh.kinematics import dot, frame
 from casingfem.structure.mesh.shell_mesh import QUAD, quads
 

@@ -8,7 +8,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.modal.imported.modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.plot.modes import lattice
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 MOST, PAINTED = 7000, 1500  # points of a skin: 12 shapes of the one are 1 MB in a page, of the other a second's work
 LATTICES = {  # lines of a chart at most, along and around, by whether it is closed and coarse

@@ -10,7 +10,7 @@ from casingfem.modal.interface import AtNodes, Interface, Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.checks import check_groups
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid

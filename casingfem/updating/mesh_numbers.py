@@ -16,7 +16,8 @@ from casingfem.errors import InputError, ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.imported.modes import MeshModes
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.imported.assembly import MeshStructure, mapped_parts
+from casingfem.structure.imported.assembly import MeshStructure
+from casingfem.structure.imported.cells.mapped import mapped_parts
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.updating.numbers import Plain

@@ -21,7 +21,7 @@ from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material
 from reports.modes.mesh_files import write_inp

@@ -22,7 +22,7 @@ from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.pieces import Piece
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.grid import Placing, grid_mesh
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from reports.modes.calculix import eigenfrequencies, mesh_deck, run

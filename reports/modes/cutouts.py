@@ -18,7 +18,7 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.imported.grid import end_group, grid_mesh
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from reports.modes.corner import by_calculix

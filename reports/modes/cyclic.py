@@ -33,7 +33,7 @@ from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
 from casingfem.structure.imported.cyclic.wheel import wheel_nodes, wheel_structure
 from casingfem.structure.imported.grid import end_group, grid_mesh
-from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material

@@ -21,7 +21,7 @@ from casingfem.structure.geometry.revolved import Revolved
 from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material

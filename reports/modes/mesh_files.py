@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.cell_kind import KINDS
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.cell_kind import KINDS
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 GMSH = {"triangle": 2, "quad": 3, "tetra": 4, "hexahedron": 5, "triangle6": 9, "quad9": 10, "tetra10": 11,
         "hexahedron27": 12, "quad8": 16, "hexahedron20": 17, "line": 1, "line3": 8}  # fmt: skip

@@ -24,7 +24,7 @@ from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.revolved import Revolved
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.grid import end_group, grid_mesh
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.shell import Shell

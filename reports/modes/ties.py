@@ -15,7 +15,7 @@ from casingfem.modal.imported.output import NodeStress
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh_data import MeshData, beside
+from casingfem.structure.imported.mesh.mesh_data import MeshData, beside
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.static import solve_mesh_static
 from casingfem.structure.material import Material

@@ -19,7 +19,7 @@ import numpy as np
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.reduction import reduce
 from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.study import load_any
 from reports.modes.calculix import place
 from reports.modes.mesh_files import write_inp

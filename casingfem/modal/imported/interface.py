@@ -13,12 +13,13 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.interface import AtNodes, Rim, Tip, TipNodes
 from casingfem.structure.geometry.rotation import axis_frame
-from casingfem.structure.imported.assembly import MeshSystem, mapped
-from casingfem.structure.imported.cell_kind import rule
-from casingfem.structure.imported.cells.collapsed import native
+from casingfem.structure.imported.assembly import MeshSystem
+from casingfem.structure.imported.cells.mapped import mapped
 from casingfem.structure.imported.cells.shell import directors
 from casingfem.structure.imported.checks import check_groups
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.cell_kind import rule
+from casingfem.structure.imported.mesh.collapsed import native
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 DEGREE = 8  # of the quadrature on facets: pieces cut them, harmonics are no polynomials
 OPEN = np.pi / 12.0  # largest angle between neighbouring points of a rim [rad]

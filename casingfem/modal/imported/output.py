@@ -9,9 +9,9 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.imported.interface import node_places
 from casingfem.structure.imported.assembly import MeshSystem
-from casingfem.structure.imported.cell_kind import KINDS, shape_functions
-from casingfem.structure.imported.cells.collapsed import distinct, native
 from casingfem.structure.imported.cells.solid import COMPONENTS, elasticity, strain_table
+from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
+from casingfem.structure.imported.mesh.collapsed import distinct, native
 from casingfem.structure.imported.solid import Solid
 
 INWARD = 1e-6  # of the way to the middle of a cell

@@ -1,11 +1,11 @@
 from .assembly import MeshStructure, MeshSystem
 from .attachments.glue import Gluing, tied
-from .attachments.values import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term, Tie
 from .cyclic.sector import CyclicSector
 from .loads import FacetPressure, NodeLoad
 from .matrix.matrix_set import MatrixSet
 from .matrix.read import read_matrices
-from .mesh_data import Group, MeshData, beside
+from .mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term, Tie
+from .mesh.mesh_data import Group, MeshData, beside
 from .read import read_mesh
 from .shell import MeshShell
 from .solid import Solid

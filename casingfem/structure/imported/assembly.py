@@ -1,14 +1,14 @@
-"""What imported solids and shells share: isoparametric integrals, sparse assembly, the assembled system.
+"""What imported solids and shells share: what a structure on a mesh has, and its assembled system.
 
 Dofs are numbered node by node, `dofs` of them on each: u_x, u_y, u_z, and on shells two rotations.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array, csr_array
+from scipy.sparse import csc_array, csr_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
@@ -16,14 +16,13 @@ from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.rigid_body import rigid_left
 from casingfem.structure.imported.attachments.system import Connected, attached
 from casingfem.structure.imported.attachments.ties import motions_of
-from casingfem.structure.imported.cell_kind import KINDS, VTK, rule
-from casingfem.structure.imported.cells.collapsed import native
-from casingfem.structure.imported.mesh_data import MeshData, natives
+from casingfem.structure.imported.cells.scatter import cell_dofs, on_free, symmetric
+from casingfem.structure.imported.mesh.cell_kind import VTK
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.support import MeshSupport
 from contact.io.brief import brief
 
 IDLE = 1e-9  # of the size of a force: its part along an idle motion that is round-off
-CHUNK = 4_000_000  # entries of a strain table held at a time
 
 
 class MeshStructure(Protocol):
@@ -261,109 +260,3 @@ def held_dofs(structure: MeshStructure, dofs: int) -> IntArray:
         for name, support in structure.supports.items()
     ]
     return np.unique(np.concatenate([*parts, np.zeros(0, dtype=np.int64)])).astype(np.int64)
-
-
-class Mapped(NamedTuple):
-    """Isoparametric cells at quadrature points: positions, tangents, shape functions, measure."""
-
-    x: FloatArray  # (cells, q, 3)
-    tangents: FloatArray  # dx/dr_i, (cells, q, dim, 3)
-    values: FloatArray  # shape functions, (nodes, q)
-    slopes: FloatArray  # their local derivatives, (dim, nodes, q)
-    measure: FloatArray  # signed volume, area or length with the weights, (cells, q)
-
-
-def mapped(kind: str, points: FloatArray, cells: IntArray, degree: int | None = None) -> Mapped:
-    """Map the reference cell's quadrature to cells whose nodes lie at points (nodes, 3)."""
-    _, weights, values, slopes = rule(kind, degree)
-    nodes = points[cells]
-    x = np.einsum("kq,ekc->eqc", values, nodes, optimize=True)
-    tangents = np.einsum("dkq,ekc->eqdc", slopes, nodes, optimize=True)
-    dim = KINDS[kind].dim
-    if dim == 3:
-        measure = np.linalg.det(tangents)
-    elif dim == 2:
-        measure = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=-1)
-    else:
-        measure = np.linalg.norm(tangents[:, :, 0], axis=-1)
-    return Mapped(x, tangents, values, slopes, measure * weights)
-
-
-def mapped_parts(mesh: MeshData, degree: int | None = None) -> Iterator[tuple[IntArray, IntArray, Mapped]]:
-    """The cells of a mesh mapped as what they are integrated as: rows, their own nodes (m, k), and those mapped."""
-    for kind, rows, slots in natives(mesh):
-        nodes = mesh.cells[rows][:, slots]
-        yield rows, nodes, mapped(kind, mesh.points, nodes, degree)
-
-
-def cell_dofs(cells: IntArray, dofs: int) -> IntArray:
-    """Dofs of each cell, node by node, (cells, dofs * nodes)."""
-    return np.asarray((cells[:, :, None] * dofs + np.arange(dofs)).reshape(len(cells), -1))
-
-
-def scatter(matrices: Array, rows: IntArray, size: int) -> csc_array:
-    """Sum cell matrices (cells, m, m) into a sparse one (size, size) at the dofs rows (cells, m), without zeros.
-
-    So many cells at a time that their numbered entries fit into memory beside the sum; sums of like size are added.
-    """
-    small, m = rows.astype(np.int32), rows.shape[1]
-    step = max(1, 2 * CHUNK // m**2)
-    sums = [csc_array((size, size), dtype=matrices.dtype)]
-    for start in range(0, len(rows), step):
-        part = small[start : start + step]
-        i, j = np.broadcast_arrays(part[:, :, None], part[:, None, :])
-        entries = matrices[start : start + step].ravel()
-        one = coo_array((entries, (i.ravel(), j.ravel())), shape=(size, size)).tocsc()
-        one.eliminate_zeros()
-        sums.append(one)
-        while len(sums) > 1 and sums[-2].nnz < 2 * sums[-1].nnz:
-            sums[-2:] = [csc_array(sums[-2] + sums[-1])]
-    while len(sums) > 1:
-        sums[-2:] = [csc_array(sums[-2] + sums[-1])]
-    return sums[0]
-
-
-def on_free(A: csc_array, free: IntArray) -> csc_array:
-    """Rows and columns of the free dofs, without stored zeros, exactly symmetric."""
-    return symmetric(csc_array(A[:, free][free]))
-
-
-def symmetric(A: csc_array) -> csc_array:
-    """The symmetric part of a matrix that is symmetric but for round-off, without stored zeros."""
-    A = csc_array(0.5 * (A + A.T))
-    A.eliminate_zeros()
-    A.sort_indices()  # products of sparse matrices are not in order
-    return A
-
-
-def facet_shape_products(mesh: MeshData, facets: IntArray) -> tuple[FloatArray, IntArray, FloatArray]:
-    """Integrals of N_i N_j over facets (m, k, k), their nodes (m, k), and the area or length of each (m,)."""
-    nodes = mesh.facet_nodes(facets)
-    products, size = shape_products(mesh.points, nodes, native(mesh.cell_kind.facet, nodes))
-    return products, nodes, size
-
-
-def shape_products(
-    points: FloatArray, cells: IntArray, parts: Iterable[tuple[str, IntArray, IntArray]]
-) -> tuple[FloatArray, FloatArray]:
-    """Integrals of N_i N_j over cells or facets (m, k), (m, k, k), and the size of each (m,), part by part.
-
-    Parts are kinds, rows and the places of a kind's own nodes, as of `native`.
-    """
-    count = cells.shape[1]
-    products, size = np.zeros((len(cells), count, count)), np.zeros(len(cells))
-    for kind, rows, slots in parts:
-        on = mapped(kind, points, cells[rows][:, slots])
-        own = np.einsum("iq,jq,mq->mij", on.values, on.values, on.measure, optimize=True)
-        products[rows[:, None, None], slots[:, None], slots] = own
-        size[rows] = on.measure.sum(axis=1)
-    return products, size
-
-
-def put(total: FloatArray, rows: IntArray, slots: IntArray, matrices: FloatArray, dofs: int) -> None:
-    """Put matrices of cells that have some of the nodes, in their order, into those of all, (cells, m, m)."""
-    if dofs * len(slots) == total.shape[1]:
-        total[rows] = matrices
-        return
-    places = cell_dofs(slots[None], dofs)[0]
-    total[rows[:, None, None], places[:, None], places] = matrices

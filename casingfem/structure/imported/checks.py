@@ -12,11 +12,11 @@ from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError, sentence, warn
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
-from casingfem.structure.imported.assembly import mapped
-from casingfem.structure.imported.cell_kind import KINDS, SHELLS, shape_functions
-from casingfem.structure.imported.cells.collapsed import LEAST, distinct
-from casingfem.structure.imported.findings import SHOWN, Finding, cells_named, edge_lengths, nodes_named, where
-from casingfem.structure.imported.mesh_data import NATIVE, MeshData, natives
+from casingfem.structure.imported.cells.mapped import mapped
+from casingfem.structure.imported.mesh.cell_kind import KINDS, SHELLS, shape_functions
+from casingfem.structure.imported.mesh.collapsed import LEAST, distinct
+from casingfem.structure.imported.mesh.findings import SHOWN, Finding, cells_named, edge_lengths, nodes_named, where
+from casingfem.structure.imported.mesh.mesh_data import NATIVE, MeshData, natives
 from casingfem.structure.material import Material
 from casingfem.structure.shell.plausible import SOUND
 from contact.io.names import hint

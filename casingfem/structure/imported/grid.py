@@ -10,8 +10,8 @@ from itertools import permutations
 import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.structure.imported.cell_kind import KINDS
-from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.mesh.cell_kind import KINDS
+from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 
 Placing = Callable[[FloatArray], FloatArray]
 

@@ -12,10 +12,11 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.assembly import Mapped, MeshStructure, mapped, mapped_parts
-from casingfem.structure.imported.cells.collapsed import native
+from casingfem.structure.imported.assembly import MeshStructure
+from casingfem.structure.imported.cells.mapped import Mapped, mapped, mapped_parts
 from casingfem.structure.imported.checks import check_groups
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.collapsed import native
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.shell.loads import EdgeLoad, Gravity, Pressure, SurfaceLoad, Vector
 
 

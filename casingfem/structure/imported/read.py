@@ -14,11 +14,11 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.probe import fault_of
-from casingfem.structure.imported.bdf import read_bdf
-from casingfem.structure.imported.cdb import read_cdb
-from casingfem.structure.imported.draft import Block, Draft, build, joined
-from casingfem.structure.imported.inp import read_inp
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.imported.readers.bdf import read_bdf
+from casingfem.structure.imported.readers.cdb import read_cdb
+from casingfem.structure.imported.readers.draft import Block, Draft, build, joined
+from casingfem.structure.imported.readers.inp import read_inp
 from contact.io.units import units_of
 
 LONGEST = 10_000  # characters of a line of names

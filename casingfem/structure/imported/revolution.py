@@ -3,8 +3,8 @@
 import numpy as np
 
 from casingfem.io.arrays import FloatArray
-from casingfem.structure.imported.assembly import mapped, mapped_parts
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.cells.mapped import mapped, mapped_parts
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 LEAN = 0.1  # rms hoop component of the normals of a round body: waves of the radius are small slopes
 FLAT = 0.3  # facets that lean more are corners, cuts or holes, and may cover half a meridional section

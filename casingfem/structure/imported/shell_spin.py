@@ -13,8 +13,9 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.assembly import MeshSystem, put, shape_products
-from casingfem.structure.imported.cell_kind import rule, shape_functions
+from casingfem.structure.imported.assembly import MeshSystem
+from casingfem.structure.imported.cells.mapped import shape_products
+from casingfem.structure.imported.cells.scatter import put
 from casingfem.structure.imported.cells.shell import (
     DOFS,
     ShellCells,
@@ -24,9 +25,10 @@ from casingfem.structure.imported.cells.shell import (
     tangent_frames,
     wall_stiffness,
 )
-from casingfem.structure.imported.mesh_data import natives
+from casingfem.structure.imported.cells.tying import local_frame, tied_covariant, tied_strains, to_local, tying
+from casingfem.structure.imported.mesh.cell_kind import rule, shape_functions
+from casingfem.structure.imported.mesh.mesh_data import natives
 from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin
-from casingfem.structure.imported.tying import local_frame, tied_covariant, tied_strains, to_local, tying
 
 PAIRS = ((0, 0), (1, 1), (0, 1))  # directions r, s of e_rr, e_ss, 2 e_rs
 

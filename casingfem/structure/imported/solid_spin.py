@@ -16,10 +16,10 @@ from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.assembly import CHUNK, Mapped, MeshSystem, cell_dofs, mapped, on_free, put, scatter
+from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.turning import hung_spin
-from casingfem.structure.imported.cell_kind import rule
-from casingfem.structure.imported.cells.collapsed import native
+from casingfem.structure.imported.cells.mapped import Mapped, mapped
+from casingfem.structure.imported.cells.scatter import CHUNK, cell_dofs, on_free, put, scatter
 from casingfem.structure.imported.cells.solid import (
     VOIGT,
     SolidCells,
@@ -28,6 +28,8 @@ from casingfem.structure.imported.cells.solid import (
     elasticity,
     strain_table,
 )
+from casingfem.structure.imported.mesh.cell_kind import rule
+from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin, tied_solution
 
 STEPS, SETTLED = 30, 1e-9  # Newton's steps at most; relative size of the last one

@@ -21,9 +21,10 @@ from scipy.sparse import csc_array
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.assembly import MeshSystem, cell_dofs, scatter, symmetric
+from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.system import enlarged
 from casingfem.structure.imported.attachments.turning import carried, hung_spin
+from casingfem.structure.imported.cells.scatter import cell_dofs, scatter, symmetric
 from casingfem.structure.shell.prestress import Spin
 
 LARGE = 0.01  # quadratic strains over linear ones: from which the steady shape is iterated

@@ -5,7 +5,7 @@ from typing import ClassVar, Literal, TypeAlias
 
 from casingfem.errors import ModelError
 from casingfem.structure.edge.support import Clamped, ElasticEdge
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,6 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from casingfem.structure.imported.attachments.values import Attachments, PointMass
+from casingfem.structure.imported.mesh_data import MeshData
 
 import casingfem as cf
 from casingfem.structure.field.fourier import FourierField
@@ -14,9 +16,7 @@ from casingfem.structure.geometry.chart_checks import check_chart
 from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.rotation import Rotation, axis_frame
 from casingfem.structure.geometry.survey_check import check_survey
-from casingfem.structure.imported.attachments.values import Attachments, PointMass
 from casingfem.structure.imported.grid import cube_cells
-from casingfem.structure.imported.mesh_data import MeshData
 
 INF, NAN = math.inf, math.nan
 PLATE = cf.Plate(length=0.3, width=0.1)

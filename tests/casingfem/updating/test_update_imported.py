@@ -13,7 +13,7 @@ from casingfem.errors import InputError, ModelError, ModelWarning
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.sensors import sensors_at_nodes
 from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh_data import Group
+from casingfem.structure.imported.mesh.mesh_data import Group
 from casingfem.study import load_any
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.sensitivity import eigen_derivatives, of_mesh

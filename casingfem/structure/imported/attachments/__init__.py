@@ -1,1 +1,1 @@
-"""What hangs on a mesh beside its cells: point masses, springs, rigid and mean connections, equations."""
+"""What do attachments do to a mesh? Rigid and mean connections, ties and equations as motions of its nodes."""

@@ -16,10 +16,10 @@ import numpy as np
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
 from casingfem.structure.imported.attachments.projection import nearest_places
-from casingfem.structure.imported.attachments.values import Tie
-from casingfem.structure.imported.cells.collapsed import native
-from casingfem.structure.imported.findings import nodes_named
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.attachments import Tie
+from casingfem.structure.imported.mesh.collapsed import native
+from casingfem.structure.imported.mesh.findings import nodes_named
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from contact.io.names import hint
 
 TOLERANCE = 0.05  # of the facet's size: how far from it a node is still tied
@@ -61,7 +61,7 @@ def tied(mesh: MeshData, gluings: Sequence[Gluing]) -> MeshData:
     Examples
     --------
     >>> from casingfem.structure.imported.grid import grid_mesh
-    >>> from casingfem.structure.imported.mesh_data import beside
+    >>> from casingfem.structure.imported.mesh.mesh_data import beside
     >>> ends = {"low": (0, 0.0), "high": (0, 1.0)}
     >>> coarse = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u, groups=ends)
     >>> fine = grid_mesh("hexahedron20", (2, 3, 3), lambda u: u + [1.0, 0.0, 0.0], groups=ends)

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.cell_kind import KINDS, shape_functions
+from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
 
 NEAR, STEPS = 12, 15  # facets looked at for each point, nearest centres first; Gauss-Newton steps on each
 SETTLED = 1e-14  # of the reference facet: a step that changes nothing

@@ -12,8 +12,8 @@ from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rigid_body import unfelt
 from casingfem.structure.imported.attachments.ties import Motions, Rows, eliminated, tied_rows
-from casingfem.structure.imported.findings import nodes_named
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.findings import nodes_named
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 ROUND = 1e-9  # motions, of the size of one, below which a spring or an equation does not feel them
 LOOSE = 1e-12  # least stiffness and mass of a node's six motions, each scaled to one, below which one of them is free

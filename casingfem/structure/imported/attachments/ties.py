@@ -18,8 +18,8 @@ from scipy.sparse import coo_array, csr_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.attachments.values import Equation, Mean, Rigid, Term, Tie, cross_matrix
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.attachments import Equation, Mean, Rigid, Term, Tie, cross_matrix
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 LEVELS = 6  # squarings: connections that hang on one another, 64 deep
 FLAT = 1e-10  # least over largest spread of nodes below which their mean turn is not defined

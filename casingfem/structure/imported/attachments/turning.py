@@ -21,7 +21,7 @@ from scipy.sparse import coo_array, csc_array, csr_array
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.attachments.ties import Motions, Rows, fitted
-from casingfem.structure.imported.attachments.values import PointMass, cross_matrix
+from casingfem.structure.imported.mesh.attachments import PointMass, cross_matrix
 
 Entries = list[tuple[list[dict[int, float]], FloatArray]]  # rows over the motions, and a matrix on them
 

@@ -12,10 +12,11 @@ from typing import Protocol
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.assembly import CHUNK, put, shape_products
-from casingfem.structure.imported.cell_kind import KINDS, shape_functions
-from casingfem.structure.imported.mesh_data import MeshData, natives
-from casingfem.structure.imported.tying import tied_strains
+from casingfem.structure.imported.cells.mapped import shape_products
+from casingfem.structure.imported.cells.scatter import CHUNK, put
+from casingfem.structure.imported.cells.tying import tied_strains
+from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
+from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
 from casingfem.structure.material import Material, plane_stress
 from casingfem.structure.shell.plies import Ply, layered_wall
 from casingfem.structure.shell.wall import curved_wall, linear_wall

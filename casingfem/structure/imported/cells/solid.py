@@ -6,9 +6,10 @@ from typing import Protocol
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.assembly import CHUNK, Mapped, mapped, put
-from casingfem.structure.imported.cells.collapsed import native
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.cells.mapped import Mapped, mapped
+from casingfem.structure.imported.cells.scatter import CHUNK, put
+from casingfem.structure.imported.mesh.collapsed import native
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")

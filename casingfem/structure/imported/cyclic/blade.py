@@ -5,9 +5,10 @@ from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import IntArray
-from casingfem.structure.imported.assembly import MeshSystem, cell_dofs, on_free, scatter
+from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.cells import shell as shell_cells
 from casingfem.structure.imported.cells import solid as solid_cells
+from casingfem.structure.imported.cells.scatter import cell_dofs, on_free, scatter
 from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid

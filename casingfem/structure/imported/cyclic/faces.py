@@ -9,7 +9,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rotation import Vector, axis_frame
 from casingfem.structure.imported.checks import check_groups, spacing
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 MATCH = 1e-3  # of the shortest edge: how far apart paired nodes may be
 NEAR = 0.25  # of the shortest edge: nodes that miss each other by less were meant to be paired

@@ -18,7 +18,7 @@ from casingfem.structure.geometry.rotation import Rotation, Vector
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.cells.shell import cell_normals, directors, tangent_frames
 from casingfem.structure.imported.cyclic.faces import Pairs, Turn, paired_faces
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.spin import MeshSpin

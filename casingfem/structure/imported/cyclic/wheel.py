@@ -8,7 +8,7 @@ import numpy as np
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
 from casingfem.structure.imported.cyclic.sector import CyclicSector
-from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 

@@ -12,7 +12,7 @@ from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.chart import Frustum
 from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.revolution import elements_around, round_about_z
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.shell.shell import Shell

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 import casingfem as cf
-from casingfem.structure.imported.attachments.values import Attachments
+from casingfem.structure.imported.mesh.attachments import Attachments
 from casingfem.structure.imported.solid import Solid
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)

@@ -12,7 +12,9 @@ import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.imported.modes import mesh_modes
 from casingfem.modal.interface import AtNodes
-from casingfem.structure.imported.attachments.values import (
+from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.loads import NodeLoad
+from casingfem.structure.imported.mesh.attachments import (
     Attachments,
     Equation,
     Mean,
@@ -22,10 +24,8 @@ from casingfem.structure.imported.attachments.values import (
     Term,
     cross_matrix,
 )
-from casingfem.structure.imported.draft import joined
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.loads import NodeLoad
 from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.readers.draft import joined
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.shell.loads import Gravity

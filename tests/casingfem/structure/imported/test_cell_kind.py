@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.imported.cell_kind import KINDS, SOLIDS, rule, shape_functions
+from casingfem.structure.imported.mesh.cell_kind import KINDS, SOLIDS, rule, shape_functions
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
-from casingfem.structure.imported.coordinates import System, cartesian, coordinates, in_basic
 from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.readers.coordinates import System, cartesian, coordinates, in_basic
 
 X = np.array([1.0, 2.0, 3.0])
 

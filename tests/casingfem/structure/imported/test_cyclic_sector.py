@@ -12,7 +12,7 @@ from casingfem.modal.cyclic.wheel import wheel_modes
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.cyclic.wheel import wheel_mesh, wheel_structure
 from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.support import Fixed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)

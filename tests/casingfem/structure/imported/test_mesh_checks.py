@@ -10,7 +10,7 @@ from casingfem.modal.imported.modes import mesh_modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.imported.checks import check_mesh
 from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material
 

@@ -11,10 +11,10 @@ from casingfem.errors import ModelError, ModelWarning
 from casingfem.io.included import included_files
 from casingfem.modal.imported.modes import mesh_modes
 from casingfem.structure.edge.support import Clamped
-from casingfem.structure.imported.cell_kind import KINDS, SHELLS, SOLIDS
-from casingfem.structure.imported.draft import Block, Draft, build, joined
 from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.mesh.cell_kind import KINDS, SHELLS, SOLIDS
 from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.readers.draft import Block, Draft, build, joined
 from casingfem.structure.imported.solid import Solid
 from reports.modes.mesh_files import BRICK20, GMSH_ORDER, WRITERS, group_name, writable
 

@@ -15,7 +15,7 @@ from casingfem.structure.geometry.revolved import Revolved
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh_data import Group, MeshData
+from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.shell import MeshShell, assemble_mesh_shell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.support import Fixed

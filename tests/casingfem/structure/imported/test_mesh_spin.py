@@ -8,7 +8,7 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.modal.campbell import spin_from_rest
-from casingfem.structure.imported.assembly import cell_dofs, scatter
+from casingfem.structure.imported.cells.scatter import cell_dofs, scatter
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.shell_spin import shell_stiffening

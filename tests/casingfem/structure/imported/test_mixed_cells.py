@@ -8,15 +8,15 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.imported.output import mean_row
-from casingfem.structure.imported.assembly import facet_shape_products, mapped
-from casingfem.structure.imported.cell_kind import KINDS
-from casingfem.structure.imported.cells.collapsed import native, written_as
-from casingfem.structure.imported.cells.handed import mirror, right_handed
-from casingfem.structure.imported.draft import Block, Draft, build
+from casingfem.structure.imported.cells.mapped import facet_shape_products, mapped
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import FacetPressure, nodal_loads
-from casingfem.structure.imported.mesh_data import Group
+from casingfem.structure.imported.mesh.cell_kind import KINDS
+from casingfem.structure.imported.mesh.collapsed import native, written_as
+from casingfem.structure.imported.mesh.handed import mirror, right_handed
+from casingfem.structure.imported.mesh.mesh_data import Group
 from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.readers.draft import Block, Draft, build
 from casingfem.structure.imported.solid import assemble_solid
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)

@@ -8,14 +8,14 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import ModelWarning
-from casingfem.structure.imported.cell_kind import KINDS, rule
-from casingfem.structure.imported.cells.collapsed import native
 from casingfem.structure.imported.cells.shell import cell_normals
-from casingfem.structure.imported.draft import Block, Draft, build
+from casingfem.structure.imported.cells.tying import covariant_strains, tied_covariant
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import nodal_loads
+from casingfem.structure.imported.mesh.cell_kind import KINDS, rule
+from casingfem.structure.imported.mesh.collapsed import native
+from casingfem.structure.imported.readers.draft import Block, Draft, build
 from casingfem.structure.imported.shell import assemble_mesh_shell
-from casingfem.structure.imported.tying import covariant_strains, tied_covariant
 from casingfem.structure.shell.loads import Gravity, Pressure
 from tests.casingfem.structure.imported.parts import STEEL
 

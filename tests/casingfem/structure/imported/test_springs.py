@@ -7,10 +7,10 @@ import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.imported.modes import mesh_modes
 from casingfem.modal.interface import AtNodes
-from casingfem.structure.imported.attachments.values import Mean, PointMass, Rigid, Spring, Term
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import NodeLoad
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.attachments import Mean, PointMass, Rigid, Spring, Term
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.read import read_mesh
 from tests.casingfem.structure.imported.parts import added_nodes, hung, supported
 

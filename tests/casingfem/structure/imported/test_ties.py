@@ -8,11 +8,11 @@ from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.imported.modes import mesh_modes
 from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.attachments.projection import nearest_places
-from casingfem.structure.imported.cell_kind import shape_functions
-from casingfem.structure.imported.draft import joined
 from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh_data import beside
+from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
+from casingfem.structure.imported.mesh.mesh_data import beside
 from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.readers.draft import joined
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.study.load import load_any
 from reports.modes.mesh_files import write_inp
@@ -130,7 +130,7 @@ def test_what_a_support_holds_stays_held():
 def test_the_nearest_place_on_a_facet_is_found(kind):
     """Places at known local coordinates, lifted along the normal: found again, at that distance."""
     rng = np.random.default_rng(20263)
-    corners = cf.structure.imported.cell_kind.KINDS[kind].places
+    corners = KINDS[kind].places
     dim = corners.shape[1]
     nodes = np.pad(corners, ((0, 0), (0, 3 - dim))) + 0.03 * rng.standard_normal((len(corners), 3))
     local = rng.uniform(0.1, 0.45, (9, dim))

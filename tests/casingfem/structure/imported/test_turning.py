@@ -9,9 +9,9 @@ from scipy.linalg import eig, eigh
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.structure.imported.attachments.turning import hung_spin, points_of
-from casingfem.structure.imported.attachments.values import Mean, PointMass, Rigid, Spring, Term
 from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh_data import Group
+from casingfem.structure.imported.mesh.attachments import Mean, PointMass, Rigid, Spring, Term
+from casingfem.structure.imported.mesh.mesh_data import Group
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, hung

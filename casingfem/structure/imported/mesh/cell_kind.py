@@ -28,7 +28,7 @@ from skfem.element import (
 from skfem.quadrature import get_quadrature
 
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
-from casingfem.structure.imported.cells.serendipity import Pyramid13, Serendipity, Wedge15
+from casingfem.structure.imported.mesh.serendipity import Pyramid13, Serendipity, Wedge15
 
 Corners = tuple[tuple[int, ...], ...]
 Pairs = tuple[tuple[int, int], ...]

@@ -19,9 +19,9 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
-from casingfem.structure.imported.cell_kind import KINDS
-from casingfem.structure.imported.cells.collapsed import native
-from casingfem.structure.imported.draft import Block, Draft, Lookup
+from casingfem.structure.imported.mesh.cell_kind import KINDS
+from casingfem.structure.imported.mesh.collapsed import native
+from casingfem.structure.imported.readers.draft import Block, Draft, Lookup
 
 BRICKS = ("45", "95", "185", "186", "190")
 TETRAHEDRA = ("92", "187", "285")

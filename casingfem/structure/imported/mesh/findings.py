@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.structure.imported.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 SHOWN = 5  # cells or nodes named in a message
 

@@ -12,14 +12,14 @@ from scipy.spatial import cKDTree
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.attachments.glue import Gluing, tied
-from casingfem.structure.imported.attachments.values import NOTHING, Attachments
-from casingfem.structure.imported.cell_kind import KINDS
-from casingfem.structure.imported.cells.collapsed import common_kind, written_as
-from casingfem.structure.imported.cells.handed import mirror
-from casingfem.structure.imported.cells.middles import filled, raised
-from casingfem.structure.imported.cells.oriented import against
-from casingfem.structure.imported.findings import named
-from casingfem.structure.imported.mesh_data import Group, MeshData, find_facets
+from casingfem.structure.imported.mesh.attachments import NOTHING, Attachments
+from casingfem.structure.imported.mesh.cell_kind import KINDS
+from casingfem.structure.imported.mesh.collapsed import common_kind, written_as
+from casingfem.structure.imported.mesh.findings import named
+from casingfem.structure.imported.mesh.handed import mirror
+from casingfem.structure.imported.mesh.mesh_data import Group, MeshData, find_facets
+from casingfem.structure.imported.readers.middles import filled, raised
+from casingfem.structure.imported.readers.oriented import against
 from contact.io.names import names_fault
 
 DIMENSIONS = {"vertex": 0, "wedge": 3, "pyramid": 3, "polygon": 2} | {name: kind.dim for name, kind in KINDS.items()}

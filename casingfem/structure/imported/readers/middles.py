@@ -11,9 +11,9 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.attachments.values import Tie
-from casingfem.structure.imported.cell_kind import KINDS
-from casingfem.structure.imported.cells.handed import right_handed
+from casingfem.structure.imported.mesh.attachments import Tie
+from casingfem.structure.imported.mesh.cell_kind import KINDS
+from casingfem.structure.imported.mesh.handed import right_handed
 
 QUADRATIC = {
     "tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid13", "hexahedron": "hexahedron20",

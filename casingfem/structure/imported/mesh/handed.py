@@ -3,7 +3,7 @@
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.cell_kind import KINDS
+from casingfem.structure.imported.mesh.cell_kind import KINDS
 
 MIRRORED = {"tetra": (0, 2, 1, 3), "wedge": (3, 4, 5, 0, 1, 2), "hexahedron": (4, 5, 6, 7, 0, 1, 2, 3),
             "pyramid": (0, 3, 2, 1, 4), "triangle": (0, 2, 1), "quad": (0, 3, 2, 1)}  # corners  # fmt: skip

@@ -7,9 +7,9 @@ from types import MappingProxyType
 import numpy as np
 
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray, frozen
-from casingfem.structure.imported.attachments.values import NOTHING, Attachments
-from casingfem.structure.imported.cell_kind import KINDS, CellKind
-from casingfem.structure.imported.cells.collapsed import distinct, native
+from casingfem.structure.imported.mesh.attachments import NOTHING, Attachments
+from casingfem.structure.imported.mesh.cell_kind import KINDS, CellKind
+from casingfem.structure.imported.mesh.collapsed import distinct, native
 from contact.io.brief import brief
 
 NONE: IntArray = frozen(np.zeros(0, dtype=np.int64))

@@ -11,8 +11,8 @@ from typing import Protocol
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.attachments.bush import Numbers, bush_springs
-from casingfem.structure.imported.attachments.values import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
+from casingfem.structure.imported.mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
+from casingfem.structure.imported.readers.bush import Numbers, bush_springs
 
 CARDS = ("CONM2", "CELAS1", "CELAS2", "PELAS", "CBUSH", "PBUSH", "RBE2", "RBE3", "RBAR", "MPC", "PARAM")
 WHOLE = ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})  # components that mean the same in every system of coordinates

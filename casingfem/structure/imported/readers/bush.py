@@ -15,7 +15,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
-from casingfem.structure.imported.attachments.values import Spring, Term
+from casingfem.structure.imported.mesh.attachments import Spring, Term
 
 SMALL = 1e-12  # of the size of an arm, and of one: what is round-off
 

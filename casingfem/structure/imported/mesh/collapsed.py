@@ -11,8 +11,8 @@ from functools import cache
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray, frozen
-from casingfem.structure.imported.cell_kind import KINDS
-from casingfem.structure.imported.cells.handed import right_handed
+from casingfem.structure.imported.mesh.cell_kind import KINDS
+from casingfem.structure.imported.mesh.handed import right_handed
 
 CORNERS: Mapping[str, Mapping[str, Sequence[int]]] = {
     "hexahedron": {

@@ -17,10 +17,10 @@ import numpy as np
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.included import NumberedLine, read_lines
-from casingfem.structure.imported.attachments.nastran import CARDS, LEFT_OUT, WHOLE, CardLike, NastranAttachments
-from casingfem.structure.imported.cells.handed import right_handed
-from casingfem.structure.imported.coordinates import BY_GRIDS, KINDS_OF_SYSTEMS, CardSystems
-from casingfem.structure.imported.draft import Block, Draft, Lookup
+from casingfem.structure.imported.mesh.handed import right_handed
+from casingfem.structure.imported.readers.coordinates import BY_GRIDS, KINDS_OF_SYSTEMS, CardSystems
+from casingfem.structure.imported.readers.draft import Block, Draft, Lookup
+from casingfem.structure.imported.readers.nastran import CARDS, LEFT_OUT, WHOLE, CardLike, NastranAttachments
 
 SOLIDS = {
     ("CTETRA", 4): "tetra", ("CTETRA", 10): "tetra10", ("CHEXA", 8): "hexahedron", ("CHEXA", 20): "hexahedron20",

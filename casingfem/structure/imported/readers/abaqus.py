@@ -13,7 +13,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.attachments.values import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
+from casingfem.structure.imported.mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
 
 ELEMENTS = {"MASS": 1, "ROTARYI": 1, "SPRING1": 1, "SPRING2": 2, "SPRINGA": 2, "DCOUP3D": 1}  # nodes of each
 PROPERTIES = {"MASS": ("MASS",), "ROTARY INERTIA": ("ROTARYI",), "SPRING": ("SPRING1", "SPRING2", "SPRINGA"),

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, frozen
-from casingfem.structure.imported.cell_kind import rule, shape_functions
+from casingfem.structure.imported.mesh.cell_kind import rule, shape_functions
 
 ROWS = {"rr": (0, 3, 6), "ss": (1, 4, 7), "rs": (2, 5)}  # of (eps 3, chi 3, gamma 2)
 TWO = 0.5 + 0.5 * np.array([-1.0, 1.0]) / np.sqrt(3.0)  # Gauss points on [0, 1]

@@ -15,12 +15,12 @@ import numpy as np
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.included import NumberedLine, read_lines
-from casingfem.structure.imported.attachments.abaqus import CONNECTIONS, ELEMENTS, PROPERTIES, AbaqusAttachments
 from casingfem.structure.imported.attachments.glue import Gluing
-from casingfem.structure.imported.cell_kind import KINDS
-from casingfem.structure.imported.cells.faces import face_corners
-from casingfem.structure.imported.draft import Block, Draft, Lookup
-from casingfem.structure.imported.instances import Frame, laid_out
+from casingfem.structure.imported.mesh.cell_kind import KINDS
+from casingfem.structure.imported.readers.abaqus import CONNECTIONS, ELEMENTS, PROPERTIES, AbaqusAttachments
+from casingfem.structure.imported.readers.draft import Block, Draft, Lookup
+from casingfem.structure.imported.readers.faces import face_corners
+from casingfem.structure.imported.readers.instances import Frame, laid_out
 
 FAMILIES = {
     "C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "hexahedron20", "C3D6": "wedge",

@@ -1,0 +1,68 @@
+"""Isoparametric cells and facets at quadrature points, and what follows from their measure."""
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.mesh.cell_kind import KINDS, rule
+from casingfem.structure.imported.mesh.collapsed import native
+from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
+
+
+class Mapped(NamedTuple):
+    """Isoparametric cells at quadrature points: positions, tangents, shape functions, measure."""
+
+    x: FloatArray  # (cells, q, 3)
+    tangents: FloatArray  # dx/dr_i, (cells, q, dim, 3)
+    values: FloatArray  # shape functions, (nodes, q)
+    slopes: FloatArray  # their local derivatives, (dim, nodes, q)
+    measure: FloatArray  # signed volume, area or length with the weights, (cells, q)
+
+
+def mapped(kind: str, points: FloatArray, cells: IntArray, degree: int | None = None) -> Mapped:
+    """Map the reference cell's quadrature to cells whose nodes lie at points (nodes, 3)."""
+    _, weights, values, slopes = rule(kind, degree)
+    nodes = points[cells]
+    x = np.einsum("kq,ekc->eqc", values, nodes, optimize=True)
+    tangents = np.einsum("dkq,ekc->eqdc", slopes, nodes, optimize=True)
+    dim = KINDS[kind].dim
+    if dim == 3:
+        measure = np.linalg.det(tangents)
+    elif dim == 2:
+        measure = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=-1)
+    else:
+        measure = np.linalg.norm(tangents[:, :, 0], axis=-1)
+    return Mapped(x, tangents, values, slopes, measure * weights)
+
+
+def mapped_parts(mesh: MeshData, degree: int | None = None) -> Iterator[tuple[IntArray, IntArray, Mapped]]:
+    """The cells of a mesh mapped as what they are integrated as: rows, their own nodes (m, k), and those mapped."""
+    for kind, rows, slots in natives(mesh):
+        nodes = mesh.cells[rows][:, slots]
+        yield rows, nodes, mapped(kind, mesh.points, nodes, degree)
+
+
+def facet_shape_products(mesh: MeshData, facets: IntArray) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Integrals of N_i N_j over facets (m, k, k), their nodes (m, k), and the area or length of each (m,)."""
+    nodes = mesh.facet_nodes(facets)
+    products, size = shape_products(mesh.points, nodes, native(mesh.cell_kind.facet, nodes))
+    return products, nodes, size
+
+
+def shape_products(
+    points: FloatArray, cells: IntArray, parts: Iterable[tuple[str, IntArray, IntArray]]
+) -> tuple[FloatArray, FloatArray]:
+    """Integrals of N_i N_j over cells or facets (m, k), (m, k, k), and the size of each (m,), part by part.
+
+    Parts are kinds, rows and the places of a kind's own nodes, as of `native`.
+    """
+    count = cells.shape[1]
+    products, size = np.zeros((len(cells), count, count)), np.zeros(len(cells))
+    for kind, rows, slots in parts:
+        on = mapped(kind, points, cells[rows][:, slots])
+        own = np.einsum("iq,jq,mq->mij", on.values, on.values, on.measure, optimize=True)
+        products[rows[:, None, None], slots[:, None], slots] = own
+        size[rows] = on.measure.sum(axis=1)
+    return products, size
