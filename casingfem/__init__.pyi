@@ -9,11 +9,11 @@ from .locate.located import Localisation
 from .modal.basis import ModalBasis
 from .modal.campbell import campbell
 from .modal.interaction import interactions
-from .modal.interface import Rim, Tip, TipNodes
+from .modal.interface.kinds import Rim, Tip, TipNodes
+from .modal.interface.roundness import out_of_roundness
 from .modal.mistuning import mistune
 from .modal.modes import Modes, modes
 from .modal.reduction import reduce
-from .modal.roundness import out_of_roundness
 from .modal.whirl import whirl_modes
 from .structure import edge, field, geometry, imported, shell
 from .structure.edge.bolts import Bolts

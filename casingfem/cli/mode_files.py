@@ -8,7 +8,7 @@ from contact.io.outfiles import Content
 
 if TYPE_CHECKING:
     from casingfem.modal.cyclic.modes import CyclicModes
-    from casingfem.modal.imported.modes import MeshModes
+    from casingfem.modal.mesh_modes import MeshModes
     from casingfem.modal.mode_set import Modes, ModeSet
     from casingfem.study.imported import MeshStudy
     from casingfem.study.load import Study

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.imported.mesh.cell_kind import VTK
 from casingfem.structure.mesh.kinematics import dot, frame

@@ -11,7 +11,7 @@ from casingfem.experiment.uff.nodes import Nodes, TraceLine, Units
 from casingfem.experiment.uff.set_55 import NORMAL_MODE, Shape
 from casingfem.experiment.uff.write import write_uff
 from casingfem.export.meshes import Drawn, drawn
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
 
 STRUCTURAL, TRANSLATIONS, DISPLACEMENT = 1, 2, 8  # set 55: model, data characteristic, quantity

@@ -5,13 +5,13 @@ from .cyclic.modes import CyclicModes, cyclic_modes
 from .cyclic.reduction import cyclic_reduce
 from .cyclic.wheel import wheel_modes
 from .cyclic.whirl import CyclicWhirl, cyclic_whirl
-from .imported.output import NodeDisplacement, NodeStrain, NodeStress
 from .interaction import DiskFrequencies, Interactions, interactions
-from .interface import AtNodes, Rim, Tip, TipNodes
+from .interface.kinds import AtNodes, Rim, Tip, TipNodes
+from .interface.mesh_output import NodeDisplacement, NodeStrain, NodeStress
+from .interface.output import Displacement, Strain
 from .matrices import basis_matrices, structure_matrices
 from .mistuning import Mistuning, mistune
 from .modes import MeshModes, Modes
-from .output import Displacement, Strain
 from .reduction import reduce
 from .whirl import WhirlModes, whirl_modes
 

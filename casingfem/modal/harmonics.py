@@ -12,7 +12,8 @@ import numpy as np
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.mesh.element import lobatto
-from casingfem.structure.mesh.shell_mesh import Grid, rim_values
+from casingfem.structure.mesh.rings import ring_transform
+from casingfem.structure.mesh.shell_mesh import Grid
 from contact.io.brief import brief
 
 DOUBLE = 1e-7  # a pair closer than this, relative, has no orientation of its own
@@ -49,25 +50,6 @@ class Rings:
     def profile(self, mode: int, n: int) -> Array:
         """Weighted amplitudes of one mode at one n: (3 rings,) complex, radial first."""
         return (self.amplitudes[n, :, :, mode] * np.sqrt(self.weights)[:, None]).T.ravel()
-
-
-def ring_transform(chart: Chart, grid: Grid, n_max: int) -> tuple[IntArray, Array]:
-    """Ring nodes (rings, around) sorted by angle, and the transform (n_max + 1, around) to Fourier amplitudes."""
-    z, theta = grid.nodes
-    edge = next(name for name, (held, _) in chart.edges.items() if held == 0)
-    around = len(grid.edges[edge].nodes)
-    order = np.lexsort((theta, np.round(z / np.ptp(z), 9)))
-    rings = order.reshape(-1, around)
-    samples = 2.0 * np.pi * np.arange(4 * around) / (4 * around)
-    nodes, weights = rim_values(grid, edge, samples)
-    place = np.full(len(theta), -1)
-    place[grid.edges[edge].nodes] = np.arange(around)
-    spread = np.zeros((len(samples), around))
-    np.add.at(spread, (np.arange(len(samples))[:, None], place[nodes]), weights)
-    n = np.arange(n_max + 1)
-    kernel = np.exp(-1j * np.outer(n, samples)) / len(samples)
-    kernel[1:] *= 2.0
-    return rings, kernel @ spread
 
 
 def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int) -> Rings:

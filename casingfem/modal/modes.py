@@ -10,7 +10,7 @@ from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.eigen import Band, solve, sturm_count
 from casingfem.linalg.factor import Direct
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
-from casingfem.modal.imported.modes import MeshModes, mesh_modes
+from casingfem.modal.mesh_modes import MeshModes, mesh_modes
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
 from casingfem.modal.resolution import checked_resolution
 from casingfem.modal.ritz import RitzModes, ritz_modes

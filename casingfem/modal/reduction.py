@@ -25,11 +25,11 @@ from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import static_by_cycles
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.campbell import spin_from_rest
-from casingfem.modal.imported.modes import thick
-from casingfem.modal.interface import Interface, Rim
-from casingfem.modal.interface_view import load_columns, view
+from casingfem.modal.interface.kinds import Interface, Rim
+from casingfem.modal.interface.output import Output, output_rows
+from casingfem.modal.interface.view import load_columns, view
+from casingfem.modal.mesh_modes import thick
 from casingfem.modal.modes import modes as lowest_modes
-from casingfem.modal.output import Output, output_rows
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure

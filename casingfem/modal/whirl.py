@@ -20,7 +20,7 @@ from casingfem.linalg.eigen import START_SEED, gap_after
 from casingfem.linalg.factor import factorise
 from casingfem.modal.campbell import spin_from_rest
 from casingfem.modal.harmonics import Rings, ring_content
-from casingfem.modal.imported.modes import projected
+from casingfem.modal.mesh_modes import projected
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem

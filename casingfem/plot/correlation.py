@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from casingfem.experiment.correlation.correlate import Correlation
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
 
 

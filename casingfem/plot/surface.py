@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.plot.modes import lattice
 from casingfem.structure.imported.mesh.mesh_data import MeshData

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.modal.interface import AtNodes, Interface, Rim, Tip, TipNodes
+from casingfem.modal.interface.kinds import AtNodes, Interface, Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.checks import check_groups

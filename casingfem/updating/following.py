@@ -18,7 +18,7 @@ from scipy.optimize import linear_sum_assignment
 from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.structure.shell.assembly import nodal_mass
 from casingfem.updating.mesh_numbers import nodal_inertia

@@ -14,7 +14,7 @@ import numpy as np
 
 from casingfem.errors import InputError, ModelError
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.imported.cells.mapped import mapped_parts

@@ -16,7 +16,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.shell.energies import point_fields, product_rates
 from casingfem.updating.addresses import get_value, with_value

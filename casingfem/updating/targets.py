@@ -17,7 +17,7 @@ from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.adjoint import adjoint_space
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.modal.neighbour import Solution
 from casingfem.updating.orientation import lower_phase, partner_turn, phase_loads

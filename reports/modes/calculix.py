@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.interface import AtNodes
+from casingfem.modal.interface.kinds import AtNodes
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.support import Clamped

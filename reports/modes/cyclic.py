@@ -24,8 +24,8 @@ from casingfem.modal.cyclic.modes import CyclicModes, cyclic_modes
 from casingfem.modal.cyclic.reduction import cyclic_reduce
 from casingfem.modal.cyclic.wheel import wheel_modes
 from casingfem.modal.cyclic.whirl import CyclicWhirl, cyclic_whirl
-from casingfem.modal.interface import TipNodes
-from casingfem.modal.interface_view import view
+from casingfem.modal.interface.kinds import TipNodes
+from casingfem.modal.interface.view import view
 from casingfem.modal.modes import modes
 from casingfem.modal.whirl import whirl_modes
 from casingfem.structure.edge.support import Clamped

@@ -18,8 +18,8 @@ import pandas as pd
 import contact as ct
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.imported.modes import MeshModes, mesh_modes
-from casingfem.modal.interface import Rim, TipNodes
+from casingfem.modal.interface.kinds import Rim, TipNodes
+from casingfem.modal.mesh_modes import MeshModes, mesh_modes
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.support import Clamped

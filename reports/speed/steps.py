@@ -16,7 +16,7 @@ import numpy as np
 import contact as ct
 from casingfem.linalg.eigen import factorise, solve_modes, sturm_count
 from casingfem.modal.harmonics import ring_content
-from casingfem.modal.interface import Rim, Tip
+from casingfem.modal.interface.kinds import Rim, Tip
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.support import Clamped

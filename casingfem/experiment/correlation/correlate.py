@@ -18,7 +18,7 @@ from casingfem.experiment.correlation.orthogonality import cross_orthogonality, 
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.correlation.sensors import Sensors, sensors_of
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.shell.system import System

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.mesh.kinematics import dot

@@ -9,7 +9,7 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.linalg.eigen import Band, EigenResult, solve
-from casingfem.modal.imported.modes import SHIFT
+from casingfem.modal.mesh_modes import SHIFT
 from casingfem.modal.mode_set import RIGID
 from casingfem.structure.imported.cyclic.sector import CyclicSector, CyclicSystem, assemble_cyclic
 

@@ -7,9 +7,9 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.cyclic.mistuned import Deviations, checked_deviations, mixed, richer
 from casingfem.modal.cyclic.waves import wheel_waves
-from casingfem.modal.imported.interface import node_places
-from casingfem.modal.interface import AtNodes, Interface, Rim
-from casingfem.modal.interface_view import view
+from casingfem.modal.interface.kinds import AtNodes, Interface, Rim
+from casingfem.modal.interface.mesh_rows import node_places
+from casingfem.modal.interface.view import view
 from casingfem.modal.reduction import provenance
 from casingfem.structure.geometry.rotation import axis_frame
 from casingfem.structure.imported.assembly import MeshSystem

@@ -4,7 +4,7 @@ import numpy as np
 
 from casingfem.io.arrays import frozen
 from casingfem.modal.cyclic.modes import CyclicModes
-from casingfem.modal.imported.modes import MeshModes
+from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import ranks
 from casingfem.structure.imported.cyclic.wheel import wheel_fields, wheel_structure
 

@@ -11,7 +11,7 @@ from casingfem.linalg.krylov import ConvergenceError
 from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.linalg.pencil import make_pencil
-from casingfem.modal.interface import AtNodes
+from casingfem.modal.interface.kinds import AtNodes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.rigid_body import rigid_motions

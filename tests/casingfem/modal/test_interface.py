@@ -3,16 +3,8 @@
 import numpy as np
 import pytest
 
-from casingfem.modal.interface import (
-    Rim,
-    Tip,
-    TipNodes,
-    node_rows,
-    rim_lines,
-    rim_rows,
-    tip_directions,
-    tip_rows,
-)
+from casingfem.modal.interface.chart_rows import node_rows, rim_lines, rim_rows, tip_directions, tip_rows
+from casingfem.modal.interface.kinds import Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.chart import Panel, Plate
 from casingfem.structure.mesh.shell_mesh import ShellMesh

@@ -7,8 +7,9 @@ import pytest
 
 from casingfem.linalg.eigen import factorise
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.interface import Rim, Tip, rim_rows, tip_directions, tip_rows
-from casingfem.modal.interface_view import load_columns
+from casingfem.modal.interface.chart_rows import rim_rows, tip_directions, tip_rows
+from casingfem.modal.interface.kinds import Rim, Tip
+from casingfem.modal.interface.view import load_columns
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import free_vectors, reduce
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm

@@ -14,7 +14,7 @@ from casingfem.modal.cyclic.modes import cyclic_modes
 from casingfem.modal.cyclic.reduction import cyclic_reduce
 from casingfem.modal.cyclic.wheel import wheel_modes
 from casingfem.modal.cyclic.whirl import cyclic_whirl
-from casingfem.modal.interface import AtNodes, Rim, TipNodes
+from casingfem.modal.interface.kinds import AtNodes, Rim, TipNodes
 from casingfem.structure.imported.cyclic.wheel import wheel_structure
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from reports.modes.cyclic import bent_plate, bladed_disk, complete, mistuned_wheel, tip_loads

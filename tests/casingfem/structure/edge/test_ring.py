@@ -10,7 +10,7 @@ from casingfem.errors import ModelError
 from casingfem.linalg.diagonal_mass import diagonalised
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.harmonic_basis import harmonic_basis
-from casingfem.modal.interface import Rim
+from casingfem.modal.interface.kinds import Rim
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.bolts import Bolts

@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 
 import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.imported.modes import mesh_modes
-from casingfem.modal.interface import AtNodes
+from casingfem.modal.interface.kinds import AtNodes
+from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import NodeLoad
 from casingfem.structure.imported.mesh.attachments import (

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.imported.modes import mesh_modes
+from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.loads import NodeLoad

@@ -13,7 +13,7 @@ import casingfem as cf
 import contact as ct
 from casingfem.cli import main
 from casingfem.errors import InputError, ModelError
-from casingfem.modal.interface import AtNodes
+from casingfem.modal.interface.kinds import AtNodes
 from casingfem.modal.matrices import basis_matrices, structure_matrices
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.imported.modes import mesh_modes
+from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.imported.checks import check_mesh
 from casingfem.structure.imported.grid import grid_mesh, revolved

@@ -9,7 +9,7 @@ import pytest
 
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.io.included import included_files
-from casingfem.modal.imported.modes import mesh_modes
+from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.cell_kind import KINDS, SHELLS, SOLIDS

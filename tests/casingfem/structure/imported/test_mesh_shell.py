@@ -6,7 +6,7 @@ import pytest
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.cyclic.modes import cyclic_modes
 from casingfem.modal.fourier import lowest
-from casingfem.modal.imported.modes import mesh_modes
+from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.geometry.chart import Frustum, Panel, Plate

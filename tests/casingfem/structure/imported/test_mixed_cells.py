@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.imported.output import mean_row
+from casingfem.modal.interface.mesh_output import mean_row
 from casingfem.structure.imported.cells.mapped import facet_shape_products, mapped
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import FacetPressure, nodal_loads

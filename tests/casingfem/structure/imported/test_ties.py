@@ -5,7 +5,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.imported.modes import mesh_modes
+from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.attachments.projection import nearest_places
 from casingfem.structure.imported.grid import grid_mesh, revolved

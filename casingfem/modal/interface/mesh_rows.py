@@ -11,7 +11,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.modal.interface import AtNodes, Rim, Tip, TipNodes
+from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
 from casingfem.structure.geometry.rotation import axis_frame
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.cells.mapped import mapped

@@ -9,13 +9,13 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.linalg.factor import factorise
-from casingfem.modal.imported.output import NodeDisplacement, NodeStrain, NodeStress
-from casingfem.modal.interface import AtNodes, Rim, Tip, TipNodes
-from casingfem.modal.interface_view import view
+from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
+from casingfem.modal.interface.mesh_output import NodeDisplacement, NodeStrain, NodeStress
+from casingfem.modal.interface.view import view
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.loads import NodeLoad
 
-TABLE = cf.FrequencyTable.from_csv(Path(__file__).parents[4] / "data" / "experiments" / "rig_casing.csv")
+TABLE = cf.FrequencyTable.from_csv(Path(__file__).parents[3] / "data" / "experiments" / "rig_casing.csv")
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
 CLAMPED = {"root": cf.Clamped()}

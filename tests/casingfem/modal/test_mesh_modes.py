@@ -6,8 +6,8 @@ import pytest
 from casingfem.errors import ModelWarning, NumericsError
 from casingfem.linalg import factor
 from casingfem.linalg.multigrid import multigrid_modes
-from casingfem.modal.imported import modes as mesh_module
-from casingfem.modal.imported.modes import mesh_modes, projected
+from casingfem.modal import mesh_modes as mesh_module
+from casingfem.modal.mesh_modes import mesh_modes, projected
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.chart import Frustum

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.imported import interface as mesh_interface
-from casingfem.modal.interface import AtNodes, Interface, Rim, interface_rows, rim_lines, tip_directions
-from casingfem.modal.roundness import rim_shape, rim_thickness
+from casingfem.modal.interface import mesh_rows
+from casingfem.modal.interface.chart_rows import interface_rows, rim_lines, tip_directions
+from casingfem.modal.interface.kinds import AtNodes, Interface, Rim
+from casingfem.modal.interface.roundness import rim_shape, rim_thickness
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.shell.system import System
 
@@ -75,7 +76,7 @@ def of_chart(system: System, interface: Interface) -> View:
 def of_mesh(system: MeshSystem, interface: Interface) -> View:
     """The interface of an imported part."""
     if isinstance(interface, Rim):
-        rim = mesh_interface.rim_rows(system, interface)
+        rim = mesh_rows.rim_rows(system, interface)
         return View(
             loads=load_columns(system, rim.rows),
             channels=interface.channels,
@@ -85,9 +86,9 @@ def of_mesh(system: MeshSystem, interface: Interface) -> View:
             radius=float(rim.line[0, 1]),
         )
     if isinstance(interface, AtNodes):
-        rows = mesh_interface.node_rows(system, interface)
+        rows = mesh_rows.node_rows(system, interface)
         return View(loads=load_columns(system, rows), channels=interface.channels, axes=np.eye(3))
-    rows, axes = mesh_interface.tip_rows(system, interface)
+    rows, axes = mesh_rows.tip_rows(system, interface)
     facts = {"directions": dict(zip(("span", "flap", "chord"), axes.round(12).tolist(), strict=True))}
     return View(loads=load_columns(system, rows), channels=interface.channels, axes=axes, facts=facts)
 

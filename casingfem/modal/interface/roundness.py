@@ -4,7 +4,8 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.interface import Rim, rim_places
+from casingfem.modal.interface.chart_rows import rim_places
+from casingfem.modal.interface.kinds import Rim
 from casingfem.structure.shell.shell import Shell, require_shell
 
 LEAST = 64  # angles at which the radius is read

@@ -1,118 +1,17 @@
-"""Interfaces: which displacements of a shell contact sees, as rows over its nodal fields."""
+"""Interfaces of a shell on a chart: rows over its nodal fields."""
 
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import TypeAlias
 
 import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.modal.harmonics import ring_transform
+from casingfem.modal.interface.kinds import AtNodes, Interface, Rim, Tip, TipNodes
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.place import interpolation
+from casingfem.structure.mesh.rings import ring_transform
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
-
-
-@dataclass(frozen=True, slots=True)
-class Rim:
-    """An edge of a casing, radial and tangential, by Fourier amplitudes up to n_max.
-
-    u(theta) = sum_n c_n cos n theta + s_n sin n theta. A force at one angle reaches the shell through the same
-    band: it acts on an arc of about 2 pi r/(2 n_max), which keeps its compliance finite as the mesh is
-    refined (a point force on a shear-deformable edge would sink in without limit).
-
-    `axial` adds the motion along the axis. `lines`: places of the chart's first parameter (z of a frustum) of several
-    lines around in place of the edge, for blades whose tips are long in that direction. `axis` through `point`: of an
-    imported part, whose edge is a group of facets; a chart's axis is z.
-
-    >>> Rim("top", n_max=2).names
-    ('cos0', 'cos1', 'cos2', 'sin1', 'sin2')
-    """
-
-    edge: str
-    n_max: int = 40
-    axial: bool = False
-    lines: tuple[float, ...] = ()
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the harmonics of one direction."""
-        n = range(1, self.n_max + 1)
-        return ("cos0", *(f"cos{k}" for k in n), *(f"sin{k}" for k in n))
-
-    @property
-    def directions(self) -> tuple[str, ...]:
-        """Directions of motion, radial first."""
-        return ("radial", "tangential", "axial") if self.axial else ("radial", "tangential")
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Names of all channels: direction by direction, line by line where there are several."""
-        one = [f"{direction}.{name}" for direction in self.directions for name in self.names]
-        count = len(self.lines)
-        return tuple(one) if count < 2 else tuple(f"line{k}.{name}" for k in range(count) for name in one)
-
-
-@dataclass(frozen=True, slots=True)
-class Tip:
-    """The tip edge of a blade as one place: mean displacement along the blade (span) and across it (flap).
-
-    span points from the root to the tip, flap along the surface normal at mid-edge; on a group of facets of an imported
-    part as `imported.interface.tip_frame` says.
-    """
-
-    edge: str = "tip"
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Names of the channels."""
-        return ("span", "flap")
-
-
-@dataclass(frozen=True, slots=True)
-class TipNodes:
-    """The tip edge of a blade in `count` equal pieces: mean displacement of each along span, flap and chord.
-
-    The directions are those of `Tip` at mid-edge, chord along the edge. Pieces of the edge and not points: a point
-    force on a shear-deformable edge would sink in without limit.
-
-    >>> TipNodes(count=2).channels[:4]
-    ('node0.span', 'node0.flap', 'node0.chord', 'node1.span')
-    """
-
-    edge: str = "tip"
-    count: int = 5
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Names of the channels, node by node."""
-        return tuple(f"node{k}.{name}" for k in range(self.count) for name in ("span", "flap", "chord"))
-
-
-@dataclass(frozen=True, slots=True)
-class AtNodes:
-    """Nodes of an imported part by the numbers its file gives them: displacements along x, y, z of each.
-
-    A force at a node of a solid or shell sinks in further the finer the mesh is; with the pieces of `TipNodes` the
-    compliance has a limit.
-
-    >>> AtNodes((6, 79)).channels
-    ('6.x', '6.y', '6.z', '79.x', '79.y', '79.z')
-    """
-
-    nodes: tuple[int, ...]
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Names of the channels, node by node."""
-        return tuple(f"{number}.{axis}" for number in self.nodes for axis in "xyz")
-
-
-Interface: TypeAlias = Rim | Tip | TipNodes | AtNodes
 
 
 def interface_rows(system: System, interface: Interface) -> tuple[FloatArray, tuple[str, ...]]:

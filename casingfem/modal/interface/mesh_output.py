@@ -7,7 +7,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.modal.imported.interface import node_places
+from casingfem.modal.interface.mesh_rows import node_places
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.cells.solid import COMPONENTS, elasticity, strain_table
 from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
