@@ -11,7 +11,8 @@ import numpy as np
 from casingfem.io.arrays import FloatArray
 from casingfem.io.included import read_lines
 from casingfem.structure.imported.matrix.matrix_set import OF_A_SET, MatrixSet, from_triples, roles_of
-from casingfem.structure.imported.readers.bdf import Card, Parser, cards
+from casingfem.structure.imported.readers.bdf import Parser
+from casingfem.structure.imported.readers.bdf_cards import Card, cards
 
 Entry = tuple[int, int, int, int, float]  # column's node and component, row's node and component, value
 SQUARE, RECTANGULAR, REAL, COMPLEX = ("1", "6"), ("2", "9"), ("1", "2"), ("3", "4")

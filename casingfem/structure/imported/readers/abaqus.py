@@ -7,13 +7,13 @@ understood are refused by keyword and line.
 """
 
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 
-from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
+from casingfem.structure.imported.readers.inp_cards import Card
+from casingfem.structure.imported.readers.inp_names import Names
 
 ELEMENTS = {"MASS": 1, "ROTARYI": 1, "SPRING1": 1, "SPRING2": 2, "SPRINGA": 2, "DCOUP3D": 1}  # nodes of each
 PROPERTIES = {"MASS": ("MASS",), "ROTARY INERTIA": ("ROTARYI",), "SPRING": ("SPRING1", "SPRING2", "SPRINGA"),
@@ -23,55 +23,24 @@ MPCS = ("BEAM", "PIN")
 REFUSED = ("ORIENTATION", "NONLINEAR", "ROT NODE", "ELSET", "PIN NSET", "ANALYTICAL SURFACE")
 
 
-class CardLike(Protocol):
-    """What is asked of a card: its line, keyword, parameters and data lines."""
-
-    line: str
-    keyword: str
-    parameters: dict[str, str]
-    data: list[tuple[str, str]]
-
-
-class Names(Protocol):
-    """How the reader of the file refuses lines, and what its names stand for."""
-
-    def fault(self, line: str, message: str) -> ModelError:
-        """A malformed file."""
-
-    def nodes_of(self, cell: str, line: str) -> IntArray:
-        """Numbers of a node or node set named so far."""
-
-    def elements_of(self, name: str, line: str) -> IntArray:
-        """Numbers of an element set."""
-
-    def node_surface(self, name: str) -> IntArray | None:
-        """Numbers of the nodes of a surface of nodes; None for others."""
-
-    def leave_out(self, what: str, line: str) -> None:
-        """Warn in the end of what is not taken over."""
-
-    def surface_nodes(self, name: str, line: str) -> IntArray:
-        """Numbers of the nodes of a surface."""
-
-
 class AbaqusAttachments:
     """Cards of a file, in its numbers of nodes and elements, until all of it is read."""
 
     def __init__(self, names: Names) -> None:
         self.names = names
         self.elements: dict[int, tuple[str, IntArray, str]] = {}  # number -> type, nodes, line of the card
-        self.properties: list[tuple[CardLike, IntArray]] = []  # card, elements
+        self.properties: list[tuple[Card, IntArray]] = []  # card, elements
         self.equations: list[Equation] = []
         self.rigids: list[Callable[[], Rigid]] = []  # surfaces are known at the end
         self.means: list[Mean] = []
         self.weights: dict[str, tuple[IntArray, FloatArray]] = {}  # line of *DISTRIBUTING COUPLING -> nodes, weights
-        self.coupling: CardLike | None = None
+        self.coupling: Card | None = None
 
     def take_elements(self, line: str, kind: str, numbers: IntArray, nodes: IntArray) -> None:
         """Elements of a type of `ELEMENTS`."""
         self.elements |= {int(number): (kind, row, line) for number, row in zip(numbers, nodes, strict=True)}
 
-    def take(self, card: CardLike) -> None:
+    def take(self, card: Card) -> None:
         """One card of `PROPERTIES` or `CONNECTIONS`."""
         for name in REFUSED:
             if name in card.parameters and not (name == "ELSET" and card.keyword in PROPERTIES):
@@ -104,7 +73,7 @@ class AbaqusAttachments:
         """Whether single directions of nodes are named."""
         return bool(self.equations) or any(card.keyword == "SPRING" for card, _ in self.properties)
 
-    def rows(self, card: CardLike) -> list[tuple[str, list[str]]]:
+    def rows(self, card: Card) -> list[tuple[str, list[str]]]:
         """Data lines with their cells."""
         return [(line, [cell.strip() for cell in text.rstrip(", ").split(",")]) for line, text in card.data]
 
@@ -129,14 +98,14 @@ class AbaqusAttachments:
         ends = [self.component(line, cell) for cell in cells[:2]]
         return range(ends[0], ends[-1] + 1)
 
-    def reference(self, card: CardLike) -> int:
+    def reference(self, card: Card) -> int:
         """The node that REF NODE names."""
         found = self.names.nodes_of(card.parameters.get("REF NODE", ""), card.line)
         if len(found) != 1:
             raise self.names.fault(card.line, f"*{card.keyword}: found {len(found)} nodes as REF NODE, expected one")
         return int(found[0])
 
-    def add_rigid(self, card: CardLike, nodes: IntArray, components: tuple[int, ...]) -> None:
+    def add_rigid(self, card: Card, nodes: IntArray, components: tuple[int, ...]) -> None:
         """Nodes that follow the card's reference."""
         reference = self.reference(card)
         followers = np.setdiff1d(nodes, [reference])
@@ -145,7 +114,7 @@ class AbaqusAttachments:
         )
         self.rigids.append(lambda: rigid)
 
-    def take_kinematic(self, card: CardLike) -> None:
+    def take_kinematic(self, card: Card) -> None:
         """*KINEMATIC of the *COUPLING before it: lines of first and last degree of freedom, all without any."""
         coupling = self.coupling
         if coupling is None:
@@ -162,7 +131,7 @@ class AbaqusAttachments:
 
         self.rigids.append(rigid)
 
-    def weighted(self, card: CardLike) -> tuple[IntArray, FloatArray]:
+    def weighted(self, card: Card) -> tuple[IntArray, FloatArray]:
         """Lines of a node or node set and its weight."""
         nodes, weights = [], []
         for line, cells in self.rows(card):
@@ -175,7 +144,7 @@ class AbaqusAttachments:
             raise self.names.fault(card.line, f"*{card.keyword}: found no nodes")
         return np.concatenate(nodes), np.concatenate(weights)
 
-    def take_distributing(self, card: CardLike) -> None:
+    def take_distributing(self, card: Card) -> None:
         """*DISTRIBUTING of the *COUPLING before it, nodes of equal weight."""
         coupling, self.coupling = self.coupling, None
         if coupling is None:
@@ -192,7 +161,7 @@ class AbaqusAttachments:
             Mean(reference=self.reference(coupling), nodes=nodes, weights=np.ones(len(nodes)), where=where)
         )
 
-    def take_mpc(self, card: CardLike) -> None:
+    def take_mpc(self, card: Card) -> None:
         """*MPC: kind, the node that follows, the node it follows."""
         for line, cells in self.rows(card):
             if cells[0].upper() not in MPCS or len(cells) != 3:
@@ -212,7 +181,7 @@ class AbaqusAttachments:
         for c in range(3):
             self.equations.append(Equation(terms=(Term(node, c, 1.0), Term(reference, c, -1.0)), where=where))
 
-    def take_equations(self, card: CardLike) -> None:
+    def take_equations(self, card: Card) -> None:
         """*EQUATION: number of terms, then node, degree of freedom, coefficient of each, as often as given."""
         rows = self.rows(card)
         while rows:
@@ -266,7 +235,7 @@ class AbaqusAttachments:
         )
         return found.renumbered(index)
 
-    def point_mass(self, card: CardLike, node: int, where: str) -> PointMass:
+    def point_mass(self, card: Card, node: int, where: str) -> PointMass:
         """*MASS: m; *ROTARY INERTIA: I11, I22, I33."""
         line, cells = (self.rows(card) or [(card.line, [""])])[0]
         values = [self.number(line, cell) for cell in cells if cell]
@@ -279,7 +248,7 @@ class AbaqusAttachments:
             raise self.names.fault(line, found)
         return PointMass(node=node, mass=0.0, inertia=np.diag(values[:3]), where=where)
 
-    def spring(self, card: CardLike, kind: str, nodes: IntArray, places: FloatArray, where: str) -> Spring:
+    def spring(self, card: Card, kind: str, nodes: IntArray, places: FloatArray, where: str) -> Spring:
         """*SPRING: degrees of freedom (SPRING1, SPRING2), then the stiffness."""
         rows = self.rows(card)
         if len(rows) != (1 if kind == "SPRINGA" else 2):

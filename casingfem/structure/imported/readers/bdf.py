@@ -6,21 +6,20 @@ grids of SPC and SPC1 with set 3 on components 123 are `SPC 3 123`, and all of s
 an SPCADD 3 names; where single components are along axes of a system 9 of the grid's own (CD), `SPC 3 12 CD 9`.
 """
 
-import math
-import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from casingfem.errors import ModelError, warn
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import IntArray
 from casingfem.io.included import NumberedLine, read_lines
 from casingfem.structure.imported.mesh.handed import right_handed
+from casingfem.structure.imported.readers.bdf_cards import Card, Numbers, cards
 from casingfem.structure.imported.readers.coordinates import BY_GRIDS, KINDS_OF_SYSTEMS, CardSystems
 from casingfem.structure.imported.readers.draft import Block, Draft, Lookup
-from casingfem.structure.imported.readers.nastran import CARDS, LEFT_OUT, WHOLE, CardLike, NastranAttachments
+from casingfem.structure.imported.readers.nastran import LEFT_OUT, WHOLE, NastranAttachments
+from casingfem.structure.imported.readers.nastran_cards import CARDS
 
 SOLIDS = {
     ("CTETRA", 4): "tetra", ("CTETRA", 10): "tetra10", ("CHEXA", 8): "hexahedron", ("CHEXA", 20): "hexahedron20",
@@ -34,21 +33,9 @@ WEDGE15 = (*range(9), 12, 13, 14, 9, 10, 11)
 BRICK20 = (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)  # upright edges come before the upper ones here
 OFFSETS = {"CQUAD4": 7, "CQUADR": 7, "CTRIA3": 6, "CTRIAR": 6, "CQUAD8": 15}  # field of ZOFFS
 READ = {"GRID", "GRDSET", "SPC", "SPC1", "SPCADD", *PLACES, *SHELLS, *KINDS_OF_SYSTEMS, *BY_GRIDS, *CARDS}
-MOST = 99_999_999  # of numbers, which have eight digits
-SHORT_EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 
 
 BLANK = [""] * 7  # fields of a GRID, as many as are used
-
-
-@dataclass(slots=True)
-class Card:
-    """One card: its line, name and fields after the name."""
-
-    line: str
-    name: str
-    fields: list[str]
-    room: int = 0  # fields on its lines, filled or not
 
 
 def read_bdf(path: Path) -> Draft:
@@ -62,70 +49,20 @@ def read_bdf(path: Path) -> Draft:
     return Parser(path.name).read(read_lines(path, READ))
 
 
-def split_line(line: str) -> tuple[str, list[str]]:
-    """Name and data fields of one line in free, large or small fields.
-
-    >>> split_line("GRID*   1                               0.5             0.25            *")
-    ('GRID*', ['1', '', '0.5', '0.25'])
-    >>> split_line("CTETRA,1,7,1,2,3,4")
-    ('CTETRA', ['1', '7', '1', '2', '3', '4'])
-    """
-    if "," in line:
-        head, *data = [part.strip() for part in line.split(",")]
-        return head, data[: 4 if "*" in head else 8]
-    line = line.expandtabs(8)
-    head, width = line[:8].strip(), 16 if "*" in line[:8] else 8
-    body = line[8:72].ljust(64)
-    data = [body[k : k + width].strip() for k in range(0, 64, width)]
-    while data and not data[-1]:
-        data.pop()
-    return head, data
-
-
-def cards(lines: Sequence[NumberedLine]) -> Iterator[Card]:
-    """Cards of the bulk data, continuations joined, comments left out."""
-    begin = next((k + 1 for k, (_, line) in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), 0)
-    card: Card | None = None
-    full = 0
-    for number, raw in lines[begin:]:
-        line = raw.partition("$")[0].rstrip()
-        if not line.strip():
-            continue
-        head, data = split_line(line)
-        if head.upper().startswith("ENDDATA"):
-            break
-        if card is not None and (not head or head[0] in "+*"):
-            card.fields += [""] * (full - len(card.fields))
-            card.fields += data
-        else:
-            if card is not None:
-                yield card
-            card, full = Card(number, head.rstrip("*").upper(), data), 0
-        full += 4 if "*" in head else 8
-        card.room = full
-    if card is not None:
-        yield card
-
-
-class Parser:
+class Parser(Numbers):
     """State of one reading."""
 
     def __init__(self, source: str) -> None:
-        self.source = source
+        super().__init__(source)
         self.grids: list[tuple[int, float, float, float]] = []
         self.elements: dict[str, list[tuple[int, int, list[int]]]] = {}  # kind -> number, property, nodes
         self.systems = CardSystems(self)
         self.placed: list[tuple[int, int, Card]] = []  # grid by its row, its system, its card
         self.constraints: dict[tuple[str, str], list[int]] = {}  # set, components -> grids
         self.sums: list[Card] = []  # SPCADD
-        self.left_out: dict[str, list[str]] = {}  # card -> its lines
-        self.hung = NastranAttachments(self)
+        self.hung = NastranAttachments(self, self.systems)
         self.defaults = BLANK  # fields of GRDSET: system of the place, of the motions, constraints
         self.turned: dict[int, int] = {}  # grid -> coordinate system of its displacements
-
-    def fault(self, card: CardLike, message: str) -> ModelError:
-        """A malformed file."""
-        return ModelError("mesh-file", f"{self.source}: line {card.line}: {card.name}: {message}")
 
     def read(self, lines: Sequence[NumberedLine]) -> Draft:
         """Take every card in turn; GRDSET, which may stand anywhere, first."""
@@ -154,31 +91,6 @@ class Parser:
             warn("mesh-left-out", f"{self.source}: {found}", stacklevel=6)
         return draft
 
-    def leave_out(self, card: CardLike, what: str) -> None:
-        """Warn in the end of what is not taken over."""
-        self.left_out.setdefault(what, []).append(card.line)
-
-    def integer(self, card: CardLike, text: str) -> int:
-        """A whole number."""
-        try:
-            number = int(text)
-        except ValueError:
-            raise self.fault(card, f"found {text!r}, expected a whole number") from None
-        if abs(number) > MOST:
-            raise self.fault(card, f"found {text!r}, expected a number of at most eight digits")
-        return number
-
-    def real(self, card: CardLike, text: str) -> float:
-        """A real number in Nastran's ways: 1.5, 1.5-3, 1.5D-3; empty is zero."""
-        plain = SHORT_EXPONENT.sub(r"e\1", text.upper().replace("D", "E").lower()) if "e" not in text.lower() else text
-        try:
-            value = float(plain or 0.0)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise self.fault(card, f"found {text!r}, expected a real number")
-        return value
-
     def take_grid(self, card: Card) -> None:
         """GRID: number, coordinate system, x, y, z, ..."""
         given = [*card.fields, *BLANK]
@@ -194,10 +106,6 @@ class Parser:
             self.turned[number] = self.integer(card, fields[5])
         if fields[6]:
             self.constraints.setdefault(("PS", fields[6]), []).append(number)
-
-    def axes(self, card: CardLike, system: int, place: FloatArray) -> FloatArray:
-        """Directions of a coordinate system at a place, rows (3, 3)."""
-        return self.systems.axes(card, system, place)
 
     def take_element(self, card: Card) -> None:
         """An element: number, property, nodes."""

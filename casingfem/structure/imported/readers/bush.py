@@ -8,58 +8,17 @@ Directions are those of the system CID at A; without one x points from A to B, a
 vector (MSC Nastran Quick Reference Guide).
 """
 
-from collections.abc import Mapping
-from typing import Any, Protocol
-
 import numpy as np
 
-from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.imported.mesh.attachments import Spring, Term
+from casingfem.structure.imported.readers.bdf_cards import Card
+from casingfem.structure.imported.readers.nastran_cards import NastranCards
 
 SMALL = 1e-12  # of the size of an arm, and of one: what is round-off
 
 
-class Numbers(Protocol):
-    """How numbers are read, cards refused, and systems of coordinates found."""
-
-    def fault(self, card: Any, message: str) -> ModelError:
-        """A malformed file."""
-
-    def integer(self, card: Any, text: str) -> int:
-        """A whole number."""
-
-    def real(self, card: Any, text: str) -> float:
-        """A real number."""
-
-    def axes(self, card: Any, system: int, place: FloatArray) -> FloatArray:
-        """Directions of a coordinate system at a place, rows (3, 3)."""
-
-    def leave_out(self, card: Any, what: str) -> None:
-        """Warn in the end of what is not taken over."""
-
-
-class Given(Protocol):
-    """What is asked of the cards of a file."""
-
-    numbers: Numbers
-    cards: dict[str, list[Any]]
-    turned: Mapping[int, int]
-
-    def field(self, card: Any, place: int) -> str:
-        """A field, empty beyond the last."""
-
-    def place(self, grid: int) -> FloatArray:
-        """Where a grid stands, (3,)."""
-
-    def positive(self, card: Any, k: float) -> float:
-        """A stiffness."""
-
-    def where(self, card: Any) -> str:
-        """Card, number and line."""
-
-
-def bush_springs(given: Given, card: Any) -> list[Spring]:
+def bush_springs(given: NastranCards, card: Card) -> list[Spring]:
     """CBUSH: number, property, grids A and B, orientation, system, S, system of an offset, offset."""
     of = {given.field(p, 0): p for p in given.cards["PBUSH"]}.get(given.field(card, 1))
     if of is None:
@@ -93,10 +52,12 @@ def moved(grid: int, arm: FloatArray, along: FloatArray, turning: bool, sign: fl
     return terms + [Term(grid, 3 + c, sign * float(turn[c])) for c in range(3) if turn[c]]
 
 
-def directions(given: Given, card: Any, grids: list[int], places: list[FloatArray], k: FloatArray) -> FloatArray:
+def directions(
+    given: NastranCards, card: Card, grids: list[int], places: list[FloatArray], k: FloatArray
+) -> FloatArray:
     """Axes of the springs, rows (3, 3)."""
     if system := given.field(card, 7):
-        return given.numbers.axes(card, given.numbers.integer(card, system), places[0])
+        return given.systems.axes(card, given.numbers.integer(card, system), places[0])
     x = places[-1] - places[0]
     if not np.linalg.norm(x) > 0.0:
         raise given.numbers.fault(card, "found coincident grids, or one, and no system (CID), expected one")
@@ -109,7 +70,7 @@ def directions(given: Given, card: Any, grids: list[int], places: list[FloatArra
     if any(others) or not first.isdecimal():
         v = np.array([given.numbers.real(card, text) for text in (first, *others)])
         if grids[0] in given.turned:
-            v = v @ given.numbers.axes(card, given.turned[grids[0]], places[0])
+            v = v @ given.systems.axes(card, given.turned[grids[0]], places[0])
     else:
         v = given.place(given.numbers.integer(card, first)) - places[0]
     z = np.cross(x, v)

@@ -1,12 +1,12 @@
 """Nastran's coordinate systems by three points or grids, rectangular, cylindrical and spherical, one in another."""
 
 from collections.abc import Container, Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
+from casingfem.structure.imported.readers.bdf_cards import Card, Numbers
 
 KINDS_OF_SYSTEMS = {"CORD2R": "rectangular", "CORD2C": "cylindrical", "CORD2S": "spherical"}
 BY_GRIDS = {"CORD1R": "rectangular", "CORD1C": "cylindrical", "CORD1S": "spherical"}
@@ -120,28 +120,15 @@ def coordinates(kind: str, x: FloatArray) -> FloatArray:
     return np.array([np.linalg.norm(x), np.degrees(np.arctan2(np.hypot(x[0], x[1]), x[2])), angle])
 
 
-class Numbers(Protocol):
-    """How the reader of a file reads numbers and refuses cards."""
-
-    def fault(self, card: Any, message: str) -> ModelError:
-        """A malformed file."""
-
-    def integer(self, card: Any, text: str) -> int:
-        """A whole number."""
-
-    def real(self, card: Any, text: str) -> float:
-        """A real number; empty is zero."""
-
-
 class CardSystems:
     """The systems that the cards of a file give, by points or by grids."""
 
     def __init__(self, numbers: Numbers) -> None:
         self.numbers = numbers
         self.systems: dict[int, System] = {}
-        self.by_grids: dict[int, tuple[str, list[int], Any]] = {}  # number -> kind, grids A, B, C, card
+        self.by_grids: dict[int, tuple[str, list[int], Card]] = {}  # number -> kind, grids A, B, C, card
 
-    def take(self, card: Any) -> None:
+    def take(self, card: Card) -> None:
         """CORD2R, CORD2C, CORD2S: number, system of the points, origin A, B on the z axis, C in the x-z plane."""
         given: list[str] = card.fields
         number, *fields = [*given, *[""] * 11]
@@ -149,7 +136,7 @@ class CardSystems:
         within = self.numbers.integer(card, fields[0] or "0")
         self.systems[self.new(card, number)] = System(KINDS_OF_SYSTEMS[card.name], within, values)
 
-    def take_by_grids(self, card: Any) -> None:
+    def take_by_grids(self, card: Card) -> None:
         """CORD1R, CORD1C, CORD1S: number, grids at A, B, C; perhaps another four."""
         for k in range(0, len(card.fields), 4):
             number, *grids = card.fields[k : k + 4]
@@ -158,14 +145,14 @@ class CardSystems:
             given = [self.numbers.integer(card, text) for text in grids]
             self.by_grids[self.new(card, number)] = (BY_GRIDS[card.name], given, card)
 
-    def new(self, card: Any, text: str) -> int:
+    def new(self, card: Card, text: str) -> int:
         """The number of a system that is not given yet."""
         number = self.numbers.integer(card, text)
         if number in self.systems or number in self.by_grids:
             raise self.numbers.fault(card, f"coordinate system {number} is given twice")
         return number
 
-    def place(self, grids: list[tuple[int, float, float, float]], placed: list[tuple[int, int, Any]]) -> None:
+    def place(self, grids: list[tuple[int, float, float, float]], placed: list[tuple[int, int, Card]]) -> None:
         """Put grids (number, x, y, z) into the basic system, those `placed` (row, system, card) in one of their own.
 
         Systems by grids follow the places of these.
@@ -200,7 +187,7 @@ class CardSystems:
             system = self.systems[system].within
         return system in pending
 
-    def axes(self, card: Any, system: int, place: FloatArray) -> FloatArray:
+    def axes(self, card: Card, system: int, place: FloatArray) -> FloatArray:
         """Directions of a system at a place, rows (3, 3)."""
         try:
             return axes_at(self.systems, system, place)

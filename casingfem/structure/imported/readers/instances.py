@@ -12,22 +12,13 @@ from k times a power of ten beyond all numbers, and its sets are called `I.set`,
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, Protocol
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
-
-
-class CardLike(Protocol):
-    """What is asked of a card: its line, keyword, parameters and data lines."""
-
-    line: str
-    keyword: str
-    parameters: dict[str, str]
-    data: list[tuple[str, str]]
+from casingfem.structure.imported.readers.inp_cards import Card
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +46,7 @@ class Frame:
         return np.asarray(x @ self.turn.T + self.shift)
 
 
-def laid_out(cards: Iterable[Any], fault: Callable[[str, str], ModelError]) -> Iterator[tuple[Any, Frame]]:
+def laid_out(cards: Iterable[Card], fault: Callable[[str, str], ModelError]) -> Iterator[tuple[Card, Frame]]:
     """Every card with its frame, those of a part once for each of its instances.
 
     Raises
@@ -97,11 +88,11 @@ def laid_out(cards: Iterable[Any], fault: Callable[[str, str], ModelError]) -> I
             yield card, Frame(frame.offset, frame.prefix, False, frame.turn, frame.shift)
 
 
-def split_parts(cards: list[Any]) -> tuple[dict[str, list[Any]], list[Any]]:
+def split_parts(cards: list[Card]) -> tuple[dict[str, list[Card]], list[Card]]:
     """Cards of each part by its name, and the others."""
-    parts: dict[str, list[Any]] = {}
-    rest: list[Any] = []
-    part: list[Any] | None = None
+    parts: dict[str, list[Card]] = {}
+    rest: list[Card] = []
+    part: list[Card] | None = None
     for card in cards:
         if card.keyword == "PART":
             part = parts.setdefault(card.parameters.get("NAME", "").upper(), [])
@@ -112,7 +103,7 @@ def split_parts(cards: list[Any]) -> tuple[dict[str, list[Any]], list[Any]]:
     return parts, rest
 
 
-def largest(card: CardLike) -> int:
+def largest(card: Card) -> int:
     """The largest number that a card gives a node or an element."""
     if card.keyword not in ("NODE", "ELEMENT"):
         return 0
@@ -120,7 +111,7 @@ def largest(card: CardLike) -> int:
     return max((int(number) for number in numbers if number.isdecimal()), default=0)
 
 
-def motion(card: CardLike, fault: Callable[[str, str], ModelError]) -> tuple[FloatArray, FloatArray]:
+def motion(card: Card, fault: Callable[[str, str], ModelError]) -> tuple[FloatArray, FloatArray]:
     """Turn (3, 3) and shift (3,) of an instance: x -> turn x + shift."""
     rows = []
     for line, text in card.data:

@@ -6,15 +6,15 @@ Variants that are not understood are refused by card and line.
 
 import re
 from collections.abc import Callable, Mapping
-from typing import Protocol
 
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
-from casingfem.structure.imported.readers.bush import Numbers, bush_springs
+from casingfem.structure.imported.readers.bdf_cards import Card
+from casingfem.structure.imported.readers.bush import bush_springs
+from casingfem.structure.imported.readers.nastran_cards import NastranCards
 
-CARDS = ("CONM2", "CELAS1", "CELAS2", "PELAS", "CBUSH", "PBUSH", "RBE2", "RBE3", "RBAR", "MPC", "PARAM")
 WHOLE = ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})  # components that mean the same in every system of coordinates
 ROUND = 1e-12  # components of a unit vector that are round-off
 LEFT_OUT = re.compile(
@@ -23,24 +23,8 @@ LEFT_OUT = re.compile(
 )  # other cards with stiffness, mass or constraints
 
 
-class CardLike(Protocol):
-    """What is asked of a card."""
-
-    line: str
-    name: str
-    fields: list[str]
-
-
-class NastranAttachments:
-    """Cards of a file, in its numbers of grids, until all of it is read."""
-
-    def __init__(self, numbers: Numbers) -> None:
-        self.numbers = numbers
-        self.cards: dict[str, list[CardLike]] = {name: [] for name in CARDS}
-
-    def take(self, card: CardLike) -> None:
-        """Keep a card."""
-        self.cards[card.name].append(card)
+class NastranAttachments(NastranCards):
+    """What the cards of a file attach, once all of it is read."""
 
     def attachments(
         self, points: FloatArray, index: Callable[[IntArray], IntArray], turned: Mapping[int, int]
@@ -65,21 +49,13 @@ class NastranAttachments:
         )
         return given.renumbered(index)
 
-    def field(self, card: CardLike, place: int) -> str:
-        """A field, empty beyond the last."""
-        return card.fields[place] if place < len(card.fields) else ""
-
-    def where(self, card: CardLike) -> str:
-        """Card, number and line of an item."""
-        return f"{card.name} {self.field(card, 0)} (line {card.line})"
-
-    def components(self, card: CardLike, text: str) -> tuple[int, ...]:
+    def components(self, card: Card, text: str) -> tuple[int, ...]:
         """Components such as 123 as indices from 0."""
         if not text or not set(text) <= set("123456") or len(set(text)) < len(text):
             raise self.numbers.fault(card, f"found the components {text!r}, expected some of 123456")
         return tuple(sorted(int(digit) - 1 for digit in text))
 
-    def grid(self, card: CardLike, text: str, components: tuple[int, ...]) -> int:
+    def grid(self, card: Card, text: str, components: tuple[int, ...]) -> int:
         """A grid, refused where single components of it are along axes of its own."""
         grid = self.numbers.integer(card, text)
         if grid in self.turned and set(components) not in WHOLE:
@@ -95,7 +71,7 @@ class NastranAttachments:
                 found = self.numbers.real(card, self.field(card, 1))
         return found
 
-    def point_mass(self, card: CardLike, scale: float) -> PointMass:
+    def point_mass(self, card: Card, scale: float) -> PointMass:
         """CONM2: number, grid, system, mass, offset, then I11, I21, I22, I31, I32, I33."""
         real = [self.numbers.real(card, self.field(card, place)) for place in (3, 4, 5, 6, *range(8, 14))]
         mass, x, y, z, i11, i21, i22, i31, i32, i33 = real
@@ -104,17 +80,13 @@ class NastranAttachments:
         if (system := self.field(card, 2)) == "-1":  # the centre itself, in the basic system
             x, y, z = np.array([x, y, z]) - self.place(node)
         elif system not in ("", "0") and (any((x, y, z)) or inertia.any()):
-            axes = self.numbers.axes(card, self.numbers.integer(card, system), self.place(node))
+            axes = self.systems.axes(card, self.numbers.integer(card, system), self.place(node))
             inertia = axes.T @ inertia @ axes
             x, y, z = np.array([x, y, z]) @ axes
         if mass < 0.0 or np.linalg.eigvalsh(inertia)[0] < -1e-9 * np.abs(inertia).max():
             raise self.numbers.fault(card, f"found the mass {mass:g} or an inertia below 0")
         offset = (float(x), float(y), float(z))
         return PointMass(node=node, mass=scale * mass, inertia=inertia, offset=offset, where=self.where(card))
-
-    def place(self, grid: int) -> FloatArray:
-        """Where a grid stands, (3,)."""
-        return np.asarray(self.points[int(self.index(np.array([grid]))[0])])
 
     def pelas(self) -> dict[int, float]:
         """Stiffness of each PELAS, two on a card."""
@@ -125,14 +97,14 @@ class NastranAttachments:
             if self.field(card, k)
         }
 
-    def is_scalar(self, card: CardLike) -> bool:
+    def is_scalar(self, card: Card) -> bool:
         """Whether a spring ends at a scalar point, component 0: it is left out."""
         scalar = any(self.field(card, k) not in ("", "0") and self.field(card, k + 1) in ("", "0") for k in (2, 4))
         if scalar:
             self.numbers.leave_out(card, f"{card.name} at scalar points")
         return scalar
 
-    def spring(self, card: CardLike, stiffness: dict[int, float]) -> Spring:
+    def spring(self, card: Card, stiffness: dict[int, float]) -> Spring:
         """CELAS1: number, property, grid, component, grid, component; CELAS2 with a stiffness for the property."""
         if card.name == "CELAS2":
             k = self.numbers.real(card, self.field(card, 1))
@@ -149,13 +121,7 @@ class NastranAttachments:
             raise self.numbers.fault(card, "found a displacement against a turn, expected two of a kind")
         return Spring(terms=terms, stiffness=self.positive(card, k), where=self.where(card))
 
-    def positive(self, card: CardLike, k: float) -> float:
-        """A stiffness."""
-        if k <= 0.0:
-            raise self.numbers.fault(card, f"found the stiffness {k:g}, expected one above 0")
-        return k
-
-    def terms(self, card: CardLike, place: int, coefficient: float) -> tuple[Term, ...]:
+    def terms(self, card: Card, place: int, coefficient: float) -> tuple[Term, ...]:
         """A grid and one component behind it, along the axes of the grid's own system; the largest term first."""
         components = self.components(card, self.field(card, place + 1))
         if len(components) > 1:
@@ -163,12 +129,12 @@ class NastranAttachments:
         grid, (component,) = self.numbers.integer(card, self.field(card, place)), components
         if grid not in self.turned:
             return (Term(grid, component, coefficient),)
-        along = self.numbers.axes(card, self.turned[grid], self.place(grid))[component % 3]
+        along = self.systems.axes(card, self.turned[grid], self.place(grid))[component % 3]
         first = component - component % 3
         order = np.argsort(-np.abs(along), kind="stable").tolist()
         return tuple(Term(grid, first + k, coefficient * float(along[k])) for k in order if abs(along[k]) > ROUND)
 
-    def rigid(self, card: CardLike) -> Rigid:
+    def rigid(self, card: Card) -> Rigid:
         """RBE2: number, reference, components, grids, and perhaps a thermal expansion."""
         components = self.components(card, self.field(card, 2))
         given = [text for text in card.fields[3:] if text]
@@ -181,7 +147,7 @@ class NastranAttachments:
         reference = self.numbers.integer(card, self.field(card, 1))
         return Rigid(reference=reference, nodes=nodes, components=components, where=self.where(card))
 
-    def bar(self, card: CardLike) -> Rigid:
+    def bar(self, card: Card) -> Rigid:
         """RBAR: number, grids A and B, independent components of each, dependent ones of each."""
         a, b, of_a, of_b, by_a, by_b = (self.field(card, place) for place in range(1, 7))
         if of_b == "123456" and not of_a:
@@ -194,7 +160,7 @@ class NastranAttachments:
             reference=self.numbers.integer(card, a), nodes=nodes, components=components, where=self.where(card)
         )
 
-    def mean(self, card: CardLike) -> Mean:
+    def mean(self, card: Card) -> Mean:
         """RBE3: number, -, reference, components, then groups of a weight, components and grids."""
         components = self.components(card, self.field(card, 3))
         weights: list[float] = []

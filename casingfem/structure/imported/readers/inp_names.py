@@ -1,0 +1,150 @@
+"""Sets and surfaces of an Abaqus or CalculiX input file by their names, in its numbers of nodes and elements."""
+
+from typing import Any
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import IntArray
+from casingfem.structure.imported.mesh.cell_kind import KINDS
+from casingfem.structure.imported.readers.draft import Block
+from casingfem.structure.imported.readers.faces import face_corners
+from casingfem.structure.imported.readers.inp_cards import Card
+from casingfem.structure.imported.readers.instances import Frame
+
+NODES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15, "quad": 4,
+         "quad8": 8, "quad9": 9, "triangle": 3, "triangle6": 6, "line": 2, "line3": 3}  # fmt: skip
+MOST = 1e15  # of numbers that a mesh has: beyond, a float does not tell them apart
+
+
+class Names:
+    """What the names of a file stand for so far, and how its lines are refused."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.size = 0  # of the text
+        self.elements: list[tuple[str, IntArray, IntArray]] = []  # kind, numbers, node numbers
+        self.node_sets: dict[str, list[IntArray]] = {}
+        self.element_sets: dict[str, list[IntArray]] = {}
+        self.surfaces: dict[str, list[tuple[IntArray, str]]] = {}
+        self.on_nodes: dict[str, list[IntArray]] = {}  # surfaces of nodes
+        self.spelling: dict[str, str] = {}
+        self.frame = Frame()
+        self.plane: set[int] = set()  # elements in a plane, whose S1 is an edge
+        self.left_out: dict[str, str] = {}  # keyword -> its line
+
+    def fault(self, line: str, message: str) -> ModelError:
+        """A malformed file."""
+        return ModelError("mesh-file", f"{self.source}: line {line}: {message}")
+
+    def leave_out(self, what: str, line: str) -> None:
+        """Warn in the end of what is not taken over."""
+        self.left_out[what] = line
+
+    def values(self, card: Card, kind: type) -> list[list[Any]]:
+        """The numbers on each data line."""
+        rows = []
+        for line, text in card.data:
+            try:
+                rows.append([kind(cell) for cell in text.rstrip(",").split(",")])
+            except ValueError:
+                raise self.fault(line, f"found {text!r}, expected numbers") from None
+            if not all(abs(value) < MOST for value in rows[-1]):
+                raise self.fault(line, f"found {text!r}, expected numbers below {MOST:g}")
+        return rows
+
+    def named(self, name: str) -> str:
+        """The name of a set or surface in the assembly."""
+        return f"{self.frame.prefix}{name}" if self.frame.owns else name
+
+    def add(self, sets: dict[str, list[IntArray]], name: str, numbers: IntArray) -> None:
+        """Add numbers to a set; names do not know case."""
+        name = self.named(name)
+        self.spelling.setdefault(name.upper(), name)
+        sets.setdefault(name.upper(), []).append(numbers.astype(np.int64))
+
+    def numbers_of(self, sets: dict[str, list[IntArray]], cell: str, line: str) -> IntArray:
+        """A number, or the members of a set named before."""
+        if cell.isdecimal() and int(cell) < MOST:
+            return np.array([int(cell) + self.frame.offset])
+        known = [name for name in (f"{self.frame.prefix}{cell}".upper(), cell.upper()) if name in sets]
+        if not known:
+            raise self.fault(line, f"no set {cell!r} up to here")
+        return np.concatenate(sets[known[0]])
+
+    def nodes_of(self, cell: str, line: str) -> IntArray:
+        """Numbers of a node or node set named so far."""
+        return self.numbers_of(self.node_sets, cell, line)
+
+    def elements_of(self, name: str, line: str) -> IntArray:
+        """Numbers of an element set named so far."""
+        return self.numbers_of(self.element_sets, name, line)
+
+    def node_surface(self, name: str) -> IntArray | None:
+        """Numbers of the nodes of a surface of nodes; None for others."""
+        found = self.on_nodes.get(name.upper())
+        return None if found is None else np.unique(np.concatenate(found))
+
+    def surface_nodes(self, name: str, line: str) -> IntArray:
+        """Numbers of the nodes of a surface, of elements with the middles of their faces."""
+        of_nodes = self.node_surface(name)
+        if of_nodes is not None:
+            return of_nodes
+        if name.upper() not in self.surfaces:
+            raise self.fault(line, f"no surface {name!r}")
+        found = []
+        for ids, face in self.surfaces[name.upper()]:
+            for kind, numbers, cells in self.elements:
+                block = Block(kind, cells[np.isin(numbers, ids)], numbers)
+                if len(block.cells):
+                    corners = set(self.local_corners(kind, ids, face))
+                    stands = KINDS[kind].supports_of_nodes if kind in KINDS else [(k,) for k in range(NODES[kind])]
+                    found.append(block.cells[:, [k for k, on in enumerate(stands) if corners >= set(on)]].ravel())
+        return np.unique(np.concatenate(found))
+
+    def take_set(self, card: Card) -> None:
+        """*NSET and *ELSET: numbers, ranges, names of other sets."""
+        sets = self.node_sets if card.keyword == "NSET" else self.element_sets
+        name = card.parameters.get(card.keyword, "")
+        if not name:
+            raise self.fault(card.line, f"*{card.keyword} without a name")
+        found: list[IntArray] = []
+        for line, text in card.data:
+            cells = [cell.strip() for cell in text.rstrip(",").split(",")]
+            if "GENERATE" in card.parameters:
+                try:
+                    first, last, step = [*map(int, cells), 1][:3]
+                    members = range(first, last + 1, step)
+                except ValueError:
+                    raise self.fault(line, f"found {text!r}, expected first, last, step") from None
+                if len(members) > self.size:
+                    raise self.fault(line, f"found {text!r}, {len(members)} numbers, more than the file can hold")
+                found.append(np.array(members, dtype=np.int64) + self.frame.offset)
+                continue
+            found += [self.numbers_of(sets, cell, line) for cell in cells if cell]
+        self.add(sets, name, np.concatenate([*found, np.zeros(0, dtype=np.int64)]))
+
+    def take_surface(self, card: Card) -> None:
+        """*SURFACE of TYPE=ELEMENT: element or set, face S1, S2, ..."""
+        name = self.named(card.parameters.get("NAME", ""))
+        if card.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
+            named = [self.nodes_of(text.split(",")[0].strip(), line) for line, text in card.data]
+            self.on_nodes.setdefault(name.upper(), []).extend(named)
+            self.spelling.setdefault(name.upper(), name)
+            return
+        if card.parameters.get("TYPE", "ELEMENT").upper() != "ELEMENT":
+            return
+        entries = self.surfaces.setdefault(name.upper(), [])
+        self.spelling.setdefault(name.upper(), name)
+        for line, text in card.data:
+            cells = [cell.strip() for cell in text.split(",")]
+            if len(cells) < 2 or not cells[1]:
+                raise self.fault(line, f"found {text!r}, expected an element or set and a face such as S1")
+            entries.append((self.numbers_of(self.element_sets, cells[0], line), cells[1].upper()))
+
+    def local_corners(self, kind: str, ids: IntArray, face: str) -> tuple[int, ...]:
+        """Which nodes of elements of a kind are the corners of a face; of shells a side is all of them."""
+        plane = bool(len(ids)) and bool(np.isin(ids, list(self.plane)).all())
+        if corners := face_corners(kind, face, plane=plane):
+            return corners
+        raise ModelError("mesh-file", f"{self.source}: a surface on face {face!r} of {kind} elements")
