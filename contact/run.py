@@ -15,7 +15,7 @@ from contact.base.arrays import require_positive
 from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.collect import collect
 from contact.io.brief import brief
-from contact.io.notebook import told
+from contact.io.notebook import notebook_progress
 from contact.model.bodies.beam import BeamInCircle
 from contact.model.bodies.body import Body
 from contact.model.bodies.chain import assemble
@@ -137,7 +137,7 @@ def run(
     )  # fmt: skip
     if dt is not None or courant is not None:
         settings = replace(settings, dt=dt, courant=courant)
-    return completed(prepared(settings), progress or told("run", "{:.0%}".format))
+    return completed(prepared(settings), progress or notebook_progress("run", "{:.0%}".format))
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

@@ -75,7 +75,7 @@ def explained(key: str) -> list[dict[str, Any]]:
         if end := walked(models, path):
             ends.setdefault(end, []).append(name)
     if len(ends) < 2:
-        return [told(key, end, names) for end, names in ends.items()]
+        return [explanation(key, end, names) for end, names in ends.items()]
     lines = [f"  {', '.join(f'{n}.{key}' for n in names)}: {headline_of(end)}" for end, names in ends.items()]
     return [{"key": key, "text": "\n".join([f"{key} differs by the kind of file; ask for one of", *lines])}]
 
@@ -102,7 +102,7 @@ def walked(models: Sequence["Model"], path: Sequence[str]) -> tuple[Any, ...]:
     return tuple(found)
 
 
-def told(key: str, end: tuple[Any, ...], files: list[str]) -> dict[str, Any]:
+def explanation(key: str, end: tuple[Any, ...], files: list[str]) -> dict[str, Any]:
     """One table, its kinds, or one key."""
     from contact.io.tables import keys, kinds
 

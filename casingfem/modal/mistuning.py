@@ -13,7 +13,7 @@ from casingfem.modal.modes import modes
 from casingfem.modal.warm_start import guarded, restarted_modes
 from casingfem.structure.field.random import drop_random, is_random, redrawn
 from casingfem.structure.shell.shell import Shell, require_shell
-from contact.io.notebook import told
+from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
 
 LEVELS = (0.5, 0.9, 0.99)
@@ -184,7 +184,7 @@ def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[in
     3
     """
     require_pairs(shell)
-    progress = progress or told("mistune", f"{{}} of {draws} draws".format)
+    progress = progress or notebook_progress("mistune", f"{{}} of {draws} draws".format)
     mean = mean_modes(shell, count)
     rows: list[Pair] = []
     for draw in range(draws):

@@ -28,7 +28,7 @@ from casingfem.updating.regularisation import Regularisation, Regularised, chose
 from casingfem.updating.result import POOR, UpdateResult, weak_priors
 from casingfem.updating.shapes import SensorShapes
 from casingfem.updating.targets import with_model_error
-from contact.io.notebook import told
+from contact.io.notebook import notebook_progress
 
 ROUNDS = 8  # solutions until a weight must have settled
 FAR = 6  # modes below the highest row, to each row, from which the table's unit is doubted
@@ -113,7 +113,7 @@ def update(
         )
     if outliers not in ("set-aside", "keep"):
         raise InputError(f'outliers: found {outliers!r}, expected "set-aside" or "keep"')
-    progress = progress or told("update", "{} evaluations, rms {:.3g} sigma".format)
+    progress = progress or notebook_progress("update", "{} evaluations, rms {:.3g} sigma".format)
     problem = Problem(structure, with_model_error(table, model_error), vary, count, reach, progress, shapes)
     if outliers == "keep":
         return fitted(problem, table, regularise, max_iterations)

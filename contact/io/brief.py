@@ -22,11 +22,11 @@ def brief(value: Any) -> str:
     >>> brief(Ring(0.5)), brief(Ring(1.0 / 3.0, 12, list(range(24))))
     ('Ring(radius=0.5)', 'Ring(radius=0.333333, bolts=12, angle=[0, 1, 2, 3, ... 24])')
     """
-    parts = (f"{field.name}={part(getattr(value, field.name))}" for field in fields(value) if told(value, field))
+    parts = (f"{field.name}={part(getattr(value, field.name))}" for field in fields(value) if not_default(value, field))
     return f"{type(value).__name__}({', '.join(parts)})"
 
 
-def told(value: Any, field: Field[Any]) -> bool:
+def not_default(value: Any, field: Field[Any]) -> bool:
     """Whether a field is not at its default."""
     default = field.default_factory() if field.default_factory is not MISSING else field.default
     found = getattr(value, field.name)

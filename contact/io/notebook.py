@@ -15,10 +15,10 @@ def in_notebook() -> bool:
     return "ipykernel" in sys.modules
 
 
-def told(what: str, words: Callable[..., str]) -> Callable[..., None] | None:
+def notebook_progress(what: str, words: Callable[..., str]) -> Callable[..., None] | None:
     """A `progress` that says so in a notebook, `words` of its arguments; None elsewhere.
 
-    >>> told("run", "{:.0%}".format) is None
+    >>> notebook_progress("run", "{:.0%}".format) is None
     True
     """
     return Line(what, words) if in_notebook() else None

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from contact.io.stored import load_value, save_value, sealed
+from contact.io.stored import load_value, read_only, save_value
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,7 +34,7 @@ class Reported:
         for name in _names(self):
             value = getattr(self, name)
             if isinstance(value, np.ndarray) and value.flags.writeable:
-                object.__setattr__(self, name, sealed(np.array(value)))
+                object.__setattr__(self, name, read_only(np.array(value)))
 
     def records(self) -> Iterable[Mapping[str, Any]]:
         """One plain dictionary a row, its keys with their units: what `print` and a notebook show."""
@@ -109,7 +109,7 @@ def restored(kind: type, values: Mapping[str, Any]) -> Any:
     """A copy of a frozen value that was checked when it was made: what pickle and `copy` call."""
     found: Any = object.__new__(kind)
     for name, value in values.items():
-        object.__setattr__(found, name, sealed(value))
+        object.__setattr__(found, name, read_only(value))
     return found
 
 

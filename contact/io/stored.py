@@ -35,30 +35,30 @@ class StoredError(ValueError):
 
 
 @singledispatch
-def sealed(value: Any) -> Any:
+def read_only(value: Any) -> Any:
     """The same value with all its arrays read-only, those inside tuples, mappings and frozen values too."""
     for field in fields(value) if is_dataclass(value) else ():
-        sealed(getattr(value, field.name, None))
+        read_only(getattr(value, field.name, None))
     return value
 
 
-@sealed.register(np.ndarray)
+@read_only.register(np.ndarray)
 def _(value: np.ndarray[Any, Any]) -> Any:
     value.setflags(write=False)
     return value
 
 
-@sealed.register(tuple | list | frozenset)
+@read_only.register(tuple | list | frozenset)
 def _(value: Iterable[Any]) -> Any:
     for entry in value:
-        sealed(entry)
+        read_only(entry)
     return value
 
 
-@sealed.register(Mapping)
+@read_only.register(Mapping)
 def _(value: Mapping[Any, Any]) -> Any:
     for entry in value.values():
-        sealed(entry)
+        read_only(entry)
     return value
 
 
@@ -235,7 +235,7 @@ class Unpacking:
         return Path(inside) if word == "path" else WORDS[inside]
 
     def _array(self, name: str) -> Any:
-        return sealed(self._arrays[name])
+        return read_only(self._arrays[name])
 
     def _whole(self, part: Mapping[str, Any]) -> Any:
         if "sparse" not in part:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from contact.base.errors import InputError
-from contact.io.notebook import told
+from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
 from contact.io.workers import worker_pool
 from contact.run import Scene
@@ -25,7 +25,7 @@ from contact.sweep.row import COLUMNS, row_of, sweep_record
 from contact.sweep.store import Row, Store, read_run, run_path, write_run
 
 MOST = 64  # runs a task holds at most
-LANES = 8
+BATCH = 8  # runs that share one compiled loop
 TRIES = 5  # of a task whose workers die
 Rows = dict[str, Row]
 
@@ -92,7 +92,7 @@ def run_sweep(
 
     Raises InputError when the scheduler cannot be reached, or a task's workers died TRIES times.
     """
-    progress = progress or told("sweep", f"{{}} of {len(plan.runs)} runs".format)
+    progress = progress or notebook_progress("sweep", f"{{}} of {len(plan.runs)} runs".format)
     store = None if folder is None else Store.open(folder)
     rows: Rows = {} if store is None else store.rows(run.digest for run in plan.runs)
     resumed = sum(run.digest in rows for run in plan.runs)
@@ -106,9 +106,9 @@ def run_sweep(
 
 
 def tasks(plan: SweepPlan, there: Rows, folder: Path | None, jobs: int) -> list[Task]:
-    """The missing runs, each once, in tasks of whole lanes."""
+    """The missing runs, each once, in tasks of whole batches."""
     missing = {run.digest: run.values for run in plan.runs if run.digest not in there}
-    size = min(MOST, max(1, -(-len(missing) // (LANES * max(jobs, 1)))) * LANES)
+    size = min(MOST, max(1, -(-len(missing) // (BATCH * max(jobs, 1)))) * BATCH)
     pending = list(missing.items())
     return [
         Task(

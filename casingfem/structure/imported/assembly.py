@@ -226,12 +226,12 @@ def assembled(
         own, added = float(M[::dofs, ::dofs].sum()), sum(mass.mass for mass in mesh.attachments.masses)
         scale *= float(np.sqrt(own / (own + added)))
         normals, frames = tangents or (None, None)
-        hung = attached(motions_of(mesh, dofs, normals, frames), K, M, held, still_nodes(structure), motions, springs)
+        joined = attached(motions_of(mesh, dofs, normals, frames), K, M, held, still_nodes(structure), motions, springs)
         return MeshSystem(
-            structure=structure, K=symmetric(hung.K), M=symmetric(hung.M), free=hung.unknowns, dofs=dofs,
-            rigid=hung.rigid, wall=wall, frequency_scale=scale,
-            lift=hung.lift if mesh.attachments.ties or hung.unknowns.max() >= size else None, idle=hung.idle,
-            connected=hung.connected,
+            structure=structure, K=symmetric(joined.K), M=symmetric(joined.M), free=joined.unknowns, dofs=dofs,
+            rigid=joined.rigid, wall=wall, frequency_scale=scale,
+            lift=joined.lift if mesh.attachments.ties or joined.unknowns.max() >= size else None, idle=joined.idle,
+            connected=joined.connected,
         )  # fmt: skip
     loose = np.zeros(size, dtype=bool)
     loose[cell_dofs(mesh.used[None], dofs)] = True

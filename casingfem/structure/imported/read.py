@@ -62,8 +62,8 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units:
     if mesh.attachments.weighed and units is None and scale != 1.0:
         found = f"{file.name}: found {mesh.attachments} and scale = {scale:g}"
         raise ModelError("mesh-scale", f"{found}, expected units such as mm-t-s")
-    hung = mesh.attachments.in_si(length, mass, time)
-    mesh = replace(mesh, points=length * mesh.points, attachments=hung)
+    attached = mesh.attachments.in_si(length, mass, time)
+    mesh = replace(mesh, points=length * mesh.points, attachments=attached)
     return joined(mesh, join) if join > 0.0 else mesh
 
 

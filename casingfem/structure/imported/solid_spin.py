@@ -17,7 +17,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem
-from casingfem.structure.imported.attachments.turning import hung_spin
+from casingfem.structure.imported.attachments.turning import attached_spin
 from casingfem.structure.imported.cells.mapped import Mapped, mapped
 from casingfem.structure.imported.cells.scatter import CHUNK, cell_dofs, on_free, put, scatter
 from casingfem.structure.imported.cells.solid import (
@@ -157,8 +157,8 @@ def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, 
     of = solid_inertia(solid, rotation)
     soft, pull = scatter(of.softening, rows, size), scatter(of.mass, rows, size) @ of.away.ravel()
     if system.connected is not None:
-        hung = hung_spin(system.connected.rows.motions, rotation)
-        soft, pull = soft + hung.softening, pull + hung.force
+        extra = attached_spin(system.connected.rows.motions, rotation)
+        soft, pull = soft + extra.softening, pull + extra.force
     soft, pull = csc_array(omega**2 * soft), omega**2 * pull
     at_rest = on_free(tangent(solid, np.zeros_like(start))[0], system.free)
     springs = csc_array(system.K - at_rest)

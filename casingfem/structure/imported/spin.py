@@ -23,7 +23,7 @@ from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.system import enlarged
-from casingfem.structure.imported.attachments.turning import carried, hung_spin
+from casingfem.structure.imported.attachments.turning import attached_spin, carried
 from casingfem.structure.imported.cells.scatter import cell_dofs, scatter, symmetric
 from casingfem.structure.shell.prestress import Spin
 
@@ -93,18 +93,18 @@ def mesh_spin(
     size = system.dofs * len(system.points)
     of = inertia(rotation)
     force = scatter(of.mass, rows, size) @ of.away.ravel()
-    hung = None if system.connected is None else hung_spin(system.connected.rows.motions, rotation)
-    if hung is not None:
-        force = hung.force + np.pad(force, (0, len(hung.force) - size))
+    extra = None if system.connected is None else attached_spin(system.connected.rows.motions, rotation)
+    if extra is not None:
+        force = extra.force + np.pad(force, (0, len(extra.force) - size))
     moved = tied_solution(system, system.K, reduced_force(system, force), solve_held)
     fields = system.expand(moved[:, None])[:, :, 0]
     added = stiffening(fields)
     parts = [scatter(cells, rows, size) for cells in (added.first - of.softening, added.second, of.gyroscopic)]
-    if hung is not None and system.connected is not None:
+    if extra is not None and system.connected is not None:
         on = system.connected
         parts = [enlarged(part, len(force)) for part in parts]
         carries = carried(on.rows.motions, on.rows, force - on.K @ (on.whole @ moved))
-        parts[0], parts[2] = parts[0] + hung.stiffness + carries - hung.softening, parts[2] + hung.gyroscopic
+        parts[0], parts[2] = parts[0] + extra.stiffness + carries - extra.softening, parts[2] + extra.gyroscopic
     first, second, gyroscopic = (reduced(system, csc_array(part)) for part in parts)
     return MeshSpin(
         K1=symmetric(first),

@@ -39,7 +39,7 @@ def follow(
     """
     require_finite(start=between[0], end=between[1])
     require_positive(longest=longest)
-    progress = progress or notebook.told("follow", "branch {} at {:.6g}, {} orbits".format)
+    progress = progress or notebook.notebook_progress("follow", "branch {} at {:.6g}, {} orbits".format)
     require_count(2, most=most)
     require_count(0, doublings=doublings)
     if between[0] == between[1]:

@@ -132,12 +132,12 @@ def sorted_parts(A: csc_array) -> tuple[IntArray, IntArray]:
 
 def warn_floating(mesh: MeshData, held: IntArray) -> None:
     """Warn of nodes without mass, support or connection whose springs all lead to one other node: they do nothing."""
-    hung = mesh.attachments
-    masses = np.array([mass.node for mass in hung.masses], dtype=np.int64)
-    tied = [node for equation in hung.equations for node in equation.nodes]
-    others = [masses, held, mesh.used, np.array(tied, dtype=np.int64), *hung.bodies]
+    given = mesh.attachments
+    masses = np.array([mass.node for mass in given.masses], dtype=np.int64)
+    tied = [node for equation in given.equations for node in equation.nodes]
+    others = [masses, held, mesh.used, np.array(tied, dtype=np.int64), *given.bodies]
     ends: dict[int, set[int]] = {}
-    for spring in hung.springs:
+    for spring in given.springs:
         joined = set(spring.nodes)
         for node in joined:
             ends.setdefault(node, set()).update(joined - {node} or {-1})  # -1: the ground

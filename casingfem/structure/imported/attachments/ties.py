@@ -92,9 +92,9 @@ class Motions:
 
 def motions_of(mesh: MeshData, dofs: int, normals: FloatArray | None, frames: FloatArray | None) -> Motions:
     """How nodes move; of shells with the directors (nodes, 3) and their tangents (nodes, 2, 3)."""
-    hung = mesh.attachments
-    alone = np.setdiff1d(hung.nodes, mesh.used)
-    pivots = np.array([rigid.reference for rigid in hung.rigids], dtype=np.int64)
+    given = mesh.attachments
+    alone = np.setdiff1d(given.nodes, mesh.used)
+    pivots = np.array([rigid.reference for rigid in given.rigids], dtype=np.int64)
     tilts = None if normals is None or frames is None else np.cross(normals[:, None], frames)
     return Motions(mesh, dofs, np.union1d(alone, pivots), tilts, normals, frames)
 

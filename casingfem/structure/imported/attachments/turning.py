@@ -26,7 +26,7 @@ from casingfem.structure.imported.mesh.attachments import PointMass, cross_matri
 Entries = list[tuple[list[dict[int, float]], FloatArray]]  # rows over the motions, and a matrix on them
 
 
-class HungSpin(NamedTuple):
+class AttachedSpin(NamedTuple):
     """What masses add at 1 rad/s, on all motions: mass, softening, gyroscopic, stiffness of their forces, and force."""
 
     mass: csc_array
@@ -36,7 +36,7 @@ class HungSpin(NamedTuple):
     force: FloatArray
 
 
-def hung_spin(motions: Motions, rotation: Rotation) -> HungSpin:
+def attached_spin(motions: Motions, rotation: Rotation) -> AttachedSpin:
     """Inertia of the point masses about an axis."""
     P, turn = rotation.plane, np.cross(rotation.direction, np.eye(3)).T
     parts: tuple[Entries, ...] = ([], [], [], [])
@@ -58,7 +58,7 @@ def hung_spin(motions: Motions, rotation: Rotation) -> HungSpin:
             for dof, value in row.items():
                 force[dof] += value * f
     mass, softening, gyroscopic, stiffness = (summed(entries, motions.size) for entries in parts)
-    return HungSpin(mass, softening, gyroscopic, stiffness, force)
+    return AttachedSpin(mass, softening, gyroscopic, stiffness, force)
 
 
 def points_of(mass: PointMass) -> list[tuple[float, FloatArray]]:

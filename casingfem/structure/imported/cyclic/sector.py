@@ -85,8 +85,8 @@ class CyclicSector:
                 )
                 raise ModelError("cyclic-support", found)
         require_axis(self.structure.rotation, self.turn)
-        if hung := self.structure.mesh.attachments:
-            raise ModelError("mesh-attachment", f"{self.structure.mesh.source}: a sector of a wheel with {hung}")
+        if attached := self.structure.mesh.attachments:
+            raise ModelError("mesh-attachment", f"{self.structure.mesh.source}: a sector of a wheel with {attached}")
         pairs = paired_faces(self.structure.mesh, self.turn, self.faces, self.tolerance)
         object.__setattr__(self, "pairs", Pairs(frozen(pairs.low), frozen(pairs.high)))
         if isinstance(self.structure, MeshShell):

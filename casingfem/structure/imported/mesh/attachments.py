@@ -161,8 +161,8 @@ class Tie:
 class Attachments:
     """All that hangs on a mesh beside its cells.
 
-    >>> hung = Attachments(masses=(PointMass(node=3, mass=2.0),))
-    >>> bool(hung), hung.ties, hung.nodes.tolist()
+    >>> found = Attachments(masses=(PointMass(node=3, mass=2.0),))
+    >>> bool(found), found.ties, found.nodes.tolist()
     (True, (), [3])
     """
 

@@ -79,10 +79,10 @@ class MeshData:
     def __repr__(self) -> str:
         box = " x ".join(f"{side:.4g}" for side in np.ptp(self.points, axis=0))
         groups = f"; groups {', '.join(self.groups)}" if self.groups else ""
-        hung = f"; {self.attachments}" if self.attachments else ""
+        attached = f"; {self.attachments}" if self.attachments else ""
         collapsed = int(self.collapsed.sum())
         kind = f"{self.kind}, {collapsed} of them collapsed" if collapsed else self.kind
-        return f"MeshData({self.source}: {len(self.cells)} {kind}, {len(self.points)} nodes, {box} m{groups}{hung})"
+        return f"MeshData({self.source}: {len(self.cells)} {kind}, {len(self.points)} nodes, {box} m{groups}{attached})"
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:

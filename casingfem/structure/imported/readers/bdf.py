@@ -60,7 +60,7 @@ class Parser(Numbers):
         self.placed: list[tuple[int, int, Card]] = []  # grid by its row, its system, its card
         self.constraints: dict[tuple[str, str], list[int]] = {}  # set, components -> grids
         self.sums: list[Card] = []  # SPCADD
-        self.hung = NastranAttachments(self, self.systems)
+        self.connections = NastranAttachments(self, self.systems)
         self.defaults = BLANK  # fields of GRDSET: system of the place, of the motions, constraints
         self.turned: dict[int, int] = {}  # grid -> coordinate system of its displacements
 
@@ -82,7 +82,7 @@ class Parser(Numbers):
             elif card.name in BY_GRIDS:
                 self.systems.take_by_grids(card)
             elif card.name in CARDS:
-                self.hung.take(card)
+                self.connections.take(card)
             elif LEFT_OUT.match(card.name):
                 self.leave_out(card, card.name)
         draft = self.draft()
@@ -190,5 +190,5 @@ class Parser(Numbers):
             blocks=blocks,
             node_sets={name: nodes(np.array(members, dtype=np.int64)) for name, members in node_sets.items()},
             cell_sets=cell_sets,
-            attachments=self.hung.attachments(table[:, 1:], nodes, self.turned),
+            attachments=self.connections.attachments(table[:, 1:], nodes, self.turned),
         )

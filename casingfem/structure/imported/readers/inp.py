@@ -64,7 +64,7 @@ class Parser(Names):
         super().__init__(source)
         self.points: list[FloatArray] = []
         self.numbers: list[IntArray] = []
-        self.hung = AbaqusAttachments(self)
+        self.connections = AbaqusAttachments(self)
         self.ties: list[tuple[Card, str, str, str]] = []  # card, line, surface that follows, surface followed
 
     def read(self, lines: Sequence[NumberedLine]) -> Draft:
@@ -72,7 +72,7 @@ class Parser(Names):
         self.size = sum(len(line) + 1 for _, line in lines)
         takers = {"NODE": self.take_nodes, "ELEMENT": self.take_elements, "NSET": self.take_set,
                   "ELSET": self.take_set, "SURFACE": self.take_surface, "TIE": self.take_tie}  # fmt: skip
-        takers |= dict.fromkeys((*PROPERTIES, *CONNECTIONS), self.hung.take)
+        takers |= dict.fromkeys((*PROPERTIES, *CONNECTIONS), self.connections.take)
         left_out = self.left_out
         for card, frame in laid_out(cards(lines), self.fault):
             self.frame = frame
@@ -82,7 +82,7 @@ class Parser(Names):
                 left_out[card.keyword] = card.line
             if card.keyword in takers:
                 takers[card.keyword](card)
-        if "TRANSFORM" in left_out and self.hung.by_direction:
+        if "TRANSFORM" in left_out and self.connections.by_direction:
             line = left_out["TRANSFORM"]
             raise self.fault(line, "*TRANSFORM beside springs or equations, expected them along the global axes")
         if left_out:
@@ -137,7 +137,7 @@ class Parser(Names):
             if len(row) != 1 + ELEMENTS[kind]:
                 raise self.fault(line, f"found {text!r}, expected a number and {ELEMENTS[kind]} nodes")
         table = np.array(rows, dtype=np.int64).reshape(-1, 1 + ELEMENTS[kind]) + self.frame.offset
-        self.hung.take_elements(card.line, kind, table[:, 0], table[:, 1:])
+        self.connections.take_elements(card.line, kind, table[:, 0], table[:, 1:])
         if "ELSET" in card.parameters:
             self.add(self.element_sets, card.parameters["ELSET"], table[:, 0])
 
@@ -166,7 +166,7 @@ class Parser(Names):
             if other not in self.surfaces:
                 raise self.fault(line, f"*TIE: found the surface {names[1]!r} of nodes, expected one of faces")
             given = card.parameters.get("POSITION TOLERANCE")
-            tolerance = None if given is None else self.hung.number(card.line, given)
+            tolerance = None if given is None else self.connections.number(card.line, given)
             follower, master = self.spelling[first], self.spelling[other]
             found.append(Gluing(follower=follower, master=master, tolerance=tolerance, where=f"*TIE (line {line})"))
         return found
@@ -185,7 +185,7 @@ class Parser(Names):
         gluings = self.gluings()
 
         def rows(ids: IntArray) -> list[tuple[int, IntArray]]:
-            place = elements(ids[~np.isin(ids, list(self.hung.elements))])
+            place = elements(ids[~np.isin(ids, list(self.connections.elements))])
             return [(int(k), place[owner[place] == k] - first[k]) for k in np.unique(owner[place])]
 
         on_faces = dict[str, IntArray]()
@@ -203,7 +203,7 @@ class Parser(Names):
             node_sets={self.spelling[n]: nodes(np.concatenate(parts)) for n, parts in self.node_sets.items()},
             cell_sets=on_cells,
             facet_sets=on_faces,
-            attachments=self.hung.attachments(np.concatenate(self.points), nodes),
+            attachments=self.connections.attachments(np.concatenate(self.points), nodes),
             gluings=gluings,
         )
 

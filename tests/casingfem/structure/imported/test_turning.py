@@ -8,7 +8,7 @@ from scipy.linalg import eig, eigh
 
 import casingfem as cf
 from casingfem.errors import ModelError
-from casingfem.structure.imported.attachments.turning import hung_spin, points_of
+from casingfem.structure.imported.attachments.turning import attached_spin, points_of
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.mesh.attachments import Mean, PointMass, Rigid, Spring, Term
 from casingfem.structure.imported.mesh.mesh_data import Group
@@ -160,7 +160,7 @@ def test_masses_on_arms_are_their_points():
     np.testing.assert_allclose(np.trace(spread) * np.eye(3) - spread, J, atol=1e-14)
     part, _, _ = body("mass")
     system = part.assembled()
-    hanging = hung_spin(system.connected.rows.motions, Z)
+    hanging = attached_spin(system.connected.rows.motions, Z)
     six = hanging.mass[-3:, -3:].toarray()
     np.testing.assert_allclose(np.diagonal(six), body("mass")[2], rtol=1e-9)
 
