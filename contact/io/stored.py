@@ -25,6 +25,11 @@ from contact.io.npz import DAMAGE, load_npz, write_npz
 
 FORMAT = "casingfem-value-1"
 OWN = ("casingfem.", "contact.")
+MOVED = {  # modules that files of before name, and where their classes stand now
+    "casingfem.modal.imported.modes": "casingfem.modal.mesh_modes",
+    "casingfem.structure.imported.attachments.values": "casingfem.structure.imported.mesh.attachments",
+    "casingfem.structure.imported.mesh_data": "casingfem.structure.imported.mesh.mesh_data",
+}
 WORDS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # numbers that JSON has no word for
 MANY: dict[str, Callable[..., Any]] = {"tuple": tuple, "list": list, "set": frozenset}
 MAPS: dict[str, Callable[..., Any]] = {"dict": dict, "mapping": lambda pairs: MappingProxyType(dict(pairs))}
@@ -249,7 +254,7 @@ class Unpacking:
         module, _, name = part["value"].partition(":")
         if not module.startswith(OWN):
             raise ValueError(f"found {part['value']!r}, expected a value of casingfem or contact")
-        kind: Any = import_module(module)
+        kind: Any = import_module(MOVED.get(module, module))
         for step in name.split("."):
             kind = getattr(kind, step)
         if not (isinstance(kind, type) and (is_dataclass(kind) or issubclass(kind, tuple))):
