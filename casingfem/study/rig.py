@@ -15,8 +15,8 @@ from casingfem.experiment.rig.record import BAND, measured, record
 from casingfem.experiment.rig.rig import Rig
 from casingfem.experiment.rig.scan import Scan, Tone, Turning, scan
 from casingfem.experiment.rig.structure import Place, circle, damping_spread, rig_of
+from casingfem.experiment.rig.troubles import TroubledTest, TroubledTruth, Troubles, troubled_frfs
 from casingfem.experiment.rig.truth import truth
-from casingfem.experiment.rig.unkind import Unkind, UnkindTest, UnkindTruth, unkind_frfs
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import modes
 from casingfem.study.load import Study
@@ -50,7 +50,7 @@ class RigTest:
     records: tuple[FrfSet, ...]
     scan: Scan | None
     waves: CircleScan | None
-    troubles: UnkindTruth | None = None
+    troubles: TroubledTruth | None = None
 
 
 def run_rig(study: Study) -> RigTest:
@@ -83,7 +83,7 @@ def all_records(study: Study, table: RigTable) -> RigTest:
     card = origin(rig, f"study: {study.path.name}, sha256 {study.source['sha256']}, seed {table.seed}")
     whole = [k for k in (layout.circle, circle_of(table, layout)) if len(k)][:1]
     made = None if table.scan is None else scanned(rig, table, table.scan, layout, card)
-    troubled = None if table.test is None else unkind(rig, table, table.test, layout, card)
+    troubled = None if table.test is None else troubled_test(rig, table, table.test, layout, card)
     frfs, coherence, records = (
         ((None, None, ()) if table.test is None else responses(rig, table, table.test, layout, card))
         if troubled is None
@@ -148,13 +148,15 @@ def circle_of(table: RigTable, layout: Layout) -> range:
     return layout.sensors if whole else range(0)
 
 
-def unkind(rig: Rig, table: RigTable, test: ResponsesTable, layout: Layout, card: tuple[str, ...]) -> UnkindTest | None:
+def troubled_test(
+    rig: Rig, table: RigTable, test: ResponsesTable, layout: Layout, card: tuple[str, ...]
+) -> TroubledTest | None:
     """Frequency responses of a test in a hall, None where the study has no troubles."""
     if test.troubles is None or test.snr_db is None:
         return None
-    what = Unkind(snr_db=test.snr_db, **test.troubles.model_dump())
+    what = Troubles(snr_db=test.snr_db, **test.troubles.model_dump())
     drives, sensors = layout.drives, layout.sensors
-    return unkind_frfs(
+    return troubled_frfs(
         rig, lines_of(test), what, sensors=sensors, drives=drives, seed=table.seed + NOISE, quantity=table.quantity,
         card=card,
     )  # fmt: skip

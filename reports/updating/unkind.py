@@ -1,7 +1,7 @@
 """Identification judged on tests as unkind as life: everything at once that a bench does not have.
 
 `python -m reports.updating.unkind [--quick] [--out DIR]` makes tests of rims with 30 modes, all in pairs, and every
-trouble of `casingfem.experiment.rig.unkind` switched on; identifies each without help, and prints what became of the
+trouble of `casingfem.experiment.rig.troubles` switched on; identifies each without help, and prints what became of the
 modes whose peaks are above the noise, what is spurious among the sure ones, errors, intervals, pairs and times. The
 truth of a mode is the mean of its set-ups. It writes unkind.csv, unkind_modes.csv,
 unkind_summary.csv and unkind_times.csv.
@@ -20,7 +20,7 @@ from casingfem.experiment.identify.identification import identify
 from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.rig.files import rig_angles
 from casingfem.experiment.rig.rig import Probe, Rig
-from casingfem.experiment.rig.unkind import Unkind, UnkindTruth, unkind_frfs
+from casingfem.experiment.rig.troubles import TroubledTruth, Troubles, troubled_frfs
 from casingfem.io.arrays import FloatArray
 from reports.tables import Row, command_line, show, write
 
@@ -31,7 +31,7 @@ GAPS = 0.008, 0.05  # between pairs, relative
 LINES = 15_000  # of the tests that are timed
 ABOVE = 1.0  # peak over the noise of a line
 NORMAL = 1.96
-TROUBLES = Unkind(
+TROUBLES = Troubles(
     snr_db=40.0, colour=0.5, coherent=0.3, setups=3, shift=2e-3, half_rim=True, dead=1, noisy=1, swapped=1, flipped=1,
     double_hit=0.4, exponential=2.0, leakage=True, fixture=1, phase_deg=5.0,
 )  # fmt: skip
@@ -69,7 +69,7 @@ def rim(seed: int, sensors: int = SENSORS) -> Rig:
     return Rig.of(omega=2 * np.pi * freq, zeta=zeta, rows=rows.T, probes=probes)
 
 
-def judge(seed: int, truth: UnkindTruth, found: Identified) -> tuple[list[Judged], Row]:
+def judge(seed: int, truth: TroubledTruth, found: Identified) -> tuple[list[Judged], Row]:
     """What became of each true mode, and of what was found beside them."""
     freq, zeta = truth.freq.mean(axis=0), truth.zeta.mean(axis=0)
     reach = np.ptp(truth.freq, axis=0) + 2.0 * zeta * freq
@@ -161,7 +161,7 @@ def duration(channels: int) -> Row:
     rig = rim(SEEDS[0], channels)
     lines = np.linspace(0.9 * rig.freq[0], 1.05 * rig.freq[-1], LINES)
     what = replace(TROUBLES, half_rim=False, shift=3e-4)
-    test = unkind_frfs(rig, lines, what, sensors=range(channels), drives=[channels], seed=SEEDS[0])
+    test = troubled_frfs(rig, lines, what, sensors=range(channels), drives=[channels], seed=SEEDS[0])
     started = time.process_time()
     found = identify(test.frfs, angles=rig_angles(rig))
     seconds = time.process_time() - started
@@ -174,7 +174,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     for seed in SEEDS[:2] if quick else SEEDS:
         rig = rim(seed)
         lines = np.arange(0.97 * rig.freq[0], 1.03 * rig.freq[-1], STEP_HZ)
-        test = unkind_frfs(rig, lines, TROUBLES, sensors=range(SENSORS), drives=[SENSORS], seed=seed)
+        test = troubled_frfs(rig, lines, TROUBLES, sensors=range(SENSORS), drives=[SENSORS], seed=seed)
         started = time.process_time()
         found = identify(test.frfs, angles=rig_angles(rig))
         judged, beside = judge(seed, test.truth, found)

@@ -5,7 +5,7 @@ from .record import record
 from .rig import Probe, Rig
 from .scan import Tone, Turning, scan
 from .structure import Place, circle, rig_of
-from .unkind import Unkind, unkind_frfs
+from .troubles import Troubles, troubled_frfs
 
 __all__ = [
     "BurstRandom",
@@ -17,14 +17,14 @@ __all__ = [
     "Rig",
     "StepSine",
     "Tone",
+    "Troubles",
     "Turning",
-    "Unkind",
     "circle",
     "noisy",
     "record",
     "rig_angles",
     "rig_of",
     "scan",
-    "unkind_frfs",
+    "troubled_frfs",
     "write_rig_uff",
 ]

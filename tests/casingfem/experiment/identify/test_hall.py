@@ -8,7 +8,7 @@ import pytest
 import casingfem as cf
 from casingfem.experiment.identify.bands import find_bands, line_noise
 from casingfem.experiment.identify.suspects import suspected
-from casingfem.experiment.rig.unkind import Unkind, unkind_frfs
+from casingfem.experiment.rig.troubles import Troubles, troubled_frfs
 
 X = np.arange(90.0, 130.0, 0.1)
 TAU = 1.5
@@ -21,8 +21,8 @@ def windowed():
     rig = cf.rig.Rig.of(
         omega=2 * np.pi * np.array([110.0]), zeta=3e-3, rows=np.array([[1.0], [0.7], [-0.6], [0.4], [1]])
     )
-    what = Unkind(snr_db=50.0, exponential=TAU)
-    return unkind_frfs(rig, X, what, sensors=range(4), drives=[4], seed=41).frfs
+    what = Troubles(snr_db=50.0, exponential=TAU)
+    return troubled_frfs(rig, X, what, sensors=range(4), drives=[4], seed=41).frfs
 
 
 def test_damping_of_an_exponential_window_is_taken_off_where_it_is_known(windowed):

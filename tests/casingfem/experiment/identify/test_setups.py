@@ -12,7 +12,7 @@ from casingfem.experiment.identify.pole_window import Window
 from casingfem.experiment.identify.setups import find_setups, matched, matching_sigma
 from casingfem.experiment.identify.shifted import Shifted
 from casingfem.experiment.identify.verdict import verdicts
-from casingfem.experiment.rig.unkind import Unkind, hann_power, unkind_frfs
+from casingfem.experiment.rig.troubles import Troubles, hann_power, troubled_frfs
 
 GROUPS = [np.array([0, 1, 4]), np.array([2, 5]), np.array([3, 6, 7])]
 SIGMA = 1e-5
@@ -124,8 +124,8 @@ def test_pairs_that_three_setups_show_at_other_frequencies_are_found_once_with_h
     rig = cf.rig.Rig.of(
         omega=2 * np.pi * freq, zeta=zeta, rows=np.array([np.cos(n * around - turn) for n, turn in waves]).T
     )
-    what = Unkind(snr_db=45.0, setups=3, shift=2e-3, leakage=True)
-    test = unkind_frfs(rig, np.arange(192.0, 233.0, 0.1), what, sensors=range(12), drives=[12], seed=29)
+    what = Troubles(snr_db=45.0, setups=3, shift=2e-3, leakage=True)
+    test = troubled_frfs(rig, np.arange(192.0, 233.0, 0.1), what, sensors=range(12), drives=[12], seed=29)
     found = cf.identify(test.frfs)
     assert len(found) == 5
     assert found.sure.all()

@@ -30,7 +30,7 @@ HIT_DELAY = 0.023  # s, from the first to the second hit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Unkind:
+class Troubles:
     """Which troubles a test has; what is left out is none.
 
     Parameters
@@ -76,7 +76,7 @@ class Unkind:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class UnkindTruth:
+class TroubledTruth:
     """What is behind a test: poles as each set-up has them, and which channels are spoilt.
 
     `freq` [Hz] and `zeta` (setups, modes) are those of the responses, with what the window adds; `peak` (modes,) the
@@ -113,31 +113,31 @@ class UnkindTruth:
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
 
-class UnkindTest(NamedTuple):
+class TroubledTest(NamedTuple):
     """Responses, their coherence, and the truth."""
 
     frfs: FrfSet
     coherence: FrfSet
-    truth: UnkindTruth
+    truth: TroubledTruth
 
 
-def unkind_frfs(
+def troubled_frfs(
     rig: Rig,
     freq: FloatArray,
-    what: Unkind,
+    what: Troubles,
     *,
     sensors: Sequence[int],
     drives: Sequence[int],
     seed: int,
     quantity: Quantity = "accelerance",
     card: Sequence[str] = (),
-) -> UnkindTest:
+) -> TroubledTest:
     """Frequency responses at evenly spaced lines [Hz], with everything in `what`.
 
     Examples
     --------
     >>> rig = Rig.of(omega=[600.0, 900.0], zeta=0.01, rows=np.ones((5, 2)))
-    >>> test = unkind_frfs(rig, np.arange(50.0, 200.0, 0.5), Unkind(setups=2, shift=0.01), sensors=range(4),
+    >>> test = troubled_frfs(rig, np.arange(50.0, 200.0, 0.5), Troubles(setups=2, shift=0.01), sensors=range(4),
     ...                    drives=[4], seed=11)
     >>> test.truth.setup.tolist(), test.truth.freq.shape
     ([0, 0, 1, 1], (2, 2))
@@ -186,13 +186,13 @@ def unkind_frfs(
     middle = own.mean(axis=0)
     peaks = np.abs(residues) * (2.0 * np.pi * middle) ** (power - 2) / (2.0 * zeta.mean(axis=0))
     at, alive = np.clip(np.searchsorted(freq, middle), 0, len(freq) - 1), np.setdiff1d(np.arange(len(H)), dead)
-    truth = UnkindTruth(
+    truth = TroubledTruth(
         freq=own, zeta=zeta, fixture_hz=np.abs(local - decay) / (2.0 * np.pi), setup=setup, dead=tuple(dead),
         noisy=tuple(noisy), swapped=swapped, flipped=tuple(flipped),
         peak=np.sqrt(np.mean((peaks[alive] / sigma[alive][:, at]) ** 2, axis=0)),
     )  # fmt: skip
     frfs = replace(exact, responses=H, card=(*exact.card, f"troubles: {what}, seed {seed}"))
-    return UnkindTest(frfs, replace(frfs, kind="spectrum", responses=coherence, unit=""), truth)
+    return TroubledTest(frfs, replace(frfs, kind="spectrum", responses=coherence, unit=""), truth)
 
 
 def modal_sum(residues: Array, poles: Array, s: Array) -> Array:
@@ -209,7 +209,7 @@ def hann_power(lines: FloatArray) -> FloatArray:
 
 
 def _fixture(
-    what: Unkind, freq: FloatArray, residues: Array, rig: Rig, drives: int, rng: np.random.Generator
+    what: Troubles, freq: FloatArray, residues: Array, rig: Rig, drives: int, rng: np.random.Generator
 ) -> tuple[Array, Array]:
     """Poles and residues (channels, modes) of local modes."""
     own = 2.0 * np.pi * rng.uniform(freq[0] + 0.1 * np.ptp(freq), freq[-1] - 0.1 * np.ptp(freq), what.fixture)
@@ -225,7 +225,7 @@ def _fixture(
     return own * (-FIXTURE_ZETA + 1j * np.sqrt(1.0 - FIXTURE_ZETA**2)), parts
 
 
-def _noise_size(what: Unkind, freq: FloatArray, H: Array, noisy: list[int]) -> FloatArray:
+def _noise_size(what: Troubles, freq: FloatArray, H: Array, noisy: list[int]) -> FloatArray:
     """Standard deviation of the complex noise, (channels, lines)."""
     colour = (freq / freq.mean()) ** -what.colour
     hits = np.abs(1.0 + what.double_hit * np.exp(-2j * np.pi * freq * HIT_DELAY))
@@ -234,7 +234,7 @@ def _noise_size(what: Unkind, freq: FloatArray, H: Array, noisy: list[int]) -> F
     return np.asarray(sigma)
 
 
-def _noise(what: Unkind, shape: tuple[int, ...], drives: int, rng: np.random.Generator) -> Array:
+def _noise(what: Troubles, shape: tuple[int, ...], drives: int, rng: np.random.Generator) -> Array:
     """Complex noise of variance one, a share of it common to the channels of each drive."""
     own = rng.standard_normal((2, *shape))
     common = np.repeat(rng.standard_normal((2, drives, shape[1])), shape[0] // drives, axis=1)

@@ -1,11 +1,11 @@
-"""The unkind bench: each trouble does what its truth says."""
+"""A bench with troubles: each does what its truth says."""
 
 import numpy as np
 import pytest
 
 import casingfem as cf
 from casingfem.experiment.rig.rig import Probe, Rig
-from casingfem.experiment.rig.unkind import AVERAGES, HIT_DELAY, Unkind, _noise, hann_power, unkind_frfs
+from casingfem.experiment.rig.troubles import AVERAGES, HIT_DELAY, Troubles, _noise, hann_power, troubled_frfs
 
 SEED = 9103
 X = np.arange(80.0, 160.0, 0.25)
@@ -20,7 +20,7 @@ def rig():
 
 
 def made(**troubles):
-    return unkind_frfs(rig(), X, Unkind(**{"snr_db": QUIET, **troubles}), sensors=range(8), drives=[8], seed=SEED)
+    return troubled_frfs(rig(), X, Troubles(**{"snr_db": QUIET, **troubles}), sensors=range(8), drives=[8], seed=SEED)
 
 
 EXACT = rig().frfs(X, sensors=range(8), drives=[8]).responses
@@ -89,7 +89,7 @@ def test_noise_has_its_size_colour_and_common_part():
 
 def test_noise_has_variance_one_and_its_share_in_common():
     """Two drives, two sensors each: only channels of one drive have anything in common."""
-    noise = _noise(Unkind(coherent=0.3), (4, 40000), 2, np.random.default_rng(SEED))
+    noise = _noise(Troubles(coherent=0.3), (4, 40000), 2, np.random.default_rng(SEED))
     alike = np.abs(noise @ noise.conj().T) / 40000
     np.testing.assert_allclose(alike, np.kron(np.eye(2), [[1.0, 0.3], [0.3, 1.0]]), atol=0.02)
     assert np.var(noise.real) == pytest.approx(0.5, rel=0.02)
@@ -146,4 +146,4 @@ def test_half_a_rim_local_modes_and_phases():
 @pytest.mark.parametrize("wrong", [{"coherent": 1.5}, {"shift": -0.1}, {"setups": 0}, {"double_hit": 1.0}])
 def test_refuses_troubles_out_of_range(wrong):
     with pytest.raises(cf.errors.InputError, match=next(iter(wrong))):
-        Unkind(**wrong)
+        Troubles(**wrong)
