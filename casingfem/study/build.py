@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from casingfem.errors import warn
-from casingfem.structure.field.fourier import Field
+from casingfem.structure.field.field import Field
 from casingfem.structure.field.random import RAYLEIGH, RandomField, Spectrum
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.blade import Blade

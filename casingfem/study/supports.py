@@ -10,7 +10,8 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.stiffener import Stiffener, check_stiffeners
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
-from casingfem.structure.field.fourier import Field, FourierField
+from casingfem.structure.field.field import Field
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.blade import Blade
 from casingfem.structure.geometry.chart import Chart, Plate
 from casingfem.structure.geometry.twisted import TwistedPlate

@@ -18,7 +18,8 @@ from casingfem.errors import InputError
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge, outer_support
-from casingfem.structure.field.fourier import Field, FourierField
+from casingfem.structure.field.field import Field
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.parts import DEFECTS
 from casingfem.structure.shell.shell import Shell

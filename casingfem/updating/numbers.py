@@ -5,7 +5,8 @@ from dataclasses import dataclass, is_dataclass, replace
 from typing import Any, TypeAlias
 
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.field.fourier import Field, FourierField
+from casingfem.structure.field.field import Field
+from casingfem.structure.field.fourier import FourierField
 
 SHARED = "around"  # in the place of a spring: all springs of an edge
 

@@ -14,7 +14,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, read_only
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import Ring
-from casingfem.structure.field.fourier import Field, relative
+from casingfem.structure.field.field import Field, relative
 from casingfem.structure.mesh.edge_form import EdgeLine, PointSprings, along_springs
 from contact.io.brief import brief
 

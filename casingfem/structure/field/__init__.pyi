@@ -1,4 +1,5 @@
-from .fourier import Field, FourierField, SumField
+from .field import Field, SumField
+from .fourier import FourierField
 from .random import RandomField, Spectrum
 from .spline import Spline
 from .survey.survey import SurveyField

@@ -1,56 +1,22 @@
-"""Fields over the mid-surface: small scalar deviations as functions of (z, theta).
-
-A field is what turns a perfect casing into a real one: relative radius defect,
-relative thickness, an embedding that varies around the edge.  Everything that
-evaluates a field wants the same six numbers, so they come together and exact:
-value, first and second derivatives in z [m] and theta [rad].
-"""
+"""Fields as Fourier series around, polynomials or splines along the axis."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, IntArray
+from casingfem.structure.field.field import Field, FieldValues, SumField
 from casingfem.structure.field.spline import Spline
 
 Coefficient: TypeAlias = float | complex
 MOST = 10_000  # harmonics that a mesh can have, and far more
-
-
-class FieldValues(NamedTuple):
-    """A field and its exact derivatives at points: six arrays of one shape, z in m, theta in rad."""
-
-    value: Array
-    d_z: Array
-    d_theta: Array
-    d_zz: Array
-    d_z_theta: Array
-    d_theta_theta: Array
-
-
-@runtime_checkable
-class Field(Protocol):
-    """What a structure asks of a field; any object with these two methods will do."""
-
-    def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
-        """Evaluate value and derivatives at z [m], theta [rad], broadcast against each other."""
-        ...
-
-    def rotated(self, angle: float) -> Field:
-        """Turn the field by +angle [rad] about the axis: f(z, theta - angle)."""
-        ...
-
-
-def relative(field: Field | None, a: ArrayLike, b: ArrayLike) -> Array:
-    """Return 1 + f at parameters (a, b); ones without a field."""
-    return np.ones(np.broadcast(a, b).shape) if field is None else 1.0 + field.derivatives(a, b).value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -258,57 +224,6 @@ class FourierField:
         if len(order) > 12:
             lines.append(f"  ... and {len(order) - 12} smaller ones")
         return "\n".join(lines)
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SumField:
-    """The sum of fields of any kind, evaluated term by term; nested sums are flattened.
-
-    Examples
-    --------
-    >>> a = FourierField(p=[2], cos=[[0.0, 1.0]], sin=[[0.0, 0.0]], z_half=2.0)
-    >>> b = FourierField(p=[3], cos=[[0.0, 1.0]], sin=[[0.0, 0.0]], z_half=4.0)
-    >>> float((a + b).derivatives(z=1.0, theta=0.0).value)
-    0.75
-    """
-
-    fields: tuple[Field, ...]
-
-    def __post_init__(self) -> None:
-        flat: list[Field] = []
-        for field in self.fields:
-            flat.extend(field.fields if isinstance(field, SumField) else [field])
-        if not flat:
-            raise ModelError("field-coefficients", "SumField needs at least one field")
-        object.__setattr__(self, "fields", tuple(flat))
-
-    def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
-        """Add the terms' values and derivatives."""
-        terms = [field.derivatives(z, theta) for field in self.fields]
-        return FieldValues(*(sum(parts[1:], start=parts[0]) for parts in zip(*terms, strict=True)))
-
-    def rotated(self, angle: float) -> SumField:
-        """Turn every term by +angle [rad]."""
-        return SumField(tuple(field.rotated(angle) for field in self.fields))
-
-    @property
-    def max_harmonic(self) -> int | None:
-        """The highest harmonic of all terms; None when a term does not say."""
-        known = [getattr(field, "max_harmonic", None) for field in self.fields]
-        numbers = [n for n in known if n is not None]
-        return max(numbers) if len(numbers) == len(known) else None
-
-    @property
-    def n_resolved(self) -> int | None:
-        """The highest harmonic that all surveyed terms resolve; None where no term is a survey."""
-        known = [n for field in self.fields if (n := getattr(field, "n_resolved", None)) is not None]
-        return min(known, default=None)
-
-    def __add__(self, other: Field) -> SumField:
-        return SumField((self, other))
-
-    def __repr__(self) -> str:
-        return "SumField of\n" + "\n".join(repr(field) for field in self.fields)
 
 
 class SeriesBehind:

@@ -11,7 +11,8 @@ from scipy.special import ndtri
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray, frozen
-from casingfem.structure.field.fourier import Field, FourierField, SeriesBehind, SumField
+from casingfem.structure.field.field import Field, SumField
+from casingfem.structure.field.fourier import FourierField, SeriesBehind
 
 EXAMPLE = {2: 0.24, 3: 0.168, 4: 0.169, 5: 0.138, 6: 0.147, 7: 0.062, 8: 0.057, 10: 0.031, 12: 0.019}
 EXAMPLE_HIGH = {2: 0.83, 4: 0.44, 8: 0.19}

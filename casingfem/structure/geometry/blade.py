@@ -6,7 +6,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array
-from casingfem.structure.field.fourier import FieldValues
+from casingfem.structure.field.field import FieldValues
 from casingfem.structure.geometry.chart import Bounds, Open, Surface, require_positive
 from casingfem.structure.geometry.jet import Jet, cos, jets, reciprocal, sin, sinc, surface
 from casingfem.structure.geometry.stations import Law, along, lowest, stations

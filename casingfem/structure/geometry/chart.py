@@ -16,7 +16,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array
-from casingfem.structure.field.fourier import FieldValues
+from casingfem.structure.field.field import FieldValues
 
 Bounds = tuple[tuple[float, float], tuple[float, float]]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.structure.field.fourier import FieldValues
+from casingfem.structure.field.field import FieldValues
 from casingfem.structure.geometry.chart import (
     Bounds,
     Chart,

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.structure.field.fourier import Field, SumField
+from casingfem.structure.field.field import Field, SumField
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.chart import Chart
 

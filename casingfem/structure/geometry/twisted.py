@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array
-from casingfem.structure.field.fourier import Field, FieldValues
+from casingfem.structure.field.field import Field, FieldValues
 from casingfem.structure.geometry.chart import Bounds, Open, Surface, require_positive
 
 

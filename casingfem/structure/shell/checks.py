@@ -9,7 +9,7 @@ from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.stiffener import check_stiffeners
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry, outer_support
-from casingfem.structure.field.fourier import Field
+from casingfem.structure.field.field import Field
 from casingfem.structure.geometry.chart import require_positive
 from casingfem.structure.geometry.chart_checks import check_chart, check_symmetry
 from casingfem.structure.geometry.revolved import chart_lines

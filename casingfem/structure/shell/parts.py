@@ -11,7 +11,7 @@ from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Support
-from casingfem.structure.field.fourier import Field, relative
+from casingfem.structure.field.field import Field, relative
 from casingfem.structure.geometry.chart import Chart, Surface
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.geometry.strip import Strip, spread

@@ -7,7 +7,7 @@ import numpy as np
 from casingfem.io.arrays import Array
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.support import ElasticEdge, outer_support
-from casingfem.structure.field.fourier import Field
+from casingfem.structure.field.field import Field
 from casingfem.structure.field.random import typical
 from casingfem.structure.shell.parts import ShellParts
 

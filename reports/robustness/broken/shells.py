@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import casingfem as cf
-from casingfem.structure.field.fourier import FieldValues
+from casingfem.structure.field.field import FieldValues
 from casingfem.structure.geometry.chart import Bounds, Surface
 
 Make = Callable[[], object]

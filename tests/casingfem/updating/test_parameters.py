@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from casingfem.errors import InputError
 from casingfem.structure.edge.support import Clamped, ElasticEdge
-from casingfem.structure.field.fourier import FieldValues, FourierField
+from casingfem.structure.field.field import FieldValues
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.mesh.shell_mesh import ShellMesh

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray
-from casingfem.structure.field.fourier import Field, FourierField, SeriesBehind
+from casingfem.structure.field.field import Field
+from casingfem.structure.field.fourier import FourierField, SeriesBehind
 from casingfem.structure.field.survey.axis import Axis, centred_points, eccentric
 from casingfem.structure.field.survey.fit import fit_points, resolved_harmonic
 from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points

@@ -8,7 +8,8 @@ import pytest
 from casingfem.errors import ModelError
 from casingfem.linalg.eigen import solve_modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
-from casingfem.structure.field.fourier import FieldValues, FourierField
+from casingfem.structure.field.field import FieldValues
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Plate
 from casingfem.structure.mesh.edge_form import single_place, spring_form
 from casingfem.structure.mesh.kinematics import frame

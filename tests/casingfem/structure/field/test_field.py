@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.structure.field.fourier import Field, FieldValues, FourierField, SumField
+from casingfem.structure.field.field import Field, FieldValues, SumField
+from casingfem.structure.field.fourier import FourierField
 
 Z, THETA = np.linspace(-0.1, 0.3, 7)[:, None], np.linspace(0.0, 6.0, 11)
 

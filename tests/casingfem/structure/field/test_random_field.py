@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.field.fourier import Field, FourierField, SumField
+from casingfem.structure.field.field import Field, SumField
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.random import (
     EXAMPLE,
     EXAMPLE_HIGH,

@@ -6,7 +6,8 @@ from scipy.interpolate import CubicSpline
 
 from casingfem.errors import ModelError
 from casingfem.modal.modes import modes
-from casingfem.structure.field.fourier import FourierField, SumField
+from casingfem.structure.field.field import SumField
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.spline import Spline
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter

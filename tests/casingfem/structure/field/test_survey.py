@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from casingfem.errors import InputError, ModelWarning
 from casingfem.io.strict_csv import parse
 from casingfem.modal.modes import modes
-from casingfem.structure.field.fourier import Field, FieldValues, FourierField
+from casingfem.structure.field.field import Field, FieldValues
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.points import SurveyPoints
 from casingfem.structure.field.survey.robust import robust_weights
 from casingfem.structure.field.survey.stray import passes_words

@@ -7,7 +7,8 @@ import pytest
 
 from casingfem.linalg.eigen import solve_modes
 from casingfem.structure.edge.support import Clamped, ShearDiaphragm
-from casingfem.structure.field.fourier import FieldValues, FourierField
+from casingfem.structure.field.field import FieldValues
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate, Surface
 from casingfem.structure.geometry.revolved import Arc, Revolved, RevolvedPanel
 from casingfem.structure.mesh.shell_mesh import ShellMesh

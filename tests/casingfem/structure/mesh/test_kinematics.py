@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.field.fourier import FieldValues
+from casingfem.structure.field.field import FieldValues
 from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate
 from casingfem.structure.mesh.kinematics import frame, strain_slots
 

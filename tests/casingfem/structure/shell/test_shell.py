@@ -13,7 +13,8 @@ from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import Clamped, ElasticEdge
-from casingfem.structure.field.fourier import FieldValues, FourierField
+from casingfem.structure.field.field import FieldValues
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.geometry.twisted import TwistedPlate
