@@ -1,13 +1,12 @@
 """Pictures of a contact run: force, gap and amplitudes against time."""
 
-from collections.abc import Mapping
 from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from casingfem.io.arrays import Array
-from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
+from casingfem.plot.style import AFTER, BEFORE, GREEN, PURPLE, SKY, new_figure, styled
 
 POINTS = 6000  # drawn per curve: extremes of each bin beyond that
 
@@ -85,30 +84,3 @@ def thinned(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Ar
     places = np.sort(np.stack([whole.argmin(axis=1), whole.argmax(axis=1)]), axis=0)
     index = (places + size * np.arange(bins)).T.ravel()
     return time[index], values[index]
-
-
-@styled
-def figure_levels(histories: Mapping[str, tuple[Array, Array]], n: int, n_max: int = 20) -> Figure:
-    """RMS motion by nodal diameters over time, one panel a run: `n` and its neighbours named, the rest grey.
-
-    A history is the times (windows,) [s] and the levels (windows, nodal diameters) [m].
-    """
-    figure = new_figure(8.0, 2.0 * len(histories))
-    panels: Any = figure.subplots(len(histories), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, (title, (time, levels)) in zip(panels, histories.items(), strict=True):
-        floor = 1e-3 * float(levels.max(initial=0.0)) or 1e-12
-        for k in range(2, min(n_max + 1, levels.shape[1])):
-            own = k == n
-            axes.semilogy(
-                time,
-                np.maximum(levels[:, k], floor),
-                color=AFTER if own else PERFECT,
-                linewidth=2.0 if own else 0.7,
-                zorder=3 if own else 2,
-                label=f"n = {n}" if own else f"n = 2 .. {n_max}" if k == 2 else None,
-            )
-        axes.set_title(title)
-        axes.set_ylabel("rms [m]")
-    panels[0].legend(ncols=2, fontsize=8)
-    panels[-1].set_xlabel("time [s]")
-    return figure

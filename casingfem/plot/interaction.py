@@ -116,22 +116,6 @@ def _highest(found: Interactions, blade: Blade) -> float:
 
 
 @styled
-def figure_growth(
-    speed_hz: FloatArray, poles: FloatArray, tried_hz: FloatArray, seen: FloatArray, free_hz: float
-) -> Figure:
-    """Growth rate [1/s] over speed: by poles as a line, by runs as dots, the free coincidence marked."""
-    figure = new_figure(7.6, 3.6)
-    axes: Any = figure.add_subplot()
-    axes.plot(speed_hz, poles, color=BEFORE, label="poles")
-    axes.plot(tried_hz, seen, "o", color=AFTER, markersize=5, label="time integration")
-    axes.axvline(free_hz, color=PERFECT, linestyle=":", label="$f_c + f_b = n f$")
-    axes.set_xlabel("speed [turns/s]")
-    axes.set_ylabel("growth [1/s]")
-    axes.legend(fontsize=8)
-    return figure
-
-
-@styled
 def figure_speeds(found: Campbell, *, orders: int = 8) -> Figure:
     """A structure's frequencies over speed with engine orders, their crossings as dots."""
     figure = new_figure(7.6, 4.6)

@@ -14,7 +14,7 @@ import numpy as np
 import casingfem as cf
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.harmonic_basis import harmonic_basis
+from reports.rub.harmonic_basis import harmonic_basis
 from reports.tables import Row, command_line, show, write
 
 DT, T_END, SPEED = 2e-6, 0.12, 5.0

@@ -14,9 +14,9 @@ import numpy as np
 import casingfem as cf
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.harmonic_basis import harmonic_basis
 from contact import recovery
 from reports.rub.bases import ADVANCE, ROUGH, SPEED, casing
+from reports.rub.harmonic_basis import harmonic_basis
 from reports.tables import Row, command_line, show_all
 
 RIM = cf.Rim("top", n_max=40, axial=True)

@@ -14,8 +14,8 @@ import numpy as np
 import casingfem as cf
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.harmonic_basis import harmonic_basis
 from reports.rub.bases import ADVANCE, DT, RIM, ROUGH, SPEED, T_END, blade, casing, steel_strip
+from reports.rub.harmonic_basis import harmonic_basis
 from reports.tables import Row, command_line, show, write
 
 LEAN, MU = 10.0, 0.3

@@ -5,19 +5,22 @@ three controls. Level of n = 10 over the next nodal diameter, with half the step
 by how far the blade is advanced, which the study does not state. Bases, scenes and pictures go to DIR/section_44.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import casingfem as cf
 import contact as ct
-from casingfem.modal.harmonic_basis import harmonic_basis
-from casingfem.plot.contact import figure_levels
-from casingfem.plot.style import png
+from casingfem.io.arrays import Array
+from casingfem.plot.style import AFTER, PERFECT, new_figure, png, styled
 from contact.growth.closed_contact import growth
 from contact.io.outfiles import write_atomic
 from reports.rub.bases import casing, steel_strip
+from reports.rub.harmonic_basis import harmonic_basis
 from reports.rub.rim_levels import excess_db, level_history, rim_levels
 from reports.tables import DATA, Row, command_line, show, write
 
@@ -49,6 +52,33 @@ ASSUMED = """Assumed, because the study does not state it:
   speed, and n = 10 needs a larger share of it at .5 Hz than at 5 Hz (column "even"), so that what makes the first rub
   grow makes the third grow too;
 - the defect is a clearance (2 lobes of .2 mm, 3 of .05 mm): the casing's modes are those of a perfect frustum."""
+
+
+@styled
+def figure_levels(histories: Mapping[str, tuple[Array, Array]], n: int, n_max: int = 20) -> Figure:
+    """RMS motion by nodal diameters over time, one panel a run: `n` and its neighbours named, the rest grey.
+
+    A history is the times (windows,) [s] and the levels (windows, nodal diameters) [m].
+    """
+    figure = new_figure(8.0, 2.0 * len(histories))
+    panels: Any = figure.subplots(len(histories), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (title, (time, levels)) in zip(panels, histories.items(), strict=True):
+        floor = 1e-3 * float(levels.max(initial=0.0)) or 1e-12
+        for k in range(2, min(n_max + 1, levels.shape[1])):
+            own = k == n
+            axes.semilogy(
+                time,
+                np.maximum(levels[:, k], floor),
+                color=AFTER if own else PERFECT,
+                linewidth=2.0 if own else 0.7,
+                zorder=3 if own else 2,
+                label=f"n = {n}" if own else f"n = 2 .. {n_max}" if k == 2 else None,
+            )
+        axes.set_title(title)
+        axes.set_ylabel("rms [m]")
+    panels[0].legend(ncols=2, fontsize=8)
+    panels[-1].set_xlabel("time [s]")
+    return figure
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:

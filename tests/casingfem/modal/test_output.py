@@ -7,9 +7,9 @@ import pytest
 
 import casingfem as cf
 from casingfem.modal.campbell import campbell
-from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.structure.shell.loads import EdgeLoad
 from casingfem.structure.shell.static import solve_static
+from reports.rub.harmonic_basis import harmonic_basis
 
 LENGTH, WIDTH, THICKNESS = 0.11, 0.04, 5e-3
 

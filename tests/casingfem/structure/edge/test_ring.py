@@ -9,7 +9,6 @@ from scipy.linalg import eigh
 from casingfem.errors import ModelError
 from casingfem.linalg.diagonal_mass import diagonalised
 from casingfem.modal.fourier import harmonic_floor, lowest
-from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.modal.interface.kinds import Rim
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
@@ -31,6 +30,7 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import eigen_derivatives
+from reports.rub.harmonic_basis import harmonic_basis
 
 BAR = Section.rectangle(width=0.04, depth=0.03)
 COARSE = ShellMesh(order=6, rows=1, around=9)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.harmonic_basis import harmonic_basis
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from reports.rub.harmonic_basis import harmonic_basis
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 RIM = cf.Rim("top", n_max=8)
