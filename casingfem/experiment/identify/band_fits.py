@@ -19,6 +19,7 @@ from casingfem.experiment.identify.own_shifts import Modes
 from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
 from casingfem.experiment.identify.pole_selection import select_poles
 from casingfem.experiment.identify.pole_window import Window, floor_of
+from casingfem.experiment.identify.pole_worth import alike_lines, noise_at
 from casingfem.experiment.identify.shifted import Shifted, shifted
 from casingfem.experiment.identify.stabilisation import Stabilisation, stabilise
 from casingfem.io.arrays import Array, FloatArray
@@ -109,10 +110,19 @@ def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Win
         nearest = np.array([np.abs(freq - f).argmin() for f in fit.freq], int)
         known = np.r_[sigma[nearest], found.sigma_zeta[nearest]]
         white = np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 1e-300)) / fit.raised
-        raised = np.maximum(known / white, 1.0)
+        raised = np.maximum(known / white, 1.0) * np.tile(_by_misfit(fit), 2)
         fit = replace(fit, matching=found.sigma_matching[nearest], seen=found.seen()[nearest])
         aligned.append(replace(fit, covariance=fit.covariance * np.outer(raised, raised)))
     return aligned
+
+
+def _by_misfit(fit: PoleFit) -> FloatArray:
+    """By how much what a fit leaves about each pole raises its standard deviations, (poles,).
+
+    Where the model lacks something more than the noise is left, and that is alike on many lines.
+    """
+    raised = [noise_at(fit, k) / fit.noise * alike_lines(fit, k) for k in range(len(fit.freq))]
+    return np.asarray(np.sqrt(raised), np.float64)
 
 
 def _together(modes: list[_Mode]) -> Modes:

@@ -38,14 +38,20 @@ class Cluster(NamedTuple):
         return float(squares / max(noise, self.noise) + np.log(self.window.Y.size) * numbers)
 
 
-def clusters(whole: Window, modes: Modes, setups: Setups, most_lines: int = MOST_LINES) -> Iterator[Cluster]:
+def clusters(
+    whole: Window,
+    modes: Modes,
+    setups: Setups,
+    most_lines: int = MOST_LINES,
+    beyond: tuple[float, float] = REACH,
+) -> Iterator[Cluster]:
     """Modes so near each other that one's shifted peaks may be several of them, without all others.
 
     Of many lines every so many are taken, as long as the narrowest peak keeps enough.
     """
     modes = modes.some(np.argsort(modes.freq.min(axis=1)))
     low, high = modes.freq.min(axis=1), np.maximum.accumulate(modes.freq.max(axis=1))
-    reach = (REACH[0] + REACH[1] * modes.zeta) * low
+    reach = (beyond[0] + beyond[1] * modes.zeta) * low
     cuts = np.flatnonzero(low[1:] - high[:-1] > reach[1:] + reach[:-1]) + 1
     rest = whole.as_complex - modes.response(whole, setups)
     step = float(whole.freq[1] - whole.freq[0])

@@ -91,6 +91,12 @@ def linked(
     return _fit(_Problem.of(window, setups), freq, zeta, noise, span, common=True)
 
 
+def squares_at(window: Window, setups: Setups, freq: FloatArray, zeta: FloatArray) -> float:
+    """Sum of squares that modes (modes, setups), (modes,) leave where they are."""
+    q = np.repeat(np.log(zeta)[:, None], freq.shape[1], axis=1)
+    return float(_At.of(_Problem.of(window, setups), np.log(freq), q).squares.sum())
+
+
 class _Problem(NamedTuple):
     """Data (setups, lines, most channels of one) across the polynomials' basis (lines, terms); 0 where none is.
 

@@ -33,6 +33,28 @@ def places(
     return [grid[np.array([of[m] for of in chosen]).T] for m in range(most)]
 
 
+def best_beside(
+    window: Window, setups: Setups, freq: FloatArray, zeta: FloatArray, damping: float, span: tuple[float, float]
+) -> tuple[float, float]:
+    """The frequency [Hz] in a span of one more mode of a damping ratio beside modes (modes, setups), (modes,).
+
+    And by how much the sum of squares then falls.
+    """
+    step = GRID[0] * 2.0 * damping * span[0]
+    grid = np.linspace(*span, int(np.clip((span[1] - span[0]) / step, 10, GRID[1])))
+    g, data = window.values(grid, np.full(len(grid), damping)), window.as_complex
+    polynomials = _complex(window.residuals()[:, :: window.columns])
+    size, gain = np.sum(np.abs(g) ** 2, axis=0), np.zeros(len(grid))
+    for own, channels in zip(freq.T, setups, strict=True):
+        Q = np.linalg.qr(np.concatenate([window.values(own, zeta), polynomials], axis=1))[0]
+        across = g - Q @ (Q.conj().T @ g)
+        rest = data[:, channels] - Q @ (Q.conj().T @ data[:, channels])
+        left = np.maximum(np.sum(np.abs(across) ** 2, axis=0), APART * size)
+        gain += np.sum(np.abs(across.conj().T @ rest) ** 2, axis=1) / left
+    k = int(gain.argmax())
+    return float(grid[k]), float(gain[k])
+
+
 def _chosen(gram: Array, b: Array, most: int) -> list[list[int]]:
     """Columns that take most from the deviation: the best one, the best two, ... each ascending."""
     found, kept = list[list[int]](), list[int]()

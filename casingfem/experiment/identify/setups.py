@@ -89,7 +89,8 @@ def matched(own: OwnPeaks, setups: Setups, shift: float) -> OwnPeaks:
 def matching_sigma(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:
     """Standard deviations of each mode's mean ln f and ln zeta, as two modes may be exchanged in a set-up, (2, modes).
 
-    The odds of an exchange are exp(-rise of the mismatch/2); it moves both means by their distance over the set-ups.
+    The odds of an exchange are exp(-rise of the mismatch/2). It moves the mean frequency by the distance over the
+    number of set-ups, damping by what the exchanged one weighs among those of the set-ups.
     """
     m, count = own.freq.shape
     if m == 1 or count == 1:
@@ -103,7 +104,11 @@ def matching_sigma(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:
     apart = (
         (logs[:, :, None] - logs[:, None]) ** 2 - noise[:, :, None] - noise[:, None]
     )  # beyond what noise makes of it
-    moved = np.maximum(apart, 0.0).transpose(0, 3, 1, 2) / count**2
+    apart[1] = np.median(apart[1], axis=2, keepdims=True)  # a weak peak's own damping may be anything
+    moved = np.maximum(apart, 0.0).transpose(0, 3, 1, 2)
+    known = 1.0 / (own.zeta_variance.T + DAMPING**2)
+    weight = known[:, None, :] / (known.sum(axis=0) - known)[:, :, None]
+    moved *= np.stack([np.full(weight.shape, 1.0 / count), weight / (1.0 + weight)]) ** 2
     return np.asarray(np.sqrt(np.max(odds * moved, axis=3).sum(axis=1)))
 
 

@@ -23,6 +23,7 @@ from casingfem.experiment.identify.cluster_modes import (
     read,
     read_all,
 )
+from casingfem.experiment.identify.cluster_moves import improved
 from casingfem.experiment.identify.clusters import Cluster, clusters
 from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks, Setups, linked
 from casingfem.experiment.identify.pole_window import Window
@@ -30,8 +31,10 @@ from casingfem.experiment.identify.setups import find_setups, matching_sigma
 from casingfem.io.arrays import FloatArray, IntArray
 
 MOST_LINES = 1000  # that a cluster is fitted to last
+TOGETHER = 2e-3, 3.0  # `clusters.REACH` of those fitted last: beyond, neighbours hardly move each other
 PASSES, POLISHES = 3, 3  # of finding modes, and of fitting them beside what their neighbours then are
 FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say whether peaks are shifted at all
+IMPROVED = 2  # of the last fits, that look for better places
 CLUSTERS = 12  # that tell which channels are one set-up, at most
 ALIVE = 2.0  # rms of a channel over its noise
 VOTE = 30.0  # of the log-odds for leakage, or for more set-ups, or against, that one cluster may give
@@ -131,8 +134,10 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
         counts, before = [len(each.own.freq) for each in own], counts
         if counts == before:
             break
-    for _ in range(POLISHES):
-        last = [_polished(c, setups, damped) for c in clusters(replace(whole, leak=leak), modes, setups, MOST_LINES)]
+    for again in range(POLISHES):
+        fitted = improved if again < IMPROVED else _polished
+        near = clusters(replace(whole, leak=leak), modes, setups, MOST_LINES, TOGETHER)
+        last = [fitted(c, setups, damped) for c in near]
         modes = joined(last)
     free = [fit_apart(each.cluster, setups, each.own.freq, each.own.zeta[:, 0]) for each in last]
     matching = np.concatenate([matching_sigma(own, setups, shift) for own in free], axis=1)

@@ -1,0 +1,77 @@
+"""Clusters of modes that were fitted from a poor place, and find the good one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casingfem.experiment.identify.band_fits import _by_misfit
+from casingfem.experiment.identify.cluster_modes import ClusterModes, fit_again
+from casingfem.experiment.identify.cluster_moves import improved
+from casingfem.experiment.identify.clusters import Cluster
+from casingfem.experiment.identify.own_shifts import Modes
+from casingfem.experiment.identify.pole_fit import fit_poles
+from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.shifted import _as_good
+
+SETUPS = [np.arange(4), np.arange(4, 8), np.arange(8, 12)]
+FREQ = np.array([[400.0, 400.4, 399.7], [403.0, 402.6, 403.3], [406.0, 406.3, 405.8]])
+ZETA = np.array([3.0e-3, 2.5e-3, 3.5e-3])
+SPAN = 395.0, 411.0
+
+
+@pytest.fixture(scope="module")
+def window():
+    """Three modes in twelve channels, three set-ups, noise of one."""
+    rng = np.random.default_rng(61)
+    lines = np.arange(380.0, 426.0, 0.125)
+    shape = (len(lines), 12)
+    empty = Window(freq=lines, Y=np.zeros((2 * len(lines), 12)), power=0, residues="complex", weight=np.ones(12),
+                   floor=0.0, along=np.ones(len(lines)))  # fmt: skip
+    residues = 0.3 * (rng.standard_normal((3, 12)) + 0.2j * rng.standard_normal((3, 12)))
+    H = Modes(FREQ, ZETA, residues).response(empty, SETUPS)
+    H = H + rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
+    return replace(empty, Y=np.concatenate([H.real, H.imag]))
+
+
+def cluster(window, freq, zeta):
+    return Cluster(Modes(freq, zeta, np.ones((len(zeta), 12), complex)), window, SPAN, 1.0)
+
+
+STARTS = {
+    "one set-up far off": (np.column_stack([FREQ[:, :2], [395.2, 395.6, 405.8]]), ZETA),
+    "one mode missed": (FREQ[:2], ZETA[:2]),
+    "one mode twice": (np.concatenate([FREQ, FREQ[:1] + 1.0]), np.append(ZETA, 3e-3)),
+}
+
+
+@pytest.mark.parametrize("start", STARTS.values(), ids=STARTS)
+def test_a_cluster_fitted_from_a_poor_place_finds_the_good_one(window, start):
+    c = cluster(window, *start)
+    stays = fit_again(c, SETUPS, *start)
+    assert stays.freq.shape != FREQ.shape or np.abs(stays.freq - FREQ).max() > 0.5  # steps alone stay there
+    own = improved(c, SETUPS, 0.05).own
+    order = np.argsort(own.freq[:, 0])
+    np.testing.assert_allclose(own.freq[order], FREQ, atol=0.02)
+    np.testing.assert_allclose(own.zeta[order, 0], ZETA, rtol=0.03)
+
+
+def test_one_cluster_that_is_not_understood_does_not_outvote_the_others(window):
+    c = cluster(window, FREQ, ZETA)
+    single = [np.array([k]) for k in range(12)]
+    many = FREQ[:, np.repeat(np.arange(3), 4)]
+    few_read, many_read = fit_again(c, SETUPS, FREQ, ZETA), fit_again(c, single, many, ZETA)
+    spans = [(SPAN[0] + k, SPAN[1]) for k in range(3)]
+    fewer, more = ([ClusterModes(c._replace(span=span), own) for span in spans] for own in (few_read, many_read))
+    fewer[1] = fewer[1]._replace(own=few_read._replace(squares=10.0 * few_read.squares))
+    assert _as_good(fewer, SETUPS, more, single)
+    fewer[2] = fewer[2]._replace(own=fewer[1].own)
+    assert not _as_good(fewer, SETUPS, more, single)
+
+
+def test_what_a_fit_lacks_raises_its_uncertainty_and_noise_does_not(window):
+    straight = window.cut(slice(None))
+    first = replace(straight, Y=straight.Y[:, :4], weight=np.ones(4))  # one set-up: common poles fit it
+    whole, lacking = (fit_poles(first, FREQ[:n, 0], ZETA[:n]) for n in (3, 2))
+    assert _by_misfit(whole).max() < 1.3
+    assert _by_misfit(lacking)[1] > 2.0
