@@ -11,8 +11,8 @@ from casingfem.errors import InputError, ModelWarning
 from casingfem.experiment.uff.nodes import Nodes, Units
 from casingfem.experiment.uff.read import parse_uff, read_headers, read_uff
 from casingfem.experiment.uff.set_55 import Shape
-from casingfem.experiment.uff.set_58 import Axes, Axis
-from casingfem.experiment.uff.write import write_uff
+from casingfem.experiment.uff.set_58 import Axes, Axis, Channel
+from casingfem.experiment.uff.write import _most_digits, write_uff
 from reports.robustness import uff_mutations
 from reports.robustness.uff_mutations import content
 from reports.robustness.uff_samples import function, nodes, samples, shape
@@ -323,3 +323,25 @@ def test_a_shape_has_a_frequency_where_its_analysis_says_one(analysis, reals, fr
         nodes=np.array([1]), values=np.zeros((1, 3)),
     )  # fmt: skip
     assert shape.freq_hz == pytest.approx(freq, rel=1e-14, nan_ok=True)
+
+
+def test_names_and_nodes_as_wide_as_their_columns_stand_side_by_side(tmp_path):
+    one = replace(
+        function(even=True, is_complex=True, double=True),
+        response=Channel("ABCDEFGHIJ", 1234567890, -3), reference=Channel("0123456789", 2147483647, 6),
+    )  # fmt: skip
+    (found,) = parse_uff(written(tmp_path, functions=[one]), "file.uff").functions
+    assert (found.response, found.reference) == (one.response, one.reference)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.25, "  2.50000E-01"),
+        (0.123456789, " 1.234568E-01"),
+        (-0.123456789, " -1.23457E-01"),
+        (2e100, " 2.00000E+100"),
+    ],
+)
+def test_a_step_has_as_many_digits_as_leave_a_blank_before_it(value, text):
+    assert _most_digits(value) == text
