@@ -1,10 +1,11 @@
 """Modal speed: error against time over meshes and orders, and where the time goes.
 
 `python -m reports.speed.modal [--quick] [--out DIR]` takes the first 40 modes of the reference frustum: by the
-two-dimensional shell on several meshes, perfect and with cos 8 theta of 0.2 % in the radius, and 13 harmonics by three
-modes. Errors are against 3-D elasticity (perfect) or the finest mesh (imperfect). The parts of a solution are timed in
-the same run, and so is ARPACK on the same factor, one vector at a time. Seconds are the processor's. Writes
-modal_speed.csv and modal_parts.csv.
+two-dimensional shell on several meshes, perfect and with cos 8 theta of 0.2 % in the radius, with strong waves 8, 20
+and 4 in the radius on the coarsest meshes right to 1e-3 and the default one, and 13 harmonics by three modes. Errors
+are against 3-D elasticity (perfect) or the finest mesh (imperfect). The parts of a solution are timed in the same run,
+and so is ARPACK on the same factor, one vector at a time. Seconds are the processor's. Writes modal_speed.csv and
+modal_parts.csv.
 """
 
 from collections.abc import Callable
@@ -31,6 +32,7 @@ from casingfem.structure.shell.shell import Shell
 from reports.modes.frustum import COUNT, GRADED, REFERENCE, exact_frequencies, reference_frustum
 from reports.speed.core_limits import best
 from reports.tables import Row, command_line, show, write
+from reports.verification.wall import STRONG
 
 MESHES = {
     "6, one row, 21": ShellMesh(order=6, rows=1, around=21),
@@ -41,18 +43,30 @@ MESHES = {
     "7, graded, 21": ShellMesh(order=7, rows=GRADED, around=21),
 }
 FINE = ShellMesh(order=8, rows=GRADED, around=27)
+STRONG_MESHES = {
+    "8, one row, 25": ShellMesh(order=8, rows=1, around=25),
+    "9, one row, 19": ShellMesh(order=9, rows=1, around=19),
+    "7, graded, 41": ShellMesh(order=7, rows=GRADED, around=41),  # the default
+}
+STRONG_FINE = ShellMesh(order=8, rows=GRADED, around=49)  # 4e-5 from three rows of 45
 HARMONICS, EACH = range(4, 17), 3
 
 
 def mesh_rows(quick: bool) -> list[Row]:
     """Error and time of each mesh, perfect and imperfect."""
-    imperfect = replace(reference_frustum(), radius_defect=FourierField.of({8: 0.002}))
-    cases: list[tuple[str, Shell, FloatArray]] = [("perfect", reference_frustum(), exact_frequencies())]
+    frustum = reference_frustum()
+    cases: list[tuple[str, Shell, FloatArray, dict[str, ShellMesh]]] = [
+        ("perfect", frustum, exact_frequencies(), MESHES)
+    ]
     if not quick:
-        cases.append(("cos 8 theta", imperfect, modes(replace(imperfect, mesh=FINE), COUNT).freq))
+        for name, field, fine, meshes in (
+            ("cos 8 theta", FourierField.of({8: 0.002}), FINE, MESHES), ("strong", STRONG, STRONG_FINE, STRONG_MESHES)
+        ):  # fmt: skip
+            imperfect = replace(frustum, radius_defect=field, mesh=fine)
+            cases.append((name, imperfect, modes(imperfect, COUNT).freq, meshes))
     rows: list[Row] = []
-    for name, shell, exact in cases:
-        for mesh_name, mesh in list(MESHES.items())[: 2 if quick else None]:
+    for name, shell, exact, meshes in cases:
+        for mesh_name, mesh in list(meshes.items())[: 2 if quick else None]:
             meshed = replace(shell, mesh=mesh)
             found = modes(meshed, COUNT, method="shell")
             seconds = best(lambda meshed=meshed: modes(meshed, COUNT, method="shell"), 1 if quick else 3, process_time)
