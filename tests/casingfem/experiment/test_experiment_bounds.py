@@ -17,6 +17,7 @@ from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, Ste
 from casingfem.experiment.rig.noise import Converter, noise
 from casingfem.experiment.rig.record import record
 from casingfem.experiment.rig.rig import Rig
+from casingfem.experiment.rig.scan import Turning
 from casingfem.experiment.rig.unkind import Unkind
 
 NAN, INF = float("nan"), float("inf")
@@ -140,6 +141,10 @@ BOUNDS = {
     "estimator": (lambda k: estimated(estimator=("H1", "H3")[k]), "estimator: found 'H3', expected H1 or H2"),
     "window.name": (lambda k: estimated(window=("hann", "han")[k]), "window: found 'han', expected "),
     "estimate.lines": (lambda k: estimated(band=((90.0, 94.0), (90.1, 90.2))[k]), "4 averages, 0 lines, expected 1"),
+    "scan.wander": (lambda k: Turning(mirror=2.0, wander=(0.1, 0.101)[k]), r"wander 0\.101, speckle 0\.0: expected"),
+    "scan.back": (lambda k: Turning(mirror=2.0, wander=(0.0, -1e-9)[k]), "wander -1e-09, speckle 0.0: expected"),
+    "scan.speckle": (lambda k: Turning(mirror=2.0, speckle=(0.0, -1e-9)[k]), "wander 0.0, speckle -1e-09: expected"),
+    "scan.casing": (lambda k: Turning(mirror=2.0, wander=0.01, casing=float(k)), "0 where the casing turns"),
     "unkind.coherent": (lambda k: Unkind(coherent=(1.0, 1.01)[k]), "coherent: found 1.01, expected 0 to 1"),
     "unkind.shift": (lambda k: Unkind(shift=(0.05, 0.051)[k]), "shift: found 0.051, expected 0 to 0.05"),
     "unkind.double": (lambda k: Unkind(double_hit=(0.99, 1.0)[k]), "double_hit: found 1.0, expected 0 to 0.99"),

@@ -254,7 +254,11 @@ def test_which_sliding_contacts_press_is_found_where_exchanging_all_that_is_wron
 
 
 def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
-    """Six tips that move together, from forces of another direction: Newton's method takes three steps, not nine."""
+    """Six tips that move together, from forces of another direction: Newton's method takes two steps, not nine.
+
+    The start is then within 4e-4 of the forces (2e-4 seen; 6e-4 where what friction itself takes is left out of one
+    direction).
+    """
     rng = np.random.default_rng(3)
     rigid = np.tile(np.eye(3), (6, 1))
     for _ in range(20):
@@ -266,7 +270,8 @@ def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
         force = start.copy()
         all_sliding_start(W, b.ravel(), np.full(6, 0.2), 3, 6, force, solver_room(6, 3))
         led, alone = (coulomb(W, b, 0.2, one.reshape(6, 3)) for one in (force, start))
-        assert led.iterations <= 3 < alone.iterations
+        assert led.iterations <= 2 < 3 < alone.iterations
+        assert np.abs(force - led.force.ravel()).max() <= 4e-4 * led.force.max()
         assert np.abs(led.force - alone.force).max() <= 1e-9 * alone.force.max()
 
 
