@@ -107,14 +107,18 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
     if max(first.evidence, default=0.0) <= 0.0:
         return _unshifted(common, modes, step, sum(first.evidence))
     alone = _alone([common[k] for k in _spread(len(common), CLUSTERS)], np.arange(len(alive)), damped, step)
-    if sum(alone.evidence) <= 0.0:
-        return _unshifted(common, modes, step, sum(alone.evidence))
+    if not alone.peaks:
+        return _unshifted(common, modes, step, 0.0)
     setups, shift, leak = find_setups(alone.peaks, alive), scatter(alone.peaks), alone.leak
-    single = [np.array([c]) for c in range(len(alive))]
-    if len(setups) < len(single):
-        grouped = read_all(alone.clusters, setups, damped, shift)
-        each = [ClusterModes(c, own) for c, own in zip(alone.clusters, alone.peaks, strict=True)]
-        setups = setups if _as_good(grouped, setups, each, single) else single
+    single, evidence = [np.array([c]) for c in range(len(alive))], sum(alone.evidence)
+    grouped = read_all(alone.clusters, setups, damped, shift) if len(setups) < len(single) else []
+    if len(setups) > 1:  # with few set-ups own frequencies cost less
+        evidence = max(evidence, sum(_evidence(c, own, len(setups)) for c, own in grouped))
+    each = [ClusterModes(c, own) for c, own in zip(alone.clusters, alone.peaks, strict=True)]
+    if not grouped or not _as_good(grouped, setups, each, single):
+        setups, evidence = single, sum(alone.evidence)
+    if evidence <= 0.0:
+        return _unshifted(common, modes, step, evidence)
     refused, counts = len(setups) == len(single), list[int]()
     for again in range(PASSES):
         if again:
@@ -149,7 +153,7 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
         setups=setups,
         leak=leak,
         shift=shift,
-        evidence=sum(alone.evidence),
+        evidence=evidence,
     )
 
 
