@@ -28,3 +28,12 @@ def test_tests_unlike_a_bench_have_few_spurious_modes_among_the_sure(tmp_path, c
         assert row["spurious"] == row["twice"] == 0
     assert (tmp_path / "unkind_modes.csv").exists()
     assert "In one line" in capsys.readouterr().out
+
+
+@pytest.mark.campaign
+def test_shifts_that_one_crowded_cluster_hides_are_found_and_no_mode_is_counted_twice(tmp_path, monkeypatch):
+    monkeypatch.setattr(unkind, "SEEDS", [710])
+    monkeypatch.setattr(unkind, "duration", lambda channels: {"channels": channels})
+    (row,) = unkind.main(tmp_path)
+    assert row["twice"] == row["spurious"] == 0
+    assert row["modes sure"] >= 27
