@@ -100,11 +100,12 @@ def figure_fit(found: Identified, coherence: FrfSet | None = None) -> Figure:
     if unique:
         rows[0].legend(unique.values(), unique.keys(), loc="lower right")
     rows[0].set_ylabel("mode indicator")
-    rows[0].set_title(f"{int(found.sure.sum())} sure modes, {int(np.sum(~found.sure))} doubtful")
+    rows[0].set_title(f"Modes: {int(found.sure.sum())} sure, {int(np.sum(~found.sure))} doubtful")
     parts = (("measured", found.measured, MEASURED), ("fitted", found.fitted, AFTER))
     for label, values, colour in (*parts, ("residual", found.measured - found.fitted, BEFORE)):
         rows[1].semilogy(found.lines, np.sqrt(np.mean(np.abs(values) ** 2, axis=0)), color=colour, lw=0.9, label=label)
-    rows[1].set_ylabel(f"rms of {len(found.measured)} channels")
+    channels = len(found.measured)
+    rows[1].set_ylabel(f"rms of {channels} channel{'s' * (channels > 1)}")
     rows[1].legend(loc="lower right")
     if coherence is not None:
         kept = (coherence.x >= found.lines[0]) & (coherence.x <= found.lines[-1])

@@ -79,8 +79,9 @@ def _reasons(fit: PoleFit, pole: int, worth: float, phase: float) -> Iterator[tu
         yield f"damping of {100.0 * zeta:.2g} %", zeta > DAMPED[1]
     if worth < GAIN[0]:
         yield "hardly above what the fit leaves, whose lines are alike", False
-    if ratio < PEAK[0] * max(1.0, CONFIRM / len(size)):
-        few = f", in {len(size)} channel{'s' * (len(size) > 1)}" if ratio >= PEAK[0] else ""
+    asked = PEAK[0] * max(1.0, CONFIRM / len(size))
+    if ratio < asked:
+        few = f", in {len(size)} channel{'s' * (len(size) > 1)}: {asked:.2g} are asked for" if ratio >= PEAK[0] else ""
         yield f"peak {ratio:.2g} times what the fit leaves there{few}", ratio < PEAK[1]
     if phase < IN_PHASE[0]:
         yield f"only {100.0 * phase:.0f} % of its shape in phase", False
