@@ -37,18 +37,25 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class NonsmoothAlpha:
-    """Nonsmooth generalised-alpha with spectral radius rho_inf in [0, 1] and restitution e (law: Unilateral).
-
-    >>> NonsmoothAlpha(rho_inf=0.8).restitution
-    0.0
-    """
+class ImpactAlpha:
+    """What generalised-alpha schemes with impacts take: the spectral radius rho_inf in [0, 1], and restitution e."""
 
     rho_inf: float = 0.8
     restitution: float = 0.0
 
     def __post_init__(self) -> None:
-        require_weights(self.rho_inf, self.restitution)
+        require_restitution(self.restitution)
+        if not 0.0 <= self.rho_inf <= 1.0:
+            raise InputError(f"rho_inf: found {self.rho_inf!r}, expected between 0 and 1")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NonsmoothAlpha(ImpactAlpha):
+    """Nonsmooth generalised-alpha with spectral radius rho_inf in [0, 1] and restitution e (law: Unilateral).
+
+    >>> NonsmoothAlpha(rho_inf=0.8).restitution
+    0.0
+    """
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError."""
@@ -58,13 +65,6 @@ class NonsmoothAlpha:
         parts, jump = _parts(run.system, w, run.h)
         words = f"nonsmooth generalised-alpha, rho_inf = {self.rho_inf:g}, e = {self.restitution:g}"
         return linear_stepper(run, parts, advance_nonsmooth, (run.law, w, jump, self.restitution), words)
-
-
-def require_weights(rho_inf: float, restitution: float) -> None:
-    """Raise InputError unless both lie between 0 and 1."""
-    require_restitution(restitution)
-    if not 0.0 <= rho_inf <= 1.0:
-        raise InputError(f"rho_inf: found {rho_inf!r}, expected between 0 and 1")
 
 
 def chung_hulbert(rho_inf: float) -> Weights:

@@ -22,7 +22,7 @@ from contact.model.bodies.band import solve
 from contact.model.bodies.linear_system import LinearSystem
 from contact.model.law import Law
 from contact.scheme.linear.linear_stepper import LinearStepper, linear_stepper, product, setup
-from contact.scheme.linear.nonsmooth_alpha import chung_hulbert, require_weights, smooth_parts
+from contact.scheme.linear.nonsmooth_alpha import ImpactAlpha, chung_hulbert, smooth_parts
 from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
@@ -32,18 +32,12 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ProjectedAlpha:
+class ProjectedAlpha(ImpactAlpha):
     """Projected nonsmooth generalised-alpha with spectral radius rho_inf in [0, 1] and restitution e (law: Unilateral).
 
     >>> ProjectedAlpha(rho_inf=0.9).restitution
     0.0
     """
-
-    rho_inf: float = 0.8
-    restitution: float = 0.0
-
-    def __post_init__(self) -> None:
-        require_weights(self.rho_inf, self.restitution)
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError."""
