@@ -18,9 +18,9 @@ from casingfem.experiment.identify.identified import Identified
 from casingfem.modal.mistuning import Mistuning, Pair
 from casingfem.plot.results import PICTURES
 from casingfem.structure.imported.grid import grid_mesh
-from casingfem.updating.posterior import Laplace
-from casingfem.updating.prediction import LeftOut, Prediction
-from casingfem.updating.sampling import PosteriorSamples
+from casingfem.updating.uncertainty.posterior import Laplace
+from casingfem.updating.uncertainty.prediction import LeftOut, Prediction
+from casingfem.updating.uncertainty.sampling import PosteriorSamples
 from contact.confirmed import Confirmed, ConfirmingRun
 from contact.growth.cycles.basins import Attractor, Basins
 from contact.growth.cycles.result import Branch, Cycles, Special

@@ -188,11 +188,11 @@ PICTURES: dict[str, Draw] = {
     "casingfem.locate.located.Localisation": by_name("locate", "figure_located"),
     "casingfem.updating.result.UpdateResult": update,
     "casingfem.updating.shape_fit.ShapeFit": by_name("pages.fit_shapes", "figure_shape_mac"),
-    "casingfem.updating.posterior.Laplace": partial(
+    "casingfem.updating.uncertainty.posterior.Laplace": partial(
         columns, x="name", y="sigma", labels=("", "standard deviation, whole Hessian")
     ),
-    "casingfem.updating.sampling.PosteriorSamples": samples,
-    "casingfem.updating.prediction.LeftOut": over_modes("deviation", "predicted - measured [sigma]"),
+    "casingfem.updating.uncertainty.sampling.PosteriorSamples": samples,
+    "casingfem.updating.uncertainty.prediction.LeftOut": over_modes("deviation", "predicted - measured [sigma]"),
     "casingfem.updating.identifiability.Identifiability": partial(
         columns, x="direction", y="singular", level=1.0, labels=("", "singular value: seen above 1")
     ),

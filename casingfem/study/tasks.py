@@ -12,12 +12,12 @@ from casingfem.structure.shell.system import System
 from casingfem.study.imported import MeshStudy
 from casingfem.study.load import Study
 from casingfem.study.problems import StudyError
-from casingfem.updating.posterior import Laplace, laplace
-from casingfem.updating.prediction import LeftOut, leave_one_out
 from casingfem.updating.problem import Progress
 from casingfem.updating.regularisation import Regularisation
 from casingfem.updating.result import UpdateResult
-from casingfem.updating.sampling import PosteriorSamples, sample_posterior
+from casingfem.updating.uncertainty.posterior import Laplace, laplace
+from casingfem.updating.uncertainty.prediction import LeftOut, leave_one_out
+from casingfem.updating.uncertainty.sampling import PosteriorSamples, sample_posterior
 from casingfem.updating.updating import update
 
 

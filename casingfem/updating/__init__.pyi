@@ -1,10 +1,10 @@
 from .parameters import Parameter, parameters
-from .posterior import Laplace, laplace
-from .prediction import LeftOut, leave_one_out
 from .regularisation import Regularisation
 from .result import UpdateResult
-from .sampling import PosteriorSamples, sample_posterior
 from .shapes import SensorShapes
+from .uncertainty.posterior import Laplace, laplace
+from .uncertainty.prediction import LeftOut, leave_one_out
+from .uncertainty.sampling import PosteriorSamples, sample_posterior
 from .updating import update
 
 __all__ = [

@@ -29,6 +29,9 @@ MOVED = {  # modules that files of before name, and where their classes stand no
     "casingfem.modal.imported.modes": "casingfem.modal.mesh_modes",
     "casingfem.structure.imported.attachments.values": "casingfem.structure.imported.mesh.attachments",
     "casingfem.structure.imported.mesh_data": "casingfem.structure.imported.mesh.mesh_data",
+    "casingfem.updating.posterior": "casingfem.updating.uncertainty.posterior",
+    "casingfem.updating.prediction": "casingfem.updating.uncertainty.prediction",
+    "casingfem.updating.sampling": "casingfem.updating.uncertainty.sampling",
 }
 WORDS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # numbers that JSON has no word for
 MANY: dict[str, Callable[..., Any]] = {"tuple": tuple, "list": list, "set": frozenset}

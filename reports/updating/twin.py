@@ -18,8 +18,8 @@ from casingfem.experiment.grouping import Doublet
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.updating.problem import Problem
+from casingfem.updating.solve import covariance, solve
 from casingfem.updating.targets import split_vector
-from casingfem.updating.updating import covariance, solve
 from reports.tables import Row, command_line, show, write
 
 ROWS, NOISE, OFF, FAR = 20, 1e-3, 0.13, 20

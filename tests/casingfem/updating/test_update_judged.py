@@ -7,8 +7,8 @@ import pytest
 
 import casingfem as cf
 from casingfem.updating.identifiability import identifiability
-from casingfem.updating.posterior import parabolas
 from casingfem.updating.regularisation import WEIGHTS, chosen_weight, corner, trade_off
+from casingfem.updating.uncertainty.posterior import parabolas
 
 BOUNDS = {"material.E": (150e9, 250e9), "shell.thickness": (2e-3, 4e-3), "material.nu": (0.2, 0.4)}
 

@@ -16,7 +16,8 @@ from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter
-from casingfem.updating.updating import covariance, update
+from casingfem.updating.solve import covariance
+from casingfem.updating.updating import update
 
 MESH = ShellMesh(order=6, rows=1, around=13)
 ROWS = 20

@@ -18,8 +18,8 @@ from casingfem.io.arrays import FloatArray
 from casingfem.updating.following import followed
 from casingfem.updating.problem import Problem, State
 from casingfem.updating.result import UpdateResult
+from casingfem.updating.solve import covariance, solve
 from casingfem.updating.targets import HERTZ2, rates
-from casingfem.updating.updating import covariance, solve
 from contact.io.reported import Reported
 
 

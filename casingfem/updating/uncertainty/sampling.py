@@ -13,8 +13,8 @@ import numpy as np
 from casingfem.errors import InputError, MissingExtraError
 from casingfem.extras import remedy
 from casingfem.io.arrays import FloatArray
-from casingfem.updating.posterior import Parabolas, at_solution, evaluated, parabolas, varied_names
 from casingfem.updating.result import UpdateResult
+from casingfem.updating.uncertainty.posterior import Parabolas, at_solution, evaluated, parabolas, varied_names
 from contact.io.reported import Reported
 
 LEVELS = (0.025, 0.5, 0.975)
