@@ -14,7 +14,7 @@ from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.correlation.sensors import sensors_on
 from casingfem.io.arrays import FloatArray
-from casingfem.locate.localisation import factors_of
+from casingfem.locate.explanations import factors_of
 from casingfem.locate.located import Explanation, Localisation
 from casingfem.modal.affine import AffineModel
 from casingfem.structure.mesh.kinematics import DOFS

@@ -24,7 +24,8 @@ import numpy as np
 
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
-from casingfem.locate.localisation import factors_of, groups_alike, locate, loosening, search_model
+from casingfem.locate.explanations import factors_of, groups_alike, loosening
+from casingfem.locate.localisation import locate, search_model
 from casingfem.locate.located import Explanation, Localisation
 from casingfem.locate.misfit import Misfit
 from casingfem.locate.sparse_fit import fitted
