@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from contact.base.arrays import Array
 from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.rub import Rub
+from contact.problem import What
 from contact.recovery import at_channels, rub_forces
 from contact.result import Result
-from contact.run import What
 
 NUMBERS = 150_000  # that a film holds: fewer frames where there are more tips
 FRAMES = 2000  # at most

@@ -11,9 +11,9 @@ from contact.base.arrays import Array
 from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.rub import Rub
 from contact.model.trig import harmonics
+from contact.problem import What
 from contact.recovery import at_channels, rub_forces
 from contact.result import Result
-from contact.run import What
 
 ROWS = 100_000  # of a table of forces: longer records are summed up
 

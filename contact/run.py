@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import singledispatch
 from typing import Literal
 
 import numpy as np
@@ -16,17 +15,12 @@ from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.collect import collect
 from contact.io.brief import brief
 from contact.io.notebook import notebook_progress
-from contact.model.bodies.beam import BeamInCircle
-from contact.model.bodies.body import Body
-from contact.model.bodies.chain import assemble
 from contact.model.gaps.limits import RIM, TIP, passed
-from contact.model.law import Law, Unilateral, kind
+from contact.model.law import Law, Unilateral
+from contact.problem import What, default_scheme, problem_of
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import Record, Samples, samples, sparse
 from contact.result import Result
-from contact.scheme.linear.central_difference import CentralDifference
-from contact.scheme.linear.penalty import PenaltyDifference
-from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Problem, Scheme, Stepper
 
 CHUNK = 20_000  # steps per compiled call, which end at every LEDGER-th step
@@ -34,7 +28,6 @@ LEDGER = 20_000  # steps between looks at the energy
 ADDED = 3.0  # times all other energy since the first call: contact that adds more feeds on itself
 MOST_STEPS = 10**10  # hours to days of computing: beyond, a number was mistyped
 
-What = Sequence[Body] | Problem
 Progress = Callable[[float], None]
 OnLimit = Literal["stop", "flag"]
 
@@ -159,9 +152,9 @@ class Prepared:
 
 def prepared(scene: Scene) -> Prepared:
     """Check a scene and bring it to its start; raises InputError, LimitError."""
-    problem = _problem(scene.what, scene.gravity)
+    problem = problem_of(scene.what, scene.gravity)
     law = scene.law or Unilateral()
-    scheme = scene.scheme or _default_scheme(problem, law)
+    scheme = scene.scheme or default_scheme(problem, law)
     if scene.t_end is None:
         raise InputError("t_end: found none, expected the end of the run in seconds")
     require_positive(t_end=scene.t_end)
@@ -287,37 +280,3 @@ def _finite(part: Samples) -> Samples:
         time=part.time[:n], force=part.force[:n], gap=part.gap[:n], impulse=part.impulse[:n],
         state_time=part.state_time[:states], state=part.state[:states],
     )  # fmt: skip
-
-
-def _problem(what: What, gravity: float) -> Problem:
-    """Bring what was given to the form schemes take."""
-    if isinstance(what, Sequence):
-        for body in what:
-            if not hasattr(body, "crossing_time"):
-                raise InputError(f"bodies: found {type(body).__name__}, expected Rod, PointMass or Wall")
-        return assemble(what, gravity=gravity)
-    if gravity:
-        raise InputError(f"gravity: found {gravity:g} m/s^2 with {type(what).__name__}, expected {_instead(what)}")
-    return what
-
-
-@singledispatch
-def _instead(problem: Problem) -> str:
-    return "it as their load"
-
-
-@_instead.register
-def _(problem: BeamInCircle) -> str:
-    return "none"
-
-
-@singledispatch
-def _default_scheme(problem: Problem, law: Law) -> Scheme:
-    if not hasattr(problem, "linear_form"):
-        return ExactModal()
-    return PenaltyDifference() if kind(law) == "Penalty" else CentralDifference()
-
-
-@_default_scheme.register
-def _(problem: BeamInCircle, law: Law) -> Scheme:
-    return CentralDifference()

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
-from contact.run import What
+from contact.problem import What
 from contact.scheme.linear.cd_lagrange import CDLagrange
 from contact.scheme.linear.central_difference import CentralDifference
 from contact.scheme.linear.hht import HHT

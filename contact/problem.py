@@ -1,0 +1,53 @@
+"""What is to run, in the form that schemes take, and the scheme that runs it where none is named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import singledispatch
+
+from contact.base.errors import InputError
+from contact.model.bodies.beam import BeamInCircle
+from contact.model.bodies.body import Body
+from contact.model.bodies.chain import assemble
+from contact.model.law import Law, kind
+from contact.scheme.linear.central_difference import CentralDifference
+from contact.scheme.linear.penalty import PenaltyDifference
+from contact.scheme.modal.exact_modal import ExactModal
+from contact.scheme.protocol import Problem, Scheme
+
+What = Sequence[Body] | Problem
+
+
+def problem_of(what: What, gravity: float) -> Problem:
+    """Bring what was given to the form schemes take."""
+    if isinstance(what, Sequence):
+        for body in what:
+            if not hasattr(body, "crossing_time"):
+                raise InputError(f"bodies: found {type(body).__name__}, expected Rod, PointMass or Wall")
+        return assemble(what, gravity=gravity)
+    if gravity:
+        raise InputError(f"gravity: found {gravity:g} m/s^2 with {type(what).__name__}, expected {_instead(what)}")
+    return what
+
+
+@singledispatch
+def _instead(problem: Problem) -> str:
+    return "it as their load"
+
+
+@_instead.register
+def _(problem: BeamInCircle) -> str:
+    return "none"
+
+
+@singledispatch
+def default_scheme(problem: Problem, law: Law) -> Scheme:
+    """Return exact modal steps; central differences, or those of a penalty, for what has M, C, K alone."""
+    if not hasattr(problem, "linear_form"):
+        return ExactModal()
+    return PenaltyDifference() if kind(law) == "Penalty" else CentralDifference()
+
+
+@default_scheme.register
+def _(problem: BeamInCircle, law: Law) -> Scheme:
+    return CentralDifference()
