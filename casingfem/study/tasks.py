@@ -8,7 +8,6 @@ from casingfem.modal.cyclic.reduction import OF_A_DIAMETER, cyclic_reduce
 from casingfem.modal.reduction import reduce
 from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
-from casingfem.structure.shell.system import System
 from casingfem.study.imported import MeshStudy
 from casingfem.study.load import Study
 from casingfem.study.problems import StudyError
@@ -74,9 +73,7 @@ def judge_update(
     return found
 
 
-def run_reduce(
-    study: Study | MeshStudy, shell: Shell | MeshStructure | None = None, system: System | None = None
-) -> ModalBasis:
+def run_reduce(study: Study | MeshStudy, shell: Shell | MeshStructure | None = None) -> ModalBasis:
     """The reduction a study describes, of its own structure or of another one (an updated one).
 
     Raises
@@ -113,7 +110,6 @@ def run_reduce(
             zeta=tables.zeta,
             recovery=tables.recovery,
             outputs=[table.output() for table in tables.output],
-            system=system,
         )
     except ValueError as error:
         raise StudyError([f"{study.path}: reduce: {error}"]) from error
