@@ -18,7 +18,7 @@ from casingfem.experiment.rig.noise import Converter, noise
 from casingfem.experiment.rig.record import record
 from casingfem.experiment.rig.rig import Rig
 from casingfem.experiment.rig.scan import Turning
-from casingfem.experiment.rig.unkind import Unkind
+from casingfem.experiment.rig.troubles import Troubles
 
 NAN, INF = float("nan"), float("inf")
 BAND = (20.0, 180.0)
@@ -145,14 +145,14 @@ BOUNDS = {
     "scan.back": (lambda k: Turning(mirror=2.0, wander=(0.0, -1e-9)[k]), "wander -1e-09, speckle 0.0: expected"),
     "scan.speckle": (lambda k: Turning(mirror=2.0, speckle=(0.0, -1e-9)[k]), "wander 0.0, speckle -1e-09: expected"),
     "scan.casing": (lambda k: Turning(mirror=2.0, wander=0.01, casing=float(k)), "0 where the casing turns"),
-    "unkind.coherent": (lambda k: Unkind(coherent=(1.0, 1.01)[k]), "coherent: found 1.01, expected 0 to 1"),
-    "unkind.shift": (lambda k: Unkind(shift=(0.05, 0.051)[k]), "shift: found 0.051, expected 0 to 0.05"),
-    "unkind.double": (lambda k: Unkind(double_hit=(0.99, 1.0)[k]), "double_hit: found 1.0, expected 0 to 0.99"),
-    "unkind.phase": (lambda k: Unkind(phase_deg=(0.0, -1.0)[k]), "phase_deg: found -1.0, expected 0 to 90"),
-    "unkind.setups": (lambda k: Unkind(setups=(1, 0)[k]), "setups: found 0, expected none, or how much"),
-    "unkind.dead": (lambda k: Unkind(dead=(0, -1)[k]), "dead: found -1, expected none, or how much"),
-    "unkind.fixture": (lambda k: Unkind(fixture=(0, -1)[k]), "fixture: found -1, expected none, or how much"),
-    "unkind.window": (lambda k: Unkind(exponential=(0.0, -0.1)[k]), "exponential: found -0.1, expected none, or how"),
+    "unkind.coherent": (lambda k: Troubles(coherent=(1.0, 1.01)[k]), "coherent: found 1.01, expected 0 to 1"),
+    "unkind.shift": (lambda k: Troubles(shift=(0.05, 0.051)[k]), "shift: found 0.051, expected 0 to 0.05"),
+    "unkind.double": (lambda k: Troubles(double_hit=(0.99, 1.0)[k]), "double_hit: found 1.0, expected 0 to 0.99"),
+    "unkind.phase": (lambda k: Troubles(phase_deg=(0.0, -1.0)[k]), "phase_deg: found -1.0, expected 0 to 90"),
+    "unkind.setups": (lambda k: Troubles(setups=(1, 0)[k]), "setups: found 0, expected none, or how much"),
+    "unkind.dead": (lambda k: Troubles(dead=(0, -1)[k]), "dead: found -1, expected none, or how much"),
+    "unkind.fixture": (lambda k: Troubles(fixture=(0, -1)[k]), "fixture: found -1, expected none, or how much"),
+    "unkind.window": (lambda k: Troubles(exponential=(0.0, -0.1)[k]), "exponential: found -0.1, expected none, or how"),
 }  # fmt: skip
 
 
