@@ -5,8 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from casingfem.structure.imported.attachments.values import Attachments, PointMass
-from casingfem.structure.imported.mesh_data import MeshData
 
 import casingfem as cf
 from casingfem.structure.field.fourier import FourierField
@@ -17,6 +15,8 @@ from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.rotation import Rotation, axis_frame
 from casingfem.structure.geometry.survey_check import check_survey
 from casingfem.structure.imported.grid import cube_cells
+from casingfem.structure.imported.mesh.attachments import Attachments, PointMass
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 INF, NAN = math.inf, math.nan
 PLATE = cf.Plate(length=0.3, width=0.1)
