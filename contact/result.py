@@ -13,11 +13,11 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
+from contact.base.npz import read_npz
 from contact.io.names import hint
 from contact.io.npz import write_npz
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
-from contact.model.bodies.modal_body import read_npz
 from contact.model.law import pressure
 from contact.record.divergence import Divergence
 from contact.record.energy import EnergyBudget, Stored

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,8 +11,9 @@ import numpy as np
 
 from contact.base.arrays import Array, keep_readonly, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
+from contact.base.npz import read_npz
 from contact.io.names import hint, names_fault
-from contact.io.npz import compliance_fault, load_npz, require_kinds, whole, write_npz
+from contact.io.npz import compliance_fault, whole, write_npz
 
 if TYPE_CHECKING:
     from contact.model.bodies.matrices import Contact, Dof
@@ -322,24 +322,3 @@ def _require_modes(omega: Array, zeta: Array) -> None:
         raise InputError(f"omega: found {omega.min():g} rad/s, expected every frequency >= 0")
     if zeta.size and not 0.0 <= float(zeta.min()) <= float(zeta.max()) < 1.0:
         raise InputError(f"zeta: found {zeta.min():g} .. {zeta.max():g}, expected 0 <= zeta < 1")
-
-
-def read_npz(path: Path, wanted: str, required: tuple[str, ...], texts: tuple[str, ...]) -> dict[str, Any]:
-    """Read every array of an npz file of this format, numbers but for `texts`; raises InputError with file and key."""
-    if not os.path.exists(path):  # unlike Path.exists also answers for a name with a zero byte
-        raise InputError(f"{path}: found no such file, expected an npz file")
-    try:
-        data = load_npz(path)
-    except ValueError as error:
-        raise InputError(f"{path}: not a readable npz file without pickled objects ({error})") from error
-    found = str(data.get("format", "no key 'format'"))
-    if found != wanted:
-        raise InputError(f"{path}: key 'format': found {found!r}, expected {wanted!r}")
-    missing = [name for name in required if name not in data]
-    if missing:
-        raise InputError(f"{path}: missing keys {', '.join(missing)}")
-    try:
-        require_kinds(data, dict.fromkeys(texts, "text"))
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from error
-    return data
