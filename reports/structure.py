@@ -53,6 +53,17 @@ class Structure:
         return {name: [line.strip() for line in text.splitlines() if line.strip()] for name, text in texts.items()}
 
     @cached_property
+    def bodies(self) -> dict[str, list[str]]:
+        """Lines as in `lines`, without those of imports, which may run over several."""
+        found = {}
+        for name, tree in self.trees.items():
+            imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+            left_out = {row for node in imports for row in range(node.lineno, (node.end_lineno or node.lineno) + 1)}
+            text = self.files[name].read_text(encoding="utf-8").splitlines()
+            found[name] = [line.strip() for row, line in enumerate(text, 1) if line.strip() and row not in left_out]
+        return found
+
+    @cached_property
     def imports(self) -> Graph:
         """Modules that each imports; names handed on by a package's face are not followed."""
         return {name: frozenset(self._imports(name, tree)) for name, tree in self.trees.items()}
@@ -109,11 +120,11 @@ def circles(graph: Graph) -> list[list[str]]:
 
 
 def duplicates(lines: Mapping[str, list[str]]) -> int:
-    """Places where `TOGETHER` lines or more stand as they do somewhere before; imports and the like left out."""
+    """Places where `TOGETHER` lines or more stand as they do somewhere before; comments and brackets left out."""
     seen: dict[str, tuple[str, int]] = {}
     count = 0
     for name, all_ in lines.items():
-        kept = [line for line in all_ if not line.startswith(("import ", "from ", "#", '"""', ")", "]", "}", "@"))]
+        kept = [line for line in all_ if not line.startswith(("#", '"""', ")", "]", "}", "@"))]
         at = 0
         while at + TOGETHER <= len(kept):
             block = hashlib.sha256("\n".join(kept[at : at + TOGETHER]).encode()).hexdigest()
@@ -169,7 +180,7 @@ def measures(structure: Structure) -> dict[str, str]:
             sum(calls(tree, "isinstance") for name, tree in structure.trees.items() if name.startswith("contact"))
         ),
         "modules with one importer": str(sum(len(found) == 1 for found in importers.values())),
-        "duplicates": str(duplicates(structure.lines)),
+        "duplicates": str(duplicates(structure.bodies)),
         "circles of modules": f"{len(loops)}: {sum(map(len, loops))} modules",
         "pairs of folders that import each other": str(both),
         "largest circle of folders": str(max(map(len, circles(structure.folders)), default=0)),
