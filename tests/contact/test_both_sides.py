@@ -12,7 +12,6 @@ from contact.model.gaps.gap import require_term
 from contact.model.gaps.modal_system import rim_system
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub_laws import Closing, Whirl
-from contact.recovery import at_outputs
 from contact.reference.impacts import stopped_period
 from contact.reference.waves import impact_by_characteristics
 from contact.solver.friction.coulomb import coulomb
@@ -128,13 +127,6 @@ BOUNDS = {
         lambda k: ct.RimProfile((), [0.0, 1.0, 2.0][: 3 - k], [0.0] * (3 - k)), "found 2 angles over 1 rad, expected th"
     ),
     "profile.turn": (lambda k: ct.RimProfile((), [0.0, 1.0, (6.28, 6.29)[k]], [0.0] * 3), "found 3 angles over 6.29"),
-    "outputs": (
-        lambda k: at_outputs(
-            body(**[{"outputs": ("a",), "output_rows": [[1.0]], "output_S": [[0.0]]}, {}][k]), np.ones((2, 1)),
-            np.ones((2, 1)),
-        ),
-        "outputs: found none in this basis",
-    ),
     "stop": (lambda k: stopped_period(1.0, (-1.0, -1.01)[k], 1.0), "gap: found -1.01 m with amplitude 1 m"),
     "waves.spring": (lambda k: characteristics(stiffness=(0.0, 1.0)[k]), "mass: found a spring, dashpot or force"),
     "waves.dashpot": (lambda k: characteristics(damping=(0.0, 1.0)[k]), "mass: found a spring, dashpot or force"),

@@ -157,10 +157,6 @@ def test_intervals_are_joined_across_pauses_shorter_than_the_window():
     assert MADE.merged_intervals() == MADE.merged_intervals(0.2)
 
 
-def test_the_force_at_states_is_that_of_their_samples():
-    np.testing.assert_array_equal(MADE.state_force(), FORCE[[1, 3]])
-
-
 def test_a_chunk_is_as_long_as_its_buffers_allow():
     """Numbers a step: 6 for events of each contact; 1 + 3 a contact every 5 steps, 1 + coordinates every 20."""
     for record, width in (
