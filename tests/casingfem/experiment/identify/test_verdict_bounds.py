@@ -72,7 +72,7 @@ def test_of_few_channels_a_peak_must_be_higher(monkeypatch):
     ((text, out),) = reasons(monkeypatch, ratio=8.99, **few)
     assert (text, out) == ("peak 9 times what the fit leaves there, in 2 channels: 9 are asked for", False)
     assert reasons(monkeypatch, ratio=2.9, **few)[0][0] == "peak 2.9 times what the fit leaves there"
-    assert reasons(monkeypatch, ratio=9.0, channels=1, alike=1)[0][0].endswith(" in 1 channel: 9 are asked for")
+    assert reasons(monkeypatch, ratio=9.0, channels=1, alike=1)[0][0].endswith(" in 1 channel: 18 are asked for")
 
 
 def test_local_modes_are_told_from_eight_channels_on(monkeypatch):
