@@ -13,15 +13,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.bands import Band
 from casingfem.experiment.identify.ema_poles import lscf_poles
-from casingfem.experiment.identify.own_shifts import Modes
-from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
-from casingfem.experiment.identify.pole_selection import select_poles
-from casingfem.experiment.identify.pole_window import Window, floor_of
-from casingfem.experiment.identify.pole_worth import alike_lines, noise_at
-from casingfem.experiment.identify.shifted import Shifted, shifted
-from casingfem.experiment.identify.stabilisation import Stabilisation, stabilise
+from casingfem.experiment.identify.poles.bands import Band
+from casingfem.experiment.identify.poles.pole_fit import PoleFit, fit_poles
+from casingfem.experiment.identify.poles.pole_selection import select_poles
+from casingfem.experiment.identify.poles.pole_window import Window, floor_of
+from casingfem.experiment.identify.poles.pole_worth import alike_lines, noise_at
+from casingfem.experiment.identify.poles.stabilisation import Stabilisation, stabilise
+from casingfem.experiment.identify.setups.own_shifts import Modes
+from casingfem.experiment.identify.setups.shifted import Shifted, shifted
 from casingfem.io.arrays import Array, FloatArray
 
 ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most

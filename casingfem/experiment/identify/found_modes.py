@@ -9,9 +9,9 @@ import numpy as np
 from casingfem.experiment.circle.orientation import Circle, Label
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.mode_shapes import mode_shape, residue_matrix
-from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.experiment.identify.pole_selection import hidden_split
-from casingfem.experiment.identify.pole_worth import cut_off
+from casingfem.experiment.identify.poles.pole_fit import PoleFit
+from casingfem.experiment.identify.poles.pole_selection import hidden_split
+from casingfem.experiment.identify.poles.pole_worth import cut_off
 from casingfem.experiment.identify.verdict import verdicts
 from casingfem.io.arrays import Array, FloatArray
 

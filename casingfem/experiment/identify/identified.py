@@ -13,7 +13,7 @@ import numpy as np
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified_file import read_fields, write_fields
-from casingfem.experiment.identify.stabilisation import Stabilisation
+from casingfem.experiment.identify.poles.stabilisation import Stabilisation
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
 from contact.io.reported import Reported
 

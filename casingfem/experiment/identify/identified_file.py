@@ -12,7 +12,7 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.sensor_grid import SensorGrid
-from casingfem.experiment.identify.stabilisation import Stabilisation
+from casingfem.experiment.identify.poles.stabilisation import Stabilisation
 from casingfem.io.arrays import Array
 from casingfem.io.npz import read_npz
 from contact.io.npz import write_npz

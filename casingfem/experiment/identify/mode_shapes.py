@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.experiment.identify.pole_fit import PoleFit
+from casingfem.experiment.identify.poles.pole_fit import PoleFit
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 
 

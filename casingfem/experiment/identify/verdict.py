@@ -10,9 +10,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from casingfem.experiment.identify.bands import line_noise
-from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.experiment.identify.pole_worth import (
+from casingfem.experiment.identify.poles.bands import line_noise
+from casingfem.experiment.identify.poles.pole_fit import PoleFit
+from casingfem.experiment.identify.poles.pole_worth import (
     NARROW,
     cut_off,
     gains,

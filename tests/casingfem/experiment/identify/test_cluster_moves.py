@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.identify.band_fits import _by_misfit
-from casingfem.experiment.identify.cluster_modes import ClusterModes, fit_again
-from casingfem.experiment.identify.cluster_moves import improved
-from casingfem.experiment.identify.clusters import Cluster
-from casingfem.experiment.identify.own_shifts import Modes
-from casingfem.experiment.identify.pole_fit import fit_poles
-from casingfem.experiment.identify.pole_window import Window
-from casingfem.experiment.identify.shifted import _as_good
+from casingfem.experiment.identify.poles.pole_fit import fit_poles
+from casingfem.experiment.identify.poles.pole_window import Window
+from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit_again
+from casingfem.experiment.identify.setups.cluster_moves import improved
+from casingfem.experiment.identify.setups.clusters import Cluster
+from casingfem.experiment.identify.setups.own_shifts import Modes
+from casingfem.experiment.identify.setups.shifted import _as_good
 
 SETUPS = [np.arange(4), np.arange(4, 8), np.arange(8, 12)]
 FREQ = np.array([[400.0, 400.4, 399.7], [403.0, 402.6, 403.3], [406.0, 406.3, 405.8]])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.identify.bands import find_bands, line_noise
+from casingfem.experiment.identify.poles.bands import find_bands, line_noise
 from casingfem.experiment.identify.suspects import suspected
 from casingfem.experiment.rig.troubles import Troubles, troubled_frfs
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.experiment.identify import pole_fit
-from casingfem.experiment.identify.cluster_modes import only_peaks
-from casingfem.experiment.identify.clusters import Cluster
-from casingfem.experiment.identify.own_shifts import Modes, apart, linked
-from casingfem.experiment.identify.pole_fit import fit_poles
-from casingfem.experiment.identify.pole_selection import hidden_split, select_poles
-from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.poles import pole_fit
+from casingfem.experiment.identify.poles.pole_fit import fit_poles
+from casingfem.experiment.identify.poles.pole_selection import hidden_split, select_poles
+from casingfem.experiment.identify.poles.pole_window import Window
+from casingfem.experiment.identify.setups.cluster_modes import only_peaks
+from casingfem.experiment.identify.setups.clusters import Cluster
+from casingfem.experiment.identify.setups.own_shifts import Modes, apart, linked
 
 LINES = np.arange(390.0, 410.0, 0.1)
 SEED = 2711

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks
-from casingfem.experiment.identify.pole_fit import fit_poles
-from casingfem.experiment.identify.pole_window import Window
-from casingfem.experiment.identify.setups import find_setups, matched, matching_sigma
-from casingfem.experiment.identify.shifted import Shifted
+from casingfem.experiment.identify.poles.pole_fit import fit_poles
+from casingfem.experiment.identify.poles.pole_window import Window
+from casingfem.experiment.identify.setups.grouping import find_setups, matched, matching_sigma
+from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks
+from casingfem.experiment.identify.setups.shifted import Shifted
 from casingfem.experiment.identify.verdict import verdicts
 from casingfem.experiment.rig.troubles import Troubles, hann_power, troubled_frfs
 

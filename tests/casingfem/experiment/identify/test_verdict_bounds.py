@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.identify import verdict
-from casingfem.experiment.identify.pole_worth import alike_lines, cut_off, lines_of, near, noise_at, penalty
+from casingfem.experiment.identify.poles.pole_worth import alike_lines, cut_off, lines_of, near, noise_at, penalty
 
 SURE = {
     "freq": 1e-9, "damping": 1e-9, "cut": 0.0, "lines": 5.0, "zeta": 0.01, "worth": 99.0, "ratio": 9.0, "phase": 1.0,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from casingfem.experiment.identify.own_shifts import Setups
-from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.poles.pole_window import Window
+from casingfem.experiment.identify.setups.own_shifts import Setups
 from casingfem.io.arrays import Array, FloatArray
 
 GRID = 0.25, 120  # step of the places tried, in half-power bandwidths; as many at most

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.clusters import Cluster
-from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks, Setups, apart, linked
-from casingfem.experiment.identify.places import places
-from casingfem.experiment.identify.setups import matched
+from casingfem.experiment.identify.setups.clusters import Cluster
+from casingfem.experiment.identify.setups.grouping import matched
+from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, Setups, apart, linked
+from casingfem.experiment.identify.setups.places import places
 from casingfem.io.arrays import BoolArray, FloatArray
 
 MOST, FEWER = 14, 3  # modes that a cluster is taken for; from so many fewer on than were found before

@@ -12,10 +12,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from casingfem.experiment.identify.cluster_modes import ClusterModes, fit_again, only_peaks
-from casingfem.experiment.identify.clusters import TOGETHER, Cluster
-from casingfem.experiment.identify.own_shifts import OwnPeaks, Setups, squares_at
-from casingfem.experiment.identify.places import best_beside
+from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit_again, only_peaks
+from casingfem.experiment.identify.setups.clusters import TOGETHER, Cluster
+from casingfem.experiment.identify.setups.own_shifts import OwnPeaks, Setups, squares_at
+from casingfem.experiment.identify.setups.places import best_beside
 from casingfem.io.arrays import FloatArray
 
 ROUNDS = 4  # of trying

@@ -14,9 +14,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
-from casingfem.experiment.identify.pole_window import Window
-from casingfem.experiment.identify.pole_worth import (
+from casingfem.experiment.identify.poles.pole_fit import PoleFit, fit_poles
+from casingfem.experiment.identify.poles.pole_window import Window
+from casingfem.experiment.identify.poles.pole_worth import (
     NARROW,
     SKIRT,
     alike_lines,
@@ -26,7 +26,7 @@ from casingfem.experiment.identify.pole_worth import (
     noise_at,
     penalty,
 )
-from casingfem.experiment.identify.stabilisation import ZETA_MAX
+from casingfem.experiment.identify.poles.stabilisation import ZETA_MAX
 from casingfem.io.arrays import FloatArray
 
 GRID = 400  # frequencies tried for a further pole

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 
 STEPS = 25

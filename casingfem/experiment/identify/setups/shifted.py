@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.cluster_modes import (
+from casingfem.experiment.identify.poles.pole_window import Window
+from casingfem.experiment.identify.setups.cluster_modes import (
     ClusterModes,
     fit_again,
     fit_apart,
@@ -23,11 +24,10 @@ from casingfem.experiment.identify.cluster_modes import (
     read,
     read_all,
 )
-from casingfem.experiment.identify.cluster_moves import improved
-from casingfem.experiment.identify.clusters import Cluster, clusters
-from casingfem.experiment.identify.own_shifts import Modes, OwnPeaks, Setups, linked
-from casingfem.experiment.identify.pole_window import Window
-from casingfem.experiment.identify.setups import find_setups, matching_sigma
+from casingfem.experiment.identify.setups.cluster_moves import improved
+from casingfem.experiment.identify.setups.clusters import Cluster, clusters
+from casingfem.experiment.identify.setups.grouping import find_setups, matching_sigma
+from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, Setups, linked
 from casingfem.io.arrays import FloatArray, IntArray
 
 MOST_LINES = 1000  # that a cluster is fitted to last

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.bands import line_noise
-from casingfem.experiment.identify.own_shifts import Modes, Setups
-from casingfem.experiment.identify.pole_window import Window, floor_of
+from casingfem.experiment.identify.poles.bands import line_noise
+from casingfem.experiment.identify.poles.pole_window import Window, floor_of
+from casingfem.experiment.identify.setups.own_shifts import Modes, Setups
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 REACH = 2e-3, 0.5  # beyond the poles of a cluster, that peaks may lie: relative, and damping ratios

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
-from casingfem.experiment.identify.pole_window import Window
+from casingfem.experiment.identify.poles.pole_fit import PoleFit, fit_poles
+from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.io.arrays import Array, FloatArray
 
 NARROW = 1.0  # lines in a half-power bandwidth, below which skirts tell a peak, nothing its damping

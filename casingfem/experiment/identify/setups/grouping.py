@@ -14,7 +14,7 @@ from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import squareform
 
-from casingfem.experiment.identify.own_shifts import OwnPeaks, Setups
+from casingfem.experiment.identify.setups.own_shifts import OwnPeaks, Setups
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 
 MODEL = 0.01  # of the damping ratio: what ln f may be off beside the noise
