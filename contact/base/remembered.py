@@ -6,8 +6,6 @@ from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TypeVar
 
-import numpy as np
-
 P = ParamSpec("P")
 R = TypeVar("R")
 KEPT = 16  # results of a function
@@ -32,10 +30,10 @@ def remembered(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def found(*args: P.args, **kwargs: P.kwargs) -> R:
-        writable = [value.flags.writeable if isinstance(value, np.ndarray) else None for value in args]
-        if kwargs or any(writable):
+        flags = [getattr(value, "flags", None) for value in args]  # arrays have them
+        if kwargs or any(own is not None and own.writeable for own in flags):
             return function(*args, **kwargs)
-        key = tuple(value if flag is None else id(value) for value, flag in zip(args, writable, strict=True))
+        key = tuple(value if own is None else id(value) for value, own in zip(args, flags, strict=True))
         if key not in kept:
             while len(kept) >= KEPT:
                 kept.pop(next(iter(kept)), None)
