@@ -131,7 +131,8 @@ def alike(blocks: Sequence[Block], kind: str, source: str) -> list[Block]:
         return list(blocks)
     parts = np.split(turned, np.cumsum([len(block.cells) for block in blocks])[:-1])
     numbers = np.concatenate([block.numbers for block in blocks])
-    warn("mesh-turned-shell", f"{source}: {named('cell', numbers[turned])}", stacklevel=5)
+    found = f"{named('cell', numbers[turned])} turned round, with normals against their neighbours'"
+    warn("mesh-turned-shell", f"{source}: {found}", stacklevel=5)
     return [
         replace(block, cells=np.where(part[:, None], block.cells[:, mirror(block.kind)], block.cells))
         for block, part in zip(blocks, parts, strict=True)
