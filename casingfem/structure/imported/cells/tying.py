@@ -7,8 +7,7 @@ MITC4: gamma_r is sampled in the middle of the edges along r, gamma_s in those a
 MITC6 (triangles of six nodes) after Lee & Bathe, Comput. Struct. 82, 2004, 945: with q along the third edge, e_rr, e_ss
 and e_qq = (e_rr + e_ss)/2 - e_rs are linear; (gamma_r, gamma_s) = (p1 + s m, p2 - r m) with linear p1, p2, m. Each is
 sampled at the Gauss points of its edges. What is left of them, there taken from one place within the cell, is here the
-mean over the cell: what tying changes then has no resultant, and frequencies lose an error of second order (of a plate
-with h/L 0.1, 8 x 8 squares cut in two, 0.8 % becomes 0.1 %; of a frustum with R/h 30, 48 x 6, 0.54 % becomes 0.16 %).
+mean over the cell: what tying changes then has no resultant, and frequencies lose an error of second order.
 """
 
 from collections.abc import Sequence
