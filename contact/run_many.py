@@ -55,6 +55,18 @@ def run_many(
     return [outcome for outcome in found if outcome is not None]
 
 
+def first_step(scene: Scene, record: Callable[[int], Record]) -> None:
+    """Take one step as `run_many` would: what it needs of compiled code is loaded then, or compiled.
+
+    Raises InputError for a scene that is refused.
+    """
+    ready = replace(_prepared(scene, record), count=1)
+    if _fits(ready):
+        list(together([(0, ready)]))
+    else:
+        _alone(ready)
+
+
 def _note(i: int, outcome: Outcome, ended: Ended | None) -> Outcome:
     if ended is not None:
         ended(i, outcome)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,9 @@ from typing import Any
 from contact.base.errors import InputError
 from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
-from contact.io.workers import worker_pool
+from contact.io.workers import forks, worker_pool
 from contact.run import Scene
-from contact.run_many import Outcome, run_many
+from contact.run_many import Outcome, first_step, run_many
 from contact.scene.load import scene_of
 from contact.sweep.plan import SweepPlan, Value, changed
 from contact.sweep.row import COLUMNS, row_of, sweep_record
@@ -130,7 +131,7 @@ def run_task(task: Task) -> Rows:
             rows[digest] = kept
             continue
         try:
-            scenes.append((digest, scene_of(changed(task.base, task.keys, values), Path(task.file))))
+            scenes.append((digest, _scene(task, values)))
         except InputError as error:
             rows[digest] = row_of(None, error)
             _keep(folder, digest, rows[digest])
@@ -142,6 +143,10 @@ def run_task(task: Task) -> Rows:
 
     run_many([scene for _, scene in scenes], record=sweep_record, ended=ended)
     return rows
+
+
+def _scene(task: Task, values: tuple[Value, ...]) -> Scene:
+    return scene_of(changed(task.base, task.keys, values), Path(task.file))
 
 
 def _keep(folder: Path | None, digest: str, row: Row) -> None:
@@ -161,6 +166,8 @@ def _workers(todo: Sequence[Task], jobs: int, scheduler: str | None) -> Iterator
 def in_processes(todo: Sequence[Task], jobs: int) -> Iterator[Rows]:
     """Rows from worker processes; where one is killed, what it had not finished is given out again."""
     waiting, tries = dict(enumerate(todo)), dict.fromkeys(range(len(todo)), 0)
+    if forks():  # what this process loads or compiles now, its copies have
+        _load_loop(todo[0])
     while waiting:
         with worker_pool(min(jobs, len(waiting))) as pool:
             futures = {pool.submit(run_task, task): number for number, task in waiting.items()}
@@ -175,6 +182,12 @@ def in_processes(todo: Sequence[Task], jobs: int) -> Iterator[Rows]:
                 yield rows
         if waiting and min(tries[number] for number in waiting) >= TRIES:
             raise InputError(f"sweep: {len(waiting)} tasks ended with their worker killed, {TRIES} times over")
+
+
+def _load_loop(task: Task) -> None:
+    """Load the loop of a task's first run, or compile it; where that run is refused, a worker says so."""
+    with suppress(InputError):
+        first_step(_scene(task, task.runs[0][1]), sweep_record)
 
 
 def columns(plan: SweepPlan) -> tuple[str, ...]:

@@ -1,0 +1,40 @@
+"""Worker processes: copies of a process with one thread, fresh ones beside other threads; both end with their pool."""
+
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+SCRIPT = """
+import sys
+import threading
+
+from contact.io.workers import forks, worker_pool
+
+loaded = []
+
+
+def seen():
+    return loaded
+
+
+if __name__ == "__main__":
+    loaded.append("by the parent")
+    ended = threading.Event()
+    if "thread" in sys.argv:
+        threading.Thread(target=ended.wait).start()
+    print(forks())
+    with worker_pool(2) as pool:
+        print(*pool.submit(seen).result())
+    ended.set()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every worker is a fresh process")
+@pytest.mark.parametrize(("words", "expected"), [([], ["True", "by the parent"]), (["thread"], ["False", ""])])
+def test_workers_have_what_their_parent_loaded_unless_a_thread_could_hold_a_lock(tmp_path, words, expected):
+    script = tmp_path / "script.py"
+    script.write_text(textwrap.dedent(SCRIPT))
+    done = subprocess.run([sys.executable, script, *words], capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout.splitlines() == expected
