@@ -57,7 +57,7 @@ def figure_contact(result: Run, contact: int = 0, *, coordinates: int = 4) -> Fi
         for k, colour in zip(largest, (BEFORE, AFTER, GREEN, PURPLE, SKY), strict=False):
             axes[2].plot(*thinned(result.state_time, result.state[:, k]), color=colour, label=f"{k + 1}")
         axes[2].set_ylabel("modal coordinate\n[kg$^{1/2}$ m]" if modal else "displacement [m]")
-        axes[2].legend(title="number", ncols=2, fontsize=8, loc="upper left")
+        axes[2].legend(title="mode" if modal else "coordinate", ncols=2, fontsize=8, loc="upper left")
     axes[-1].set_xlabel("time [s]")
     return figure
 

@@ -168,15 +168,17 @@ def figure_interactions(found: Any, run: Any = None, *, orders: int = 8) -> Figu
         if freq < top:
             upper.axhline(freq, color=BEFORE, linewidth=0.8, zorder=2)
     at = np.broadcast_to(speed[:, None], found.pole_hz.shape)
-    grows = found.pole_growth > 1e-6 * max(found.map.peak_growth, 0.0)  # less is round-off of what does not
+    least = 1e-6 * found.map.peak_growth if len(found.map.bands_hz) else np.inf  # less is round-off of what does not
+    grows = found.pole_growth > least
     calm = ~grows
     upper.plot(at[calm], found.pole_hz[calm], ",", color=PERFECT, zorder=3, rasterized=True)
-    most = max(float(np.percentile(found.pole_growth[grows], 98.0)) if grows.any() else 0.0, 1e-12)
-    drawn = upper.scatter(
-        at[grows], found.pole_hz[grows], c=found.pole_growth[grows], s=9.0, cmap="plasma_r", vmin=0.0, vmax=most,
-        zorder=4, linewidths=0.0,
-    )  # fmt: skip
-    figure.colorbar(drawn, ax=upper, label="growth [1/s], contact closed", extend="max")
+    if grows.any():
+        most = float(np.percentile(found.pole_growth[grows], 98.0))
+        drawn = upper.scatter(
+            at[grows], found.pole_hz[grows], c=found.pole_growth[grows], s=9.0, cmap="plasma_r", vmin=0.0, vmax=most,
+            zorder=4, linewidths=0.0,
+        )  # fmt: skip
+        figure.colorbar(drawn, ax=upper, label="growth [1/s], contact closed", extend="max")
     for low, high in found.map.bands_hz:
         upper.axvspan(low, high, color=AFTER, alpha=0.12, linewidth=0.0)
     for low, high in found.opens_hz:

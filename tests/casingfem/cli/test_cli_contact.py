@@ -54,6 +54,8 @@ def test_the_picture_shows_growing_poles_bands_and_the_run():
     assert coloured.get_offsets()[:, 0].min() > 52.6  # those in the band alone have a colour
     assert coloured.get_array().max() == pytest.approx(3.78, abs=0.02)
     assert len(lower.patches) == 1
+    calm = ct.growth.interactions(pair, np.linspace(20.0, 30.0, 11))
+    assert len(figure_interactions(calm).axes) == 2  # no scale of what nothing has
 
 
 def test_campbell_of_a_study_at_rest_is_refused_and_a_turning_one_drawn(tmp_path):
