@@ -80,6 +80,18 @@ def test_one_frictionless_contact_is_the_point_gap():
     assert many.energy.lost_in_contact == pytest.approx(one.energy.lost_in_contact, rel=1e-9)
 
 
+@pytest.mark.parametrize("soft", [0.0, 1e-5])
+def test_the_gap_of_an_open_contact_is_where_its_body_is(soft):
+    rows = np.array([[1.0, 0.7, 0.4]])
+    bar = body([0.0, 30.0, 70.0], rows, ("tip",), S=np.array([[soft]]))
+    patch = ct.Patch(body=bar, normal=("tip",), clearance=0.05, velocity=[-2.0, 0.3, 0.0])
+    result = run(patch, 0.0, 0.1, 1e-3, record=ct.Record(every=1, state_every=1))
+    open_at = np.flatnonzero(result.force[:-1, 0] == 0.0)
+    assert 10 < len(open_at) < 99
+    place = 0.05 + result.state @ rows[0]  # the gap of a sample is that after its step
+    np.testing.assert_allclose(result.gap[open_at, 0], place[open_at + 1], atol=1e-13)
+
+
 @pytest.mark.slow
 def test_redundant_contacts_share_a_force_and_change_nothing():
     rows = np.array([[1.0, 0.7, 0.4]] * 5)

@@ -128,6 +128,15 @@ def test_a_users_own_field_joins_a_sum():
     total = FourierField.of({2: 0.1}) + Dent()
     assert total.derivatives(0.0, 0.0).value == pytest.approx(1.1)
     assert total.max_harmonic is None
+    assert total.n_resolved is None
+
+
+def test_a_sum_resolves_what_its_coarsest_survey_does():
+    class Surveyed:
+        def __init__(self, n_resolved):
+            self.n_resolved = n_resolved
+
+    assert SumField((Surveyed(35), FourierField.of({50: 0.1}), Surveyed(11))).n_resolved == 11
 
 
 def test_arrays_are_read_only_and_not_shared():
