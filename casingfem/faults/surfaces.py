@@ -199,6 +199,10 @@ SURFACES = {
         "two strips claim the same part of the wall",
         "let one strip end where the next begins",
     ),
+    "survey-columns": Fault(
+        "a survey has columns that nobody uses",
+        "nothing need be done; what counts is theta_deg, theta_rad, or x and y; z; radius or thickness, each _m or _mm",
+    ),
     "survey-other": Fault(
         "the survey is of another casing: its mean is not the nominal value, or its heights are not the shell's",
         "use the survey of this casing, in metres and degrees, or correct the nominal value",

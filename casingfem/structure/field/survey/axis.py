@@ -17,6 +17,7 @@ from casingfem.structure.field.survey.points import SurveyPoints
 
 STEPS = 8  # the first leaves the square of the offset over the radius
 SETTLED = 1e-10  # of the radius
+FAR = 0.5  # of the radius: no part stands so far beside the middle of its turntable
 SMALL = 1e-5  # of the radius: an offset that changes nothing
 
 
@@ -61,19 +62,43 @@ def axis_of(fit: SurveyFit, z: FloatArray) -> Axis:
     return Axis(complex(offset), complex(tilt), z_mid)
 
 
+def rough_axis(points: SurveyPoints) -> Axis:
+    """The axis of the circles nearest to the points, wherever these are, by linear least squares (Kasa).
+
+    |p|^2 = 2 Re(conj(c + t (z - z_mid)) p) + k0 + k1 z + k2 z^2 with p = x + i y: right to the shape's own waves and to
+    the square of the lean.
+    """
+    place, high = points.value * np.exp(1j * points.theta), points.z - 0.5 * (points.z.min() + points.z.max())
+    around = np.column_stack([place.real, place.imag])
+    columns = [2.0 * around, np.ones((len(points), 1))]
+    if points.rings().any():
+        columns += [2.0 * around * high[:, None], high[:, None], high[:, None] ** 2]
+    found = np.linalg.lstsq(np.hstack(columns), np.abs(place) ** 2, rcond=None)[0]
+    tilt = complex(*found[3:5]) if len(found) > 3 else 0.0
+    return Axis(complex(*found[:2]), tilt, float(points.z[0] - high[0]))
+
+
 def centred_points(points: SurveyPoints, fitted: Callable[[SurveyPoints], SurveyFit]) -> tuple[SurveyPoints, Axis]:
     """The points about their own axis, and that axis: fits and moves until no first harmonic is left to it."""
     if points.quantity != "radius":
         raise InputError(points.path, found="a thickness to be centred", expected="radii: a wall has no axis")
-    axis = axis_of(fitted(points), points.z)
+    axis = rough_axis(points)
     for _ in range(STEPS):
-        moved = axis.seen_from(points)
-        fit = fitted(moved)
+        fit = fitted(axis.seen_from(points))
         rest = axis_of(fit, points.z)
         axis = axis + rest
         if abs(rest.offset) + abs(rest.tilt) * np.ptp(points.z) < SETTLED * fit.mean[0]:
             break
     return axis.seen_from(points), axis
+
+
+def refuse_outside(points: SurveyPoints) -> None:
+    """Refuse radii about an axis that is nowhere near the middle of the part."""
+    axis = rough_axis(points)
+    radius = float(np.median(axis.seen_from(points).value))
+    if points.quantity == "radius" and abs(axis.offset) > FAR * radius:
+        found = f"points whose middle lies {axis}, their median radius being {radius:.4g} m"
+        raise InputError(points.path, found=found, expected="points about the part's axis, or centred = true")
 
 
 def eccentric(fit: SurveyFit, points: SurveyPoints) -> Axis | None:

@@ -11,13 +11,14 @@ from casingfem.errors import InputError
 from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.points import SurveyPoints
-from casingfem.structure.field.survey.robust import robust_weights
-from casingfem.structure.field.survey.stray import significant, stray_points
+from casingfem.structure.field.survey.robust import least_squares, robust_weights
+from casingfem.structure.field.survey.stray import stray_points
 
 _MOST_HARMONICS = 40
 _MARGIN = 0.8  # of the Nyquist harmonic, and of the number of points: what a fit is asked by default
 _WORST_CONDITION = 100.0  # noise is amplified by no more than this
 _WIDEST_GAP_DEG = 90.0
+_MOST_NUMBERS = 5e8  # of points times unknowns: 4 GB, and as much again for a weighted copy
 _LEAST_KEPT = 0.7  # of the points: what a robust fit must keep
 
 
@@ -63,6 +64,11 @@ def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robu
     nyquist = resolved_harmonic(gap)
     n = min(int(_MARGIN * 180.0 / gap), nyquist, _MOST_HARMONICS) if n_max is None else n_max
     d = (0 if heights == 1 else 1 if heights < 4 else 2) if degree is None else degree
+    unknowns = (2 * n + 1) * (d + 1)
+    if len(points) * unknowns > _MOST_NUMBERS:
+        every, expected = math.ceil(len(points) * unknowns / _MOST_NUMBERS), f"{_MOST_NUMBERS / unknowns:,.0f} at most"
+        found = f"{len(points):,} points for {unknowns} unknowns"
+        raise InputError(points.path, found=found, expected=f"{expected}: keep one line in {every}")
     while not (problem := _Problem(points, heights, n, d)).determined(margin=n_max is None):
         if degree is None and d > 0:
             d -= 1
@@ -71,17 +77,13 @@ def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robu
         else:
             expected = f"more points, or less than n_max = {n}, degree = {d}"
             raise InputError(points.path, found=problem.weakness(), expected=expected)
+    whole, design = SurveyFit(*problem.solved(), np.ones(len(points), bool), gap, heights), problem.design(1.0)
     if not robust:
-        whole = SurveyFit(*problem.solved(), np.ones(len(points), bool), gap, heights)
-        design = problem.design(1.0)
         stray = stray_points(design, whole.residual)
-        if stray.any():  # those beside them may have been taken for them: a robust fit knows the candidates
-            weights = robust_weights(lambda w: weighted_residual(design, whole.residual, w), *design.shape)
-            stray = significant(design, whole.residual, stray | (weights == 0.0))
         if not stray.any() or not _Problem(points.at(~stray), heights, n, d).determined(margin=False):
             return whole
         return whole._replace(stray=stray, without=problem.solved((~stray).astype(float))[0])
-    weights = robust_weights(lambda w: problem.solved(w)[2], *problem.design(1.0).shape)
+    weights = robust_weights(design, whole.residual)
     kept = weights > 0.0
     if np.mean(kept) < _LEAST_KEPT:
         found = f"{np.sum(~kept)} of {len(points)} points far off any smooth surface"
@@ -91,12 +93,6 @@ def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robu
         found = f"{np.sum(~kept)} points set aside, and too few left where they were"
         raise InputError(points.path, found=found, expected=f"points enough for n_max = {n}, degree = {d}")
     return SurveyFit(*problem.solved(weights), kept, remaining.coverage()[0], heights)
-
-
-def weighted_residual(design: FloatArray, values: FloatArray, weights: FloatArray) -> FloatArray:
-    """What a weighted fit leaves of values."""
-    root = np.sqrt(weights)
-    return np.asarray(values - design @ np.linalg.lstsq(root[:, None] * design, root * values, rcond=None)[0])
 
 
 def _check_coverage(points: SurveyPoints, gap: float, n_max: int | None, degree: int | None) -> None:
@@ -156,9 +152,8 @@ class _Problem:
         """Fit r = alpha + beta z + c(z) f, c being the cone itself: linear, repeated until c stands."""
         value, trend = self.points.value, self.mean_columns.shape[1]
         cone = np.full(len(self.points), np.median(value))
-        root = np.ones(len(value)) if weights is None else np.sqrt(weights)
         for _ in range(20):
-            x = np.asarray(np.linalg.lstsq(root[:, None] * self.design(cone), root * value, rcond=None)[0], np.float64)
+            x = least_squares(self.design(cone), value, weights)
             alpha, beta = x[:trend], x[trend:]
             last, cone = cone, np.full_like(cone, alpha[0]) if self.tapered else self.mean_columns @ alpha
             if np.max(np.abs(cone - last)) <= 1e-14 * alpha[0]:

@@ -8,14 +8,14 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from casingfem.errors import InputError
+from casingfem.errors import InputError, warn
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 from casingfem.io.strict_csv import StrictCsv, read
 
 Quantity: TypeAlias = Literal["radius", "thickness"]
 
 _THETA = {"theta_deg": np.pi / 180.0, "theta_rad": 1.0}
-_Z = {"z_m": 1.0, "z_mm": 1e-3}
+_X, _Y, _Z = ({f"{axis}_m": 1.0, f"{axis}_mm": 1e-3} for axis in "xyz")
 _RADIUS = {"radius_m": 1.0, "radius_mm": 1e-3}
 _THICKNESS = {"thickness_m": 1.0, "thickness_mm": 1e-3}
 _PLAUSIBLE: dict[Quantity, tuple[float, float]] = {"radius": (5e-3, 50.0), "thickness": (1e-5, 0.5)}
@@ -64,12 +64,12 @@ class SurveyPoints:
     def rings(self) -> IntArray:
         """Number the heights from the lowest: points within half a millimetre share a ring; (points,)."""
         order = np.argsort(self.z, kind="stable")
-        ring = np.zeros(len(self), np.int64)
-        count, start = 0, self.z[order[0]]
-        for point in order:
-            if self.z[point] - start > _SAME_HEIGHT:
-                count, start = count + 1, self.z[point]
-            ring[point] = count
+        high, first = self.z[order], np.zeros(len(self), np.int64)
+        at = 0
+        while (at := int(np.searchsorted(high, high[at] + _SAME_HEIGHT, side="right"))) < len(self):
+            first[at] = 1
+        ring = np.empty(len(self), np.int64)
+        ring[order] = np.cumsum(first)
         return ring
 
     def coverage(self) -> tuple[float, int]:
@@ -100,40 +100,49 @@ def largest_gap_deg(theta: FloatArray) -> float:
 
 
 def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
-    """Read theta, z and radius (or thickness) from a survey CSV with units in the column names.
+    """Read a survey CSV with units in the column names: theta, z and radius (or thickness), or x, y and z.
+
+    Without a column of radii these are sqrt(x^2 + y^2). Other columns are left out.
+
+    Warns
+    -----
+    ModelWarning
+        `survey-columns`: the columns that were left out.
 
     Raises
     ------
     InputError
-        Malformed tables (see strict_csv), missing, unknown or unit-less columns, values
+        Malformed tables (see strict_csv), missing or unit-less columns, values
         that are not positive, values that look like another unit than the column's.
     """
     table = read(path)
-    theta_name, theta_scale = _column(table, _THETA)
-    z_name, z_scale = _column(table, _Z)
-    value_name, value_scale = _column(table, _RADIUS | _THICKNESS)
-    for name in table.header:
-        if name not in (theta_name, z_name, value_name):
-            expected = f"only {theta_name}, {z_name} and {value_name}"
-            raise InputError(
-                table.path, line=table.header_line, column=name, found="an unknown column", expected=expected
-            )
-    quantity: Quantity = "radius" if value_name in _RADIUS else "thickness"
-    theta, z = table.numbers(theta_name), table.numbers(z_name)
-    value = table.numbers(value_name)
+    z, z_name = _numbers(table, _Z)
+    flat = set(table.header) & (_X.keys() | _Y.keys())
+    if flat:
+        (x, x_name), (y, y_name) = _numbers(table, _X), _numbers(table, _Y)
+        theta, taken = np.arctan2(y, x) % (2.0 * np.pi), {x_name, y_name, z_name}
+    else:
+        theta, theta_name = _numbers(table, _THETA)
+        _check_angle_unit(table, theta_name, theta)
+        taken = {theta_name, z_name}
+    if flat and not set(table.header) & (_RADIUS.keys() | _THICKNESS.keys()):
+        value, value_name = np.hypot(x, y), x_name
+    else:
+        value, value_name = _numbers(table, _RADIUS | _THICKNESS)
+    quantity: Quantity = "thickness" if value_name in _THICKNESS else "radius"
     for row in np.flatnonzero(value <= 0.0)[:1]:
-        raise table.refuse(row=row, column=value_name, found=f"{value[row]:g}", expected="a value > 0")
-    _check_angle_unit(table, theta_name, theta)
-    _check_length_unit(table, value_name, quantity, float(np.median(value)) * value_scale)
-    _check_height_unit(table, z_name, z * z_scale, float(np.median(value)) * value_scale, quantity)
-    return SurveyPoints(
-        theta=theta * theta_scale,
-        z=z * z_scale,
-        value=value * value_scale,
-        quantity=quantity,
-        path=table.path,
-        card=table.card,
-    )
+        raise table.refuse(row=row, column=value_name, found=table.cells[value_name][row], expected="a value > 0")
+    _check_length_unit(table, value_name, quantity, float(np.median(value)))
+    _check_height_unit(table, z_name, z, float(np.median(value)), quantity)
+    if rest := [name for name in table.header if name not in taken | {value_name}]:
+        warn("survey-columns", f"{table.path}: {', '.join(rest)}", stacklevel=4)
+    return SurveyPoints(theta=theta, z=z, value=value, quantity=quantity, path=table.path, card=table.card)
+
+
+def _numbers(table: StrictCsv, choices: dict[str, float]) -> tuple[FloatArray, str]:
+    """The numbers of the one column of a quantity, in rad or m, and its name."""
+    name, scale = _column(table, choices)
+    return table.numbers(name) * scale, name
 
 
 def _column(table: StrictCsv, choices: dict[str, float]) -> tuple[str, float]:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.field.survey.points import SurveyPoints
@@ -16,7 +15,24 @@ EXACT = 1e-12  # relative: residuals below this are round-off
 HUBER_STEPS, MOST_STEPS = 30, 90
 
 
-def robust_weights(residual_of: Callable[[FloatArray], FloatArray], points: int, unknowns: int) -> FloatArray:
+def least_squares(design: FloatArray, values: FloatArray, weights: FloatArray | None = None) -> FloatArray:
+    """Coefficients (unknowns,) of the weighted fit of values (points,) by the columns of a design (points, unknowns).
+
+    By the normal matrix, whose condition a survey's fit is checked for, and one step of refinement: for a scan of many
+    points a tenth of the time of orthogonal factors.
+    """
+    scaled = design if weights is None else design * np.sqrt(weights)[:, None]
+    right = design if weights is None else design * weights[:, None]
+    try:
+        factor = cho_factor(scaled.T @ scaled)
+    except LinAlgError:  # weights may leave too few points
+        root = np.ones(len(values)) if weights is None else np.sqrt(weights)
+        return np.asarray(np.linalg.lstsq(scaled, root * values, rcond=None)[0])
+    x = cho_solve(factor, right.T @ values)
+    return np.asarray(x + cho_solve(factor, right.T @ (values - design @ x)))
+
+
+def robust_weights(design: FloatArray, values: FloatArray) -> FloatArray:
     """Weights (points,) by iterated least squares: Huber's first, then Tukey's bisquare, which may reach 0.
 
     Scale: 1.4826 med |r|, raised by sqrt(points/(points - unknowns)) for what the fit itself takes out. Huber's problem
@@ -25,13 +41,14 @@ def robust_weights(residual_of: Callable[[FloatArray], FloatArray], points: int,
 
     Parameters
     ----------
-    residual_of
-        Residuals (points,) of the fit with given weights.
+    design, values
+        Columns (points, unknowns) of the fit, and what they fit (points,).
     """
+    points, unknowns = design.shape
     weights = np.ones(points)
     lost = np.sqrt(points / max(points - unknowns, 1))
     for step in range(MOST_STEPS):
-        residual = np.abs(residual_of(weights))
+        residual = np.abs(values - design @ least_squares(design, values, weights))
         u = residual / max(NORMAL * lost * float(np.median(residual)), EXACT)
         soft = np.minimum(1.0, HUBER / np.maximum(u, HUBER))
         new = soft if step < HUBER_STEPS else np.maximum(1.0 - (u / BISQUARE) ** 2, 0.0) ** 2

@@ -7,15 +7,43 @@ from scipy.stats import t as student
 
 from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.structure.field.survey.points import SurveyPoints
+from casingfem.structure.field.survey.robust import least_squares, robust_weights
 
 LEVEL = 0.01  # chance of a false alarm in a survey without stray points
 SHARE = 0.1  # of the points at most
+SEARCHED = 2000  # points: of more, a search for one after the other takes minutes
 FREE = 5  # degrees of freedom that must be left
 SURE = 5.0  # standard deviations: of what two passes differ by
 FEW = 12  # places measured twice, below which nothing is said
 
 
 def stray_points(design: FloatArray, residual: FloatArray) -> BoolArray:
+    """Which points contradict all others beyond chance, (points,), by the design and the residuals of a plain fit."""
+    if len(residual) > SEARCHED:
+        return beyond(design, residual, robust_weights(design, residual) > 0.0)
+    stray = shifted_points(design, residual)
+    if stray.any():  # those beside them may have been taken for them: a robust fit knows the candidates
+        stray = significant(design, residual, stray | (robust_weights(design, residual) == 0.0))
+    return stray
+
+
+def beyond(design: FloatArray, residual: FloatArray, kept: BoolArray) -> BoolArray:
+    """Which points lie off the fit of those kept, (points,), by more than chance puts one of all points.
+
+    For scans: with many points to an unknown none bends the fit towards itself. Student's t of a point that took no
+    part, t = r/(s sqrt(1 + x^T (X^T X)^-1 x)).
+    """
+    own, free = design[kept], int(kept.sum()) - design.shape[1]
+    left = residual - design @ least_squares(own, residual[kept])
+    out = np.flatnonzero(~kept)
+    leverage = np.sum(np.linalg.solve(own.T @ own, design[out].T) * design[out].T, axis=0)
+    scale = np.sqrt(np.sum(left[kept] ** 2) / free * (1.0 + leverage))
+    stray = np.zeros(len(residual), bool)
+    stray[out] = (np.abs(left[out]) > student.isf(0.5 * LEVEL / len(residual), free) * scale) & (abs(left[out]) > 1e-9)
+    return stray
+
+
+def shifted_points(design: FloatArray, residual: FloatArray) -> BoolArray:
     """Which points a shift of their own explains beyond chance, (points,); the plain fit stays as it is.
 
     Point i alone off by delta leaves the residual P_ii delta of itself, P = 1 - Q Q^T of the design, and moves all

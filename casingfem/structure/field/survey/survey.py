@@ -14,7 +14,7 @@ from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.field.field import Field
 from casingfem.structure.field.fourier import FourierField, SeriesBehind
-from casingfem.structure.field.survey.axis import Axis, centred_points, eccentric
+from casingfem.structure.field.survey.axis import Axis, centred_points, eccentric, refuse_outside
 from casingfem.structure.field.survey.fit import fit_points, resolved_harmonic
 from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points
 from casingfem.structure.field.survey.robust import pure_error
@@ -86,6 +86,8 @@ class SurveyField(SeriesBehind):
     ) -> SurveyField:
         """Read and fit a survey CSV: theta_deg|theta_rad, z_m|z_mm, radius_m|radius_mm (or thickness).
 
+        Or x_m|x_mm, y_m|y_mm, z_m|z_mm, as measuring machines write them; what other columns hold is left out.
+
         Parameters
         ----------
         n_max : highest harmonic fitted; by default .8 of what the largest gap resolves, at most 40
@@ -141,6 +143,8 @@ class SurveyField(SeriesBehind):
         axis: Axis | None = None
         if centred:
             points, axis = centred_points(points, lambda moved: fit_points(moved, n_max, degree, robust))
+        else:
+            refuse_outside(points)
         fit = fit_points(points, n_max, degree, robust)
         stray = ~fit.kept
         places = zip(np.degrees(points.theta[stray]), points.z[stray], fit.residual[stray], strict=True)

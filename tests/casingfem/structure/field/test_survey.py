@@ -204,7 +204,7 @@ def test_robust_weights_are_those_of_tukeys_bisquare():
     r = r * np.r_[np.ones(40), 5.0]  # one far out, which the median does not see
     u[-1] *= 5.0
     expected = np.where(np.abs(u) < 4.685, (1.0 - (u / 4.685) ** 2) ** 2, 0.0)
-    np.testing.assert_allclose(robust_weights(lambda _: r, 41, 5), expected, rtol=1e-12)
+    np.testing.assert_allclose(robust_weights(np.zeros((41, 5)), r), expected, rtol=1e-12)
     assert expected[-1] == 0.0
     assert 0.0 < expected[-2] < 0.9
 
@@ -277,7 +277,13 @@ BAD = {
     "theta missing": (b"z_m,radius_m\n0,1\n", "expected one column theta_deg or theta_rad"),
     "two radii": (b"theta_deg,z_m,radius_m,radius_mm\n1,0,1,1\n", "found both radius_m and radius_mm"),
     "twice": (b"theta_deg,z_m,z_m,radius_m\n", "line 1, column 'z_m': found this column twice"),
-    "unknown": (b"theta_deg,z_m,radius_m,temp\n1,0,1,1\n", "column 'temp': found an unknown column"),
+    "x alone": (
+        b"x_mm,z_m,point\n500,0,1\n",
+        "line 1: found no such column among x_mm,z_m,point; expected one column y_m",
+    ),
+    "y without unit": (b"x_mm,Y,z_m\n500,0,0\n", "column 'Y': found a column without a known unit"),
+    "x in mm": (b"x_m,y_m,z_m\n500,0,0\n-500,0,0\n0,500,0\n", "median radius of 500 m.* does the column hold x_mm"),
+    "on the axis": (b"x_m,y_m,z_m\n0.5,0,0\n0,0,0\n", "line 3, column 'x_m': found 0; expected a value > 0"),
     "no name": (b"theta_deg,z_m,radius_m,\n1,0,1,\n", "no name for column 4"),
     "no header": (csv_rows().encode(), "found numbers"),
     "semicolons": (b"theta_deg;z_m;radius_m\n0;0,0;1,0\n1;0.0;1.0\n", "line 3: found '0.0' below .* decimal comma"),

@@ -7,6 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import InputError, ModelWarning
+from casingfem.structure.field.survey import fit
 
 MIDDLE, LEAN = 2e-3 + 1e-3j, 1e-3j  # m and m/m, the latter about mid height
 Z = np.array([0.02, 0.12, 0.22])
@@ -67,3 +68,64 @@ def test_a_thickness_has_no_axis():
     theta, z, _ = turned_about(0.0, 0.0)
     with pytest.raises(InputError, match="a wall has no axis"):
         cf.SurveyField.from_points(theta, z, 0.0 * z + 3e-3, quantity="thickness", n_max=4, centred=True)
+
+
+def measured_by_machine(path, place, z, unit="mm", scale=1e3):
+    cells = zip(scale * place.real, scale * place.imag, scale * z, strict=True)
+    rows = [f"P{k},{x:.9g},{y:.9g},{h:.9g},0.01" for k, (x, y, h) in enumerate(cells)]
+    path.write_text(f"# SYNTHETIC\npoint,x_{unit},y_{unit},z_{unit},deviation\n" + "\n".join(rows) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(("unit", "scale"), [("mm", 1e3), ("m", 1.0)])
+def test_points_in_x_y_z_are_those_in_theta_z_radius(tmp_path, unit, scale):
+    theta, z, radius = turned_about(0.0, 0.0)
+    path = measured_by_machine(tmp_path / "machine.csv", radius * np.exp(1j * theta), z, unit, scale)
+    with pytest.warns(ModelWarning, match=r"machine.csv: point, deviation: .*survey-columns"):
+        found = cf.SurveyField.from_csv(path, n_max=12, degree=1)
+    expected = cf.SurveyField.from_points(theta, z, radius, n_max=12, degree=1)
+    np.testing.assert_allclose(found.fit.cos, expected.fit.cos, atol=1e-8)
+    np.testing.assert_allclose(found.fit.sin, expected.fit.sin, atol=1e-8)
+
+
+def test_a_wall_measured_at_x_y_z_has_its_thickness(tmp_path):
+    theta, z, radius = turned_about(0.0, 0.0)
+    thickness = 3e-3 * (1.0 + 0.02 * np.cos(3.0 * theta))
+    cells = np.column_stack([radius * np.cos(theta), radius * np.sin(theta), z, thickness])
+    np.savetxt(tmp_path / "wall.csv", cells, delimiter=",", header="x_m,y_m,z_m,thickness_m", comments="")
+    survey = cf.SurveyField.from_csv(tmp_path / "wall.csv", n_max=6)
+    assert survey.quantity == "thickness"
+    assert survey.fit.amplitude(3) == pytest.approx(0.02, abs=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore:.*survey-columns")
+@pytest.mark.parametrize("corner", [0.3 - 0.1j, 1.8 + 0.7j])
+def test_a_machine_s_origin_may_lie_anywhere(tmp_path, corner):
+    theta, z, radius = turned_about(corner, LEAN)
+    path = measured_by_machine(tmp_path / "machine.csv", radius * np.exp(1j * theta), z, "m", 1.0)
+    with pytest.raises(InputError, match=r"points whose middle lies .* mm off the axis .* or centred = true"):
+        cf.SurveyField.from_csv(path)
+    survey = cf.SurveyField.from_csv(path, n_max=12, degree=1, centred=True)
+    assert abs(survey.axis.offset - corner) < 1e-8
+    assert abs(survey.axis.tilt - LEAN) < 1e-7
+    assert survey.fit.amplitude(2) == pytest.approx(6e-4, abs=2e-8)
+    assert survey.fit.amplitude(8) == pytest.approx(2e-4, abs=2e-8)
+
+
+def test_stray_points_of_a_scan_are_named():
+    """20,000 points: a search for one stray point after the other did not end."""
+    rng = np.random.default_rng(11)
+    theta, z = rng.uniform(0.0, 2.0 * np.pi, 20_000), rng.uniform(0.0, 0.25, 20_000)
+    radius = 0.5 - 0.2 * z + 2e-4 * np.cos(6.0 * theta) + rng.normal(0.0, 5e-6, z.size)
+    off = rng.choice(z.size, 300, replace=False)
+    radius[off] += rng.choice([-1.0, 1.0], off.size) * rng.uniform(6e-5, 2e-3, off.size)
+    with pytest.warns(ModelWarning, match="survey-stray"):
+        survey = cf.SurveyField.from_points(theta, z, radius, n_max=8, degree=1)
+    assert {round(at, 9) for at, _, _ in survey.doubted} == {round(at, 9) for at in np.degrees(theta[off])}
+    assert survey.without.amplitude(6) == pytest.approx(2e-4 / 0.475, rel=1e-2)
+
+
+def test_a_scan_too_large_for_memory_is_refused(monkeypatch):
+    monkeypatch.setattr(fit, "_MOST_NUMBERS", 50_000)
+    with pytest.raises(InputError, match="270 points for 243 unknowns; expected 206 at most: keep one line in 2"):
+        cf.SurveyField.from_points(*turned_about(0.0, 0.0), n_max=40, degree=2)
