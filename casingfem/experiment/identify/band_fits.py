@@ -20,6 +20,7 @@ from casingfem.experiment.identify.poles.pole_selection import select_poles
 from casingfem.experiment.identify.poles.pole_window import Window, floor_of
 from casingfem.experiment.identify.poles.pole_worth import alike_lines, noise_at
 from casingfem.experiment.identify.poles.stabilisation import Stabilisation, stabilise
+from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import Shifted, shifted
 from casingfem.io.arrays import Array, FloatArray
@@ -32,7 +33,7 @@ USUAL_ZETA = 2e-3  # of a picked pole that no stable one is near to
 class Responses(NamedTuple):
     """Lines [Hz], responses (channels, lines), standard deviation of each channel's noise, power of j omega.
 
-    `along` (lines,) and `leak` as in `Window`.
+    `along` (lines,) and `leak` as in `Window`; `places` of channels round a circle, where they are known.
     """
 
     freq: FloatArray
@@ -41,6 +42,7 @@ class Responses(NamedTuple):
     power: int
     along: FloatArray
     leak: float = 0.0
+    places: Places | None = None
 
 
 class BandFits(NamedTuple):
@@ -82,7 +84,7 @@ def fit_bands(
         say("set-ups")
         kind = "complex" if any(fit.window.columns == 2 for fit in fits if fit is not None) else "real"
         whole = replace(_window(data, Band((0, len(data.freq)), (0, len(data.freq)), 0), []), residues=kind)
-        found = shifted(whole, _together(_modes(data, bands, fits)))
+        found = shifted(whole, _together(_modes(data, bands, fits)), data.places)
         data = data._replace(leak=found.leak)
         if found.several and picked is None:
             return BandFits(bands, _aligned_fits(data, bands, found, whole), diagrams, found.shift, found.leak)
@@ -111,9 +113,17 @@ def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Win
         known = np.r_[sigma[nearest], found.sigma_zeta[nearest]]
         white = np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 1e-300)) / fit.raised
         raised = np.maximum(known / white, 1.0) * np.tile(_by_misfit(fit), 2)
-        fit = replace(fit, matching=found.sigma_matching[nearest], seen=found.seen()[nearest])
+        apart = found.apart(nearest[1:], nearest[:-1])
+        fit = replace(fit, matching=found.sigma_matching[nearest], seen=found.seen()[nearest], apart=apart)
+        fit = replace(fit, A=_residues(window, found.modes.residues[nearest]), worth=found.worth[nearest])
         aligned.append(replace(fit, covariance=fit.covariance * np.outer(raised, raised)))
     return aligned
+
+
+def _residues(window: Window, residues: Array) -> FloatArray:
+    """Residues (poles, channels) as those of a fit: where mean frequencies meet, only the set-ups tell them apart."""
+    weighted = residues * window.weight * window.scale**window.power
+    return np.stack([weighted.real, weighted.imag], axis=1)[:, : window.columns]
 
 
 def _by_misfit(fit: PoleFit) -> FloatArray:

@@ -125,7 +125,9 @@ def _merged(fit: PoleFit, modes: list[FoundMode], gone: list[int]) -> list[Found
 
 
 def _distinct(fit: PoleFit, low: int, high: int) -> bool:
-    """Whether two poles differ in frequency or damping by more than chance allows."""
+    """Whether two neighbouring poles differ in frequency or damping by more than chance allows, in any set-up."""
+    if fit.apart[low] > CHANCE:
+        return True
     if fit.freq[high] - fit.freq[low] > 2.0 * max(fit.zeta[low], fit.zeta[high]) * fit.freq[low]:
         return True
     m = len(fit.freq)

@@ -26,6 +26,7 @@ from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.identify.mode_pairs import notes_of, paired, settled
 from casingfem.experiment.identify.poles.bands import find_bands, line_noise
 from casingfem.experiment.identify.poles.stabilisation import join
+from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.suspects import suspected
 from casingfem.experiment.identify.usable import usable
 from casingfem.io.arrays import Array, FloatArray
@@ -96,11 +97,11 @@ def identify(
     frfs, freq, H, power, along, said = usable(frfs, band, form, coherence)
     grid = sensor_grid(frfs, angles, places)
     noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
-    data = Responses(freq, H, noise, power, along)
+    circle = None if angles is None else Circle.of(grid.theta, n_max)
+    data = Responses(freq, H, noise, power, along, places=None if circle is None else _places(grid, circle))
     picked = None if pick is None else _picked(frfs.path, pick, freq)
     found = fit_bands(data, find_bands(freq, H, noise, picked), order, picked, say)
     cores = [core_of(freq, band) for band in found.bands]
-    circle = None if angles is None else Circle.of(grid.theta, n_max)
     modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), circle, keep=picked is not None)
     doublets = paired(modes)
     modes = settled(modes, doublets)
@@ -122,6 +123,13 @@ def identify(
         seconds=time.perf_counter() - started,
         shift=found.shift,
     )
+
+
+def _places(grid: SensorGrid, circle: Circle) -> Places:
+    """Where each channel stands round the circle."""
+    order = np.argsort(grid.channels.ravel())
+    sensor, reference = (each.ravel()[order] for each in np.indices(grid.channels.shape))
+    return Places(grid.theta[sensor], radial_signs(grid)[sensor], reference, circle.orders)
 
 
 def _picked(path: str, pick: ArrayLike, freq: FloatArray) -> FloatArray:

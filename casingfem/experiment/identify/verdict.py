@@ -31,6 +31,7 @@ PEAK = 3.0, 0.5  # peak over the fit's deviation about it, both rms over the cha
 CONFIRM = 6  # channels that confirm each other: of fewer a peak must be higher
 IN_PHASE = 0.6, 0.0  # share of the shape's energy that is in phase
 BESIDE = 3.0, 6, 0.8  # bandwidths to a stronger neighbour; channels below which shapes say nothing; MAC, else
+WITHIN = 0.5  # bandwidths, within which one of the same shape is doubtful however high
 MISFIT = (
     3.0,
     6.0,
@@ -43,7 +44,7 @@ FEW = 0.12, 8  # share of the channels that has the energy: of a local mode; fro
 
 def verdicts(fit: PoleFit, collinearity: list[float]) -> list[tuple[str, bool]]:
     """For each pole of a fit what is doubtful about it, "" where nothing is, and whether it is to be left out."""
-    worth = gains(fit) / penalty(fit.window) if len(fit.freq) else np.zeros(0)
+    worth = np.maximum(gains(fit) / penalty(fit.window), fit.worth) if len(fit.freq) else np.zeros(0)
     found = []
     for pole, phase in enumerate(collinearity):
         reasons = [*_reasons(fit, pole, float(worth[pole]), phase), *_beside(fit, pole)]
@@ -98,10 +99,13 @@ def _beside(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
     misfit = _misfit(fit, pole)
     for other in np.flatnonzero((peaks > peaks[pole]) & (fit.zeta < DAMPED[0])).tolist():
         width = 2.0 * np.sqrt(fit.zeta[pole] * fit.freq[pole] * fit.zeta[other] * fit.freq[other])
-        away = abs(float(fit.freq[pole] - fit.freq[other])) / width
+        gap = abs(float(fit.freq[pole] - fit.freq[other]))
+        away = gap / width
+        skirt = peaks[other] / np.hypot(1.0, gap / (fit.zeta[other] * fit.freq[other]))  # a misfit of it is lower
+        low = away < WITHIN or peaks[pole] < skirt
         mac = abs(np.vdot(shapes[pole], shapes[other])) ** 2
         alike = mac > BESIDE[2] * np.vdot(shapes[pole], shapes[pole]).real * np.vdot(shapes[other], shapes[other]).real
-        if away < BESIDE[0] and (alike or shapes.shape[1] < BESIDE[1]):
+        if away < BESIDE[0] and ((alike and low) or shapes.shape[1] < BESIDE[1]):
             why = "of the same shape" if shapes.shape[1] >= BESIDE[1] else "too few channels to tell their shapes"
             yield f"{away:.1f} bandwidths from the stronger mode at {fit.freq[other]:.2f} Hz, {why}: one mode?", False
             return

@@ -42,7 +42,8 @@ class PoleFit:
     (poles, columns, poles, columns) of the inverse of Phi^T Phi; `tilt` (poles, columns, 2 poles, columns) = Phi^+ D,
     what residues follow when poles move; `spread` (lines, channels) complex, the deviation; `matching` (poles,) the
     standard deviation of ln f from not knowing which peak of a set-up belongs to which mode; `seen` (poles,) the share
-    of the set-ups that have the mode's energy.
+    of the set-ups that have the mode's energy; `apart` (poles - 1,) the chi-squared of neighbours having the same
+    frequency in every one of several set-ups; `worth` (poles,) what each takes there, over what it must.
     """
 
     window: Window
@@ -58,10 +59,25 @@ class PoleFit:
     spread: Array
     matching: FloatArray
     seen: FloatArray
+    apart: FloatArray
+    worth: FloatArray
     converged: bool
 
     def __post_init__(self) -> None:
-        for name in ("freq", "zeta", "A", "covariance", "raised", "gram", "tilt", "spread", "matching", "seen"):
+        for name in (
+            "freq",
+            "zeta",
+            "A",
+            "covariance",
+            "raised",
+            "gram",
+            "tilt",
+            "spread",
+            "matching",
+            "seen",
+            "apart",
+            "worth",
+        ):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
@@ -192,6 +208,8 @@ def _finished(window: Window, at: _State, converged: bool) -> PoleFit:
         spread=at.R[:half] + 1j * at.R[half:],
         matching=np.zeros(m),
         seen=np.ones(m),
+        apart=np.zeros(max(m - 1, 0)),
+        worth=np.zeros(m),
         converged=converged,
     )
 

@@ -8,13 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from casingfem.experiment.identify.setups.around import Around
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.grouping import matched
-from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, Setups, apart, linked
+from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, Setups, apart, linked, squares_at
 from casingfem.experiment.identify.setups.places import places
 from casingfem.io.arrays import BoolArray, FloatArray
 
 MOST, FEWER = 14, 3  # modes that a cluster is taken for; from so many fewer on than were found before
+GROWN = 3.0  # times the usual residues of a mode, that those of a set-up may well be
 WIDER = 2.0  # times the damping of the highest peak: others of the cluster may have that
 
 
@@ -108,9 +110,11 @@ def fit_apart(cluster: Cluster, setups: Setups, freq: FloatArray, zeta: FloatArr
     return apart(cluster.window, setups, freq, zeta, cluster.noise, cluster.span)
 
 
-def fit_again(c: Cluster, setups: Setups, freq: FloatArray, zeta: FloatArray) -> OwnPeaks:
+def fit_again(
+    c: Cluster, setups: Setups, freq: FloatArray, zeta: FloatArray, ridge: FloatArray | None = None
+) -> OwnPeaks:
     """Modes matched as they are, damping in common."""
-    return linked(c.window, setups, freq, zeta, c.noise, c.span)
+    return linked(c.window, setups, freq, zeta, c.noise, c.span, c.apart, ridge)
 
 
 def _linked(c: Cluster, setups: Setups, own: OwnPeaks, shift: float) -> OwnPeaks:
@@ -123,6 +127,34 @@ def _in_common(c: Cluster, setups: Setups, own: OwnPeaks) -> OwnPeaks:
     weight = 1.0 / (own.zeta_variance + 1e-4)
     zeta = np.exp((weight * np.log(own.zeta)).sum(axis=1) / weight.sum(axis=1))
     return fit_again(c, setups, own.freq, zeta)
+
+
+def held(c: Cluster, setups: Setups) -> FloatArray:
+    """Ridge that keeps the residues of each mode to a few times the size that they have in most set-ups, (modes,)."""
+    weighted = c.modes.residues * c.window.weight * c.window.scale**c.window.power
+    sizes = np.array([np.mean(np.abs(weighted[:, channels]) ** 2, axis=1) for channels in setups])
+    return np.asarray(c.noise / (GROWN**2 * np.median(sizes, axis=0) + 1e-300))
+
+
+def rematched(each: ClusterModes, setups: Setups, shift: float, around: Around) -> FloatArray:
+    """Frequencies of a cluster's modes, exchanged in set-ups where the shapes of all tell that they are others."""
+    c, own = each
+    free = fit_apart(c, setups, own.freq, own.zeta[:, 0])
+    better = matched(free, setups, shift, around)
+    order = [(now[:, None] == before).argmax(axis=1) for now, before in zip(better.freq.T, free.freq.T, strict=True)]
+    back = np.argsort(order[0])
+    return np.take_along_axis(own.freq, np.array([each[back] for each in order]).T, axis=0)
+
+
+def worth(each: ClusterModes, setups: Setups) -> FloatArray:
+    """By how much the squares rise without each mode, over what a mode must bring, (modes,)."""
+    c, own = each
+    zeta, kept = own.zeta[:, 0], ~np.eye(len(own.freq), dtype=bool)
+    left = np.array([squares_at(c.window, setups, own.freq[some], zeta[some]) for some in kept])
+    noise = max(own.on_peaks, c.noise)
+    return np.asarray(
+        (left - squares_at(c.window, setups, own.freq, zeta)) / noise / c.cost(0.0, 1, len(setups) + 1, noise)
+    )
 
 
 def leaking(c: Cluster, leak: float) -> Cluster:

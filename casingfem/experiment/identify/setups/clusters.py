@@ -18,16 +18,21 @@ AROUND, LEAST_LINES = 8.0, 40  # damping ratios beyond that, that lines are take
 TOGETHER = 14  # poles in a cluster at most
 MOST_LINES, ON_PEAK = 300, 8  # that a cluster is read from; on its narrowest peak at least
 LAGS = 2  # lines over which a window makes noise alike
+MOST_SHIFTS = 5.0  # usual shifts, that a set-up is off the others at most
 SMOOTH = 40.0  # times the noise that neighbouring lines tell: more is no noise
 
 
 class Cluster(NamedTuple):
-    """Modes near each other, alone in their window: `span` [Hz] they may lie in, variance of an entry by the noise."""
+    """Modes near each other, alone in their window: `span` [Hz] they may lie in, variance of an entry by the noise.
+
+    `apart` is the most that ln f of a set-up may be from the others'.
+    """
 
     modes: Modes
     window: Window
     span: tuple[float, float]
     noise: float
+    apart: float = np.inf
 
     def cost(self, squares: float, modes: int, poles: int, noise: float) -> float:
         """The criterion: squares over the noise of an entry, if that is above the cluster's; a price for each number.
@@ -44,10 +49,12 @@ def clusters(
     setups: Setups,
     most_lines: int = MOST_LINES,
     beyond: tuple[float, float] = REACH,
+    shift: float = np.inf,
 ) -> Iterator[Cluster]:
     """Modes so near each other that one's shifted peaks may be several of them, without all others.
 
-    Of many lines every so many are taken, as long as the narrowest peak keeps enough.
+    Of many lines every so many are taken, as long as the narrowest peak keeps enough. `shift` is what set-ups usually
+    differ by in ln f.
     """
     modes = modes.some(np.argsort(modes.freq.min(axis=1)))
     low, high = modes.freq.min(axis=1), np.maximum.accumulate(modes.freq.max(axis=1))
@@ -72,7 +79,13 @@ def clusters(
         Q = np.linalg.qr(window.residuals())[0]
         left -= Q @ (Q.T @ left)
         noise = _noise((left[: len(mine)] + 1j * left[len(mine) :]).T)
-        yield Cluster(modes.some(members), window, span, max(noise, floor_of(mine) ** 2, 1e-300))
+        yield Cluster(
+            modes.some(members),
+            window,
+            span,
+            max(noise, floor_of(mine) ** 2, 1e-300),
+            max(MOST_SHIFTS * shift, REACH[0]),
+        )
 
 
 def _few_each(members: IntArray, freq: FloatArray) -> list[IntArray]:

@@ -14,6 +14,7 @@ from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import squareform
 
+from casingfem.experiment.identify.setups.around import Around
 from casingfem.experiment.identify.setups.own_shifts import OwnPeaks, Setups
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 
@@ -23,6 +24,7 @@ ALIKE = 3.0  # standard deviations within which they agree
 FEW = 3  # modes that must tell a channel from others
 SIZES = 1.2  # standard deviation of the ln of a mode's size between channels
 DAMPING = 0.02  # of the ln of its damping
+MIXED = 0.1  # standard deviation of a distance over it: modes of a set-up so near have residues of each other
 SWEEPS = 4
 OFTEN = 0.35  # of them, in which channels of one set-up agree at least
 
@@ -61,12 +63,13 @@ def agreement(peaks: Sequence[OwnPeaks]) -> tuple[FloatArray, FloatArray]:
     return (tells & alike).sum(axis=0) / np.maximum(told, 1), told
 
 
-def matched(own: OwnPeaks, setups: Setups, shift: float) -> OwnPeaks:
+def matched(own: OwnPeaks, setups: Setups, shift: float, around: Around | None = None) -> OwnPeaks:
     """The same modes in the same rows: those of alike frequency, damping and size in all set-ups.
 
     Squared differences from the mean of the other set-ups, over what the fits leave uncertain and what set-ups differ
     by (`shift` in ln f), are summed; each set-up in turn takes the order of least sum, from ascending frequencies and
-    from ascending damping. Where `shift` is not known, 0, the order is that of the frequencies.
+    from ascending damping. Where `shift` is not known, 0, the order is that of the frequencies. With `around` the waves
+    that shapes are round a circle count, too.
     """
     if shift == 0.0 or len(setups) == 1:
         return own.ordered([np.argsort(each) for each in own.freq.T], setups)
@@ -76,17 +79,17 @@ def matched(own: OwnPeaks, setups: Setups, shift: float) -> OwnPeaks:
         for _ in range(SWEEPS):
             before = now
             for s in range(len(setups)):
-                best = linear_sum_assignment(_mismatch(now, setups, shift, [s])[0])[1]
+                best = linear_sum_assignment(_mismatch(now, setups, shift, [s], around)[0])[1]
                 if np.any(best != np.arange(len(best))):
                     order = [np.arange(len(best))] * len(setups)
                     now = now.ordered([*order[:s], best, *order[s + 1 :]], setups)
             if now is before:
                 break
-        found.append((float(np.einsum("skk->", _mismatch(now, setups, shift, range(len(setups))))), now))
+        found.append((float(np.einsum("skk->", _mismatch(now, setups, shift, range(len(setups)), around))), now))
     return min(found, key=lambda each: each[0])[1]
 
 
-def matching_sigma(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:
+def matching_sigma(own: OwnPeaks, setups: Setups, shift: float, around: Around | None = None) -> FloatArray:
     """Standard deviations of each mode's mean ln f and ln zeta, as two modes may be exchanged in a set-up, (2, modes).
 
     The odds of an exchange are exp(-rise of the mismatch/2). It moves the mean frequency by the distance over the
@@ -95,7 +98,7 @@ def matching_sigma(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:
     m, count = own.freq.shape
     if m == 1 or count == 1:
         return np.zeros((2, m))
-    cost, logs = _mismatch(own, setups, shift, range(count)), np.log([own.freq, own.zeta])
+    cost, logs = _mismatch(own, setups, shift, range(count), around), np.log([own.freq, own.zeta])
     same = np.einsum("skk->sk", cost)
     rise = cost + cost.swapaxes(1, 2) - same[:, :, None] - same[:, None, :]
     odds = 1.0 / (1.0 + np.exp(np.clip(0.5 * rise, 0.0, 50.0)))
@@ -112,7 +115,7 @@ def matching_sigma(own: OwnPeaks, setups: Setups, shift: float) -> FloatArray:
     return np.asarray(np.sqrt(np.max(odds * moved, axis=3).sum(axis=1)))
 
 
-def _mismatch(own: OwnPeaks, setups: Setups, shift: float, which: Sequence[int]) -> FloatArray:
+def _mismatch(own: OwnPeaks, setups: Setups, shift: float, which: Sequence[int], around: Around | None) -> FloatArray:
     """Cost of each mode of some set-ups (columns) as each mode of the others (rows), (those, modes, modes)."""
     count = np.array([len(c) for c in setups])
     sizes = np.array([np.linalg.norm(own.residues[:, c], axis=1) for c in setups]).T / np.sqrt(count)
@@ -124,5 +127,14 @@ def _mismatch(own: OwnPeaks, setups: Setups, shift: float, which: Sequence[int])
         weight = 1.0 / spread[:, :, others]
         mean, variance = (weight * x[:, :, others]).sum(axis=2) / weight.sum(axis=2), 1.0 / weight.sum(axis=2)
         gap = (mean[:, :, None] - x[:, None, :, s]) ** 2
-        costs.append((gap / (variance[:, :, None] + spread[:, None, :, s])).sum(axis=0))
+        cost = (gap / (variance[:, :, None] + spread[:, None, :, s])).sum(axis=0)
+        costs.append(cost if around is None else cost + _told(own, s) * around.mismatch(own.residues, setups[s]))
     return np.array(costs)
+
+
+def _told(own: OwnPeaks, s: int) -> FloatArray:
+    """How much the shape of each mode counts in a set-up, (modes,): little where it can hardly be told from another."""
+    p, variance = np.log(own.freq[:, s]), own.variance[:, s]
+    gap = (p[:, None] - p) ** 2 + 1e3 * np.eye(len(p))
+    mixed = (variance[:, None] + variance) / np.maximum(gap, 1e-300)
+    return np.asarray(1.0 / (1.0 + mixed.max(axis=1) / MIXED**2))

@@ -85,23 +85,40 @@ def apart(
 
 
 def linked(
-    window: Window, setups: Setups, freq: FloatArray, zeta: FloatArray, noise: float, span: tuple[float, float]
+    window: Window,
+    setups: Setups,
+    freq: FloatArray,
+    zeta: FloatArray,
+    noise: float,
+    span: tuple[float, float],
+    most: float = np.inf,
+    ridge: FloatArray | None = None,
 ) -> OwnPeaks:
-    """Fit modes with damping in common; the rest as in `apart`."""
-    return _fit(_Problem.of(window, setups), freq, zeta, noise, span, common=True)
+    """Fit modes with damping in common; the rest as in `apart`.
+
+    A `ridge` (modes,), the noise over the squared sizes that residues usually have, is added to the squares for each
+    squared residue: where two modes meet in a set-up, theirs would grow against each other.
+
+    ln f of a set-up lies within `most` of the median over the set-ups: where one hardly sees a mode its peak would go
+    to what the neighbours leave.
+    """
+    problem = _Problem.of(window, setups)
+    if ridge is not None:
+        problem = problem._replace(ridge=np.repeat(ridge, window.columns))
+    return _fit(problem, freq, zeta, noise, span, common=True, most=most)
 
 
 def squares_at(window: Window, setups: Setups, freq: FloatArray, zeta: FloatArray) -> float:
     """Sum of squares that modes (modes, setups), (modes,) leave where they are."""
-    q = np.repeat(np.log(zeta)[:, None], freq.shape[1], axis=1)
-    return float(_At.of(_Problem.of(window, setups), np.log(freq), q).squares.sum())
+    problem, q = _Problem.of(window, setups), np.repeat(np.log(zeta)[:, None], freq.shape[1], axis=1)
+    return float((_At.of(problem, np.log(freq), q) if len(freq) else problem).squares.sum())
 
 
 class _Problem(NamedTuple):
     """Data (setups, lines, most channels of one) across the polynomials' basis (lines, terms); 0 where none is.
 
     Both are complex, orthogonal as real columns are, real parts over imaginary ones. `power` has each entry's share of
-    the power, `squares` (setups,) that of each set-up.
+    the power, `squares` (setups,) that of each set-up; `ridge` (modes x columns,) as in `linked`.
     """
 
     window: Window
@@ -110,6 +127,7 @@ class _Problem(NamedTuple):
     data: Array
     power: FloatArray
     squares: FloatArray
+    ridge: FloatArray = np.zeros(1)
 
     @classmethod
     def of(cls, window: Window, setups: Setups) -> _Problem:
@@ -170,14 +188,15 @@ class _At(NamedTuple):
         own, turns = slice(0, m * s), slice(m * s, None)
         gram, cross = products[:, own, own], products[:, own, turns]
         size = np.einsum("gii->g", gram)[:, None, None]
-        inverse = np.linalg.inv(gram + (SINGULAR * size + 1e-300) * np.eye(m * s))
+        inverse = np.linalg.inv(gram + (SINGULAR * size + 1e-300 + problem.ridge) * np.eye(m * s))
         A = inverse @ by_data[:, own]
         both, turned = np.concatenate([A, A], axis=1), by_data[:, turns] - cross.swapaxes(1, 2) @ A
         told = (products[:, turns, turns] - cross.swapaxes(1, 2) @ (inverse @ cross)) * (both @ both.swapaxes(1, 2))
         full = told + np.tile(inverse, (1, 2, 2)) * (turned @ turned.swapaxes(1, 2))
         normal, information = (a.reshape(count, 2 * m, s, 2 * m, s).sum(axis=(2, 4)) for a in (full, told))
         return cls(
-            squares=problem.squares + np.sum(A * (gram @ A - 2.0 * by_data[:, own]), axis=(1, 2)),
+            squares=problem.squares
+            + np.sum(A * (gram @ A + problem.ridge[:, None] * A - 2.0 * by_data[:, own]), axis=(1, 2)),
             residues=A,
             normal=normal,
             information=information,
@@ -197,18 +216,25 @@ def _turned(product: Array, s: int) -> Array:
 
 
 def _fit(
-    problem: _Problem, freq: FloatArray, zeta: FloatArray, noise: float, span: tuple[float, float], *, common: bool
+    problem: _Problem,
+    freq: FloatArray,
+    zeta: FloatArray,
+    noise: float,
+    span: tuple[float, float],
+    *,
+    common: bool,
+    most: float = np.inf,
 ) -> OwnPeaks:
     """Levenberg-Marquardt; each set-up has its own damping of the steps, unless `common`."""
     m, count = freq.shape
     low, high = np.log(span)
     entries = 2 * len(problem.window.freq) * np.array([len(channels) for channels in problem.setups])
-    p, q = np.log(freq), np.repeat(np.log(zeta)[:, None], count, axis=1)
+    p, q = _near_each_other(np.log(freq), most), np.repeat(np.log(zeta)[:, None], count, axis=1)
     at, damping, settled = _At.of(problem, p, q), np.full(count, 1e-3), np.zeros(count, bool)
     for _ in range(STEPS):
         by_freq, by_zeta = (_common_step if common else _own_steps)(at, damping)
         limit = TRUST[0] * np.exp(q)
-        p_new = np.clip(p + np.clip(by_freq, -limit, limit), low, high)
+        p_new = _near_each_other(np.clip(p + np.clip(by_freq, -limit, limit), low, high), most)
         q_new = np.clip(q + np.clip(by_zeta, -TRUST[1], TRUST[1]), np.log(LEAST), np.log(MOST_ZETA))
         new = _At.of(problem, p_new, q_new)
         gain = at.squares - new.squares
@@ -227,6 +253,12 @@ def _fit(
     variance, zeta_variance = (_common_variance if common else _own_variance)(at)
     left = float(np.maximum(at.squares, 0.0).sum()), problem.on_peaks(p, q, at.residues)
     return OwnPeaks(np.exp(p), np.exp(q), noise * variance, noise * zeta_variance, residues, *left)
+
+
+def _near_each_other(p: FloatArray, most: float) -> FloatArray:
+    """Frequencies ln f (modes, setups) moved to within `most` of each mode's median."""
+    middle = np.median(p, axis=1, keepdims=True)
+    return np.clip(p, middle - most, middle + most)
 
 
 def _damped(normal: FloatArray, damping: FloatArray) -> FloatArray:

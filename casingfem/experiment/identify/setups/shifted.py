@@ -14,15 +14,19 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.experiment.identify.poles.pole_window import Window
+from casingfem.experiment.identify.setups.around import Around, Places
 from casingfem.experiment.identify.setups.cluster_modes import (
     ClusterModes,
     fit_again,
     fit_apart,
+    held,
     joined,
     leaking,
     only_peaks,
     read,
     read_all,
+    rematched,
+    worth,
 )
 from casingfem.experiment.identify.setups.cluster_moves import improved
 from casingfem.experiment.identify.setups.clusters import Cluster, clusters
@@ -32,9 +36,11 @@ from casingfem.io.arrays import FloatArray, IntArray
 
 MOST_LINES = 1000  # that a cluster is fitted to last
 TOGETHER = 2e-3, 3.0  # `clusters.REACH` of those fitted last: beyond, neighbours hardly move each other
-PASSES, POLISHES = 3, 3  # of finding modes, and of fitting them beside what their neighbours then are
+PASSES = 3  # of finding modes
+POLISHES = 6  # fits of them beside what their neighbours then are, at most: the last where nothing is left to explain
+EXPLAINED = 2.0  # times the noise, that is left on the peaks of modes that are all found
 FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say whether peaks are shifted at all
-IMPROVED = 2  # of the last fits, that look for better places
+IMPROVED = 2  # of the last fits, that look for better places at least
 CLUSTERS = 12  # that tell which channels are one set-up, at most
 ALIVE = 2.0  # rms of a channel over its noise
 VOTE = 30.0  # of the log-odds for leakage, or for more set-ups, or against, that one cluster may give
@@ -46,7 +52,7 @@ class Shifted(NamedTuple):
     """Modes with own frequencies, the variance of ln f (modes, setups), the channels of each set-up.
 
     `sigma_zeta` (modes,) is the standard deviation of ln zeta, `sigma_matching` (modes,) that of the mean of ln f from
-    not knowing which mode is which in a set-up.
+    not knowing which mode is which in a set-up; `worth` (modes,) what each takes from the squares over what it must.
 
     `leak` is the distance of lines [Hz] over which a Hann window leaks, or 0; `shift` what set-ups differ by in ln f,
     usually; `evidence` twice the ln of the odds against common frequencies.
@@ -56,6 +62,7 @@ class Shifted(NamedTuple):
     variance: FloatArray
     sigma_zeta: FloatArray
     sigma_matching: FloatArray
+    worth: FloatArray
     setups: Setups
     leak: float
     shift: float
@@ -84,6 +91,16 @@ class Shifted(NamedTuple):
         each = np.array([energy[:, channels].sum(axis=1) for channels in self.setups]).T
         return np.asarray(each.sum(axis=1) ** 2 / np.sum(each**2, axis=1) / len(self.setups))
 
+    def apart(self, one: IntArray, other: IntArray) -> FloatArray:
+        """Chi-squared of two modes having the same frequency in every set-up of several channels, (pairs,).
+
+        One channel alone does not tell two modes from one: no other confirms what it shows.
+        """
+        several = [len(channels) > 1 for channels in self.setups]
+        gap = np.log(self.modes.freq[one] / self.modes.freq[other])
+        squares = gap**2 / (self.variance[one] + self.variance[other] + 1e-300)
+        return np.asarray(squares[:, several].sum(axis=1))
+
     def aligned(self, whole: Window) -> Window:
         """The data as they would be if every set-up had the mean frequencies."""
         whole = replace(whole, leak=self.leak)
@@ -92,8 +109,11 @@ class Shifted(NamedTuple):
         return replace(whole, Y=whole.Y + np.concatenate([change.real, change.imag]))
 
 
-def shifted(whole: Window, modes: Modes) -> Shifted:
-    """Read a test of common poles (one set-up) as one of several; `whole` has all lines and channels."""
+def shifted(whole: Window, modes: Modes, places: Places | None = None) -> Shifted:
+    """Read a test of common poles (one set-up) as one of several; `whole` has all lines and channels.
+
+    With `places` of channels round a circle the shapes tell, too, which mode of a set-up is which of the others.
+    """
     alive = np.mean(whole.Y**2, axis=0) > ALIVE**2
     common = list(clusters(whole, modes, [np.arange(len(alive))]))
     damped = DAMPED * float(np.median(modes.zeta))
@@ -138,18 +158,24 @@ def shifted(whole: Window, modes: Modes) -> Shifted:
         counts, before = [len(each.own.freq) for each in own], counts
         if counts == before:
             break
+    looking = True
     for again in range(POLISHES):
-        fitted = improved if again < IMPROVED else _polished
-        near = clusters(replace(whole, leak=leak), modes, setups, MOST_LINES, TOGETHER)
-        last = [fitted(c, setups, damped) for c in near]
+        near = clusters(replace(whole, leak=leak), modes, setups, MOST_LINES, TOGETHER, shift)
+        around = None if places is None or looking else Around.of(places, modes.residues, whole.weight)
+        last = [improved(c, setups, damped) if looking else _polished(c, setups, damped, shift, around) for c in near]
         modes = joined(last)
+        if not looking:
+            break
+        unexplained = any(each.own.on_peaks > EXPLAINED * each.cluster.noise for each in last)
+        looking = again + 1 < (POLISHES - 1 if unexplained else IMPROVED)
     free = [fit_apart(each.cluster, setups, each.own.freq, each.own.zeta[:, 0]) for each in last]
-    matching = np.concatenate([matching_sigma(own, setups, shift) for own in free], axis=1)
+    matching = np.concatenate([matching_sigma(own, setups, shift, around) for own in free], axis=1)
     return Shifted(
         modes=modes,
         variance=np.concatenate([each.own.variance for each in last]),
         sigma_zeta=np.hypot(np.sqrt(np.concatenate([each.own.zeta_variance[:, 0] for each in last])), matching[1]),
         sigma_matching=matching[0],
+        worth=np.concatenate([worth(each, setups) for each in last]),
         setups=setups,
         leak=leak,
         shift=shift,
@@ -168,9 +194,15 @@ def _as_good(fewer: Sequence[ClusterModes], few: Setups, more: Sequence[ClusterM
     return bool(np.sum(np.clip(rise, -VOTE, VOTE)) <= 0.0)
 
 
-def _polished(c: Cluster, setups: Setups, damped: float) -> ClusterModes:
-    """The modes of a cluster on more of its lines."""
-    return ClusterModes(c, only_peaks(c, setups, fit_again(c, setups, c.modes.freq, c.modes.zeta), damped))
+def _polished(c: Cluster, setups: Setups, damped: float, shift: float, around: Around | None) -> ClusterModes:
+    """The modes of a cluster, each of about one size in all set-ups, and of one shape where that tells."""
+    ridge = held(c, setups)
+    own = fit_again(c, setups, c.modes.freq, c.modes.zeta, ridge)
+    if around is not None:
+        freq = rematched(ClusterModes(c, own), setups, shift, around)
+        if np.any(freq != own.freq):
+            own = fit_again(c, setups, freq, own.zeta[:, 0], ridge)
+    return ClusterModes(c, only_peaks(c, setups, own, damped))
 
 
 def _unshifted(common: Sequence[Cluster], modes: Modes, step: float, evidence: float) -> Shifted:
@@ -178,7 +210,7 @@ def _unshifted(common: Sequence[Cluster], modes: Modes, step: float, evidence: f
     gains = [_gain(c, *(_fit_common(leaking(c, by)) for by in (0.0, step))) for c in common if _tells(c, step)]
     nothing, all_of_them = np.zeros(len(modes.zeta)), np.arange(modes.residues.shape[1])
     leak = step if _leaks(gains) else 0.0
-    return Shifted(modes, nothing[:, None], nothing, nothing, [all_of_them], leak, 0.0, evidence)
+    return Shifted(modes, nothing[:, None], nothing, nothing, nothing, [all_of_them], leak, 0.0, evidence)
 
 
 def _spread(count: int, most: int) -> IntArray:

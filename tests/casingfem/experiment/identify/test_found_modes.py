@@ -19,8 +19,10 @@ def mode(freq, **changes):
     return FoundMode(**given | changes)
 
 
-def fit(freq, zeta, covariance, noise=4.0):
-    return SimpleNamespace(freq=np.array(freq), zeta=np.array(zeta), noise=noise, covariance=covariance / noise)
+def fit(freq, zeta, covariance, noise=4.0, apart=0.0):
+    apart = np.full(len(freq) - 1, apart)
+    given = {"noise": noise, "covariance": covariance / noise, "apart": apart}
+    return SimpleNamespace(freq=np.array(freq), zeta=np.array(zeta), **given)
 
 
 def test_two_bands_find_one_mode_within_half_a_half_power_width_and_of_one_shape():
@@ -44,6 +46,20 @@ def test_poles_are_told_apart_beyond_chance(apart, told):
     assert _distinct(two, 0, 1) is told
     far = fit([100.0, 110.1 if told else 109.9], [0.02, 0.05], 1e9 * covariance)  # twice the wider half-width
     assert _distinct(far, 0, 1) is told
+
+
+def test_poles_whose_means_meet_are_told_apart_by_their_set_ups():
+    """Differences of (1, -1) and (3, 4) sigma in two set-ups: chi-squared 2 and 25."""
+    sigma = 1e-4
+    logs = np.array([[0.0, 0.0], [1.0, -1.0], [4.0, 3.0]]) * sigma
+    setups, half = [np.array([0, 2]), np.array([1, 3])], np.full((3, 2), 0.5 * sigma**2)
+    chi = shifted(100.0 * np.exp(logs), half, 1e-3, setups).apart(np.array([1, 2]), np.array([0, 1]))
+    np.testing.assert_allclose(chi, [2.0, 25.0], rtol=1e-9)
+    alone = shifted(100.0 * np.exp(logs), half, 1e-3, [np.array([0]), np.array([1, 2])])  # one channel tells nothing
+    np.testing.assert_allclose(alone.apart(np.array([1]), np.array([0])), 1.0, rtol=1e-9)
+    same = [100.0, 100.0], [0.01, 0.01], 1e9 * np.eye(4)
+    assert not _distinct(fit(*same, apart=0.999 * CHANCE), 0, 1)
+    assert _distinct(fit(*same, apart=1.001 * CHANCE), 0, 1)
 
 
 def test_a_common_pole_is_the_weighted_mean_of_two():
@@ -78,7 +94,7 @@ def test_which_neighbours_are_put_into_one():
 def shifted(freq, variance, shift, setups, residues=None):
     modes = SimpleNamespace(freq=np.array(freq), residues=residues)
     nothing = np.zeros(len(freq))
-    return Shifted(modes, np.array(variance), nothing, nothing, setups, 0.0, shift, 1.0)
+    return Shifted(modes, np.array(variance), nothing, nothing, nothing, setups, 0.0, shift, 1.0)
 
 
 def test_the_mean_over_set_ups_weighs_them_by_what_they_know():

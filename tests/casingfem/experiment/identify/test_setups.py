@@ -67,7 +67,9 @@ def test_a_mode_that_few_setups_show_is_not_sure():
     residues = np.array([[1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 1.0, 0.0]], complex)
     modes = Modes(np.full((2, 4), 100.0), np.full(2, 4e-3), residues)
     nothing = np.zeros(2)
-    found = Shifted(modes, np.zeros((2, 4)), nothing, nothing, [np.array([k]) for k in range(4)], 0.0, 1e-3, 1.0)
+    found = Shifted(
+        modes, np.zeros((2, 4)), nothing, nothing, nothing, [np.array([k]) for k in range(4)], 0.0, 1e-3, 1.0
+    )
     np.testing.assert_allclose(found.seen(), [1.0, 0.25])
     lines = np.arange(95.0, 105.0, 0.05)
     H = 100.0**2 / (100.0**2 - lines**2 + 2j * 4e-3 * 100.0 * lines)

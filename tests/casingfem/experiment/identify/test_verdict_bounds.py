@@ -91,7 +91,7 @@ def test_peaks_narrower_than_the_lines(monkeypatch):
     assert reasons(monkeypatch, lines=0.5, freq=0.11)[0] == ("frequency uncertain by 0.11 of a line", False)
 
 
-def beside(monkeypatch, *, away=1.0, mac=1.0, channels=8, size=0.5, misfit=1.0, zeta=0.01, complex_residues=True):
+def beside(monkeypatch, *, away=1.0, mac=1.0, channels=8, size=0.15, misfit=1.0, zeta=0.01, complex_residues=True):
     """A pole at 100 Hz and a stronger neighbour, `away` bandwidths above, `size` times as high a peak."""
     first = np.zeros(channels)
     first[0] = 1.0
@@ -118,7 +118,10 @@ def test_a_peak_beside_a_stronger_one_of_its_shape(monkeypatch, complex_residues
     assert not out
     assert beside(monkeypatch, away=3.01, mac=0.81, **given) == []
     assert beside(monkeypatch, away=2.99, mac=0.79, **given) == []
-    assert beside(monkeypatch, away=2.99, mac=0.81, size=1.01, **given) == []
+    assert beside(monkeypatch, away=2.99, mac=0.81, size=0.17, **given) == []  # above its skirt, 1/6.06 of its peak
+    assert beside(monkeypatch, away=0.51, mac=0.81, size=0.8, **given) == []
+    assert beside(monkeypatch, away=0.49, mac=0.81, size=0.99, **given) != []
+    assert beside(monkeypatch, away=0.49, mac=0.81, size=1.01, **given) == []
     assert "too few channels to tell" in beside(monkeypatch, away=2.99, mac=0.0, channels=5, **given)[0][0]
     assert beside(monkeypatch, away=2.99, mac=0.0, channels=6, **given) == []
     assert beside(monkeypatch, away=0.5, zeta=0.0599, size=0.1, **given) != []
