@@ -38,7 +38,7 @@ MOST_LINES = 1000  # that a cluster is fitted to last
 TOGETHER = 2e-3, 3.0  # `clusters.REACH` of those fitted last: beyond, neighbours hardly move each other
 PASSES = 3  # of finding modes
 POLISHES = 6  # fits of them beside what their neighbours then are, at most: the last where nothing is left to explain
-EXPLAINED = 2.0  # times the noise, that is left on the peaks of modes that are all found
+EXPLAINED = 2.0, 10.0  # times the noise, that is left on the peaks of modes all found; the noise, times that
 FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say whether peaks are shifted at all
 IMPROVED = 2  # of the last fits, that look for better places at least
 CLUSTERS = 12  # that tell which channels are one set-up, at most
@@ -163,11 +163,11 @@ def shifted(whole: Window, modes: Modes, places: Places | None = None) -> Shifte
         near = clusters(replace(whole, leak=leak), modes, setups, MOST_LINES, TOGETHER, shift)
         around = None if places is None or looking else Around.of(places, modes.residues, whole.weight)
         last = [improved(c, setups, damped) if looking else _polished(c, setups, damped, shift, around) for c in near]
-        modes = joined(last)
+        before, modes = len(modes.zeta), joined(last)
         if not looking:
             break
-        unexplained = any(each.own.on_peaks > EXPLAINED * each.cluster.noise for each in last)
-        looking = again + 1 < (POLISHES - 1 if unexplained else IMPROVED)
+        changed = before != len(modes.zeta) or any(_unsettled(each) for each in last)
+        looking = again + 1 < (POLISHES - 1 if changed else IMPROVED)
     free = [fit_apart(each.cluster, setups, each.own.freq, each.own.zeta[:, 0]) for each in last]
     matching = np.concatenate([matching_sigma(own, setups, shift, around) for own in free], axis=1)
     return Shifted(
@@ -203,6 +203,12 @@ def _polished(c: Cluster, setups: Setups, damped: float, shift: float, around: A
         if np.any(freq != own.freq):
             own = fit_again(c, setups, freq, own.zeta[:, 0], ridge)
     return ClusterModes(c, only_peaks(c, setups, own, damped))
+
+
+def _unsettled(each: ClusterModes) -> bool:
+    """Whether a cluster's modes leave more than the noise, or much less: then that of its neighbours was no noise."""
+    c, own = each
+    return bool(own.on_peaks > EXPLAINED[0] * c.noise or c.noise > EXPLAINED[1] * own.on_peaks)
 
 
 def _unshifted(common: Sequence[Cluster], modes: Modes, step: float, evidence: float) -> Shifted:
