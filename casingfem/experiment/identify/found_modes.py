@@ -17,6 +17,7 @@ from casingfem.io.arrays import Array, FloatArray
 
 BALANCE = 0.2  # least `balance` of a shape that is two
 CHANCE = 25.0  # chi-squared, two degrees of freedom, below which two poles are not told apart
+CANCEL = 0.1  # of the residues of two neighbours, that is left of their sum
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -130,12 +131,19 @@ def _distinct(fit: PoleFit, low: int, high: int) -> bool:
         return True
     if fit.freq[high] - fit.freq[low] > 2.0 * max(fit.zeta[low], fit.zeta[high]) * fit.freq[low]:
         return True
+    if _left_of(fit, low, high) < CANCEL:
+        return False  # a double pole: of how far apart they are and how large, the data tell the product alone
     m = len(fit.freq)
     change = np.zeros((2, 2 * m))
     change[[0, 1], [low, m + low]], change[[0, 1], [high, m + high]] = -1.0, 1.0
     gap = change @ np.log(np.r_[fit.freq, fit.zeta])
     covariance = fit.noise * change @ fit.covariance @ change.T
     return bool(gap @ np.linalg.solve(covariance, gap) > CHANCE)
+
+
+def _left_of(fit: PoleFit, low: int, high: int) -> float:
+    """What is left of the residues of two poles in their sum."""
+    return float(np.linalg.norm(fit.A[low] + fit.A[high]) / (np.linalg.norm(fit.A[low]) + np.linalg.norm(fit.A[high])))
 
 
 def _one_of(fit: PoleFit, modes: list[FoundMode], low: int, high: int) -> FoundMode:
@@ -148,7 +156,8 @@ def _one_of(fit: PoleFit, modes: list[FoundMode], low: int, high: int) -> FoundM
         gap = np.sqrt(np.array([-1.0, 1.0]) @ covariance @ np.array([-1.0, 1.0]))
         values.append((float(np.exp(weights @ logs[[low, high]] / weights.sum())), 1.0 / np.sqrt(weights.sum()), gap))
     (freq, sigma, gap), (zeta, sigma_zeta, _) = values
-    bound = float(np.log(fit.freq[high] / fit.freq[low]) + 2.0 * gap)
+    left = _left_of(fit, low, high)
+    bound = float(np.log(fit.freq[high] / fit.freq[low]) / (left if left < CANCEL else 1.0) + 2.0 * gap)
     stronger = modes[low] if modes[low].signal > modes[high].signal else modes[high]
     one = replace(stronger, freq=freq, sigma_freq=float(freq * sigma), zeta=zeta, sigma_zeta=float(zeta * sigma_zeta))
     return replace(without_antinode(replace(one, split_bound=bound)), unresolved=True)

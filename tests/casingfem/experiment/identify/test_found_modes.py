@@ -21,7 +21,7 @@ def mode(freq, **changes):
 
 def fit(freq, zeta, covariance, noise=4.0, apart=0.0):
     apart = np.full(len(freq) - 1, apart)
-    given = {"noise": noise, "covariance": covariance / noise, "apart": apart}
+    given = {"noise": noise, "covariance": covariance / noise, "apart": apart, "A": np.ones((len(freq), 2, 3))}
     return SimpleNamespace(freq=np.array(freq), zeta=np.array(zeta), **given)
 
 
@@ -44,6 +44,9 @@ def test_poles_are_told_apart_beyond_chance(apart, told):
     change = apart * np.sqrt(CHANCE / size) * step
     two = fit([100.0, 100.0 * np.exp(change[0])], [0.05, 0.05 * np.exp(change[1])], covariance)
     assert _distinct(two, 0, 1) is told
+    for last, cancel in ((-0.8, False), (-0.83, True)):  # of their residues 0.111 and 0.093 are left
+        two.A[1] = last
+        assert _distinct(two, 0, 1) is (told and not cancel)
     far = fit([100.0, 110.1 if told else 109.9], [0.02, 0.05], 1e9 * covariance)  # twice the wider half-width
     assert _distinct(far, 0, 1) is told
 
