@@ -14,9 +14,11 @@ from casingfem.experiment.identify.poles.bands import line_noise
 from casingfem.experiment.identify.poles.pole_fit import PoleFit
 from casingfem.experiment.identify.poles.pole_worth import (
     NARROW,
+    WIDE,
     cut_off,
     gains,
     has_skirts,
+    lines_high,
     lines_of,
     near,
     noise_at,
@@ -69,6 +71,8 @@ def _reasons(fit: PoleFit, pole: int, worth: float, phase: float) -> Iterator[tu
         yield f"frequency uncertain by {freq:.2g} of {'a line' if narrow else 'its bandwidth'}", freq > FREQ[1]
     if narrow and not has_skirts(fit, pole):
         yield f"bandwidth of {lines:.2g} lines, no skirts beyond the nearest: hum?", True
+    elif narrow and (high := lines_high(fit, pole)) >= WIDE:
+        yield f"damping: {high} lines have half the peak's power, one explains it best: noise on the peak?", False
     elif narrow:
         yield (
             f"damping: narrower than the lines ({lines:.2g}), below {100.0 * zeta * (1.0 + 2.0 * damping):.2g} %",

@@ -10,6 +10,7 @@ from casingfem.io.arrays import Array, FloatArray
 
 NARROW = 1.0  # lines in a half-power bandwidth, below which skirts tell a peak, nothing its damping
 SKIRT = 1.5, 3  # lines from a narrow pole, where its skirts begin; lines of a skirt on either side at least
+BESIDE, WIDE = 2, 3  # lines from a narrow pole to its peak; lines of half the peak's power, that no narrow one has
 LOCAL = 5.0, 12  # about a pole: half-power half-widths, lines at least
 
 
@@ -40,15 +41,29 @@ def has_skirts(fit: PoleFit, pole: int) -> bool:
     return bool(gains(fit_poles(window.cut(kept), fit.freq, fit.zeta, steps=0))[pole] > penalty(window))
 
 
+def lines_high(fit: PoleFit, pole: int) -> int:
+    """Lines next to each other about a pole on which the data have half the power of their highest, or more."""
+    power = np.sum(np.abs(fit.window.as_complex) ** 2, axis=1)
+    at = int(np.abs(fit.window.freq - fit.freq[pole]).argmin())
+    low = max(at - BESIDE, 0)
+    top = low + int(power[low : at + BESIDE + 1].argmax())
+    below = np.flatnonzero(power < 0.5 * power[top])
+    ends = np.r_[-1, below, len(power)]
+    k = int(np.searchsorted(ends, top))
+    return int(ends[k] - ends[k - 1] - 1)
+
+
 def cut_off(fit: PoleFit, pole: int) -> tuple[float, float]:
     """Standard deviations of ln f and zeta as the record ends before the mode does.
 
     Of a mode's ring exp(-pi B/step) is left at the end of a record 1/step long, B its half-power bandwidth; without it
-    one only knows that the peak lies between two lines, and that B is below their distance.
+    one only knows that the peak lies between two lines, and that B is below their distance; or, where more lines are as
+    high, that noise on them hides it.
     """
     ratio, lines = float(fit.window.freq[1] - fit.window.freq[0]) / fit.freq[pole], lines_of(fit)[pole]
     left = float(np.exp(-np.pi * lines))
-    return float(ratio * left / np.sqrt(12.0)), float(0.5 * ratio * left)
+    high = lines_high(fit, pole) if lines < NARROW else 1
+    return float(ratio * left / np.sqrt(12.0)), float(0.5 * ratio * left * (high if high >= WIDE else 1))
 
 
 def near(fit: PoleFit, pole: int) -> Array:

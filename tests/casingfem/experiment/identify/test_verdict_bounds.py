@@ -6,11 +6,19 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.identify import verdict
-from casingfem.experiment.identify.poles.pole_worth import alike_lines, cut_off, lines_of, near, noise_at, penalty
+from casingfem.experiment.identify.poles.pole_worth import (
+    alike_lines,
+    cut_off,
+    lines_high,
+    lines_of,
+    near,
+    noise_at,
+    penalty,
+)
 
 SURE = {
     "freq": 1e-9, "damping": 1e-9, "cut": 0.0, "lines": 5.0, "zeta": 0.01, "worth": 99.0, "ratio": 9.0, "phase": 1.0,
-    "seen": 1.0, "channels": 8, "alike": 8, "skirts": True,
+    "seen": 1.0, "channels": 8, "alike": 8, "skirts": True, "high": 1,
 }  # fmt: skip
 
 
@@ -28,6 +36,7 @@ def reasons(monkeypatch, **changes):
     )  # fmt: skip
     stubs = {
         "lines_of": np.array([lines]), "cut_off": (0.0, told["cut"] * zeta), "has_skirts": told["skirts"],
+        "lines_high": told["high"],
         "noise_at": 0.5 * (1.2**2 / (2.0 * zeta) / told["ratio"]) ** 2,
     }  # fmt: skip
     for name, value in stubs.items():
@@ -88,6 +97,12 @@ def test_peaks_narrower_than_the_lines(monkeypatch):
     assert (text, out) == ("damping: narrower than the lines (0.99), below 1.2 %", False)
     ((text, out),) = reasons(monkeypatch, lines=0.99, skirts=False)
     assert (text, out) == ("bandwidth of 0.99 lines, no skirts beyond the nearest: hum?", True)
+    assert reasons(monkeypatch, lines=0.99, damping=0.1, high=2)[0][0].startswith("damping: narrower than the lines")
+    ((text, out),) = reasons(monkeypatch, lines=0.1, high=3)
+    assert (text, out) == (
+        "damping: 3 lines have half the peak's power, one explains it best: noise on the peak?",
+        False,
+    )
     assert reasons(monkeypatch, lines=0.5, freq=0.11)[0] == ("frequency uncertain by 0.11 of a line", False)
 
 
@@ -141,7 +156,13 @@ def test_a_peak_where_the_fit_leaves_more_than_noise(monkeypatch):
 def noisy(spread, *, zeta=0.01, freq=50.0, noise=1e-9, step=1.0):
     lines = step * np.arange(len(spread))
     window = SimpleNamespace(
-        freq=lines, Y=np.zeros((2 * len(spread), spread.shape[1])), columns=2, floor=0.0, power=0, scale=1.0
+        freq=lines,
+        Y=np.zeros((2 * len(spread), spread.shape[1])),
+        columns=2,
+        floor=0.0,
+        power=0,
+        scale=1.0,
+        as_complex=(lines == 50.0 * step)[:, None] * np.ones(spread.shape, complex),
     )
     return SimpleNamespace(spread=spread, freq=np.array([freq]), zeta=np.array([zeta]), noise=noise, window=window)
 
@@ -175,3 +196,19 @@ def test_a_record_that_ends_before_the_mode():
     freq, zeta = cut_off(noisy(np.ones((100, 1)), zeta=0.002), 0)  # 0.2 lines in its bandwidth
     left = np.exp(-np.pi * 0.2)
     assert (freq, zeta) == pytest.approx((left / 50.0 / np.sqrt(12.0), 0.5 * left / 50.0))
+
+
+def test_a_peak_that_is_wider_than_its_fit():
+    """Lines of 0.7, 1, 0.75 and 0.72 of a peak: half the power is 0.707."""
+    seen = noisy(np.ones((100, 1)), zeta=1e-4)
+    seen.window.as_complex[48:54, 0] = [0.3, 0.7, 1.0, 0.75j, -0.72, 0.7]
+    for freq in (48.0, 50.4, 52.0):
+        seen.freq[0] = freq
+        assert lines_high(seen, 0) == 3
+    left = np.exp(-np.pi * lines_of(seen)[0]) / 52.0
+    assert cut_off(seen, 0)[1] == pytest.approx(3.0 * 0.5 * left)
+    seen.window.as_complex[52, 0] = 0.7
+    assert lines_high(seen, 0) == 2
+    assert cut_off(seen, 0)[1] == pytest.approx(0.5 * left)
+    seen.window.as_complex[:] = 1.0
+    assert lines_high(seen, 0) == 100
