@@ -163,10 +163,10 @@ def shifted(whole: Window, modes: Modes, places: Places | None = None) -> Shifte
         near = clusters(replace(whole, leak=leak), modes, setups, MOST_LINES, TOGETHER, shift)
         around = None if places is None or looking else Around.of(places, modes.residues, whole.weight)
         last = [improved(c, setups, damped) if looking else _polished(c, setups, damped, shift, around) for c in near]
-        before, modes = len(modes.zeta), joined(last)
+        many, modes = len(modes.zeta), joined(last)
         if not looking:
             break
-        changed = before != len(modes.zeta) or any(_unsettled(each) for each in last)
+        changed = many != len(modes.zeta) or any(_unsettled(each) for each in last)
         looking = again + 1 < (POLISHES - 1 if changed else IMPROVED)
     free = [fit_apart(each.cluster, setups, each.own.freq, each.own.zeta[:, 0]) for each in last]
     matching = np.concatenate([matching_sigma(own, setups, shift, around) for own in free], axis=1)
