@@ -23,6 +23,7 @@ KINDS: dict[ArrayKind, tuple[str, str]] = {
     "real": ("iuf", "real numbers"),
 }
 ROOM, PACKED = 64e6, 100.0  # bytes that any file may unpack to; beyond, how many times its own size
+LAST = 0x10FFFF  # character of Unicode; numpy makes strings of larger numbers, which no program can print
 HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 DAMAGE = (
     OSError, ValueError, EOFError, SyntaxError, TokenError, RecursionError, MemoryError, NotImplementedError,
@@ -101,7 +102,13 @@ def _member(archive: ZipFile, info: ZipInfo) -> NDArray[Any]:
             raise ValueError(f"found {info.file_size} bytes, expected those of {dtype} of shape {shape}")
         stream.seek(0)
         array: NDArray[Any] = np.lib.format.read_array(stream, allow_pickle=False)
-        return array
+    if (
+        dtype.kind == "U"
+        and array.size
+        and int(array.astype(dtype.newbyteorder("=")).ravel().view(np.uint32).max()) > LAST
+    ):
+        raise ValueError("found characters that are none, expected text")
+    return array
 
 
 def whole(arrays: Mapping[str, NDArray[Any]], name: str) -> int:

@@ -1,12 +1,17 @@
 """Killed sweeps and commands, damaged files, stray points; scenes that diverge, or are mistyped."""
 
 import csv
+import os
+import signal
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+from scipy.sparse import csc_array
 
 from reports.robustness import diverging, file_mutations, stray_points, sweep_kills
+from reports.robustness.sample_files import READERS, write_tests
 from reports.tables import ROOT
 
 
@@ -44,16 +49,21 @@ def test_commands_under_kill_9_leave_the_old_set_or_the_new(tmp_path):
 @pytest.mark.campaign
 def test_damaged_files_end_in_no_traceback(tmp_path):
     rows = file_mutations.main(tmp_path, quick=True)
-    assert len(rows) == 25
+    assert len(rows) == 57
     for row in rows:
         assert (row["mutants"], row["failed"]) == (20, 0)
         assert row["refused"] > 2
 
 
+def unnamed(_):
+    """A reader whose error does not say of which file."""
+    raise OSError("no file")
+
+
 def test_the_judge_of_damaged_files_sees_what_differs(tmp_path):
-    data, name, reader = file_mutations.kinds(tmp_path)["table.csv"]
-    path = tmp_path / name
-    path.write_bytes(data)
+    write_tests(tmp_path)
+    path, reader = tmp_path / "table.csv", READERS["table.csv"]
+    data = path.read_bytes()
     whole = dict(file_mutations.leaves(reader(path)))
     assert file_mutations.judged(reader, path, whole) == ("same", "")
     path.write_bytes(data.replace(b"371.2", b"371.3"))
@@ -61,8 +71,35 @@ def test_the_judge_of_damaged_files_sees_what_differs(tmp_path):
     path.write_bytes(data.replace(b"371.2", b"371,2"))
     assert file_mutations.judged(reader, path, whole) == ("refused", "")
     assert file_mutations.judged(lambda _: {}["x"], path, whole) == ("TRACEBACK", "KeyError: 'x'")
-    damaged = file_mutations.mutants(data, name, 60)
+    assert file_mutations.judged(unnamed, path, whole) == ("TRACEBACK", "OSError: no file")
+    damaged = file_mutations.mutants(data, "table.csv", 60, 1)
     assert len({mutant for _, mutant in damaged}) > 40
+
+
+def test_a_reader_that_hangs_or_dies_is_counted_and_the_rest_goes_on(tmp_path, monkeypatch):
+    """Each in turn of three files: one kills its process, one never ends, one is read."""
+
+    def reader(path):
+        content = path.read_bytes()
+        if content == b"die":
+            os.kill(os.getpid(), signal.SIGKILL)
+        while content == b"hang":
+            pass
+        return content
+
+    (tmp_path / "a.txt").write_bytes(b"whole")
+    monkeypatch.setitem(READERS, "a.txt", reader)
+    monkeypatch.setattr(file_mutations, "SECONDS", 0.3)
+    todo = [("d", b"die"), ("h", b"hang"), ("w", b"whole"), ("o", b"other")]
+    found = list(file_mutations.verdicts(tmp_path, "a.txt", todo))
+    assert [verdict for _, verdict, _ in found] == ["HANG OR DEATH", "HANG OR DEATH", "same", "differs"]
+
+
+def test_matrices_that_differ_are_seen():
+    A = csc_array(np.eye(3))
+    B = csc_array(np.diag([1.0, 2.0, 1.0]))
+    assert dict(file_mutations.leaves([A, A])) != dict(file_mutations.leaves([A, B]))
+    assert dict(file_mutations.leaves([A, B])) != dict(file_mutations.leaves([B, A]))
 
 
 @pytest.mark.slow

@@ -87,6 +87,10 @@ class ScanRecord:
             A file that lacks an array, or is no npz file.
         """
         data = read_npz(path, {"fs", "velocity", "angle", "tones", "card"}, kinds={"card": "text"})
+        dims = {name: data[name].ndim for name in ("fs", "tones", "card")}
+        if dims != {"fs": 0, "tones": 1, "card": 1}:
+            found = ", ".join(f"{name} {data[name].shape}" for name in dims)
+            raise InputError(str(path), found=found, expected="fs, one number, and lists of tones and card")
         return cls(
             fs=float(data["fs"]),
             velocity=data["velocity"],

@@ -71,7 +71,14 @@ class FrfSet:
         for name in ("x", "responses", *PLACES):
             if name == "responses" and self.kind == "time" and np.iscomplexobj(self.responses):
                 raise InputError(self.path, found="a complex time record", expected="real values")
-            array = np.array(getattr(self, name), forms.get(name, np.int64))
+            given = np.asarray(getattr(self, name))
+            if (
+                name in PLACES
+                and given.dtype.kind not in "iu"
+                and not (given.dtype.kind == "f" and np.all(given % 1 == 0))
+            ):
+                raise InputError(self.path, found=f"{name} that are not whole numbers", expected="those of points")
+            array = np.array(given, forms.get(name, np.int64))
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         self._check()

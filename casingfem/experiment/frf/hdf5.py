@@ -12,6 +12,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import PLACES, FrfSet
 from casingfem.extras import remedy
 from casingfem.io.probe import fault_of
+from contact.io.npz import require_kinds
 from contact.io.outfiles import write_atomic
 
 ARRAYS = ("x", "responses", *PLACES)
@@ -39,8 +40,10 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
         if name not in arrays:
             found = f"no data set {name!r}"
             raise InputError(str(path), found=found, expected=f"data sets {', '.join(ARRAYS)}")
-        if not np.issubdtype(arrays[name].dtype, np.number):
-            raise InputError(str(path), found=f"{name} of type {arrays[name].dtype}", expected="numbers")
+    try:
+        require_kinds(arrays, {"responses": "complex"})
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from error
     if "unit" not in attributes:
         raise InputError(str(path), found="no attribute 'unit'", expected="the unit, such as '(m/s^2)/N'")
     card = tuple(str(line) for line in np.atleast_1d(attributes.get("card", ())).tolist())

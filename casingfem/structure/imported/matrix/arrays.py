@@ -13,7 +13,7 @@ from scipy.sparse import csc_array, issparse
 
 from casingfem.errors import ModelError
 from casingfem.extras import remedy
-from casingfem.io.arrays import IntArray
+from casingfem.io.arrays import Array, IntArray
 from casingfem.io.npz import read_npz
 from casingfem.io.probe import fault_of
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
@@ -33,19 +33,40 @@ def read_arrays(path: Path, dofs: IntArray | None) -> MatrixSet:
     found = read(path)
     tables = {name: np.asarray(found.pop(name)) for name in TABLES if name in found}
     square = {name: A for name, A in found.items() if getattr(A, "ndim", 0) == 2 and A.shape[0] == A.shape[1]}
-    roles = roles_of(list(square), path.name)
+    roles = roles_of([name for name, A in square.items() if A.dtype.kind in "iufc"], path.name)
     if dofs is None:
         if "dofs" not in tables:
             raise ModelError("matrix-dofs", f"{path.name}: found no array dofs")
-        dofs = tables["dofs"].astype(np.int64)
-    if dofs.ndim != 2 or dofs.shape[1] != 2:
-        raise ModelError("matrix-dofs", f"{path.name}: dofs have shape {dofs.shape}, expected (n, 2)")
-    nodes = tables.get("nodes", np.zeros((0, 4)))
-    if nodes.ndim != 2 or nodes.shape[1] != 4:
-        raise ModelError("matrix-file", f"{path.name}: nodes have shape {nodes.shape}, expected (k, 4)")
-    matrices = {role: csc_array(square[name], dtype=float) for role, name in roles.items()}
+        dofs = whole_numbers(tables["dofs"], 2, "matrix-dofs", f"{path.name}: dofs").astype(np.int64)
+    nodes = whole_numbers(tables.get("nodes", np.zeros((0, 4))), 4, "matrix-file", f"{path.name}: nodes", numbered=1)
+    matrices = {role: fitting(f"{path.name}: {name}", square[name]) for role, name in roles.items()}
+    if odd := [name for role, name in roles.items() if matrices[role].dtype.kind == "c"]:
+        found = f"{odd[0]} of complex numbers, expected K, M and C, each of real ones"
+        raise ModelError("matrix-file", f"{path.name}: found {found}")
+    K, M, C = (None if role not in matrices else matrices[role].astype(float) for role in "KMC")
     points = {int(row[0]): row[1:] for row in nodes}
-    return MatrixSet(K=matrices["K"], M=matrices["M"], C=matrices.get("C"), dofs=dofs, points=points, source=path.name)
+    return MatrixSet(K=K, M=M, C=C, dofs=dofs, points=points, source=path.name)
+
+
+def whole_numbers(table: Array, width: int, code: str, what: str, numbered: int = 2) -> Array:
+    """A table of finite numbers, the first `numbered` of its columns whole."""
+    if table.ndim != 2 or table.shape[1] != width:
+        raise ModelError(code, f"{what} have shape {table.shape}, expected (n, {width})")
+    if table.dtype.kind not in "iuf" or not np.isfinite(table).all() or np.any(table[:, :numbered] % 1):
+        raise ModelError(code, f"{what}: found {table.dtype}, not all of them finite or whole, expected numbers")
+    return table
+
+
+def fitting(what: str, given: Any, **options: Any) -> csc_array:
+    """A matrix as compressed columns, whose row numbers and starts of columns fit, which scipy leaves for later."""
+    try:
+        if isinstance(given, tuple) and any(part.dtype.kind not in "iu" for part in given[1:]):
+            raise ValueError("found row numbers or starts of columns that are not whole numbers")
+        A = csc_array(given, **options)
+        A.check_format(full_check=True)
+    except (ValueError, TypeError) as error:
+        raise ModelError("matrix-file", f"{what}: {error}") from None
+    return A
 
 
 def read_from_npz(path: Path) -> dict[str, Any]:
@@ -55,8 +76,8 @@ def read_from_npz(path: Path) -> dict[str, Any]:
         parts = [stored.pop(f"{name}_{part}", None) for part in ("data", "indices", "indptr")]
         if any(part is None for part in parts):
             raise ModelError("matrix-file", f"{path.name}: {name}: expected {name}_data, {name}_indices, {name}_indptr")
-        size = len(parts[2]) - 1
-        stored[name] = csc_array(tuple(parts), shape=(size, size))
+        size = np.size(parts[2]) - 1
+        stored[name] = fitting(f"{path.name}: {name}", tuple(parts), shape=(size, size))
     return stored
 
 
@@ -76,26 +97,38 @@ def read_from_mat(path: Path) -> dict[str, Any]:
 
 
 def read_from_hdf5(path: Path) -> dict[str, Any]:
-    """Data sets of an HDF5 file, and groups that MATLAB keeps sparse matrices in (data, ir, jc)."""
+    """Data sets of an HDF5 file, and groups that MATLAB keeps sparse matrices in; a process of its own reads first."""
     try:
-        import h5py
+        import h5py  # noqa: F401
     except ImportError:
         raise ModelError("matrix-file", f"{path.name}: HDF5 needs h5py: {remedy('test-data')}") from None
-    found: dict[str, Any] = {}
+    if path.is_file() and (fault := fault_of(path, __name__, "hdf5_arrays")):
+        raise ModelError("matrix-file", f"{path.name}: no readable HDF5 file: {fault}")
     try:
-        with h5py.File(path, "r") as file:
-            for name, item in file.items():
-                if isinstance(item, h5py.Dataset):
-                    value = np.asarray(item)
-                    found[name] = value.T if value.ndim == 2 and "MATLAB_class" in item.attrs else value
-                elif {"data", "ir", "jc"} <= set(item):
-                    parts = tuple(np.asarray(item[part]) for part in ("data", "ir", "jc"))
-                    size = len(parts[2]) - 1
-                    found[name] = csc_array(parts, shape=(int(item.attrs.get("MATLAB_sparse", size)), size))
-    except OSError as error:
+        return hdf5_arrays(path)
+    except ModelError:
+        raise
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:  # h5py's, for each kind of damage
         if isinstance(error, FileNotFoundError):
             raise
         raise ModelError("matrix-file", f"{path.name}: no readable HDF5 file ({error})") from None
+
+
+def hdf5_arrays(path: Path) -> dict[str, Any]:
+    """All of them by name."""
+    import h5py
+
+    found: dict[str, Any] = {}
+    with h5py.File(path, "r") as file:
+        for name, item in file.items():
+            if isinstance(item, h5py.Dataset):
+                value = np.asarray(item)
+                found[name] = value.T if value.ndim == 2 and "MATLAB_class" in item.attrs else value
+            elif {"data", "ir", "jc"} <= set(item):
+                parts = tuple(np.asarray(item[part]) for part in ("data", "ir", "jc"))
+                size = parts[2].size - 1
+                shape = (int(item.attrs.get("MATLAB_sparse", size)), size)
+                found[name] = fitting(f"{path.name}: {name}", parts, shape=shape)
     return found
 
 

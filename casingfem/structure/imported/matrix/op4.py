@@ -68,7 +68,12 @@ def read_op4(path: Path) -> dict[str, csc_array]:
     """
     content = path.read_bytes()
     if content[:4] in (b"\x18\0\0\0", b"\0\0\0\x18"):
-        return read_binary(content, path.name)
+        try:
+            return read_binary(content, path.name)
+        except ModelError:
+            raise
+        except ValueError as error:  # numpy's, of records that are no whole number of values
+            raise fault(path.name, f"found a record that does not fit its matrix ({error})") from None
     return read_text(content.decode("latin-1").splitlines(), path.name)
 
 

@@ -10,6 +10,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, from_triples, roles_of
 
 MOST = 10**8  # rows
+MOST_NUMBER = 1e15  # of a node: beyond, a float does not tell them apart
 Labelled = tuple[csc_array, IntArray | None]  # a matrix, and what its rows are where the file says it
 
 
@@ -30,6 +31,13 @@ def numbers(path: Path, columns: int) -> FloatArray:
     return np.asarray(table)
 
 
+def whole(table: FloatArray, path: Path) -> IntArray:
+    """Columns of numbers that count."""
+    if not (np.isfinite(table).all() and np.all(np.abs(table) < MOST_NUMBER)) or np.any(table % 1.0):
+        raise ModelError("matrix-file", f"{path.name}: found rows or nodes that are not whole numbers")
+    return table.astype(np.int64)
+
+
 def read_mtx(path: Path) -> Labelled:
     """A matrix of a .mtx file, Matrix Market's or Abaqus's (node, dof, node, dof, value a line)."""
     with path.open("rb") as stream:
@@ -37,7 +45,7 @@ def read_mtx(path: Path) -> Labelled:
     if head == b"%%MatrixMarket":
         return read_market(path), None
     table = numbers(path, 5)
-    ends = table[:, :4].astype(np.int64).reshape(-1, 2, 2)
+    ends = whole(table[:, :4], path).reshape(-1, 2, 2)
     dofs, place = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
     rows, columns = place.ravel().reshape(-1, 2).T
     return from_triples(rows, columns, table[:, 4], len(dofs)), dofs
@@ -60,14 +68,14 @@ def read_market(path: Path) -> csc_array:
     if head[2] == "array":
         return dense_market(path, symmetric=head[4] == "symmetric")
     table = numbers(path, 3)
-    announced = table[0].astype(np.int64) if len(table) else np.zeros(3, dtype=np.int64)
+    announced = whole(table[0], path) if len(table) else np.zeros(3, dtype=np.int64)
     size, count = int(announced[0]), int(announced[2])
     entries = table[1:]
     if announced[1] != size or not 0 < size <= MOST or len(entries) != count:
         found = f"found {len(entries)} entries, announced {announced.tolist()} rows, columns, entries"
         raise ModelError("matrix-file", f"{path.name}: {found}: cut short?")
-    places = entries[:, :2].astype(np.int64) - 1
-    if count and not (places.min() >= 0 and places.max() < size and np.array_equal(places + 1, entries[:, :2])):
+    places = whole(entries[:, :2], path) - 1
+    if count and not (places.min() >= 0 and places.max() < size):
         raise ModelError("matrix-file", f"{path.name}: found an entry outside of {size} x {size}")
     rows, columns = places.T
     A = coo_array((entries[:, 2], (rows, columns)), shape=(size, size))
@@ -158,7 +166,7 @@ def read_calculix(path: Path) -> MatrixSet:
     matrices = []
     for suffix in (".sti", ".mas"):
         table = numbers(parts[suffix], 3)
-        places = table[:, :2].astype(np.int64) - 1
+        places = whole(table[:, :2], parts[suffix]) - 1
         if len(places) and not (0 <= places.min() and places.max() < len(dofs)):
             found = f"row {places.max() + 1} of {len(dofs)} dofs"
             raise ModelError("matrix-size", f"{parts[suffix].name}: found {found}")

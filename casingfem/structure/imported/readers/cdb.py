@@ -29,6 +29,7 @@ SHELLS = ("63", "93", "181", "281")
 FULL = {"92": (4, 10), "187": (4, 10), "95": (8, 20), "186": (8, 20), "93": (4, 8), "281": (4, 8)}  # corners, nodes
 WHOLE = {8: "hexahedron", 20: "hexahedron20", 4: "tetra", 10: "tetra10"}
 TETRA8 = (0, 1, 2, 4)  # what is left of a linear brick collapsed to a tetrahedron
+WIDEST = 100  # columns, and numbers on a line
 FACTS, COUNT, OWN = 11, 8, 10  # numbers before an element's nodes; among them how many nodes, and its own number
 NAME = re.compile(r"(\d+)$")
 COLUMNS = re.compile(r"\(((?:\d*i\d+,?)+)(?:(\d*)e(\d+)\.\d+(?:e\d+)?)?\)$", re.IGNORECASE)
@@ -63,8 +64,10 @@ class Archive:
         found = COLUMNS.match(self.lines[at].strip()) if at < len(self.lines) else None
         if found is None:
             raise self.fault(min(at, len(self.lines) - 1), "expected the columns of a block, such as (19i9)")
-        widths = [int(width) for times, width in INTEGERS.findall(found[1]) for _ in range(int(times or 1))]
-        return widths, int(found[3] or 0)
+        fields = [(int(times or 1), int(width)) for times, width in INTEGERS.findall(found[1])]
+        if not all(0 < times < WIDEST and 0 < width < WIDEST for times, width in fields):
+            raise self.fault(at, f"found {self.lines[at].strip()!r}, expected columns such as (19i9)")
+        return [width for times, width in fields for _ in range(times)], int(found[3] or 0)
 
     def whole(self, at: int, width: int) -> list[int]:
         """The whole numbers of a line in columns."""
@@ -176,8 +179,12 @@ def take_component(archive: Archive, at: int, fields: list[str]) -> int:
     if len(given) != count:
         raise archive.fault(begun, f"found {len(given)} of {count} numbers, {per_line} a line: cut short?")
     members: list[int] = []
+    most = sum(map(len, archive.lines))
     for number in given:
-        members += [number] if number > 0 else range(members[-1] + 1 if members else 1, 1 - number)
+        ranged = range(members[-1] + 1 if members else 1, 1 - number)
+        if number <= 0 and len(ranged) > most:
+            raise archive.fault(begun, f"found a range up to {-number}, more numbers than the file can hold")
+        members += [number] if number > 0 else ranged
     name = archive.lines[begun].split(",")[1].strip()
     archive.components[name] = (fields[1][:4], members)
     return at

@@ -10,11 +10,12 @@ from casingfem.structure.imported.mesh.cell_kind import KINDS
 from casingfem.structure.imported.readers.draft import Block
 from casingfem.structure.imported.readers.faces import face_corners
 from casingfem.structure.imported.readers.inp_cards import Card
-from casingfem.structure.imported.readers.instances import Frame
+from casingfem.structure.imported.readers.instances import DIGITS, Frame
 
 NODES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15, "quad": 4,
          "quad8": 8, "quad9": 9, "triangle": 3, "triangle6": 6, "line": 2, "line3": 3}  # fmt: skip
-MOST = 1e15  # of numbers that a mesh has: beyond, a float does not tell them apart
+MOST = 10.0**DIGITS
+NONE = np.zeros(0, dtype=np.int64)
 
 
 class Names:
@@ -65,7 +66,7 @@ class Names:
 
     def numbers_of(self, sets: dict[str, list[IntArray]], cell: str, line: str) -> IntArray:
         """A number, or the members of a set named before."""
-        if cell.isdecimal() and int(cell) < MOST:
+        if cell.isdecimal() and len(cell) <= DIGITS:
             return np.array([int(cell) + self.frame.offset])
         known = [name for name in (f"{self.frame.prefix}{cell}".upper(), cell.upper()) if name in sets]
         if not known:
@@ -92,7 +93,7 @@ class Names:
             return of_nodes
         if name.upper() not in self.surfaces:
             raise self.fault(line, f"no surface {name!r}")
-        found = []
+        found = [NONE]
         for ids, face in self.surfaces[name.upper()]:
             for kind, numbers, cells in self.elements:
                 block = Block(kind, cells[np.isin(numbers, ids)], numbers)
@@ -122,11 +123,13 @@ class Names:
                 found.append(np.array(members, dtype=np.int64) + self.frame.offset)
                 continue
             found += [self.numbers_of(sets, cell, line) for cell in cells if cell]
-        self.add(sets, name, np.concatenate([*found, np.zeros(0, dtype=np.int64)]))
+        self.add(sets, name, np.concatenate([NONE, *found]))
 
     def take_surface(self, card: Card) -> None:
         """*SURFACE of TYPE=ELEMENT: element or set, face S1, S2, ..."""
         name = self.named(card.parameters.get("NAME", ""))
+        if not card.data:
+            raise self.fault(card.line, f"*SURFACE {name}: found nothing that belongs to it")
         if card.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
             named = [self.nodes_of(text.split(",")[0].strip(), line) for line, text in card.data]
             self.on_nodes.setdefault(name.upper(), []).extend(named)

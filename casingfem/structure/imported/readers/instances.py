@@ -20,6 +20,8 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.imported.readers.inp_cards import Card
 
+DIGITS = 15  # of numbers that a mesh has: beyond, a float does not tell them apart
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
@@ -69,6 +71,8 @@ def laid_out(cards: Iterable[Card], fault: Callable[[str, str], ModelError]) -> 
     for card in rest:
         if card.keyword == "INSTANCE":
             name, part = (card.parameters.get(key, "").upper() for key in ("NAME", "PART"))
+            if not name or name in frames:
+                raise fault(card.line, f"*INSTANCE: found the name {name!r}, expected each instance's own")
             if part not in parts_of:
                 raise fault(card.line, f"*INSTANCE of part {part!r}, which is not given up to here")
             turn, shift = motion(card, fault)
@@ -108,7 +112,7 @@ def largest(card: Card) -> int:
     if card.keyword not in ("NODE", "ELEMENT"):
         return 0
     numbers = [text.partition(",")[0].strip() for _, text in card.data]
-    return max((int(number) for number in numbers if number.isdecimal()), default=0)
+    return max((int(number) for number in numbers if number.isdecimal() and len(number) <= DIGITS), default=0)
 
 
 def motion(card: Card, fault: Callable[[str, str], ModelError]) -> tuple[FloatArray, FloatArray]:

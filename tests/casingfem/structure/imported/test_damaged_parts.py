@@ -1,0 +1,128 @@
+"""Damage that a campaign of mutations found to end in a traceback, or to fill the memory: refused, the file named."""
+
+from io import BytesIO
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from casingfem.errors import InputError, ModelError
+from casingfem.structure.imported.matrix.op4 import read_op4
+from casingfem.structure.imported.matrix.read import read_matrices
+from casingfem.structure.imported.read import read_mesh
+from reports.robustness.mesh_samples import TIED_INP, tetra_cdb
+from reports.robustness.sample_files import binary_op4, matrices
+
+SET = matrices()
+DOFS = {"dofs": SET.dofs}
+PARTS = {f"{name}_{part}": getattr(A, part) for name, A in (("K", SET.K), ("M", SET.M)) for part in
+         ("data", "indices", "indptr")}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"K_indices": SET.K.indices + 8388613}, "K: .*indices"),
+        ({"K_indices": SET.K.indices + 0.5j}, "K: found row numbers"),
+        ({"K_indptr": SET.K.indptr[None]}, "K: "),
+        ({"K_data": SET.K.data + 1j}, "K of complex numbers"),
+        ({"dofs": SET.dofs + 0.5}, "dofs: found float64, not all"),
+        ({"dofs": np.full((6, 2), np.nan)}, "dofs: found float64, not all"),
+        ({"dofs": SET.dofs.astype(str)}, "dofs: found <U21"),
+        ({"nodes": np.array([[np.nan, 0.0, 0.0, 0.0]])}, "nodes: found float64"),
+    ],
+)
+def test_arrays_that_are_no_matrices(changes, message, tmp_path):
+    np.savez(tmp_path / "a.npz", **PARTS | DOFS | changes)
+    with pytest.raises(ModelError, match=rf"a\.npz: (found )?{message}"):
+        read_matrices(tmp_path / "a.npz")
+
+
+def test_a_matlab_file_whose_rows_are_beyond_its_matrix(tmp_path):
+    stream = BytesIO()
+    savemat(stream, {"K": SET.K, "M": SET.M} | DOFS)
+    content = bytearray(stream.getvalue())
+    rows = SET.K.indices.astype("<i4").tobytes()
+    at = content.find(rows)
+    assert at > 0
+    content[at] = 133
+    (tmp_path / "a.mat").write_bytes(content)
+    with pytest.raises(ModelError, match=r"a\.mat: K: .*indices"):
+        read_matrices(tmp_path / "a.mat")
+
+
+@pytest.mark.parametrize(("old", "new"), [(b"SNOD", b"SNOX"), (b"TREE", b"TRXE")])
+def test_a_damaged_hdf5_file(old, new, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["K"], file["M"], file["dofs"] = SET.K.toarray(), SET.M.toarray(), SET.dofs
+    content = (tmp_path / "a.h5").read_bytes()
+    assert old in content
+    (tmp_path / "a.h5").write_bytes(content.replace(old, new))
+    with pytest.raises(ModelError, match=r"a\.h5: no readable HDF5 file"):
+        read_matrices(tmp_path / "a.h5")
+
+
+def test_an_hdf5_matrix_that_says_it_fills_the_memory(tmp_path):
+    """Nothing is stored of it: the file has some kilobytes."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.create_dataset("K", shape=(200_000, 200_000), dtype="f8", chunks=(1000, 1000))
+        file["M"], file["dofs"] = SET.M.toarray(), SET.dofs
+    with pytest.raises(ModelError, match=r"a\.h5: no readable HDF5 file: its reader took more than"):
+        read_matrices(tmp_path / "a.h5")
+
+
+def test_a_record_of_op4_that_is_no_whole_number_of_values(tmp_path):
+    content = binary_op4(SET)
+    body = np.int32([2, 1, 11]).tobytes() + b"\0" * 44
+    size = np.int32(len(body)).tobytes()
+    (tmp_path / "a.op4").write_bytes(content[:100] + size + body + size + content[100:])
+    first = 32 + 12 + 8 + 96  # header, and the first column
+    (tmp_path / "b.op4").write_bytes(content[:32] + size + body + size + content[32 + first - 32 :])
+    for name in ("a.op4", "b.op4"):
+        with pytest.raises(ModelError, match=rf"{name}: "):
+            read_op4(tmp_path / name)
+
+
+@pytest.mark.parametrize("number", ["nan", "1e300", "7.5", "inf"])
+def test_nodes_of_a_mtx_file_that_are_no_numbers_of_nodes(number, tmp_path):
+    for name in ("K", "M"):
+        (tmp_path / f"{name}.mtx").write_text(f"{number},1,7,1, 2.0\n")
+    with pytest.raises(ModelError, match=r"K\.mtx: found rows or nodes that are not whole numbers"):
+        read_matrices([tmp_path / "K.mtx", tmp_path / "M.mtx"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("         1         2\n", "         1-999999999\n", "found a range up to 999999999, more numbers than"),
+        ("(8i10)", "(8i0)", "expected columns such as"),
+        ("(3i9,", "(0i9,", "expected columns such as"),
+        ("(19i9)", "(999999999i9)", "expected columns such as"),
+    ],
+)
+def test_an_archive_that_would_fill_the_memory(old, new, message, tmp_path):
+    text = tetra_cdb()
+    assert old in text
+    (tmp_path / "a.cdb").write_text(text.replace(old, new))
+    with pytest.raises(ModelError, match=rf"a\.cdb: line \d+: .*{message}"):
+        read_mesh(tmp_path / "a.cdb")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("TYPE=NODE\nside\n", "TYPE=NODE\n", r"\*SURFACE one.right: found nothing that belongs to it"),
+        ("plate, SPOS\n", "", r"\*SURFACE one.top: found nothing that belongs to it"),
+        ("*INSTANCE, NAME=two", "*INSTANCE, NAME=one", "found the name 'ONE', expected each instance's own"),
+        ("*INSTANCE, NAME=one,", "*INSTANCE,", "found the name '', expected each instance's own"),
+        ("9001, .1, .1", "9" * 5000 + ", .1, .1", "expected numbers below"),
+        ("*NSET, NSET=root\n1,", "*NSET, NSET=root\n" + "1" * 5000 + ",", "no set '1111"),
+    ],
+)
+def test_an_input_file_of_instances(old, new, message, tmp_path):
+    assert TIED_INP.count(old) == 1
+    (tmp_path / "a.inp").write_text(TIED_INP.replace(old, new))
+    with pytest.raises(InputError, match=rf"a\.inp: line \d+: .*{message}"):
+        read_mesh(tmp_path / "a.inp")
