@@ -96,6 +96,11 @@ class Result(Reported):
         """Contact pressure in the public sign, <= 0, (n, K)."""
         return pressure(self.force)
 
+    @property
+    def least_gap(self) -> Array:
+        """Smallest gap of the stored samples, (K,) [m]; NaN where none is stored."""
+        return np.asarray(self.gap.min(axis=0)) if len(self.gap) else np.full(self.impulse.shape, np.nan)
+
     def state_of(self, name: str) -> Array:
         """Columns of `state` that belong to one body, (ns, its coordinates).
 
@@ -152,6 +157,10 @@ class Result(Reported):
                 f"{self.impulse[k]:13.6g}  {self.peak_force[k]:8.4g}  {windowed[k]:12.4g}  "
                 f"{self.max_penetration[k]:15.3g}  {self.residual[k]:12.3g}"
             )
+        if len(self.gap) and not any(self.intervals):
+            row, k = np.unravel_index(self.gap.argmin(), self.gap.shape)
+            lines.append(f"nothing touched: the least gap was {self.gap[row, k]:.4g} m, of contact {k + 1}, at "
+                         f"{self.time[row]:.6g} s")  # fmt: skip
         lines.append(
             f"energy [J]: start {energy.start.total:.6g}, end {energy.end.total:.6g}, lost in contact "
             f"{energy.lost_in_contact:.4g}, rotation {energy.rotation:.4g}, friction {energy.friction:.4g}, "

@@ -30,7 +30,8 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
     """Run SCENE over the keys that its [sweep] varies: one table, one picture, one page.
 
     With --out DIR every finished run is kept in DIR/store: the same command goes on where a sweep was broken off.
-    Runs that fail or diverge are rows that say why; where none is done, the exit code is 3.
+    Runs that are refused, fail or diverge are rows that say why, counted on stderr; the exit code is 0 where at least
+    one is done, 3 where none is.
     """
     from contact.sweep.plan import load_sweep
     from contact.sweep.sweep import run_sweep
@@ -58,6 +59,8 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
             f"sweep {file}: the numerics failed: {all_of} {became} refused, the first: {found.why}",
             NUMERICS_FAILED,
         )
+    if lost := found.failed + found.diverged:
+        click.echo(f"sweep {file}: {lost} of {len(rows)} runs are not done, the first: {found.why}", err=True)
 
 
 def words(found: "SweepResult", seconds: float) -> str:

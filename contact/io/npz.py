@@ -118,7 +118,7 @@ def whole(arrays: Mapping[str, NDArray[Any]], name: str) -> int:
     8
     """
     value = arrays.get(name, np.array(0))
-    if value.ndim or not float(value).is_integer() or not 0 <= value <= 1_000_000:
+    if value.ndim or not float(value).is_integer() or not 0 <= float(value) <= 1_000_000:
         raise ValueError(f"{name}: found {value.tolist()!r}, expected a whole number from 0 to 1,000,000")
     return int(value)
 

@@ -11,7 +11,7 @@ from pydantic import Discriminator, Field, FiniteFloat, Tag, model_validator
 
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
-from contact.scene.scheme import Friction, Positive, Table, Waviness
+from contact.scene.scheme import WAVES, Friction, Positive, Table, Waviness
 
 NINETY = NormalDist().inv_cdf(0.9)  # standard deviations between the median and the 90th percentile
 RAYLEIGH = math.sqrt(math.log(10.0) / math.log(2.0))  # 90th percentile over median of two equal Gaussian coefficients
@@ -25,7 +25,7 @@ Whole = Annotated[int, Field(ge=0)]
 class SpectrumLine(Table):
     """One random harmonic: the amplitudes [m] that half and a tenth of all draws exceed."""
 
-    p: Annotated[int, Field(ge=1)] = Field(description="number of waves around")
+    p: Annotated[int, Field(ge=1, le=WAVES)] = Field(description="number of waves around")
     median: Positive = Field(description="amplitude that half of all draws exceed [m]")
     high: Positive = Field(description="amplitude that a tenth of all draws exceed [m]")
 
@@ -53,7 +53,7 @@ class RandomRoundness(Table):
     spectrum: Annotated[list[SpectrumLine], Field(min_length=1)] | None = Field(
         default=None, description="tables {p, median, high}"
     )
-    harmonics: Annotated[list[Annotated[int, Field(ge=1)]], Field(min_length=1)] | None = Field(
+    harmonics: Annotated[list[Annotated[int, Field(ge=1, le=WAVES)]], Field(min_length=1)] | None = Field(
         default=None, description="numbers of waves, instead of a spectrum: amplitudes alike"
     )
     rms: Positive | None = Field(

@@ -25,6 +25,7 @@ from contact.scheme.protocol import Scheme
 Built = tuple[What, Law, Scheme]  # of a scene: what runs, the law and the method
 Positive = Annotated[FiniteFloat, Field(gt=0)]
 NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+WAVES = 1000  # around a rim: with more, its points would stand closer than a wall is thick
 FRICTION = 2.0  # metals rub at .1 to .8, rubber at 1: above, a number was mistyped
 
 
@@ -124,7 +125,7 @@ class SpeedTable(Table):
 class Waviness(Table):
     """One harmonic of the rim's radius [m], positive where the gap is larger."""
 
-    p: Annotated[int, Field(ge=0)] = Field(description="number of waves around")
+    p: Annotated[int, Field(ge=0, le=WAVES)] = Field(description="number of waves around")
     cos: FiniteFloat = Field(default=0.0, description="amplitude of cos p theta [m]")
     sin: FiniteFloat = Field(default=0.0, description="amplitude of sin p theta [m]")
 

@@ -1,7 +1,7 @@
 """What may happen to a file: the damages of `uff_mutations`, numbers and values swapped, bytes and arrays changed."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from io import BytesIO
 from zipfile import ZipFile
 
@@ -13,14 +13,18 @@ from reports.robustness.uff_mutations import DAMAGES as OF_TEXT
 Random = np.random.Generator
 Damage = Callable[[bytes, Random], bytes]
 NUMBER = re.compile(rb"(?<![\w.])[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
-NUMBERS = (b"0", b"-1", b"7", b"7.5", b"1e9", b"999999999", b"2147483648", b"9223372036854775808", b"1" + b"0" * 40,
-           b"1e300", b"-1e300", b"1e-300", b"1e999", b"nan", b"inf", b"", b"0x10", b"1_000", b"1e24", b"1,5")  # fmt: skip
+NUMBERS = (
+    *b"0 -1 7 7.5 1e9 999999999 2147483648 9223372036854775808 1e300 -1e300 1e-300 1e999 nan inf 0x10 1e24 1,5".split(),
+    *(b"", b"1_000", b"1" + b"0" * 40),
+)
 VALUE = re.compile(rb"(?<== )[^\n#]+|(?<=,)[^,\n]+")
-VALUES = (b"true", b'""', b'"x"', b"[]", b"{}", b"[[1.0]]", b'"5.0"', b"2001-01-01", b'"a\\u0000b"', b"-0.0", b"inf",
-          b"[" * 2000, b"'\xe2\x80\xae'", b'"../../x"', b"1e9", b"1e-300", b"100000", b'"' + b"x" * 5000 + b'"')  # fmt: skip
+VALUES = (
+    *b'true "" "x" [] {} [[1.0]] "5.0" 2001-01-01 "a\\u0000b" -0.0 inf "../../x" 1e9 1e-300 100000'.split(),
+    *(b"[" * 2000, b"'\xe2\x80\xae'", b'"' + b"x" * 5000 + b'"'),
+)
 
 
-def swapped(pattern: re.Pattern[bytes], others: tuple[bytes, ...]) -> Damage:
+def swapped(pattern: re.Pattern[bytes], others: Sequence[bytes]) -> Damage:
     """One place that a pattern finds holds something else."""
 
     def damage(data: bytes, rng: Random) -> bytes:
@@ -118,7 +122,7 @@ def dataset_changed(data: bytes, rng: Random) -> bytes:
 BYTES: dict[str, Damage] = {
     "bit flipped": flipped, "bytes overwritten": overwritten, "part doubled": doubled,
     "cut off": lambda data, rng: OF_TEXT["cut off"](data, rng, ()),
-    "part dropped": lambda data, rng: data[: (k := int(rng.integers(len(data))))] + data[k + int(rng.integers(1, 200)) :],
+    "part dropped": lambda data, rng: OF_TEXT["part dropped"](data, rng, ()),
 }  # fmt: skip
 TEXT: dict[str, Damage] = {
     name: lambda data, rng, damage=damage: damage(data, rng, ())  # type: ignore[misc]

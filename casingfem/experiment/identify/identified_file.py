@@ -15,12 +15,14 @@ from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.poles.stabilisation import Stabilisation
 from casingfem.io.arrays import Array
 from casingfem.io.npz import read_npz
-from contact.io.npz import write_npz
+from contact.io.npz import ArrayKind, require_kinds, write_npz
 
 WANTED = "what Identified.save or `casingfem identify --out` wrote"
 PARTS: dict[str, Any] = {"sensors": SensorGrid, "diagram": Stabilisation}
 LATER: dict[str, Any] = {"doubts": [], "shift": 0.0}  # what files of before do not have
 TEXTS = ("doubts", "notes", "card")
+COMPLEX = ("shapes", "sigma_shapes", "residues", "fitted", "measured")
+DIMS = {"seconds": 0, "shift": 0, "doubts": 1, "notes": 1, "card": 1, "unresolved": 1, "doublets": 2}
 BY_MODE = ("freq", "sigma_freq", "zeta", "sigma_zeta", "n", "purity", "angle_deg", "sigma_angle", "residue_scale",
            "collinearity", "signal", "split_bound")  # fmt: skip
 
@@ -69,6 +71,15 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
 
 def check(stored: Mapping[str, Array], path: str) -> None:
     """Refuse arrays that do not belong together, and numbers that no identification gives."""
+    kinds: dict[str, ArrayKind] = dict.fromkeys(TEXTS, "text") | dict.fromkeys(COMPLEX, "complex")
+    try:
+        require_kinds({name: array for name, array in stored.items() if name != "diagram.stable"}, kinds)
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
+    for name, dims in DIMS.items():
+        if stored[name].ndim != dims:
+            found = f"{name} of shape {stored[name].shape}"
+            raise InputError(path, found=found, expected="one number" if dims == 0 else f"{dims} dimensions")
     modes, sensors = stored["freq"].size, stored["sensors.points"].size
     shapes: dict[str, tuple[int, ...]] = {name: (modes,) for name in BY_MODE}
     shapes |= {name: (sensors, modes) for name in ("shapes", "sigma_shapes")} | {"sensors.places": (sensors, 3)}
@@ -82,7 +93,7 @@ def check(stored: Mapping[str, Array], path: str) -> None:
     for name in ("freq", "sigma_freq", "zeta", "shapes", "sigma_shapes"):
         if not np.all(np.isfinite(stored[name])):
             raise InputError(path, found=f"{name} with nan or infinity", expected="finite numbers")
-    at = np.concatenate([stored["doublets"].ravel(), stored["unresolved"].ravel()]).astype(int)
-    if at.size and not (at.min() >= 0 and at.max() < modes):
-        wrong = int(at[(at < 0) | (at >= modes)][0])
-        raise InputError(path, found=f"mode {wrong + 1} in a pair", expected=f"modes 1 to {modes}")
+    at = np.concatenate([stored["doublets"].ravel(), stored["unresolved"].ravel()])
+    if at.size and not (np.isin(at, np.arange(modes)).all() and stored["doublets"].shape[1] == 2):
+        wrong = [*at[~np.isin(at, np.arange(modes))].tolist(), 0][0]
+        raise InputError(path, found=f"mode {wrong + 1:g} in a pair", expected=f"modes 1 to {modes}, two in each pair")

@@ -179,6 +179,14 @@ def looks_of(period: float, rate: float, looks: int | None) -> float:
 
 def _plant(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
     """State (q, q'/scale), gaps, what is shown; rigid modes get a frequency too low to be felt."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        plant = _unchecked(body, freq_hz, scale)
+    if not all(np.isfinite(part).all() for part in (plant.A, plant.B, plant.D, plant.E, plant.rate)):
+        raise InputError("body: found frequencies, shapes or compliances whose products are beyond all numbers")
+    return plant
+
+
+def _unchecked(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
     modes, d = body.patch.body, body.patch.dimensions
     omega = np.where(modes.omega > 0.0, modes.omega, RIGID * 2.0 * math.pi * freq_hz)
     zeta = np.where(modes.omega > 0.0, modes.zeta, 0.0)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -180,3 +181,28 @@ def test_ctrl_c_in_a_sweep_ends_its_workers_and_it_goes_on(tmp_path):
     assert said == f"stopped: what is finished is safe in {out}/store; the same command goes on from there\n"
     again = CliRunner().invoke(main, ["sweep", str(file), "--jobs", "1", "--out", str(out), "--json"])
     assert 1 <= json.loads(again.stdout)["resumed"] < 64  # its workers did not go on to the end
+
+
+def test_runs_of_a_sweep_that_are_not_done_are_counted_on_stderr(tmp_path):
+    """Of nine one is done: the table is whole, the exit code 0, and nobody overlooks the other eight."""
+    file, out = tmp_path / "sweep.toml", tmp_path / "out"
+    speeds = ", ".join(["-1.0", *(f"-{k}e300" for k in range(1, 9))])
+    file.write_text(RODS + f'[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nvalues = [{speeds}]\n')
+    found = CliRunner().invoke(main, ["sweep", str(file), "--jobs", "1", "--out", str(out)])
+    assert found.exit_code == 0
+    assert f"sweep {file}: 8 of 9 runs are not done, the first: " in found.stderr
+    assert len([line for line in (out / "sweep.csv").read_text().splitlines() if not line.startswith("#")]) == 10
+
+
+def test_a_run_in_which_nothing_touches_says_how_near_it_came(tmp_path):
+    """Free flight away from the wall: the least gap is that of the start; towards it, that of the end."""
+    file = tmp_path / "rods.toml"
+    for velocity, least in (("1.0", 1e-2), ("-1.0", 1e-2 - 1e-4)):
+        text = RODS.replace("velocity = -1.0", f"velocity = {velocity}").replace("x = -1e-6", "x = -1e-2")
+        file.write_text(text)
+        found = CliRunner().invoke(main, ["contact", str(file)])
+        assert found.exit_code == 0
+        said = re.search(r"nothing touched: the least gap was (\S+) m, of contact 1, at (\S+) s", found.stdout)
+        assert float(said[1]) == pytest.approx(least, abs=2.5e-5)  # a step
+    file.write_text(RODS)
+    assert "nothing touched" not in CliRunner().invoke(main, ["contact", str(file)]).stdout

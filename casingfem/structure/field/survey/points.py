@@ -19,6 +19,7 @@ _X, _Y, _Z = ({f"{axis}_m": 1.0, f"{axis}_mm": 1e-3} for axis in "xyz")
 _RADIUS = {"radius_m": 1.0, "radius_mm": 1e-3}
 _THICKNESS = {"thickness_m": 1.0, "thickness_mm": 1e-3}
 _PLAUSIBLE: dict[Quantity, tuple[float, float]] = {"radius": (5e-3, 50.0), "thickness": (1e-5, 0.5)}
+_BEYOND = 1e3  # medians: no stray point, a number that was mistyped
 _SAME_HEIGHT = 5e-4  # m: points this close in z were meant to be one ring
 _MOST_RINGS = 20  # more heights than that are a scan, not rings
 _RING_POINTS = 8
@@ -132,6 +133,9 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
     quantity: Quantity = "thickness" if value_name in _THICKNESS else "radius"
     for row in np.flatnonzero(value <= 0.0)[:1]:
         raise table.refuse(row=row, column=value_name, found=table.cells[value_name][row], expected="a value > 0")
+    for row in np.flatnonzero(value > _BEYOND * np.median(value))[:1]:
+        expected = f"a value like the others, whose median is {np.median(value):g} m"
+        raise table.refuse(row=row, column=value_name, found=f"{value[row]:g} m", expected=expected)
     _check_length_unit(table, value_name, quantity, float(np.median(value)))
     _check_height_unit(table, z_name, z, float(np.median(value)), quantity)
     if rest := [name for name in table.header if name not in taken | {value_name}]:

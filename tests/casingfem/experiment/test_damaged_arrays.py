@@ -1,0 +1,84 @@
+"""Arrays of measurements that a campaign of mutations found to end in a traceback: refused, file and name said."""
+
+import numpy as np
+import pytest
+
+from casingfem.errors import InputError
+from casingfem.experiment.circle.record import ScanRecord
+from casingfem.experiment.frf.files import read_frfs
+from casingfem.experiment.identify.identified import Identified
+from casingfem.structure.field.survey.points import read_points
+from contact.io.npz import load_npz
+from reports.robustness.sample_files import frfs
+from reports.tables import DATA
+
+SCAN = {"fs": np.array(100.0), "velocity": np.ones(4), "angle": np.arange(4.0), "tones": np.array([5.0]),
+        "card": np.array(["SYNTHETIC"])}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"tones": np.array(5.0)}, r"tones \(\)"),
+        ({"fs": np.array([1.0, 2.0])}, r"fs \(2,\)"),
+        ({"card": np.array("x")}, r"card \(\)"),
+    ],
+)
+def test_a_scan_of_other_shapes(changes, message, tmp_path):
+    np.savez(tmp_path / "a.npz", **SCAN | changes)
+    with pytest.raises(InputError, match=rf"a\.npz: .*{message}"):
+        ScanRecord.load(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"freq": np.array(["text"] * 10)}, "member 'freq': found <U4, expected real numbers"),
+        ({"seconds": np.ones(3)}, r"seconds of shape \(3,\)"),
+        ({"card": np.array("text")}, r"card of shape \(\)"),
+        ({"notes": np.array(5.0)}, "member 'notes': found float64, expected text"),
+        ({"doublets": np.array([[0.0, 1e300]])}, "mode 1e.300 in a pair"),
+        ({"doublets": np.array([[0, 1, 2]])}, "two in each pair"),
+    ],
+)
+def test_identified_modes_of_other_kinds(changes, message, tmp_path):
+    with np.load(DATA / "experiments" / "bench.npz") as stored:
+        np.savez(tmp_path / "a.npz", **dict(stored) | changes)
+    with pytest.raises(InputError, match=rf"a\.npz: .*{message}"):
+        Identified.load(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"x": np.arange(40) + 0.5j}, "member 'x': found complex128, expected real"),
+        ({"response_point": np.array([b"2001-01-01", b"x"])}, "member 'response_point': found"),
+        ({"response_point": np.array([3.5, 5.0])}, "response_point that are not whole numbers"),
+        ({"response_point": np.array([np.nan, 5.0])}, "response_point that are not whole numbers"),
+    ],
+)
+def test_responses_of_other_kinds_in_hdf5(changes, message, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    whole = frfs()
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name in ("x", "responses", "response_point"):
+            file[name] = changes.get(name, getattr(whole, name))
+        file.attrs["unit"] = "m/N"
+    with pytest.raises(InputError, match=rf"a\.h5: .*{message}"):
+        read_frfs(tmp_path / "a.h5")
+
+
+def test_text_of_characters_that_are_none(tmp_path):
+    """numpy makes a string of any 32 bits, which nothing can print."""
+    np.savez(tmp_path / "a.npz", card=np.array([0x41, 0xF0000041], dtype=np.uint32).view("<U2"))
+    with pytest.raises(ValueError, match="member 'card': found characters that are none"):
+        load_npz(tmp_path / "a.npz")
+    np.savez(tmp_path / "b.npz", card=np.array(["\U0010ffff é", ""]))
+    assert load_npz(tmp_path / "b.npz")["card"].tolist() == ["\U0010ffff é", ""]
+
+
+def test_a_radius_beyond_all_others_is_no_stray_point(tmp_path):
+    rows = [f"{a},0.0,{0.5 if a else '1e300'}" for a in range(0, 360, 10)]
+    (tmp_path / "s.csv").write_text("theta_deg,z_m,radius_m\n" + "\n".join(rows) + "\n")
+    with pytest.raises(InputError, match=r"s\.csv, line 2.*found 1e\+300, expected a value like the others"):
+        read_points(tmp_path / "s.csv")
