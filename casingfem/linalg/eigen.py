@@ -43,14 +43,13 @@ class EigenResult:
 
     `sturm_count` is the number of eigenvalues below the last one returned (its double included), for a band the
     number inside it, counted by the inertia of factorisations, None where that was too large or round-off outweighs
-    what is counted; `residuals` are |A x - omega^2 x|/omega^2 of the mass-scaled problem; `products` counts the vectors
-    that the factors solved for. `factor` is that of the scaled problem near 0, where a number of modes was asked for.
+    what is counted; `products` counts the vectors that the factors solved for. `factor` is that of the scaled problem
+    near 0, where a number of modes was asked for.
     """
 
     eigenvalues: FloatArray
     vectors: Array
     sturm_count: int | None
-    residuals: FloatArray
     products: int = 0
     factor: Factor | None = None
 
@@ -154,7 +153,7 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
     tries = list(zip(BLOCKS, CLEARER, strict=True))
     while tries:
         block, clear = tries[0]
-        found = nearest(pencil, factor.solve, shift, min(wanted, pencil.modes), block)
+        found = nearest(pencil, factor.solve, shift, min(wanted, pencil.modes), block, extra)
         products += found.products
         order = np.argsort(found.values)
         values, vectors = found.values[order], found.vectors[:, order]
@@ -169,12 +168,12 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
             noise[near] = round_off(pencil.A, vectors[:, near])
         certified = pencil.count_below(sigma, direct) if clear_of_eigenvalues(sigma, values, noise) else None
         if certified == below:
-            return result(pencil, values[:below], vectors[:, :below], certified, products, abs(shift), factor)
+            return result(pencil, values[:below], vectors[:, :below], certified, products, factor)
         wanted += 2 * max((certified or 0) - below, 1) + extra
         tries.pop(0)  # a missed mode shows in the count: look again, with more vectors at once, in a wider gap
     if certified is None:
         warn_of_count(sigma, values, noise)
-        return result(pencil, values[:below], vectors[:, :below], None, products, abs(shift), factor)
+        return result(pencil, values[:below], vectors[:, :below], None, products, factor)
     raise NumericsError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
 
 
@@ -212,7 +211,7 @@ def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direc
     vectors = np.hstack([part.vectors for part in parts])
     products = sum(part.products for part in parts)
     counted = len(values) if all(part.counted for part in parts) else None
-    return result(pencil, values, vectors, counted, products, abs(shift))
+    return result(pencil, values, vectors, counted, products)
 
 
 def result(
@@ -221,7 +220,6 @@ def result(
     vectors: Array,
     certified: int | None,
     products: int,
-    floor: float,
     factor: Factor | None = None,
 ) -> EigenResult:
     """Certified pairs of the scaled pencil as modes of K and M."""
@@ -229,7 +227,6 @@ def result(
         eigenvalues=values,
         vectors=vectors * pencil.scale[:, None],
         sturm_count=certified,
-        residuals=pencil.residuals(values, vectors, floor),
         products=products,
         factor=factor,
     )

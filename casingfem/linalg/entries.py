@@ -70,27 +70,25 @@ class ElementEntries(NamedTuple):
         assert isinstance(A, ElementSum)
         k, m = len(pivots), len(rows)
         K_pp, K_pr, K_rr = np.zeros((k, k)), np.zeros((k, m)), np.zeros((m, m))
-        for piece in self.pieces:
-            B = A.groups[piece.group].matrices[piece.number]
-            on_pivots, on_rows = B[piece.pivots], B[piece.rows]
-            accumulate(K_pp, piece.to_pivots, piece.to_pivots, on_pivots[:, piece.pivots])
-            accumulate(K_pr, piece.to_pivots, piece.to_rows, on_pivots[:, piece.rows])
-            accumulate(K_rr, piece.to_rows, piece.to_rows, on_rows[:, piece.rows])
-        if self.pieces:
-            on, beside = A.scale[pivots], A.scale[rows]
-            for K, left, right in ((K_pp, on, on), (K_pr, on, beside), (K_rr, beside, beside)):
-                K *= left[:, None]
-                K *= right
+        on, beside = A.scale[pivots], A.scale[rows]
+        for p in self.pieces:
+            B = A.groups[p.group].matrices[p.number]
+            on_pivots = on[p.to_pivots, None] * B[p.pivots]
+            on_rows = beside[p.to_rows, None] * B[p.rows]
+            accumulate(K_pp, p.to_pivots, p.to_pivots, on_pivots[:, p.pivots], on)
+            accumulate(K_pr, p.to_pivots, p.to_rows, on_pivots[:, p.rows], beside)
+            accumulate(K_rr, p.to_rows, p.to_rows, on_rows[:, p.rows], beside)
         K_pp[np.arange(k), np.arange(k)] += A.diagonal[pivots]
         return K_pp.T, K_pr.T, K_rr.T
 
 
-def accumulate(K: FloatArray, rows: Places, columns: Places, part: FloatArray) -> None:
-    """K[rows, columns] += part."""
+def accumulate(K: FloatArray, rows: Places, columns: Places, part: FloatArray, scale: FloatArray) -> None:
+    """K[rows, columns] += part, its columns times `scale`."""
+    scaled = part * scale[columns]
     if isinstance(rows, slice) or isinstance(columns, slice):
-        K[rows, columns] += part
+        K[rows, columns] += scaled
     else:
-        K[np.ix_(rows, columns)] += part
+        K[np.ix_(rows, columns)] += scaled
 
 
 def element_graph(A: ElementSum) -> tuple[IntArray, Graph]:

@@ -23,7 +23,9 @@ BLOCKS = (8, 32, 128)  # vectors multiplied together: clusters up to this size a
 TOLERANCE = 1e-9  # residual of the inverted problem, relative to each theta; eigenvalues are right to its square
 ROUND_OFF = 1e-14  # the same, relative to the largest theta: what arithmetic can reach,
 LOOSEST = 1e-7  # but no looser than this, which leaves eigenvalues right to its square
-FALL = 30.0  # what residuals fall by at most from block to block: to look at them sooner shows nothing
+SPARE = 1e2  # how much more residual is left to the last vectors, which only show where the gap behind the others is
+FALL = 30.0  # what residuals fall by at most from block to block, at first: to look at them sooner shows nothing
+QUICKER = 1.5  # how much faster they may fall than they did before, in powers of ten
 RESTARTS = 20
 START_SEED = 7391  # the first block is fixed: same input, same bits
 
@@ -65,7 +67,7 @@ class Basis:
         old, self.count = self.count, self.count + self.fresh.shape[1]
         self.Q[:, old : self.count] = self.fresh
         Q = self.Q[:, : self.count]
-        image = np.asfortranarray(self.solve(self.pencil.weigh(self.fresh)))
+        image = np.asfortranarray(self.solve(self.pencil.weigh(self.fresh)))  # multifrontal ones are by columns
         self.products += self.fresh.shape[1]
         H = np.zeros((self.count, self.fresh.shape[1]), dtype=Q.dtype)
         size = self.pencil.norm(image)
@@ -101,7 +103,9 @@ class Basis:
         self.count, self.tied = kept, 0
 
 
-def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int = BLOCKS[0]) -> RitzPairs:
+def nearest(
+    pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int = BLOCKS[0], spare: int = 0
+) -> RitzPairs:
     """The `wanted` eigenpairs of A x = lambda B x nearest sigma.
 
     Parameters
@@ -116,6 +120,8 @@ def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int 
         Pairs wanted, at most the modes of the pencil.
     block
         Vectors multiplied together.
+    spare
+        So many of the wanted pairs, the last ones, may be `SPARE` times less accurate.
 
     Raises
     ------
@@ -135,7 +141,7 @@ def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int 
     basis = Basis(pencil=pencil, solve=solve, Q=Q, T=T)
     basis.begin(solve(pencil.weigh(rng.standard_normal((size, min(block, size))))))
     for _ in range(RESTARTS):
-        look = 2 * wanted
+        look, fall, before = 2 * wanted, np.log(FALL), (0, np.inf)
         while basis.count + basis.fresh.shape[1] <= room:
             basis.grow()
             closed = not basis.fresh.shape[1]  # what the block can reach is found
@@ -145,13 +151,16 @@ def nearest(pencil: Pencil, solve: Solve, sigma: float, wanted: int, block: int 
                     raise NumericsError(f"the mass moves {basis.count} ways, {wanted} modes were asked for")
             elif closed or basis.count >= min(look, room - 2 * block):
                 theta, S, left = basis.ritz()
+                left[max(wanted - spare, 0) :] /= SPARE
                 if basis.count >= wanted and np.all(left[:wanted] <= 1.0):
                     vectors = basis.Q[:, : basis.count] @ S[:, :wanted]
                     if pencil.massless:  # B does not see what round-off leaves on these unknowns
                         vectors = solve(pencil.weigh(vectors)) / theta[:wanted]
                     return RitzPairs(values=sigma + 1.0 / theta[:wanted], vectors=vectors, products=basis.products)
-                to_go = np.log(max(float(left[:wanted].max()), 1.0)) / np.log(FALL)
-                look = basis.count + block * max(1, int(to_go))
+                to_go = float(np.log(np.maximum(left[:wanted], 1.0).max()))
+                if before[0]:
+                    fall = QUICKER * max(before[1] - to_go, 1.0) * block / (basis.count - before[0])
+                look, before = basis.count + block * max(1, int(to_go / fall)), (basis.count, to_go)
         basis.restart(theta, S, min(wanted + block, basis.count - block))
     converged = int(np.count_nonzero(left[:wanted] <= 1.0))
     raise ConvergenceError(f"{converged} of {wanted} modes near shift {sigma:.6g} converged in {RESTARTS} restarts")
@@ -181,4 +190,4 @@ def independent(pencil: Pencil, X: Array, noise: float = 0.0) -> Array:
     gram = X.conj().T @ pencil.weigh(X)
     squares, V = eigh(0.5 * (gram + gram.conj().T))
     good = squares > max(noise**2, 1e-15 * squares.max(initial=0.0))
-    return np.asarray(X @ (V[:, good] / np.sqrt(squares[good])))
+    return np.asarray(((V[:, good] / np.sqrt(squares[good])).T @ X.T).T)  # by columns, as X stands

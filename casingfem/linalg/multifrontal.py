@@ -44,7 +44,7 @@ class MultifrontalFactor:
             step.forward(x)
         for step in reversed(self.steps):
             step.back(x)
-        solution = np.empty_like(x)
+        solution = np.empty(x.shape, dtype=x.dtype, order="F")  # by columns, as bases are kept
         solution[order] = x
         return solution.reshape(rhs.shape)
 
@@ -155,16 +155,16 @@ def pivots(diagonal: FloatArray, beside: Array, swaps: IntArray) -> tuple[Indefi
 
     A pair of negative numbers in `swaps` is a pivot of two, of which one eigenvalue is negative and one is not.
     """
-    order = np.arange(len(swaps))
+    order = list(range(len(swaps)))
     first = np.flatnonzero(swaps < 0)[::2]
     second = set((first + 1).tolist())
     for i, swap in enumerate(swaps.tolist()):
         if swap > 0 or i in second:
-            order[[i, abs(swap) - 1]] = order[[abs(swap) - 1, i]]
+            order[i], order[abs(swap) - 1] = order[abs(swap) - 1], order[i]
     single = swaps > 0
     inverse, coupling = np.empty_like(diagonal), np.zeros_like(beside)
     inverse[single] = 1.0 / diagonal[single]
     one, other, between = diagonal[first], diagonal[first + 1], beside[first]
     det = one * other - np.abs(between) ** 2
     inverse[first], inverse[first + 1], coupling[first] = other / det, one / det, -between / det
-    return Indefinite(order, inverse, coupling), int(np.count_nonzero(diagonal[single] < 0.0)) + len(first)
+    return Indefinite(np.array(order), inverse, coupling), int(np.count_nonzero(diagonal[single] < 0.0)) + len(first)

@@ -251,10 +251,11 @@ def double_turns(
 
 def turned(columns: Array, turns: list[tuple[int, int, FloatArray]]) -> Array:
     """Fields or amplitudes (..., modes) with some pairs of modes turned."""
-    columns = columns.copy()
+    T = np.eye(columns.shape[-1])
     for low, high, turn in turns:
-        columns[..., [low, high]] = columns[..., [low, high]] @ turn
-    return columns
+        T[np.ix_([low, high], [low, high])] = turn
+    flat = columns.reshape(-1, len(T)) if columns.size else np.zeros((0, len(T)))
+    return np.asarray(flat @ T).reshape(columns.shape)
 
 
 def peak_signs(fields: FloatArray) -> FloatArray:

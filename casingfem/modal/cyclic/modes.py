@@ -153,7 +153,7 @@ def solved(system: CyclicSystem, n: int, wanted: int | Band) -> EigenResult:
     if system.spin is not None and len(found.eigenvalues) and found.eigenvalues[0] < 0.0:
         raise ModelError("rotation-unstable", f"modes: found omega^2 = {found.eigenvalues[0]:.4g} rad^2/s^2, n = {n}")
     vectors = T @ found.vectors
-    return EigenResult(found.eigenvalues, vectors, found.sturm_count, found.residuals, found.products)
+    return EigenResult(found.eigenvalues, vectors, found.sturm_count, found.products)
 
 
 def wheel_shapes(system: CyclicSystem, n: int, vectors: Array) -> Array:

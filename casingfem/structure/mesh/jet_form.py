@@ -3,6 +3,7 @@
 The jet of U at a point is (U, d_1 U, d_2 U). With functions f_a(x) f_b(y) on a tensor of points, a form H on the jets
 is summed over the points of one direction, then over those of the other: (p + 1)^5 operations for each couple of dofs
 where sums over all points at once take (p + 1)^6 (sum factorisation: S.A. Orszag, J. Comput. Phys. 37, 1980, 70).
+Forms are symmetric: of the second direction couples of functions are summed once.
 """
 
 from functools import cache
@@ -23,17 +24,23 @@ SLOTS = ((slice(0, 2), 2), (slice(2, 3), 1))  # of a jet: those with f, with f' 
 def products(order: int) -> tuple[tuple[FloatArray, ...], FloatArray, IntArray]:
     """Products of two functions of one direction at its points, and where those of two directions stand.
 
-    Of the first direction for each couple of parts of `SLOTS`, ((a, b), (slots, slots, points)); of the second one,
-    ((a, b), (parts, parts, points)); and for functions i and j of the element their number among all (a, b, a', b'),
-    second direction first, (functions, functions).
+    Of the first direction for each couple of parts of `SLOTS`, ((a, b), (slots, slots, points)); of the second one, for
+    a <= b alone, ((a, b), (parts, parts, points)); and for each entry of an element's matrix its number among all
+    (couple of the second direction, couple of the first, dof, dof), (functions 5 functions 5,).
     """
     n = order + 1
     f = np.stack(lagrange(order, gauss(n)[0]))
     both = np.einsum("kaq,lbq->abklq", f, f)
     first = tuple(both[:, :, :k, :m].reshape(n * n, -1) for _, k in SLOTS for _, m in SLOTS)
-    a, b = ElementQuadLobatto(order).pairs.T
-    place = ((b[:, None] * n + b) * n + a[:, None]) * n + a
-    return first, both.reshape(n * n, -1), place
+    low, high = np.triu_indices(n)
+    couple = np.zeros((n, n), dtype=np.int64)
+    couple[low, high] = couple[high, low] = np.arange(len(low))
+    a, b = (np.repeat(x, DOFS) for x in ElementQuadLobatto(order).pairs.T)
+    dof = np.tile(np.arange(DOFS), n * n)
+    row, column = a * n * DOFS**2 + dof * DOFS, a * DOFS**2 + dof
+    place = np.where(b[:, None] <= b, row[:, None] + column, row + column[:, None])
+    place += couple[b[:, None], b] * (n * DOFS) ** 2
+    return first, both[low, high].reshape(len(low), -1), place.ravel()
 
 
 def jet_elements(grid: Grid, H: Array) -> FloatArray:
@@ -41,7 +48,7 @@ def jet_elements(grid: Grid, H: Array) -> FloatArray:
     n, elements = grid.mesh.order + 1, len(grid.elements)
     first, second, place = products(grid.mesh.order)
     scale = np.repeat(np.concatenate([np.ones((1, elements)), 1.0 / grid.size]), DOFS, axis=0).T  # of d_1, d_2
-    matrices = np.empty((elements, n * n, DOFS, n * n, DOFS))
+    matrices = np.empty((elements, (n * n * DOFS) ** 2))
     step = max(1, CHUNK // (DOFS * n * n) ** 2)
     for low in range(0, elements, step):
         own = slice(low, low + step)
@@ -54,6 +61,7 @@ def jet_elements(grid: Grid, H: Array) -> FloatArray:
             (rows, _), (columns, _) = SLOTS[part // 2], SLOTS[part % 2]
             at_x = jets[:, :, rows, columns].reshape(len(scaled), n, -1, DOFS * DOFS)
             np.matmul(table, at_x, out=sums[:, part])
-        whole = np.matmul(second, sums.reshape(len(scaled), 4 * n, -1)).reshape(len(scaled), n**4, DOFS, DOFS)
-        matrices[own] = whole[:, place].transpose(0, 1, 3, 2, 4)
+        half = np.matmul(second, sums.reshape(len(scaled), 4 * n, -1)).reshape(len(scaled), -1)
+        for whole, part in zip(matrices[own], half, strict=True):
+            np.take(part, place, out=whole, mode="clip")  # without a buffer
     return matrices.reshape(elements, n * n * DOFS, n * n * DOFS)
