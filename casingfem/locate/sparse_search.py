@@ -10,8 +10,7 @@ against all others, since the first choice was made on a linear model of changes
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2 as chi2_distribution
-from scipy.stats import f as f_distribution
+from scipy.special import chdtri, stdtrit
 
 from casingfem.locate.misfit import Point
 from casingfem.locate.pair_search import best_pair
@@ -30,7 +29,7 @@ def scale2(point: Point, free: int) -> float:
 
 def threshold(level: float, candidates: int, rows: int, free: int) -> float:
     """The gain in chi^2/s^2 that one change of `candidates` reaches by chance with probability `level`."""
-    return float(f_distribution.isf(level / max(candidates, 1), 1, max(rows - free, 1)))
+    return float(stdtrit(max(rows - free, 1), 0.5 * level / max(candidates, 1)) ** 2)  # F(1, k) is Student's t squared
 
 
 def search(
@@ -76,7 +75,7 @@ def keep_searching(taken: int, accepted: int, most: int, at: Point, level: float
 
 def unexplained(at: Point, free: int, level: float) -> bool:
     """Whether noise leaves such residuals with less than this probability."""
-    return at.chi2 > float(chi2_distribution.isf(level, max(len(at.values) - free, 1)))
+    return at.chi2 > float(chdtri(max(len(at.values) - free, 1), level))
 
 
 def significant(before: Point, after: Point, free: int, level: float, candidates: int) -> bool:

@@ -172,13 +172,13 @@ def plate_count(shell: Shell, wanted: int | Band) -> float:
     return float(np.sqrt(3.0) * size.sides.prod() * (wanted[1] - wanted[0]) / (c * size.thickness.min()))
 
 
-def count_below(structure: Shell | MeshStructure, freq: float) -> int:
-    """Number of modes below a frequency [Hz], by one factorisation and its inertia."""
+def count_below(structure: Shell | MeshStructure, freq: float, system: System | None = None) -> int:
+    """Number of modes below a frequency [Hz], by one factorisation and its inertia; `system` is the assembled shell."""
     if not freq < HIGHEST:
         raise ModelError("modes-band", f"modes below {freq!r} Hz were to be counted")
     place = (2.0 * np.pi * freq) ** 2
     if isinstance(structure, Shell):
-        shell = assemble(structure)
+        shell = system or assemble(structure)
         return sturm_count(shell.stiffness, shell.mass, place)
-    system = structure.assembled()
-    return sturm_count(system.K, system.M, place)
+    mesh = structure.assembled()
+    return sturm_count(mesh.K, mesh.M, place)

@@ -95,11 +95,14 @@ def factored(pencil: Pencil, shift: float) -> tuple[OldFactor, dict[str, float]]
     return OldFactor(factor, pencil.scale), {"factor": time.perf_counter() - started}
 
 
-def solved(shell: Shell, count: int) -> Solution:
-    """The lowest modes of a shell from nothing, counted, and what a neighbour needs to start from them."""
+def solved(shell: Shell, count: int, system: System | None = None) -> Solution:
+    """The lowest modes of a shell from nothing, counted, and what a neighbour needs to start from them.
+
+    `system` is the assembled shell, if there is one already.
+    """
     warn_of(shell)
     started = time.perf_counter()
-    system = assemble(shell)
+    system = system or assemble(shell)
     assembled = time.perf_counter() - started
     pencil = make_pencil(system.stiffness, system.mass)
     found = solve_modes(system.stiffness, system.mass, count + GUARD, shift_of(shell))

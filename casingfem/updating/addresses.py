@@ -21,19 +21,18 @@ from casingfem.structure.edge.support import ElasticEdge, outer_support
 from casingfem.structure.field.field import Field
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.imported.assembly import MeshStructure
-from casingfem.structure.shell.parts import DEFECTS
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import DEFECTS, ShellParts
 from casingfem.updating.mesh_numbers import mesh_address
 from casingfem.updating.named import named_numbers, numbers_of
 from casingfem.updating.numbers import SHARED, Address, FieldHarmonic, HeldNumber, Plain, SpringHarmonic, series
 from contact.io.names import hint
 
-Structure = TypeVar("Structure", bound=Shell | MeshStructure)
+Structure = TypeVar("Structure", bound=ShellParts | MeshStructure)
 
 HARMONIC = re.compile(r"p(\d+)$")
 
 
-def address_of(shell: Shell | MeshStructure, name: str) -> Address:
+def address_of(shell: ShellParts | MeshStructure, name: str) -> Address:
     """What a name means on this shell, or imported part (`mesh_numbers.py`).
 
     Raises
@@ -42,12 +41,12 @@ def address_of(shell: Shell | MeshStructure, name: str) -> Address:
         If the structure has no such number; the nearest that it has is named.
     """
     try:
-        return mesh_address(shell, name) if not isinstance(shell, Shell) else shell_address(shell, name)
+        return mesh_address(shell, name) if not isinstance(shell, ShellParts) else shell_address(shell, name)
     except InputError as error:
         raise InputError(f"{error}{hint(name, list(named_numbers(shell)))}") from None
 
 
-def shell_address(shell: Shell, name: str) -> Address:
+def shell_address(shell: ShellParts, name: str) -> Address:
     """What a name means on a shell."""
     parts = name.split(".")
     if len(parts) < 2:
@@ -75,7 +74,7 @@ def shell_address(shell: Shell, name: str) -> Address:
     return of_mass(shell, name, parts) if parts[0] == "mass" else of_part(shell, name, parts)
 
 
-def of_elastic_edge(shell: Shell, name: str, parts: list[str]) -> Plain | SpringHarmonic:
+def of_elastic_edge(shell: ShellParts, name: str, parts: list[str]) -> Plain | SpringHarmonic:
     """support.<edge>.<spring> and support.<edge>.<spring or around>.p4.cos."""
     support = shell.supports.get(parts[1])
     if not isinstance(support, ElasticEdge):
@@ -95,7 +94,7 @@ def of_elastic_edge(shell: Shell, name: str, parts: list[str]) -> Plain | Spring
     return found_at
 
 
-def of_strip(shell: Shell, name: str, parts: list[str]) -> Plain:
+def of_strip(shell: ShellParts, name: str, parts: list[str]) -> Plain:
     """strip.<number>.thickness and strip.<number>.material.<E, nu or rho>."""
     place = place_in(parts[1], len(shell.strips))
     if not place:
@@ -108,7 +107,7 @@ def of_strip(shell: Shell, name: str, parts: list[str]) -> Plain:
     return Plain(("strips", place - 1, *parts[2:]))
 
 
-def of_mass(shell: Shell, name: str, parts: list[str]) -> Plain:
+def of_mass(shell: ShellParts, name: str, parts: list[str]) -> Plain:
     """mass.<edge>.<number>.mass and .angle."""
     known = shell.masses.get(parts[1], ()) if len(parts) == 4 and parts[3] in ("mass", "angle") else ()
     place = place_in(parts[2], len(known)) if known else 0
@@ -118,7 +117,7 @@ def of_mass(shell: Shell, name: str, parts: list[str]) -> Plain:
     return Plain(("masses", parts[1], place - 1, parts[3]))
 
 
-def of_part(shell: Shell, name: str, parts: list[str]) -> Plain:
+def of_part(shell: ShellParts, name: str, parts: list[str]) -> Plain:
     """shell.thickness, and the numbers of material, chart and taper; a law's with the number of a station."""
     parts_of = {"material": shell.material, "chart": shell.chart, "taper": shell.taper, "shell": shell}
     owners = {word: owner for word, owner in parts_of.items() if owner is not None}
@@ -160,7 +159,7 @@ def require_series(name: str, field: Field | None) -> None:
         raise InputError(f"{name!r}: the field is no Fourier series but {type(field).__name__}")
 
 
-def get_value(shell: Shell | MeshStructure, name: str) -> Any:
+def get_value(shell: ShellParts | MeshStructure, name: str) -> Any:
     """The present value of a named number of a shell.
 
     Raises
@@ -176,8 +175,8 @@ def with_value(shell: Structure, name: str, value: Any) -> Structure:
 
     >>> from casingfem.structure.geometry.chart import Plate
     >>> from casingfem.structure.material import Material
-    >>> plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01,
-    ...               material=Material(E=210e9, nu=0.3, rho=7800.0))
+    >>> plate = ShellParts(chart=Plate(length=1.0, width=0.5), thickness=0.01,
+    ...                    material=Material(E=210e9, nu=0.3, rho=7800.0))
     >>> with_value(plate, "material.E", 200e9).material.E
     200000000000.0
     """

@@ -11,7 +11,7 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.imported.assembly import MeshStructure
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import ShellParts
 from casingfem.updating.mesh_numbers import mesh_numbers
 from casingfem.updating.numbers import SHARED, series
 
@@ -27,9 +27,9 @@ CONSTANTS = ("E", "nu", "rho")
 Numbers = Iterator[tuple[str, str]]  # address, unit
 
 
-def named_numbers(structure: Shell | MeshStructure) -> dict[str, str]:
+def named_numbers(structure: ShellParts | MeshStructure) -> dict[str, str]:
     """The unit of every number that a structure has, by its address; harmonics are those that are there."""
-    if isinstance(structure, Shell):
+    if isinstance(structure, ShellParts):
         return dict(_of_shell(structure))
     return {name: unit_of(name) for name in mesh_numbers(structure)}
 
@@ -43,7 +43,7 @@ def unit_of(name: str) -> str:
     return UNITS.get(next(word for word in reversed(name.split(".")) if not word.isdecimal()), "m")
 
 
-def _of_shell(shell: Shell) -> Numbers:
+def _of_shell(shell: ShellParts) -> Numbers:
     yield from _named(f"material.{name}" for name in CONSTANTS)
     yield "shell.thickness", "m"
     for word, owner in (("chart", shell.chart), ("taper", shell.taper)):

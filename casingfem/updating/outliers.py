@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtr
 
 from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.frequency_table import FrequencyTable
@@ -162,7 +162,7 @@ def outlying(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray
         delta, spread, chi2 = solved(left[:, best], r)
         scale = max(1.0, float(np.sqrt(chi2 / (free - count))))
         deviation = np.abs(delta) / (spread * scale)
-        if np.all(2.0 * student.sf(deviation, free - count) < LEVEL / len(usable)):
+        if np.all(2.0 * stdtr(free - count, -deviation) < LEVEL / len(usable)):
             answer = [
                 Found(shifts[k].kind, shifts[k].rows, -float(d), float(t))
                 for k, d, t in zip(best, delta, deviation, strict=True)

@@ -15,7 +15,9 @@ from casingfem.io.arrays import FloatArray, frozen
 from casingfem.modal.modes import MeshModes, Modes, modes
 from casingfem.modal.neighbour import Solution, counted, solved, solved_near
 from casingfem.structure.imported.assembly import MeshStructure
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.shell import Shell, remade
+from casingfem.structure.shell.system import System
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.following import LostModeError, followed, paired_rows
 from casingfem.updating.parameters import Parameter
@@ -89,6 +91,7 @@ class Problem:
     shapes: SensorShapes | None = None
     exact: bool = False
     shapes_wait: bool = False  # shapes pair rows, but are not fitted yet
+    system: System | None = None  # the shell as given, assembled; used up by its first solution
     start: FloatArray = field(init=False)
     prior: FloatArray = field(init=False)
     history: list[float] = field(default_factory=list)
@@ -113,11 +116,13 @@ class Problem:
         )  # fmt: skip
 
     def structure(self, x: FloatArray) -> Shell | MeshStructure:
-        """The shell at solver variables x."""
-        shell = self.shell
+        """The shell at solver variables x, checked when all of it is there; as given at the start."""
+        if np.array_equal(x, self.start):
+            return self.shell
+        bare = remade(ShellParts, self.shell) if isinstance(self.shell, Shell) else self.shell
         for parameter, value in zip(self.vary, x, strict=True):
-            shell = with_value(shell, parameter.name, float(parameter.from_internal(value)))
-        return shell
+            bare = with_value(bare, parameter.name, float(parameter.from_internal(value)))
+        return remade(Shell, bare) if isinstance(bare, ShellParts) else bare
 
     def state(self, x: FloatArray) -> State:
         """Modes, pairing and residuals at x.
@@ -228,7 +233,11 @@ class Problem:
             found = modes(shell, count)
         else:
             known = None if self.exact or count > self.count or self.anchor is None else self.anchor.solution
-            solution = solved(shell, count) if known is None else solved_near(shell, known, count)
+            if known is None:
+                system, self.system = self.system if shell is self.shell else None, None
+                solution = solved(shell, count, system)
+            else:
+                solution = solved_near(shell, known, count)
             found = solution.modes
         for part, spent in found.seconds.items():
             self.seconds[part] += spent

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from casingfem.experiment.correlation.pairing import Pairing
 from casingfem.experiment.frequency_table import FrequencyTable
@@ -124,7 +124,7 @@ class UpdateResult(Reported):
     @property
     def inflation(self) -> float:
         """The misfit where chi^2 is larger than chance leaves it in 1 of 20, else 1."""
-        return self.misfit if self.chi2 > chi2.ppf(0.95, self.free) else 1.0
+        return self.misfit if self.chi2 > chdtri(self.free, 0.05) else 1.0
 
     @property
     def arrived(self) -> bool:
@@ -134,7 +134,7 @@ class UpdateResult(Reported):
     @property
     def overstated(self) -> bool:
         """Whether the residuals are smaller than the stated sigma leave them in 1 of 100."""
-        return bool(self.chi2 < chi2.ppf(0.01, self.free))
+        return bool(self.chi2 < chdtri(self.free, 0.99))
 
     @property
     def correlation(self) -> FloatArray:

@@ -19,6 +19,8 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.shell.energies import point_fields, product_rates
+from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.shell import remade
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.mesh_numbers import mesh_product_derivatives
 from casingfem.updating.parameters import Parameter
@@ -39,10 +41,11 @@ def product_derivatives(
     if modes.shell.rotation is not None:
         raise ModelError("rotation-update", "update: found a rotating shell")
     at = point_fields(modes.shell, modes.grid, fields, own)
+    bare = remade(ShellParts, modes.shell)
     K, M = np.empty((2, len(vary), fields.shape[2], fields.shape[2]))
     for k, parameter in enumerate(vary):
-        x = parameter.to_internal(get_value(modes.shell, parameter.name)) + 1j * STEP
-        rates = product_rates(with_value(modes.shell, parameter.name, parameter.from_internal(x)), at)
+        x = parameter.to_internal(get_value(bare, parameter.name)) + 1j * STEP
+        rates = product_rates(with_value(bare, parameter.name, parameter.from_internal(x)), at)
         K[k], M[k] = rates.K / STEP, rates.M / STEP
     return K, M
 

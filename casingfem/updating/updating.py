@@ -18,7 +18,9 @@ from casingfem.experiment.table_unit import require_hz
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import count_below, modes
 from casingfem.structure.imported.assembly import MeshStructure, require_structure
+from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
 from casingfem.updating.outliers import named, outlying, shifts_of, step_without
 from casingfem.updating.parameters import Parameter, check_parameters
 from casingfem.updating.problem import Problem, Progress
@@ -33,9 +35,9 @@ FAR = 6  # modes below the highest row, to each row, from which the table's unit
 LOOKS = 5  # rounds in which rows may be set aside or taken back
 
 
-def mode_count(table: FrequencyTable, shell: Shell | MeshStructure) -> int:
+def mode_count(table: FrequencyTable, shell: Shell | MeshStructure, system: System | None) -> int:
     """Modes to compute so that every row has a candidate: all up to 15 % past the table, and a few more."""
-    return max(count_below(shell, 1.15 * float(table.freq_hz.max())), len(table)) + 4
+    return max(count_below(shell, 1.15 * float(table.freq_hz.max()), system), len(table)) + 4
 
 
 def update(
@@ -98,8 +100,10 @@ def update(
         require_structure(structure, "update")
         table = fitted_to_mesh(table, shapes)
     check_parameters(structure, vary)
+    system = None
     if count is None:
-        count = mode_count(table, structure)
+        system = assemble(structure) if isinstance(structure, Shell) else None
+        count = mode_count(table, structure, system)
         if count > FAR * len(table):
             lowest = modes(structure, 2 * len(table))
             require_hz(table, lowest.freq, getattr(lowest, "nodal_diameters", None))
@@ -110,7 +114,8 @@ def update(
     if outliers not in ("set-aside", "keep"):
         raise InputError(f'outliers: found {outliers!r}, expected "set-aside" or "keep"')
     progress = progress or notebook_progress("update", "{} evaluations, rms {:.3g} sigma".format)
-    problem = Problem(structure, with_model_error(table, model_error), vary, count, reach, progress, shapes)
+    data = with_model_error(table, model_error)
+    problem = Problem(structure, data, vary, count, reach, progress, shapes, system=system)
     if outliers == "keep":
         return fitted(problem, table, regularise, max_iterations)
     first = fitted(problem, table, regularise, max_iterations, ways=WAYS[:1])

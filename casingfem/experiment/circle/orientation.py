@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import norm as normal
-from scipy.stats import t as student
+from scipy.special import ndtri, stdtrit
 
 from casingfem.experiment.circle.other_orders import reading, spread_of_others
 from casingfem.io.arrays import FloatArray, freeze
@@ -100,7 +99,7 @@ class Circle:
         angle, sigma = antinode(parts, read @ (covariance + others) @ read.T, n)
         known = antinode(parts, read @ covariance @ read.T, n)[1]
         freedom = (len(shape) - own.shape[1]) / max(1.0 - (known / sigma) ** 2, 1e-9) ** 2
-        return Label(n, purity, angle, sigma * float(student.isf(TAIL, freedom) / normal.isf(TAIL)))
+        return Label(n, purity, angle, sigma * float(stdtrit(freedom, TAIL) / ndtri(TAIL)))
 
     def _rest(self, shape: FloatArray, n: int) -> float:
         """Sum of squares that an n leaves."""

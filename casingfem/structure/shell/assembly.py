@@ -28,6 +28,7 @@ from casingfem.structure.mesh.kinematics import DOFS, STRAINS, dot, frame, strai
 from casingfem.structure.mesh.scatter import element_sum
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.edges import edge_forms
+from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.prestress import Spin, spin_matrices
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
@@ -43,7 +44,7 @@ def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
     return jet_elements(grid, strains.swapaxes(-1, -2) @ (np.moveaxis(D, (0, 1), (-2, -1)) @ strains))
 
 
-def nodal_mass(shell: Shell, grid: Grid) -> Array:
+def nodal_mass(shell: ShellParts, grid: Grid) -> Array:
     """Lobatto mass at the nodes: (nodes, 2) for displacements and rotations [kg, kg m^2].
 
     Each element adds its own side of a node, so that M stays diagonal where thickness or density jump.
@@ -67,7 +68,7 @@ def nodal_sums(grid: Grid, density: Array) -> Array:
     return sums
 
 
-def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> Array:
+def edge_rotation(shell: ShellParts, parameters: FloatArray, along: int) -> Array:
     """Frame of an edge at parameters (2, nodes), as columns on the five dofs of a node, (nodes, 5, 5).
 
     Displacements across, along and normal to the edge; rotations of the normal across and along it.
@@ -84,7 +85,7 @@ def edge_rotation(shell: Shell, parameters: FloatArray, along: int) -> Array:
     return turn
 
 
-def held_frames(shell: Shell, grid: Grid) -> dict[str, Array]:
+def held_frames(shell: ShellParts, grid: Grid) -> dict[str, Array]:
     """Edge -> the frames (nodes, 5, 5) in which its support holds the dofs of its nodes; edges that hold any."""
     frames: dict[str, Array] = {}
     for name, support in shell.supports.items():
@@ -96,7 +97,7 @@ def held_frames(shell: Shell, grid: Grid) -> dict[str, Array]:
     return frames
 
 
-def admitted(shell: Shell, grid: Grid, fields: FloatArray) -> Array:
+def admitted(shell: ShellParts, grid: Grid, fields: FloatArray) -> Array:
     """Nodal fields (nodes, 5, k) without what the shell's edges hold: P = I - A (A^T A)^-1 A^T, A the held directions.
 
     Analytic in the shell: a small change of the surface turns the directions that a diaphragm holds, and the modes of

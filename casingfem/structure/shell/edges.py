@@ -17,8 +17,8 @@ from casingfem.structure.mesh.edge_form import (
 )
 from casingfem.structure.mesh.kinematics import DOFS, dot, frame
 from casingfem.structure.mesh.shell_mesh import Grid, edge_breaks, rim_values
+from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.ring_form import harmonic_ring, node_dofs, outward, ring_forms, support_form, ties
-from casingfem.structure.shell.shell import Shell
 
 
 class EdgeForms(NamedTuple):
@@ -29,7 +29,7 @@ class EdgeForms(NamedTuple):
     own: int
 
 
-def edge_line(shell: Shell, grid: Grid, name: str) -> EdgeLine:
+def edge_line(shell: ShellParts, grid: Grid, name: str) -> EdgeLine:
     """An edge of a shell, as its supports see it."""
     edge = grid.edges[name]
     nodes = edge.nodes[edge.parts]
@@ -48,7 +48,7 @@ def edge_line(shell: Shell, grid: Grid, name: str) -> EdgeLine:
     )
 
 
-def line_frame(shell: Shell, along: int, a: Array, b: Array, inside: Array | None = None) -> LineFrame:
+def line_frame(shell: ShellParts, along: int, a: Array, b: Array, inside: Array | None = None) -> LineFrame:
     """An edge along one parameter at (a, b); `inside` tells the side of a strip's end, as in `Shell.geometry`."""
     geometry = shell.geometry(a, b, inside)
     surface = geometry.surface
@@ -65,7 +65,7 @@ def line_frame(shell: Shell, along: int, a: Array, b: Array, inside: Array | Non
     )
 
 
-def edge_forms(shell: Shell, grid: Grid) -> EdgeForms:
+def edge_forms(shell: ShellParts, grid: Grid) -> EdgeForms:
     """Stiffness and mass of all that stands on the edges, held dofs included."""
     own = own_dofs(shell, grid)
     rings = [ring_forms(shell, grid, name, ring, own[name]) for name, ring in shell.rings.items()]
@@ -76,7 +76,7 @@ def edge_forms(shell: Shell, grid: Grid) -> EdgeForms:
     )
 
 
-def holding_forms(shell: Shell, grid: Grid) -> list[EdgeForm]:
+def holding_forms(shell: ShellParts, grid: Grid) -> list[EdgeForm]:
     """The springs that hold the edges from outside, those under rings included."""
     own = own_dofs(shell, grid)
     forms = []
@@ -90,7 +90,7 @@ def holding_forms(shell: Shell, grid: Grid) -> list[EdgeForm]:
     return forms
 
 
-def mass_forms(shell: Shell, grid: Grid) -> list[EdgeForm]:
+def mass_forms(shell: ShellParts, grid: Grid) -> list[EdgeForm]:
     """The masses on the edges: on the edge itself, or on the centre line of its ring."""
     own = own_dofs(shell, grid)
     forms = []
@@ -110,7 +110,7 @@ def mass_forms(shell: Shell, grid: Grid) -> list[EdgeForm]:
     return forms
 
 
-def own_dofs(shell: Shell, grid: Grid) -> dict[str, IntArray]:
+def own_dofs(shell: ShellParts, grid: Grid) -> dict[str, IntArray]:
     """Numbers of the rings' own dofs, one for each node of their lines, after those of all nodes."""
     first, own = grid.nodes.shape[1] * DOFS, {}
     for name in shell.rings:
@@ -119,7 +119,7 @@ def own_dofs(shell: Shell, grid: Grid) -> dict[str, IntArray]:
     return own
 
 
-def harmonic_forms(shell: Shell, name: str, n: int, z: Array) -> tuple[Array, Array]:
+def harmonic_forms(shell: ShellParts, name: str, n: int, z: Array) -> tuple[Array, Array]:
     """Stiffness and mass of what stands on one edge or station of a perfect casing, n diameters, per unit angle.
 
     On the dofs of the line's node at z (1,): (5, 5), or (6, 6) with a ring, the turn about the normal last.

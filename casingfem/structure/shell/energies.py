@@ -14,7 +14,7 @@ from casingfem.io.arrays import Array
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.assembly import admitted, nodal_mass
 from casingfem.structure.shell.edges import edge_forms
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.strains import point_jets, point_strains
 from casingfem.structure.shell.wall import constitutive
 
@@ -39,7 +39,7 @@ class PointFields:
     that leaves the surface alone.
     """
 
-    shell: Shell
+    shell: ShellParts
     grid: Grid
     fields: Array
     own: Array
@@ -49,7 +49,7 @@ class PointFields:
     jacobian: Array
 
 
-def point_fields(shell: Shell, grid: Grid, fields: Array, own: Array) -> PointFields:
+def point_fields(shell: ShellParts, grid: Grid, fields: Array, own: Array) -> PointFields:
     """Evaluate modes (nodes, 5, modes) and their parameter derivatives at all quadrature points."""
     jets = point_jets(grid, fields)
     strain, curvature, jacobian = point_strains(shell, grid, jets)
@@ -59,7 +59,7 @@ def point_fields(shell: Shell, grid: Grid, fields: Array, own: Array) -> PointFi
     )  # fmt: skip
 
 
-def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
+def modal_products(shell: ShellParts, at: PointFields) -> ModalProducts:
     """Phi^T K Phi and Phi^T M Phi of a shell whose parameters may be complex, for given modes."""
     same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
     if not same:
@@ -75,13 +75,13 @@ def modal_products(shell: Shell, at: PointFields) -> ModalProducts:
     return ModalProducts(K=K, M=sum((form.product(motions) for form in forms.mass), start=M))
 
 
-def point_stiffness(shell: Shell, at: PointFields) -> Array:
+def point_stiffness(shell: ShellParts, at: PointFields) -> Array:
     """Section stiffness times the area of each quadrature point, (elements, points, 8, 8)."""
     geometry = shell.geometry(*at.grid.parameters, at.grid.middle)
     return np.moveaxis(constitutive(shell, geometry, at.curvature) * (at.jacobian * at.grid.measure), (0, 1), (2, 3))
 
 
-def product_rates(shell: Shell, at: PointFields) -> ModalProducts:
+def product_rates(shell: ShellParts, at: PointFields) -> ModalProducts:
     """The imaginary parts of `modal_products` for a shell one tiny complex step away from that of `at`.
 
     In real arithmetic, Im(S^T D S) = S'^T D_i S' + (S"^T D' S') + its transpose with S = S' + i S"; the wall is left
@@ -107,7 +107,7 @@ def product_rates(shell: Shell, at: PointFields) -> ModalProducts:
     return ModalProducts(K=K, M=M)
 
 
-def on_surface(shell: Shell, at: PointFields) -> PointFields:
+def on_surface(shell: ShellParts, at: PointFields) -> PointFields:
     """The modes on another surface, near that of their shell; held directions of an edge's own frame turn with it."""
     stretched = shell.chart.bounds != at.shell.chart.bounds  # the parameter stretches the mesh itself
     turned = any(support.frame == "edge" for support in shell.supports.values())

@@ -16,18 +16,18 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.mesh.edge_form import EdgeForm, EdgeLine, PointSprings, Sprung, places_of
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.shell_mesh import Grid
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import ShellParts
 
 SPIN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # e_z x, d/dtheta of cylindrical unit vectors
 PHASE = np.array([1.0, 1j, 1.0, 1.0, 1j, 1j])  # hoop motions and the turn about the normal are in quadrature
 
 
-def outward(shell: Shell, name: str) -> int:
+def outward(shell: ShellParts, name: str) -> int:
     """Which way an edge looks along its shell: -1 at a base, 1 at a top, 0 between."""
     return 0 if name in shell.stations else 1 if shell.chart.edges[name][1] else -1
 
 
-def ties(shell: Shell, a: Array, b: Array, place: Array) -> tuple[Array, Array, Array]:
+def ties(shell: ShellParts, a: Array, b: Array, place: Array) -> tuple[Array, Array, Array]:
     """At an edge's nodes: motions at a (radial, axial) place from the edge (q, 6, 6), its points and radial axes."""
     surface = shell.geometry(a, b).surface
     basis = frame(surface)
@@ -42,7 +42,7 @@ def node_dofs(grid: Grid, name: str, own: IntArray) -> IntArray:
     return np.concatenate([nodes[:, None] * DOFS + np.arange(DOFS), own[:, None]], axis=1)
 
 
-def ring_forms(shell: Shell, grid: Grid, name: str, ring: Ring, own: IntArray) -> tuple[EdgeForm, EdgeForm]:
+def ring_forms(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntArray) -> tuple[EdgeForm, EdgeForm]:
     """Stiffness and mass of a ring; `own` numbers its turns about the normal, one a node."""
     edge = grid.edges[name]
     a, b = grid.nodes[:, edge.nodes]
@@ -61,7 +61,7 @@ def ring_forms(shell: Shell, grid: Grid, name: str, ring: Ring, own: IntArray) -
     return stiffness, EdgeForm(dofs=dofs[places], B=G[places], D=beam.inertia.reshape(-1, MOTIONS, MOTIONS))
 
 
-def support_form(shell: Shell, grid: Grid, name: str, ring: Ring, own: IntArray, line: EdgeLine) -> EdgeForm:
+def support_form(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntArray, line: EdgeLine) -> EdgeForm:
     """The springs of a ring's own support, at its foot."""
     assert isinstance(ring.support, Sprung)
     springs = ring.support.springs(on_ring(line, ring))
@@ -91,7 +91,7 @@ def support_stiffness(springs: PointSprings, radial: Array) -> Array:
     return D
 
 
-def harmonic_ring(shell: Shell, name: str, ring: Ring, n: int, z: Array, line: EdgeLine) -> tuple[Array, Array]:
+def harmonic_ring(shell: ShellParts, name: str, ring: Ring, n: int, z: Array, line: EdgeLine) -> tuple[Array, Array]:
     """Stiffness and mass (6, 6) of n nodal diameters of a ring on a perfect casing, per unit angle, at z (1,).
 
     At theta = 0 d/ds = (i n + e_z x)/R of motions e^(i n theta); phases as in `structure.axisymmetric` make it real.

@@ -1,7 +1,7 @@
 """A shell: chart, thickness, material, supports and imperfection fields. A value that is checked when it is made."""
 
-from dataclasses import dataclass
-from typing import cast
+from dataclasses import dataclass, fields
+from typing import TypeVar, cast
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import read_only
@@ -10,6 +10,8 @@ from casingfem.structure.shell.checks import check_on_mesh, check_parts
 from casingfem.structure.shell.default_mesh import default_mesh
 from casingfem.structure.shell.parts import ShellParts
 from contact.io.brief import brief
+
+Parts = TypeVar("Parts", bound=ShellParts)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,6 +86,11 @@ class Shell(ShellParts):
         if cast(ShellMesh | None, self.mesh) is None:
             object.__setattr__(self, "mesh", default_mesh(self))
         check_on_mesh(self)
+
+
+def remade(kind: type[Parts], shell: ShellParts) -> Parts:
+    """The same fields as bare `ShellParts`, which many small steps change without a check of each, or as a `Shell`."""
+    return kind(**{each.name: getattr(shell, each.name) for each in fields(ShellParts)})
 
 
 def require_shell(structure: object, what: str) -> None:

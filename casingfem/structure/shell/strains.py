@@ -10,7 +10,7 @@ import numpy as np
 from casingfem.io.arrays import Array
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, strain_slots
 from casingfem.structure.mesh.shell_mesh import Grid
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.wall import curvature
 
 
@@ -26,7 +26,7 @@ def point_jets(grid: Grid, fields: Array) -> Array:
     return np.asarray(jets.reshape(elements, points, 3 * DOFS, fields.shape[2]))
 
 
-def point_strains(shell: Shell, grid: Grid, jets: Array) -> tuple[Array, Array, Array]:
+def point_strains(shell: ShellParts, grid: Grid, jets: Array) -> tuple[Array, Array, Array]:
     """Strains (elements, points, 8, k), curvature (3, elements, points), area Jacobian (elements, points)."""
     L, rates = strain_slots(shell.geometry(*grid.parameters).surface)
     coefficients = np.moveaxis(L, (3, 4), (0, 1)).transpose(0, 1, 3, 2, 4)

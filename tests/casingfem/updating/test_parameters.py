@@ -5,14 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from casingfem.errors import InputError
+from casingfem.errors import InputError, ModelError
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.field import FieldValues
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.shell import Shell, remade
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter, check_parameters
 
@@ -197,3 +198,10 @@ def test_a_profile_is_no_number(steel):
     bowl = Shell(chart=Revolved(profile=Arc(radius=0.5, start=0.0, end=1.0)), thickness=3e-3, material=steel)
     with pytest.raises(InputError, match="chart has no numbers, not 'profile'"):
         get_value(bowl, "chart.profile")
+
+
+def test_bare_parts_are_checked_when_they_are_a_shell_again(frustum):
+    bare = with_value(remade(ShellParts, frustum()), "shell.thickness", -1.0)
+    assert bare.thickness == -1.0
+    with pytest.raises(ModelError, match="thickness"):
+        remade(Shell, bare)

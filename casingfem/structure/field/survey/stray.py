@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtr
 
 from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.structure.field.survey.points import SurveyPoints
@@ -75,7 +75,7 @@ def shifted_points(design: FloatArray, residual: FloatArray) -> BoolArray:
     for count in range(len(order), 0, -1):
         scale = np.sqrt(max(after[count - 1], 1e-300) / (free - count))
         t = np.sqrt(min(gains[:count])) / scale
-        if 2.0 * student.sf(t, free - count) < LEVEL / points and np.sqrt(min(gains[:count])) > 1e-9:
+        if 2.0 * stdtr(free - count, -t) < LEVEL / points and np.sqrt(min(gains[:count])) > 1e-9:
             stray[order[:count]] = True
             break
     return stray
@@ -94,7 +94,7 @@ def significant(design: FloatArray, residual: FloatArray, candidates: BoolArray)
         chi2 = float(np.sum((residual - columns @ delta) ** 2))
         t = np.abs(delta) / np.sqrt(np.maximum(np.diag(inverse), 1e-300) * chi2 / (free - members.size))
         least = int(t.argmin())
-        if 2.0 * student.sf(t[least], free - members.size) < LEVEL / len(residual):
+        if 2.0 * stdtr(free - members.size, -t[least]) < LEVEL / len(residual):
             break
         members = np.delete(members, least)
     found = np.zeros(len(residual), bool)
