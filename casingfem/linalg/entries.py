@@ -71,20 +71,26 @@ class ElementEntries(NamedTuple):
         k, m = len(pivots), len(rows)
         K_pp, K_pr, K_rr = np.zeros((k, k)), np.zeros((k, m)), np.zeros((m, m))
         on, beside = A.scale[pivots], A.scale[rows]
-        for p in self.pieces:
+        for number, p in enumerate(self.pieces):
             B = A.groups[p.group].matrices[p.number]
-            on_pivots = on[p.to_pivots, None] * B[p.pivots]
-            on_rows = beside[p.to_rows, None] * B[p.rows]
-            accumulate(K_pp, p.to_pivots, p.to_pivots, on_pivots[:, p.pivots], on)
-            accumulate(K_pr, p.to_pivots, p.to_rows, on_pivots[:, p.rows], beside)
-            accumulate(K_rr, p.to_rows, p.to_rows, on_rows[:, p.rows], beside)
+            of_pivots, of_rows = B[p.pivots], B[p.rows]
+            accumulate(K_pp, p.to_pivots, p.to_pivots, of_pivots[:, p.pivots], on, on, number == 0)
+            accumulate(K_pr, p.to_pivots, p.to_rows, of_pivots[:, p.rows], on, beside, number == 0)
+            accumulate(K_rr, p.to_rows, p.to_rows, of_rows[:, p.rows], beside, beside, number == 0)
         K_pp[np.arange(k), np.arange(k)] += A.diagonal[pivots]
         return K_pp.T, K_pr.T, K_rr.T
 
 
-def accumulate(K: FloatArray, rows: Places, columns: Places, part: FloatArray, scale: FloatArray) -> None:
-    """K[rows, columns] += part, its columns times `scale`."""
-    scaled = part * scale[columns]
+def accumulate(
+    K: FloatArray, rows: Places, columns: Places, part: FloatArray, left: FloatArray, right: FloatArray, empty: bool
+) -> None:
+    """K[rows, columns] += part, its rows and columns scaled; `empty` where K is still zero."""
+    if empty and isinstance(rows, slice) and isinstance(columns, slice):
+        there = K[rows, columns]
+        np.multiply(part, right[columns], out=there)
+        there *= left[rows, None]
+        return
+    scaled = left[rows, None] * part * right[columns]
     if isinstance(rows, slice) or isinstance(columns, slice):
         K[rows, columns] += scaled
     else:

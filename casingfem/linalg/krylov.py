@@ -188,6 +188,6 @@ def orthonormal(pencil: Pencil, block: Array, noise: float) -> tuple[Array, Arra
 def independent(pencil: Pencil, X: Array, noise: float = 0.0) -> Array:
     """Columns that span X (n, k) without directions shorter than `noise`, orthonormal but for its own round-off."""
     gram = X.conj().T @ pencil.weigh(X)
-    squares, V = eigh(0.5 * (gram + gram.conj().T))
+    squares, V = np.linalg.eigh(0.5 * (gram + gram.conj().T))  # a few columns: less ado than scipy's
     good = squares > max(noise**2, 1e-15 * squares.max(initial=0.0))
     return np.asarray(((V[:, good] / np.sqrt(squares[good])).T @ X.T).T)  # by columns, as X stands
