@@ -158,7 +158,7 @@ class Result(Reported):
                 f"{self.max_penetration[k]:15.3g}  {self.residual[k]:12.3g}"
             )
         if len(self.gap) and not any(self.intervals):
-            row, k = np.unravel_index(self.gap.argmin(), self.gap.shape)
+            row, k = divmod(int(self.gap.argmin()), self.gap.shape[1])
             lines.append(f"nothing touched: the least gap was {self.gap[row, k]:.4g} m, of contact {k + 1}, at "
                          f"{self.time[row]:.6g} s")  # fmt: skip
         lines.append(

@@ -71,7 +71,7 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
 
 def check(stored: Mapping[str, Array], path: str) -> None:
     """Refuse arrays that do not belong together, and numbers that no identification gives."""
-    kinds: dict[str, ArrayKind] = dict.fromkeys(TEXTS, "text") | dict.fromkeys(COMPLEX, "complex")
+    kinds: dict[str, ArrayKind] = {**dict.fromkeys(TEXTS, "text"), **dict.fromkeys(COMPLEX, "complex")}
     try:
         require_kinds({name: array for name, array in stored.items() if name != "diagram.stable"}, kinds)
     except ValueError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import stdtr
+from scipy.special import stdtr, stdtrit
 
 from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.structure.field.survey.points import SurveyPoints
@@ -39,7 +39,8 @@ def beyond(design: FloatArray, residual: FloatArray, kept: BoolArray) -> BoolArr
     leverage = np.sum(np.linalg.solve(own.T @ own, design[out].T) * design[out].T, axis=0)
     scale = np.sqrt(np.sum(left[kept] ** 2) / free * (1.0 + leverage))
     stray = np.zeros(len(residual), bool)
-    stray[out] = (np.abs(left[out]) > student.isf(0.5 * LEVEL / len(residual), free) * scale) & (abs(left[out]) > 1e-9)
+    far = -float(stdtrit(free, 0.5 * LEVEL / len(residual))) * scale
+    stray[out] = np.abs(left[out]) > np.maximum(far, 1e-9)
     return stray
 
 

@@ -41,8 +41,8 @@ def read_arrays(path: Path, dofs: IntArray | None) -> MatrixSet:
     nodes = whole_numbers(tables.get("nodes", np.zeros((0, 4))), 4, "matrix-file", f"{path.name}: nodes", numbered=1)
     matrices = {role: fitting(f"{path.name}: {name}", square[name]) for role, name in roles.items()}
     if odd := [name for role, name in roles.items() if matrices[role].dtype.kind == "c"]:
-        found = f"{odd[0]} of complex numbers, expected K, M and C, each of real ones"
-        raise ModelError("matrix-file", f"{path.name}: found {found}")
+        said = f"{odd[0]} of complex numbers, expected K, M and C, each of real ones"
+        raise ModelError("matrix-file", f"{path.name}: found {said}")
     K, M, C = (None if role not in matrices else matrices[role].astype(float) for role in "KMC")
     points = {int(row[0]): row[1:] for row in nodes}
     return MatrixSet(K=K, M=M, C=C, dofs=dofs, points=points, source=path.name)
