@@ -25,13 +25,13 @@ class SealedLibrary(JITCodeLibrary):
     """A compiled function with the functions it calls, closed against all others."""
 
     def _optimize_final_module(self) -> None:
-        optimise: Any = super()._optimize_final_module
-        optimise()
+        library: Any = self
+        _relink(library._final_module, binding.Linkage.linkonce_odr, "internal")
+        _optimise(library._final_module, library._codegen._tm)
         # what callers link is read back as from the cache, so that they too are compiled alike whoever was first
         shared = binding.parse_bitcode(self._final_module.as_bitcode())
         _relink(shared, binding.Linkage.external, "linkonce_odr")
         self._shared_module = shared
-        _relink(self._final_module, binding.Linkage.linkonce_odr, "internal")
 
 
 class PartLibrary(JITCodeLibrary):
@@ -69,6 +69,13 @@ class PartPipeline(SealedPipeline):
     """The same, into libraries that hold no machine code."""
 
     library = PartLibrary
+
+
+def _optimise(module: Any, machine: Any) -> None:
+    tuning: Any = binding.create_pipeline_tuning_options(speed_level=3)
+    tuning.loop_vectorization = tuning.loop_unrolling = False
+    builder: Any = binding.create_pass_builder(machine, tuning)
+    builder.getModulePassManager().run(module, builder)
 
 
 def _relink(module: Any, found: Any, linkage: str) -> None:

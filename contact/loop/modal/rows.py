@@ -23,9 +23,14 @@ class RowBlocks(NamedTuple):
 
 @jit_inside
 def rotate(waves: Array, phi: float) -> None:
-    """Cos n phi and sin n phi from one sine and cosine by the addition theorem: no drift over steps."""
+    """Cos n phi and sin n phi."""
+    multiples(waves, math.cos(phi), math.sin(phi))
+
+
+@jit_inside
+def multiples(waves: Array, c: float, s: float) -> None:
+    """Cos n phi and sin n phi from cos phi and sin phi by the addition theorem: no drift over steps."""
     count = waves.shape[1]
-    c, s = math.cos(phi), math.sin(phi)
     waves[0, 0], waves[1, 0] = 1.0, 0.0
     have = 1
     while have < WIDTH:  # n = have .. 2 have - 1 from n = 0 .. have - 1

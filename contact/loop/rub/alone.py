@@ -15,8 +15,7 @@ from contact.solver.friction.one_contact import one_contact
 
 
 @jit
-def alone(s: RubState, rows: RubRows, w: Work, dim: int, share: float, slid: float, step: int, before: float,
-          angle: float) -> bool:  # fmt: skip
+def alone(s: RubState, rows: RubRows, w: Work, dim: int, share: float, slid: float, step: int) -> bool:  # fmt: skip
     """Force of the one tip marked, gap and slip; False where the general way is to be taken. `slid` = Omega h."""
     chosen = 0
     for j in range(s.mu.size):
@@ -30,7 +29,7 @@ def alone(s: RubState, rows: RubRows, w: Work, dim: int, share: float, slid: flo
         w.row[i], w.column[i] = R + i, i
     if dim > 2:
         return False
-    place_now(rows, w, j, angle)
+    place_now(rows, w, j)
     normal, ahead, tangent = w.normal[w.side[0], p], w.normal[1 - w.side[0], p], w.rows[dim - 1]
     if dim == 2:
         fill_block(rows, rows.line[j] * rows.directions + 1, w.waves[w.side[0], p], tangent)
@@ -47,7 +46,7 @@ def alone(s: RubState, rows: RubRows, w: Work, dim: int, share: float, slid: flo
         w.W[1, 1] = total(tt) + rows.fixed[R + 1, R + 1]
         w.b[1] = total(slip) + blade_dot(rows, R + 1, j, s.d) - s.strain[R + 1] + rows.radius[j] * slid
     if rows.turns and rows.few:
-        fill_few(rows, w, dim, step, before, angle)
+        fill_few(rows, w, dim, step)
     elif rows.turns:
         fill_soft(rows, w, j, 0, dim)
     for i in range(dim):

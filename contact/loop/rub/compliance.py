@@ -9,8 +9,8 @@ from __future__ import annotations
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
-from contact.loop.modal.rows import fill_some, rotate
-from contact.loop.rub.rows import RubRows
+from contact.loop.modal.rows import fill_some, multiples
+from contact.loop.rub.rows import BEFORE, NOW, RubRows, waves_at
 from contact.loop.rub.state import RubState, Work
 from contact.solver.dense import dot
 
@@ -23,7 +23,7 @@ def copy(row: Array, out: Array) -> None:
 
 
 @jit
-def fill_few(rows: RubRows, w: Work, size: int, step: int, before: float, angle: float) -> None:
+def fill_few(rows: RubRows, w: Work, size: int, step: int) -> None:
     """Rows of S of the chosen tips at phi_n and at phi_{n-1}."""
     blocks, turned = w.S.shape[1] // WIDTH, False
     for a in range(size):
@@ -34,10 +34,10 @@ def fill_few(rows: RubRows, w: Work, size: int, step: int, before: float, angle:
             copy(w.S[r], w.S_old[r])
             continue
         if not turned:
-            rotate(w.S_waves, before)
+            multiples(w.S_waves, w.angles[BEFORE, 1], w.angles[BEFORE, 2])
             turned = True
         fill_some(rows.S, w.S_waves, r * blocks, w.S_old[r])
-    rotate(w.S_waves, angle)
+    multiples(w.S_waves, w.angles[NOW, 1], w.angles[NOW, 2])
     for a in range(size):
         if w.S_at[w.row[a]] != step:
             w.S_at[w.row[a]] = step
@@ -73,7 +73,7 @@ def soft_at(rows: RubRows, w: Work, row: int, j: int, i: int, dim: int) -> float
 
 
 @jit
-def strains(s: RubState, rows: RubRows, w: Work, size: int, dim: int, angle: float) -> None:
+def strains(s: RubState, rows: RubRows, w: Work, size: int, dim: int) -> None:
     """S lam in every direction of every tip, and the part of it that turns."""
     for k in range(w.strain.size):
         w.strain[k], w.turning[k] = 0.0, 0.0
@@ -93,7 +93,7 @@ def strains(s: RubState, rows: RubRows, w: Work, size: int, dim: int, angle: flo
                 for i in range(dim):
                     w.turning[j * dim + i] = soft_at(rows, w, -1, j, i, dim)
                 continue
-            rotate(w.turn, rows.angle[j] - angle)
+            waves_at(rows, j, w.angles, NOW, w.turn)
             for i in range(dim):
                 w.turning[j * dim + i] = felt(w.strained, (rows.line[j] * dim + i) * w.turn.size, w.turn)
     for k in range(w.strain.size):
@@ -101,7 +101,7 @@ def strains(s: RubState, rows: RubRows, w: Work, size: int, dim: int, angle: flo
 
 
 @jit
-def strains_before(s: RubState, rows: RubRows, w: Work, size: int, dim: int, before: float) -> None:
+def strains_before(s: RubState, rows: RubRows, w: Work, size: int, dim: int) -> None:
     """The part that turns of S lam with S at phi_{n-1}, along the directions of the chosen tips."""
     if rows.few:
         for a in range(size):
@@ -113,7 +113,7 @@ def strains_before(s: RubState, rows: RubRows, w: Work, size: int, dim: int, bef
         put(w.strained, k, same(0.0))
     for a in range(size // dim):
         j = w.chosen[a]
-        rotate(w.turn, rows.angle[j] - before)
+        waves_at(rows, j, w.angles, BEFORE, w.turn)
         for i in range(dim):
             first, part = (rows.line[j] * dim + i) * n, same(s.lam[j * dim + i])
             for k in range(0, n, WIDTH):
@@ -124,6 +124,6 @@ def strains_before(s: RubState, rows: RubRows, w: Work, size: int, dim: int, bef
             put(w.strained, k, load(w.strained, k) + load(w.spread, k))
     for a in range(size // dim):
         j = w.chosen[a]
-        rotate(w.turn, rows.angle[j] - before)
+        waves_at(rows, j, w.angles, BEFORE, w.turn)
         for i in range(dim):
             w.before[j * dim + i] = felt(w.strained, (rows.line[j] * dim + i) * n, w.turn)

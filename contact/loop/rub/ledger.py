@@ -16,15 +16,14 @@ from contact.record.record import Samples, Tally
 
 
 @jit
-def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float, before: float,
-              sums: Tally) -> None:  # fmt: skip
+def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float, sums: Tally) -> None:  # fmt: skip
     """Work of the forces along (D_n + D_{n+1})/2: by the gap, by the turning point, by friction; heat and drive.
 
     What the tangential compliance takes up is friction's work on the bodies, and the contact's loss until S gives it
     back; what S stores because the point moves is the turning point's.
     """
     if rows.turns:
-        strains_before(s, rows, w, count * dim, dim, before)
+        strains_before(s, rows, w, count * dim, dim)
     for a in range(w.slots[0] * dim):
         w.along[a] = product_of_sum(w.rows[a], s.old, s.d)
     for n in range(count):

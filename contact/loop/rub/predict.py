@@ -7,6 +7,9 @@ from contact.jit.vector import WIDTH, load, put
 from contact.loop.modal.rows import bound, product, product_of_sum
 from contact.loop.rub.body_force import body_force
 from contact.loop.rub.rows import (
+    AHEAD,
+    BEFORE,
+    NOW,
     RubLaws,
     RubRows,
     blade_dot,
@@ -41,7 +44,7 @@ def propagate(s: RubState, laws: RubLaws, t: float, angle: float, omega: float) 
 
 @jit
 def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, share: float, every: bool,
-         t: float, h: float, before: float, angle: float, ahead: float) -> int:  # fmt: skip
+         t: float, h: float) -> int:  # fmt: skip
     """Free gaps of the tips that could touch; marks those that are solved for and returns how many."""
     inside, side = 0, 1 - w.side[0]
     closing = straight(laws.closing, t + h)
@@ -61,11 +64,12 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, shar
                 s.inside[j], s.known[j], s.gap[j] = 0, 0, low
                 continue
         if s.known[j] == 0:
-            s.now[j] = gap_of(laws, rows, j, t, angle, dim, s.q, w.turn, w.spare)
-            s.last[j] = gap_of(laws, rows, j, t - h, before, dim, s.q, w.turn, w.spare)
+            s.now[j] = gap_of(laws, rows, j, t, w.angles, NOW, dim, s.q, w.turn, w.spare)
+            s.last[j] = gap_of(laws, rows, j, t - h, w.angles, BEFORE, dim, s.q, w.turn, w.spare)
             s.last[j] -= product(w.spare, s.old) + blade_dot(rows, R, j, s.old)
         if w.fresh[side, p] == 0:
-            w.fresh[side, p], w.rigid[p] = 1, rigid_gap(laws, rows, j, t + h, ahead, w.waves[side, p])
+            w.rigid[p] = rigid_gap(laws, rows, j, t + h, w.angles, AHEAD, w.waves[side, p])
+            w.fresh[side, p] = 1
             fill_block(rows, line * rows.directions, w.waves[side, p], w.normal[side, p])
             w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
         s.free[j] = rows.clearance[j] + w.rigid[p] + blade + w.moved[p]

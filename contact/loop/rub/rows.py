@@ -8,8 +8,10 @@ from typing import NamedTuple
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit
 from contact.jit.vector import WIDTH
-from contact.loop.modal.rows import RowBlocks, fill_some, product, rotate
+from contact.loop.modal.rows import RowBlocks, fill_some, multiples, product
 from contact.loop.rub.body_force import Pulls
+
+BEFORE, NOW, AHEAD = 0, 1, 2  # rows of `angles`: what is turned at t_{n-1}, t_n, t_{n+1}, with cosine and sine
 
 
 class Terms(NamedTuple):
@@ -56,6 +58,7 @@ class RubRows(NamedTuple):
     place: Indices  # (K,) number of the tip's (line, angle): tips at one place share their rows
     radius: Array  # (K,)
     angle: Array  # (K,)
+    heading: Array  # (K, 2) its cosine and sine
     clearance: Array  # (K,)
     blade: Array  # (K d, widest blade)
     own: Indices  # (K, 2)
@@ -76,6 +79,19 @@ def turned(speed: Array, t: float) -> tuple[float, float]:
         i -= 1
     since = t - speed[i, 0]
     return speed[i, 1] + speed[i, 2] * since + 0.5 * speed[i, 3] * since * since, speed[i, 2] + speed[i, 3] * since
+
+
+@jit
+def look_at(angles: Array, when: int, angle: float) -> None:
+    """Fill a row of `angles`."""
+    angles[when, 0], angles[when, 1], angles[when, 2] = angle, math.cos(angle), math.sin(angle)
+
+
+@jit
+def waves_at(rows: RubRows, j: int, angles: Array, when: int, waves: Array) -> None:
+    """Waves at tip j by the addition theorem: one sine and cosine a step serve all tips."""
+    cos, sin, c, s = rows.heading[j, 0], rows.heading[j, 1], angles[when, 1], angles[when, 2]
+    multiples(waves, cos * c + sin * s, sin * c - cos * s)
 
 
 @jit
@@ -126,13 +142,11 @@ def fill_block(rows: RubRows, block: int, waves: Array, row: Array) -> None:
 
 
 @jit
-def rigid_gap(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float, waves: Array) -> float:
-    """Gap at the place of tip j without its own clearance and without deflection, the casing turned by `angle`.
-
-    Leaves `waves` at the tip.
-    """
+def rigid_gap(laws: RubLaws, rows: RubRows, j: int, t: float, angles: Array, when: int, waves: Array) -> float:
+    """Gap at the place of tip j without its own clearance and without deflection; leaves `waves` at the tip."""
+    angle = angles[when, 0]
     phi = rows.angle[j] - angle
-    rotate(waves, phi)
+    waves_at(rows, j, angles, when, waves)
     gap = polynomial(laws.terms, waves) + hermite(laws.table, phi) - straight(laws.closing, t)
     for w in range(laws.whirl.shape[0]):
         beta = laws.whirl[w, 3] + laws.whirl[w, 1] * angle + laws.whirl[w, 2] * t
@@ -160,9 +174,9 @@ def blade_dot(rows: RubRows, row: int, j: int, values: Array) -> float:
 
 
 @jit
-def gap_of(laws: RubLaws, rows: RubRows, j: int, t: float, angle: float, dim: int, q: Array, waves: Array,
-           row: Array) -> float:  # fmt: skip
+def gap_of(laws: RubLaws, rows: RubRows, j: int, t: float, angles: Array, when: int, dim: int, q: Array,
+           waves: Array, row: Array) -> float:  # fmt: skip
     """Gap of tip j for the modal coordinates q, without residual compliance; leaves its casing row in `row`."""
-    rigid = rows.clearance[j] + rigid_gap(laws, rows, j, t, angle, waves)
+    rigid = rows.clearance[j] + rigid_gap(laws, rows, j, t, angles, when, waves)
     fill_block(rows, rows.line[j] * rows.directions, waves, row)
     return float(rigid + product(row, q) + blade_dot(rows, j * dim, j, q))

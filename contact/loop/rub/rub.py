@@ -13,7 +13,7 @@ from contact.loop.rub.alone import alone
 from contact.loop.rub.compliance import fill_few, strains
 from contact.loop.rub.ledger import add_works, advance_modes, note
 from contact.loop.rub.predict import find_near, propagate
-from contact.loop.rub.rows import RubLaws, RubRows, turned
+from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, look_at, turned
 from contact.loop.rub.solve import gather, others_close, push, solve, update_gaps
 from contact.loop.rub.state import RubState, Work
 from contact.loop.tally import due, state_due, store, store_state
@@ -30,12 +30,15 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
     share, pressed = 0.25 if averaged else 1.0, True
     before, _ = turned(laws.speed, (first - 1) * h)
     angle, omega = turned(laws.speed, first * h)
+    look_at(w.angles, BEFORE, before)
+    look_at(w.angles, NOW, angle)
     for step in range(first, first + steps):
         t = step * h
         ahead, omega_ahead = turned(laws.speed, (step + 1) * h)  # not t + h, which is rounded: runs may be split
+        look_at(w.angles, AHEAD, ahead)
         propagate(s, laws, t, angle, omega)
         every = due(step, out.every, out.at, sums.filled[0])
-        closing = find_near(s, laws, rows, w, dim, share, every, t, h, before, angle, ahead)
+        closing = find_near(s, laws, rows, w, dim, share, every, t, h)
         if coats is not None:
             closing -= stand(s, laws, rows, w, coats, dim, angle)
         for i in range(0, s.contact.size, WIDTH):
@@ -44,25 +47,25 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         while closing > 0:
             count = 0
             if coats is None:  # a branch that is left out of the loop with a coating, and not compiled there
-                if closing == 1 and alone(s, rows, w, dim, share, omega * h, step, before, angle):
+                if closing == 1 and alone(s, rows, w, dim, share, omega * h, step):
                     count = 1
             if count == 0:
-                count = gather(s, rows, w, dim, share, angle)
+                count = gather(s, rows, w, dim, share)
                 if rows.turns and rows.few:
-                    fill_few(rows, w, count * dim, step, before, angle)
+                    fill_few(rows, w, count * dim, step)
                 if not solve(s, rows, w, coats, count, dim, share, omega * h):
                     return step
-            if not others_close(s, rows, w, count * dim, dim, share, angle):
+            if not others_close(s, rows, w, count * dim, dim, share):
                 break
             closing = count + 1  # at least
         if closing > 0 or pressed:
-            strains(s, rows, w, count * dim, dim, angle)
+            strains(s, rows, w, count * dim, dim)
         if closing > 0:
             if coats is not None:
                 flow(s, w, coats, count, dim)
             push(s, rows, w, count, dim)
             update_gaps(s, rows, w, dim)
-            add_works(s, rows, w, count, dim, omega * h, before, sums)
+            add_works(s, rows, w, count, dim, omega * h, sums)
             s.counts[2] += 1.0
         if closing > 0 or pressed:
             assign(s.strain, w.strain, w.strain.size)
@@ -76,7 +79,9 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         advance_modes(s, sums)
         note(s, rows, w, dim, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)
-        before, angle, omega = angle, ahead, omega_ahead
+        angle, omega = ahead, omega_ahead
+        for i in range(3):
+            w.angles[BEFORE, i], w.angles[NOW, i] = w.angles[NOW, i], w.angles[AHEAD, i]
         w.side[0] = 1 - w.side[0]
         if step % LOOK == 0:
             for line in range(rows.reach.shape[0]):

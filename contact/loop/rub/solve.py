@@ -6,9 +6,9 @@ from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
 from contact.loop.modal.patch import ROUGH
-from contact.loop.modal.rows import product, rotate, weighted
+from contact.loop.modal.rows import product, weighted
 from contact.loop.rub.compliance import copy, fill_soft, soft_at
-from contact.loop.rub.rows import RubRows, blade_dot, fill_block
+from contact.loop.rub.rows import NOW, RubRows, blade_dot, fill_block, waves_at
 from contact.loop.rub.state import TOGETHER, RubState, Work
 from contact.solver.abradable.tips import Coats, crush_tips
 from contact.solver.dense import affine, dot
@@ -18,7 +18,7 @@ from contact.solver.friction.one_contact import one_contact
 
 
 @jit
-def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float, angle: float) -> int:
+def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float) -> int:
     """Rows at t_n where tips are to be solved, and the rows of the law times c; returns how many tips."""
     count, w.slots[0] = 0, 0
     for p in range(w.slot.size):
@@ -29,7 +29,7 @@ def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float, angle: f
                 s.lam[i] = 0.0
             continue
         if w.slot[rows.place[j]] < 0:
-            fill_slot(s, rows, w, j, dim, share, angle)
+            fill_slot(s, rows, w, j, dim, share)
         slot = w.slot[rows.place[j]]
         for i in range(dim):
             a = count * dim + i
@@ -40,11 +40,11 @@ def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float, angle: f
 
 
 @jit
-def fill_slot(s: RubState, rows: RubRows, w: Work, j: int, dim: int, share: float, angle: float) -> None:
+def fill_slot(s: RubState, rows: RubRows, w: Work, j: int, dim: int, share: float) -> None:
     """The next slot becomes the place of tip j."""
     p, slot, now = rows.place[j], w.slots[0], w.side[0]
     w.slot[p], w.slots[0] = slot, slot + 1
-    place_now(rows, w, j, angle)
+    place_now(rows, w, j)
     for i in range(dim):
         row, test = w.rows[slot * dim + i], w.tests[slot * dim + i]
         if i > 0:
@@ -66,12 +66,12 @@ def fill_slot(s: RubState, rows: RubRows, w: Work, j: int, dim: int, share: floa
 
 
 @jit
-def place_now(rows: RubRows, w: Work, j: int, angle: float) -> None:
+def place_now(rows: RubRows, w: Work, j: int) -> None:
     """Waves and normal row where tip j is at t_n; they are there if it was near in the last step."""
     p, now = rows.place[j], w.side[0]
     if w.fresh[now, p] == 0:
         w.fresh[now, p] = 1
-        rotate(w.waves[now, p], rows.angle[j] - angle)
+        waves_at(rows, j, w.angles, NOW, w.waves[now, p])
         fill_block(rows, rows.line[j] * rows.directions, w.waves[now, p], w.normal[now, p])
 
 
@@ -194,7 +194,7 @@ def hand_over(s: RubState, w: Work, size: int, dim: int) -> None:
 
 
 @jit
-def others_close(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: float, angle: float) -> bool:
+def others_close(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: float) -> bool:
     """Whether the forces close tips that were left out; these are marked, the gaps of the others noted."""
     grown = False
     for j in range(s.mu.size):
@@ -208,7 +208,7 @@ def others_close(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share
             if rows.turns and rows.few:
                 gap += w.S[w.row[a], R] * w.lam[a]
         if rows.turns and not rows.few:
-            place_now(rows, w, j, angle)
+            place_now(rows, w, j)
             gap += soft_at(rows, w, -1, j, 0, dim)
         s.motion[R] = gap
         if gap < 0.0:

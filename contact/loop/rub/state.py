@@ -73,6 +73,7 @@ class Work(NamedTuple):
     moved: Array  # (P,) motion of the casing there
     spare: Array  # (width,) any other row
     turn: Array  # (2, harmonics) and its waves
+    angles: Array  # (3, 3) what is turned at t_{n-1}, t_n and t_{n+1}, its cosine and sine
     slot: Indices  # (P,) -1 for a place without a chosen tip
     slots: Indices  # (1,) how many
     rows: Array  # (P d, width) all rows at t_n, by slot
@@ -124,7 +125,8 @@ def work_space(s: RubState, rows: RubRows) -> Work:
 
     return Work(
         side=whole(1), normal=none(2, P, width), waves=none(2, P, 2, n), fresh=whole(2, P), bound=none(lines),
-        rigid=none(P), moved=none(P), spare=none(width), turn=none(2, n), slot=whole(P), slots=whole(1),
+        rigid=none(P), moved=none(P), spare=none(width), turn=none(2, n), angles=none(3, 3), slot=whole(P),
+        slots=whole(1),
         rows=none(D, width), tests=none(D, width), soft=none(D, waves), row_columns=none(d * width, slots),
         wave_columns=none(2 * n * lines, slots), along=none(D), pull=none(D), chosen=whole(K), row=whole(R),
         column=whole(R), across=whole(R),

@@ -239,6 +239,7 @@ def _rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
         casing=RowBlocks(*row_blocks(rows_of_waves(np.arange(rim.n_max + 1), rim.cos, rim.sin, count))),
         width=whole(m), reach=reach, directions=system.directions, line=system.line,
         place=place.reshape(-1).astype(np.int64), radius=system.radius, angle=system.angle,
+        heading=np.stack([np.cos(system.angle), np.sin(system.angle)], axis=1),
         clearance=system.clearance, blade=system.blade_rows, own=system.own, fixed=blade_delassus(system, parts),
         still=np.ascontiguousarray(system.still), turns=system.turns, few=few, S=RowBlocks(*row_blocks(S)),
         harmonics=count, S_harmonics=S_harmonics,
