@@ -19,7 +19,7 @@ from numba.core import types
 from numba.core.registry import CPUDispatcher
 
 from contact.jit.bundle import bundled
-from contact.jit.linking import PartPipeline, SealedPipeline
+from contact.jit.linking import PartPipeline, SealedPipeline, VectorPipeline
 from contact.jit.progress import Announcement, Uncollected, announce
 
 config: Any = numba.config
@@ -64,6 +64,14 @@ def jit_entry(function: Function) -> Function:
     so that a run that diverges is seen. The same input gives bit-identical results on one machine.
     """
     return compiled(function, OPTIONS)
+
+
+def jit_vectors(function: Function) -> Function:
+    """Compile a step loop whose long loops are written with `contact.jit.vector`, else as `jit_entry`.
+
+    What else it has runs once or twice: the compiler's vectors of it, with their checks, cost more than they give.
+    """
+    return compiled(function, OPTIONS, pipeline=VectorPipeline)
 
 
 def jit(function: Function) -> Function:
@@ -115,7 +123,7 @@ def entry(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def part(function: Function, options: dict[str, Any]) -> Function:
     """Compile for compiled callers alone; as it stands where numba is told not to compile."""
-    return compiled(function, {**options, **PART}, Part)
+    return compiled(function, {**options, **PART}, Part, PartPipeline)
 
 
 class ByAddress(protocol):  # type: ignore[misc]
@@ -158,10 +166,13 @@ def cached_here() -> Iterator[None]:
         config.CACHE_DIR = before
 
 
-def compiled(function: Function, options: dict[str, Any], kind: type[Loop] = Entry) -> Function:
+def compiled(
+    function: Function, options: dict[str, Any], kind: type[Loop] = Entry,
+    pipeline: type[SealedPipeline] = SealedPipeline,
+) -> Function:  # fmt: skip
     """Compile with numba, the cache in a directory named after the sources."""
     with cached_here():
-        made: Any = numba.njit(pipeline_class=PartPipeline if kind is Part else SealedPipeline, **options)(function)
+        made: Any = numba.njit(pipeline_class=pipeline, **options)(function)
     if isinstance(made, CPUDispatcher):
         made.__class__ = kind
     return cast(Function, made)

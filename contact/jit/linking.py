@@ -3,7 +3,8 @@
 Numba links copies of the called functions beside the caller, under names that the whole process shares. Where a name
 is there already, the linker takes that function: in the run that compiles, the one compiled by itself; in a run that
 reads the cache, the copy. Both are right, but sums are ordered as each was optimised, and results differ in the last
-bits. Here the copies become private to their caller before machine code is made of them.
+bits. Here the copies become private to their caller, and that before they are optimised: those with one caller become
+part of it.
 
 A part that only compiled functions call is copied into each of them and optimised there. To optimise it by itself too,
 and to make machine code that nothing calls, took a third of the time to compile a loop: `Part` leaves both out.
@@ -25,13 +26,27 @@ class SealedLibrary(JITCodeLibrary):
     """A compiled function with the functions it calls, closed against all others."""
 
     def _optimize_final_module(self) -> None:
-        library: Any = self
-        _relink(library._final_module, binding.Linkage.linkonce_odr, "internal")
-        _optimise(library._final_module, library._codegen._tm)
+        _relink(self._final_module, binding.Linkage.linkonce_odr, "internal")
+        self._optimise()
         # what callers link is read back as from the cache, so that they too are compiled alike whoever was first
         shared = binding.parse_bitcode(self._final_module.as_bitcode())
         _relink(shared, binding.Linkage.external, "linkonce_odr")
         self._shared_module = shared
+
+    def _optimise(self) -> None:
+        optimise: Any = super()._optimize_final_module
+        optimise()
+
+
+class VectorLibrary(SealedLibrary):
+    """The same without the compiler's own vectors and copies of loop bodies."""
+
+    def _optimise(self) -> None:
+        library: Any = self
+        tuning: Any = binding.create_pipeline_tuning_options(speed_level=3)
+        tuning.loop_vectorization = tuning.loop_unrolling = False
+        builder: Any = binding.create_pass_builder(library._codegen._tm, tuning)
+        builder.getModulePassManager().run(library._final_module, builder)
 
 
 class PartLibrary(JITCodeLibrary):
@@ -65,17 +80,16 @@ class SealedPipeline(Compiler):
         return compile_bytecode(func)
 
 
+class VectorPipeline(SealedPipeline):
+    """The same, for loops that are written as vectors where they are long."""
+
+    library = VectorLibrary
+
+
 class PartPipeline(SealedPipeline):
     """The same, into libraries that hold no machine code."""
 
     library = PartLibrary
-
-
-def _optimise(module: Any, machine: Any) -> None:
-    tuning: Any = binding.create_pipeline_tuning_options(speed_level=3)
-    tuning.loop_vectorization = tuning.loop_unrolling = False
-    builder: Any = binding.create_pass_builder(machine, tuning)
-    builder.getModulePassManager().run(module, builder)
 
 
 def _relink(module: Any, found: Any, linkage: str) -> None:

@@ -6,7 +6,7 @@ a run's numbers do not depend on its neighbours.
 
 from __future__ import annotations
 
-from contact.jit.compiled import jit_entry
+from contact.jit.compiled import jit_vectors
 from contact.jit.vector import WIDTH, load, put, same
 from contact.loop.batch.note import keep_state, note_lane, rim_too_far
 from contact.loop.batch.state import (
@@ -29,7 +29,7 @@ from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
 
 
-@jit_entry
+@jit_vectors
 def advance_batch(
     s: BatchState, flights: BatchFreeFlight, sums: Tally, out: Samples, kept: BatchSamples, rubs: bool, budget: int
 ) -> None:

@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
-from contact.jit.compiled import jit, jit_entry
+from contact.jit.compiled import jit, jit_vectors
 
 LEAST = 6  # steps: what a shorter skip saves, looking for it costs
 PAUSE = 16  # steps after a contact before a skip is tried
@@ -42,7 +42,7 @@ def amplitude(q: float, d: float, fade: float, cos: float, sin: float) -> float:
     return math.sqrt(q * q + other * other)
 
 
-@jit_entry
+@jit_vectors
 def largest_share(flight: FreeFlight, q: Array, d: Array) -> float:
     """Bound B of the modes' share of the gap at any angle and any later time without force."""
     reach = flight.reach
@@ -57,7 +57,7 @@ def largest_share(flight: FreeFlight, q: Array, d: Array) -> float:
     return total
 
 
-@jit_entry
+@jit_vectors
 def open_steps(floor: Array, bound: float, phi: float, turn: float) -> int:
     """Steps from angle phi on, `turn` apart, at which the clearance surely exceeds `bound`.
 
@@ -85,7 +85,7 @@ def open_steps(floor: Array, bound: float, phi: float, turn: float) -> int:
     return FOREVER if is_open else -WAIT
 
 
-@jit_entry
+@jit_vectors
 def propagate(q: Array, d: Array, powers: Array, steps: int) -> None:
     """Take (q, D) over `steps` steps of free motion."""
     j = 0

@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 from contact.base.arrays import Array
-from contact.jit.compiled import jit, jit_entry, jit_inside
+from contact.jit.compiled import jit, jit_inside, jit_vectors
 from contact.jit.vector import WIDTH, load, put, same, total
 from contact.loop.limits import outgrown, rim_amplitude, tip_motion
 from contact.loop.modal.free_flight import FOREVER, PAUSE, FreeFlight, discrete_energy, skip_free_flight
@@ -140,7 +140,7 @@ def push(s: ModalState, Q: Array, T: Array, old: Array, new: Array, force: float
     return total(normal), total(tangent)
 
 
-@jit_entry
+@jit_vectors
 def advance_rim(
     s: ModalState, rows: RimRows, flight: FreeFlight, coating: Coating, Q: Array, Q_next: Array, T: Array,
     averaged: bool, damped: bool, sums: Tally, out: Samples, h: float, first: int, steps: int,

@@ -5,7 +5,7 @@ Two loops come of it: with `coats` None tips meet a rigid surface, else they pre
 
 from __future__ import annotations
 
-from contact.jit.compiled import jit_entry
+from contact.jit.compiled import jit_vectors
 from contact.jit.vector import WIDTH, put, same
 from contact.loop.limits import outgrown, rim_amplitude
 from contact.loop.rub.abradable import flow, stand
@@ -23,7 +23,7 @@ from contact.solver.abradable.tips import Coats
 from contact.solver.dense import assign
 
 
-@jit_entry
+@jit_vectors
 def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, w: Work, dim: int, averaged: bool,
                 sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
     """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step."""
