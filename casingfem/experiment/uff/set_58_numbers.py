@@ -99,4 +99,4 @@ def _parted(table: FloatArray, layout: Layout) -> tuple[FloatArray, Array]:
     """Abscissa (empty where it is even) and ordinate from a table of points."""
     x = np.empty(0) if layout.even else table[:, 0]
     y = table[:, -layout.ordinates :]
-    return x, y[:, 0] + 1j * y[:, 1] if layout.is_complex else y[:, 0]
+    return x, np.ascontiguousarray(y, np.float64).view(np.complex128)[:, 0] if layout.is_complex else y[:, 0]

@@ -116,8 +116,8 @@ class Parser(Numbers):
         given = card.fields[2 : 2 + places]
         corners = CORNERS.get(card.name, places)
         beyond = sum(text not in ("", "0") for text in card.fields[2 + places :]) if card.name in PLACES else 0
-        if len(given) < corners or "" in given[:corners] or beyond:
-            count = sum(map(bool, given)) + beyond
+        if len(given) < corners or not {"", "0"}.isdisjoint(given[:corners]) or beyond:
+            count = sum(text not in ("", "0") for text in given) + beyond
             raise self.fault(card, f"element {number} has {count} nodes, expected {corners} corners, middles between")
         middles = sum(text not in ("", "0") for text in given[corners:])
         given = given + [""] * (places - len(given)) if middles else given[:corners]

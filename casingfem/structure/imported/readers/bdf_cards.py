@@ -9,6 +9,7 @@ from casingfem.errors import ModelError
 from casingfem.io.included import NumberedLine
 
 MOST = 99_999_999  # of numbers, which have eight digits
+LARGEST = 1e100  # of real numbers: squares of larger ones, and there are some, are none
 SHORT_EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 
 
@@ -99,6 +100,6 @@ class Numbers:
             value = float(plain or 0.0)
         except ValueError:
             value = math.nan
-        if not math.isfinite(value):
+        if not abs(value) < LARGEST:
             raise self.fault(card, f"found {text!r}, expected a real number")
         return value

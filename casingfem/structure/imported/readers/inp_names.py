@@ -118,6 +118,8 @@ class Names:
                     members = range(first, last + 1, step)
                 except ValueError:
                     raise self.fault(line, f"found {text!r}, expected first, last, step") from None
+                if max(abs(first), abs(last)) >= MOST:
+                    raise self.fault(line, f"found {text!r}, expected numbers below {MOST:g}")
                 if len(members) > self.size:
                     raise self.fault(line, f"found {text!r}, {len(members)} numbers, more than the file can hold")
                 found.append(np.array(members, dtype=np.int64) + self.frame.offset)

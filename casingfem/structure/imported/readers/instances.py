@@ -123,6 +123,8 @@ def motion(card: Card, fault: Callable[[str, str], ModelError]) -> tuple[FloatAr
             rows.append((line, [float(cell) for cell in text.rstrip(",").split(",")]))
         except ValueError:
             raise fault(line, f"found {text!r}, expected numbers") from None
+        if not all(abs(value) < 10.0**DIGITS for value in rows[-1][1]):
+            raise fault(line, f"found {text!r}, expected numbers below {10.0**DIGITS:g}")
     if len(rows) > 2 or (rows and len(rows[0][1]) != 3) or (len(rows) == 2 and len(rows[1][1]) != 7):
         raise fault(card.line, "*INSTANCE: expected a line dx, dy, dz, then one ax, ay, az, bx, by, bz, angle")
     shift = np.array(rows[0][1]) if rows else np.zeros(3)

@@ -10,7 +10,7 @@ from casingfem.errors import InputError, ModelError
 from casingfem.structure.imported.matrix.op4 import read_op4
 from casingfem.structure.imported.matrix.read import read_matrices
 from casingfem.structure.imported.read import read_mesh
-from reports.robustness.mesh_samples import TIED_INP, tetra_cdb
+from reports.robustness.mesh_samples import SHELLS_BDF, TIED_INP, tetra_cdb
 from reports.robustness.sample_files import binary_op4, matrices
 
 SET = matrices()
@@ -118,6 +118,10 @@ def test_an_archive_that_would_fill_the_memory(old, new, message, tmp_path):
         ("*INSTANCE, NAME=two", "*INSTANCE, NAME=one", "found the name 'ONE', expected each instance's own"),
         ("*INSTANCE, NAME=one,", "*INSTANCE,", "found the name '', expected each instance's own"),
         ("9001, .1, .1", "9" * 5000 + ", .1, .1", "expected numbers below"),
+        ("3, 9, 3\n", "3, " + "9" * 40 + ", 3\n", "expected numbers below"),
+        (".2, 0., 0.\n.2,", ".2, nan, 0.\n.2,", "expected numbers below"),
+        (".2, 0., 0.\n.2,", ".2, 1e300, 0.\n.2,", "expected numbers below"),
+        ("1., 0., 0.5\n", "1., 0., 1e999\n", "expected numbers below"),
         ("*NSET, NSET=root\n1,", "*NSET, NSET=root\n" + "1" * 5000 + ",", "no set '1111"),
     ],
 )
@@ -126,3 +130,19 @@ def test_an_input_file_of_instances(old, new, message, tmp_path):
     (tmp_path / "a.inp").write_text(TIED_INP.replace(old, new))
     with pytest.raises(InputError, match=rf"a\.inp: line \d+: .*{message}"):
         read_mesh(tmp_path / "a.inp")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("CTRIA6,1,7,1,3,9,2,6,5", "CTRIA6,1,7,0,3,9,2,6,5", "element 1 has 5 nodes, expected 3 corners"),
+        ("CQUAD4,3,8,3,10,11,6", "CQUAD4,3,8,0,10,11,6", "element 3 has 3 nodes, expected 4 corners"),
+        ("GRID,11,,.3", "GRID,11,,1e300", "found '1e300', expected a real number"),
+    ],
+)
+def test_bulk_data_with_numbers_that_are_none(old, new, message, tmp_path):
+    """A corner 0 is a node left out, which middles may be."""
+    assert SHELLS_BDF.count(old) == 1
+    (tmp_path / "a.bdf").write_text(SHELLS_BDF.replace(old, new))
+    with pytest.raises(ModelError, match=rf"a\.bdf: line \d+: .*{message}"):
+        read_mesh(tmp_path / "a.bdf")
