@@ -21,7 +21,7 @@ from casingfem.structure.imported.assembly import MeshStructure, require_structu
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
-from casingfem.updating.outliers import named, outlying, shifts_of, step_without
+from casingfem.updating.outliers import Outlier, Shift, named, outlying, shifts_of, step_without
 from casingfem.updating.parameters import Parameter, check_parameters
 from casingfem.updating.problem import Problem, Progress
 from casingfem.updating.regularisation import Regularisation
@@ -197,27 +197,48 @@ def fitted_to_mesh(table: FrequencyTable, shapes: SensorShapes | None) -> Freque
 def without_outliers(
     whole: Problem, fit: UpdateResult, regularise: Regularisation | None, max_iterations: int
 ) -> UpdateResult:
-    """The fit without rows that contradict the others; each round looks at all rows from the fit of the last."""
+    """The fit without rows that contradict the others; each round looks at all rows from the fit of the last.
+
+    Rows are paired anew for that. Where this finds nothing more, the rows are looked at as the fit itself pairs them:
+    a wrong row may stand for another mode nearby, beside which no other row contradicts it.
+    """
     best = fit
     seen: list[tuple[int, ...]] = [()]
     for _ in range(LOOKS):
         state = whole.paired_anew(best.x)
         shifts = shifts_of(state.modes, whole.table, state.pairing.matches)
-        residual, jacobian = whole.fun(best.x), whole.jac(best.x) * ~np.array(best.at_bound)
-        found = outlying(shifts, residual, jacobian, len(whole.table))
-        rows = tuple(sorted({row for one in found for row in one.rows}))
-        if rows in seen:
+        aside, near = contradicting(shifts, whole.fun(best.x), whole.jac(best.x), best, whole.table)
+        if modes_of(aside) in seen:
+            shifts = shifts_of(best.after, best.given.table, best.pairing.matches)
+            own = best.given.with_priors(best.x, best.values, best.jacobian)
+            more, near = contradicting(shifts, *own, best, best.given.table)
+            aside = (*best.outliers, *more)
+        modes = modes_of(aside)
+        if modes in seen:
             break
-        seen.append(rows)
-        kept = [row for row in range(len(whole.table)) if row not in rows]
+        seen.append(modes)
+        kept = [row for row, mode in enumerate(whole.table.mode.tolist()) if mode not in modes]
         if len(kept) <= len(whole.vary):
             break
-        modes = whole.table.mode[list(rows)].tolist()
         shapes = None if whole.shapes is None else whole.shapes.only(kept)
         less = Problem(
             whole.shell, whole.table.without(*modes), whole.vary, whole.count, whole.reach, whole.progress, shapes
         )
-        near = np.clip(best.x + step_without(found, shifts, residual, jacobian), fit.lower, fit.upper)
-        best = fitted(less, fit.table.without(*modes), regularise, max_iterations, begin=near)
-        best = replace(best, before=fit.before, outliers=named(found, fit.table), plain=fit)
+        begin = np.clip(best.x + near, fit.lower, fit.upper)
+        best = fitted(less, fit.table.without(*modes), regularise, max_iterations, begin=begin)
+        best = replace(best, before=fit.before, outliers=aside, plain=fit)
     return best if seen[-1] else fit
+
+
+def contradicting(
+    shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray, fit: UpdateResult, table: FrequencyTable
+) -> tuple[tuple[Outlier, ...], FloatArray]:
+    """What of a table contradicts the rest, and the step from a fit to that without it, linearised."""
+    free = jacobian * ~np.array(fit.at_bound)  # what stands on a bound gives no way
+    found = outlying(shifts, residual, free, len(table))
+    return named(found, table), step_without(found, shifts, residual, free)
+
+
+def modes_of(outliers: Sequence[Outlier]) -> tuple[int, ...]:
+    """Mode numbers of the rows that are set aside, each once."""
+    return tuple(sorted({mode for outlier in outliers for mode in outlier.modes}))

@@ -8,6 +8,8 @@ import pytest
 
 import casingfem as cf
 from casingfem.updating.outliers import Shift, outlying, strongest
+from reports.updating import wrong_rows
+from reports.updating.twin import measured
 from tests.casingfem.updating.test_update_judged import blade, table, vary
 
 COLUMNS = np.column_stack([np.ones(24), np.linspace(-1.0, 1.0, 24)])
@@ -94,3 +96,12 @@ def test_sigma_grows_with_a_misfit_and_a_misfit_too_small_is_called_so():
     assert exact.inflation == 1.0
     assert exact.overstated
     assert "agree far better than their stated sigma" in repr(exact)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
+def test_a_wrong_row_that_stands_for_another_mode_nearby_is_named():
+    """Row 3, n = 7, 2.6 % high lies beside the pair n = 8: paired anew it contradicts nobody, as it was fitted all."""
+    draw = wrong_rows.drawn(measured(wrong_rows.ROWS, wrong_rows.MESH), 42, 1)
+    assert (draw.wrong, draw.found, draw.alarms) == (1, 1, 0)
+    assert draw.distance < 3.0
