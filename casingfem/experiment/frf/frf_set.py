@@ -75,7 +75,9 @@ class FrfSet:
             if (
                 name in PLACES
                 and given.dtype.kind not in "iu"
-                and not (given.dtype.kind == "f" and np.all((given % 1 == 0) & (np.abs(given) < 1e15)))
+                and not (
+                    given.dtype.kind == "f" and np.all((given % 1 == 0) & (np.abs(given.astype(np.float64)) < 1e15))
+                )
             ):
                 raise InputError(self.path, found=f"{name} that are not whole numbers", expected="those of points")
             array = np.array(given, forms.get(name, np.int64))

@@ -54,7 +54,7 @@ def test_identified_modes_of_other_kinds(changes, message, tmp_path):
         ({"x": np.arange(40) + 0.5j}, "member 'x': found complex128, expected real"),
         ({"response_point": np.array([b"2001-01-01", b"x"])}, "member 'response_point': found"),
         ({"response_point": np.array([3.5, 5.0])}, "response_point that are not whole numbers"),
-        ({"response_point": np.array([np.nan, 5.0])}, "response_point that are not whole numbers"),
+        ({"response_point": np.array([np.nan, 5.0], np.float16)}, "response_point that are not whole numbers"),
     ],
 )
 def test_responses_of_other_kinds_in_hdf5(changes, message, tmp_path):
