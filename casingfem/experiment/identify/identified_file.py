@@ -77,7 +77,7 @@ def check(stored: Mapping[str, Array], path: str) -> None:
     except ValueError as error:
         raise InputError(f"{path}: {error}") from None
     for name, dims in DIMS.items():
-        if stored[name].ndim != dims:
+        if stored[name].ndim != dims and (dims == 0 or stored[name].size):
             found = f"{name} of shape {stored[name].shape}"
             raise InputError(path, found=found, expected="one number" if dims == 0 else f"{dims} dimensions")
     modes, sensors = stored["freq"].size, stored["sensors.points"].size
@@ -94,6 +94,6 @@ def check(stored: Mapping[str, Array], path: str) -> None:
         if not np.all(np.isfinite(stored[name])):
             raise InputError(path, found=f"{name} with nan or infinity", expected="finite numbers")
     at = np.concatenate([stored["doublets"].ravel(), stored["unresolved"].ravel()])
-    if at.size and not (np.isin(at, np.arange(modes)).all() and stored["doublets"].shape[1] == 2):
+    if at.size and not (np.isin(at, np.arange(modes)).all() and (not stored["doublets"].size or stored["doublets"].shape[1] == 2)):
         wrong = [*at[~np.isin(at, np.arange(modes))].tolist(), 0][0]
         raise InputError(path, found=f"mode {wrong + 1:g} in a pair", expected=f"modes 1 to {modes}, two in each pair")

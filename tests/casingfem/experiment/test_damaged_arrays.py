@@ -80,5 +80,5 @@ def test_text_of_characters_that_are_none(tmp_path):
 def test_a_radius_beyond_all_others_is_no_stray_point(tmp_path):
     rows = [f"{a},0.0,{0.5 if a else '1e300'}" for a in range(0, 360, 10)]
     (tmp_path / "s.csv").write_text("theta_deg,z_m,radius_m\n" + "\n".join(rows) + "\n")
-    with pytest.raises(InputError, match=r"s\.csv, line 2.*found 1e\+300; expected a value like the others"):
+    with pytest.raises(InputError, match=r"s\.csv, line 2.*found 1e300; expected a value like the others"):
         read_points(tmp_path / "s.csv")

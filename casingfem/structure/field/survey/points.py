@@ -135,7 +135,7 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
         raise table.refuse(row=row, column=value_name, found=table.cells[value_name][row], expected="a value > 0")
     for row in np.flatnonzero(value > _BEYOND * np.median(value))[:1]:
         expected = f"a value like the others, whose median is {np.median(value):g} m"
-        raise table.refuse(row=row, column=value_name, found=f"{value[row]:g} m", expected=expected)
+        raise table.refuse(row=row, column=value_name, found=table.cells[value_name][row], expected=expected)
     _check_length_unit(table, value_name, quantity, float(np.median(value)))
     _check_height_unit(table, z_name, z, float(np.median(value)), quantity)
     if rest := [name for name in table.header if name not in taken | {value_name}]:

@@ -61,6 +61,8 @@ def shifted_points(design: FloatArray, residual: FloatArray) -> BoolArray:
     for _ in range(min(int(SHARE * points) + 1, free - FREE)):
         gain = np.where(left > 1e-6, r**2 / np.maximum(left, 1e-6), 0.0)
         k = int(gain.argmax())
+        if gain[k] == 0.0:  # nothing is left that a shift could explain
+            break
         column = -span @ span[k]
         column[k] += 1.0  # P e_k, of length sqrt(P_kk)
         column /= np.sqrt(left[k])
