@@ -13,12 +13,14 @@ from contact.jit.vector import WIDTH, entry, larger, load, put, same, total
 class RowBlocks(NamedTuple):
     """Sums of waves, eight sums a block: its waves stand from `start[block]` to the next start, an even number.
 
-    Only waves that some sum of the block has are there: few for a nearly perfect casing, all for another.
+    Only waves that some sum of the block has are there: few for a nearly perfect casing, all for another. Where it is
+    `alike`, the next three have the same waves, and each is looked up once for all four.
     """
 
     start: Indices
     wave: Indices  # n is cos n phi, harmonics + n is sin n phi
     value: Array  # (entries, 8)
+    alike: Indices
 
 
 @jit_inside
@@ -49,25 +51,36 @@ def multiples(waves: Array, c: float, s: float) -> None:
 @jit_inside
 def fill(rows: RowBlocks, waves: Array, row: Array) -> None:
     """All sums at the angle of `waves`."""
-    for k in range(rows.start.size - 1):
-        put(row, WIDTH * k, eight(rows, waves, k))
+    fill_some(rows, waves, 0, row)
 
 
 @jit
 def fill_some(rows: RowBlocks, waves: Array, first: int, row: Array) -> None:
     """As many sums as `row` has places, from block `first`."""
-    for k in range(row.size // WIDTH):
-        put(row, WIDTH * k, eight(rows, waves, first + k))
-
-
-@jit_inside
-def eight(rows: RowBlocks, waves: Array, block: int) -> Any:
-    """The sums of one block."""
-    even, odd = same(0.0), same(0.0)
-    for j in range(entry(rows.start, block), entry(rows.start, block + 1), 2):
-        even = even + load(rows.value, WIDTH * j) * same(entry(waves, entry(rows.wave, j)))
-        odd = odd + load(rows.value, WIDTH * j + WIDTH) * same(entry(waves, entry(rows.wave, j + 1)))
-    return even + odd
+    block, end = first, first + row.size // WIDTH
+    while block < end:
+        begin, last = entry(rows.start, block), entry(rows.start, block + 1)
+        a, b, c, d = same(0.0), same(0.0), same(0.0), same(0.0)
+        place = WIDTH * (block - first)
+        if entry(rows.alike, block) == 1:
+            next_block = WIDTH * (last - begin)
+            for j in range(begin, last):
+                wave, at = same(entry(waves, entry(rows.wave, j))), WIDTH * j
+                a = a + load(rows.value, at) * wave
+                b = b + load(rows.value, at + next_block) * wave
+                c = c + load(rows.value, at + 2 * next_block) * wave
+                d = d + load(rows.value, at + 3 * next_block) * wave
+            put(row, place, a)
+            put(row, place + WIDTH, b)
+            put(row, place + 2 * WIDTH, c)
+            put(row, place + 3 * WIDTH, d)
+            block += 4
+        else:
+            for j in range(begin, last, 2):
+                a = a + load(rows.value, WIDTH * j) * same(entry(waves, entry(rows.wave, j)))
+                b = b + load(rows.value, WIDTH * j + WIDTH) * same(entry(waves, entry(rows.wave, j + 1)))
+            put(row, place, a + b)
+            block += 1
 
 
 @jit_inside

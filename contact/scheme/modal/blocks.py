@@ -10,6 +10,8 @@ import numpy as np
 from contact.base.arrays import Array, Indices, aligned
 
 BLOCK = 8
+FOUR = 4  # blocks that are summed together where they have nearly the same waves
+MORE = 1.25  # times as many entries: no more take less time together
 OF_MODES = ("q", "d", "old", "al", "be", "c", "kick", "weight")
 State = TypeVar("State", bound=Any)
 
@@ -37,7 +39,7 @@ def narrowed(state: State, modes: int, names: Sequence[str] = OF_MODES) -> State
 
 
 def rows_of_waves(harmonic: Indices, cos: Array, sin: Array, harmonics: int) -> Array:
-    """Table (B w, 2 harmonics) for `row_blocks` of rows (B, k) that are sums of waves; w is k in whole blocks.
+    """Table (B, w, 2 harmonics) for `row_blocks` of rows (B, k) that are sums of waves; w is k in whole blocks.
 
     `cos` and `sin` (B, P, k), of `harmonic` (P,).
     """
@@ -45,27 +47,42 @@ def rows_of_waves(harmonic: Indices, cos: Array, sin: Array, harmonics: int) -> 
     table = np.zeros((B, whole(k), 2 * harmonics))
     table[:, :k, 2 * harmonic] = cos.transpose(0, 2, 1)
     table[:, :k, 2 * harmonic + 1] = sin.transpose(0, 2, 1)
-    return table.reshape(-1, 2 * harmonics)
+    return table
 
 
-def row_blocks(table: Array) -> tuple[Indices, Indices, Array]:
-    """Sums of waves (8 blocks, waves), by blocks of eight: starts, waves, coefficients (entries, 8).
+def row_blocks(table: Array) -> tuple[Indices, Indices, Array, Indices]:
+    """Rows that are sums of waves (B, 8 blocks, waves), by blocks of eight: what `loop.modal.rows.RowBlocks` holds.
 
     A block has an even number of entries; columns are cos 0, sin 0, cos 1, ..., but the waves found are counted as
     cos 0, cos 1, ..., sin 0, sin 1, ...
 
-    >>> table = np.zeros((8, 8))
-    >>> table[0, 2], table[1, [1, 7]] = 1.0, (2.0, 3.0)
-    >>> start, wave, value = row_blocks(table)
+    >>> table = np.zeros((1, 8, 8))
+    >>> table[0, 0, 2], table[0, 1, [1, 7]] = 1.0, (2.0, 3.0)
+    >>> start, wave, value, alike = row_blocks(table)
     >>> start.tolist(), wave.tolist(), value[:, :2].tolist()
     ([0, 4], [4, 1, 7, 0], [[0.0, 2.0], [1.0, 0.0], [0.0, 3.0], [0.0, 0.0]])
     """
-    blocks = table.reshape(-1, BLOCK, table.shape[1])
-    owner, column = np.nonzero(blocks.any(axis=1))
+    blocks = table.reshape(-1, BLOCK, table.shape[-1])
+    used = blocks.any(axis=1)
+    alike = _alike(used.reshape(len(table), table.shape[1] // BLOCK, table.shape[2]))
+    owner, column = np.nonzero(used)
     count = np.bincount(owner, minlength=len(blocks))
     start = np.concatenate(([0], np.cumsum(count + count % 2)))
     place = np.arange(owner.size) + (start[:-1] - np.cumsum(count) + count)[owner]
     wave, value = np.zeros(start[-1], dtype=np.int64), aligned(int(start[-1]), BLOCK)
-    wave[place] = column // 2 + column % 2 * (table.shape[1] // 2)
+    wave[place] = column // 2 + column % 2 * (table.shape[-1] // 2)
     value[place] = blocks[owner, :, column]
-    return start.astype(np.int64), wave, value
+    return start.astype(np.int64), wave, value, alike
+
+
+def _alike(used: Array) -> Indices:
+    """Which blocks of (rows, blocks, waves) begin four with nearly the same waves, which get the same in `used`."""
+    rows, blocks, waves = used.shape
+    found = np.zeros((rows, blocks), dtype=np.int64)
+    whole_four = blocks - blocks % FOUR
+    four = used[:, :whole_four].reshape(rows, whole_four // FOUR, FOUR, waves)
+    union = four.any(axis=2, keepdims=True)
+    same = FOUR * union.sum(axis=(2, 3)) <= MORE * four.sum(axis=(2, 3))
+    used[:, :whole_four] = np.where(same[..., None, None], union, four).reshape(rows, whole_four, waves)
+    found[:, :whole_four:FOUR] = same
+    return found.ravel()

@@ -173,7 +173,7 @@ def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms, limi
     for block, part in zip(blocks, (normal, tangent), strict=True):
         block[: part.sums] = part.full(2 * count)
     return RimRows(
-        normal=RowBlocks(*row_blocks(blocks[0])), tangent=RowBlocks(*row_blocks(blocks[1])), modes=m,
+        normal=RowBlocks(*row_blocks(blocks[:1])), tangent=RowBlocks(*row_blocks(blocks[1:])), modes=m,
         reach=rim_reach(system.table, int(system.first[1])), limits=limits, S_turns=system.compliance_turns,
         angle=system.angle, speed=system.speed, surface=system.radius * system.speed, mu=mu,
         seen=np.zeros(m + (2 if mu > 0.0 else 1)), waves=aligned(2, count), waves_next=aligned(2, count),
