@@ -1,8 +1,14 @@
-"""Microseconds a step of a rub: tips around the rim, free, without and with friction; one tip both ways.
+"""Microseconds a step of a rub: tips around the rim by modes, free, without and with friction; one tip both ways.
 
 `python -m reports.speed.tips [--quick] [--out DIR]`. Processor time of one core, the least of several runs: on a
-machine that others use, compare commits in turns. The casing of `reports.speed.sweeps` in 42 modes with its blade of
-two, one blade a tip, at 5 Hz; out-of-roundness of two and three lobes.
+machine that others use, compare commits in turns. The casing of `reports.speed.sweeps` with its blade of two modes in
+as many modes together as the table says, one blade a tip, at 5 Hz; out-of-roundness of two and three lobes. 256 tips
+with friction that all touch at once are left out: the search for their forces takes minutes. `--quick` takes 42 modes
+and up to four tips.
+
+Shares are of what `reports.speed.core_limits` measures, for what a step must at least do: 14 flops a mode; for the mean
+number c of closed tips, of size = d c unknowns, the terms of their rows, size m (2 size + 4) flops for their Delassus
+matrix and 2 size^3/3 for its factors. Cached memory: 14 numbers a mode, and the coefficients of those rows.
 """
 
 import time
@@ -10,10 +16,12 @@ from pathlib import Path
 
 import contact as ct
 from contact.run import completed, prepared
+from contact.scheme.modal.rub_stepper import RubStepper
+from reports.speed.core_limits import limits
 from reports.speed.sweeps import DT, ROUGH, bodies
 from reports.tables import Row, command_line, show, write
 
-TIPS = (1, 4, 16, 64, 256)
+TIPS, MODES = (1, 4, 16, 64, 256), (42, 102, 328, 984)
 CASES = (("free", 1e-3, 0.0), ("frictionless", -1e-4, 0.0), ("friction", -1e-4, 0.3))  # clearance [m], mu
 LEAN = 10.0
 
@@ -48,25 +56,51 @@ def least(what: ct.Rub | ct.RotatingRim, mu: float, steps: int, repeats: int) ->
     return 1e3 * min(before), 1e6 * min(times) / result.steps, result
 
 
-def main(out: Path, quick: bool = False) -> list[Row]:
-    """Print and write the table."""
-    pair = bodies(out / "tips", 42)
+def shares(what: ct.Rub, mu: float, closed: float, taken: float, peak: dict[str, float]) -> Row:
+    """Per cent of the core's flops and of its cached memory that a step of `taken` us comes to."""
+    law = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
+    stepper = ct.ExactModal().prepare(what, law, dt=DT, courant=None)
+    assert isinstance(stepper, RubStepper)
+    m, d = stepper.system.omega.size, stepper.dimensions
+    terms = stepper.rows.casing.value.size / stepper.system.directions
+    size = closed * len(what.tips) * d
+    flops = 14.0 * m + 2.0 * size * terms + size * stepper.rows.width * (2.0 * size + 4.0) + 2.0 * size**3 / 3.0
+    return {
+        "% of peak flops": 1e-1 * flops / taken / peak["GFlop/s"],
+        "% of cache bandwidth": 1e-1 * 8.0 * (14.0 * m + size * terms) / taken / peak["GB/s, 12 kB"],
+    }  # fmt: skip
+
+
+def table(modes: int, pair: tuple[ct.ModalBody, ct.ModalBody], peak: dict[str, float], quick: bool) -> list[Row]:
+    """Rows of all numbers of tips."""
     rows: list[Row] = []
     for tips in TIPS[:2] if quick else TIPS:
         for name, clearance, mu in CASES:
-            if tips == 256 and mu:
+            if tips == TIPS[-1] and mu:
+                rows.append({"modes": modes, "tips": tips, "case": f"{name}: left out"})
                 continue
             steps = (2_000 if tips < 16 else 500) if quick else (30_000 if tips < 16 else 2_000 if tips < 256 else 500)
-            before, taken, result = least(rub(pair, tips, clearance), mu, steps, 2 if quick else 5)
+            steps = max(500, steps * MODES[0] // modes)
+            what, repeats = rub(pair, tips, clearance), 2 if quick else 5
+            before, taken, result = least(what, mu, steps, repeats)
+            closed = float(result.contact_steps.mean()) / result.steps
             row: Row = {
-                "tips": tips, "case": name, "closed": float(result.contact_steps.mean()) / result.steps,
-                "prepared [ms]": before, "us/step": taken, "as RotatingRim us/step": None,
+                "modes": modes, "tips": tips, "case": name, "closed": closed, "prepared [ms]": before,
+                "us/step": taken, "as RotatingRim us/step": None, **shares(what, mu, closed, taken, peak),
             }  # fmt: skip
             if tips == 1:
                 rim = ct.RotatingRim(*pair, clearance=clearance, speed_hz=5.0, lean_deg=LEAN, out_of_roundness=ROUGH)
-                _, row["as RotatingRim us/step"], _ = least(rim, mu, steps, 2 if quick else 5)
+                _, row["as RotatingRim us/step"], _ = least(rim, mu, steps, repeats)
             rows.append(row)
-    show("Rubs by their tips, 42 modes", rows)
+    return rows
+
+
+def main(out: Path, quick: bool = False) -> list[Row]:
+    """Print and write the table."""
+    peak, rows = limits(1 if quick else 3), []
+    for modes in MODES[:1] if quick else MODES:
+        rows += table(modes, bodies(out / "tips", modes), peak, quick)
+    show("Rubs by their modes and tips", rows)
     write(out / "speed_tips.csv", rows)
     return rows
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices, aligned
 
@@ -75,7 +76,7 @@ def row_blocks(table: Array) -> tuple[Indices, Indices, Array, Indices]:
     return start.astype(np.int64), wave, value, alike
 
 
-def _alike(used: Array) -> Indices:
+def _alike(used: NDArray[np.bool_]) -> Indices:
     """Which blocks of (rows, blocks, waves) begin four with nearly the same waves, which get the same in `used`."""
     rows, blocks, waves = used.shape
     found = np.zeros((rows, blocks), dtype=np.int64)
