@@ -19,6 +19,8 @@ from numba.core import types
 from numba.core.registry import CPUDispatcher
 
 from contact.jit.bundle import bundled
+from contact.jit.frames import with_room
+from contact.jit.known_calls import calls_looked_up_once
 from contact.jit.linking import PartPipeline, SealedPipeline, VectorPipeline
 from contact.jit.progress import Announcement, Uncollected, announce
 
@@ -90,6 +92,12 @@ class Loop(CPUDispatcher):
     Numba compiles for the literal 0 and again for the variable that begins with it, or for each number that is passed.
     """
 
+    def compile(self, sig: Any) -> Any:
+        """Compile for arguments of these types."""
+        known: Any = super()
+        with calls_looked_up_once():
+            return with_room(known.compile, sig)
+
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Types and template of a call from a compiled function."""
         known: Any = super()
@@ -150,8 +158,8 @@ class ByAddress(protocol):  # type: ignore[misc]
 @cache
 def address_of(function: Callable[..., Any], kind: Any) -> int:
     """Compile a function that is called by its address."""
-    with cached_here():
-        made: Any = numba.cfunc(kind, pipeline_class=SealedPipeline, **BY_ADDRESS)(function)
+    with cached_here(), calls_looked_up_once():
+        made: Any = with_room(numba.cfunc(kind, pipeline_class=SealedPipeline, **BY_ADDRESS), function)
     return int(made.address)
 
 

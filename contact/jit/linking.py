@@ -8,6 +8,9 @@ part of it.
 
 A part that only compiled functions call is copied into each of them and optimised there. To optimise it by itself too,
 and to make machine code that nothing calls, took a third of the time to compile a loop: `Part` leaves both out.
+
+Numba's passes for closures, array expressions, literals and `with` find nothing in step loops and are left out, too:
+each goes through the whole function, and what they ask for is worked out anew after each.
 """
 
 from __future__ import annotations
@@ -16,9 +19,20 @@ from collections.abc import Callable
 from typing import Any
 
 from llvmlite import binding
+from numba.core import typed_passes, untyped_passes
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import CompilerBase
+from numba.core.compiler_machinery import PassManager
 
+Manager: Any = PassManager
+before: Any = untyped_passes
+after: Any = typed_passes
+PASSES = (
+    before.TranslateByteCode, before.FixupArgs, before.IRProcessing, before.RewriteSemanticConstants,
+    before.DeadBranchPrune, before.GenericRewrites, before.ReconstructSSA, before.DeadBranchPrune,
+    after.NopythonTypeInference, after.PreLowerStripPhis, after.IRLegalization, after.AnnotateTypes,
+    after.NativeLowering, after.NoPythonBackend,
+)  # fmt: skip
 ENVIRONMENT = "_ZN08NumbaEnv"  # how the names begin under which numba looks for a function's environment
 
 
@@ -66,10 +80,18 @@ class PartLibrary(JITCodeLibrary):
         library._finalized = True
 
 
-class SealedPipeline(Compiler):
-    """Numba's compiler, into sealed libraries."""
+class SealedPipeline(CompilerBase):
+    """Numba's compiler with the passes that step loops need, into sealed libraries."""
 
     library: type[JITCodeLibrary] = SealedLibrary
+
+    def define_pipelines(self) -> list[PassManager]:
+        """What is done one after the other."""
+        manager = Manager("step loops")
+        for each in PASSES:
+            manager.add_pass(each, each.__name__)
+        manager.finalize()
+        return [manager]
 
     def compile_extra(self, func: Callable[..., object]) -> Any:
         """Compile a function; its name is that of its library."""
