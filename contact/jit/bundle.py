@@ -197,7 +197,7 @@ def _(kind: Any, context: Any, builder: Any, word: Any) -> Any:
     array = make_array(kind)(context, builder)
     shape, strides = ([word(2 + part * kind.ndim + i) for i in range(kind.ndim)] for part in range(2))
     data = word(1, context.get_value_type(kind.dtype).as_pointer())
-    item = ir.Constant(WORD, context.get_abi_sizeof(context.get_value_type(kind.dtype)))
+    item = ir.Constant(WORD, kind.dtype.bitwidth // 8)
     populate_array(array, data=data, shape=shape, strides=strides, itemsize=item, meminfo=None)
     return array._getvalue()
 
