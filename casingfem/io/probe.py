@@ -1,18 +1,32 @@
-"""Is a file safe to read? A child process reads it first, with bounds on its time and memory.
+"""Files that are read in a child process, with bounds on its time and memory.
 
-For libraries that loop or fill the memory on a damaged file: no check of ours can tell from outside, and no error of
-theirs comes back. What the child has read in time the parent reads again; that costs the start of a process, 0.5 s.
+For libraries that loop, fill the memory or crash on a damaged file: no check of ours can tell from outside, and no
+error of theirs comes back. What may loop or fill the memory the parent reads again (`fault_of`). What may crash it
+never does, as a crash can depend on where in the memory things lie: the child hands over its arrays (`arrays_of`).
+Either costs the start of a process, 0.5 s.
 """
 
 import importlib
 import os
 import subprocess
 import sys
+import tempfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from casingfem.io.arrays import Array
 
 SECONDS, BYTES = 3.0, 1.5e9  # of processor time and memory for any file
 PACE, ROOM = 20e6, 20.0  # bytes a second, and bytes of memory a byte, for large ones
-CODE = "from casingfem.io.probe import read; import sys; read(*sys.argv[1:])"
+CODE = "from casingfem.io.probe import {0}; import sys; {0}(*sys.argv[1:])"
+REFUSED = 3  # exit code: the reader raised, and what it said was handed over
+
+
+class UnreadableError(Exception):
+    """What a reader said of a file, or what became of its process."""
 
 
 def fault_of(path: Path, module: str, function: str) -> str:
@@ -20,28 +34,93 @@ def fault_of(path: Path, module: str, function: str) -> str:
 
     An exception is no fault: the parent will meet it too.
     """
+    code, fault = in_child("read", path, module, function, subprocess.DEVNULL)
+    return fault if code else ""
+
+
+def arrays_of(path: Path, module: str, function: str) -> dict[str, Array]:
+    """The named arrays that `module.function(path)` returns to a process of its own, none of them of objects.
+
+    Raises
+    ------
+    UnreadableError
+        With what the reader raised there, or that it crashed or took too much.
+    """
+    with tempfile.TemporaryFile() as stream:
+        code, fault = in_child("hand_over", path, module, function, stream)
+        if code not in (0, REFUSED):
+            raise UnreadableError(fault)
+        stream.seek(0)
+        return taken(stream)
+
+
+def in_child(task: str, path: Path, module: str, function: str, stdout: IO[bytes] | int) -> tuple[int, str]:
+    """Exit code of a child that does one of the two tasks below, and what a crash or a timeout is called."""
     size = path.stat().st_size
     seconds, memory = SECONDS + size / PACE, BYTES + ROOM * size
-    line = [sys.executable, "-c", CODE, str(path), module, function, str(seconds), str(memory)]
+    line = [sys.executable, "-c", CODE.format(task), str(path), module, function, str(seconds), str(memory)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "OPENBLAS_NUM_THREADS": "1"}
     try:
-        code = subprocess.run(line, env=environment, capture_output=True, timeout=4.0 * seconds, check=False).returncode
+        code = subprocess.run(
+            line, env=environment, stdout=stdout, stderr=subprocess.DEVNULL, timeout=4.0 * seconds, check=False
+        ).returncode
     except subprocess.TimeoutExpired:
         code = -1
-    return f"its reader took more than {seconds:.3g} s or {memory / 1e9:.3g} GB, or crashed" if code else ""
+    return code, f"its reader took more than {seconds:.3g} s or {memory / 1e9:.3g} GB, or crashed"
 
 
 def read(path: str, module: str, function: str, seconds: str, memory: str) -> None:
     """Call the reader within bounds (in the child)."""
-    call = getattr(importlib.import_module(module), function)
-    if os.name == "posix":
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_CPU, (int(float(seconds)) + 1,) * 2)
-        resource.setrlimit(resource.RLIMIT_AS, (int(float(memory)),) * 2)
+    call = bounded(module, function, seconds, memory)
     try:
         call(Path(path))
     except MemoryError:
         sys.exit(1)
     except Exception:  # the parent says what is wrong
         sys.exit(0)
+
+
+def hand_over(path: str, module: str, function: str, seconds: str, memory: str) -> None:
+    """Call the reader within bounds and write what it returns to the standard output (in the child)."""
+    stream = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # whatever a library prints goes elsewhere
+    call = bounded(module, function, seconds, memory)
+    code = give(stream, call, Path(path))
+    stream.close()
+    sys.exit(code)
+
+
+def bounded(module: str, function: str, seconds: str, memory: str) -> Callable[[Path], Any]:
+    """The reader, in a process that has bounds from now on."""
+    call: Callable[[Path], Any] = getattr(importlib.import_module(module), function)
+    if os.name == "posix":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CPU, (int(float(seconds)) + 1,) * 2)
+        resource.setrlimit(resource.RLIMIT_AS, (int(float(memory)),) * 2)
+    return call
+
+
+def give(stream: IO[bytes], call: Callable[[Path], Mapping[str, Any]], path: Path) -> int:
+    """Write names, then arrays, that a reader returns, or what it raised; the exit code."""
+    try:
+        arrays = {name: np.asarray(array) for name, array in call(path).items()}
+        if odd := [name for name, array in arrays.items() if array.dtype.hasobject]:
+            raise TypeError(f"{odd[0]} is no array of numbers")
+    except MemoryError:
+        return 1
+    except Exception as error:  # whatever it trips over is a malformed file
+        np.save(stream, np.array([str(error) or type(error).__name__, "raised"]))
+        return REFUSED
+    np.save(stream, np.array([*arrays, "read"]))
+    for array in arrays.values():
+        np.save(stream, array)
+    return 0
+
+
+def taken(stream: IO[bytes]) -> dict[str, Array]:
+    """What `give` wrote."""
+    *names, end = np.load(stream, allow_pickle=False).tolist()
+    if end == "raised":
+        raise UnreadableError(names[0])
+    return {name: np.load(stream, allow_pickle=False) for name in names}

@@ -30,6 +30,7 @@ import casingfem as cf
 import contact as ct
 from casingfem.experiment.frf import hdf5
 from casingfem.io import probe
+from casingfem.io.arrays import Array
 from casingfem.structure.imported import read
 from casingfem.structure.imported.matrix import arrays
 from reports.robustness.damages import suited
@@ -116,11 +117,32 @@ def forked(path: Path, module: str, function: str) -> str:
     return "its reader took too long or too much, or crashed" if os.waitpid(child, 0)[1] else ""
 
 
+def handed_over(path: Path, module: str, function: str) -> dict[str, Array]:
+    """`casingfem.io.probe.arrays_of` likewise: a copy of this process reads, and hands over its arrays."""
+    call = getattr(import_module(module), function)
+    with tempfile.TemporaryFile() as stream:
+        child = os.fork()
+        if child == 0:
+            code = 1
+            try:
+                resource.setrlimit(resource.RLIMIT_CPU, (int(probe.SECONDS) + 1,) * 2)
+                code = probe.give(stream, call, path)
+                stream.flush()
+            finally:
+                os._exit(code)
+        status = os.waitpid(child, 0)[1]
+        if os.WIFSIGNALED(status) or os.WEXITSTATUS(status) not in (0, probe.REFUSED):
+            raise probe.UnreadableError("its reader took too long or too much, or crashed")
+        stream.seek(0)
+        return probe.taken(stream)
+
+
 def work(pipe: Connection, samples: Path, name: str, batch: list[Mutant]) -> None:
     """Judge a batch, in a child: an answer for each file as it comes."""
     with tempfile.TemporaryDirectory() as place, ExitStack() as stack:
-        for reader in (hdf5, read, arrays):  # each has the name of its own
-            stack.enter_context(mock.patch.object(reader, "fault_of", forked))
+        stack.enter_context(mock.patch.object(read, "fault_of", forked))
+        for reader in (hdf5, arrays):  # each has the name of its own
+            stack.enter_context(mock.patch.object(reader, "arrays_of", handed_over))
         folder = Path(place) / "files"
         shutil.copytree(samples, folder)
         path, reader = folder / name, READERS[name]

@@ -11,11 +11,12 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import PLACES, FrfSet
 from casingfem.extras import remedy
-from casingfem.io.probe import fault_of
+from casingfem.io.probe import UnreadableError, arrays_of
 from contact.io.npz import require_kinds
 from contact.io.outfiles import write_atomic
 
 ARRAYS = ("x", "responses", *PLACES)
+SAID = ("kind", "unit", "card")
 
 
 def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
@@ -30,12 +31,11 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
         h5py is not installed; a file that is no HDF5, lacks a data set or the unit; what `FrfSet` refuses.
     """
     _h5py(path)
-    if Path(path).is_file() and (fault := fault_of(Path(path), __name__, "_contents")):
-        raise InputError(str(path), found=f"no readable HDF5 file ({fault})", expected="HDF5")
     try:
-        arrays, attributes = _contents(Path(path))
-    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:  # h5py's, for each kind of damage
-        raise InputError(str(path), found=f"no readable HDF5 file ({error})", expected="HDF5") from error
+        stored = arrays_of(Path(path), __name__, "_contents")
+    except (UnreadableError, OSError) as error:
+        raise InputError(str(path), found=f"no readable HDF5 file ({error})", expected="HDF5") from None
+    arrays = {name: stored[name] for name in ARRAYS if name in stored}
     for name in ("x", "responses"):
         if name not in arrays:
             found = f"no data set {name!r}"
@@ -44,19 +44,19 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
         require_kinds(arrays, {"responses": "complex"})
     except ValueError as error:
         raise InputError(f"{path}: {error}") from error
-    if "unit" not in attributes:
+    if "unit" not in stored:
         raise InputError(str(path), found="no attribute 'unit'", expected="the unit, such as '(m/s^2)/N'")
-    card = tuple(str(line) for line in np.atleast_1d(attributes.get("card", ())).tolist())
-    kind: Any = str(attributes.get("kind", "frf"))
-    return FrfSet.from_arrays(kind=kind, unit=str(attributes["unit"]), card=card, path=str(path), **arrays)
+    card = tuple(str(line) for line in np.atleast_1d(stored.get("card", ())).tolist())
+    kind: Any = str(stored.get("kind", "frf"))
+    return FrfSet.from_arrays(kind=kind, unit=str(stored["unit"]), card=card, path=str(path), **arrays)
 
 
-def _contents(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Data sets and attributes."""
+def _contents(path: Path) -> dict[str, Any]:
+    """Data sets and attributes (in a child)."""
     h5py = _h5py(path)
     with h5py.File(path, "r") as file:
         arrays = {name: np.asarray(file[name]) for name in ARRAYS if isinstance(file.get(name), h5py.Dataset)}
-        return arrays, dict(file.attrs)
+        return arrays | {name: np.asarray(file.attrs[name]).astype(str) for name in SAID if name in file.attrs}
 
 
 def write_hdf5(frfs: FrfSet, path: str | os.PathLike[str]) -> Path:

@@ -1,10 +1,12 @@
-"""Readers that loop, fill the memory or crash are found by a child; those that raise are left to the parent."""
+"""Readers that loop, fill the memory or crash are found by a child, which hands over what it reads, if asked."""
 
+import os
 import signal
 import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
 
 from casingfem.errors import InputError
@@ -53,11 +55,72 @@ def test_a_loop_ends_by_its_processor_time_not_by_the_clock(tmp_path, monkeypatc
     assert codes[0] in (-signal.SIGXCPU, -signal.SIGKILL)
 
 
+READERS = """import os
+import numpy as np
+
+def arrays(path):
+    print("a library that talks")
+    os.write(1, b"from its own code too")
+    return {"file": np.arange(6.0).reshape(2, 3).T, "a": np.array(["x"]), "none": np.zeros((0, 2), dtype=complex)}
+
+def raises(path):
+    raise KeyError(f"no K in {path.name}")
+
+def objects(path):
+    return {"K": np.array([None])}
+
+def of_its_place(path):
+    if os.getpid() == PARENT:
+        os.abort()
+    return {"K": np.eye(2)}
+
+def aborts(path):
+    os.abort()
+"""
+
+
+@pytest.fixture
+def readers(tmp_path, monkeypatch):
+    """A module of readers, and the path of some file."""
+    (tmp_path / "handing_readers.py").write_text(READERS.replace("PARENT", str(os.getpid())))
+    monkeypatch.syspath_prepend(tmp_path)
+    return tmp_path / "handing_readers.py"
+
+
+@pytest.mark.slow
+def test_arrays_come_from_the_child_as_they_are(readers):
+    found = probe.arrays_of(readers, "handing_readers", "arrays")
+    assert list(found) == ["file", "a", "none"]
+    np.testing.assert_array_equal(found["file"], np.arange(6.0).reshape(2, 3).T)
+    assert found["a"].tolist() == ["x"]
+    assert (found["none"].shape, found["none"].dtype) == ((0, 2), complex)
+
+
+@pytest.mark.slow
+def test_what_would_crash_the_parent_is_not_called_there(readers):
+    np.testing.assert_array_equal(probe.arrays_of(readers, "handing_readers", "of_its_place")["K"], np.eye(2))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("reader", "said"),
+    [("raises", "no K in handing"), ("objects", "K is no array of numbers"), ("aborts", "or crashed")],
+)
+def test_what_a_child_says_of_a_file(readers, reader, said):
+    with pytest.raises(probe.UnreadableError, match=said):
+        probe.arrays_of(readers, "handing_readers", reader)
+
+
+def refuse(words):
+    """What the child says."""
+    raise probe.UnreadableError(words)
+
+
 def test_an_hdf5_file_whose_reader_does_not_end_is_refused(tmp_path, monkeypatch):
     """The child reads by the package's own function: told to have found a fault, the parent does not read."""
     asked = []
     monkeypatch.setattr(
-        "casingfem.experiment.frf.hdf5.fault_of", lambda *names: asked.append(names) or "its reader crashed"
+        "casingfem.experiment.frf.hdf5.arrays_of", lambda *names: asked.append(names) or refuse("its reader crashed")
     )
     (tmp_path / "a.h5").write_bytes(b"x")
     with pytest.raises(InputError, match=r"no readable HDF5 file \(its reader crashed\)"):

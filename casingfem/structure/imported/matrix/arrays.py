@@ -15,10 +15,12 @@ from casingfem.errors import ModelError
 from casingfem.extras import remedy
 from casingfem.io.arrays import Array, IntArray
 from casingfem.io.npz import read_npz
-from casingfem.io.probe import fault_of
+from casingfem.io.probe import UnreadableError, arrays_of
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
 
 TABLES = ("dofs", "nodes")
+SIGNATURE = slice(512, 516)  # where a .mat file of version 7.3 begins to be HDF5
+PARTS = {"data": "data", "indices": "ir", "indptr": "jc"}  # MATLAB's names of the parts of compressed columns
 
 
 def read_arrays(path: Path, dofs: IntArray | None) -> MatrixSet:
@@ -71,51 +73,58 @@ def fitting(what: str, given: Any, **options: Any) -> csc_array:
 
 def read_from_npz(path: Path) -> dict[str, Any]:
     """Dense arrays as they are; parts of compressed columns put together."""
-    stored: dict[str, Any] = dict(read_npz(path))
+    return put_together(path, dict(read_npz(path)))
+
+
+def put_together(path: Path, stored: dict[str, Any]) -> dict[str, Any]:
+    """Arrays of which NAME_data, NAME_indices and NAME_indptr, with NAME_shape if it is not square, are one NAME."""
     for name in [key.removesuffix("_indptr") for key in stored if key.endswith("_indptr")]:
         parts = [stored.pop(f"{name}_{part}", None) for part in ("data", "indices", "indptr")]
         if any(part is None for part in parts):
             raise ModelError("matrix-file", f"{path.name}: {name}: expected {name}_data, {name}_indices, {name}_indptr")
         size = np.size(parts[2]) - 1
-        stored[name] = fitting(f"{path.name}: {name}", tuple(parts), shape=(size, size))
+        shape = tuple(np.ravel(stored.pop(f"{name}_shape", (size, size))).tolist())
+        stored[name] = fitting(f"{path.name}: {name}", tuple(parts), shape=shape)
     return stored
 
 
 def read_from_mat(path: Path) -> dict[str, Any]:
-    """MATLAB's variables; a process of its own reads them first, as scipy's reader ends with some damaged files."""
-    if path.is_file() and (fault := fault_of(path, "scipy.io", "loadmat")):
-        raise ModelError("matrix-file", f"{path.name}: no readable .mat file: {fault}")
-    try:
-        stored = loadmat(path)
-    except NotImplementedError:  # version 7.3 is HDF5
-        return read_from_hdf5(path)
-    except FileNotFoundError:
-        raise
-    except Exception as error:  # whatever it trips over is a malformed file
-        raise ModelError("matrix-file", f"{path.name}: no readable .mat file ({error})") from None
-    return {name: value for name, value in stored.items() if not name.startswith("__")}
+    """MATLAB's variables, read by a process of its own, as scipy's reader crashes on some damaged files."""
+    with path.open("rb") as stream:
+        head = stream.read(SIGNATURE.stop)
+    return read_from_hdf5(path) if head[SIGNATURE] == b"\x89HDF" else of_child(path, ".mat", "mat_arrays")
+
+
+def mat_arrays(path: Path) -> dict[str, Any]:
+    """All of them by name, sparse ones in parts; of cells and structs, which hold no numbers, only the size."""
+    found: dict[str, Any] = {}
+    for name, value in loadmat(path).items():
+        if issparse(value):
+            found |= to_columns(name, value) | {f"{name}_shape": np.array(value.shape)}
+        elif not name.startswith("__"):
+            found[name] = np.zeros(value.shape, dtype="S1") if value.dtype.hasobject else value
+    return found
 
 
 def read_from_hdf5(path: Path) -> dict[str, Any]:
-    """Data sets of an HDF5 file, and groups that MATLAB keeps sparse matrices in; a process of its own reads first."""
+    """Data sets of an HDF5 file, and groups that MATLAB keeps sparse matrices in, read by a process of its own."""
     try:
         import h5py  # noqa: F401
     except ImportError:
         raise ModelError("matrix-file", f"{path.name}: HDF5 needs h5py: {remedy('test-data')}") from None
-    if path.is_file() and (fault := fault_of(path, __name__, "hdf5_arrays")):
-        raise ModelError("matrix-file", f"{path.name}: no readable HDF5 file: {fault}")
+    return of_child(path, "HDF5", "hdf5_arrays")
+
+
+def of_child(path: Path, form: str, reader: str) -> dict[str, Any]:
+    """What a child reads by one of the readers here."""
     try:
-        return hdf5_arrays(path)
-    except ModelError:
-        raise
-    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:  # h5py's, for each kind of damage
-        if isinstance(error, FileNotFoundError):
-            raise
-        raise ModelError("matrix-file", f"{path.name}: no readable HDF5 file ({error})") from None
+        return put_together(path, dict(arrays_of(path, __name__, reader)))
+    except UnreadableError as error:
+        raise ModelError("matrix-file", f"{path.name}: no readable {form} file ({error})") from None
 
 
 def hdf5_arrays(path: Path) -> dict[str, Any]:
-    """All of them by name."""
+    """All of them by name, sparse ones in parts."""
     import h5py
 
     found: dict[str, Any] = {}
@@ -123,12 +132,12 @@ def hdf5_arrays(path: Path) -> dict[str, Any]:
         for name, item in file.items():
             if isinstance(item, h5py.Dataset):
                 value = np.asarray(item)
+                value = np.zeros(value.shape, dtype="S1") if value.dtype.hasobject else value
                 found[name] = value.T if value.ndim == 2 and "MATLAB_class" in item.attrs else value
             elif {"data", "ir", "jc"} <= set(item):
-                parts = tuple(np.asarray(item[part]) for part in ("data", "ir", "jc"))
-                size = parts[2].size - 1
-                shape = (int(item.attrs.get("MATLAB_sparse", size)), size)
-                found[name] = fitting(f"{path.name}: {name}", parts, shape=shape)
+                found |= {f"{name}_{part}": np.asarray(item[key]) for part, key in PARTS.items()}
+                size = found[f"{name}_indptr"].size - 1
+                found[f"{name}_shape"] = np.array([int(item.attrs.get("MATLAB_sparse", size)), size])
     return found
 
 
