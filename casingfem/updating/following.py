@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from casingfem.experiment.correlation.matches import Match, Pairing
+from casingfem.experiment.correlation.pairing import member_of
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mesh_modes import MeshModes
@@ -86,11 +87,10 @@ def plane_of(match: Match, modes: ModeSet, pairing: Pairing) -> tuple[int, ...]:
 
 
 def moved(match: Match, modes: list[int], whole: bool, new: ModeSet, table: FrequencyTable) -> Match:
-    """A match with other modes; of half a doublet the member nearer to its row, as in pairing."""
+    """A match with other modes; of half a doublet the member that its row stands for, as in pairing."""
     if whole:
         pair = next((pair for pair in new.doublets if modes[0] in pair), (modes[0],))
-        target = table.freq_hz[match.rows[0]]
-        modes = [min(pair, key=lambda mode: abs(float(new.freq[mode]) - target))]
+        modes = [member_of(pair, new, table, match.rows[0]) if len(pair) == 2 else pair[0]]
     return replace(match, modes=tuple(modes), computed_hz=tuple(float(new.freq[mode]) for mode in modes))
 
 

@@ -200,21 +200,26 @@ def without_outliers(
     """The fit without rows that contradict the others; each round looks at all rows from the fit of the last.
 
     Rows are paired anew for that. Where this finds nothing more, the rows are looked at as the fit itself pairs them:
-    a wrong row may stand for another mode nearby, beside which no other row contradicts it.
+    a wrong row may stand for another mode nearby, beside which no other row contradicts it. The same rows may be set
+    aside twice, from two fits: the first may have ended in another valley.
     """
     best = fit
-    seen: list[tuple[int, ...]] = [()]
+
+    def settled(modes: tuple[int, ...]) -> bool:
+        return modes == modes_of(best.outliers) or seen.count(modes) > 1
+
+    seen: list[tuple[int, ...]] = [(), ()]
     for _ in range(LOOKS):
         state = whole.paired_anew(best.x)
         shifts = shifts_of(state.modes, whole.table, state.pairing.matches)
         aside, near = contradicting(shifts, whole.fun(best.x), whole.jac(best.x), best, whole.table)
-        if modes_of(aside) in seen:
+        if settled(modes_of(aside)):
             shifts = shifts_of(best.after, best.given.table, best.pairing.matches)
             own = best.given.with_priors(best.x, best.values, best.jacobian)
             more, near = contradicting(shifts, *own, best, best.given.table)
             aside = (*best.outliers, *more)
         modes = modes_of(aside)
-        if modes in seen:
+        if settled(modes):
             break
         seen.append(modes)
         kept = [row for row, mode in enumerate(whole.table.mode.tolist()) if mode not in modes]

@@ -31,9 +31,9 @@ from contact.scene.rub import read_profile
 from contact.scene.stability import load_interactions, load_stability
 from contact.sweep.plan import load_sweep
 from reports.robustness.broken.files import FREE, STUDY
+from reports.robustness.kill_targets import STUDY as UPDATE
+from reports.robustness.kill_targets import SWEEP
 from reports.robustness.mesh_samples import write_meshes
-from reports.robustness.set_kills import STUDY as UPDATE
-from reports.robustness.set_kills import SWEEP
 from reports.robustness.uff_samples import samples
 from reports.tables import DATA
 

@@ -2,8 +2,9 @@
 
 `python -m reports.robustness.set_kills [--quick] [--out DIR]`. A process runs a command with `--out`, into a folder
 that is not there and into one that holds another set, and gets kill -9 just before its first, second, ... opening,
-renaming or removal of a file there, up to the last. Then what lies there is looked at as it is, as a command of the
-program finds it, and once more after the command has run again. Needs fork (Linux, macOS).
+renaming or removal of a file there, up to the last; and where half of its first, second, ... text or picture is
+written. Then what lies there is looked at as it is, as a command of the program finds it, and once more after the
+command has run again. Needs fork (Linux, macOS).
 """
 
 import json
@@ -11,121 +12,52 @@ import os
 import shutil
 import signal
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.cli import main as casingfem
 from contact.io.outfiles import settle
+from reports.robustness.kill_targets import SEED, Target, targets
 from reports.tables import Row, command_line, show, write
 
-SEED = 20261
 WATCHED = ("open", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "shutil.rmtree")
 TABLES = (".csv", ".toml")  # with no time of day in them: the same to the last bit
+COUNTS = ("kills", "amid a file", "mixed as it lies", "torn", "unreadable", "other tables", "left over")
 ENDS = {".png": b"IEND\xaeB`\x82", ".html": b"</html>", ".vtu": b"</VTKFile>", ".pvd": b"</VTKFile>"}
-STUDY = """[material]
-E = 2e11
-nu = 0.3
-rho = 7800.0
-[chart]
-kind = "cylinder"
-radius = 0.2
-height = 0.2
-[shell]
-thickness = {t}
-[[imperfection]]
-of = "radius"
-harmonics = [{{p = 4, cos = 1e-3}}]
-[support.base]
-kind = "clamped"
-[modes]
-count = 4
-[mesh]
-order = 5
-rows = 1
-around = 9
-[update]
-table = "table.csv"
-[[update.parameter]]
-name = "material.E"
-lower = 1e11
-upper = 3e11
-"""
-SWEEP = """[scene]
-kind = "rods"
-t_end = 1e-4
-[[mass]]
-mass = 1.0
-x = 0.0
-velocity = 1.0
-stiffness = {k}
-[wall]
-x = 1e-5
-[scheme]
-kind = "forward-lagrange"
-dt = 1e-6
-[sweep]
-[[sweep.vary]]
-key = "mass[1].velocity"
-values = [0.1, 0.2, 0.4]
-"""
 
 
-class Target(NamedTuple):
-    """A command, with the files of an old state and a new one."""
+def killed(target: Target, out: Path, at: int, half: bool = False) -> tuple[bool, tuple[int, int]]:
+    """Whether the command was killed before its operation `at` (from 0), in a process of its own; how many it did.
 
-    arguments: tuple[str, ...]
-    old: Path
-    new: Path
-
-    def run(self, file: Path, out: Path) -> None:
-        """The command on one of its files, in this process."""
-        arguments = [self.arguments[0], str(file), *self.arguments[1:], "--out", str(out)]
-        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-            casingfem(arguments, standalone_mode=False)
-
-
-def targets(folder: Path) -> dict[str, Target]:
-    """Commands that write sets, or single files."""
-    folder.mkdir(parents=True, exist_ok=True)
-    files = {}
-    for name, text in {"study": STUDY, "sweep": SWEEP}.items():
-        for state, value in {"old": 1.0, "new": 1.1}.items():
-            files[name, state] = folder / f"{name}_{state}" / f"{name}.toml"
-            files[name, state].parent.mkdir()
-            files[name, state].write_text(text.format(t=2e-3 * value, k=1e4 * value), encoding="utf-8")
-    for state in ("old", "new"):
-        table = files["study", state].parent / "table.csv"
-        table.write_text("# SYNTHETIC\nmode,n,freq_hz,sigma_hz\n1,,1300,20\n2,,1400,20\n", encoding="utf-8")
-    study, sweep = ((files[name, "old"], files[name, "new"]) for name in ("study", "sweep"))
-    return {
-        "modes": Target(("modes", "--vtu", "--modes", "1,2"), *study), "update": Target(("update",), *study),
-        "report": Target(("report",), *study), "sweep": Target(("sweep", "--jobs", "1"), *sweep),
-    }  # fmt: skip
-
-
-def killed(target: Target, out: Path, at: int) -> tuple[bool, int]:
-    """Whether the command was killed before its operation `at` (from 0), in a process of its own; how many it did."""
+    With `half` it is killed amid its `at`-th writing of a text or of bytes; the second count is that of these.
+    """
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
-        done = 0
+        done = [0, 0]
+        whole = Path.write_bytes
+
+        def counted(kind: int, before: Callable[[], object] = lambda: None) -> None:
+            if done[kind] == at and half == bool(kind):
+                before()
+                os.kill(os.getpid(), signal.SIGKILL)
+            done[kind] += 1
 
         def watch(event: str, arguments: tuple[object, ...]) -> None:
-            nonlocal done
             if event in WATCHED and str(arguments[0]).startswith(str(out.parent)):
-                if done == at:
-                    os.kill(os.getpid(), signal.SIGKILL)
-                done += 1
+                counted(0)
+
+        def write_bytes(path: Path, data: bytes) -> int:
+            if str(path).startswith(str(out.parent)):
+                counted(1, lambda: whole(path, data[: len(data) // 2]))
+            return whole(path, data)
 
         sys.addaudithook(watch)
+        Path.write_bytes = write_bytes  # type: ignore[method-assign,assignment]
         try:
             target.run(target.new, out)
-            os.write(writing, str(done).encode())
+            os.write(writing, json.dumps(done).encode())
         finally:
             os._exit(0)
     os.close(writing)
@@ -134,7 +66,8 @@ def killed(target: Target, out: Path, at: int) -> tuple[bool, int]:
     status = os.waitpid(child, 0)[1]
     if not os.WIFSIGNALED(status) and not said:
         raise RuntimeError(f"{target.arguments[0]} failed on {target.new}")
-    return os.WIFSIGNALED(status), int(said or 0)
+    operations, writings = json.loads(said or "[0, 0]")
+    return os.WIFSIGNALED(status), (operations, writings)
 
 
 def contents(out: Path) -> dict[str, bytes]:
@@ -163,11 +96,19 @@ def tried(target: Target, folder: Path, over: bool, quick: bool) -> Row:
         target.run(getattr(target, state), folder / state)
         states[state] = contents(folder / state)
     alike = {name for name, data in states["old"].items() if data == states["new"].get(name)}
-    row: Row = {"kills": 0, "mixed as it lies": 0, "torn": 0, "unreadable": 0, "other tables": 0, "left over": 0}
-    for out, at in moments(target, folder, over, quick):
+    row: Row = {
+        "kills": 0,
+        "amid a file": 0,
+        "mixed as it lies": 0,
+        "torn": 0,
+        "unreadable": 0,
+        "other tables": 0,
+        "left over": 0,
+    }
+    for out, at, half in moments(target, folder, over, quick):
         if over:
             shutil.copytree(folder / "old", out)
-        if not killed(target, out, at)[0]:
+        if not killed(target, out, at, half)[0]:
             continue
         lying = {name: data for name, data in contents(out).items() if name not in alike}
         of_old = {name for name, data in lying.items() if data == states["old"].get(name)}
@@ -182,7 +123,8 @@ def tried(target: Target, folder: Path, over: bool, quick: bool) -> Row:
         tables = [name for name in states["new"] if name.endswith(TABLES)]
         left = [*folder.rglob("*.part"), *folder.rglob(".new")]
         counts = {
-            "kills": 1, "mixed as it lies": 0 < len(of_old) < len(lying), "torn": not (is_old or is_new),
+            "kills": 1, "amid a file": half, "mixed as it lies": 0 < len(of_old) < len(lying),
+            "torn": not (is_old or is_new),
             "unreadable": sum(not is_whole(*file) for file in found.items()),
             "other tables": sum(again[name] != states["new"][name] for name in tables), "left over": len(left),
         }  # fmt: skip
@@ -190,15 +132,16 @@ def tried(target: Target, folder: Path, over: bool, quick: bool) -> Row:
     return row
 
 
-def moments(target: Target, folder: Path, over: bool, quick: bool) -> Iterator[tuple[Path, int]]:
-    """A folder for each kill, and the operation before which it comes."""
+def moments(target: Target, folder: Path, over: bool, quick: bool) -> Iterator[tuple[Path, int, bool]]:
+    """A folder for each kill, and before which operation, or amid which writing, it comes."""
     first = folder / "counted"
     if over:
         shutil.copytree(folder / "old", first)
-    count = killed(target, first, -1)[1]
-    some = np.random.default_rng(SEED).choice(count, min(count, 6), replace=False)
-    for at in sorted(some) if quick else range(count):
-        yield folder / f"out{at}", int(at)
+    for half, count in enumerate(killed(target, first, -1)[1]):
+        most = 2 if half else 4
+        some = np.random.default_rng(SEED).choice(count, min(count, most), replace=False)
+        for at in sorted(some) if quick else range(count):
+            yield folder / f"out{half}_{at}", int(at), bool(half)
 
 
 def main(out: Path, quick: bool = False) -> Sequence[Row]:
@@ -209,7 +152,7 @@ def main(out: Path, quick: bool = False) -> Sequence[Row]:
     for name, target in targets(folder).items():
         for over in (False, True):
             found = tried(target, folder / f"{name}_{'over' if over else 'fresh'}", over, quick)
-            clean = not any(found[fault] for fault in list(found)[1:])
+            clean = not any(found[fault] for fault in list(found)[2:])
             rows.append({"command": name, "into": "an older set" if over else "a new folder", **found,
                          "verdict": "pass" if clean else "FAIL"})  # fmt: skip
             shutil.rmtree(folder / f"{name}_{'over' if over else 'fresh'}")

@@ -4,8 +4,8 @@
 noise, on a coarse mesh of its own family (order 5, one row of 11 elements), from a start 3 % off. In one half of the
 draws 1 to 3 frequencies are wrong by 1 to 5 %, up or down; the other half are clean tables. A row counts as named if it
 is set aside, or said to pair with no mode; rows that are named and right are counted apart. The parameters are compared
-with those of the same draw before it was spoilt, fitted with all rows, in the fit's own standard deviations, which are
-larger where what was spoilt had told of a split alone.
+with those of the same draw before it was spoilt, fitted with all rows: in the fit's own standard deviations, which are
+larger where what was spoilt had told of a split alone, and in those of the fit to the clean table.
 """
 
 import warnings
@@ -26,12 +26,16 @@ DRAWS, QUICK = 200, 4
 
 
 class Draw(NamedTuple):
-    """One table: how many rows were wrong, how many of them and of the others were named, largest distance [sigma]."""
+    """One table: how many rows were wrong, how many of them and of the others were named, largest distances.
+
+    Distances are in sigma of the fit itself, in those of the fit to the clean table, and that of the fit with all rows.
+    """
 
     wrong: int
     found: int
     alarms: int
     distance: float
+    distance_clean: float
     plain_distance: float
 
 
@@ -52,12 +56,15 @@ def drawn(exact: cf.FrequencyTable, seed: int, wrong: int) -> Draw:
     fit = cf.update(start, table, VARY)
     aside = {mode for outlier in fit.outliers for mode in outlier.modes}
     if not wrong:
-        return Draw(0, 0, len(aside), 0.0, 0.0)
+        return Draw(0, 0, len(aside), 0.0, 0.0, 0.0)
     reference = cf.update(start, clean, VARY, outliers="keep")
     plain = fit if fit.plain is None else fit.plain
-    apart = [np.abs((f.x - reference.x) / f.sigma).max() for f in (fit, plain)]
+    apart = [
+        np.abs((f.x - reference.x) / sigma).max()
+        for f, sigma in ((fit, fit.sigma), (fit, reference.sigma), (plain, plain.sigma))
+    ]
     found = modes & (aside | set(fit.unpaired))
-    return Draw(wrong, len(found), len(aside - modes), float(apart[0]), float(apart[1]))
+    return Draw(wrong, len(found), len(aside - modes), *map(float, apart))
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:
@@ -75,6 +82,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
             "all named %": float(100.0 * np.mean([d.found == d.wrong for d in group])),
             "others named too %": float(100.0 * np.mean([d.alarms > 0 for d in group])),
             "within 3 sigma %": float(100.0 * np.mean([d.distance <= 3.0 for d in group])),
+            "of the clean fit %": float(100.0 * np.mean([d.distance_clean <= 3.0 for d in group])),
             "plain fit within %": float(100.0 * np.mean([d.plain_distance <= 3.0 for d in group])),
         }
         for name, group in groups.items() if group
@@ -83,8 +91,16 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     rows.append({"wrong rows": "0", "tables": len(clean), "others named too %": alarms})
     show("Tables of 24 rows, some of them wrong", rows)
     every = rows[-2]
-    good = float(str(every["all named %"])) >= 95.0 and float(str(every["within 3 sigma %"])) >= 95.0 and alarms <= 5.0
-    rows[-2]["verdict"] = "pass" if good else "MISSED"
+    shares = [float(str(every[name])) for name in ("all named %", "within 3 sigma %", "of the clean fit %")]
+    rows[-2]["verdict"] = "pass" if min(shares) >= 95.0 and alarms <= 5.0 else "MISSED"
+    print(
+        f"\n{len(draws)} tables with wrong rows: all named in {shares[0]:.4g} %, parameters within 3 sigma of the clean"
+        f" fit in {shares[1]:.4g} % by the fit's own sigma, in {shares[2]:.4g} % by the clean fit's;"
+        f" {alarms:.4g} % of {len(clean)} clean tables had a false alarm"
+    )
+    far = [k for k, d in enumerate(draws) if d.distance_clean > 3.0]
+    missed = [k for k, d in enumerate(draws) if d.found < d.wrong]
+    print(f"draws beyond 3 sigma of the clean fit: {far}; with a wrong row not named: {missed}")
     write(out / "wrong_rows.csv", [{name: row.get(name) for name in every} for row in rows])
     return rows
 

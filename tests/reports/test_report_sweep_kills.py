@@ -41,7 +41,7 @@ def test_commands_under_kill_9_leave_the_old_set_or_the_new(tmp_path):
     subprocess.run(line, cwd=ROOT, check=True, capture_output=True)
     with (tmp_path / "set_kills.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
-    assert len(rows) == 8
+    assert len(rows) == 24
     for row in rows:
         assert (int(row["kills"]) >= 4, row["torn"], row["left over"], row["verdict"]) == (True, "0", "0", "pass")
 

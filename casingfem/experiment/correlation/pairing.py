@@ -23,6 +23,8 @@ LEFT_OUT = 3.0
 """A row left out costs as much as this many rows at the end of their reach: pair all that can be."""
 TIE = 1e-3
 """Of the members of a doublet, equal in all else, the one alike takes the row."""
+SPLIT = 10.0
+"""A doublet split by more than so many sigma of a single row has members that the row's angle tells apart."""
 WORST_SHAPE = 0.5
 """Where shapes are given, a row is rather left out than paired for more than this beyond its reach."""
 
@@ -52,7 +54,8 @@ def pair(modes: ModeSet, table: FrequencyTable, *, reach: float = 0.5, shape_mac
     The cost of a row is |log(f_measured/f_computed)|, of a doublet twice that of its root mean
     square, plus 1 - MAC where that is given.  Rows labelled n are aligned, in order, with
     the modes of that n, measured doublets with computed doublets; a single row goes to a
-    single mode or to the nearer member of a doublet.  Rows without a label (and, on structures
+    single mode or to a member of a doublet, by its angle where the two are well apart in
+    frequency, else to the nearer.  Rows without a label (and, on structures
     without nodal diameters, all rows) then share the modes that are left: in order of
     frequency, or with shape_mac by the optimal assignment.  Two rows that end in one doublet
     are one match.
@@ -131,7 +134,7 @@ class _Cost:
         self.slot_of = {mode: slot for slot in _slots(modes) for mode in slot}
 
     def __call__(self, rows: Indices, modes: Indices) -> float:
-        """Cost of one or two rows on as many modes, or of one row on the nearer member of two."""
+        """Cost of one or two rows on as many modes, or of one row on a member of two."""
         measured, computed = self.table.n[rows[0]], self.modes.nodal_diameters[modes[0]]
         if measured >= 0 and computed >= 0 and measured != computed:
             return float("inf")
@@ -143,11 +146,10 @@ class _Cost:
         return len(rows) * (error + self.unlike(rows, modes)) if error <= self.limit else float("inf")
 
     def members(self, rows: Indices, modes: Indices) -> Indices:
-        """Return as many modes as rows: of a doublet for one row, the nearer member."""
+        """Return as many modes as rows: of a doublet for one row, the member that it stands for."""
         if len(rows) == len(modes):
             return modes
-        target = self.table.freq_hz[rows[0]]
-        return (min(modes, key=lambda mode: abs(self.modes.freq[mode] - target)),)
+        return (member_of(modes, self.modes, self.table, rows[0]),)
 
     def unlike(self, rows: Indices, modes: Indices) -> float:
         """1 - MAC of the spaces: a doublet's members may be rotated, so they count together."""
@@ -155,6 +157,21 @@ class _Cost:
             return 0.0
         plane = [mode for slot in {self.slot_of[mode] for mode in modes} for mode in slot]
         return max(1.0 - float(self.shapes[np.ix_(rows, plane)].sum()) / len(rows), 0.0)
+
+
+def member_of(doublet: Sequence[int], modes: ModeSet, table: FrequencyTable, row: int) -> int:
+    """The member of a computed doublet that a single row stands for: by its angle where that is clear, else the nearer.
+
+    A wrong frequency can lie at the other member, 90 deg/n away. Computed angles mean little where the split is small.
+    """
+    first, second = (int(mode) for mode in doublet)
+    turned = np.asarray(getattr(modes, "angle_deg", np.full(len(modes.freq), np.nan)), float)[[first, second]]
+    n, apart = int(table.n[row]), abs(float(modes.freq[second] - modes.freq[first]))
+    if n > 0 and apart > SPLIT * table.sigma_hz[row] and np.isfinite([*turned, table.angle_deg[row]]).all():
+        off = np.abs((turned - table.angle_deg[row] + 90.0 / n) % (180.0 / n) - 90.0 / n)
+        if 2.0 * off.min() < off.max():
+            return (first, second)[int(off.argmin())]
+    return min(first, second, key=lambda mode: abs(float(modes.freq[mode]) - float(table.freq_hz[row])))
 
 
 def _slots(modes: ModeSet) -> list[Indices]:

@@ -2,11 +2,13 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.experiment.correlation.pairing import member_of, pair
 from casingfem.updating.outliers import Shift, outlying, strongest
 from reports.updating import wrong_rows
 from reports.updating.twin import measured
@@ -105,3 +107,27 @@ def test_a_wrong_row_that_stands_for_another_mode_nearby_is_named():
     draw = wrong_rows.drawn(measured(wrong_rows.ROWS, wrong_rows.MESH), 42, 1)
     assert (draw.wrong, draw.found, draw.alarms) == (1, 1, 0)
     assert draw.distance < 3.0
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
+def test_a_wrong_row_that_lies_at_the_other_member_of_its_pair_is_named():
+    """Row 4, n = 8, 2.7 % low lies at the other member of its pair, whose angle is not its own."""
+    draw = wrong_rows.drawn(measured(wrong_rows.ROWS, wrong_rows.MESH), 180, 1)
+    assert (draw.wrong, draw.found, draw.alarms) == (1, 1, 0)
+    assert draw.distance_clean < 3.0
+
+
+@pytest.mark.parametrize(
+    ("angle", "split", "member"),
+    [(2.0, 8.0, 1), (20.0, 8.0, 1), (12.0, 8.0, 0), (np.nan, 8.0, 0), (2.0, 0.5, 0), (6.0, 8.0, 0)],
+)
+def test_the_member_that_a_single_row_stands_for(angle, split, member):
+    """n = 8, members at 11.25 and 22.5 = 0 deg; by frequency the lower, its angle decides if split and angle allow."""
+    modes = SimpleNamespace(
+        freq=np.array([320.0, 320.0 + split]), angle_deg=np.array([11.25, 0.0]),
+        nodal_diameters=np.array([8, 8]), doublets=((0, 1),),
+    )  # fmt: skip
+    row = cf.FrequencyTable.from_arrays(n=[8], freq_hz=[319.9], sigma_hz=0.1, angle_deg=[angle])
+    assert member_of((0, 1), modes, row, 0) == member
+    assert pair(modes, row).matches[0].modes == (member,)
