@@ -3,8 +3,10 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
+from pytest_regressions.num_regression import NumericRegressionFixture
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
@@ -112,3 +114,27 @@ def perfect_modes() -> Modes:
 def split_modes() -> Modes:
     """First 40 modes with cos 8 theta, 0.2 % of the radius."""
     return modes(reference_frustum(radius_defect=FourierField.of({8: 0.002})), 40)
+
+
+@pytest.fixture
+def held(num_regression: NumericRegressionFixture) -> Callable[..., None]:
+    """Hold arrays against those kept in a file beside the test: column for column, to `rtol`.
+
+    Whoever changes numbers on purpose writes the file anew by `pytest --force-regen`, and reads in its difference what
+    became of them. Numbers small beside the largest of their column are held to 1 % of `rtol` of that. Columns of
+    phases or signs that another processor may choose otherwise do not belong here. That the numbers are true, other
+    tests say.
+    """
+
+    def check(rtol: float = 1e-6, **columns: object) -> None:
+        found: dict[str, np.ndarray] = {}
+        for name, column in columns.items():
+            values = np.ravel(np.asarray(column))
+            parts = (
+                {f"{name}.re": values.real, f"{name}.im": values.imag} if np.iscomplexobj(values) else {name: values}
+            )
+            found |= {key: np.asarray(part, dtype=float) for key, part in parts.items()}
+        tops = {name: max((abs(x) for x in part if np.isfinite(x)), default=0.0) for name, part in found.items()}
+        num_regression.check(found, tolerances={n: {"rtol": rtol, "atol": 0.01 * rtol * tops[n]} for n in found})
+
+    return check

@@ -122,11 +122,11 @@ def keep_what_stays_compiled() -> None:
 
     everywhere, original = Path(compiled.CACHE).parent, compiled.compiled
 
-    def cached(function: Any, *arguments: Any) -> Any:
+    def cached(function: Any, *arguments: Any, **options: Any) -> Any:
         sources = sorted(below(function.__module__) or compiled.SOURCES)
         digest = hashlib.sha256(b"\0".join(source.read_bytes() for source in sources)).hexdigest()
         compiled.CACHE = str(everywhere / f"contact-{digest[:12]}")
-        return original(function, *arguments)
+        return original(function, *arguments, **options)
 
     compiled.compiled = cached
 

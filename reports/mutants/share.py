@@ -8,6 +8,7 @@ survivors.csv has a column `note` for what would kill a mutant or why it is none
 import argparse
 import csv
 import hashlib
+import itertools
 import json
 import os
 from collections.abc import Iterable, Sequence
@@ -126,6 +127,16 @@ def never_passing(tree: Tree, tests: Iterable[str], limits: Limits) -> list[str]
     return sorted({test.partition("[")[0] for outcome, test in lines if outcome in ("failed", "begun")})
 
 
+def collected(tree: Tree, tests: Iterable[str]) -> None:
+    """Let tests be collected without a mutant, none of them run, so that what cannot be imported is a mutant's doing."""
+    named = sorted(set(tests))
+    if not named:
+        return
+    lines, _, said = tree.run(named, Limits(budget=0.0))
+    if not lines:
+        raise RuntimeError(f"tests are not collected without a mutant either:\n{said[-2000:]}")
+
+
 def main(campaign: Campaign) -> list[Row]:
     """Draw, judge, print the share killed and the survivors."""
     folder = campaign.folder / f"verdicts-{contents(campaign.root)}"
@@ -133,6 +144,7 @@ def main(campaign: Campaign) -> list[Row]:
     for tree in trees:
         tree.refresh()
     tests = campaign.tests(campaign.mutants())
+    collected(trees[0], itertools.chain.from_iterable(tests.values()))
     broken: set[str] = set()
     while True:
         judge(campaign, trees, folder, {m: [t for t in named if t not in broken] for m, named in tests.items()})
