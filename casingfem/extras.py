@@ -27,8 +27,8 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         "dev": Extra(
             "tests, checks and types of the project itself, with the first three",
             (
-                "sdypy-EMA", "h5py", "emcee", "distributed", "pytest", "pytest-regressions", "pytest-xdist", "hypothesis",
-                "mypy", "ruff", "import-linter", "pandas-stubs", "pyuff", "daqp", "setuptools",
+                "sdypy-EMA", "h5py", "emcee", "distributed", "pytest", "pytest-regressions", "pytest-xdist",
+                "hypothesis", "mypy", "ruff", "import-linter", "pandas-stubs", "pyuff", "daqp", "setuptools",
             ),
         ),
     }
