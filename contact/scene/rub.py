@@ -268,12 +268,19 @@ def read_profile(path: Path) -> tuple[list[float], list[float]]:
     rows = [(n, line.split(",")) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if not rows or [cell.strip() for cell in rows[0][1]] != ["theta_deg", "depth_m"]:
         raise InputError(f"profile: {path}: found no header theta_deg,depth_m")
-    theta, depth = [], []
+    theta: list[float] = []
+    depth: list[float] = []
     for n, cells in rows[1:]:
         try:
             angle, value = (float(cell) for cell in cells)
         except ValueError as error:
             raise InputError(f"profile: {path}: line {n}: found {','.join(cells)!r}, expected two numbers") from error
+        if not (math.isfinite(angle) and math.isfinite(value)):
+            raise InputError(f"profile: {path}: line {n}: found {','.join(cells)!r}, expected two finite numbers")
+        if theta and angle <= theta[-1]:
+            raise InputError(f"profile: {path}: line {n}: found {angle:g} deg after {theta[-1]:g}, expected ascending")
         theta.append(angle)
         depth.append(value)
+    if not theta:
+        raise InputError(f"profile: {path}: found no line below the header")
     return theta, depth

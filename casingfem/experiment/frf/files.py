@@ -78,7 +78,7 @@ def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[in
     Raises
     ------
     InputError
-        Other columns, a point twice, cells that are no numbers.
+        Other columns, a point twice, a radius below zero, cells that are no numbers.
     """
     csv = read(path)
     if set(csv.header) not in ({"point", "angle_deg"}, {"point", "angle_deg", "radius_m", "z_m"}):
@@ -92,6 +92,8 @@ def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[in
     if "z_m" not in csv.header:
         return by_point, None
     radius, theta = csv.numbers("radius_m"), np.radians(angles)
+    for row in np.flatnonzero(radius < 0.0)[:1].tolist():
+        raise csv.refuse(row=row, column="radius_m", found=f"{radius[row]:g}", expected="0 or more")
     places = np.column_stack([radius * np.cos(theta), radius * np.sin(theta), csv.numbers("z_m")])
     return by_point, dict(zip(points, places, strict=True))
 

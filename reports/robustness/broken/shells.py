@@ -19,11 +19,12 @@ FINE = cf.ShellMesh(order=8, rows=2, around=2)
 
 @dataclass(frozen=True, slots=True)
 class Broken:
-    """A model that must not give frequencies without a word: its name, how it is made, the code that must show."""
+    """What must not be computed without a word: a name, how it is made, the code that must show, what must be named."""
 
     name: str
     make: Make
     code: str
+    names: tuple[str, ...] = ()
 
 
 def steel(**changes: float) -> cf.Material:

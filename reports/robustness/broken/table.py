@@ -1,6 +1,7 @@
-"""Broken models and what becomes of them: each is refused or warned of, with its code; none computes in silence.
+"""Broken models and what becomes of them: each is refused or doubted by name; none is computed in silence.
 
-`python -m reports.robustness.broken` prints model, outcome and code.
+`python -m reports.robustness.broken` prints model, outcome and code. By name: with the code of its fault, or with the
+file and the key, column or line that is at fault.
 """
 
 import warnings
@@ -8,15 +9,18 @@ from collections import Counter
 from pathlib import Path
 
 import casingfem as cf
+import contact as ct
 from casingfem.errors import ModelWarning, code_of
-from reports.robustness.broken import files, shells
+from reports.robustness.broken import files, keys, shells, tables
 from reports.robustness.broken.shells import Broken
 from reports.tables import Row, show, write
+
+OWN = (cf.errors.InputError, cf.errors.NumericsError, ct.InputError, ct.NumericsError)
 
 
 def models() -> list[Broken]:
     """All broken models."""
-    return [*shells.rows(), *files.rows()]
+    return [*shells.rows(), *files.rows(), *keys.rows(), *tables.rows()]
 
 
 def outcome(model: Broken) -> tuple[str, list[str]]:
@@ -26,8 +30,11 @@ def outcome(model: Broken) -> tuple[str, list[str]]:
         warnings.simplefilter("always")
         try:
             model.make()
-        except (ValueError, cf.errors.NumericsError) as error:
+        except OWN as error:
             happened, refusal = "refused", str(error).splitlines()
+        except Exception as error:
+            named = isinstance(error, OSError) and error.filename is not None
+            happened, refusal = ("refused" if named else "TRACEBACK"), [f"{type(error).__name__}: {error}"]
     said = [str(entry.message) for entry in caught if isinstance(entry.message, ModelWarning)]
     return happened or ("warned" if said else "silent"), said + refusal
 
@@ -36,7 +43,10 @@ def row(model: Broken) -> Row:
     """One line of the table: what happened, the codes, and whether the expected one is among them."""
     happened, messages = outcome(model)
     codes = list(dict.fromkeys(map(code_of, messages)))
-    verdict = "as expected" if model.code in codes else f"expected {model.code}"
+    missing = [name for name in model.names if name not in "\n".join(messages)]
+    if model.code and model.code not in codes:
+        missing.append(model.code)
+    verdict = f"expected {', '.join(missing)}" if missing or happened in ("silent", "TRACEBACK") else "as expected"
     return {"model": model.name, "outcome": happened, "codes": ", ".join(codes), "verdict": verdict}
 
 

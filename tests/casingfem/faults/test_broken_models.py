@@ -28,10 +28,11 @@ MODELS = broken_models.models()
 @pytest.mark.parametrize("model", MODELS, ids=[model.name for model in MODELS])
 def test_no_broken_model_computes_in_silence(model):
     happened, messages = broken_models.outcome(model)
-    assert happened in ("refused", "warned")
+    assert happened in ("refused", "warned"), messages
+    assert all(name in "\n".join(messages) for name in model.names), messages
     said = {code_of(message): message for message in messages}
-    assert model.code in said
-    if not model.code.startswith(("study-", "survey-")) and not model.name.startswith("study"):
+    assert model.code in (*said, "")
+    if model.code and not model.code.startswith(("study-", "survey-")) and not model.name.startswith("study"):
         assert CATALOGUE[model.code].remedy in said[model.code]
 
 
@@ -67,8 +68,18 @@ def test_a_tube_of_2000_radii_is_doubted_on_every_processor(kernels):
     assert done.stdout.split() == ["warned", "chart-aspect", "shell-thin"], done.stderr
 
 
-def test_there_are_at_least_sixty_by_name():
-    assert len(MODELS) == len({model.name for model in MODELS}) >= 60
+def test_there_are_at_least_600_by_name():
+    assert len(MODELS) == len({model.name for model in MODELS}) >= 600
+    assert all(model.code or model.names for model in MODELS)
+
+
+def test_what_ends_in_a_traceback_or_in_silence_is_astray():
+    def trips():
+        raise KeyError("E")
+
+    rows = [broken_models.row(broken_models.Broken("x", make, "", ("E",))) for make in (trips, lambda: None)]
+    assert [row["outcome"] for row in rows] == ["TRACEBACK", "silent"]
+    assert all(row["verdict"].startswith("expected") for row in rows)
 
 
 def sound() -> dict[str, object]:
