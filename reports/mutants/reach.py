@@ -51,20 +51,21 @@ class Reach:
     def nearest(self, file: str, function: str, seed: int) -> list[str]:
         """Tests in the order in which they are likely to see a change, those of one file together.
 
-        Nearer ones first; tests in a file named like the changed one or in the folder that is its folder's, tests named
-        like the changed function, and tests that use the changed method by its name, count as nearer, slow ones as
-        farther; files that are equally near come at random.
+        Nearer ones first; tests in a file named like the changed one, in the folder that is its folder's or a little
+        above it, tests named like the changed function, and tests that use the changed method by its name, count as
+        nearer, slow ones as farther; files that are equally near come at random.
         """
         top, _, method = function.rpartition(".")
         near = self.distances((file, function.partition(".")[0]))
-        words, folder = set(Path(file).stem.split("_")), Path("tests", file).parent
+        words, folder = set(Path(file).stem.split("_")), Path("tests", file).parent.parts
         of_function = set(method.split("_")) - {""}
 
         def rank(test: Unit) -> float:
             own = set(Path(test[0]).stem.split("_")) & words
             named = bool(top) and method in self.attributes[test]
             alike = len(of_function & set(test[1].split("_"))) / max(1, len(of_function))
-            beside = Path(test[0]).parent == folder
+            own_folder = Path(test[0]).parent.parts
+            beside = len(own_folder) / len(folder) if own_folder == folder[: len(own_folder)] else 0.0
             nearer = named + alike + beside + 2.0 * len(own) / len(words)
             return near.get(test, FAR) + 0.5 * self.tests[test] - nearer
 

@@ -87,12 +87,14 @@ def test_a_tight_casing_has_no_loose_bolt(casing, model):
 
 
 @pytest.mark.slow
-def test_sigma_scale_and_smallest_are_what_chi_square_says(casing, model):
+def test_sigma_scale_and_smallest_are_what_chi_square_says(casing, model, held):
     """Frequencies off by three times their sigma: chi^2 rises by scale^2 at one standard deviation, either way."""
     clean = table_of(loosened(casing, {3: 0.5}))
     noise = 3.0 * clean.sigma_hz * np.random.default_rng(27).standard_normal(len(clean))
     found = locate(casing, replace(clean, freq_hz=clean.freq_hz + noise), model=model, most=1)
     (one,) = found.found
+    told = sorted((e.place, e.value, e.sigma) for by in (found.best, *found.others) for e in by.found)
+    held(1e-4, chi2=[found.chi2, found.chi2_start, found.scale, found.rows], smallest=found.smallest, told=told)
     assert found.scale == pytest.approx(np.sqrt(found.chi2 / (found.rows - 1)), rel=1e-12)
     assert 1.5 < found.scale < 4.5
     assert abs(one.value - 0.5) < 3.5 * one.sigma

@@ -97,7 +97,7 @@ def test_without_noise_on_the_default_mesh(frustum):
 
 
 @pytest.mark.slow
-def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured):
+def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured, held):
     noise = np.random.default_rng(101).standard_normal(ROWS)
     fit = update(casing(frustum), table_of(measured, noise), VARY)
     found, true = (
@@ -106,6 +106,13 @@ def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured):
     )
     assert np.abs((found - true) / fit.sigma).max() < 3.0
     assert 0.3 < fit.misfit < 2.0
+    held(
+        1e-4, value=fit.value, sigma=fit.sigma, stated=fit.stated_sigma, correlation=fit.correlation, values=fit.values,
+        chi2=[fit.chi2, fit.inflation, fit.misfit, fit.free, fit.residuals, fit.model_floor],
+        rms=[fit.rms_before, fit.rms_after],
+        singular=fit.identifiability.singular, before=fit.before.freq[:12], after=fit.after.freq[:12],
+        jacobian=np.linalg.norm(fit.jacobian, axis=0),
+    )  # fmt: skip
 
 
 @pytest.mark.slow

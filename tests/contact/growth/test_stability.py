@@ -1,6 +1,7 @@
 """Closed contact: B6 and its neighbours by eigenvalues, by formula and by time; friction; split casings by Floquet."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,9 +12,11 @@ from scipy.integrate import solve_ivp
 
 import contact as ct
 from casingfem.cli import main
+from contact.growth import floquet
 from contact.growth.closed_contact import growth
 from contact.growth.coincidence import Coincidence, coincidences, in_words, loaded
 from contact.growth.floquet import floquet_growth
+from contact.model.gaps.modal_system import rim_system
 from contact.model.gaps.permanent import SplitError, disk_contact
 from tests.contact.synthetic_rim import blade, ring
 
@@ -295,3 +298,15 @@ def test_a_pair_does_not_run_and_rods_have_no_poles():
         ct.load_scene(SCENE)
     with pytest.raises(ct.scene.SceneError, match="found 'rods', expected 'pair' or 'rim'"):
         ct.scene.load_stability(SCENE.with_name("two_rods.toml"))
+
+
+def test_a_turn_of_too_many_steps_is_refused(monkeypatch):
+    """The slower, the more steps a turn has."""
+    split = ct.RotatingRim(ring(imperfect=0.03), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=10.0)
+    system = rim_system(split)
+    steps = math.ceil(0.2 * floquet.fastest(system, 0.0) / floquet.PHASE)
+    monkeypatch.setattr(floquet, "MOST_STEPS", steps)
+    assert np.isfinite(floquet_growth(split, 5.0)).all()
+    monkeypatch.setattr(floquet, "MOST_STEPS", steps - 1)
+    with pytest.raises(ct.LimitError, match=f"speed_hz: found {steps} steps a turn, expected at most {steps - 1}"):
+        floquet_growth(split, 5.0)

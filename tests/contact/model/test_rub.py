@@ -444,3 +444,10 @@ def test_the_stiffest_tip_and_angle_are_those_of_rows_and_compliances(mu):
             worst = max(worst, (abs(along[0]) / along[1], *along))
     found = rub_stepper.rub_delassus(rub, system, parts, mu)
     assert found == pytest.approx((worst[1], worst[2], worst[0]), rel=1e-12)
+
+
+def test_waves_of_the_residual_are_sums_and_differences_of_the_harmonics_that_it_couples():
+    """Whatever directions couple them, and whatever other harmonics it does not yield to."""
+    S = np.zeros((2, SIZE, 2, SIZE))
+    S[0, 2, 1, 3] = S[1, N_MAX + 1, 1, N_MAX + 1] = 1.0  # cos 2 with cos 3; sin 1 with itself
+    assert rub_stepper._products(S).tolist() == [0, 1, 2, 5]

@@ -336,3 +336,11 @@ def test_what_cannot_be_scanned_is_refused():
     for bad in ({}, {"mirror": np.inf}, {"mirror": 1.0, "wander": 0.5}, {"mirror": 1.0, "casing": 1.0}):
         with pytest.raises(InputError):
             Turning(**bad)
+
+
+@pytest.mark.parametrize(("seconds", "kept"), [(2.0001, True), (1.9999, False)])
+def test_a_rate_is_clear_from_two_bins_between_lines_on(seconds, kept):
+    """Lines 1 Hz apart at one turn/s: two bins after two seconds."""
+    found = clear_rate((300.0,), np.array([-1, 0, 1]), 1.0, seconds, FS)
+    assert (found == 1.0) == kept
+    assert found is not None

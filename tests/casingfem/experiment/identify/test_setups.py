@@ -13,6 +13,7 @@ from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks
 from casingfem.experiment.identify.setups.shifted import Shifted
 from casingfem.experiment.identify.verdict import verdicts
 from casingfem.experiment.rig.troubles import Troubles, hann_power, troubled_frfs
+from tests.casingfem.experiment.identify.test_identification import numeric
 
 GROUPS = [np.array([0, 1, 4]), np.array([2, 5]), np.array([3, 6, 7])]
 SIGMA = 1e-5
@@ -119,7 +120,7 @@ def test_rounded_lines_are_even_and_what_one_channel_hardly_shows_is_not_sure():
 
 
 @pytest.mark.slow
-def test_pairs_that_three_setups_show_at_other_frequencies_are_found_once_with_honest_intervals():
+def test_pairs_that_three_setups_show_at_other_frequencies_are_found_once_with_honest_intervals(held):
     zeta, freq = np.array([2e-3, 2.2e-3, 1.5e-3, 1.4e-3, 3e-3]), np.array([200.0, 200.9, 212.0, 213.5, 225.0])
     around = 2 * np.pi * np.arange(13) / 13
     waves = zip((2, 2, 3, 3, 4), (0.3, 0.3 + np.pi / 2, 1.0, 1.0 + np.pi / 2, 0.5), strict=True)
@@ -129,6 +130,7 @@ def test_pairs_that_three_setups_show_at_other_frequencies_are_found_once_with_h
     what = Troubles(snr_db=45.0, setups=3, shift=2e-3, leakage=True)
     test = troubled_frfs(rig, np.arange(192.0, 233.0, 0.1), what, sensors=range(12), drives=[12], seed=29)
     found = cf.identify(test.frfs)
+    held(1e-4, **numeric(found))
     assert len(found) == 5
     assert found.sure.all()
     np.testing.assert_allclose(found.freq, test.truth.freq.mean(axis=0), rtol=5e-5)

@@ -345,3 +345,15 @@ def test_names_and_nodes_as_wide_as_their_columns_stand_side_by_side(tmp_path):
 )
 def test_a_step_has_as_many_digits_as_leave_a_blank_before_it(value, text):
     assert _most_digits(value) == text
+
+
+@pytest.mark.parametrize("kept", [4, 10])
+@pytest.mark.parametrize("read", [read_headers, read_uff])
+def test_a_header_that_ends_early_says_how_many_lines_it_has(read, kept, tmp_path):
+    path = tmp_path / "cut.uff"
+    write_uff(path, functions=[function(even=True, is_complex=True, double=False)])
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[: 2 + kept], "    -1", ""]))
+    words = rf"cut.uff, line {kept + 3}, set 58 \(functions\): found {kept} lines of header; expected 11 lines"
+    with pytest.raises(InputError, match=words):
+        read(path)

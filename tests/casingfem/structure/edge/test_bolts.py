@@ -168,3 +168,13 @@ def test_a_mesh_of_a_cylinder_with_two_bolted_edges_follows_both(steel):
     edges = {"base": Bolts(count=8, k=1e8), "top": Bolts(count=12, k=1e8)}
     shell = Shell(chart=Cylinder(radius=0.5, height=0.3), thickness=3e-3, material=steel, supports=edges)
     assert shell.mesh.around % 24 == 0
+
+
+def test_springs_per_wave_by_pull_and_by_tilt():
+    """k/(E t/20) and k_rot/(E t^3/(24 (1 - nu^2))), the larger."""
+    E, nu, t = 210e9, 0.3, 3e-3
+    by_pull, by_tilt = (
+        springs_per_wave(Bolts(count=8, k=k, k_rot=k_rot), E, nu, t) for k, k_rot in ((1e8, 1.0), (1.0, 1e4))
+    )
+    assert by_pull == pytest.approx(1e8 / (0.05 * E * t), rel=1e-12)
+    assert by_tilt == pytest.approx(1e4 * 24.0 * (1.0 - nu**2) / (E * t**3), rel=1e-12)

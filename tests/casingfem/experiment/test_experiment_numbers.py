@@ -1,0 +1,144 @@
+"""Numbers held: the virtual rig, its troubles, identification, circle scans, correlation, universal files."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.experiment.circle.record import ScanRecord, turning
+from casingfem.experiment.circle.scan import demodulate
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+from casingfem.experiment.correlation.sensors import sensors_of
+from casingfem.experiment.identify.poles.pole_fit import fit_poles
+from casingfem.experiment.identify.poles.pole_selection import select_poles
+from casingfem.experiment.rig.estimate import estimate
+from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random
+from casingfem.experiment.rig.record import measured, record
+from casingfem.experiment.rig.rig import Rig
+from casingfem.experiment.rig.troubles import Troubles, troubled_frfs
+from tests.casingfem.experiment.identify.test_identification import THETA, ring_rig
+from tests.casingfem.experiment.identify.test_pole_fit import SHAPES, THREE, window
+from tests.probed import probed
+
+PAIRS = [(6, 330.0, 0.004, 11.0), (7, 345.0, 0.01, 3.0)]
+SMALL = Rig.of(
+    omega=2.0 * np.pi * np.array([151.3, 153.0, 402.7]),
+    zeta=[0.004, 0.006, 0.01],
+    rows=[[1.0, 0.2, 0.7], [-0.4, 0.9, 0.5], [0.3, 0.3, -1.1]],
+    S=1e-7 * np.array([[4.0, 1.0, 0.0], [1.0, 3.0, 0.5], [0.0, 0.5, 2.0]]),
+)
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return ring_rig(PAIRS, theta=THETA, drives=[0.3])
+
+
+def test_numbers_of_troubles(rig, held):
+    what = Troubles(
+        snr_db=45.0,
+        colour=0.5,
+        coherent=0.2,
+        setups=3,
+        shift=2e-3,
+        half_rim=True,
+        dead=1,
+        noisy=1,
+        swapped=1,
+        flipped=1,
+        double_hit=0.1,
+        exponential=0.1,
+        leakage=True,
+        fixture=1,
+        phase_deg=3.0,
+    )
+    test = troubled_frfs(
+        rig, np.arange(322.0, 354.0, 0.5), what, sensors=range(len(THETA)), drives=[len(THETA)], seed=29
+    )
+    truth = test.truth
+    held(
+        H=probed(np.stack([test.frfs.responses[k] for k in range(3)])),
+        coherence=probed(np.stack([test.coherence.responses[k] for k in range(3)])),
+        freq=truth.freq,
+        zeta=truth.zeta,
+        fixture=truth.fixture_hz,
+        setup=truth.setup,
+        where=[*truth.dead, *truth.noisy, *np.ravel(truth.swapped), *truth.flipped],
+    )
+
+
+@pytest.mark.parametrize("residues", ["real", "complex"])
+def test_numbers_of_poles(residues, held):
+    data = window(*THREE, SHAPES, sigma=0.5, residues=residues)
+    fit = fit_poles(data, np.array([396.5, 399.9, 401.0]), np.array([0.002, 0.002, 0.002]))
+    chosen = select_poles(data, np.column_stack([np.array([396.5, 399.9, 401.0, 404.0]), np.full(4, 0.002)]))
+    held(
+        1e-5,
+        freq=fit.freq,
+        zeta=fit.zeta,
+        covariance=np.diag(fit.covariance),
+        squares=[fit.squares],
+        chosen=chosen.freq,
+    )
+
+
+@pytest.mark.parametrize(
+    "excitation",
+    [
+        Random(rms=1.0, band=(60.0, 700.0)),
+        BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25),
+        Impact(peak=10.0, width=4e-3),
+    ],
+    ids=lambda e: type(e).__name__,
+)
+@pytest.mark.parametrize("quantity", ["receptance", "accelerance"])
+def test_numbers_of_records(excitation, quantity, held):
+    test = record(
+        SMALL, [excitation], drives=[0], sensors=[0, 1], fs=2048.0, block=1024, blocks=3, seed=5, quantity=quantity
+    )
+    noisy_test = measured(test, snr_db=40.0, seed=6)
+    found = estimate(noisy_test, band=(80.0, 600.0))
+    H, coherence = (np.stack([part.responses[k] for k in range(2)]) for part in (found.frfs, found.coherence))
+    held(1e-5, H=H[:, ::23], coherence=coherence[:, ::23], averages=[found.averages])
+
+
+def test_numbers_of_circle_scans(held):
+    fs, count = 2000.0, 8000
+    theta, t = turning(2.3, fs, count, first_angle=0.3), np.arange(count) / fs
+    noise = 0.01 * np.random.default_rng(4).standard_normal(count)
+    seen = np.cos(8 * (theta - 0.11)) * np.cos(2.0 * np.pi * 371.3 * t + 0.4) + 0.2 * np.cos(
+        2.0 * np.pi * 371.3 * t + 5 * theta
+    )
+    found = demodulate(ScanRecord(fs=fs, velocity=seen + noise, angle=theta, tones=(371.3,)), 10)
+    waves = found.waves()
+    held(
+        1e-5,
+        V=found.V,
+        lines=found.lines,
+        n=[w.n for w in waves],
+        amplitude=[w.amplitude for w in waves],
+        travelling=[w.travelling for w in waves],
+        angle=[w.angle_deg for w in waves],
+    )
+
+
+def test_numbers_of_correlation(frustum, held):
+    casing = frustum(
+        radius_defect=cf.FourierField.of({3: 1e-3, 14: 3e-4}), mesh=cf.ShellMesh(order=5, rows=1, around=11)
+    )
+    other = frustum(radius_defect=cf.FourierField.of({3: 2e-3, 14: 3e-4}), thickness=3.1e-3, mesh=casing.mesh)
+    found, test = cf.modes(casing, 8, method="shell"), cf.modes(other, 6, method="shell")
+    theta, z = np.tile(2.0 * np.pi * np.arange(18) / 18 + 0.1, 2), np.repeat([0.12, 0.25], 18)
+    out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
+    points = np.real(casing.geometry(z, theta).surface.x).T
+    values = sensors_of(test, points, out).shapes(test.fields)
+    noise = 0.02 * np.abs(values).max() * np.cos(np.arange(values.size) ** 2).reshape(values.shape)
+    shapes = MeasuredShapes.from_arrays(freq_hz=test.freq, values=values + noise, points=points, directions=out)
+    result = cf.correlate(found, shapes)
+    held(
+        1e-4,
+        alike=np.sort(np.ravel(result.alike)),
+        nco=np.sort(np.ravel(np.abs(result.nco))),
+        comac=result.comac,
+        ecomac=result.ecomac,
+        rows=[row for match in result.pairing.matches for row in match.rows],
+    )
