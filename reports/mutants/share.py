@@ -128,7 +128,7 @@ def never_passing(tree: Tree, tests: Iterable[str], limits: Limits) -> list[str]
 
 
 def collected(tree: Tree, tests: Iterable[str]) -> None:
-    """Let tests be collected without a mutant, none of them run: what cannot be imported later is a mutant's doing."""
+    """Collect tests without a mutant and run none, so that what cannot be imported later is the mutant's doing."""
     named = sorted(set(tests))
     if not named:
         return
