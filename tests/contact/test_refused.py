@@ -1,0 +1,115 @@
+"""Input that no other test refuses: each fault says what was found where, and what is expected."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_array, csr_array, diags_array
+
+import contact as ct
+from contact.io.units import units_of
+from contact.scheme.linear.leapfrog import CONSISTENT
+from contact.solver.unilateral.active_set import unilateral
+from tests.contact.growth.cycles.bodies import random_body
+from tests.contact.synthetic_rim import blade, ring
+from tests.contact.synthetic_rub import nodes, rim3, tips
+
+PAIR = csc_array(np.diag([1.0, 2.0]))
+RIM = ct.RotatingRim(ring(), blade(), clearance=1e-5, speed_hz=5.0)
+FRAME = ct.LinearBody(M=np.ones(2), K=2.0 * np.eye(2), Q=np.array([[1.0, 0.0]]), gap0=np.array([0.1]))
+BODY = ct.ModalBody(omega=[1.0, 2.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)))
+RUNS = {"t_end": 1e-3, "dt": 1e-5}
+
+
+def consistent():
+    """A body too large for its mass matrix to be factored at every step."""
+    size = CONSISTENT + 1
+    M = diags_array([np.full(size, 2.0), np.ones(size - 1), np.ones(size - 1)], offsets=[0, 1, -1], format="csr")
+    return ct.LinearBody(M=M, K=M, Q=csr_array(([1.0], ([0], [0])), shape=(1, size)), gap0=np.array([0.1]))
+
+
+def matrices(**more):
+    return ct.ModalBody.from_matrices(PAIR, PAIR, **({"dofs": [(1, "x"), (2, "x")], "contact": [1]} | more))
+
+
+REFUSED = {
+    "sectors": (lambda: replace(BODY, sectors=2), "sectors: found 2 beside channels of 2, expected sector0.*"),
+    "names twice": (lambda: replace(BODY, channels=("x", "x")), "channels: found"),
+    "a compliance that pushes": (lambda: replace(BODY, S=-np.eye(2)), "S: found"),
+    "rows of another size": (lambda: replace(BODY, rows=np.eye(3)), "rows: found"),
+    "a direction": (lambda: matrices(dofs=[(1, "up"), (2, "x")]), "dofs: found direction 'up' at node 1, expected"),
+    "a contact twice": (lambda: matrices(contact=[1, 1]), "expected nodes or dofs of the matrices, each once"),
+    "a node without dofs": (lambda: matrices(contact=[7]), "contact: found node 7, which no dof belongs to"),
+    "gravity on a rim": (
+        lambda: ct.run(RIM, gravity=9.8, **RUNS),
+        "gravity: found 9.8 m/s^2 with RotatingRim, expected",
+    ),
+    "what is no body": (lambda: ct.run([3.0], **RUNS), "bodies: found float, expected Rod, PointMass or Wall"),
+    "instants before the start": (lambda: ct.Record(at=[-1.0]), "expected instants >= 0 [s]"),
+    "instants beside steps": (lambda: ct.Record(at=[1.0], every=2), "at: found beside every or state_every"),
+    "units": (lambda: units_of("mm-stone-s"), "units: found 'mm-stone-s', expected length"),
+    "units of two words": (lambda: units_of("mm-s"), "units: found 'mm-s', expected length"),
+    "places and values": (
+        lambda: ct.Speed(time=[0.0, 1.0], hz=[1.0]),
+        "speed: found (2,) places and (1,) values, expected as many of both",
+    ),
+    "no tips": (lambda: ct.Rub(rim3(), (nodes(1),), ()), "tips: found 0 on 1 blades, expected one or more"),
+    "a thickness": (
+        lambda: ct.Rub(rim3(), (nodes(1),), tips(1), thickness=-1.0),
+        "thickness: found -1.0, expected metres > 0",
+    ),
+    "no axial channels": (
+        lambda: ct.Rub(ring(), (nodes(1),), tips(1)),
+        "tips[0].axial: found a casing basis without axial channels, expected Rim(axial=True)",
+    ),
+    "a consistent mass": (
+        lambda: ct.run(consistent(), scheme=ct.CentralDifference(), **RUNS),
+        "M: found a consistent mass matrix, expected a lumped one",
+    ),
+    "coupled damping": (
+        lambda: ct.run(
+            replace(FRAME, C=np.array([[1.0, 0.2], [0.2, 1.0]])), scheme=ct.scheme.MasslessBoundary(), **RUNS
+        ),
+        "expected lumped mass and damping",
+    ),
+    "a law of springs": (
+        lambda: ct.run(RIM, law=ct.Penalty(stiffness=1e6), scheme=ct.ExactModal(), **RUNS),
+        "law: found Penalty",
+    ),
+    "friction on rods": (
+        lambda: ct.run(FRAME, law=ct.Coulomb(mu=0.1), scheme=ct.CentralDifference(), **RUNS),
+        "law: found Coulomb",
+    ),
+    "averages over several contacts": (
+        lambda: ct.run(ct.Patch(body=BODY, normal=("x", "y")), scheme=ct.ExactModal(law="averaged"), **RUNS),
+        "with several contacts, expected 'forward' or 'auto'",
+    ),
+    "friction without a ground": (
+        lambda: ct.run(ct.Patch(body=BODY, normal=("x",)), law=ct.Coulomb(mu=0.1), scheme=ct.ExactModal(), **RUNS),
+        "law: found Coulomb friction on a Patch without tangent, expected channels along the ground",
+    ),
+    "shapes of a step": (
+        lambda: unilateral(np.ones((2, 1)), np.ones(3)),
+        "A, b: found shapes (2, 1) and (3,), expected",
+    ),
+    "values of a step": (
+        lambda: unilateral(np.ones((1, 1)), np.array([np.nan])),
+        "A, b: found values that are not finite",
+    ),
+    "what a motion varies over": (
+        lambda: random_body(1, 1).over("mass", freq_hz=0.2),
+        "name: found 'mass', expected 'freq_hz', 'amplitude' or 'clearance'",
+    ),
+    "what a rub varies over": (
+        lambda: ct.growth.cycles.RimFamily(rim=RIM, name="mass"),
+        "name: found 'mass', expected 'speed_hz', 'clearance' or 'friction'",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_input_is_refused(name):
+    make, words = REFUSED[name]
+    with pytest.raises((ct.InputError, ct.LimitError, ValueError)) as caught:
+        make()
+    assert words in str(caught.value)
