@@ -1,7 +1,8 @@
 """Where small faults can be put into a Python source.
 
 A site is a piece of one line with texts that may stand there instead. Left alone: docstrings, messages, annotations,
-decorators, imports, what prints, `__repr__`, and what is never run: overloads and methods that a protocol asks for.
+decorators, imports, what prints, `__repr__` and which fields it shows, what is never run: overloads and methods that a
+protocol asks for, and numbers so small that they only keep a quotient or a logarithm finite.
 """
 
 import ast
@@ -26,8 +27,10 @@ FUNCTIONS = {
 }  # fmt: skip
 TOLD = {"echo", "print", "warn", "say", "progress"}
 SETTINGS = {
-    "strict", "stacklevel", "indent", "encoding", "err", "nl", "check_finite", "overwrite_a", "overwrite_b", "optimize",
+    "strict", "stacklevel", "repr", "indent", "encoding", "err", "nl", "check_finite", "overwrite_a", "overwrite_b",
+    "optimize",
 }  # fmt: skip
+TINY = 1e-100
 RETURNED = {"float": "2.0 * ({})", "int": "({}) + 1", "bool": "not ({})", "Array": "-({})", "FloatArray": "-({})"}
 
 
@@ -196,7 +199,7 @@ class Finder(ast.NodeVisitor):
             self.replace(node, str(not value))
         elif isinstance(value, int):
             self.replace(node, str(value + 1))
-        elif isinstance(value, float):
+        elif isinstance(value, float) and (not value or abs(value) > TINY):
             self.replace(node, repr(2.0 * value) if value else "1.0", repr(3.0 * value) if value else "1.0")
 
     def visit_JoinedStr(self, node: ast.JoinedStr) -> None:

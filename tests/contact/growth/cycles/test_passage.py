@@ -191,3 +191,16 @@ def test_an_undamped_mode_at_resonance_has_no_orbit():
     )
     with pytest.raises(ct.NumericsError, match="resonance"):
         ct.growth.cycles.orbit(driven.over("freq_hz", freq_hz=1.0), 1.0)
+
+
+@pytest.mark.parametrize("looks", [9, 12])
+def test_the_least_gap_between_two_looks_is_found(looks):
+    """Free motion before stops that it does not reach: gaps and amplitudes are those of many looks."""
+    driven = replace(random_body(1, 2), amplitude=0.01)
+    fine, coarse = (
+        ct.growth.cycles.orbit(driven.over("freq_hz", freq_hz=HZ, looks=n), HZ, settle=5) for n in (4096, looks)
+    )
+    assert fine.closings == (0, 0)
+    assert fine.gap.min() > 0.01
+    assert coarse.gap == pytest.approx(fine.gap, rel=1e-9)
+    assert coarse.amplitude["d"] == pytest.approx(fine.amplitude["d"], rel=1e-9)
