@@ -54,7 +54,8 @@ def test_numbers_of_rub_tables(held):
     found = {}
     for d in (1, 2, 3):
         system = rub_system(scene, d)
-        found |= {f"{name} {d}": numbers for name, numbers in numbers_of(system).items()}
+        tables = {name: np.ravel(np.asarray(numbers)) for name, numbers in numbers_of(system).items()}
+        found |= {f"{name} {d}": table[:: 1 + table.size // 200] for name, table in tables.items()}
     held(**found)
 
 
