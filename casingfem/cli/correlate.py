@@ -37,7 +37,8 @@ def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, 
     from casingfem.structure.shell.assembly import assemble
     from casingfem.study import MeshStudy, load_any
 
-    study = load_any(file)
+    with ProgressMessage(f"reading {file.name}"):
+        study = load_any(file)
     measured = read_shapes(shapes)
     with ProgressMessage(f"modes of {file.name}") as working:
         count = max(study.file.modes.wanted.get("count") or 40, len(measured) + 4)

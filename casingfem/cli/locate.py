@@ -47,7 +47,8 @@ def locate(
     from casingfem.plot.style import png
     from casingfem.study import load_study
 
-    study = load_study(file)
+    with ProgressMessage(f"reading {file.name}"):
+        study = load_study(file)
     now = FrequencyTable.from_csv(table)
     before = None if baseline is None else FrequencyTable.from_csv(baseline)
     seen = None if shapes is None else read_shapes(shapes)

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from casingfem.cli.model_warnings import collected
-from casingfem.cli.running import ProgressMessage, deliver, options, with_exit_codes
+from casingfem.cli.running import ProgressMessage, deliver, free_way, options, with_exit_codes
 from contact.io.outfiles import json_text, write_files
 
 FILES = click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
@@ -33,7 +33,7 @@ def node_list(context: click.Context, option: click.Parameter, value: str | None
 @click.option(
     "--zeta", type=click.FloatRange(0.0, 1.0, max_open=True), default=0.0, help="Damping ratio where there is no C."
 )
-@click.option("--out", type=TABLE, metavar="NPZ", help="Write the basis there.")
+@click.option("--out", type=TABLE, metavar="NPZ", help="Write the basis there.", callback=free_way)
 @click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")
 @with_exit_codes
 def import_matrices(

@@ -30,7 +30,8 @@ def mistune(file: Path, draws: int, processes: int | None, as_json: bool, out: P
     from casingfem.study import load_study
     from casingfem.study.mistuning import run_mistune
 
-    study = load_study(file)
+    with ProgressMessage(f"reading {file.name}"):
+        study = load_study(file)
     with ProgressMessage(f"mistuning of {file.name}") as working:
 
         def progress(done: int) -> None:

@@ -26,7 +26,8 @@ def rig(file: Path, as_json: bool, out: Path | None) -> None:
     from casingfem.study import load_study
     from casingfem.study.rig import run_rig
 
-    study = load_study(file)
+    with ProgressMessage(f"reading {file.name}"):
+        study = load_study(file)
     with ProgressMessage(f"rig of {file.name}") as working:
         test = run_rig(study)
     document = {

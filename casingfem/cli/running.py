@@ -13,7 +13,7 @@ from typing import Any, NoReturn, ParamSpec, TypeVar
 import click
 
 from casingfem.cli.model_warnings import collected, collecting
-from contact.io.outfiles import Content, json_text, settle, write_files
+from contact.io.outfiles import Content, in_the_way, json_text, settle, write_files
 
 BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 STORES = {"sweep": "store", "mistune": "draws", "cycles": "cycles.part.npz"}  # where commands keep what is finished
@@ -26,10 +26,18 @@ R = TypeVar("R")
 def options(command: Callable[P, R]) -> Callable[P, R]:
     """Add --json and --out DIR, and the exit codes."""
     folder = click.Path(file_okay=False, path_type=Path)
-    decorated = click.option("--out", "out", type=folder, metavar="DIR", help="Write result files there.")(
-        with_exit_codes(command)
-    )
+    decorated = click.option(
+        "--out", "out", type=folder, metavar="DIR", help="Write result files there.", callback=free_way
+    )(with_exit_codes(command))
     return click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")(decorated)
+
+
+def free_way(context: click.Context, parameter: click.Parameter, out: Path | None) -> Path | None:
+    """--out, refused before anything is computed where a file stands in its way."""
+    way = None if out is None else in_the_way(out.parent if out.suffix == ".npz" else out)
+    if way is not None:
+        fail(f"{out}: {way}", BAD_INPUT)
+    return out
 
 
 def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:

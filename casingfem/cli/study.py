@@ -51,7 +51,8 @@ def modes(
         raise click.UsageError("--modes chooses what --vtu or --uff writes: give --vtu too")
     if (vtu or uff) and out is None:
         raise click.UsageError("--vtu or --uff needs --out DIR")
-    study = load_any(file, wheel=True)
+    with ProgressMessage(f"reading {file.name}"):
+        study = load_any(file, wheel=True)
     if isinstance(study, MeshStudy) and study.wheel is not None:
         from casingfem.cli.wheel import print_wheel
 
@@ -99,7 +100,8 @@ def campbell(
     from casingfem.modal.campbell import campbell as compute
     from casingfem.study import load_study
 
-    study = load_study(file)
+    with ProgressMessage(f"reading {file.name}"):
+        study = load_study(file)
     rotation = study.shell.rotation
     if rotation is None:
         raise study.error("rotation", "none", "a [rotation], which a Campbell diagram needs")
@@ -135,7 +137,8 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
     from casingfem.study.tasks import judge_update, run_update
     from casingfem.updating.shape_fit import shape_fit
 
-    study = load_any(file)
+    with ProgressMessage(f"reading {file.name}"):
+        study = load_any(file)
     with ProgressMessage(f"update of {file.name}") as working:
         fit = run_update(study, lambda k, rms: working.say(f"evaluation {k}: rms {rms:.3g} sigma"))
         fit_seconds = working.seconds
@@ -173,7 +176,8 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
     from casingfem.study import load_any
     from casingfem.study.tasks import run_reduce
 
-    study = load_any(file, wheel=True)
+    with ProgressMessage(f"reading {file.name}"):
+        study = load_any(file, wheel=True)
     with ProgressMessage(f"reduction of {file.name}") as working:
         basis = run_reduce(study)
     wanted = study.file.reduce.out if study.file.reduce is not None else None
@@ -207,7 +211,8 @@ def report(file: Path, as_json: bool, out: Path | None) -> None:
     if is_scene(file):
         scene_report(file, as_json, folder)
         return
-    study = load_any(file)
+    with ProgressMessage(f"reading {file.name}"):
+        study = load_any(file)
     with ProgressMessage(f"report on {file.name}") as working:
         from casingfem.plot.pages.study import study_report
 

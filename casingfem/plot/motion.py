@@ -54,6 +54,7 @@ def figure_spectrum(time: Array, values: Array, *, label: str, unit: str, top_hz
     upper.set(xlabel="frequency [Hz]", ylabel=f"{label} [{unit}]", xlim=(0.0, top))
     if largest > 0.0:
         upper.set_ylim(1e-5 * largest, 2.0 * largest)
+    if upper.lines:
         upper.legend(fontsize=8)
     _waterfall(figure, lower, time, values, step, top)
     return figure

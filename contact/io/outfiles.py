@@ -133,12 +133,20 @@ def _dead(part: re.Match[str]) -> bool:
 
 def _check(target: Path, files: Mapping[str, Content]) -> None:
     """Refuse what could be seen only when half of the set is in its place."""
-    if not target.is_dir() and (target.exists() or target.is_symlink()):
-        found = "a file" if target.exists() else "a link to nothing"
-        raise NotADirectoryError(errno.ENOTDIR, f"found {found}, expected a folder or none", str(target))
+    if (way := in_the_way(target)) is not None:
+        raise NotADirectoryError(errno.ENOTDIR, way, str(target))
     for name in files:
         if (target / name).is_dir():
             raise IsADirectoryError(errno.EISDIR, "found a folder, expected a file or none", str(target / name))
+
+
+def in_the_way(folder: Path) -> str | None:
+    """What stands where a folder is to be made, or where one of those that it lies in is; None where nothing does."""
+    place = next((at for at in (folder, *folder.parents) if at.exists() or at.is_symlink()), None)
+    if place is None or place.is_dir():
+        return None
+    found = "a file" if place.exists() else "a link to nothing"
+    return f"found {found}{'' if place == folder else f', {place}'}, expected a folder or none"
 
 
 @contextmanager

@@ -93,12 +93,16 @@ dt = 2e-5
 
 
 class Target(NamedTuple):
-    """A command, with the files of an old state and a new one, and the name of its result if that is one file."""
+    """A command, with the files of an old state and a new one, and the name of its result if that is one file.
+
+    It is killed at each of its moments, or at one in `every`: some draw pictures for seconds each time.
+    """
 
     arguments: tuple[str, ...]
     old: Path
     new: Path
     single: str = ""
+    every: int = 1
 
     def run(self, file: Path, out: Path) -> None:
         """The command on one of its files, in this process."""
@@ -155,12 +159,15 @@ COMMANDS = {
 }  # fmt: skip
 
 
+SPARSE = {"rub": 3, "contact": 3, "identify": 4}
+
+
 def targets(folder: Path) -> dict[str, Target]:
     """Commands that write sets, or single files."""
     for state, by in {"old": 1.0, "new": 1.1}.items():
         write_inputs(folder / state, by)
     found = {
-        name: Target(arguments, folder / "old" / file, folder / "new" / file)
+        name: Target(arguments, folder / "old" / file, folder / "new" / file, every=SPARSE.get(name, 1))
         for name, (file, arguments) in COMMANDS.items()
     }
     imported = ("import", "--contact", "7", "--modes", "2")

@@ -3,8 +3,9 @@
 `python -m reports.robustness.set_kills [--quick] [--out DIR]`. A process runs a command with `--out`, into a folder
 that is not there and into one that holds another set, and gets kill -9 just before its first, second, ... opening,
 renaming or removal of a file there, up to the last; and where half of its first, second, ... text or picture is
-written. Then what lies there is looked at as it is, as a command of the program finds it, and once more after the
-command has run again. Needs fork (Linux, macOS).
+written. Commands that draw many pictures are killed at one in three or four of these moments. Then what lies there is
+looked at as it is, as a command of the program finds it, and once more after the command has run again. Needs fork
+(Linux, macOS).
 """
 
 import json
@@ -140,7 +141,7 @@ def moments(target: Target, folder: Path, over: bool, quick: bool) -> Iterator[t
     for half, count in enumerate(killed(target, first, -1)[1]):
         most = 2 if half else 4
         some = np.random.default_rng(SEED).choice(count, min(count, most), replace=False)
-        for at in sorted(some) if quick else range(count):
+        for at in sorted(some) if quick else range(0, count, target.every):
             yield folder / f"out{half}_{at}", int(at), bool(half)
 
 

@@ -225,6 +225,19 @@ def test_a_waiting_user_is_told_that_a_first_run_compiles(monkeypatch):
     assert said[-1] == "contact two_rods.toml: 100%"
 
 
+def test_a_waiting_user_is_told_that_the_study_is_read(monkeypatch, study):
+    said = []
+
+    class Told(ProgressMessage):
+        def __init__(self, what: str) -> None:
+            super().__init__(what)
+            said.append(what)
+
+    monkeypatch.setattr(sys.modules["casingfem.cli.study"], "ProgressMessage", Told)
+    assert invoke("modes", study).exit_code == 0
+    assert said[0] == f"reading {study.name}"
+
+
 def test_a_message_says_the_seconds_of_the_clock(monkeypatch):
     monkeypatch.setattr("time.perf_counter", lambda: 100.0)
     message = ProgressMessage("modes")

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import subprocess
 import sys
 import time
@@ -116,3 +117,23 @@ def test_what_cannot_hold_a_set_is_refused_before_anything_is_written(tmp_path):
     result = CliRunner().invoke(main, ["schema", "--out", str(tmp_path / "link")])
     assert result.exit_code == 2
     assert result.stderr == f"{tmp_path / 'link'}: found a link to nothing, expected a folder or none\n"
+
+
+def test_a_file_in_the_way_of_a_folder_is_named(tmp_path):
+    file, out = tmp_path / "file", tmp_path / "file" / "deep" / "out"
+    file.write_text("x")
+    words = f"found a file, {file}, expected a folder or none"
+    for files in (SET, {"a.csv": "x"}):
+        with pytest.raises(NotADirectoryError, match=re.escape(words)) as caught:
+            write_files(out, files)
+        assert caught.value.filename == str(out)
+    (tmp_path / "study.toml").write_text("nothing is read before the way is free")
+    for command in main.commands:
+        arguments = [command, str(tmp_path / "study.toml"), "--out", str(out)]
+        if all(parameter.name != "out" for parameter in main.commands[command].params):
+            continue
+        result = CliRunner().invoke(main, arguments)
+        assert result.stderr == f"{out}: {words}\n", command
+    result = CliRunner().invoke(main, ["import", str(tmp_path / "study.toml"), "--out", str(out / "a.npz")])
+    assert result.stderr == f"{out / 'a.npz'}: {words}\n"
+    assert result.exit_code == 2

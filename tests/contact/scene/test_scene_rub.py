@@ -185,7 +185,9 @@ def test_broken_rub_scenes(write, old, new, words):
         ("0,0\n1,1\n2,0\n", "found no header theta_deg,depth_m"),
         ("theta_deg,depth_m\n0,0\n10,x\n", "line 3: found '10,x', expected two numbers"),
         ("theta_deg,depth_m\n0,0\n10,0,1\n", "line 3"),
-        ("theta_deg,depth_m\n0,0\n90,0\n45,1e-5\n", "ascending"),
+        ("theta_deg,depth_m\n0,0\n90,0\n45,1e-5\n", "line 4: found 45 deg after 90, expected ascending"),
+        ("theta_deg,depth_m\n0,0\n90,nan\n", "line 3: found '90,nan', expected two finite numbers"),
+        ("theta_deg,depth_m\n", "found no line below the header"),
         ("theta_deg,depth_m\n0,0\n180,0\n360,0\n", "within one turn"),
     ],
 )

@@ -78,18 +78,39 @@ def rough_axis(points: SurveyPoints) -> Axis:
     return Axis(complex(*found[:2]), tilt, float(points.z[0] - high[0]))
 
 
-def centred_points(points: SurveyPoints, fitted: Callable[[SurveyPoints], SurveyFit]) -> tuple[SurveyPoints, Axis]:
-    """The points about their own axis, and that axis: fits and moves until no first harmonic is left to it."""
+Fit = Callable[[SurveyPoints, bool], SurveyFit]  # of points; whether stray ones are looked for
+
+
+def centred_points(points: SurveyPoints, fitted: Fit) -> tuple[SurveyPoints, Axis]:
+    """The points about their own axis, and that axis: fits and moves until no first harmonic is left to it.
+
+    The search for stray points, by far the longest part, is made once: the axis is then that of all others.
+    """
     if points.quantity != "radius":
         raise InputError(points.path, found="a thickness to be centred", expected="radii: a wall has no axis")
-    axis = rough_axis(points)
+    axis = settled_axis(points, rough_axis(points), fitted, search=False)
+    fit = fitted(axis.seen_from(points), True)
+    if fit.stray is not None:
+        axis = settled_axis(points.at(~fit.stray), axis, fitted, search=False)
+    elif not settled(axis_of(fit, points.z), fit, points):  # weights, which take stray points out
+        axis = settled_axis(points, axis, fitted, search=True)
+    return axis.seen_from(points), axis
+
+
+def settled_axis(points: SurveyPoints, axis: Axis, fitted: Fit, search: bool) -> Axis:
+    """The axis that a fit about it leaves where it is, from one nearby."""
     for _ in range(STEPS):
-        fit = fitted(axis.seen_from(points))
+        fit = fitted(axis.seen_from(points), search)
         rest = axis_of(fit, points.z)
         axis = axis + rest
-        if abs(rest.offset) + abs(rest.tilt) * np.ptp(points.z) < SETTLED * fit.mean[0]:
+        if settled(rest, fit, points):
             break
-    return axis.seen_from(points), axis
+    return axis
+
+
+def settled(rest: Axis, fit: SurveyFit, points: SurveyPoints) -> bool:
+    """Whether what is left of an offset and a lean is no more than round-off."""
+    return bool(abs(rest.offset) + abs(rest.tilt) * np.ptp(points.z) < SETTLED * fit.mean[0])
 
 
 def refuse_outside(points: SurveyPoints) -> None:

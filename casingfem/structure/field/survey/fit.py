@@ -46,11 +46,13 @@ def resolved_harmonic(gap_deg: float) -> int:
     return max(math.ceil(180.0 / gap_deg * (1 - 1e-9)) - 1, 0)
 
 
-def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robust: bool = False) -> SurveyFit:
+def fit_points(
+    points: SurveyPoints, n_max: int | None, degree: int | None, robust: bool = False, search: bool = True
+) -> SurveyFit:
     """Choose the fit that the points carry, or check the one asked, and make it.
 
     A robust fit weighs points down by their residual; those set aside altogether count neither for the gap in theta
-    nor for what the points carry.
+    nor for what the points carry. Without `search` all points count as they are.
 
     Raises
     ------
@@ -78,6 +80,8 @@ def fit_points(points: SurveyPoints, n_max: int | None, degree: int | None, robu
             expected = f"more points, or less than n_max = {n}, degree = {d}"
             raise InputError(points.path, found=problem.weakness(), expected=expected)
     whole, design = SurveyFit(*problem.solved(), np.ones(len(points), bool), gap, heights), problem.design(1.0)
+    if not search:
+        return whole
     if not robust:
         stray = stray_points(design, whole.residual)
         if not stray.any() or not _Problem(points.at(~stray), heights, n, d).determined(margin=False):

@@ -21,15 +21,14 @@ def least_squares(design: FloatArray, values: FloatArray, weights: FloatArray | 
     By the normal matrix, whose condition a survey's fit is checked for, and one step of refinement: for a scan of many
     points a tenth of the time of orthogonal factors.
     """
-    scaled = design if weights is None else design * np.sqrt(weights)[:, None]
-    right = design if weights is None else design * weights[:, None]
+    root = np.ones(len(values)) if weights is None else np.sqrt(weights)
+    scaled = design if weights is None else design * root[:, None]
     try:
         factor = cho_factor(scaled.T @ scaled)
     except LinAlgError:  # weights may leave too few points
-        root = np.ones(len(values)) if weights is None else np.sqrt(weights)
         return np.asarray(np.linalg.lstsq(scaled, root * values, rcond=None)[0])
-    x = cho_solve(factor, right.T @ values)
-    return np.asarray(x + cho_solve(factor, right.T @ (values - design @ x)))
+    x = cho_solve(factor, scaled.T @ (root * values))
+    return np.asarray(x + cho_solve(factor, scaled.T @ (root * (values - design @ x))))
 
 
 def robust_weights(design: FloatArray, values: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from casingfem.io.arrays import FloatArray
 from casingfem.structure.field.field import Field
 from casingfem.structure.field.fourier import FourierField, SeriesBehind
 from casingfem.structure.field.survey.axis import Axis, centred_points, eccentric, refuse_outside
-from casingfem.structure.field.survey.fit import fit_points, resolved_harmonic
+from casingfem.structure.field.survey.fit import SurveyFit, fit_points, resolved_harmonic
 from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points
 from casingfem.structure.field.survey.robust import pure_error
 from casingfem.structure.field.survey.stray import passes_words
@@ -142,7 +142,11 @@ class SurveyField(SeriesBehind):
         """Fit points already read; the options as in from_csv."""
         axis: Axis | None = None
         if centred:
-            points, axis = centred_points(points, lambda moved: fit_points(moved, n_max, degree, robust))
+
+            def fitted(moved: SurveyPoints, search: bool) -> SurveyFit:
+                return fit_points(moved, n_max, degree, robust, search)
+
+            points, axis = centred_points(points, fitted)
         else:
             refuse_outside(points)
         fit = fit_points(points, n_max, degree, robust)
