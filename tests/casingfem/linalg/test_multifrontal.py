@@ -1,6 +1,7 @@
 """Dense fronts: solutions and inertia against dense arithmetic, ordering against SuperLU's, memory foreseen."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from casingfem.linalg import factor as factors
 from casingfem.linalg import fronts as plans
 from casingfem.linalg.dissection import LEAF
 from casingfem.linalg.factor import factorise
-from casingfem.linalg.fronts import plan, planned
+from casingfem.linalg.fronts import Fronts, longest, plan, planned
 from casingfem.linalg.memory import MemoryNeedError, free_memory
 from casingfem.linalg.multifrontal import factored
 from casingfem.linalg.substitution import AlikeFronts, OneFront
@@ -177,3 +178,22 @@ def test_free_memory_is_some():
 def test_refuses_singular_matrices_and_what_is_no_number(A, words):
     with pytest.raises(NumericsError, match=words):
         factorise(csc_array(A))
+
+
+def test_what_fronts_cost_by_hand():
+    """Two children that pass on three unknowns each, their parent, and a front that stands alone."""
+    sizes, children = ((2, 3), (1, 3), (3, 0), (4, 0)), ((), (), (0, 1), ())
+    own = [SimpleNamespace(size=s, rows=range(s[1]), children=c) for s, c in zip(sizes, children, strict=True)]
+    fronts = Fronts((), np.arange(10), tuple(own))
+    assert fronts.entries == 10 + 4 + 9 + 16
+    assert fronts.operations == pytest.approx(73.0 / 3.0 + 51.0)
+    assert fronts.working() == 9 + 9 + 9 + 9  # the parent, what both children passed on, and its columns
+    assert fronts.bytes(keep=False) == 8 * 36
+    assert fronts.bytes(keep=True, number=16) == 16 * (36 + 39)
+    groups = fronts.groups
+    assert [groups[1][k] for k in groups[0]] == [0, 0, 1, 0]
+
+
+def test_a_front_is_put_in_order_along_its_longest_side():
+    axes = np.array([[0.0, 1.0, 2.0, 5.0, 5.0, 5.1], [0.0, 0.1, 0.2, 7.0, 8.0, 9.0]])
+    assert longest(axes, np.array([0, 0, 0, 1, 1, 1]), 2).tolist() == [0.0, 1.0, 2.0, 7.0, 8.0, 9.0]
