@@ -7,6 +7,8 @@ import pytest
 
 import contact as ct
 from contact.model.bodies.ring_modes import ring_modes
+from contact.model.gaps.bladed_disk import pair_rim
+from contact.model.gaps.permanent import ModalPair
 from tests.contact.held_runs import numbers_of
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
@@ -126,6 +128,7 @@ MODAL = {
     "rim": lambda: (turning_rim(), ct.Unilateral(), 1e-5, 0.02),
     "rim with friction": lambda: (turning_rim(), ct.Coulomb(mu=0.2), 1e-5, 0.02),
     "rim slow": lambda: (turning_rim(speed=-0.05, clearance=-1e-4), ct.Coulomb(mu=0.4), 1e-5, 0.02),
+    "rim mostly free": lambda: (turning_rim(clearance=4e-6), ct.Coulomb(mu=0.2), 1e-5, 0.03),
     "rim without residual": lambda: (turning_rim(S=0.0), ct.Coulomb(mu=0.2), 1e-5, 0.02),
     "rim with a coating": lambda: (turning_rim(), ct.Abradable(**SOFT, mu=0.1), 1e-5, 0.03),
     "rub": lambda: (rub(), ct.Coulomb(mu=0.2), 2e-5, 0.02),
@@ -169,3 +172,39 @@ def test_numbers_of_a_beam(ring, held):
         1e-5,
         **numbers_of(ct.run(circle, t_end=1.05 * circle.first_contact_time, courant=0.5, record=ct.Record(every=200))),
     )
+
+
+def test_numbers_of_a_beam_in_implicit_steps(held):
+    beam = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=6)
+    circle = ct.BeamInCircle(beam, radius=0.502, offset=6e-3)
+    run = ct.run(
+        circle,
+        scheme=ct.Newmark(beta=0.5, gamma=0.55),
+        t_end=1.02 * circle.first_contact_time,
+        dt=1e-4,
+        record=ct.Record(every=100),
+    )
+    held(1e-5, **numbers_of(run))
+
+
+def test_numbers_of_a_disk(held):
+    disk = ct.BladedDisk(
+        blades=5,
+        freq_hz=100.0,
+        modal_mass=0.2,
+        coupling=0.03,
+        mistuning=np.linspace(-0.003, 0.003, 5),
+        compliance=1e-4,
+        lean_deg=30.0,
+        zeta=1e-3,
+    )
+    casing = pair_rim(ModalPair(n=2, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    scene = ct.Rub(
+        casing,
+        (disk.body(),),
+        disk.tips(),
+        clearance=-1e-5,
+        speed=ct.Speed.constant(60.0),
+        profile=ct.RimProfile.fourier([{"p": 2, "cos": 3e-5}]),
+    )
+    held(1e-5, **numbers_of(ct.run(scene, law=ct.Coulomb(mu=0.1), t_end=0.02, dt=5e-5, record=OFTEN, on_limit="flag")))
