@@ -7,7 +7,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from contact.jit import compiled
 from reports.mutants.draw import draw, mutant
+from reports.mutants.inside_pytest import keep_what_stays_compiled
 from reports.mutants.judge import Limits, verdict
 from reports.mutants.reach import read_reach
 from reports.mutants.share import Campaign, command_line, main
@@ -194,9 +196,11 @@ def test_seen_mutants_are_killed_others_survive_and_a_rerun_continues(
     rows = main(campaign)
     killed = {row["after"]: row["killed by"] for row in rows}
     assert killed == {
-        "return x <= 2": "tests/test_module.py::test_seen", "return x < 3": "tests/test_module.py::test_seen",
-        "return x - 1": "", "return x + 2": "",
-    }  # fmt: skip
+        "return x <= 2": "tests/test_module.py::test_seen",
+        "return x < 3": "tests/test_module.py::test_seen",
+        "return x - 1": "",
+        "return x + 2": "",
+    }
     assert "2 of 4 mutants killed, 50.0 %" in capsys.readouterr().out
     table = campaign.out / "mutants_survivors.csv"
     survivors = pd.read_csv(table).assign(note="seen by none")
@@ -253,3 +257,19 @@ def test_what_cannot_be_asked_for(asked: list[str], words: str, capsys: pytest.C
     with pytest.raises(SystemExit):
         command_line(asked)
     assert words in capsys.readouterr().err
+
+
+def test_tests_that_cannot_be_collected_kill_nothing(campaign: Campaign) -> None:
+    """A missing name would stop every mutant's run, and pass for what the mutant did."""
+    (campaign.root / "tests/test_module.py").write_text(TESTS.replace("seen, unseen", "seen, unseen, gone"), "utf-8")
+    with pytest.raises(RuntimeError, match=r"(?s)tests are not collected without a mutant either.*gone"):
+        main(replace(campaign, count=1))
+
+
+def test_loops_are_compiled_with_all_that_they_ask_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[object] = []
+    monkeypatch.setattr(compiled, "CACHE", compiled.CACHE)
+    monkeypatch.setattr(compiled, "compiled", lambda function, *given, **named: asked.append((given, named)))
+    keep_what_stays_compiled()
+    compiled.compiled(draw, {"fastmath": True}, pipeline="own")
+    assert asked == [(({"fastmath": True},), {"pipeline": "own"})]
