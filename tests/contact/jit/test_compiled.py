@@ -189,3 +189,19 @@ def test_files_that_share_loops_go_to_one_process_and_others_by_themselves() -> 
     assert scope("tests/contact/model/test_rub.py::test_a") != scope("tests/contact/model/test_rim.py::test_a")
     alone = "tests/casingfem/structure/field/test_field.py"
     assert scope(f"{alone}::test_a") == alone
+
+
+def test_what_is_compiled_within_the_time_is_not_announced_and_the_next_is_timed_anew():
+    said = []
+    telling = Announcement(after=60.0, say=said.append)
+    for _ in range(2):
+        telling.on_start(None)
+        first = telling.timer
+        telling.on_start(None)  # what it calls
+        assert telling.timer is first
+        telling.on_end(None)
+        assert telling.timer is first
+        telling.on_end(None)
+        assert telling.timer is None
+        assert first.finished.is_set()  # cancelled
+    assert said == []
