@@ -95,6 +95,8 @@ TAKEN_REFUSED = {
     "angle of a panel": (lambda x: cf.Panel(radius=1.0, length=0.1, angle=x), 2.0 * np.pi * BELOW, 2.0 * np.pi),
     "camber": (lambda x: cf.Blade(length=0.2, chord=0.1, camber=x), 2.0 * np.pi * BELOW, 2.0 * np.pi),
     "thickness of a ply": (lambda x: Ply(thickness=x), 1e-9, 0.0),
+    "modulus of a lamina": (lambda x: replace(LAMINA, E1=x), 1e25, 1e25 * ABOVE),
+    "least density of a lamina": (lambda x: replace(LAMINA, rho=x), 1e-25, 1e-25 * BELOW),
     "ratio of a lamina": (lambda x: replace(LAMINA, nu12=x), 5.0 * BELOW * BELOW, 5.0),
     "lower bound": (lambda x: Parameter(name="material.E", lower=x, upper=2.0), 2.0 * BELOW, 2.0),
     "bound of a logarithm": (lambda x: Parameter(name="material.E", lower=x, upper=2.0, log=True), 1e-9, 0.0),
