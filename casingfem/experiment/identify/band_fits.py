@@ -21,6 +21,7 @@ from casingfem.experiment.identify.poles.pole_window import Window, floor_of
 from casingfem.experiment.identify.poles.pole_worth import alike_lines, noise_at
 from casingfem.experiment.identify.poles.stabilisation import Stabilisation, stabilise
 from casingfem.experiment.identify.setups.around import Places
+from casingfem.experiment.identify.setups.as_waves import as_waves
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import Shifted, shifted
 from casingfem.io.arrays import Array, FloatArray
@@ -87,6 +88,8 @@ def fit_bands(
         found = shifted(whole, _together(_modes(data, bands, fits)), data.places)
         data = data._replace(leak=found.leak)
         if found.several and picked is None:
+            say("waves round the circle")
+            found = as_waves(found, whole, data.places)
             return BandFits(bands, _aligned_fits(data, bands, found, whole), diagrams, found.shift, found.leak)
     for again in range(PASSES):
         for k, band in enumerate(bands):
@@ -112,7 +115,8 @@ def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Win
         nearest = np.array([np.abs(freq - f).argmin() for f in fit.freq], int)
         known = np.r_[sigma[nearest], found.sigma_zeta[nearest]]
         white = np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 1e-300)) / fit.raised
-        raised = np.maximum(known / white, 1.0) * np.tile(_by_misfit(fit), 2)
+        least = 1.0 if found.sigma_mean is None else 0.0  # waves tell modes apart whose mean frequencies meet
+        raised = np.maximum(known / white, least) * np.tile(_by_misfit(fit), 2)
         apart = found.apart(nearest[1:], nearest[:-1])
         fit = replace(fit, matching=found.sigma_matching[nearest], seen=found.seen()[nearest], apart=apart)
         fit = replace(fit, A=_residues(window, found.modes.residues[nearest]), worth=found.worth[nearest])

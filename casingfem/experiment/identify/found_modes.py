@@ -13,7 +13,7 @@ from casingfem.experiment.identify.poles.pole_fit import PoleFit
 from casingfem.experiment.identify.poles.pole_selection import hidden_split
 from casingfem.experiment.identify.poles.pole_worth import cut_off
 from casingfem.experiment.identify.verdict import verdicts
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 
 BALANCE = 0.2  # least `balance` of a shape that is two
 CHANCE = 25.0  # chi-squared, two degrees of freedom, below which two poles are not told apart
@@ -54,15 +54,17 @@ def found_modes(
     signs: FloatArray,
     circle: Circle | None,
     keep: bool = False,
+    belong: IntArray | None = None,
 ) -> tuple[list[FoundMode], tuple[str, ...]]:
     """Modes of all bands, ascending, and what was left out, in words; one that two bands found counts once.
 
-    With `keep` nothing is left out, and neighbours stay two: they were picked.
+    With `keep` nothing is left out, and neighbours stay two: they were picked. The circle has the sensors that
+    `belong` there, all if None.
     """
     modes: list[FoundMode] = []
     left_out: list[tuple[float, str]] = []
     for fit, (low, high) in zip(fits, cores, strict=True):
-        here = [_mode(fit, pole, grid, signs, circle) for pole in range(len(fit.freq))]
+        here = [_mode(fit, pole, grid, signs, circle, belong) for pole in range(len(fit.freq))]
         judged = verdicts(fit, [mode.collinearity for mode in here])
         gone = [k for k, (_, out) in enumerate(judged) if out and not keep]
         left_out += [(here[k].freq, judged[k][0]) for k in gone if low <= here[k].freq < high]
@@ -80,14 +82,18 @@ def _same(first: FoundMode, second: FoundMode) -> bool:
     return near and abs(float(first.shape @ second.shape)) > 0.9
 
 
-def _mode(fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: Circle | None) -> FoundMode:
+def _mode(
+    fit: PoleFit, pole: int, grid: SensorGrid, signs: FloatArray, circle: Circle | None, belong: IntArray | None
+) -> FoundMode:
     shape = mode_shape(fit, pole, grid.channels)
     sigma = np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 0.0))
     freq, zeta = float(fit.freq[pole]), float(fit.zeta[pole])
     cut = cut_off(fit, pole)
     label = Label(-1, *[float("nan")] * 3)
     if circle is not None:
-        label = circle.label(shape.values * signs, shape.covariance * np.outer(signs, signs))
+        some = np.arange(len(signs)) if belong is None else belong
+        covariance = (shape.covariance * np.outer(signs, signs))[np.ix_(some, some)]
+        label = circle.label((shape.values * signs)[some], covariance)
     peak = np.linalg.norm(fit.A[pole]) / (2.0 * zeta) * (freq / fit.window.scale) ** fit.window.power
     double = shape.second > 1.0 and shape.balance > BALANCE
     return FoundMode(

@@ -27,9 +27,11 @@ from casingfem.experiment.identify.mode_pairs import notes_of, paired, settled
 from casingfem.experiment.identify.poles.bands import find_bands, line_noise
 from casingfem.experiment.identify.poles.stabilisation import join
 from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.suspects import suspected
+from casingfem.experiment.identify.suspects import suspect_sensors, suspected
 from casingfem.experiment.identify.usable import usable
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
+
+MOST_OFF = 0.5  # share of the sensors that labels may do without
 
 
 def identify(
@@ -102,7 +104,12 @@ def identify(
     picked = None if pick is None else _picked(frfs.path, pick, freq)
     found = fit_bands(data, find_bands(freq, H, noise, picked), order, picked, say)
     cores = [core_of(freq, band) for band in found.bands]
-    modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), circle, keep=picked is not None)
+    kept = picked is not None
+    modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), circle, kept)
+    belong = belonging(modes, grid, circle)
+    if len(belong) < len(grid):  # those that do not belong where they are said to stand spoil labels
+        others = Circle(theta=grid.theta[belong], orders=() if circle is None else circle.orders)
+        modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), others, kept, belong)
     doublets = paired(modes)
     modes = settled(modes, doublets)
     notes = (*said, *test_notes(found), *channel_notes(modes, grid, circle), *notes_of(modes, doublets), *left_out)
@@ -160,6 +167,16 @@ def channel_notes(modes: list[FoundMode], grid: SensorGrid, circle: Circle | Non
         return ()
     shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
     return suspected(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points)
+
+
+def belonging(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None) -> IntArray:
+    """Sensors that are not suspected, by which modes are labelled; all where too few would be left."""
+    every, sure = np.arange(len(grid)), [mode for mode in modes if not mode.doubt]
+    if circle is None or not sure:
+        return every
+    shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
+    off = suspect_sensors(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points)
+    return np.delete(every, off) if len(off) <= MOST_OFF * len(every) else every
 
 
 def _fitted(found: BandFits, H: Array) -> Array:

@@ -32,9 +32,22 @@ def suspected(shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArr
     points 8 and 10 look exchanged: in 6 modes each moves as the other should
     point 5 looks turned over: in 6 modes it moves against what the others say
     """
+    return tuple(text for _, text in _suspects(shapes, n, theta, points))
+
+
+def suspect_sensors(shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray) -> IntArray:
+    """Indices of the sensors of which `suspected` says something, ascending."""
+    named = {sensor for sensors, _ in _suspects(shapes, n, theta, points) for sensor in sensors}
+    return np.array(sorted(named), np.int64)
+
+
+def _suspects(
+    shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray
+) -> tuple[tuple[tuple[int, ...], str], ...]:
+    """Sensors, and what is said of them."""
     if len(theta) < LEAST[0] or shapes.shape[1] < LEAST[1]:
         return ()
-    said, misfit = _said(shapes, int(n.max(initial=0)), theta)
+    said, misfit = most_say(shapes, int(n.max(initial=0)), theta)
     clear = misfit <= USUAL * np.median(misfit)
     shapes, said = shapes[:, clear], said[:, clear]
     along = shapes @ said.T / (np.outer(np.linalg.norm(shapes, axis=1), np.linalg.norm(said, axis=1)) + 1e-300)
@@ -43,7 +56,7 @@ def suspected(shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArr
     return tuple(_words(along, points, shapes.shape[1]))
 
 
-def _said(shapes: FloatArray, most: int, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+def most_say(shapes: FloatArray, most: int, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
     """What most sensors say of each, (sensors, modes), and the misfit of each mode: least absolute deviations.
 
     A mode has the n, 0 to `most`, of least misfit: its label may have suffered from what is looked for.
@@ -63,7 +76,7 @@ def _said(shapes: FloatArray, most: int, theta: FloatArray) -> tuple[FloatArray,
     return said, best
 
 
-def _words(along: FloatArray, points: IntArray, modes: int) -> Iterator[str]:
+def _words(along: FloatArray, points: IntArray, modes: int) -> Iterator[tuple[tuple[int, ...], str]]:
     """What is said of sensors by their correlation (rows) with what is said of each place (columns)."""
     own, named = np.diag(along), set[int]()
     for a, b in combinations(range(len(own)), 2):
@@ -71,10 +84,12 @@ def _words(along: FloatArray, points: IntArray, modes: int) -> Iterator[str]:
         as_other = min(along[a, b], along[b, a]) > AS_OTHER and max(own[a], own[b]) < OTHERS
         if better > GAIN and as_other and not named & {a, b}:
             named |= {a, b}
-            yield f"points {points[a]} and {points[b]} look exchanged: in {modes} modes each moves as the other should"
+            text = f"points {points[a]} and {points[b]} look exchanged: in {modes} modes each moves as the other should"
+            yield (a, b), text
     for sensor in (sensor for sensor in range(len(own)) if sensor not in named):
         if own[sensor] < OPPOSES:
-            yield f"point {points[sensor]} looks turned over: in {modes} modes it moves against what the others say"
+            text = f"point {points[sensor]} looks turned over: in {modes} modes it moves against what the others say"
+            yield (sensor,), text
         elif own[sensor] < SILENT:
             what = f"does not move as the others say, in {modes} modes: dead, loose, or not at its angle?"
-            yield f"point {points[sensor]} {what}"
+            yield (sensor,), f"point {points[sensor]} {what}"

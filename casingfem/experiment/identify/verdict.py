@@ -28,6 +28,7 @@ from casingfem.experiment.identify.poles.pole_worth import (
 FREQ = 0.1, 0.5  # standard deviation of the frequency over the half-power bandwidth, or a line: doubtful, left out
 ZETA = 0.2, 0.6  # of ln zeta
 DAMPED = 0.06, 0.3  # damping ratio
+CLOSE, KNOWN = 1.0, 2e-4  # bandwidths to a neighbour, within which ln f is doubtful beyond that standard deviation
 GAIN = 3.0, 0.0  # fall of the sum of squares over what a pole must bring
 PEAK = 3.0, 0.5  # peak over the fit's deviation about it, both rms over the channels; more where these are few
 CONFIRM = 6  # channels that confirm each other: of fewer a peak must be higher
@@ -49,7 +50,7 @@ def verdicts(fit: PoleFit, collinearity: list[float]) -> list[tuple[str, bool]]:
     worth = np.maximum(gains(fit) / penalty(fit.window), fit.worth) if len(fit.freq) else np.zeros(0)
     found = []
     for pole, phase in enumerate(collinearity):
-        reasons = [*_reasons(fit, pole, float(worth[pole]), phase), *_beside(fit, pole)]
+        reasons = [*_reasons(fit, pole, float(worth[pole]), phase), *_close(fit, pole), *_beside(fit, pole)]
         found.append(("; ".join(text for text, _ in reasons), any(out for _, out in reasons)))
     return found
 
@@ -94,6 +95,14 @@ def _reasons(fit: PoleFit, pole: int, worth: float, phase: float) -> Iterator[tu
         yield f"seen in {100.0 * fit.seen[pole]:.0f} % of the set-ups: a peak of another mode there?", False
     if len(size) >= FEW[1] and share < FEW[0]:
         yield f"seen by {max(1, round(share * len(size)))} of {len(size)} channels: local, of a fixture?", False
+
+
+def _close(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
+    """Whether a neighbour is so close that the frequency is not known well, though to a part of the bandwidth."""
+    gaps = np.abs(np.delete(fit.freq, pole) - fit.freq[pole]) / (2.0 * fit.zeta[pole] * fit.freq[pole])
+    sigma = float(np.hypot(np.sqrt(fit.noise * fit.covariance[pole, pole]), fit.matching[pole]))
+    if gaps.size and gaps.min() < CLOSE and sigma > KNOWN:
+        yield f"frequency uncertain by {100.0 * sigma:.2g} %: the next mode is {gaps.min():.2g} bandwidths away", False
 
 
 def _beside(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:

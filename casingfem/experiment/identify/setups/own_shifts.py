@@ -81,7 +81,7 @@ def apart(
 
     `noise` is the variance of an entry.
     """
-    return _fit(_Problem.of(window, setups), freq, zeta, noise, span, common=False)
+    return _fit(Problem.of(window, setups), freq, zeta, noise, span, common=False)
 
 
 def linked(
@@ -102,7 +102,7 @@ def linked(
     ln f of a set-up lies within `most` of the median over the set-ups: where one hardly sees a mode its peak would go
     to what the neighbours leave.
     """
-    problem = _Problem.of(window, setups)
+    problem = Problem.of(window, setups)
     if ridge is not None:
         problem = problem._replace(ridge=np.repeat(ridge, window.columns))
     return _fit(problem, freq, zeta, noise, span, common=True, most=most)
@@ -110,11 +110,11 @@ def linked(
 
 def squares_at(window: Window, setups: Setups, freq: FloatArray, zeta: FloatArray) -> float:
     """Sum of squares that modes (modes, setups), (modes,) leave where they are."""
-    problem, q = _Problem.of(window, setups), np.repeat(np.log(zeta)[:, None], freq.shape[1], axis=1)
+    problem, q = Problem.of(window, setups), np.repeat(np.log(zeta)[:, None], freq.shape[1], axis=1)
     return float((_At.of(problem, np.log(freq), q) if len(freq) else problem).squares.sum())
 
 
-class _Problem(NamedTuple):
+class Problem(NamedTuple):
     """Data (setups, lines, most channels of one) across the polynomials' basis (lines, terms); 0 where none is.
 
     Both are complex, orthogonal as real columns are, real parts over imaginary ones. `power` has each entry's share of
@@ -130,7 +130,8 @@ class _Problem(NamedTuple):
     ridge: FloatArray = np.zeros(1)
 
     @classmethod
-    def of(cls, window: Window, setups: Setups) -> _Problem:
+    def of(cls, window: Window, setups: Setups) -> Problem:
+        """Of a window and its set-ups."""
         half, basis = len(window.freq), np.linalg.qr(window.residuals())[0]
         rest = window.Y - basis @ (basis.T @ window.Y)
         data = np.zeros((len(setups), half, max(len(channels) for channels in setups)), complex)
@@ -146,6 +147,14 @@ class _Problem(NamedTuple):
         g, slopes = self.window.peaks(np.exp(p.T).ravel(), np.exp(q.T).ravel())
         each = np.stack([g, *slopes]).reshape(3, -1, count, m)
         return np.ascontiguousarray(each.transpose(2, 0, 3, 1)).reshape(count, 3 * m, -1)
+
+    def products(self, p: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Inner products of `columns` with each other, and with the data, polynomials taken off, set-ups first."""
+        s, columns = self.window.columns, self.columns(p, q)
+        left = columns.conj()
+        inside = _parts(self.basis.conj().T @ columns.swapaxes(1, 2), s)
+        products = _parts(_turned(left @ columns.swapaxes(1, 2), s), s) - inside.swapaxes(1, 2) @ inside
+        return products, np.asarray(_turned(left @ self.data, s).real)
 
     def on_peaks(self, p: FloatArray, q: FloatArray, residues: FloatArray) -> float:
         """Variance of an entry that is left where the data are high."""
@@ -177,14 +186,10 @@ class _At(NamedTuple):
     gradient: FloatArray
 
     @classmethod
-    def of(cls, problem: _Problem, p: FloatArray, q: FloatArray) -> _At:
+    def of(cls, problem: Problem, p: FloatArray, q: FloatArray) -> _At:
         """As in `pole_fit.py`, for all set-ups at once, by inner products alone; p, q (modes, setups)."""
         (m, count), s = p.shape, problem.window.columns
-        columns = problem.columns(p, q)
-        left = columns.conj()
-        inside = _parts(problem.basis.conj().T @ columns.swapaxes(1, 2), s)
-        products = _parts(_turned(left @ columns.swapaxes(1, 2), s), s) - inside.swapaxes(1, 2) @ inside
-        by_data = _turned(left @ problem.data, s).real
+        products, by_data = problem.products(p, q)
         own, turns = slice(0, m * s), slice(m * s, None)
         gram, cross = products[:, own, own], products[:, own, turns]
         size = np.einsum("gii->g", gram)[:, None, None]
@@ -216,7 +221,7 @@ def _turned(product: Array, s: int) -> Array:
 
 
 def _fit(
-    problem: _Problem,
+    problem: Problem,
     freq: FloatArray,
     zeta: FloatArray,
     noise: float,

@@ -55,7 +55,8 @@ class Shifted(NamedTuple):
     not knowing which mode is which in a set-up; `worth` (modes,) what each takes from the squares over what it must.
 
     `leak` is the distance of lines [Hz] over which a Hann window leaks, or 0; `shift` what set-ups differ by in ln f,
-    usually; `evidence` twice the ln of the odds against common frequencies.
+    usually; `evidence` twice the ln of the odds against common frequencies. `sigma_mean` (modes,) is that of the mean
+    of ln f, where the last fit was one of waves round the circle; None elsewhere.
     """
 
     modes: Modes
@@ -67,6 +68,7 @@ class Shifted(NamedTuple):
     leak: float
     shift: float
     evidence: float
+    sigma_mean: FloatArray | None = None
 
     @property
     def several(self) -> bool:
@@ -79,6 +81,8 @@ class Shifted(NamedTuple):
         A set-up that does not see a mode has, as far as one can tell, what the others have, within `shift`.
         """
         logs = np.log(self.modes.freq)
+        if self.sigma_mean is not None:
+            return np.exp(logs.mean(axis=1)), self.sigma_mean
         weight = 1.0 / (self.variance + self.shift**2 + 1e-300)
         centre = (weight * logs).sum(axis=1, keepdims=True) / weight.sum(axis=1, keepdims=True)
         each = centre + self.shift**2 * weight * (logs - centre)

@@ -124,6 +124,22 @@ def beside(monkeypatch, *, away=1.0, mac=1.0, channels=8, size=0.15, misfit=1.0,
     return list(verdict._beside(fit, 0))
 
 
+@pytest.mark.parametrize(("own", "matching"), [(2.1e-4, 0.0), (0.0, 2.1e-4), (1.5e-4, 1.5e-4)])
+def test_a_frequency_that_a_close_neighbour_leaves_uncertain(own, matching):
+    def told(gap, share=1.0):
+        fit = SimpleNamespace(
+            freq=np.array([100.0, 100.0 + 2.0 * gap]), zeta=np.array([0.01, 0.01]), noise=4.0,
+            covariance=(share * own) ** 2 / 4.0 * np.eye(4), matching=share * np.array([matching, matching]),
+        )  # fmt: skip
+        return list(verdict._close(fit, 0))
+
+    ((text, out),) = told(0.3)
+    assert text == "frequency uncertain by 0.021 %: the next mode is 0.3 bandwidths away"
+    assert not out
+    assert told(1.1) == []
+    assert told(0.3, share=0.9) == []
+
+
 @pytest.mark.parametrize("complex_residues", [True, False])
 def test_a_peak_beside_a_stronger_one_of_its_shape(monkeypatch, complex_residues):
     given = {"complex_residues": complex_residues}

@@ -1,0 +1,42 @@
+"""Modes of a test in several set-ups, fitted last as the waves that they are round a circle."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from casingfem.experiment.identify.poles.pole_window import Window
+from casingfem.experiment.identify.setups.around import Places
+from casingfem.experiment.identify.setups.channel_offs import waves_of
+from casingfem.experiment.identify.setups.clusters import clusters
+from casingfem.experiment.identify.setups.own_shifts import Modes
+from casingfem.experiment.identify.setups.shifted import MOST_LINES, TOGETHER, Shifted
+from casingfem.experiment.identify.setups.wave_search import wave_modes
+
+MOST_SETUPS = 6  # of which each pair is tried exchanged in each
+
+
+def as_waves(found: Shifted, whole: Window, places: Places | None) -> Shifted:
+    """What was found, fitted again with shapes that are waves: as it is where channels are too few to tell any."""
+    waves = None if places is None else waves_of(places, found.modes.residues)
+    if waves is None or len(found.setups) > MOST_SETUPS:
+        return found
+    order = np.argsort(found.modes.freq.min(axis=1))  # as `clusters` has them
+    near = list(clusters(replace(whole, leak=found.leak), found.modes, found.setups, MOST_LINES, TOGETHER, found.shift))
+    parts = [wave_modes(c, found.setups, waves, found.shift) for c in near]
+    residues = [
+        part.residues / c.window.weight / c.window.scale**c.window.power for part, c in zip(parts, near, strict=True)
+    ]
+    return found._replace(
+        modes=Modes(
+            np.concatenate([part.freq for part in parts]),
+            np.concatenate([part.zeta for part in parts]),
+            np.concatenate(residues),
+        ),
+        variance=np.concatenate([part.variance for part in parts]),
+        sigma_mean=np.concatenate([part.sigma_freq for part in parts]),
+        sigma_zeta=np.concatenate([part.sigma_zeta for part in parts]),
+        sigma_matching=np.concatenate([part.sigma_matching for part in parts]),
+        worth=found.worth[order],
+    )
