@@ -112,7 +112,8 @@ def _long_runs() -> Iterator[Row]:
             continue
         drift = [(result.energy.end.total - result.energy.start.total) / 500.0 for result in results]
         yield {
-            "law": law, "omega dt": product, "runs": DROPS, "closings": round(np.mean([len(one.intervals[0]) for one in results])),
+            "law": law, "omega dt": product, "runs": DROPS,
+            "closings": round(np.mean([len(result.intervals[0]) for result in results])),
             "energy drift": float(np.mean(drift)), "scatter": float(np.std(drift, ddof=1)),
             "unaccounted": max(abs(result.energy.unaccounted) for result in results) / 500.0,
             "us/step": min(1e6 * result.seconds / result.steps for result in results),
