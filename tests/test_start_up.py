@@ -98,7 +98,7 @@ def test_a_name_that_is_not_there_is_refused_by_its_name():
         _ = casingfem.modess
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_report_has_a_row_for_each_command(tmp_path):
     rows = {row["command"]: row for row in main(tmp_path, quick=True)}
     assert rows["import numpy"]["of them heavy"] == "numpy"

@@ -51,6 +51,7 @@ def test_nothing_ends_in_nan_and_what_is_recommended_survives(tmp_path, capsys):
     assert beyond["forward Lagrange"] == "refused"
 
 
+@pytest.mark.campaign
 def test_contact_targets_quick(tmp_path, capsys):
     rows = contact_targets.main(tmp_path, quick=True)
     verdicts = [row["verdict"] for row in rows]

@@ -7,7 +7,7 @@ from reports.rub import bladed_disk
 from reports.rub import convergence as rub_convergence
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_unstable_speed_is_where_the_condition_says(tmp_path, capsys):
     rows = bladed_disk.main(tmp_path, quick=True)
     assert abs(rows[0]["off [%]"]) < 1.0

@@ -76,7 +76,7 @@ def test_modal_speed_names_its_parts_and_the_harmonics_are_right(tmp_path):
     assert {"element matrices", "factor", "block Lanczos", "Sturm count", "instead: ARPACK"} <= set(parts.index)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_default_mesh_does_not_lock(tmp_path):
     rows = locking.main(tmp_path, quick=True)
     default = {row["R/t"]: row["harmonics"] for row in rows if row["mesh"] == "default"}

@@ -5,7 +5,7 @@ import pytest
 from reports.rub import interaction, interaction_map
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_signs_agree_and_pictures_are_written(tmp_path, capsys):
     rows = interaction.main(tmp_path, quick=True)
     assert len(rows) == 14
@@ -31,7 +31,7 @@ def test_digging_friction_moves_growth_to_the_difference():
     assert rows[0.3, -10.0]["backward 1/s"] < 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_map_by_poles_is_the_map_by_runs(tmp_path):
     *cost, verdict = interaction_map.main(tmp_path, quick=True)
     assert [row["points"] for row in cost] == [21, 21]

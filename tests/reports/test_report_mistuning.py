@@ -30,7 +30,7 @@ def test_mistuning_restarts_gain_digits_with_each_step(tmp_path):
     assert len(pd.read_csv(tmp_path / "mistuning.csv")) == 6
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.filterwarnings("ignore:.*mesh-(kink|thin-curved)")
 def test_wheels_are_their_full_models(tmp_path):
     rows = cyclic.main(tmp_path, quick=True)

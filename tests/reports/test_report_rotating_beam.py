@@ -5,7 +5,7 @@ import pytest
 from reports.contact import rotating_beam
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_rotating_beam_meets_the_rigid_closed_form_and_balances(tmp_path):
     rows = rotating_beam.main(tmp_path, quick=True)
     explicit = [row for row in rows if "courant" in row["run"] or "N m" in row["run"] or "ring" in row["run"]]

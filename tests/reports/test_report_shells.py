@@ -24,7 +24,7 @@ def test_frustum_convergence_marks_the_default_mesh_and_finds_it_good(tmp_path, 
     assert frustum_convergence.exact_frequencies()[[0, -1]].tolist() == [367.9087, 980.6034]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_cylinder_counts_rows_within_a_thousandth(tmp_path, capsys):
     rows = cylinder.main(tmp_path, quick=True)
     assert [row["within 0.1 %"] for row in rows[:3]] == [40, 40, 40]

@@ -26,7 +26,7 @@ def test_a_sweep_under_kill_9_loses_nothing(tmp_path):
     assert row["identical after damage"]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_scenes_that_diverge_are_stopped_and_mistyped_ones_refused(tmp_path):
     rows = diverging.main(tmp_path, quick=True)
     verdicts = {row["verdict"] for row in rows}

@@ -52,7 +52,7 @@ def bench(tmp_path_factory):
     return folder
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_from_the_bench_to_the_updated_model(bench):
     out, model = bench / "out", bench / "bench_model.toml"
     assert run("rig", bench / "bench_casing.toml", "--out", out, "--json")["synthetic"]
