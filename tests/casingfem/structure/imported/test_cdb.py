@@ -55,6 +55,22 @@ def test_node_blocks_with_whole_numbers_of_two_widths(tmp_path):
     np.testing.assert_allclose(read_mesh(path).points, mesh.points, atol=1e-12)
 
 
+def test_each_of_several_blocks_counts_its_own(tmp_path):
+    mesh = grid_mesh("hexahedron", (3, 1, 1), place)
+    head, nodes, elements = re.split(r"(?=NBLOCK)|(?=EBLOCK)", cdb(mesh.points, mesh.cells, ELEMENTS["hexahedron"]))
+
+    def halves(block, count):
+        first, form, *rows = block.splitlines()
+        rows, end = rows[:count], rows[count]
+        for part in (rows[:1], rows[1:]):
+            size = f",{len(part):9d}"
+            yield "\n".join([first.replace(f",{count:9d}", size), form, *part, end, ""])
+
+    path = tmp_path / "blocks.cdb"
+    path.write_text(head + "".join(halves(nodes, len(mesh.points))) + "".join(halves(elements, 3)))
+    assert np.array_equal(read_mesh(path).cells, mesh.cells)
+
+
 @pytest.mark.parametrize("kind", ELEMENTS)
 def test_a_mesh_comes_back(kind, tmp_path):
     dims = 2 if kind.startswith("quad") else 3

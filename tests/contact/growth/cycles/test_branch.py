@@ -2,14 +2,16 @@
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import contact as ct
 from contact.growth.cycles import checkpoint
+from contact.growth.cycles.course import Tangent
 from contact.growth.cycles.shooting import map_of
-from contact.growth.cycles.special import Signs, kinds
+from contact.growth.cycles.special import Signs, kinds, signs
 from reports.contact.cycles import mass_on_stop, rod
 
 pytestmark = pytest.mark.slow
@@ -132,6 +134,12 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch)
 def test_multipliers_that_cross_say_what_lies_between(left, right, found):
     assert kinds(Signs(*left, (1,)), Signs(*right, (1,))) == found
     assert kinds(Signs(*left, (1,)), Signs(*right, (2,))) == [*found, "grazing"]
+
+
+def test_series_of_hits_count_as_such_not_by_their_hits():
+    """One contact that closes twice, one whose hits end at rest once; multipliers 1.5, -2 and 0.3 +- 1.1 i."""
+    orbit = SimpleNamespace(multipliers=np.array([1.5, -2.0, 0.3 + 1.1j, 0.3 - 1.1j]), closings=(2, 37), rests=(0, 1))
+    assert signs(orbit, Tangent(np.zeros(4), -0.5)) == Signs(False, 1, 1, 2, (2, -1))
 
 
 def test_a_range_of_nothing_is_refused():
