@@ -9,7 +9,7 @@ from casingfem.experiment.identify.mode_pairs import PAIR_SPAN, paired
 
 def mode(freq, turns=0.0, *, n=3, unresolved=False):
     """A mode whose antinode is turned by so many quarter waves."""
-    return SimpleNamespace(freq=freq, n=n, angle=turns * np.pi / (2.0 * n), unresolved=unresolved)
+    return SimpleNamespace(freq=freq, n=n, angle=turns * np.pi / (2.0 * max(n, 1)), unresolved=unresolved)
 
 
 def test_a_mode_of_a_pair_is_no_partner_of_the_next():
