@@ -48,6 +48,7 @@ def test_the_list_has_a_line_for_each():
     assert {name: listed[name]["command"] for name in commands} == commands
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", examples())
 def test_what_a_file_names_is_written_or_made_by_what_is_said_next(here, name):
     document = json.loads(invoke("example", name, "--json").stdout)

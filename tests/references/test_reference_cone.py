@@ -34,6 +34,7 @@ def test_the_shell_lies_below_by_what_thin_theory_leaves_out(found):
     assert (worst.alpha_deg, worst.Lsina_over_R2, worst.bc_small, worst.bc_large) == (60, 0.25, "C", "C")
 
 
+@pytest.mark.slow
 def test_refining_the_mesh_changes_nothing(reference):
     table = reference("cone_love_ritz_irie_set.csv")
     rows = table[(table.n == 4) & (table.alpha_deg == 45)]

@@ -157,6 +157,7 @@ def test_of_tests_equally_near_those_of_its_folder_and_its_name_come_first(campa
         assert last == "tests/test_a.py::test_1"
 
 
+@pytest.mark.slow
 def test_examples_of_a_docstring_are_tests(campaign: Campaign) -> None:
     """Those of a package; of other folders nothing runs them."""
     text = SOURCE.replace(

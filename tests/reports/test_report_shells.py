@@ -61,6 +61,7 @@ def test_a_ring_as_strip_and_as_beam_agree(tmp_path):
     assert len(pd.read_csv(tmp_path / "steel_ring_bolts.csv")) == 6
 
 
+@pytest.mark.slow
 def test_the_solid_is_the_3d_column_of_the_reference_frustum():
     """n = 7, one part of 40: to 5e-5 on a coarse mesh; a wall that breathes at the clamp is 2.4e-4 lower."""
     shell, mesh = frustum_convergence.reference_frustum(), SolidMesh(

@@ -61,6 +61,7 @@ def test_calculix_stands_beside_us_where_it_is_installed(tmp_path):
         assert default["worst error"] < other["worst error"] < 0.2
 
 
+@pytest.mark.slow
 def test_growth_shows_a_counted_solution_with_its_memory(tmp_path):
     (row,) = growth.main(tmp_path, quick=True)
     assert row["ended"] == "done"

@@ -44,6 +44,7 @@ def invoke(*arguments):
     return CliRunner().invoke(main, ["identify", *map(str, arguments)])
 
 
+@pytest.mark.slow
 def test_a_universal_file_gives_table_pictures_and_a_document(uff, tmp_path):
     result = invoke(uff, "--out", tmp_path / "out", "--json")
     assert result.exit_code == 0, result.output

@@ -183,6 +183,7 @@ def test_ctrl_c_in_a_sweep_ends_its_workers_and_it_goes_on(tmp_path):
     assert 1 <= json.loads(again.stdout)["resumed"] < 64  # its workers did not go on to the end
 
 
+@pytest.mark.slow
 def test_runs_of_a_sweep_that_are_not_done_are_counted_on_stderr(tmp_path):
     """Of nine one is done: the table is whole, the exit code 0, and nobody overlooks the other eight."""
     file, out = tmp_path / "sweep.toml", tmp_path / "out"

@@ -48,6 +48,7 @@ def test_identified_modes_of_other_kinds(changes, message, tmp_path):
         Identified.load(tmp_path / "a.npz")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

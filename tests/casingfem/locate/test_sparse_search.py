@@ -30,6 +30,7 @@ def best_subset(evaluate, start, size):
     return list(min(fits, key=fits.get))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("begun", [[4, 5, 6], [0, 5, 6], [1, 4, 5], [0, 3, 6]])
 def test_exchanging_one_change_at_a_time_ends_at_the_best_subset(seed, begun):

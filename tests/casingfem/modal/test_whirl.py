@@ -51,6 +51,7 @@ def test_turning_the_other_way_is_the_same_seen_in_a_mirror(casing):
     np.testing.assert_array_equal(one.sense, other.sense)
 
 
+@pytest.mark.slow
 def test_an_observer_at_rest_sees_forward_waves_faster(casing):
     found = cf.whirl_modes(casing, 4)
     turns = 200.0 / (2.0 * np.pi)

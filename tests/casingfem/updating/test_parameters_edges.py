@@ -89,6 +89,7 @@ def test_numbers_that_do_not_exist_are_refused(study, name, words):
     assert words in str(caught.value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["support.base.section.width", "support.base.section.area", "support.base.section.I_r", "support.base.section.I_z",

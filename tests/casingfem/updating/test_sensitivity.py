@@ -80,6 +80,7 @@ def central_difference(shell, p, quantity, part=2e-4):
     return (quantity(plus) - quantity(minus)) / distance
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_derivatives_equal_central_differences(casing, solved, name):
     """Of the means of all pairs, and of each member where a pair is apart."""

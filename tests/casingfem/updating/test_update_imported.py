@@ -55,6 +55,7 @@ NUMBERS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("make", "name"), NUMBERS, ids=[name for _, name in NUMBERS])
 @pytest.mark.parametrize("log", [False, True])
 def test_derivatives_are_those_of_the_frequencies(make, name, log):
@@ -77,6 +78,7 @@ def table_of(part, count=6, noise=0.0):
     return cf.FrequencyTable.from_arrays(freq_hz=freq * (1 + noise * rng.standard_normal(count)), sigma_hz=1e-4 * freq)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "truth"),
     [

@@ -131,6 +131,7 @@ def test_numbers_of_a_fit(fit, held):
     )
 
 
+@pytest.mark.slow
 def test_numbers_of_a_posterior(fit, held):
     near = parabolas(fit)
     around = laplace(fit, near)

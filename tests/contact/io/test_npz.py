@@ -97,6 +97,7 @@ def test_a_rim_of_a_million_waves_is_refused_before_its_channels_are_named(tmp_p
     assert time.perf_counter() - started < 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changed", "words"),
     [

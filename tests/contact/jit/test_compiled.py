@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from conftest import PLACE, Groups
 
 import contact
 from contact.jit.compiled import OPTIONS, SOURCES, compiled, jit, jit_entry
 from contact.jit.progress import WORDS, Announcement, Uncollected
 from contact.solver.unilateral.scalar import scalar_force
+from tests.conftest import PLACE, Groups
 
 ROOT = Path(contact.__file__).parent
 # annotations and what is raised outside loops
@@ -36,6 +36,7 @@ def file_of(module: str) -> Path:
     return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
+@pytest.mark.slow
 def test_the_cache_watches_every_module_that_compiles() -> None:
     compiling = {source for source in ROOT.rglob("*.py") if "contact.jit.compiled" in imported(source)}
     assert len(compiling) > 25

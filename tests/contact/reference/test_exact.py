@@ -30,6 +30,7 @@ def test_characteristics_give_the_closed_forms():
     assert np.abs(history.force - rod_on_wall(shot, gap=5.0, velocity=10.0)(middle)).max() <= 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "x"), [(10.0, 20.0), (0.01, 300.0)])
 def test_a_bar_touches_its_wall_within_a_thousand_millionth_of_the_lengths(length, x):
     """So that round-off of the gap, after any number of steps, neither delays a contact nor makes one."""

@@ -15,6 +15,7 @@ def problem(n, seed=0):
     return A, x
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [LARGE - 1, LARGE, LARGE + 1, LARGE + 6, 131])
 def test_panels_change_no_bit_and_solve(n):
     A, x = problem(n)

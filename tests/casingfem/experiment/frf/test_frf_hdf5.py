@@ -35,6 +35,7 @@ def change(path, edit):
         edit(file)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("edit", "said"),
     [

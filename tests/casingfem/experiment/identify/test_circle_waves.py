@@ -50,6 +50,7 @@ def test_channels_that_belong_elsewhere_are_told():
     assert waves.off[0, list(SPOILT)].min() > BELONGS > 3 * waves.off[0, good].max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("setup", [0, 1, 2])
 def test_members_that_meet_are_told_by_their_waves_whichever_start(setup):
     start = FREQ.copy()

@@ -25,6 +25,7 @@ def windowed():
     return troubled_frfs(rig, X, what, sensors=range(4), drives=[4], seed=41).frfs
 
 
+@pytest.mark.slow
 def test_damping_of_an_exponential_window_is_taken_off_where_it_is_known(windowed):
     plain = cf.identify(windowed)
     added = 1.0 / (TAU * 2 * np.pi * 110.0)
@@ -81,6 +82,7 @@ def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed
         cf.identify(replace(windowed, responses=H))
 
 
+@pytest.mark.slow
 def test_lines_that_are_not_coherent_weigh_less(windowed):
     """Every other stretch of 21 lines is noise like the signal, and the coherence says so."""
     rng = np.random.default_rng(59)

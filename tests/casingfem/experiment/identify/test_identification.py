@@ -43,6 +43,7 @@ THETA = np.radians([0, 14, 31, 44, 62, 76, 88, 107, 119, 135, 152, 166, 181, 194
 ANGLES = {k + 1: float(np.degrees(angle)) for k, angle in enumerate(THETA)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drives", [[0.3], [0.3, 2.0]])
 def test_finds_every_member_of_split_pairs_and_nothing_else(drives, held):
     pairs = [(6, 330.0, 0.004, 11.0), (7, 345.0, 0.01, 3.0), (5, 352.0, 0.0025, 20.0)]

@@ -120,6 +120,7 @@ def test_a_peak_between_two_lines_is_a_mode_known_to_a_line_and_a_wrong_line_is_
     assert found.zeta[0] + 2.0 * found.sigma_zeta[0] == pytest.approx(0.1 / 660.0, rel=0.5)  # a line's width
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_peak_that_bends_with_its_amplitude_is_one_mode_in_one_channel(seed):
     """The frequency falls by a tenth of the bandwidth where the response is largest: no pole fits that."""

@@ -207,6 +207,7 @@ def test_derivatives_with_a_ring_and_a_mass(heavy, name):
     np.testing.assert_allclose(slope, (high - low) / (2.0 * step), rtol=2e-4, atol=1e-6 * np.abs(slope).max())
 
 
+@pytest.mark.slow
 def test_reduction_of_a_casing_on_a_ring(frustum):
     """Free modes with residual compliance answer a static push as the harmonics do."""
     casing = frustum(supports={"base": HELD}, mesh=ShellMesh(order=7, rows=1, around=13))

@@ -136,6 +136,7 @@ def test_mirrored_blades_have_one_spectrum(steel):
     np.testing.assert_allclose(freq(1), freq(-1), rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

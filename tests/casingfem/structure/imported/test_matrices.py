@@ -369,6 +369,7 @@ def test_bad_punch_files_name_the_line(name, tmp_path):
     assert run("import", tmp_path / "set.pch", "--contact", "7").exit_code == 2
 
 
+@pytest.mark.slow
 def test_an_op4_file_cut_anywhere_is_refused_or_whole(tmp_path):
     small = MatrixSet(K=csc_array(np.diag([2.0, 3.0])), M=csc_array(np.eye(2)), dofs=np.array([[1, 1], [2, 1]]))
     text = matrix_files(small, "a", "op4")["a.op4"].encode()
@@ -385,6 +386,7 @@ def test_an_op4_file_cut_anywhere_is_refused_or_whole(tmp_path):
                 np.testing.assert_allclose(A.toarray(), {"K": small.K, "M": small.M}[name].toarray(), rtol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("files", "message"),
     [

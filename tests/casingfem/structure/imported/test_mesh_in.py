@@ -31,6 +31,7 @@ def part(kind):
     return grid_mesh(kind, (1, 8, 2), WALL, groups=ENDS, wrap=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [*SOLIDS, *SHELLS])
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_part_comes_back_with_its_nodes_cells_and_groups(kind, name, tmp_path):

@@ -53,6 +53,7 @@ def test_a_radial_bar_stretches_as_it_must(make):
     np.testing.assert_allclose(tip, 7800 * (0.2 * LENGTH**2 / 2 + LENGTH**3 / 3) / 210e9, rtol=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize(("make", "digits"), [(skin, 2e-3), (block, 2e-2)])
 def test_southwells_coefficients_are_those_of_the_chart(axis, make, digits):

@@ -114,6 +114,7 @@ def test_mass_of_other_charts(steel, chart, area):
     np.testing.assert_allclose(translational_mass(system)[:3], 7800.0 * 2e-3 * area, rtol=1e-13)
 
 
+@pytest.mark.slow
 def test_mass_of_an_imperfect_frustum_is_the_integral_of_its_own_area(frustum):
     shell = imperfect(frustum, ShellMesh(order=8, rows=1, around=9), supports={})
 

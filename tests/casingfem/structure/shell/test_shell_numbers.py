@@ -111,6 +111,7 @@ LOADS = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHELLS)
 def test_numbers_of_shells(name, held):
     shell = SHELLS[name]()
