@@ -18,6 +18,7 @@ PAIR = csc_array(np.diag([1.0, 2.0]))
 RIM = ct.RotatingRim(ring(), blade(), clearance=1e-5, speed_hz=5.0)
 FRAME = ct.LinearBody(M=np.ones(2), K=2.0 * np.eye(2), Q=np.array([[1.0, 0.0]]), gap0=np.array([0.1]))
 BODY = ct.ModalBody(omega=[1.0, 2.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)))
+ROD = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="right")
 RUNS = {"t_end": 1e-3, "dt": 1e-5}
 
 
@@ -53,6 +54,8 @@ REFUSED = {
         lambda: ct.Speed(time=[0.0, 1.0], hz=[1.0]),
         "speed: found (2,) places and (1,) values, expected as many of both",
     ),
+    "modes of a rod that gain": (lambda: ct.gaps.rod_modes(ROD, zeta=-0.01), "zeta: found -0.01, expected"),
+    "no modes of a rod": (lambda: ct.gaps.rod_modes(ROD, modes=0), "modes: found 0, expected"),
     "no tips": (lambda: ct.Rub(rim3(), (nodes(1),), ()), "tips: found 0 on 1 blades, expected one or more"),
     "a thickness": (
         lambda: ct.Rub(rim3(), (nodes(1),), tips(1), thickness=-1.0),

@@ -31,7 +31,7 @@ PLACES = {"CTETRA": 10, "CHEXA": 20, "CPENTA": 15, "CPYRAM": 13}
 CORNERS = {"CTETRA": 4, "CHEXA": 8, "CPENTA": 6, "CPYRAM": 5, "CQUAD8": 4, "CTRIA6": 3}
 WEDGE15 = (*range(9), 12, 13, 14, 9, 10, 11)
 BRICK20 = (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)  # upright edges come before the upper ones here
-OFFSETS = {"CQUAD4": 7, "CQUADR": 7, "CTRIA3": 6, "CTRIAR": 6, "CQUAD8": 15}  # field of ZOFFS
+OFFSETS = {"CQUAD4": 7, "CQUADR": 7, "CTRIA3": 6, "CTRIAR": 6, "CQUAD8": 15, "CTRIA6": 9}  # field of ZOFFS
 READ = {"GRID", "GRDSET", "SPC", "SPC1", "SPCADD", *PLACES, *SHELLS, *KINDS_OF_SYSTEMS, *BY_GRIDS, *CARDS}
 
 

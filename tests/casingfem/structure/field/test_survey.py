@@ -185,13 +185,17 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     assert "points set aside (theta" in repr(robust)
 
 
+@pytest.mark.parametrize("around", [0.0, 2.0 * np.pi, -2.0 * np.pi])
 @pytest.mark.parametrize(("offset", "turned", "words"), [(0.0, 0.0, ""), (1e-4, 0.0, "um on average"),
                                                           (0.0, 0.1, "not at random")])  # fmt: skip
-def test_two_passes_that_disagree_are_told_apart_from_noise(offset, turned, words):
+def test_two_passes_that_disagree_are_told_apart_from_noise(offset, turned, words, around):
+    """Whether the second goes on counting its angle or begins anew."""
     theta, z, first = noisy()
     rng = np.random.default_rng(23)
     second = casing(theta + turned, z) + offset + rng.normal(scale=2e-5, size=z.size)
-    points = SurveyPoints(theta=np.tile(theta, 2), z=np.tile(z, 2), value=np.append(first, second), quantity="radius")
+    points = SurveyPoints(
+        theta=np.append(theta, theta + around), z=np.tile(z, 2), value=np.append(first, second), quantity="radius"
+    )
     found = passes_words(points)
     assert found == "" if not words else "the second measurements of 360 places differ from the first" in found
     assert words in found

@@ -3,6 +3,7 @@
 import struct
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -382,6 +383,32 @@ def test_constraints_that_are_not_taken_over_are_doubted(name, text, told, tmp_p
         text = BDF.replace("GRID,4,0,0.,\n,2.+0\n", "GRID,4,,0.,0.,2.\n").replace("MAT1", text + "\nMAT1")
     with pytest.warns(ModelWarning, match=f"{name}: {told}: .*mesh-left-out"):
         read_mesh(write(tmp_path / name, text))
+
+
+FLAT = "BEGIN BULK\n" + "".join(f"GRID,{k + 1},,{k % 3}.,{k // 3}.,0.\n" for k in range(9))
+# as the Quick Reference Guide has them: T1 to T4 of CQUAD8 stand before the angle and the offset
+SHELL_CARDS = {
+    "CQUAD4": ("1,3,9,7", ""), "CQUADR": ("1,3,9,7", ""), "CTRIA3": ("1,3,9", ""), "CTRIAR": ("1,3,9", ""),
+    "CTRIA6": ("1,3,9,2,6,5", ""), "CQUAD8": ("1,3,9,7,2,6,8,4", ",,,,"),
+}  # fmt: skip
+
+
+def in_lines(card):
+    """A card of free fields, eight of them a line behind its name."""
+    fields = card.split(",")
+    return ",".join(fields[:9]) + "".join("\n," + ",".join(fields[k : k + 8]) for k in range(9, len(fields), 8)) + "\n"
+
+
+@pytest.mark.filterwarnings("ignore:.*mesh-orphan-nodes")
+@pytest.mark.parametrize("name", SHELL_CARDS)
+def test_an_offset_of_a_shell_is_said_to_be_left_out_and_an_angle_is_none(name, tmp_path):
+    nodes, between = SHELL_CARDS[name]
+    card = f"{name},1,1,{nodes}{between},30."
+    with pytest.warns(ModelWarning, match=rf"1 offset \(ZOFFS\) of {name} \(from line 11\).*mesh-left-out"):
+        read_mesh(write(tmp_path / "a.bdf", FLAT + in_lines(card + ",.01")))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", message=".*mesh-left-out")
+        assert len(read_mesh(write(tmp_path / "b.bdf", FLAT + in_lines(card))).cells) == 1
 
 
 @pytest.mark.parametrize("setting", [{"scale": 0.0}, {"scale": np.nan}, {"join": -1.0}])
