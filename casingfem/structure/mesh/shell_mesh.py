@@ -25,8 +25,10 @@ class ShellMesh:
     Around a casing take more elements than the largest nodal diameter of interest divided by p/4, an odd
     number for a perfect casing, a multiple of the bolt count when there are bolts.
 
-    >>> ShellMesh(order=8, rows=1, around=21).breaks.tolist()
-    [0.0, 1.0]
+    >>> ShellMesh()
+    ShellMesh(order=8, rows=1, around=21)
+    >>> ShellMesh(order=8, rows=2, around=21).breaks.tolist()
+    [0.0, 0.5, 1.0]
     """
 
     order: int = 8
