@@ -85,3 +85,14 @@ def test_an_indefinite_matrix_is_refused(monkeypatch):
     bad = csr_array(eye_array(49) - 0.3 * NET + 1.2 * eye_array(49))
     with pytest.raises(ct.InputError, match="M: found"):
         ct.run(thrown(M=bad), scheme=ct.MoreauJean(), t_end=1.0, dt=0.1)
+
+
+def test_springs_between_masses_alone_hold_nothing_to_the_ground_whatever_round_off_leaves():
+    """Rows of a free chain sum to zero but for the last digits of their entries, 1e7 times those of another."""
+    k = np.array([0.1, 0.7, 1e6 / 3.0, 0.3])
+    chain = diags_array([np.append(k, 0.0) + np.append(0.0, k), -k, -k], offsets=[0, 1, -1]).toarray()
+    assert np.any(chain.sum(axis=1) != 0.0)
+    found = band(chain, np.arange(5))
+    assert found.ground.tolist() == [0.0] * 5
+    chain[4, 4] += 1e-3
+    assert np.count_nonzero(band(chain, np.arange(5)).ground) == 1
