@@ -28,6 +28,7 @@ def as_waves(found: Shifted, whole: Window, places: Places | None) -> Shifted:
     residues = [
         part.residues / c.window.weight / c.window.scale**c.window.power for part, c in zip(parts, near, strict=True)
     ]
+    own = np.split(found.worth[order], np.cumsum([len(c.modes.zeta) for c in near])[:-1])
     return found._replace(
         modes=Modes(
             np.concatenate([part.freq for part in parts]),
@@ -38,5 +39,5 @@ def as_waves(found: Shifted, whole: Window, places: Places | None) -> Shifted:
         sigma_mean=np.concatenate([part.sigma_freq for part in parts]),
         sigma_zeta=np.concatenate([part.sigma_zeta for part in parts]),
         sigma_matching=np.concatenate([part.sigma_matching for part in parts]),
-        worth=found.worth[order],
+        worth=np.concatenate([np.r_[old, part.worth] for old, part in zip(own, parts, strict=True)]),
     )

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.wave_fit import WIDE, Waves
+from casingfem.experiment.identify.setups.wave_fit import SURE, WIDE, Waves
 from casingfem.experiment.identify.suspects import most_say
 from casingfem.io.arrays import Array, FloatArray
 
 LEAST = 5, 6  # modes, and channels beyond those that a wave needs, from which on shapes tell
-SURE = 0.03  # of a mode's rms, that a channel is off a wave at least
 BELONGS = 0.3  # of it, below which a channel belongs where it is said to stand
 SWEEPS = 8
 SIGMA = 1.4826  # standard deviation over the median of absolute deviations
