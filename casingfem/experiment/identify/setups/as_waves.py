@@ -8,7 +8,7 @@ import numpy as np
 
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.channel_offs import waves_of
+from casingfem.experiment.identify.setups.channel_offs import belonging, waves_of
 from casingfem.experiment.identify.setups.clusters import clusters
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import MOST_LINES, TOGETHER, Shifted
@@ -36,6 +36,7 @@ def as_waves(found: Shifted, whole: Window, places: Places | None) -> Shifted:
             np.concatenate(residues),
         ),
         variance=np.concatenate([part.variance for part in parts]),
+        belongs=belonging(waves),
         sigma_mean=np.concatenate([part.sigma_freq for part in parts]),
         sigma_zeta=np.concatenate([part.sigma_zeta for part in parts]),
         sigma_matching=np.concatenate([part.sigma_matching for part in parts]),
