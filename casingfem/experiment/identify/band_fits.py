@@ -24,7 +24,7 @@ from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.as_waves import as_waves
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import Shifted, shifted
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray
 
 ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most
 PASSES = 2  # fits of every band after the first
@@ -47,13 +47,17 @@ class Responses(NamedTuple):
 
 
 class BandFits(NamedTuple):
-    """One fit for each band, its stabilisation diagram, and what set-ups differ by in ln f, 0 where there is one."""
+    """One fit for each band, its stabilisation diagram, and what set-ups differ by in ln f, 0 where there is one.
+
+    `belongs` (channels,) as in `Shifted`.
+    """
 
     bands: list[Band]
     fits: list[PoleFit]
     diagrams: list[Stabilisation]
     shift: float
     leak: float
+    belongs: BoolArray | None = None
 
 
 class _Mode(NamedTuple):
@@ -90,7 +94,8 @@ def fit_bands(
         if found.several and picked is None:
             say("waves round the circle")
             found = as_waves(found, whole, data.places)
-            return BandFits(bands, _aligned_fits(data, bands, found, whole), diagrams, found.shift, found.leak)
+            aligned = _aligned_fits(data, bands, found, whole)
+            return BandFits(bands, aligned, diagrams, found.shift, found.leak, found.belongs)
     for again in range(PASSES):
         for k, band in enumerate(bands):
             say(f"fit {again + 2} of {PASSES + 1}, band {k + 1} of {len(bands)}")
@@ -116,7 +121,8 @@ def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Win
         known = np.r_[sigma[nearest], found.sigma_zeta[nearest]]
         white = np.sqrt(np.maximum(fit.noise * np.diag(fit.covariance), 1e-300)) / fit.raised
         least = 1.0 if found.sigma_mean is None else 0.0  # waves tell modes apart whose mean frequencies meet
-        raised = np.maximum(known / white, least) * np.tile(_by_misfit(fit), 2)
+        more = np.maximum(np.tile(_by_misfit(fit), 2) / fit.raised, 1.0)  # what is not white noise counts once
+        raised = np.maximum(known / white, least) * more
         apart = found.apart(nearest[1:], nearest[:-1])
         fit = replace(fit, matching=found.sigma_matching[nearest], seen=found.seen()[nearest], apart=apart)
         fit = replace(fit, A=_residues(window, found.modes.residues[nearest]), worth=found.worth[nearest])

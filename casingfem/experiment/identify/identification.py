@@ -29,7 +29,7 @@ from casingfem.experiment.identify.poles.stabilisation import join
 from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.suspects import suspect_sensors, suspected
 from casingfem.experiment.identify.usable import usable
-from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 
 MOST_OFF = 0.5  # share of the sensors that labels may do without
 
@@ -106,13 +106,15 @@ def identify(
     cores = [core_of(freq, band) for band in found.bands]
     kept = picked is not None
     modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), circle, kept)
-    belong = belonging(modes, grid, circle)
+    trusted = trusted_sensors(found, grid)
+    belong = belonging(modes, grid, circle, trusted)
     if len(belong) < len(grid):  # those that do not belong where they are said to stand spoil labels
         others = Circle(theta=grid.theta[belong], orders=() if circle is None else circle.orders)
         modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), others, kept, belong)
     doublets = paired(modes)
     modes = settled(modes, doublets)
-    notes = (*said, *test_notes(found), *channel_notes(modes, grid, circle), *notes_of(modes, doublets), *left_out)
+    suspects = channel_notes(modes, grid, circle, trusted)
+    notes = (*said, *test_notes(found), *suspects, *notes_of(modes, doublets), *left_out)
     if tau is not None:
         modes, notes = without_window(modes, tau), (window_note(tau), *notes)
     return Identified(
@@ -160,22 +162,30 @@ def test_notes(found: BandFits) -> tuple[str, ...]:
     return (*([shifted] if found.shift else []), *([leaked] if found.leak else []))
 
 
-def channel_notes(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
+def trusted_sensors(found: BandFits, grid: SensorGrid) -> BoolArray | None:
+    """Sensors that move, by most of their references, as they should where they stand; None where that is not known."""
+    return None if found.belongs is None else np.median(found.belongs[grid.channels], axis=1) > 0.5
+
+
+def channel_notes(
+    modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None
+) -> tuple[str, ...]:
     """Which sensors of a circle are suspected, by the modes that are sure."""
     sure = [mode for mode in modes if not mode.doubt]
     if circle is None or not sure:
         return ()
     shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
-    return suspected(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points)
+    return suspected(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points, trusted)
 
 
-def belonging(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None) -> IntArray:
-    """Sensors that are not suspected, by which modes are labelled; all where too few would be left."""
+def belonging(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None) -> IntArray:
+    """Sensors that are trusted, or not suspected, by which modes are labelled; all where too few would be left."""
     every, sure = np.arange(len(grid)), [mode for mode in modes if not mode.doubt]
     if circle is None or not sure:
         return every
     shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
-    off = suspect_sensors(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points)
+    off = suspect_sensors(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points, trusted)
+    off = off if trusted is None else np.union1d(off, np.flatnonzero(~trusted))
     return np.delete(every, off) if len(off) <= MOST_OFF * len(every) else every
 
 

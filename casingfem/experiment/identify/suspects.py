@@ -11,7 +11,7 @@ from itertools import combinations
 
 import numpy as np
 
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 
 LEAST = 8, 5  # sensors, and modes, from which on something is said
 OPPOSES, SILENT = -0.6, 0.4  # correlation over the modes with what the others say, below which a sensor is named
@@ -20,8 +20,12 @@ USUAL = 1.2  # times the median misfit of a mode, beyond which it tells nothing
 STEPS, SMALL = 25, 1e-3  # of the fit by least absolute deviations; deviation, of the shape, that counts as none
 
 
-def suspected(shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray) -> tuple[str, ...]:
+def suspected(
+    shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray, trusted: BoolArray | None = None
+) -> tuple[str, ...]:
     """What is said of sensors at angles theta [rad] whose shapes (sensors, modes) are off, in words.
+
+    Where it is known by other means which sensors are right, `trusted` (sensors,), they alone say what each should do.
 
     >>> theta, n = np.arange(12) * np.pi / 6, np.array([2, 2, 3, 3, 4, 4, 1, 1])
     >>> shapes = np.cos(n * theta[:, None] - 0.7 * np.arange(8))
@@ -32,22 +36,24 @@ def suspected(shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArr
     points 8 and 10 look exchanged: in 6 modes each moves as the other should
     point 5 looks turned over: in 6 modes it moves against what the others say
     """
-    return tuple(text for _, text in _suspects(shapes, n, theta, points))
+    return tuple(text for _, text in _suspects(shapes, n, theta, points, trusted))
 
 
-def suspect_sensors(shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray) -> IntArray:
+def suspect_sensors(
+    shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray, trusted: BoolArray | None = None
+) -> IntArray:
     """Indices of the sensors of which `suspected` says something, ascending."""
-    named = {sensor for sensors, _ in _suspects(shapes, n, theta, points) for sensor in sensors}
+    named = {sensor for sensors, _ in _suspects(shapes, n, theta, points, trusted) for sensor in sensors}
     return np.array(sorted(named), np.int64)
 
 
 def _suspects(
-    shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray
+    shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray, trusted: BoolArray | None
 ) -> tuple[tuple[tuple[int, ...], str], ...]:
     """Sensors, and what is said of them."""
     if len(theta) < LEAST[0] or shapes.shape[1] < LEAST[1]:
         return ()
-    said, misfit = most_say(shapes, int(n.max(initial=0)), theta)
+    said, misfit = most_say(shapes, int(n.max(initial=0)), theta, trusted)
     clear = misfit <= USUAL * np.median(misfit)
     shapes, said = shapes[:, clear], said[:, clear]
     along = shapes @ said.T / (np.outer(np.linalg.norm(shapes, axis=1), np.linalg.norm(said, axis=1)) + 1e-300)
@@ -56,21 +62,25 @@ def _suspects(
     return tuple(_words(along, points, shapes.shape[1]))
 
 
-def most_say(shapes: FloatArray, most: int, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """What most sensors say of each, (sensors, modes), and the misfit of each mode: least absolute deviations.
+def most_say(
+    shapes: FloatArray, most: int, theta: FloatArray, trusted: BoolArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """What most sensors, or those that are `trusted`, say of each, (sensors, modes), and the misfit of each mode.
 
-    A mode has the n, 0 to `most`, of least misfit: its label may have suffered from what is looked for.
+    By least absolute deviations. A mode has the n, 0 to `most`, of least misfit: its label may have suffered from what
+    is looked for.
     """
+    heard = np.ones(len(theta)) if trusted is None else trusted.astype(float)
     best, said = np.full(shapes.shape[1], np.inf), np.zeros_like(shapes)
     for order in range(most + 1):
         waves = np.column_stack([np.cos(order * theta), np.sin(order * theta)])[:, : 2 if order else 1]
-        weight = np.ones_like(shapes)
+        weight = np.repeat(heard[:, None], shapes.shape[1], axis=1)
         for _ in range(STEPS):
             gram = np.einsum("si,sm,sj->mij", waves, weight, waves) + 1e-9 * np.eye(waves.shape[1])
             right = np.einsum("si,sm,sm->mi", waves, weight, shapes)
             fitted = waves @ np.linalg.solve(gram, right[:, :, None])[:, :, 0].T
-            weight = 1.0 / np.maximum(np.abs(shapes - fitted), SMALL)
-        misfit = np.abs(shapes - fitted).sum(axis=0) / np.abs(shapes).sum(axis=0)
+            weight = heard[:, None] / np.maximum(np.abs(shapes - fitted), SMALL)
+        misfit = heard @ np.abs(shapes - fitted) / (heard @ np.abs(shapes))
         said = np.where(misfit < best, fitted, said)
         best = np.minimum(misfit, best)
     return said, best

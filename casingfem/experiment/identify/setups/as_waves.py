@@ -8,7 +8,7 @@ import numpy as np
 
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.channel_offs import waves_of
+from casingfem.experiment.identify.setups.channel_offs import belonging, waves_of
 from casingfem.experiment.identify.setups.clusters import clusters
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import MOST_LINES, TOGETHER, Shifted
@@ -28,6 +28,7 @@ def as_waves(found: Shifted, whole: Window, places: Places | None) -> Shifted:
     residues = [
         part.residues / c.window.weight / c.window.scale**c.window.power for part, c in zip(parts, near, strict=True)
     ]
+    own = np.split(found.worth[order], np.cumsum([len(c.modes.zeta) for c in near])[:-1])
     return found._replace(
         modes=Modes(
             np.concatenate([part.freq for part in parts]),
@@ -35,8 +36,9 @@ def as_waves(found: Shifted, whole: Window, places: Places | None) -> Shifted:
             np.concatenate(residues),
         ),
         variance=np.concatenate([part.variance for part in parts]),
+        belongs=belonging(waves),
         sigma_mean=np.concatenate([part.sigma_freq for part in parts]),
         sigma_zeta=np.concatenate([part.sigma_zeta for part in parts]),
         sigma_matching=np.concatenate([part.sigma_matching for part in parts]),
-        worth=found.worth[order],
+        worth=np.concatenate([np.r_[old, part.worth] for old, part in zip(own, parts, strict=True)]),
     )

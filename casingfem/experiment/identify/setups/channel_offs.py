@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.wave_fit import WIDE, Waves
+from casingfem.experiment.identify.setups.wave_fit import SURE, WIDE, Waves
 from casingfem.experiment.identify.suspects import most_say
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray
 
 LEAST = 5, 6  # modes, and channels beyond those that a wave needs, from which on shapes tell
-SURE = 0.03  # of a mode's rms, that a channel is off a wave at least
 BELONGS = 0.3  # of it, below which a channel belongs where it is said to stand
 SWEEPS = 8
 SIGMA = 1.4826  # standard deviation over the median of absolute deviations
@@ -42,6 +41,11 @@ def waves_of(places: Places, residues: Array) -> Waves | None:
         np.array([off] * len(orders) + [free]),
         np.array([lag] * len(orders) + [free]),
     )
+
+
+def belonging(waves: Waves) -> BoolArray:
+    """Which channels move as they should where they are said to stand, (channels,)."""
+    return np.asarray(waves.off[0] < SPREAD * BELONGS)
 
 
 def _settled(shapes: FloatArray, columns: FloatArray, off: FloatArray) -> FloatArray:

@@ -32,7 +32,7 @@ from casingfem.experiment.identify.setups.cluster_moves import improved
 from casingfem.experiment.identify.setups.clusters import Cluster, clusters
 from casingfem.experiment.identify.setups.grouping import find_setups, matching_sigma
 from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, Setups, linked
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 
 MOST_LINES = 1000  # that a cluster is fitted to last
 TOGETHER = 2e-3, 3.0  # `clusters.REACH` of those fitted last: beyond, neighbours hardly move each other
@@ -56,7 +56,8 @@ class Shifted(NamedTuple):
 
     `leak` is the distance of lines [Hz] over which a Hann window leaks, or 0; `shift` what set-ups differ by in ln f,
     usually; `evidence` twice the ln of the odds against common frequencies. `sigma_mean` (modes,) is that of the mean
-    of ln f, where the last fit was one of waves round the circle; None elsewhere.
+    of ln f, `belongs` (channels,) says which move as they should where they stand: where the last fit was one of waves
+    round the circle; None elsewhere.
     """
 
     modes: Modes
@@ -69,6 +70,7 @@ class Shifted(NamedTuple):
     shift: float
     evidence: float
     sigma_mean: FloatArray | None = None
+    belongs: BoolArray | None = None
 
     @property
     def several(self) -> bool:

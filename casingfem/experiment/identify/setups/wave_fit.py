@@ -23,18 +23,19 @@ import numpy as np
 
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.own_shifts import Problem
-from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 
 STEPS = 25
 SETTLED = 0.1  # of the noise's variance: a gain that ends the fit
 STEEP = 1e6  # damping of the steps that ends it, too
 TRUST = 1.0, 0.7  # largest step: half-power half-widths, ln zeta
 ZETA = 1e-6, 0.3
+SURE = 0.03  # of a mode's size, that a channel is off a wave at least
 WIDE = 3.0  # times the size of a mode, that the parts of its wave, or residues without a wave, may well be
 
 
 class Waves(NamedTuple):
-    """Columns (kinds, channels, columns) of each n, zeros for the last kind: no wave at all; what channels are off.
+    """Columns (kinds, channels, columns) of each n, zeros for kinds that are no wave; what channels are off.
 
     `off` and `lag` (kinds, channels) are the standard deviations of real and imaginary parts over the mode's size.
     """
@@ -42,6 +43,18 @@ class Waves(NamedTuple):
     columns: FloatArray
     off: FloatArray
     lag: FloatArray
+
+    @property
+    def is_wave(self) -> BoolArray:
+        """Which kinds are waves, (kinds,)."""
+        return np.asarray(self.columns.any(axis=(1, 2)))
+
+    def seen_by(self, channels: IntArray) -> Waves:
+        """With one more kind, the last: a local mode that so many channels see, the others next to nothing of it."""
+        spread = np.full(self.columns.shape[1], SURE)
+        spread[channels] = WIDE
+        columns = np.concatenate([self.columns, np.zeros((1, *self.columns.shape[1:]))])
+        return Waves(columns, np.vstack([self.off, spread]), np.vstack([self.lag, spread]))
 
 
 class WaveProblem(NamedTuple):
@@ -129,29 +142,27 @@ def _step(problem: WaveProblem, shapes: Shapes, at: WaveFit, damping: float) -> 
     return wave_fit(problem, shapes, p, q)
 
 
+class _Drawn(NamedTuple):
+    """Residues eliminated at some poles: waves x from N x, and of each set-up (H, H b, H L E)."""
+
+    squares: float
+    unlikely: float
+    N: FloatArray
+    x: FloatArray
+    parts: list[tuple[FloatArray, FloatArray, FloatArray]]
+
+
+def unlikely_at(problem: WaveProblem, shapes: Shapes, at: Products) -> float:
+    """-2 ln of the likelihood at some poles, alone."""
+    return _drawn(problem, shapes, at).unlikely
+
+
 def solved(problem: WaveProblem, shapes: Shapes, at: Products, q: FloatArray) -> WaveFit:
     """Residues and waves at some poles, and the equations of the next step."""
-    (m, count), s, noise = at.p.shape, problem.data.window.columns, problem.cluster.noise
+    (m, count), s = at.p.shape, problem.data.window.columns
     width = problem.waves.columns.shape[2]
     own, turns = slice(0, m * s), slice(m * s, None)
-    prior = np.repeat(noise / (WIDE * shapes.size) ** 2, width)
-    N, r, squares, apart = np.diag(prior), np.zeros(m * width), 0.0, -float(np.log(prior).sum())
-    parts = []
-    for k, channels in enumerate(problem.data.setups):
-        G, b = at.own[k][own, own], at.by_data[k][own, : len(channels)].T
-        L, E = _expected(problem, shapes, channels)
-        whole = G + L[:, :, None] * np.eye(m * s)
-        H, pull_to = np.linalg.inv(whole), L[:, :, None] * E
-        free, drawn = (H @ b[:, :, None])[:, :, 0], H @ pull_to
-        N = N + np.einsum("cia,cib->ab", E, pull_to) - np.einsum("cia,cib->ab", pull_to, drawn)
-        r = r + np.einsum("cia,ci->a", pull_to, free)
-        squares += float(problem.data.squares[k] - np.sum(b * free))
-        apart += float(np.linalg.slogdet(whole)[1].sum() - np.log(L).sum())
-        parts.append((H, free, drawn))
-    x = np.linalg.solve(N, r)
-    off = at.p - at.p.mean(axis=1, keepdims=True)
-    pull = noise / problem.shift**2 if count > 1 else 0.0
-    squares += float(pull * np.sum(off**2) - r @ x)
+    squares, unlikely, N, x, parts = _drawn(problem, shapes, at)
     size = m * count + m
     normal, gradient, cross = np.zeros((size, size)), np.zeros(size), np.zeros((size, m * width))
     residues = np.zeros((m, problem.data.window.Y.shape[1]), complex)
@@ -171,10 +182,42 @@ def solved(problem: WaveProblem, shapes: Shapes, at: Products, q: FloatArray) ->
         gradient[here] -= (left * moved).reshape(-1, 2 * m, s).sum(axis=(0, 2))
         cross[here] += np.tensordot(V, drawn, axes=([0, 2], [0, 1]))
     normal -= cross @ np.linalg.solve(N, cross.T)
+    off, pull = _pull(problem, at)
     gradient[: m * count] += pull * off.ravel()
     normal[: m * count, : m * count] += pull * np.kron(np.eye(m), np.eye(count) - 1.0 / count)
-    unlikely = squares / noise + apart + float(np.linalg.slogdet(N)[1])
     return WaveFit(at.p, q, squares, unlikely, residues, np.asarray(x.reshape(m, width), np.float64), normal, gradient)
+
+
+def _drawn(problem: WaveProblem, shapes: Shapes, at: Products) -> _Drawn:
+    """Residues and waves at some poles."""
+    m, s, noise = len(at.p), problem.data.window.columns, problem.cluster.noise
+    own, width, setups = slice(0, m * s), problem.waves.columns.shape[2], problem.data.setups
+    prior = np.repeat(noise / (WIDE * shapes.size) ** 2, width)
+    counts = [len(channels) for channels in setups]
+    whole = np.repeat(at.own[:, own, own], counts, axis=0)
+    b = np.concatenate([by[own, :many].T for by, many in zip(at.by_data, counts, strict=True)])
+    L, E = _expected(problem, shapes, np.concatenate(setups))
+    whole[:, np.arange(m * s), np.arange(m * s)] += L
+    H, pull_to = np.linalg.inv(whole), L[:, :, None] * E
+    free, drawn = (H @ b[:, :, None])[:, :, 0], H @ pull_to
+    rows = len(prior)
+    flat = pull_to.reshape(-1, rows)
+    N = np.diag(prior) + (E - drawn).reshape(-1, rows).T @ flat
+    r = flat.T @ free.ravel()
+    x = np.linalg.solve(N, r)
+    off, pull = _pull(problem, at)
+    squares = float(problem.data.squares.sum() - np.sum(b * free) + pull * np.sum(off**2) - r @ x)
+    apart = np.linalg.slogdet(whole)[1].sum() - np.log(L).sum() + np.linalg.slogdet(N)[1] - np.log(prior).sum()
+    cuts = np.cumsum(counts)[:-1]
+    parts = list(zip(*(np.split(each, cuts) for each in (H, free, drawn)), strict=True))
+    return _Drawn(squares, squares / noise + float(apart), N, x, parts)
+
+
+def _pull(problem: WaveProblem, at: Products) -> tuple[FloatArray, float]:
+    """What ln f of each set-up is off the mode's mean, and what that costs."""
+    return at.p - at.p.mean(axis=1, keepdims=True), problem.cluster.noise / problem.shift**2 if at.p.shape[
+        1
+    ] > 1 else 0.0
 
 
 def _expected(problem: WaveProblem, shapes: Shapes, channels: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -1,45 +1,45 @@
-"""Which wave each mode of a cluster is, and which peak of a set-up is whose: by the likelihood of `wave_fit.py`.
+"""Which peak of a set-up is whose, and whether all modes are found: by the likelihood of `wave_fit.py`.
 
 A fit by steps stays where the free residues of a set-up put a peak. So two modes near each other are tried exchanged
-in each set-up, or both put where the others have them, with each number of nodal diameters that they may share; what is
-more likely is kept. What is nearly as likely says how sure the frequencies are.
+in each set-up, or both put where the others have them, with each number of nodal diameters that they may share; then
+one more mode is tried. What is more likely is kept. What is nearly as likely says how sure the frequencies are.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.own_shifts import Problem, Setups
-from casingfem.experiment.identify.setups.wave_fit import (
-    Products,
-    Shapes,
-    WaveFit,
-    WaveProblem,
-    Waves,
-    fitted,
-    solved,
-    wave_fit,
+from casingfem.experiment.identify.setups.wave_fit import Shapes, WaveProblem, Waves, fitted, wave_fit
+from casingfem.experiment.identify.setups.wave_kinds import (
+    GAIN,
+    WaveRead,
+    kinds_alone,
+    likely_kinds,
+    pairs_near,
+    products_at,
+    rms,
+    sized,
 )
-from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.experiment.identify.setups.wave_more import one_more
+from casingfem.io.arrays import Array, FloatArray
 
 ROUNDS = 3  # of trying
-NEAR = 4.0  # usual shifts beyond a bandwidth, within which two modes may be exchanged
-GAIN = 2.0  # fall of -2 ln of the likelihood that counts
+MORE = 2  # modes that a cluster may be found to have beyond those of free residues
 HOPELESS = 40.0  # rise of it, after a few steps, beyond which a try is given up
 STEPS = 3, 8  # of a try, at first and then
-GROWN = 10.0  # times its first size, that a mode is taken for at most, or the inverse
 
 
 class WaveModes(NamedTuple):
     """Frequencies [Hz] (modes, setups), damping, weighted residues (modes, channels); the variances of ln f.
 
     The standard deviations (modes,) are of the mean ln f, of ln zeta, and of the mean ln f once more, as other readings
-    are nearly as likely.
+    are nearly as likely; `worth` what each of the last modes, found here, takes from -2 ln of the likelihood over what
+    it must.
     """
 
     freq: FloatArray
@@ -49,95 +49,48 @@ class WaveModes(NamedTuple):
     sigma_freq: FloatArray
     sigma_zeta: FloatArray
     sigma_matching: FloatArray
-
-
-class _Read(NamedTuple):
-    shapes: Shapes
-    fit: WaveFit
+    worth: FloatArray
 
 
 def wave_modes(c: Cluster, setups: Setups, waves: Waves, shift: float) -> WaveModes:
-    """The modes of a cluster as waves."""
+    """The modes of a cluster as waves, those found beyond its own last."""
     weight = c.window.weight * c.window.scale**c.window.power
     problem = WaveProblem(c, Problem.of(c.window, setups), weight, waves, shift)
-    size = _rms(c.modes.residues) + 1e-300
+    size, worth = rms(c.modes.residues) + 1e-300, list[float]()
     p, q = np.log(c.modes.freq), np.log(c.modes.zeta)
-    shapes = _kinds(problem, Shapes(_alone(problem), size), _at(problem, p, q), q)
-    read = _Read(shapes, fitted(problem, shapes, p, q))
-    others = list[_Read]()
+    shapes = likely_kinds(problem, Shapes(kinds_alone(problem), size), products_at(problem, p, q), q)
+    read, others = _settled(problem, WaveRead(shapes, fitted(problem, shapes, p, q)), size)
+    for _ in range(MORE):
+        more = one_more(problem, read)
+        if more is None:
+            break
+        problem, size, worth = more.problem, np.append(size, more.read.shapes.size[-1]), [*worth, more.worth]
+        read, others = _settled(problem, more.read, size)
+    return _told(problem, read, others)._replace(worth=np.array(worth))
+
+
+def _settled(problem: WaveProblem, read: WaveRead, size: FloatArray) -> tuple[WaveRead, list[WaveRead]]:
+    """The most likely of what exchanges lead to, and what else was tried last; `size` (modes,) as first seen."""
+    others = list[WaveRead]()
     for _ in range(ROUNDS):
-        before, read = read.fit.unlikely, _sized(problem, read, size)
+        before, read = read.fit.unlikely, sized(problem, read, size)
         read, others, moved = _searched(problem, read)
         if not moved and abs(before - read.fit.unlikely) < GAIN:
             break
-    return _told(problem, read, others)
+    return read, others
 
 
-def _alone(problem: WaveProblem) -> IntArray:
-    """The kind of each mode by its residues alone."""
-    waves, residues = problem.waves, problem.cluster.modes.residues.real
-    rest = []
-    for columns, off in zip(waves.columns[:-1], waves.off[:-1], strict=True):
-        Q, scaled = np.linalg.qr(columns / off[:, None])[0], residues / off
-        rest.append(np.sum((scaled - (scaled @ Q) @ Q.T) ** 2, axis=1))
-    return np.asarray(np.argmin(rest, axis=0))
-
-
-def _kinds(
-    problem: WaveProblem, shapes: Shapes, at: Products, q: FloatArray, pair: tuple[int, int] | None = None
-) -> Shapes:
-    """Kinds of waves that are more likely at some poles: of single modes, then of neighbours; or of one `pair`."""
-    best = solved(problem, shapes, at, q).unlikely
-    for which in [pair] if pair else [*((k,) for k in range(len(q))), *_pairs(problem, at.p, q)]:
-        for kind in range(len(problem.waves.columns)):
-            tried = shapes.kind.copy()
-            tried[list(which)] = kind
-            if np.any(tried != shapes.kind):
-                unlikely = solved(problem, shapes._replace(kind=tried), at, q).unlikely
-                if unlikely < best - GAIN:
-                    best, shapes = unlikely, shapes._replace(kind=tried)
-    return shapes
-
-
-def _pairs(problem: WaveProblem, p: FloatArray, q: FloatArray) -> list[tuple[int, int]]:
-    """Modes so near each other that one may be taken for the other in a set-up."""
-    reach = NEAR * problem.shift
-    pairs = combinations(range(len(q)), 2)
-    return [(a, b) for a, b in pairs if np.abs(p[a] - p[b]).min() < reach + 2.0 * np.exp(q[[a, b]]).max()]
-
-
-def _sized(problem: WaveProblem, read: _Read, first: FloatArray) -> _Read:
-    """Fitted again with the sizes and kinds that modes turn out to have."""
-    shapes, fit = read
-    means = np.einsum("kcw,kw->kc", problem.waves.columns[shapes.kind], fit.x)
-    free = shapes.kind == len(problem.waves.columns) - 1
-    size = np.where(free, _rms(fit.residues / problem.weight), _rms(means))
-    shapes = shapes._replace(size=np.clip(size, first / GROWN, first * GROWN))
-    shapes = _kinds(problem, shapes, _at(problem, fit.p, fit.q), fit.q)
-    return _Read(shapes, fitted(problem, shapes, fit.p, fit.q))
-
-
-def _at(problem: WaveProblem, p: FloatArray, q: FloatArray) -> Products:
-    """Inner products at ln f (modes, setups), ln zeta (modes,)."""
-    return problem.products(p, np.repeat(q[:, None], p.shape[1], axis=1))
-
-
-def _rms(parts: Array) -> FloatArray:
-    """Over the channels of each mode (modes, channels)."""
-    return np.asarray(np.sqrt(np.mean(np.abs(parts) ** 2, axis=1)))
-
-
-def _searched(problem: WaveProblem, read: _Read) -> tuple[_Read, list[_Read], bool]:
+def _searched(problem: WaveProblem, read: WaveRead) -> tuple[WaveRead, list[WaveRead], bool]:
     """The most likely of what can be reached, all else that was tried, and whether it moved."""
-    others, moved, count = list[_Read](), False, read.fit.p.shape[1]
-    for pair in _pairs(problem, read.fit.p, read.fit.q):
+    others, moved, count = list[WaveRead](), False, read.fit.p.shape[1]
+    for pair in pairs_near(problem, read.fit.p, read.fit.q):
         for s in range(count):
             for p in _starts(read.fit.p, list(pair), s):
-                shapes = _kinds(problem, read.shapes, _at(problem, p, read.fit.q), read.fit.q, pair)
+                shapes = likely_kinds(problem, read.shapes, products_at(problem, p, read.fit.q), read.fit.q, pair)
                 tried = fitted(problem, shapes, p, read.fit.q, STEPS[0])
                 if tried.unlikely > read.fit.unlikely + HOPELESS:
                     continue
-                other = _Read(shapes, fitted(problem, shapes, tried.p, tried.q, STEPS[1]))
+                other = WaveRead(shapes, fitted(problem, shapes, tried.p, tried.q, STEPS[1]))
                 if other.fit.unlikely < read.fit.unlikely - GAIN:
                     other, read, moved = read, other, True
                 others.append(other)
@@ -152,7 +105,7 @@ def _starts(p: FloatArray, pair: list[int], s: int) -> Iterator[FloatArray]:
         yield start
 
 
-def _told(problem: WaveProblem, read: _Read, others: list[_Read]) -> WaveModes:
+def _told(problem: WaveProblem, read: WaveRead, others: list[WaveRead]) -> WaveModes:
     """The modes, and how sure they are."""
     fit = wave_fit(problem, read.shapes, read.fit.p, read.fit.q)
     m, count = fit.p.shape
@@ -172,4 +125,5 @@ def _told(problem: WaveProblem, read: _Read, others: list[_Read]) -> WaveModes:
         np.sqrt(mean),
         np.sqrt(variance[m * count :]),
         np.sqrt(moved),
+        np.zeros(0),
     )

@@ -5,12 +5,12 @@ import pytest
 
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.channel_offs import BELONGS, waves_of
+from casingfem.experiment.identify.setups.channel_offs import BELONGS, belonging, waves_of
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.own_shifts import Modes, Problem
 from casingfem.experiment.identify.setups.wave_fit import Shapes, WaveProblem, wave_fit
 from casingfem.experiment.identify.setups.wave_search import wave_modes
-from casingfem.experiment.identify.suspects import suspect_sensors
+from casingfem.experiment.identify.suspects import suspect_sensors, suspected
 
 SETUPS = [np.arange(0, 4), np.arange(4, 8), np.arange(8, 12)]
 THETA = np.radians(15.0 * np.arange(12) + np.array([1, -3, 2, 0, 3, -2, 1, 2, -1, 0, 3, -2]))
@@ -48,6 +48,7 @@ def test_channels_that_belong_elsewhere_are_told():
     waves = known()
     good = np.setdiff1d(np.arange(12), SPOILT)
     assert waves.off[0, list(SPOILT)].min() > BELONGS > 3 * waves.off[0, good].max()
+    assert np.flatnonzero(~belonging(waves)).tolist() == list(SPOILT)
 
 
 @pytest.mark.slow
@@ -85,3 +86,19 @@ def test_suspect_sensors_are_those_that_are_named():
     shapes[4] *= -1.0
     shapes[[7, 9]] = shapes[[9, 7]]
     assert suspect_sensors(shapes, n, theta, np.arange(12) + 1).tolist() == [4, 7, 9]
+
+
+def test_sensors_of_half_a_rim_are_named_by_those_that_are_trusted():
+    """Four of twelve are off on half a circle: waves of another n follow them, unless the others alone are asked."""
+    rng = np.random.default_rng(12)
+    n, wrong, theta = rng.integers(2, 10, 20), [0, 2, 6, 11], THETA
+    shapes = np.cos(n * theta[:, None] - rng.uniform(0.0, 6.0, 20))
+    shapes[[0, 2]] = shapes[[2, 0]]
+    shapes[6] *= -1.0
+    shapes[11] = 0.05 * rng.standard_normal(20)
+    trusted = ~np.isin(np.arange(12), wrong)
+    assert suspect_sensors(shapes, n, theta, np.arange(12) + 1, trusted).tolist() == wrong
+    said = suspected(shapes, n, theta, np.arange(12) + 1, trusted)
+    assert [" ".join(line.split()[:4]) for line in said] == [
+        "points 1 and 3", "point 7 looks turned", "point 12 does not",
+    ]  # fmt: skip

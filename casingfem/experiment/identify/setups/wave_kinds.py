@@ -1,0 +1,75 @@
+"""Which wave each mode of a cluster is, at poles that are known: the kinds, and sizes, that are most likely."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.experiment.identify.setups.wave_fit import Products, Shapes, WaveFit, WaveProblem, fitted, unlikely_at
+from casingfem.io.arrays import Array, FloatArray, IntArray
+
+NEAR = 4.0  # usual shifts beyond a bandwidth, within which two modes may be exchanged
+GAIN = 2.0  # fall of -2 ln of the likelihood that counts
+GROWN = 10.0  # times its first size, that a mode is taken for at most, or the inverse
+
+
+class WaveRead(NamedTuple):
+    """Kinds and sizes of the modes of a cluster, and the fit with them."""
+
+    shapes: Shapes
+    fit: WaveFit
+
+
+def kinds_alone(problem: WaveProblem) -> IntArray:
+    """The kind of each mode by its residues alone."""
+    waves, residues = problem.waves, problem.cluster.modes.residues.real
+    rest = []
+    for kind in np.flatnonzero(waves.is_wave):
+        Q, scaled = np.linalg.qr(waves.columns[kind] / waves.off[kind][:, None])[0], residues / waves.off[kind]
+        rest.append(np.sum((scaled - (scaled @ Q) @ Q.T) ** 2, axis=1))
+    return np.asarray(np.flatnonzero(waves.is_wave)[np.argmin(rest, axis=0)])
+
+
+def likely_kinds(
+    problem: WaveProblem, shapes: Shapes, at: Products, q: FloatArray, pair: tuple[int, int] | None = None
+) -> Shapes:
+    """Kinds of waves that are more likely at some poles: of single modes, then of neighbours; or of one `pair`."""
+    best = unlikely_at(problem, shapes, at)
+    for which in [pair] if pair else [*((k,) for k in range(len(q))), *pairs_near(problem, at.p, q)]:
+        for kind in range(len(problem.waves.columns)):
+            tried = shapes.kind.copy()
+            tried[list(which)] = kind
+            if np.any(tried != shapes.kind):
+                unlikely = unlikely_at(problem, shapes._replace(kind=tried), at)
+                if unlikely < best - GAIN:
+                    best, shapes = unlikely, shapes._replace(kind=tried)
+    return shapes
+
+
+def pairs_near(problem: WaveProblem, p: FloatArray, q: FloatArray) -> list[tuple[int, int]]:
+    """Modes so near each other that one may be taken for the other in a set-up."""
+    reach = NEAR * problem.shift
+    pairs = combinations(range(len(q)), 2)
+    return [(a, b) for a, b in pairs if np.abs(p[a] - p[b]).min() < reach + 2.0 * np.exp(q[[a, b]]).max()]
+
+
+def sized(problem: WaveProblem, read: WaveRead, first: FloatArray) -> WaveRead:
+    """Fitted again with the sizes and kinds that modes turn out to have."""
+    shapes, fit = read
+    means = np.einsum("kcw,kw->kc", problem.waves.columns[shapes.kind], fit.x)
+    size = np.where(problem.waves.is_wave[shapes.kind], rms(means), rms(fit.residues / problem.weight))
+    shapes = shapes._replace(size=np.clip(size, first / GROWN, first * GROWN))
+    shapes = likely_kinds(problem, shapes, products_at(problem, fit.p, fit.q), fit.q)
+    return WaveRead(shapes, fitted(problem, shapes, fit.p, fit.q))
+
+
+def products_at(problem: WaveProblem, p: FloatArray, q: FloatArray) -> Products:
+    """Inner products at ln f (modes, setups), ln zeta (modes,)."""
+    return problem.products(p, np.repeat(q[:, None], p.shape[1], axis=1))
+
+
+def rms(parts: Array) -> FloatArray:
+    """Over the channels of each mode (modes, channels)."""
+    return np.asarray(np.sqrt(np.mean(np.abs(parts) ** 2, axis=1)))
