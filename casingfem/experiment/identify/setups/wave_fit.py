@@ -215,9 +215,8 @@ def _drawn(problem: WaveProblem, shapes: Shapes, at: Products) -> _Drawn:
 
 def _pull(problem: WaveProblem, at: Products) -> tuple[FloatArray, float]:
     """What ln f of each set-up is off the mode's mean, and what that costs."""
-    return at.p - at.p.mean(axis=1, keepdims=True), problem.cluster.noise / problem.shift**2 if at.p.shape[
-        1
-    ] > 1 else 0.0
+    pull = problem.cluster.noise / problem.shift**2 if at.p.shape[1] > 1 else 0.0
+    return at.p - at.p.mean(axis=1, keepdims=True), pull
 
 
 def _expected(problem: WaveProblem, shapes: Shapes, channels: IntArray) -> tuple[FloatArray, FloatArray]:
