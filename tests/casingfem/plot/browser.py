@@ -100,6 +100,7 @@ class Tab:
             f"(() => {{ const e = document.querySelector('{element}'); e.scrollIntoView({{block: 'center'}});"
             "const b = e.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()"
         )
+        self.run("new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(() => go(true))))")  # scrolled
         return box[0] + x * box[2], box[1] + y * box[3]
 
     def mouse(self, kind: str, x: float, y: float, **more: object) -> None:
