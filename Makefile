@@ -12,7 +12,7 @@ unexport PYTHONDONTWRITEBYTECODE
 CORES := -n logical
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study docs links test variants fast check lint types doctests bench campaign mutants clean
+.PHONY: help setup study docs links test variants fast check lint types doctests collect bench campaign mutants clean
 
 help:    ## show what each target does
 	@grep -hE '^[a-z]+: .*##|^[a-z]+:  +##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -50,7 +50,7 @@ variants: ## every test on other Pythons, versions, processors and orders: a tab
 fast: $(READY) ## the tests that take seconds
 	$(BIN)/python -m pytest $(CORES) -m 'not slow and not campaign'
 
-check: types lint doctests ## lint, format, types, layers, doctests; with -j2 two at a time
+check: types lint doctests collect ## lint, format, types, layers, doctests, imports of tests; with -j2 two at a time
 
 lint: $(READY)
 	$(BIN)/ruff check .
@@ -62,6 +62,10 @@ types: $(READY)
 
 doctests: $(READY)
 	$(BIN)/python -m pytest --doctest-modules casingfem contact
+
+# every test module is found and imported; pytest keeps them compiled, which each worker would else do for itself
+collect: $(READY)
+	$(BIN)/python -m pytest --collect-only -qqq
 
 bench: $(READY) ## speed tables
 	$(BIN)/python -m reports.speed

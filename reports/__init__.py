@@ -1,1 +1,11 @@
-"""Tables and figures, each a script with `main(out, quick=False)`."""
+"""Tables and figures, each a script with `main(out, quick=False)`.
+
+BLAS keeps to one thread unless told otherwise, as the command line does: factorisations here are small, and beside
+other work two threads that wait for each other take ten times as long.
+"""
+
+import os
+
+from casingfem.__main__ import threads
+
+os.environ.update(threads(os.environ))

@@ -1,5 +1,6 @@
 """Structures that many tests share. Meshes are coarse where the point is an invariant."""
 
+import gc
 from collections.abc import Callable
 from pathlib import Path
 
@@ -95,6 +96,13 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Groups:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """What compiles comes first, then what takes long."""
     items.sort(key=lambda item: PLACE.get(item.path.name, len(PLACE)))
+
+
+def pytest_collection_finish() -> None:
+    """Tests and libraries stay until the end: a collector that never looks at them again saves a twentieth."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 100)
 
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)

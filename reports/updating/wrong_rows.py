@@ -5,7 +5,9 @@ noise, on a coarse mesh of its own family (order 5, one row of 11 elements), fro
 draws 1 to 3 frequencies are wrong by 1 to 5 %, up or down; the other half are clean tables. A row counts as named if it
 is set aside, or said to pair with no mode; rows that are named and right are counted apart. The parameters are compared
 with those of the same draw before it was spoilt, fitted with all rows: in the fit's own standard deviations, which are
-larger where what was spoilt had told of a split alone, and in those of the fit to the clean table.
+larger where what was spoilt had told of a split alone, and in those of the fit to the clean table. In the latter no fit
+can always be near: who loses the one row that told of a parameter, loses what it told. So the fit that knows the wrong
+rows and leaves them out is judged beside it, as the best that can be done.
 """
 
 import warnings
@@ -28,7 +30,9 @@ DRAWS, QUICK = 200, 4
 class Draw(NamedTuple):
     """One table: how many rows were wrong, how many of them and of the others were named, largest distances.
 
-    Distances are in sigma of the fit itself, in those of the fit to the clean table, and that of the fit with all rows.
+    Largest distances of a parameter from the fit to the clean table: in sigma of the fit itself, in those of the clean
+    fit, that of the fit which knows the wrong rows in those too, and that of the fit with all rows. How many of the
+    parameters lie within 3 sigma of the clean fit.
     """
 
     wrong: int
@@ -36,7 +40,9 @@ class Draw(NamedTuple):
     alarms: int
     distance: float
     distance_clean: float
+    best_clean: float
     plain_distance: float
+    within: int
 
 
 def spoilt(table: cf.FrequencyTable, wrong: int, rng: np.random.Generator) -> tuple[cf.FrequencyTable, set[int]]:
@@ -56,15 +62,17 @@ def drawn(exact: cf.FrequencyTable, seed: int, wrong: int) -> Draw:
     fit = cf.update(start, table, VARY)
     aside = {mode for outlier in fit.outliers for mode in outlier.modes}
     if not wrong:
-        return Draw(0, 0, len(aside), 0.0, 0.0, 0.0)
+        return Draw(0, 0, len(aside), 0.0, 0.0, 0.0, 0.0, len(VARY))
     reference = cf.update(start, clean, VARY, outliers="keep")
     plain = fit if fit.plain is None else fit.plain
+    best = cf.update(start, clean.without(*modes), VARY, outliers="keep")
     apart = [
-        np.abs((f.x - reference.x) / sigma).max()
-        for f, sigma in ((fit, fit.sigma), (fit, reference.sigma), (plain, plain.sigma))
+        np.abs((f.x - reference.x) / sigma)
+        for f, sigma in ((fit, fit.sigma), (fit, reference.sigma), (best, reference.sigma), (plain, plain.sigma))
     ]
     found = modes & (aside | set(fit.unpaired))
-    return Draw(wrong, len(found), len(aside - modes), *map(float, apart))
+    within = int((apart[1] <= 3.0).sum())
+    return Draw(wrong, len(found), len(aside - modes), *(float(off.max()) for off in apart), within)
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:
@@ -83,6 +91,8 @@ def main(out: Path, quick: bool = False) -> list[Row]:
             "others named too %": float(100.0 * np.mean([d.alarms > 0 for d in group])),
             "within 3 sigma %": float(100.0 * np.mean([d.distance <= 3.0 for d in group])),
             "of the clean fit %": float(100.0 * np.mean([d.distance_clean <= 3.0 for d in group])),
+            "of it at best %": float(100.0 * np.mean([d.best_clean <= 3.0 for d in group])),
+            "each parameter %": float(100.0 * np.mean([d.within / len(VARY) for d in group])),
             "plain fit within %": float(100.0 * np.mean([d.plain_distance <= 3.0 for d in group])),
         }
         for name, group in groups.items() if group
@@ -91,11 +101,14 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     rows.append({"wrong rows": "0", "tables": len(clean), "others named too %": alarms})
     show("Tables of 24 rows, some of them wrong", rows)
     every = rows[-2]
-    shares = [float(str(every[name])) for name in ("all named %", "within 3 sigma %", "of the clean fit %")]
-    rows[-2]["verdict"] = "pass" if min(shares) >= 95.0 and alarms <= 5.0 else "MISSED"
+    names = ("all named %", "within 3 sigma %", "of the clean fit %", "of it at best %", "each parameter %")
+    shares = [float(str(every[name])) for name in names]
+    reached = min(*shares[:2], shares[4]) >= 95.0 and shares[2] >= min(95.0, shares[3])
+    rows[-2]["verdict"] = "pass" if reached and alarms <= 5.0 else "MISSED"
     print(
         f"\n{len(draws)} tables with wrong rows: all named in {shares[0]:.4g} %, parameters within 3 sigma of the clean"
-        f" fit in {shares[1]:.4g} % by the fit's own sigma, in {shares[2]:.4g} % by the clean fit's;"
+        f" fit in {shares[1]:.4g} % by the fit's own sigma, in {shares[2]:.4g} % by the clean fit's ({shares[3]:.4g} %"
+        f" for who knows the wrong rows; {shares[4]:.4g} % of the parameters one by one);"
         f" {alarms:.4g} % of {len(clean)} clean tables had a false alarm"
     )
     far = [k for k, d in enumerate(draws) if d.distance_clean > 3.0]
