@@ -27,7 +27,7 @@ from casingfem.experiment.identify.mode_pairs import notes_of, paired, settled
 from casingfem.experiment.identify.poles.bands import find_bands, line_noise
 from casingfem.experiment.identify.poles.stabilisation import join
 from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.suspects import suspect_sensors, suspected
+from casingfem.experiment.identify.setups.suspects import suspect_sensors, suspected
 from casingfem.experiment.identify.usable import usable
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 

@@ -8,9 +8,9 @@ from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.channel_offs import BELONGS, belonging, waves_of
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.own_shifts import Modes, Problem
+from casingfem.experiment.identify.setups.suspects import suspect_sensors, suspected
 from casingfem.experiment.identify.setups.wave_fit import Shapes, WaveProblem, wave_fit
 from casingfem.experiment.identify.setups.wave_search import wave_modes
-from casingfem.experiment.identify.suspects import suspect_sensors, suspected
 
 SETUPS = [np.arange(0, 4), np.arange(4, 8), np.arange(8, 12)]
 THETA = np.radians(15.0 * np.arange(12) + np.array([1, -3, 2, 0, 3, -2, 1, 2, -1, 0, 3, -2]))
