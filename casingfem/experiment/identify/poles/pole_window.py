@@ -86,12 +86,12 @@ class Window:
 
     def values(self, f: FloatArray, zeta: FloatArray) -> Array:
         """Complex resonances (lines, poles) of unit residue."""
-        x, w = self._places(), f / self.scale
+        x, w = self.places()[0][:, None], f / self.scale
         return self._seen((1j * x) ** self.power * (w**2 * _compliance(x, w, zeta)))
 
     def peaks(self, f: FloatArray, zeta: FloatArray) -> tuple[Array, tuple[Array, Array]]:
         """Complex resonances (lines, poles) of unit residue, and their derivatives by ln f and ln zeta."""
-        x, w = self._places(), f / self.scale
+        x, w = self.places()[0][:, None], f / self.scale
         inverse = _compliance(x, w, zeta)
         g = (1j * x) ** self.power * (w**2 * inverse)
         inverse *= g
@@ -116,21 +116,22 @@ class Window:
             columns = np.stack([columns, 1j * columns], axis=2).reshape(len(columns), -1)
         return np.concatenate([columns.real, columns.imag])
 
-    def _places(self) -> FloatArray:
-        """Where terms are computed, over the mean frequency, (places, 1): lines, and those from which they leak."""
+    def places(self) -> tuple[FloatArray, int]:
+        """Where terms are computed, over the mean frequency, (places,): lines, and those from which they leak.
+
+        And how many places apart the shares of a leak lie, 0 where nothing leaks.
+        """
         if not self.leak:
-            at = self.freq
-        elif self._next_to_each_other():
+            return self.freq / self.scale, 0
+        if self._next_to_each_other():
             at = np.concatenate([[self.freq[0] - self.leak], self.freq, [self.freq[-1] + self.leak]])
-        else:
-            at = np.concatenate([self.freq + by * self.leak for by, _ in HANN])
-        return np.asarray(at[:, None] / self.scale)
+            return at / self.scale, 1
+        return np.concatenate([self.freq + by * self.leak for by, _ in HANN]) / self.scale, len(self.freq)
 
     def _seen(self, terms: Array) -> Array:
-        """Terms at `_places` as the lines show them, (lines, poles): leaked and weighted."""
-        count = len(self.freq)
-        if self.leak:
-            apart = 1 if self._next_to_each_other() else count
+        """Terms at `places` as the lines show them, (lines, poles): leaked and weighted."""
+        count, apart = len(self.freq), self.places()[1]
+        if apart:
             shown = HANN[1][1] * terms[apart : apart + count]
             shown += HANN[0][1] * (terms[:count] + terms[2 * apart :])
             terms = shown

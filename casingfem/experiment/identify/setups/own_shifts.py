@@ -15,10 +15,12 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.experiment.identify.poles.pole_window import Window
+from casingfem.experiment.identify.setups.inner_products import Problem
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 
 STEPS = 25
 SETTLED = 0.3  # of the noise's variance: a gain that ends the fit
+SETTLED_ALONE = 0.03  # the same for a set-up by itself: which are one is told by small differences
 LEAST, MOST_ZETA = 1e-6, 0.3
 SINGULAR = 1e-13  # of a matrix' trace, beside its diagonal: coinciding poles have no residues of their own
 TRUST = 1.0, 0.7  # largest step: half-power half-widths, ln zeta
@@ -114,65 +116,6 @@ def squares_at(window: Window, setups: Setups, freq: FloatArray, zeta: FloatArra
     return float((_At.of(problem, np.log(freq), q) if len(freq) else problem).squares.sum())
 
 
-class Problem(NamedTuple):
-    """Data (setups, lines, most channels of one) across the polynomials' basis (lines, terms); 0 where none is.
-
-    Both are complex, orthogonal as real columns are, real parts over imaginary ones. `power` has each entry's share of
-    the power, `squares` (setups,) that of each set-up; `ridge` (modes x columns,) as in `linked`.
-    """
-
-    window: Window
-    setups: Setups
-    basis: Array
-    data: Array
-    power: FloatArray
-    squares: FloatArray
-    ridge: FloatArray = np.zeros(1)
-
-    @classmethod
-    def of(cls, window: Window, setups: Setups) -> Problem:
-        """Of a window and its set-ups."""
-        half, basis = len(window.freq), np.linalg.qr(window.residuals())[0]
-        rest = window.Y - basis @ (basis.T @ window.Y)
-        data = np.zeros((len(setups), half, max(len(channels) for channels in setups)), complex)
-        for one, channels in zip(data, setups, strict=True):
-            one[:, : len(channels)] = rest[:half, channels] + 1j * rest[half:, channels]
-        power = np.abs(data) ** 2
-        squares = np.asarray(power.sum(axis=(1, 2)))
-        return cls(window, setups, basis[:half] + 1j * basis[half:], data, power / max(squares.sum(), 1e-300), squares)
-
-    def columns(self, p: FloatArray, q: FloatArray) -> Array:
-        """Resonances, then slopes by ln f, then by ln zeta, (setups, 3 modes, lines) complex; p, q (modes, setups)."""
-        m, count = p.shape
-        g, slopes = self.window.peaks(np.exp(p.T).ravel(), np.exp(q.T).ravel())
-        each = np.stack([g, *slopes]).reshape(3, -1, count, m)
-        return np.ascontiguousarray(each.transpose(2, 0, 3, 1)).reshape(count, 3 * m, -1)
-
-    def products(self, p: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Inner products of `columns` with each other, and with the data, polynomials taken off, set-ups first."""
-        s, columns = self.window.columns, self.columns(p, q)
-        left = columns.conj()
-        inside = _parts(self.basis.conj().T @ columns.swapaxes(1, 2), s)
-        products = _parts(_turned(left @ columns.swapaxes(1, 2), s), s) - inside.swapaxes(1, 2) @ inside
-        return products, np.asarray(_turned(left @ self.data, s).real)
-
-    def on_peaks(self, p: FloatArray, q: FloatArray, residues: FloatArray) -> float:
-        """Variance of an entry that is left where the data are high."""
-        m, s = len(p), self.window.columns
-        g = self.columns(p, q)[:, :m]
-        A = residues.reshape(len(g), m, s, -1)
-        factor = A[:, :, 0] + (1j * A[:, :, 1] if s == 2 else 0.0)
-        inside = _parts(self.basis.conj().T @ g.swapaxes(1, 2), s)
-        left = self.data - g.swapaxes(1, 2) @ factor + self.basis @ (inside @ residues)
-        return 0.5 * float(np.sum(np.abs(left) ** 2 * self.power))
-
-
-def _parts(product: Array, s: int) -> FloatArray:
-    """Real inner products, from complex ones: with the right vectors and, for s = 2, j times them beside each."""
-    both = np.stack([product.real, -product.imag][:s], axis=-1)
-    return both.reshape(*product.shape[:-1], -1)
-
-
 class _At(NamedTuple):
     """Everything at one set of poles, set-ups first: squares left, residues, normal equations of (ln f, ln zeta).
 
@@ -208,16 +151,16 @@ class _At(NamedTuple):
             gradient=-np.sum((turned * both).reshape(count, 2 * m, -1), axis=2),
         )
 
-    def where(self, better: BoolArray, other: _At) -> _At:
-        """Where it is better, set-up by set-up, this one, the other elsewhere."""
-        kept = [np.where(better.reshape(-1, *[1] * (a.ndim - 1)), a, b) for a, b in zip(self, other, strict=True)]
-        return _At(*kept)
+    def moved(self, which: IntArray, other: _At) -> _At:
+        """The other's in its set-ups, which are these of all."""
+        fields = [field.copy() for field in self]
+        for field, new in zip(fields, other, strict=True):
+            field[which] = new
+        return _At(*fields)
 
-
-def _turned(product: Array, s: int) -> Array:
-    """Complex inner products, those of j times each left vector below them for s = 2."""
-    both = np.stack([product, -1j * product][:s], axis=2)
-    return both.reshape(len(product), -1, product.shape[2])
+    def some(self, which: IntArray | BoolArray) -> _At:
+        """Some of the set-ups."""
+        return _At(*(field[which] for field in self))
 
 
 def _fit(
@@ -230,25 +173,30 @@ def _fit(
     common: bool,
     most: float = np.inf,
 ) -> OwnPeaks:
-    """Levenberg-Marquardt; each set-up has its own damping of the steps, unless `common`."""
+    """Levenberg-Marquardt; each set-up has its own damping of the steps, and its own end, unless `common`."""
     m, count = freq.shape
     low, high = np.log(span)
     entries = 2 * len(problem.window.freq) * np.array([len(channels) for channels in problem.setups])
     p, q = _near_each_other(np.log(freq), most), np.repeat(np.log(zeta)[:, None], count, axis=1)
     at, damping, settled = _At.of(problem, p, q), np.full(count, 1e-3), np.zeros(count, bool)
     for _ in range(STEPS):
-        by_freq, by_zeta = (_common_step if common else _own_steps)(at, damping)
-        limit = TRUST[0] * np.exp(q)
-        p_new = _near_each_other(np.clip(p + np.clip(by_freq, -limit, limit), low, high), most)
-        q_new = np.clip(q + np.clip(by_zeta, -TRUST[1], TRUST[1]), np.log(LEAST), np.log(MOST_ZETA))
-        new = _At.of(problem, p_new, q_new)
-        gain = at.squares - new.squares
+        here = np.flatnonzero(~settled)
+        old = at.some(here)
+        by_freq, by_zeta = (_common_step if common else _own_steps)(old, damping[here])
+        limit = TRUST[0] * np.exp(q[:, here])
+        p_new = _near_each_other(np.clip(p[:, here] + np.clip(by_freq, -limit, limit), low, high), most)
+        q_new = np.clip(q[:, here] + np.clip(by_zeta, -TRUST[1], TRUST[1]), np.log(LEAST), np.log(MOST_ZETA))
+        new = _At.of(problem.some(here), p_new, q_new)
+        gain = old.squares - new.squares
         gain = np.full(count, gain.sum()) if common else gain
         better = gain >= 0.0
-        p, q, at = np.where(better, p_new, p), np.where(better, q_new, q), new.where(better, at)
-        damping = damping * np.where(better, 0.2, 8.0)
-        left = at.squares.sum() / problem.window.Y.size if common else at.squares / entries
-        settled |= (better & (gain < SETTLED * np.minimum(noise, left))) | (damping > 1e6)
+        moved = here[better]
+        p[:, moved], q[:, moved], at = p_new[:, better], q_new[:, better], at.moved(moved, new.some(better))
+        damping[here] *= np.where(better, 0.2, 8.0)
+        left = at.squares.sum() / problem.window.Y.size if common else at.squares[here] / entries[here]
+        settled[here] = (better & (gain < (SETTLED if common else SETTLED_ALONE) * np.minimum(noise, left))) | (
+            damping[here] > 1e6
+        )
         if settled.all():
             break
     residues = np.zeros((m, problem.window.Y.shape[1]), complex)

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.experiment.identify.setups.clusters import Cluster
-from casingfem.experiment.identify.setups.own_shifts import Problem
+from casingfem.experiment.identify.setups.inner_products import Problem
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 
 STEPS = 25

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.experiment.identify.setups.clusters import Cluster
-from casingfem.experiment.identify.setups.own_shifts import Problem, Setups
+from casingfem.experiment.identify.setups.inner_products import Problem
+from casingfem.experiment.identify.setups.own_shifts import Setups
 from casingfem.experiment.identify.setups.wave_fit import Shapes, WaveProblem, Waves, fitted, wave_fit
 from casingfem.experiment.identify.setups.wave_kinds import (
     GAIN,

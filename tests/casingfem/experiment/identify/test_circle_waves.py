@@ -7,7 +7,8 @@ from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.channel_offs import BELONGS, belonging, waves_of
 from casingfem.experiment.identify.setups.clusters import Cluster
-from casingfem.experiment.identify.setups.own_shifts import Modes, Problem
+from casingfem.experiment.identify.setups.inner_products import Problem
+from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.suspects import suspect_sensors, suspected
 from casingfem.experiment.identify.setups.wave_fit import Shapes, WaveProblem, wave_fit
 from casingfem.experiment.identify.setups.wave_search import wave_modes
