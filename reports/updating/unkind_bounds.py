@@ -17,7 +17,8 @@ from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.clusters import AROUND, REACH, Cluster
 from casingfem.experiment.identify.setups.inner_products import Problem
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.wave_fit import WIDE, Shapes, WaveProblem, Waves, wave_fit
+from casingfem.experiment.identify.setups.wave_fit import wave_fit
+from casingfem.experiment.identify.setups.wave_model import WIDE, Shapes, WaveProblem, Waves
 from casingfem.experiment.rig.files import rig_angles
 from casingfem.experiment.rig.rig import Rig
 from casingfem.experiment.rig.troubles import TroubledTest, troubled_frfs

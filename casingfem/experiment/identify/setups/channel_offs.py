@@ -6,7 +6,7 @@ import numpy as np
 
 from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.suspects import most_say
-from casingfem.experiment.identify.setups.wave_fit import SURE, WIDE, Waves
+from casingfem.experiment.identify.setups.wave_model import SURE, WIDE, Waves
 from casingfem.io.arrays import Array, BoolArray, FloatArray
 
 LEAST = 5, 6  # modes, and channels beyond those that a wave needs, from which on shapes tell

@@ -7,7 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.setups.wave_fit import Products, Shapes, WaveFit, WaveProblem, fitted, unlikely_at
+from casingfem.experiment.identify.setups.wave_fit import WaveFit, fitted
+from casingfem.experiment.identify.setups.wave_model import Products, Shapes, WaveProblem
+from casingfem.experiment.identify.setups.wave_odds import unlikely_kinds
+from casingfem.experiment.identify.setups.wave_residues import eliminated, unlikely_at
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 NEAR = 4.0  # usual shifts beyond a bandwidth, within which two modes may be exchanged
@@ -36,15 +39,15 @@ def likely_kinds(
     problem: WaveProblem, shapes: Shapes, at: Products, q: FloatArray, pair: tuple[int, int] | None = None
 ) -> Shapes:
     """Kinds of waves that are more likely at some poles: of single modes, then of neighbours; or of one `pair`."""
-    best = unlikely_at(problem, shapes, at)
+    rest = eliminated(problem, shapes, at)
+    best = unlikely_at(problem, shapes, at, rest)
     for which in [pair] if pair else [*((k,) for k in range(len(q))), *pairs_near(problem, at.p, q)]:
-        for kind in range(len(problem.waves.columns)):
-            tried = shapes.kind.copy()
-            tried[list(which)] = kind
-            if np.any(tried != shapes.kind):
-                unlikely = unlikely_at(problem, shapes._replace(kind=tried), at)
-                if unlikely < best - GAIN:
-                    best, shapes = unlikely, shapes._replace(kind=tried)
+        unlikely = unlikely_kinds(problem, shapes, at, rest, np.array(which))
+        if unlikely.min() < best - GAIN:
+            best, kind = float(unlikely.min()), shapes.kind.copy()
+            kind[list(which)] = unlikely.argmin()
+            shapes = shapes._replace(kind=kind)
+            rest = eliminated(problem, shapes, at)
     return shapes
 
 
@@ -61,13 +64,8 @@ def sized(problem: WaveProblem, read: WaveRead, first: FloatArray) -> WaveRead:
     means = np.einsum("kcw,kw->kc", problem.waves.columns[shapes.kind], fit.x)
     size = np.where(problem.waves.is_wave[shapes.kind], rms(means), rms(fit.residues / problem.weight))
     shapes = shapes._replace(size=np.clip(size, first / GROWN, first * GROWN))
-    shapes = likely_kinds(problem, shapes, products_at(problem, fit.p, fit.q), fit.q)
+    shapes = likely_kinds(problem, shapes, problem.products(fit.p, fit.q), fit.q)
     return WaveRead(shapes, fitted(problem, shapes, fit.p, fit.q))
-
-
-def products_at(problem: WaveProblem, p: FloatArray, q: FloatArray) -> Products:
-    """Inner products at ln f (modes, setups), ln zeta (modes,)."""
-    return problem.products(p, np.repeat(q[:, None], p.shape[1], axis=1))
 
 
 def rms(parts: Array) -> FloatArray:

@@ -16,8 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.experiment.identify.setups.places import best_beside
-from casingfem.experiment.identify.setups.wave_fit import Shapes, WaveProblem, fitted, solved, unlikely_at
-from casingfem.experiment.identify.setups.wave_kinds import WaveRead, pairs_near, products_at, rms, sized
+from casingfem.experiment.identify.setups.wave_fit import fitted, solved
+from casingfem.experiment.identify.setups.wave_kinds import WaveRead, pairs_near, rms, sized
+from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem
+from casingfem.experiment.identify.setups.wave_odds import unlikely_kinds, unlikely_local
+from casingfem.experiment.identify.setups.wave_residues import eliminated
 from casingfem.io.arrays import FloatArray
 
 WIDER = 1.0, 3.0  # times the usual damping, that a further mode is tried with
@@ -76,17 +79,17 @@ def _starts(problem: WaveProblem, read: WaveRead, usual: float) -> Iterator[tupl
 
 def _kinds(problem: WaveProblem, read: WaveRead, p: FloatArray, q: FloatArray) -> Iterator[tuple[WaveProblem, Shapes]]:
     """The most likely wave, and the most likely set of channels, that the last mode of a start may be."""
-    waves, at = problem.waves, products_at(problem, p, q)
+    waves, at = problem.waves, problem.products(p, q)
     free = Shapes(np.append(read.shapes.kind, np.flatnonzero(~waves.is_wave)[0]),
                   np.append(read.shapes.size, np.median(read.shapes.size)))  # fmt: skip
     residues = solved(problem, free, at, q).residues[-1:] / problem.weight
     shapes = free._replace(size=np.append(read.shapes.size, rms(residues)))
-    tried = [(problem, _last(shapes, int(kind))) for kind in np.flatnonzero(waves.is_wave)]
-    yield min(tried, key=lambda one: unlikely_at(one[0], one[1], at))
+    unlikely = unlikely_kinds(problem, shapes, at, eliminated(problem, shapes, at), np.array([len(p) - 1]))
+    yield problem, _last(shapes, int(np.where(waves.is_wave, unlikely, np.inf).argmin()))
     strongest = np.argsort(-np.abs(residues[0] * problem.weight))
-    most, kind = int(LOCAL * len(strongest)), len(waves.columns)
-    local = [problem._replace(waves=waves.seen_by(strongest[:count])) for count in range(1, most + 1)]
-    yield min(((one, _last(shapes, kind)) for one in local), key=lambda one: unlikely_at(one[0], one[1], at))
+    few = strongest[: int(LOCAL * len(strongest))]
+    count = 1 + int(unlikely_local(problem, shapes, at, few).argmin())
+    yield problem._replace(waves=waves.seen_by(strongest[:count])), _last(shapes, len(waves.columns))
 
 
 def _last(shapes: Shapes, kind: int) -> Shapes:

@@ -15,17 +15,17 @@ import numpy as np
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.inner_products import Problem
 from casingfem.experiment.identify.setups.own_shifts import Setups
-from casingfem.experiment.identify.setups.wave_fit import Shapes, WaveProblem, Waves, fitted, wave_fit
+from casingfem.experiment.identify.setups.wave_fit import fitted, wave_fit
 from casingfem.experiment.identify.setups.wave_kinds import (
     GAIN,
     WaveRead,
     kinds_alone,
     likely_kinds,
     pairs_near,
-    products_at,
     rms,
     sized,
 )
+from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem, Waves
 from casingfem.experiment.identify.setups.wave_more import one_more
 from casingfem.io.arrays import Array, FloatArray
 
@@ -59,7 +59,7 @@ def wave_modes(c: Cluster, setups: Setups, waves: Waves, shift: float) -> WaveMo
     problem = WaveProblem(c, Problem.of(c.window, setups), weight, waves, shift)
     size, worth = rms(c.modes.residues) + 1e-300, list[float]()
     p, q = np.log(c.modes.freq), np.log(c.modes.zeta)
-    shapes = likely_kinds(problem, Shapes(kinds_alone(problem), size), products_at(problem, p, q), q)
+    shapes = likely_kinds(problem, Shapes(kinds_alone(problem), size), problem.products(p, q), q)
     read, others = _settled(problem, WaveRead(shapes, fitted(problem, shapes, p, q)), size)
     for _ in range(MORE):
         more = one_more(problem, read)
@@ -87,7 +87,7 @@ def _searched(problem: WaveProblem, read: WaveRead) -> tuple[WaveRead, list[Wave
     for pair in pairs_near(problem, read.fit.p, read.fit.q):
         for s in range(count):
             for p in _starts(read.fit.p, list(pair), s):
-                shapes = likely_kinds(problem, read.shapes, products_at(problem, p, read.fit.q), read.fit.q, pair)
+                shapes = likely_kinds(problem, read.shapes, problem.products(p, read.fit.q), read.fit.q, pair)
                 tried = fitted(problem, shapes, p, read.fit.q, STEPS[0])
                 if tried.unlikely > read.fit.unlikely + HOPELESS:
                     continue

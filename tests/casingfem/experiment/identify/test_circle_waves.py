@@ -10,7 +10,10 @@ from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.inner_products import Problem
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.suspects import suspect_sensors, suspected
-from casingfem.experiment.identify.setups.wave_fit import Shapes, WaveProblem, wave_fit
+from casingfem.experiment.identify.setups.wave_fit import wave_fit
+from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem
+from casingfem.experiment.identify.setups.wave_odds import unlikely_kinds, unlikely_local
+from casingfem.experiment.identify.setups.wave_residues import eliminated, unlikely_at
 from casingfem.experiment.identify.setups.wave_search import wave_modes
 
 SETUPS = [np.arange(0, 4), np.arange(4, 8), np.arange(8, 12)]
@@ -78,6 +81,24 @@ def test_slopes_of_the_squares_are_those_of_differences():
             both[k] += side
             moved.append(wave_fit(problem, shapes, both[:6].reshape(2, 3), both[6:]).squares)
         assert 2.0 * at.gradient[k] == pytest.approx((moved[1] - moved[0]) / (2 * step), rel=1e-3, abs=1e-2)
+
+
+def test_kinds_and_local_modes_are_as_likely_together_as_one_by_one():
+    c = cluster(FREQ)
+    problem = WaveProblem(c, Problem.of(c.window, SETUPS), np.linspace(0.8, 1.2, 12), known(), SHIFT)
+    shapes, at = Shapes(np.array([4, 2]), np.array([0.6, 0.4])), problem.products(np.log(FREQ), np.log(ZETA))
+    rest = eliminated(problem, shapes, at)
+    for which in ([0], [1], [0, 1]):
+        kinds = np.repeat(shapes.kind[None], len(problem.waves.columns), axis=0)
+        kinds[:, which] = np.arange(len(kinds))[:, None]
+        each = [unlikely_at(problem, shapes._replace(kind=kind), at) for kind in kinds]
+        np.testing.assert_allclose(unlikely_kinds(problem, shapes, at, rest, np.array(which)), each, rtol=1e-9)
+    order = np.array([5, 0, 11, 7])
+    local = shapes._replace(kind=np.array([4, len(problem.waves.columns)]))
+    each = [
+        unlikely_at(problem._replace(waves=problem.waves.seen_by(order[:count])), local, at) for count in range(1, 5)
+    ]
+    np.testing.assert_allclose(unlikely_local(problem, shapes, at, order), each, rtol=1e-9)
 
 
 def test_suspect_sensors_are_those_that_are_named():

@@ -1,0 +1,119 @@
+"""Residues of modes that are waves, but for what each channel is off, eliminated at poles that are known.
+
+With G = Phi^T Phi of a set-up, b = Phi^T y of a channel, L the noise over the variances of its residues A, E x their
+means, H = (G + L)^-1 and A = H (b + L E x) eliminated, x from N x = r,
+
+    squares = |y|^2 - b^T H b - r^T x,   N = sum E^T (L - L H L) E + prior,   r = sum E^T L H b.
+
+What a channel gives does not depend on which wave a mode is, but for E: of any number of kinds, and of sets of channels
+that see a local mode, only N and r are formed anew, from real parts alone, as those of waves are.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.experiment.identify.setups.wave_model import WIDE, Products, Shapes, WaveProblem
+from casingfem.io.arrays import FloatArray, IntArray
+
+
+class Eliminated(NamedTuple):
+    """Of each channel, set-up by set-up: H, H b, the diagonal of L, all over modes x parts.
+
+    `own` (channels, modes, modes) is L - L H L and `told` (channels, modes) L H b of real parts; `squares` (channels,)
+    b^T H b, `logs` (channels,) ln det (G + L) - ln det L.
+    """
+
+    H: FloatArray
+    free: FloatArray
+    L: FloatArray
+    own: FloatArray
+    told: FloatArray
+    squares: FloatArray
+    logs: FloatArray
+
+
+class Means(NamedTuple):
+    """N, and r, of the columns of all modes, and `prior`, the diagonal of N without data."""
+
+    N: FloatArray
+    r: FloatArray
+    prior: FloatArray
+
+
+def eliminated(problem: WaveProblem, shapes: Shapes, at: Products) -> Eliminated:
+    """The residues of all channels, whatever the waves."""
+    m, s, counts = len(at.p), problem.data.window.columns, problem.counts
+    whole = np.repeat(at.own[:, : m * s, : m * s], counts, axis=0)
+    b = np.concatenate([by[: m * s, :many].T for by, many in zip(at.by_data, counts, strict=True)])
+    L = _held(problem, shapes)
+    whole[:, np.arange(m * s), np.arange(m * s)] += L
+    H = np.asarray(np.linalg.inv(whole), np.float64)
+    free = (H @ b[:, :, None])[:, :, 0]
+    real = slice(0, m * s, s)
+    own = -L[:, real, None] * H[:, real, real] * L[:, None, real]
+    own[:, np.arange(m), np.arange(m)] += L[:, real]
+    logs = np.linalg.slogdet(whole)[1] - np.log(L).sum(axis=1)
+    return Eliminated(H, free, L, own, L[:, real] * free[:, real], np.sum(b * free, axis=1), logs)
+
+
+def means(problem: WaveProblem, shapes: Shapes, rest: Eliminated) -> Means:
+    """The equations of the waves of all modes."""
+    D, prior = drawn_to(problem, shapes.kind), prior_of(problem, shapes)
+    N = between(D, rest.own, D)
+    return Means(N + np.diag(prior), np.einsum("caw,ca->aw", D, rest.told).ravel(), prior)
+
+
+def drawn_to(problem: WaveProblem, kind: IntArray) -> FloatArray:
+    """Weighted columns of some kinds of waves, (channels, kinds, columns), set-up by set-up."""
+    order = problem.order
+    columns = problem.waves.columns[kind][:, order] * problem.weight[order, None]
+    return np.ascontiguousarray(columns.swapaxes(0, 1))
+
+
+def prior_of(problem: WaveProblem, shapes: Shapes) -> FloatArray:
+    """What the parts of each mode's wave are held to 0 by, (modes x columns,)."""
+    return np.repeat(problem.cluster.noise / (WIDE * shapes.size) ** 2, problem.waves.columns.shape[2])
+
+
+def between(D: FloatArray, own: FloatArray, E: FloatArray) -> FloatArray:
+    """Sum over the channels of D^T own E, (modes x columns, modes x columns)."""
+    right = own[:, :, :, None] * E[:, None]
+    flat = right.reshape(*own.shape[:2], -1).swapaxes(0, 1)
+    return np.asarray(D.transpose(1, 2, 0) @ flat).reshape(D.shape[1] * D.shape[2], -1)
+
+
+def squares_held(problem: WaveProblem, at: Products, rest: Eliminated) -> float:
+    """Squares left by residues without waves, deviations from usual shifts among them."""
+    off, pull = pulled(problem, at)
+    return float(problem.data.squares.sum() - rest.squares.sum() + pull * np.sum(off**2))
+
+
+def unlikely_at(problem: WaveProblem, shapes: Shapes, at: Products, rest: Eliminated | None = None) -> float:
+    """-2 ln of the likelihood at some poles."""
+    rest = eliminated(problem, shapes, at) if rest is None else rest
+    N, r, prior = means(problem, shapes, rest)
+    fixed = squares_held(problem, at, rest) / problem.cluster.noise + rest.logs.sum()
+    return float(fixed + unlikely_by(problem, N[None], r[None])[0] - np.log(prior).sum())
+
+
+def unlikely_by(problem: WaveProblem, N: FloatArray, r: FloatArray) -> FloatArray:
+    """What several equations N x = r (any number, columns) add to it."""
+    gain = np.sum(r * np.linalg.solve(N, r[:, :, None])[:, :, 0], axis=1)
+    return np.asarray(np.linalg.slogdet(N)[1] - gain / problem.cluster.noise)
+
+
+def pulled(problem: WaveProblem, at: Products) -> tuple[FloatArray, float]:
+    """What ln f of each set-up is off the mode's mean, and what that costs."""
+    pull = problem.cluster.noise / problem.shift**2 if at.p.shape[1] > 1 else 0.0
+    return at.p - at.p.mean(axis=1, keepdims=True), pull
+
+
+def _held(problem: WaveProblem, shapes: Shapes) -> FloatArray:
+    """The noise over the variances of residues, (channels, modes x parts)."""
+    waves, order, parts = problem.waves, problem.order, problem.data.window.columns
+    spread = np.stack([waves.off, waves.lag][:parts], axis=2)[shapes.kind][:, order].transpose(1, 0, 2)
+    sizes = spread * shapes.size[:, None] * problem.weight[order, None, None]
+    return np.asarray(problem.cluster.noise / sizes**2).reshape(len(order), -1)
