@@ -90,5 +90,6 @@ def alike_lines(fit: PoleFit, pole: int) -> float:
     whole = float(np.sum(np.abs(about) ** 2))
     if most < 2 or whole == 0.0:
         return 1.0
-    rho = [float(np.sum((about[lag:] * about[:-lag].conj()).real)) / whole for lag in range(1, most)]
+    spectrum = np.fft.fft(about, 2 * len(about), axis=0)  # so long that no lag comes round the end
+    rho = np.fft.ifft(np.sum(spectrum.real**2 + spectrum.imag**2, axis=1)).real[1:most] / whole
     return max(1.0, 1.0 + 2.0 * float(np.sum((1.0 - np.arange(1, most) / most) * rho)))

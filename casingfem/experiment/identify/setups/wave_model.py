@@ -32,13 +32,8 @@ class Waves(NamedTuple):
     @property
     def spread(self) -> IntArray:
         """A number of each kind, the same for those that channels are off by the same, (kinds,)."""
-        rows = np.hstack([self.off, self.lag])
-        return np.asarray(np.unique(rows, axis=0, return_inverse=True)[1], np.int64).ravel()
-
-    @property
-    def alike(self) -> list[IntArray]:
-        """The kinds of each such number."""
-        return [np.flatnonzero(self.spread == k) for k in np.unique(self.spread)]
+        numbers = dict[bytes, int]()
+        return np.array([numbers.setdefault(row.tobytes(), len(numbers)) for row in np.hstack([self.off, self.lag])])
 
     def seen_by(self, channels: IntArray) -> Waves:
         """With one more kind, the last: a local mode that so many channels see, the others next to nothing of it."""

@@ -23,11 +23,12 @@ from casingfem.io.arrays import FloatArray, IntArray
 
 def unlikely_kinds(problem: WaveProblem, shapes: Shapes, at: Products, rest: Eliminated, which: IntArray) -> FloatArray:
     """-2 ln of the likelihood with each kind of wave for some modes, all the same, (kinds,); `rest` is of `shapes`."""
-    waves, found = problem.waves, np.zeros(len(problem.waves.columns))
-    for kinds in waves.alike:
+    spread = problem.waves.spread
+    found = np.zeros(len(spread))
+    for kinds in (np.flatnonzero(spread == k) for k in range(spread.max() + 1)):
         tried = shapes.kind.copy()
         tried[which] = kinds[0]
-        as_now = np.array_equal(waves.spread[tried], waves.spread[shapes.kind])
+        as_now = np.array_equal(spread[tried], spread[shapes.kind])
         here = rest if as_now else eliminated(problem, shapes._replace(kind=tried), at)
         found[kinds] = _with_kinds(problem, shapes, here, which, kinds)
         found[kinds] += squares_held(problem, at, here) / problem.cluster.noise + here.logs.sum()
