@@ -3,9 +3,10 @@
 With the columns Phi of a `Window` the residues are linear, and min |Y - Phi Phi^+ Y| is a problem in the poles
 p = (ln f, ln zeta) alone (Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973, 413). One column of its Jacobian is
 
-    J_j = -P D_j A - (Phi^+)^T D_j^T R,   D_j = d Phi/d p_j,  A = Phi^+ Y,  R = P Y,  P = 1 - Phi Phi^+;
+    J_j = -P D_j A - (Phi^+)^H D_j^H R,   D_j = d Phi/d p_j,  A = Phi^+ Y,  R = P Y,  P = 1 - Phi Phi^+;
 
-J^T J needs products over lines and products over channels, never both at once. The first term alone, J', gives the
+J^H J needs products over lines and products over channels, never both at once. Where residues are complex all of this
+is, with half the work of real columns and j times each. The first term alone, J', gives the
 information about the poles: its inverse, times the variance of the noise, is their covariance where the noise is
 white. Noise of estimated responses is not: it rises on the peaks, and a window makes it alike on neighbouring lines.
 The scores q_l = sum over channels of J'^T r at line l give what the covariance then is,
@@ -27,7 +28,7 @@ from casingfem.io.arrays import Array, FloatArray, frozen
 
 STEPS = 60
 TRUST = 2.0, 1.0  # largest step, in half-power half-widths and in ln zeta
-CONVERGED = 1e-2  # a gain below this squared, in units of the noise, ends the fit
+CONVERGED = 1e-4  # a gain below this, in units of the noise, ends the fit
 EXACT = 1e-13  # so does one below this part of the sum of squares
 LEAST, MOST = 1e-6, 0.5  # zeta
 LAGS = 2  # lines over which a window makes noise alike
@@ -91,32 +92,48 @@ class PoleFit:
         return self.A.size + 2 * len(self.freq)
 
 
+class _Data(NamedTuple):
+    """Columns of a window as they are fitted: complex lines, or real parts over imaginary ones for real residues."""
+
+    window: Window
+    Y: Array
+    polynomials: Array
+
+    @classmethod
+    def of(cls, window: Window) -> _Data:
+        """Of a window."""
+        return cls(window, window.as_columns(window.as_complex), window.as_columns(window.polynomials()))
+
+
 class _State(NamedTuple):
     """Everything at one set of poles; Phi = Q T, A (columns of Phi, channels), D = d Phi/dp."""
 
     f: FloatArray
     zeta: FloatArray
     squares: float
-    R: FloatArray
-    A: FloatArray
-    Q: FloatArray
-    T: FloatArray
-    D: FloatArray
+    R: Array
+    A: Array
+    Q: Array
+    T: Array
+    D: Array
 
 
 class _System(NamedTuple):
-    """J^T J, that of the information, J^T r, and Phi^+ D."""
+    """J^H J, that of the information, J^H r, and Phi^+ D."""
 
     full: FloatArray
     information: FloatArray
     gradient: FloatArray
-    tilt: FloatArray
+    tilt: Array
 
 
-def fit_poles(window: Window, freq: FloatArray, zeta: FloatArray, *, steps: int = STEPS) -> PoleFit:
+def fit_poles(
+    window: Window, freq: FloatArray, zeta: FloatArray, *, steps: int = STEPS, settled: float = CONVERGED
+) -> PoleFit:
     """Refine poles from a start by Levenberg-Marquardt; residues and residuals follow linearly.
 
-    Ends when a step gains nothing against the noise, or after `steps` (`converged` says so).
+    Ends when a step gains nothing against the noise, of whose variance `settled` is left, or after `steps` (`converged`
+    says so).
 
     Examples
     --------
@@ -128,90 +145,90 @@ def fit_poles(window: Window, freq: FloatArray, zeta: FloatArray, *, steps: int 
     >>> fit.freq.round(6).tolist(), fit.zeta.round(8).tolist()
     ([100.0], [0.004])
     """
-    at = _state(window, np.array(freq, float), np.array(zeta, float))
+    data = _Data.of(window)
+    at = _state(data, np.array(freq, float), np.array(zeta, float))
     damping, converged = 1e-3, len(freq) == 0
     for _ in range(0 if converged else steps):
-        new = _step(window, at, damping)
+        new = _step(data, at, damping)
         gain = at.squares - new.squares
         if gain >= 0.0:
             at, damping = new, max(damping * 0.2, 1e-12)
-            converged = gain <= max(CONVERGED**2 * at.squares / window.Y.size, EXACT * at.squares)
+            converged = gain <= max(settled * at.squares / window.Y.size, EXACT * at.squares)
         else:
             damping *= 8.0
             converged = damping > 1e12
         if converged:
             break
-    return _finished(window, at, converged)
+    return _finished(data, at, converged)
 
 
-def _state(window: Window, f: FloatArray, zeta: FloatArray) -> _State:
-    g, slopes = window.peaks(f, zeta)
-    Q, T = np.linalg.qr(np.concatenate([window.as_real(g), window.residuals()], axis=1))
-    part = Q.T @ window.Y
-    R = window.Y - Q @ part
+def _state(data: _Data, f: FloatArray, zeta: FloatArray) -> _State:
+    g, slopes = data.window.peaks(f, zeta)
+    columns = data.window.as_columns
+    Q, T = np.linalg.qr(np.concatenate([columns(g), data.polynomials], axis=1))
+    part = Q.conj().T @ data.Y
+    R = data.Y - Q @ part
     T = T + 1e-14 * abs(T[0, 0]) * np.eye(len(T))  # coinciding poles have no residues of their own
-    return _State(
-        f, zeta, float(np.sum(R * R)), R, np.linalg.solve(T, part), Q, T, window.as_real(np.concatenate(slopes, axis=1))
-    )
+    squares = float(np.sum(R.real**2) + np.sum(R.imag**2))
+    return _State(f, zeta, squares, R, np.linalg.solve(T, part), Q, T, columns(np.concatenate(slopes, axis=1)))
 
 
-def _system(window: Window, at: _State) -> _System:
-    s, m = window.columns, len(at.f)
-    D = at.D
-    inside = at.Q.T @ D
-    across = D - at.Q @ inside
-    A = np.tile(at.A[: s * m], (2, 1))  # residues that belong to each column of D
-    information = _blocks((across.T @ across) * (A @ A.T), s)
-    turned = D.T @ at.R  # (2 poles x columns, channels)
-    gradient = -np.sum((turned * A).reshape(2 * m, s * A.shape[1]), axis=1)
-    inverse = np.linalg.inv(at.T)[: s * m]
-    bent = np.tile(inverse @ inverse.T, (2, 2)) * (turned @ turned.T)
-    return _System(information + _blocks(bent, s), information, gradient, inverse @ inside)
+def _system(at: _State) -> _System:
+    m = len(at.f)
+    inside = at.Q.conj().T @ at.D
+    across = at.D - at.Q @ inside
+    A = np.tile(at.A[:m], (2, 1))  # residues that belong to each column of D
+    information = np.asarray(((across.conj().T @ across) * (A.conj() @ A.T)).real)
+    turned = at.D.conj().T @ at.R  # (2 poles, channels)
+    gradient = np.asarray(-np.sum((turned * A.conj()).real, axis=1))
+    inverse = np.linalg.inv(at.T)[:m]
+    bent = (np.tile(inverse @ inverse.conj().T, (2, 2)) * (turned.conj() @ turned.T)).real
+    return _System(information + bent, information, gradient, inverse @ inside)
 
 
-def _blocks(matrix: FloatArray, s: int) -> FloatArray:
-    """Sums over s x s blocks."""
-    n = len(matrix) // s
-    return np.asarray(matrix.reshape(n, s, n, s).sum(axis=(1, 3)))
-
-
-def _step(window: Window, at: _State, damping: float) -> _State:
+def _step(data: _Data, at: _State, damping: float) -> _State:
     """One damped Gauss-Newton step within the trust limits."""
-    system = _system(window, at)
+    system = _system(at)
     m = len(at.f)
     scaled = system.full + damping * np.diag(np.diag(system.full) + 1e-300)
     step = -np.linalg.solve(scaled, system.gradient)
     step /= max(1.0, *np.abs(step[:m] / (TRUST[0] * at.zeta)), *np.abs(step[m:] / TRUST[1]))
-    return _state(window, at.f * np.exp(step[:m]), np.clip(at.zeta * np.exp(step[m:]), LEAST, MOST))
+    return _state(data, at.f * np.exp(step[:m]), np.clip(at.zeta * np.exp(step[m:]), LEAST, MOST))
 
 
-def _finished(window: Window, at: _State, converged: bool) -> PoleFit:
+def _finished(data: _Data, at: _State, converged: bool) -> PoleFit:
     """The fit with its poles in order of frequency, and its covariance."""
-    order = np.argsort(at.f)
-    at = _state(window, at.f[order], at.zeta[order])
-    s, m, half = window.columns, len(at.f), len(window.freq)
-    system = _system(window, at)
-    inverse = np.linalg.inv(at.T)[: s * m]
-    free = window.entries - at.A.size - 2 * m
+    order, window = np.argsort(at.f), data.window
+    at = _state(data, at.f[order], at.zeta[order])
+    s, m, half, channels = window.columns, len(at.f), len(window.freq), at.A.shape[1]
+    system = _system(at)
+    inverse = np.linalg.inv(at.T)[:m]
+    free = window.entries - s * at.A.size - 2 * m
     covariance, raised = _covariance(window, at, system.information, at.squares / max(free, 1))
     return PoleFit(
         window=window,
         freq=at.f,
         zeta=at.zeta,
-        A=at.A[: s * m].reshape(m, s, at.A.shape[1]),
+        A=np.stack([at.A[:m].real, at.A[:m].imag][:s], axis=1).reshape(m, s, channels),
         squares=at.squares,
         variance=at.squares / max(free, 1),
         covariance=covariance,
         raised=raised,
-        gram=(inverse @ inverse.T).reshape(m, s, m, s),
-        tilt=system.tilt.reshape(m, s, 2 * m, s),
-        spread=at.R[:half] + 1j * at.R[half:],
+        gram=_real_parts(inverse @ inverse.conj().T, s),
+        tilt=_real_parts(system.tilt, s),
+        spread=at.R if s == 2 else at.R[:half] + 1j * at.R[half:],
         matching=np.zeros(m),
         seen=np.ones(m),
         apart=np.zeros(max(m - 1, 0)),
         worth=np.zeros(m),
         converged=converged,
     )
+
+
+def _real_parts(matrix: Array, s: int) -> FloatArray:
+    """A complex matrix (n, k) as it turns real and imaginary parts into such, (n, s, k, s)."""
+    both = [[matrix.real, -matrix.imag], [matrix.imag, matrix.real]]
+    return np.array([row[:s] for row in both[:s]]).transpose(2, 0, 3, 1)
 
 
 def _covariance(window: Window, at: _State, information: FloatArray, variance: float) -> tuple[FloatArray, FloatArray]:
@@ -228,10 +245,9 @@ def _covariance(window: Window, at: _State, information: FloatArray, variance: f
 
 
 def _scores(window: Window, at: _State) -> FloatArray:
-    """Sum over the channels of J'^T r at each line, (lines, 2 poles)."""
-    s, m = window.columns, len(at.f)
-    D = at.D
-    across = D - at.Q @ (at.Q.T @ D)
-    A = np.tile(at.A[: s * m], (2, 1))
-    rows = -(across * (at.R @ A.T)).reshape(len(D), 2 * m, s).sum(axis=2)
-    return np.asarray(rows[: len(window.freq)] + rows[len(window.freq) :])
+    """Sum over the channels of J'^H r at each line, (lines, 2 poles)."""
+    across = at.D - at.Q @ (at.Q.conj().T @ at.D)
+    A = np.tile(at.A[: len(at.f)], (2, 1))
+    rows = np.asarray(-(across * (at.R.conj() @ A.T)).real)
+    half = len(window.freq)
+    return rows if window.columns == 2 else rows[:half] + rows[half:]

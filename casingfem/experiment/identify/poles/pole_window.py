@@ -105,16 +105,24 @@ class Window:
 
     def residuals(self) -> FloatArray:
         """Columns (2 lines, TERMS x columns) of modes outside the window."""
+        return self.as_real(self.polynomials())
+
+    def polynomials(self) -> Array:
+        """The same, complex (lines, TERMS)."""
         x = self.freq[:, None] / self.scale
         span = (2.0 * self.freq - self.freq[0] - self.freq[-1]) / (self.freq[-1] - self.freq[0])
         scaled = self.along[:, None] * (1j * x) ** self.power
-        return self.as_real(scaled * np.polynomial.chebyshev.chebvander(span, TERMS - 1))
+        return np.asarray(scaled * np.polynomial.chebyshev.chebvander(span, TERMS - 1))
 
     def as_real(self, columns: Array) -> FloatArray:
         """Complex columns (lines, n) as real ones; for complex residues with j times each beside it."""
         if self.columns == 2:
             columns = np.stack([columns, 1j * columns], axis=2).reshape(len(columns), -1)
         return np.concatenate([columns.real, columns.imag])
+
+    def as_columns(self, columns: Array) -> Array:
+        """Complex columns (lines, n) as they are for complex residues; elsewhere real ones (2 lines, n)."""
+        return columns if self.columns == 2 else np.concatenate([columns.real, columns.imag])
 
     def places(self) -> tuple[FloatArray, int]:
         """Where terms are computed, over the mean frequency, (places,): lines, and those from which they leak.

@@ -74,10 +74,11 @@ class Problem(NamedTuple):
             np.matmul(left, right, out=own[some])
             np.matmul(unitary, right, out=inside[some])
             np.matmul(left, self.data[some], out=by_data[some])
-        own = _conjugate(_turned_terms(own, w, zeta, axis=2), w, zeta)
-        held = self._held(_turned_terms(inside, w, zeta, axis=2))
-        products = _parts(_turned(own - held.conj().swapaxes(1, 2) @ held, s), s)
-        return products, np.asarray(_turned(_conjugate(by_data, w, zeta), s).real)
+        turn = _turn(w, zeta)
+        back = turn.conj().swapaxes(1, 2)
+        held = self._held(inside @ turn)
+        products = _parts(_turned(back @ own @ turn - held.conj().swapaxes(1, 2) @ held, s), s)
+        return products, np.asarray(_turned(back @ by_data, s).real)
 
     def on_peaks(self, p: FloatArray, q: FloatArray, residues: FloatArray) -> float:
         """Variance of an entry that is left where the data are high."""
@@ -146,18 +147,15 @@ class _Lines(NamedTuple):
         return terms
 
 
-def _turned_terms(products: Array, w: FloatArray, zeta: FloatArray, axis: int) -> Array:
-    """Products of resonances and slopes from those of the three terms, along an axis of (set-ups, ...)."""
-    m, shape = w.shape[1], products.shape
-    w, zeta = (each.reshape(len(w), *[1] * (axis - 1), m, *[1] * (len(shape) - 1 - axis)) for each in (w, zeta))
-    one, two, three = np.split(products, 3, axis=axis)
-    g, by_zeta = w**2 * one, (-2j * zeta * w**3) * three
-    return np.concatenate([g, 2.0 * g - 2.0 * w**4 * two + by_zeta, by_zeta], axis=axis)
-
-
-def _conjugate(products: Array, w: FloatArray, zeta: FloatArray) -> Array:
-    """The same of their conjugates, along the first axis after that of the set-ups."""
-    return _turned_terms(products.conj(), w, zeta, axis=1).conj()
+def _turn(w: FloatArray, zeta: FloatArray) -> Array:
+    """What the three terms (rows) are multiplied by to be resonances and slopes (columns), of each set-up."""
+    many, m = w.shape
+    turn, each = np.zeros((many, 3, m, 3, m), complex), np.arange(m)
+    turn[:, 0, each, 0, each] = w**2
+    turn[:, 0, each, 1, each] = 2.0 * w**2
+    turn[:, 1, each, 1, each] = -2.0 * w**4
+    turn[:, 2, each, 1, each] = turn[:, 2, each, 2, each] = -2j * zeta * w**3
+    return turn.reshape(many, 3 * m, 3 * m)
 
 
 def _parts(product: Array, s: int) -> FloatArray:

@@ -210,6 +210,8 @@ def _fit(
 
 def _near_each_other(p: FloatArray, most: float) -> FloatArray:
     """Frequencies ln f (modes, setups) moved to within `most` of each mode's median."""
+    if np.isinf(most):
+        return p
     middle = np.median(p, axis=1, keepdims=True)
     return np.clip(p, middle - most, middle + most)
 
