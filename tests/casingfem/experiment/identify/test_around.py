@@ -104,8 +104,8 @@ def test_residues_do_not_grow_against_each_other_where_they_are_held():
     def peak(at):
         return at**2 / (at**2 - lines**2 + 2j * 0.004 * at * lines)
 
-    freq = np.array([[100.0], [100.02]])
-    given = window(5.0 * (peak(100.0) - peak(100.02))[:, None], lines), [np.array([0])], freq, np.full(2, 4e-3), 1.0
+    freq = np.array([[100.0], [100.05]])
+    given = window(5.0 * (peak(100.0) - peak(100.05))[:, None], lines), [np.array([0])], freq, np.full(2, 4e-3), 1.0
     free = linked(*given, (97.0, 103.0)).residues
     np.testing.assert_allclose(free[:, 0], [5.0, -5.0], rtol=1e-3)
     held = linked(*given, (97.0, 103.0), np.inf, np.full(2, 1.0 / 0.1**2)).residues

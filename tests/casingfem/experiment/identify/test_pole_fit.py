@@ -38,15 +38,16 @@ THREE = [397.0, 400.0, 400.8], [0.003, 0.001, 0.0012]
 
 @pytest.mark.parametrize("residues", ["real", "complex"])
 def test_gradient_and_full_matrix_are_those_of_the_sum_of_squares(residues):
-    data = window(*THREE, SHAPES, sigma=0.5, residues=residues)
+    data = pole_fit._Data.of(window(*THREE, SHAPES, sigma=0.5, residues=residues))
     p = np.log([397.1, 399.95, 400.9, 0.0028, 0.0011, 0.0013])
 
     def residual(p):
-        return pole_fit._state(data, np.exp(p[:3]), np.exp(p[3:])).R.ravel()
+        left = pole_fit._state(data, np.exp(p[:3]), np.exp(p[3:])).R.ravel()
+        return np.concatenate([left.real, left.imag])
 
     step = 1e-6
     J = np.column_stack([(residual(p + step * e) - residual(p - step * e)) / (2 * step) for e in np.eye(6)])
-    system = pole_fit._system(data, pole_fit._state(data, np.exp(p[:3]), np.exp(p[3:])))
+    system = pole_fit._system(pole_fit._state(data, np.exp(p[:3]), np.exp(p[3:])))
     np.testing.assert_allclose(system.gradient, J.T @ residual(p), rtol=1e-6)
     np.testing.assert_allclose(system.full, J.T @ J, rtol=1e-6, atol=1e-6 * np.abs(J.T @ J).max())
 
