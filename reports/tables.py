@@ -112,8 +112,8 @@ def show_all(out: Path, prefix: str, tables: Mapping[str, tuple[str, Sequence[Ro
     return [row for _, rows in tables.values() for row in rows]
 
 
-def command_line(description: str | None, main: Callable[..., object], **flags: str | tuple[int, str]) -> None:
-    """Run a report's `main(out, quick)` with --out, --quick and flags of its own, name -> help, or number and help.
+def command_line(description: str | None, main: Callable[..., object], **flags: str | tuple[int | Path, str]) -> None:
+    """Run a report's `main(out, quick)` with --out, --quick and flags of its own, name -> help, or value and help.
 
     The exit code is 1 where rows that it returns say that something is wrong.
     """
@@ -123,7 +123,8 @@ def command_line(description: str | None, main: Callable[..., object], **flags: 
         if isinstance(words, str):
             parser.add_argument(f"--{name}", action="store_true", help=words)
         else:
-            parser.add_argument(f"--{name}", type=int, default=words[0], help=f"{words[1]}; {words[0]} by default")
+            default, words = words
+            parser.add_argument(f"--{name}", type=type(default), default=default, help=f"{words}; {default} by default")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
     arguments = parser.parse_args()
     rows = main(arguments.out, arguments.quick, **{name: getattr(arguments, name) for name in flags})

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.speed import beside_calculix, growth, imports
+from reports.speed import beside_calculix, growth, imports, one_tip
 from reports.speed import steps as speed
 from reports.speed import sweeps as sweep_speed
 from reports.speed import tips as tip_speed
@@ -43,6 +43,14 @@ def test_a_tip_is_timed_both_ways_and_more_of_them_as_a_rub(tmp_path):
     for row in rows:
         assert (row["closed"] > 0.0) == (row["case"] != "free")
         assert (row["as RotatingRim us/step"] is not None) == (row["tips"] == 1)
+
+
+@pytest.mark.campaign
+def test_one_tip_touches_alike_in_both_loops(tmp_path):
+    for row in one_tip.main(tmp_path, quick=True):
+        assert (row["closed"] > 0.0) == (row["case"] != "free")
+        assert row["closed, general"] == pytest.approx(row["closed"], abs=1e-3)
+        assert min(row["special us/step"], row["general us/step"], row["ratio"]) > 0.0
 
 
 @pytest.mark.slow
