@@ -84,6 +84,16 @@ def _same(typing: Any, number: Any) -> Any:
     return VECTOR(types.float64), generate
 
 
+def _eight(typing: Any, a: Any, b: Any, c: Any, d: Any, e: Any, f: Any, g: Any, h: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        made = ir.Constant(SHAPE, ir.Undefined)
+        for i, number in enumerate(args):
+            made = builder.insert_element(made, number, ir.Constant(ir.IntType(32), i))
+        return made
+
+    return VECTOR(*[types.float64] * WIDTH), generate
+
+
 def _entry(typing: Any, array: Any, place: Any) -> Any:
     _contiguous(array)
 
@@ -123,11 +133,13 @@ def _total(typing: Any, vector: Any) -> Any:
 
 
 # load(array, k): entries k .. k+7 of a contiguous array, counted flat; put(array, k, v) writes them; same(x): x eight
-# times; total(v): the sum; larger(v, w): by entry, w's where one is NaN; below_zero(v): whether some entry is, or NaN;
-# entry(array, k): entry k, counted flat, which spares the arithmetic of indices that may be negative
+# times; eight(a, b, ...): these numbers; total(v): the sum; larger(v, w): by entry, w's where one is NaN;
+# below_zero(v): whether some entry is, or NaN; entry(array, k): entry k, counted flat, which spares the arithmetic of
+# indices that may be negative
 load: Any = intrinsic(_load)
 put: Any = intrinsic(_put)
 same: Any = intrinsic(_same)
+eight: Any = intrinsic(_eight)
 total: Any = intrinsic(_total)
 larger: Any = intrinsic(_larger)
 below_zero: Any = intrinsic(_below_zero)

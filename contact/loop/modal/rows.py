@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside
-from contact.jit.vector import WIDTH, entry, larger, load, put, same, total
+from contact.jit.vector import WIDTH, eight, entry, larger, load, put, same, total
 
 
 class RowBlocks(NamedTuple):
@@ -33,15 +33,16 @@ def rotate(waves: Array, phi: float) -> None:
 def multiples(waves: Array, c: float, s: float) -> None:
     """Cos n phi and sin n phi from cos phi and sin phi by the addition theorem: no drift over steps."""
     count = waves.shape[1]
-    waves[0, 0], waves[1, 0] = 1.0, 0.0
-    have = 1
-    while have < WIDTH:  # n = have .. 2 have - 1 from n = 0 .. have - 1
-        for n in range(have):
-            a, b = waves[0, n], waves[1, n]
-            waves[0, have + n], waves[1, have + n] = c * a - s * b, s * a + c * b
-        have *= 2
-        c, s = c * c - s * s, 2.0 * c * s
-    a8, b8, c8, s8 = load(waves, 0), load(waves, count), same(c), same(s)
+    c2, s2 = c * c - s * s, 2.0 * c * s
+    c3, s3 = c2 * c - s2 * s, s2 * c + c2 * s
+    c4, s4 = c2 * c2 - s2 * s2, 2.0 * c2 * s2
+    c5, s5, c6, s6 = c4 * c - s4 * s, s4 * c + c4 * s, c4 * c2 - s4 * s2, s4 * c2 + c4 * s2
+    # put together in registers: a vector read where single numbers were just written waits for all of them
+    a8 = eight(1.0, c, c2, c3, c4, c5, c6, c4 * c3 - s4 * s3)
+    b8 = eight(0.0, s, s2, s3, s4, s5, s6, s4 * c3 + c4 * s3)
+    c8, s8 = same(c4 * c4 - s4 * s4), same(2.0 * c4 * s4)
+    put(waves, 0, a8)
+    put(waves, count, b8)
     for n in range(WIDTH, count, WIDTH):
         a8, b8 = c8 * a8 - s8 * b8, s8 * a8 + c8 * b8
         put(waves, n, a8)
@@ -76,10 +77,16 @@ def fill_some(rows: RowBlocks, waves: Array, first: int, row: Array) -> None:
             put(row, place + 3 * WIDTH, d)
             block += 4
         else:
-            for j in range(begin, last, 2):
-                a = a + load(rows.value, WIDTH * j) * same(entry(waves, entry(rows.wave, j)))
-                b = b + load(rows.value, WIDTH * j + WIDTH) * same(entry(waves, entry(rows.wave, j + 1)))
-            put(row, place, a + b)
+            for j in range(begin, last - 3, 4):  # four sums, so that none waits for the last product
+                at = WIDTH * j
+                a = a + load(rows.value, at) * same(entry(waves, entry(rows.wave, j)))
+                b = b + load(rows.value, at + WIDTH) * same(entry(waves, entry(rows.wave, j + 1)))
+                c = c + load(rows.value, at + 2 * WIDTH) * same(entry(waves, entry(rows.wave, j + 2)))
+                d = d + load(rows.value, at + 3 * WIDTH) * same(entry(waves, entry(rows.wave, j + 3)))
+            if (last - begin) % 4 > 0:  # two are left
+                a = a + load(rows.value, WIDTH * last - 2 * WIDTH) * same(entry(waves, entry(rows.wave, last - 2)))
+                b = b + load(rows.value, WIDTH * last - WIDTH) * same(entry(waves, entry(rows.wave, last - 1)))
+            put(row, place, (a + b) + (c + d))
             block += 1
 
 
